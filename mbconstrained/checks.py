@@ -1,0 +1,98 @@
+"""Checks at the door: turn what users pass into clean arrays, or say what is wrong with it."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+import numpy as np
+
+from .errors import InputError
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The closest known name as a hint to append to a message, or an empty string.
+
+    >>> nearest("stifness", ["stiffness", "damping"])
+    '; did you mean "stiffness"?'
+    """
+    match = difflib.get_close_matches(str(word), [str(k) for k in known], n=1, cutoff=0.6)
+    return f'; did you mean "{match[0]}"?' if match else ""
+
+
+def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None) -> np.ndarray:
+    """A new float64 array of finite real numbers with the given shape (None: any length), or an InputError.
+
+    >>> real_array([[1, 2], [3, 4]], "mass", shape=(2, 2))
+    array([[1., 2.],
+           [3., 4.]])
+    """
+    if hasattr(value, "toarray"):  # scipy.sparse
+        value = value.toarray()
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise InputError(f"{what}: the rows have different lengths; give a rectangular array of numbers") from None
+    if array.size == 0:
+        array = array.astype(float)
+    if array.dtype.kind == "c":
+        raise InputError(f"{what}: complex numbers found; only real data is accepted")
+    if array.dtype.kind not in "biuf":
+        raise InputError(f"{what}: found {_sample(array)}; expected numbers")
+    array = np.array(array, dtype=float)
+    if shape is not None and not _fits(array.shape, shape):
+        wanted = " x ".join("any" if n is None else str(n) for n in shape) or "a single number"
+        found = " x ".join(map(str, array.shape)) or "a single number"
+        raise InputError(f"{what}: expected shape {wanted}, found {found}")
+    if not np.isfinite(array).all():
+        place = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise InputError(f"{what}: the entry at {place} is {array[place]}; every entry must be a finite number")
+    return array
+
+
+def real_number(value, what: str, *, positive: bool = False, minimum: float | None = None) -> float:
+    """A finite float, optionally > 0 or >= minimum, or an InputError that says which.
+
+    >>> real_number(2, "stiffness", positive=True)
+    2.0
+    """
+    number = float(real_array(value, what, shape=()))
+    if positive and not number > 0:
+        raise InputError(f"{what}: found {number:g}; expected a number greater than zero")
+    if minimum is not None and number < minimum:
+        raise InputError(f"{what}: found {number:g}; expected at least {minimum:g}")
+    return number
+
+
+def whole_number(value, what: str, *, minimum: int = 0) -> int:
+    """An int >= minimum, or an InputError.
+
+    >>> whole_number(3, "power")
+    3
+    """
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < minimum:
+        raise InputError(f"{what}: found {value!r}; expected a whole number of at least {minimum}")
+    return int(value)
+
+
+def names_of(names, count: int, what: str, prefix: str) -> tuple[str, ...]:
+    """A tuple of count distinct names; made from the prefix when none are given."""
+    if names is None:
+        return tuple(f"{prefix}{i + 1}" for i in range(count))
+    names = tuple(str(name) for name in names)
+    if len(names) != count:
+        raise InputError(f"{what}: {len(names)} names given for {count}; give one each")
+    repeated = sorted({name for name in names if names.count(name) > 1})
+    if repeated:
+        raise InputError(f'{what}: the name "{repeated[0]}" is used twice; names must differ')
+    return names
+
+
+def _fits(found: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
+    return len(found) == len(wanted) and all(w is None or f == w for f, w in zip(found, wanted))
+
+
+def _sample(array: np.ndarray) -> str:
+    first = array.reshape(-1)[0]
+    text = repr(first)
+    return text if len(text) <= 60 else text[:57] + "..."

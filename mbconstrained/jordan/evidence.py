@@ -1,0 +1,57 @@
+"""Numbers that tell how far a result can be trusted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..tolerances import EPS
+
+if TYPE_CHECKING:
+    from .pairs import JordanPairs
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """One measured number with its meaning.
+
+    Attributes:
+        name: a short name.
+        value: the number.
+        text: what it says, in a sentence.
+    """
+
+    name: str
+    value: float
+    text: str
+
+
+def pair_evidence(pairs: JordanPairs) -> tuple[Evidence, ...]:
+    """Residual of the finite pair, condition of the decouplings, and the gap of the rank decisions."""
+    form = pairs.form
+    kept = min((decision.smallest_kept for decision in form.split.decisions), default=np.inf)
+    dropped = max((decision.largest_dropped for decision in form.split.decisions), default=0.0)
+    return (
+        Evidence("residual", inverse_residual(pairs), "largest relative residual of A(s) times the inverse made from both pairs"),
+        Evidence("decoupling", pairs.finite.coupling, "largest entry of the transformation that separates the zeros"),
+        Evidence("rank gap", float(kept), "smallest value kept in a rank decision, in units of the rounding noise"),
+        Evidence("rank remainder", float(dropped), "largest value dropped in a rank decision, in units of the rounding noise"),
+    )
+
+
+def inverse_residual(pairs: JordanPairs) -> float:
+    """max over test points s of |A(s) X(s) - I| / (|A(s)| |X(s)|), X(s) = A(s)^-1 from the pairs (Theorem 2.8)."""
+    form = pairs.form
+    companion = form.companion
+    if not companion.size:
+        return 0.0
+    worst = 0.0
+    for s in (0.5 + 1.0j, 1.0 - 0.25j, -0.75 + 0.6j):
+        A = sum(matrix * s**power for power, matrix in enumerate(companion.coefficients))
+        inverse = form.C @ np.linalg.solve(s * np.eye(len(form.T)) - form.T, form.B)
+        inverse = inverse - form.C2 @ np.linalg.solve(np.eye(len(form.nilpotent)) - s * form.nilpotent, form.B2)
+        size = np.abs(A) @ np.abs(inverse)
+        worst = max(worst, float((np.abs(A @ inverse - np.eye(companion.size)) / np.maximum(size, EPS)).max()))
+    return worst

@@ -1,0 +1,46 @@
+"""The minimal realization of a polynomial matrix H_0 + H_1 s + ... = C (I - s N)^-1 B with nilpotent N.
+
+The block Hankel matrix of H_0, H_1, ... factors into observability times reachability (Ho and Kalman). Its
+rank and the kernels of the powers of J are known from the structure at infinity: no rank is guessed here.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg
+
+
+def minimal_nilpotent(C: np.ndarray, N: np.ndarray, B: np.ndarray, chains: tuple[int, ...]):
+    """(C, J, B) with C J^i B = given C N^i B for i >= 0, J strictly upper triangular with the given chain lengths."""
+    r, size = C.shape[0], sum(chains)
+    if size == 0:
+        return np.zeros((r, 0)), np.zeros((0, 0)), np.zeros((0, r))
+    depth = max(chains)
+    terms = [C @ np.linalg.matrix_power(N, i) @ B for i in range(depth)]
+    u, values, vt = scipy.linalg.svd(_hankel(terms, 0))
+    root = np.sqrt(values[:size])
+    observe, reach = u[:, :size] * root, root[:, None] * vt[:size]
+    J = (u[:, :size] / root).T @ _hankel(terms, 1) @ (vt[:size].T / root)
+    turn = _triangular_basis(J, chains)
+    return observe[:r] @ turn, np.triu(turn.T @ J @ turn, 1), turn.T @ reach[:, :r]
+
+
+def _hankel(terms, shift) -> np.ndarray:
+    """The block matrix with H_(i + j + shift) at (i, j), zero beyond the last term."""
+    depth, zero = len(terms), np.zeros_like(terms[0])
+    padded = list(terms) + [zero] * (depth + shift)
+    return np.block([[padded[i + j + shift] for j in range(depth)] for i in range(depth)])
+
+
+def _triangular_basis(J, chains) -> np.ndarray:
+    """Orthogonal basis adapted to ker J < ker J^2 < ..., in which a nilpotent J is strictly upper triangular."""
+    size = len(J)
+    basis, power = np.zeros((size, 0)), np.eye(size)
+    for depth in range(1, max(chains) + 1):
+        power = power @ J
+        dimension = sum(min(depth, chain) for chain in chains)
+        kernel = scipy.linalg.svd(power)[2][size - dimension :].T
+        fresh = kernel - basis @ (basis.T @ kernel)
+        new = dimension - basis.shape[1]
+        basis = np.hstack([basis, scipy.linalg.svd(fresh, full_matrices=False)[0][:, :new]])
+    return basis

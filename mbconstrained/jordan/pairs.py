@@ -1,0 +1,131 @@
+"""The finite and the infinite Jordan pair of A(s) in the user's units, with their evidence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg
+
+from ..errors import SingularPolynomialMatrix
+from ..linalg.blocks import block_diagonalize
+from ..linalg.staircase import SingularPencil
+from ..polynomial.companion import scaled_companion
+from ..polynomial.matrix import PolynomialMatrix
+from ..polynomial.regularity import singular_message
+from ..polynomial.structure import FiniteZero, Structure
+from .evidence import Evidence, pair_evidence
+from .minimal import minimal_nilpotent
+from .weierstrass import WeierstrassForm, weierstrass_form
+from .zeros import finite_zeros
+
+
+@dataclass(frozen=True)
+class FinitePair:
+    """The strictly proper part of A(s)^-1 as C (s I - J)^-1 B (Moysis et al., Theorem 2.8).
+
+    J is block diagonal, real and quasi-triangular, one block for each zero, complex pair or cluster of close
+    zeros; it is similar to the Jordan form, which cannot be computed literally in floating point.
+
+    Attributes:
+        C: shape (r, n).  B: shape (n, r).  blocks: the diagonal blocks of J, in 1/s.
+        zeros: the zeros with their multiplicities.
+        coupling: the largest entry of the transformation that decoupled the blocks.
+    """
+
+    C: np.ndarray
+    B: np.ndarray
+    blocks: tuple[np.ndarray, ...]
+    zeros: tuple[FiniteZero, ...]
+    coupling: float
+
+    @cached_property
+    def J(self) -> np.ndarray:
+        """Shape (n, n)."""
+        return scipy.linalg.block_diag(*self.blocks) if self.blocks else np.zeros((0, 0))
+
+
+@dataclass(frozen=True)
+class InfinitePair:
+    """The polynomial part of A(s)^-1 as C (I - s J)^-1 B, minimal, J nilpotent (Theorem 2.8, sizes corrected).
+
+    Attributes:
+        C: shape (r, mu).  J: shape (mu, mu), in s.  B: shape (mu, r).
+    """
+
+    C: np.ndarray
+    J: np.ndarray
+    B: np.ndarray
+
+
+@dataclass(frozen=True)
+class JordanPairs:
+    """Both pairs of a regular A(s); what is not asked for is not computed.
+
+    Attributes:
+        polynomial_matrix: A(s).
+        form: the decoupled companion pencil that both are read from.
+    """
+
+    polynomial_matrix: PolynomialMatrix
+    form: WeierstrassForm
+
+    @cached_property
+    def finite(self) -> FinitePair:
+        """(C, J, B) of the finite zeros."""
+        form, scaling = self.form, self.form.companion.scaling
+        parts = block_diagonalize(form.T)
+        return FinitePair(
+            C=scaling.columns[:, None] * (form.C @ parts.basis),
+            B=scaling.time * (parts.inverse @ form.B) * scaling.rows,
+            blocks=tuple(scaling.time * block for block in parts.blocks),
+            zeros=finite_zeros(form, parts.blocks),
+            coupling=parts.coupling,
+        )
+
+    @cached_property
+    def infinite(self) -> InfinitePair:
+        """(C, J, B) of the zeros at infinity, of the minimal size mu."""
+        form, scaling = self.form, self.form.companion.scaling
+        C, J, B = minimal_nilpotent(form.C2, form.nilpotent, -form.B2, self.structure.infinite_chains)
+        return InfinitePair(scaling.columns[:, None] * C, J / scaling.time, B * scaling.rows)
+
+    def laurent(self, index: int) -> np.ndarray:
+        """H_i of A(s)^-1 = sum over i of H_i s^i near infinity, shape (r, r) (Eqs. 18, 27)."""
+        form, scaling = self.form, self.form.companion.scaling
+        if index > self.structure.highest_impulse:
+            return np.zeros((self.polynomial_matrix.size,) * 2)
+        if index >= 0:
+            scaled = -form.C2 @ np.linalg.matrix_power(form.nilpotent, index) @ form.B2
+        else:
+            scaled = form.C @ np.linalg.matrix_power(form.T, -index - 1) @ form.B
+        return scaling.columns[:, None] * scaled * scaling.rows * scaling.time**-float(index)
+
+    @cached_property
+    def structure(self) -> Structure:
+        """Zeros and their multiplicities, finite and infinite."""
+        A = self.polynomial_matrix
+        divisors = self.form.split.infinite_divisors
+        if A.degree == 0:  # the pencil declared one power more
+            divisors = tuple(degree - 1 for degree in divisors)
+        divisors = (0,) * (A.size - len(divisors)) + divisors
+        return Structure(A.size, A.degree, self.finite.zeros, divisors)
+
+    @cached_property
+    def evidence(self) -> tuple[Evidence, ...]:
+        """Residuals, conditions and gaps that tell how far the pairs can be trusted."""
+        return pair_evidence(self)
+
+
+def jordan_pairs(A: PolynomialMatrix) -> JordanPairs:
+    """The pairs of A(s).
+
+    Raises:
+        SingularPolynomialMatrix: det A(s) = 0 for every s; names the dependent equations and free coordinates.
+    """
+    try:
+        return JordanPairs(A, weierstrass_form(scaled_companion(A)))
+    except SingularPencil:
+        message, equations, coordinates = singular_message(A)
+        raise SingularPolynomialMatrix(message, equations, coordinates) from None

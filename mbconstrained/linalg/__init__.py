@@ -1,0 +1,1 @@
+"""Arrays in, arrays out: scaling, rank with its gap, staircase, block diagonal form, block exponentials."""

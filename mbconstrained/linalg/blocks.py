@@ -1,0 +1,112 @@
+"""A real Schur form turned into a block diagonal one, with the condition of the decoupling bounded.
+
+The leading block is decoupled from the rest by a Sylvester equation. Where that would need a transformation
+with large entries, the zero nearest to the block is swapped in and it is tried again (Bavely and Stewart
+1979). Close or defective zeros therefore end up together in one block, a cluster.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import lapack
+
+from ..tolerances import DECOUPLING_LIMIT
+
+
+@dataclass(frozen=True)
+class BlockDiagonal:
+    """inverse @ T @ basis = diag(blocks), inverse @ basis = I.
+
+    Attributes:
+        basis, inverse: shape (n, n).
+        blocks: real quasi-triangular diagonal blocks.
+        coupling: the largest norm of a decoupling transformation used.
+    """
+
+    basis: np.ndarray
+    inverse: np.ndarray
+    blocks: tuple[np.ndarray, ...]
+    coupling: float
+
+
+def block_diagonalize(triangle: np.ndarray, limit: float = DECOUPLING_LIMIT) -> BlockDiagonal:
+    """Block-diagonalize a real quasi-triangular matrix (a real Schur form)."""
+    T = np.array(triangle, dtype=float, order="F")
+    n = len(T)
+    basis, inverse = np.eye(n), np.eye(n)
+    blocks, worst, start = [], 0.0, 0
+    while start < n:
+        end, coupling, norm = _grow(T, basis, inverse, start, limit)
+        if end < n:
+            basis[:, end:] += basis[:, start:end] @ coupling
+            inverse[start:end] -= coupling @ inverse[end:]
+            T[start:end, end:] = 0.0
+        worst = max(worst, norm)
+        blocks.append(T[start:end, start:end].copy())
+        start = end
+    return BlockDiagonal(basis, inverse, tuple(blocks), worst)
+
+
+def _grow(T, basis, inverse, start, limit):
+    """Grow the block that begins at start until it decouples; return its end, the coupling and its norm."""
+    n = len(T)
+    end = start + _step(T, start)
+    while end < n:
+        coupling = _decoupling(T[start:end, start:end], T[end:, end:], T[start:end, end:])
+        norm = float(np.abs(coupling).max())
+        if norm <= limit:
+            return end, coupling, norm
+        source = _nearest(T, start, end)
+        size = _step(T, source)
+        end = end + size if _swap(T, basis, inverse, start, source, end) else source + size
+    return end, None, 0.0
+
+
+def _decoupling(top, bottom, corner):
+    """X with top X - X bottom = -corner, or infinite entries where top and bottom share a zero."""
+    solution, scale, info = lapack.dtrsyl(top, bottom, -corner, isgn=-1)
+    if info != 0 or scale == 0:
+        return np.full(corner.shape, np.inf)
+    return solution / scale
+
+
+def _step(T, at) -> int:
+    """Size of the diagonal block of the quasi-triangular T that begins at this row."""
+    return 2 if at + 1 < len(T) and T[at + 1, at] != 0 else 1
+
+
+def eigenvalues(T: np.ndarray) -> np.ndarray:
+    """Zeros of a quasi-triangular matrix in the order of its diagonal."""
+    values = np.diag(T).astype(complex)
+    at = 0
+    while at < len(T):
+        if _step(T, at) == 2:
+            values[at : at + 2] = np.linalg.eigvals(T[at : at + 2, at : at + 2])
+            at += 1
+        at += 1
+    return values
+
+
+def _nearest(T, start, end) -> int:
+    """Row at which the diagonal block with the zero nearest to the block [start, end) begins."""
+    values = eigenvalues(T[start:, start:])
+    size = end - start
+    distance = np.abs(values[size:, None] - values[None, :size]).min(axis=1)
+    row = end + int(distance.argmin())
+    return row - 1 if row > end and T[row, row - 1] != 0 else row
+
+
+def _swap(T, basis, inverse, start, source, target) -> bool:
+    """Move the diagonal block at row source up to row target by orthogonal swaps, within [start, n).
+
+    False where two zeros were too close to be swapped: the block then has to take in all up to the source.
+    """
+    if source == target:
+        return True
+    part, turn, info = lapack.dtrexc(T[start:, start:], np.eye(len(T) - start), source - start + 1, target - start + 1)
+    T[start:, start:] = part
+    basis[:, start:] = basis[:, start:] @ turn
+    inverse[start:] = turn.T @ inverse[start:]
+    return info == 0

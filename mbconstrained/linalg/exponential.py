@@ -1,0 +1,132 @@
+"""e^{J t} v for a block diagonal J at many times, without stepping from one time to the next.
+
+Blocks of size one and two have a formula; a larger block (a cluster of close or defective zeros) is shifted
+by the mean of its zeros, which leaves a small, nearly nilpotent rest whose Taylor series ends quickly;
+what is left of its size is halved away and squared back (Moler and Van Loan 2003, method 3). The block is
+never handed to a Pade code: those lose digits on triangular matrices with close diagonal entries.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.linalg
+
+#: The Taylor polynomial of e^X of this degree is exact to rounding for |X| <= 1 (1/19! < 1e-17).
+TAYLOR_DEGREE = 18
+
+#: Largest number of entries that one chunk of stacked small matrices may have (bounds the memory used).
+CHUNK_ENTRIES = 2_000_000
+
+
+def block_states(blocks: Sequence[np.ndarray], start: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """The states e^{J t} v, shape (n, T), for J = diag(blocks), v = start (n,) and times (T,)."""
+    states = np.empty((len(start), len(times)))
+    ends = np.cumsum([len(block) for block in blocks], dtype=int)
+    begins = ends - [len(block) for block in blocks]
+    _one_by_one(blocks, begins, start, times, states)
+    _two_by_two(blocks, begins, start, times, states)
+    for block, begin, end in zip(blocks, begins, ends):
+        if end - begin > 2:
+            states[begin:end] = _cluster_states(block, start[begin:end], times)
+    return states
+
+
+def _one_by_one(blocks, begins, start, times, states) -> None:
+    at = [begin for block, begin in zip(blocks, begins) if len(block) == 1]
+    if at:
+        rates = np.array([block[0, 0] for block in blocks if len(block) == 1])
+        states[at] = _scaled(start[at, None], np.multiply.outer(rates, times))
+
+
+def _two_by_two(blocks, begins, start, times, states) -> None:
+    at = np.array([begin for block, begin in zip(blocks, begins) if len(block) == 2], dtype=int)
+    if not at.size:
+        return
+    stack = np.array([block for block in blocks if len(block) == 2])
+    mean = (stack[:, 0, 0] + stack[:, 1, 1]) / 2
+    rest = stack - mean[:, None, None] * np.eye(2)
+    square = rest[:, 0, 0] ** 2 + rest[:, 0, 1] * rest[:, 1, 0]  # rest @ rest = square * identity
+    pair = np.stack([start[at], start[at + 1]], axis=1)
+    turned = np.einsum("bij,bj->bi", rest, pair)
+    even, odd = _even_and_odd(square, times)
+    growth = np.multiply.outer(mean, times)
+    for row in (0, 1):
+        states[at + row] = _scaled(pair[:, row, None] * even[0] + turned[:, row, None] * odd[0], growth + even[1])
+
+
+def _even_and_odd(square, times):
+    """cosh(d t) and sinh(d t)/d with d = sqrt(square), both divided by e^{exponent} so that they never overflow."""
+    root = np.sqrt(np.abs(square))
+    angle = np.multiply.outer(root, times)
+    exponent = np.where((square > 0)[:, None], angle, 0.0)
+    decay = np.exp(-2 * exponent)
+    safe = np.where(root == 0, 1.0, root)[:, None]
+    oscillating = (square < 0)[:, None]
+    even = np.where(oscillating, np.cos(angle), (1 + decay) / 2)
+    odd = np.where(oscillating, np.sin(angle), -np.expm1(-2 * exponent) / 2) / safe
+    odd = np.where((root == 0)[:, None], times[None, :], odd)
+    return (even, exponent), (odd, exponent)
+
+
+def _scaled(values, exponents):
+    """values * e^exponents where exact zeros stay zero however large the exponent (no inf * 0)."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.where(values == 0, 0.0, values * np.exp(exponents))
+
+
+def _cluster_states(block, start, times) -> np.ndarray:
+    half = _upper_half(block)
+    if half is None:
+        shift = np.trace(block) / len(block)
+        return _shifted_states(block - shift * np.eye(len(block)), shift, start, times)
+    basis, triangle, rows = half
+    shift = np.trace(triangle) / len(triangle)
+    states = _shifted_states(triangle - shift * np.eye(len(triangle)), shift, rows @ start, times)
+    return 2 * (basis @ states).real
+
+
+def _upper_half(block):
+    """The invariant part of the zeros above the real axis, where these stand apart from their conjugates.
+
+    A real block with the zeros near a + i w and near a - i w would be shifted by a alone, leaving a large
+    rotation w; the part above the axis can be shifted by a + i w, and the other half is its conjugate.
+    """
+    values = np.linalg.eigvals(block)
+    above = values[values.imag > 0]
+    if 2 * len(above) != len(values):
+        return None
+    spread = np.abs(above - above.mean()).max()
+    if above.imag.min() <= 2 * spread:
+        return None
+    triangle, basis, count = scipy.linalg.schur(block, output="complex", sort=lambda value: value.imag > 0)
+    top, corner, bottom = triangle[:count, :count], triangle[:count, count:], triangle[count:, count:]
+    coupling = scipy.linalg.solve_sylvester(top, -bottom, -corner)
+    adjoint = basis.conj().T
+    return basis[:, :count], top, adjoint[:count] - coupling @ adjoint[count:]
+
+
+def _shifted_states(rest, shift, start, times) -> np.ndarray:
+    """e^{shift t} e^{rest t} start for every t, the second factor by Taylor with squaring."""
+    size = len(start)
+    states = np.empty((size, len(times)), dtype=np.result_type(rest, start))
+    norm = np.abs(rest).sum(axis=0).max()
+    chunk = max(1, CHUNK_ENTRIES // size**2)
+    for begin in range(0, len(times), chunk):
+        part = times[begin : begin + chunk]
+        doublings = int(np.ceil(np.log2(max(norm * np.abs(part).max(initial=0.0), 1.0))))
+        matrices = _taylor_exponential(rest, part / 2.0**doublings, doublings)
+        states[:, begin : begin + chunk] = np.einsum("tij,j->it", matrices, start)
+    return _scaled(states, shift * times)
+
+
+def _taylor_exponential(rest, times, doublings) -> np.ndarray:
+    steps = rest[None] * times[:, None, None]
+    identity = np.eye(len(rest))
+    total = identity + steps / TAYLOR_DEGREE
+    for degree in range(TAYLOR_DEGREE - 1, 0, -1):
+        total = identity + steps @ total / degree
+    for _ in range(doublings):
+        total = total @ total
+    return total

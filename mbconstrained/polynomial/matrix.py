@@ -1,0 +1,102 @@
+"""The polynomial matrix A(s) of a system A(d/dt) x = f."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..checks import names_of, real_array
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from ..jordan.pairs import JordanPairs
+    from .structure import Structure
+
+
+class PolynomialMatrix:
+    """A(s) = A_0 + A_1 s + ... + A_q s^q, real and square, of any declared degree q >= 0 (Moysis et al., Eq. 4).
+
+    Args:
+        coefficients: A_0 ... A_q in ascending powers, each of shape (r, r). A_q may be singular or zero.
+        coordinates: names of the r entries of x (x1, x2, ... when not given).
+        equations: names of the r rows (equation 1, ... when not given).
+
+    Raises:
+        InputError: not square, of different shapes, not finite or not real.
+
+    >>> A = PolynomialMatrix([[[1.0]], [[2.0]], [[1.0]]])
+    >>> A.degree, A.size, A(-1).tolist()
+    (2, 1, [[0.0]])
+    """
+
+    def __init__(self, coefficients: Iterable, coordinates: Sequence[str] | None = None, equations: Sequence[str] | None = None):
+        matrices = [real_array(matrix, f"A_{power}") for power, matrix in enumerate(coefficients)]
+        if not matrices:
+            raise InputError("a polynomial matrix needs at least one coefficient, A_0; none was given")
+        for power, matrix in enumerate(matrices):
+            if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
+                raise InputError(f"A_{power}: expected a square matrix, found shape {matrix.shape}")
+            if matrix.shape != matrices[0].shape:
+                raise InputError(f"A_{power} has shape {matrix.shape}, but A_0 has {matrices[0].shape}; all must agree")
+        self.coefficients = np.array(matrices)
+        self.coefficients.flags.writeable = False
+        self.coordinates = names_of(coordinates, self.size, "coordinates", "x")
+        self.equations = names_of(equations, self.size, "equations", "equation ")
+
+    @property
+    def degree(self) -> int:
+        """The declared degree q (the number of coefficients less one)."""
+        return len(self.coefficients) - 1
+
+    @property
+    def size(self) -> int:
+        """The number of rows and columns r."""
+        return self.coefficients.shape[1]
+
+    def __call__(self, s: complex) -> np.ndarray:
+        """A(s) at a number s, shape (r, r), by Horner's rule."""
+        value = np.zeros((self.size, self.size))
+        for matrix in self.coefficients[::-1]:
+            value = value * s + matrix
+        return value
+
+    def __repr__(self) -> str:
+        return f"PolynomialMatrix(degree={self.degree}, size={self.size})"
+
+    @property
+    def dual(self) -> PolynomialMatrix:
+        """s^q A(1/s), the coefficients in reverse (Moysis et al., Eq. 11): its zeros at 0 are those of A at infinity."""
+        return PolynomialMatrix(self.coefficients[::-1], self.coordinates, self.equations)
+
+    @property
+    def is_regular(self) -> bool:
+        """False where det A(s) = 0 for every s."""
+        from ..linalg.staircase import SingularPencil
+        from .companion import scaled_companion
+
+        try:
+            scaled_companion(self).split
+        except SingularPencil:
+            return False
+        return True
+
+    def structure(self) -> Structure:
+        """Finite zeros with multiplicities, pole and zero orders q_i at infinity, infinite elementary divisors."""
+        return self.jordan_pairs().structure
+
+    def jordan_pairs(self) -> JordanPairs:
+        """The finite pair (C, J, B) and the infinite pair (C, J, B), see ``mbconstrained.jordan``.
+
+        Raises:
+            SingularPolynomialMatrix: det A(s) = 0 for every s.
+        """
+        return self._pairs
+
+    @cached_property
+    def _pairs(self) -> JordanPairs:
+        from ..jordan.pairs import jordan_pairs
+
+        return jordan_pairs(self)

@@ -1,0 +1,43 @@
+"""Which equations and coordinates make a polynomial matrix singular."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..tolerances import EPS, NOISE_SAFETY
+from .companion import scaled_companion
+from .matrix import PolynomialMatrix
+
+#: Where the null vectors of A(s) are looked at: three generic points, so that a zero of A(s) is not hit by chance.
+POINTS = (0.7390851 + 0.3183099j, -0.5671433 + 1.2020569j, 1.6180340 - 0.9159656j)
+
+
+def singular_message(A: PolynomialMatrix) -> tuple[str, tuple[int, ...], tuple[int, ...]]:
+    """A sentence on why det A(s) = 0 for every s, with the indices of the equations and coordinates involved."""
+    scaled = scaled_companion(A).coefficients
+    involved_rows, involved_columns = np.zeros(A.size, bool), np.zeros(A.size, bool)
+    for s in POINTS:
+        value = sum(matrix * s**power for power, matrix in enumerate(scaled))
+        u, sizes, vh = np.linalg.svd(value)
+        null = sizes <= NOISE_SAFETY * EPS * A.size * max(sizes[0], EPS)
+        null[-1] = True  # singular at every s: the least one belongs to it
+        involved_rows |= _support(u[:, null])
+        involved_columns |= _support(vh[null].conj().T)
+    equations, coordinates = np.flatnonzero(involved_rows), np.flatnonzero(involved_columns)
+    message = (
+        "det A(s) is zero for every s, so the motion is not determined: "
+        f"{_list('equation', [A.equations[i] for i in equations])} depend{'s' if len(equations) == 1 else ''} on each other or vanish, and "
+        f"{_list('coordinate', [A.coordinates[i] for i in coordinates])} can move freely without any force. "
+        "Attach what is free (a mass, spring, damper or constraint), or take out what is said twice."
+    )
+    return message, tuple(map(int, equations)), tuple(map(int, coordinates))
+
+
+def _support(vectors) -> np.ndarray:
+    size = np.abs(vectors).max(axis=1, initial=0.0)
+    return size > EPS**0.5 * size.max(initial=0.0)
+
+
+def _list(kind, names) -> str:
+    quoted = ", ".join(f'"{name}"' for name in names)
+    return f"{kind}{'s' if len(names) != 1 else ''} {quoted}"

@@ -1,0 +1,6 @@
+"""The pairs, values at 0- and a force become the response: a function of time, with its jumps and impulses."""
+
+from .response import Response
+from .solve import solve
+
+__all__ = ["Response", "solve"]

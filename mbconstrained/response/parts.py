@@ -1,0 +1,170 @@
+"""What happens at t = 0, and the regular part after it, from the decoupled pencil in its scaled units.
+
+The finite state starts at y_1(0+) = P_1 E z0, the infinite one is -sum N^i B2 f^(i). The vector
+g = P_2 F z0 + sum N^i B2 f^(i)(0+) is the inconsistency of the values at 0- : the states jump by -Q_2 g, and
+-C2 N^(p+1) g multiplies delta^(p) (the impulses of Moysis et al., Eq. 42 with (45) taken at 0+; g = 0 is
+condition (60), corrected). Its rounding noise is bounded along with it, so that a consistent start has g = 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+
+from ..jordan.weierstrass import WeierstrassForm
+from ..linalg.blocks import block_diagonalize
+from ..signals.bohl import BohlFunction
+from ..signals.inputs import ImpulsiveSmooth
+from ..tolerances import noise_of
+
+
+@dataclass(frozen=True)
+class Start:
+    """State and jump at t = 0.
+
+    Attributes:
+        finite: y_1(0+) in scaled units, shape (n,).
+        jump: x^(i)(0+) - x^(i)(0-), shape (q, r), in the user's units.
+        impulses: arrays (r,), the k-th multiplies delta^(k), in the user's units.
+    """
+
+    finite: np.ndarray
+    jump: np.ndarray
+    impulses: tuple[np.ndarray, ...]
+
+
+@dataclass(frozen=True)
+class ScaledForce:
+    """f in the units of the scaled pencil: coefficients C_f, generator J_f, start v, and Dirac impulses."""
+
+    coefficients: np.ndarray
+    generator: np.ndarray
+    start: np.ndarray
+    impulses: tuple[np.ndarray, ...]
+
+    def derivatives(self, count: int) -> list[np.ndarray]:
+        """C_f J_f^i for i = 0 .. count - 1: f^(i) = C_f J_f^i e^{J_f t} v."""
+        found = [self.coefficients]
+        for _ in range(count - 1):
+            found.append(found[-1] @ self.generator)
+        return found[:count]
+
+
+def scaled_force(form: WeierstrassForm, force: ImpulsiveSmooth) -> ScaledForce:
+    """f' = rows * f as a function of t' = time * t."""
+    scaling = form.companion.scaling
+    smooth = force.smooth
+    return ScaledForce(
+        scaling.rows[:, None] * smooth.coefficients,
+        smooth.generator / scaling.time,
+        smooth.start,
+        tuple(scaling.rows * g * scaling.time ** (k + 1.0) for k, g in enumerate(force.impulses)),
+    )
+
+
+def start_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth) -> Start:
+    """The state at 0+, the jumps and the impulses at t = 0."""
+    companion = form.companion
+    stack = companion.scaled_stack(initial)
+    f = scaled_force(form, force)
+    finite = form.finite_rows @ (companion.E @ stack)
+    for order, g in enumerate(f.impulses):
+        finite = finite + np.linalg.matrix_power(form.T, order) @ (form.B @ g)
+    inconsistency = _inconsistency(form, stack, f)
+    jump = -form.infinite_columns @ inconsistency + _dirac_jump(form, f)
+    return Start(finite, _unscaled_jump(form, jump, len(initial)), _impulses(form, inconsistency, f))
+
+
+def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth) -> tuple[BohlFunction, float]:
+    """x(t) for t > 0 as a Bohl function in the user's units, and the largest decoupling entry.
+
+    The force's generator is appended to the finite part: [[T, B C_f], [0, J_f]]. Its zeros are clustered
+    together with those of A(s), so that resonance needs no special case.
+    """
+    f = scaled_force(form, force)
+    drive = form.B @ f.coefficients
+    amplitude = _power_of_two_of(drive) if drive.any() else _power_of_two_of(f.coefficients)
+    n, m = len(form.T), len(f.start)
+    augmented = np.zeros((n + m, n + m))
+    augmented[:n, :n], augmented[:n, n:], augmented[n:, n:] = form.T, drive / amplitude, f.generator
+    through = np.zeros_like(f.coefficients)
+    power = -form.B2
+    for derivative in f.derivatives(_index(form)):
+        through = through + form.C2 @ (power @ derivative)
+        power = form.nilpotent @ power
+    output = np.hstack([form.C, through / amplitude])
+    parts = block_diagonalize(augmented)
+    scaling = form.companion.scaling
+    function = BohlFunction(
+        scaling.columns[:, None] * (output @ parts.basis),
+        tuple(scaling.time * block for block in parts.blocks),
+        parts.inverse @ np.concatenate([start.finite, amplitude * f.start]),
+    )
+    return function, parts.coupling
+
+
+def _inconsistency(form, stack, f) -> np.ndarray:
+    """g, with entries below their rounding noise set to zero."""
+    F = form.companion.F
+    total = form.infinite_rows @ (F @ stack)
+    size = np.abs(form.infinite_rows) @ (np.abs(F) @ np.abs(stack))
+    power = form.B2
+    for derivative in f.derivatives(_index(form)):
+        value = derivative @ f.start
+        total = total + power @ value
+        size = size + np.abs(power) @ (np.abs(derivative) @ np.abs(f.start))
+        power = form.nilpotent @ power
+    return np.where(np.abs(total) <= noise_of(size, len(stack)), 0.0, total)
+
+
+def _dirac_jump(form, f) -> np.ndarray:
+    """Jump of the stacked states by the force's own impulses: C T^l B g for delta^(l), and its derivatives."""
+    jump = np.zeros(len(form.finite_columns))
+    for order, g in enumerate(f.impulses):
+        jump = jump + form.finite_columns @ (np.linalg.matrix_power(form.T, order) @ (form.B @ g))
+    return jump
+
+
+def _impulses(form, inconsistency, f) -> tuple[np.ndarray, ...]:
+    scaling, r = form.companion.scaling, form.companion.size
+    count = max(_index(form) - 1, len(f.impulses) + _index(form) - 1 if f.impulses else 0)
+    total, noise = np.zeros((count, r)), np.zeros((count, r))
+    state = inconsistency
+    for order in range(_index(form) - 1):
+        state = form.nilpotent @ state
+        total[order] -= form.C2 @ state
+        noise[order] += np.abs(form.C2) @ (np.abs(form.nilpotent) @ np.abs(inconsistency))
+    for order, g in enumerate(f.impulses):
+        for k in range(count):
+            H = _scaled_laurent(form, k - order)
+            total[k] += H @ g
+            noise[k] += np.abs(H) @ np.abs(g)
+    total = np.where(np.abs(total) <= noise_of(noise, len(form.T)), 0.0, total)
+    impulses = [scaling.columns * row * scaling.time ** -(k + 1.0) for k, row in enumerate(total)]
+    while impulses and not impulses[-1].any():
+        impulses.pop()
+    return tuple(impulses)
+
+
+def _scaled_laurent(form, index) -> np.ndarray:
+    if index >= 0:
+        return -form.C2 @ np.linalg.matrix_power(form.nilpotent, index) @ form.B2
+    return form.C @ np.linalg.matrix_power(form.T, -index - 1) @ form.B
+
+
+def _unscaled_jump(form, jump, q) -> np.ndarray:
+    scaling = form.companion.scaling
+    rows = jump.reshape(form.companion.grade, form.companion.size)[:q]
+    return scaling.columns * rows * (scaling.time ** np.arange(q, dtype=float))[:, None]
+
+
+def _index(form) -> int:
+    """Number of powers of N that are not zero: its staircase has that many steps."""
+    return len(form.split.deficiencies)
+
+
+def _power_of_two_of(matrix) -> float:
+    size = np.abs(matrix).max(initial=0.0)
+    return float(np.exp2(np.round(np.log2(size)))) if size > 0 else 1.0

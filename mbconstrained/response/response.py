@@ -1,0 +1,87 @@
+"""The answer: a function of time that you call, with its derivatives, jumps and Dirac impulses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import Overflow
+from ..jordan.evidence import Evidence
+from ..jordan.pairs import JordanPairs
+from ..notices import Notice
+from ..polynomial.matrix import PolynomialMatrix
+from ..signals.bohl import BohlFunction
+from ..signals.inputs import ImpulsiveSmooth
+
+
+@dataclass(frozen=True)
+class Response:
+    """x with A(d/dt) x = f from values at 0-.
+
+    ``x(t)`` is the regular part at t > 0 (t = 0 means 0+): a number gives shape (r,), times of shape (T,) give
+    (r, T), in any order and spacing. Impulses are apart, never smeared.
+
+    Attributes:
+        polynomial_matrix: A(s).
+        initial: x^(i)(0-) as row i, shape (q, r).
+        force: f.
+        pairs: the Jordan pairs used.
+        function: the regular part as a Bohl function C e^{J t} v.
+        jump: x^(i)(0+) - x^(i)(0-), shape (q, r); exactly zero where the start is consistent.
+        impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta.
+        coupling: the largest entry of the transformation that separated the zeros.
+    """
+
+    polynomial_matrix: PolynomialMatrix
+    initial: np.ndarray
+    force: ImpulsiveSmooth
+    pairs: JordanPairs
+    function: BohlFunction
+    jump: np.ndarray
+    impulses: tuple[np.ndarray, ...]
+    coupling: float
+
+    def __call__(self, times) -> np.ndarray:
+        """x at a time (-> (r,)) or at times (T,) (-> (r, T)).
+
+        Raises:
+            InputError: negative or not finite times.
+            Overflow: the answer leaves the range of float64 within the times asked for.
+        """
+        return _in_range(self.function(times), times)
+
+    def derivative(self, order: int = 1) -> BohlFunction:
+        """The classical derivative x^(order) for t > 0, a function of the same kind."""
+        return self.function.derivative(order)
+
+    @property
+    def start(self) -> np.ndarray:
+        """x^(i)(0+) as row i, shape (q, r)."""
+        return self.initial + self.jump
+
+    def error_estimate(self, times) -> float:
+        """Estimate of max |error| / max |x| over the given times (see ``response.estimate``)."""
+        from .estimate import error_estimate
+
+        return error_estimate(self, times)
+
+    @cached_property
+    def evidence(self) -> tuple[Evidence, ...]:
+        """Residuals, conditions and gaps that tell how far the answer can be trusted."""
+        return self.pairs.evidence
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """What the user should know: jumps, impulses, growth, doubtful decisions."""
+        from .notices import response_notices
+
+        return response_notices(self)
+
+
+def _in_range(values, times):
+    if np.isfinite(values).all():
+        return values
+    bad = np.atleast_1d(np.asarray(times, float))[~np.isfinite(np.atleast_2d(values.T)).all(axis=1)]
+    raise Overflow(f"the answer grows beyond the range of float64 from t = {bad.min():g} s on; ask for earlier times")

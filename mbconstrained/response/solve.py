@@ -1,0 +1,47 @@
+"""A(d/dt) x = f from values at 0-, in closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..checks import real_array
+from ..errors import InputError
+from ..polynomial.matrix import PolynomialMatrix
+from ..signals.inputs import ImpulsiveSmooth, zero
+from .parts import regular_part, start_of
+from .response import Response
+
+
+def solve(A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None = None) -> Response:
+    """The solution of A(d/dt) x = f on t >= 0 from any values at 0- (Moysis et al., Theorem 3.1, corrected).
+
+    With X(s) = A(s)^-1 (X_in(s) + F(s)), the transform taken from 0-: only the values at 0- and the force on
+    [0, inf) enter. Values that do not fit the equations are not repaired: the answer tells the jumps and
+    impulses that they cause.
+
+    Args:
+        A: the polynomial matrix, degree q, size r.
+        initial: x^(i)(0-) as row i, shape (q, r); None for zeros.
+        force: f with r rows, see ``mbconstrained.signals``; None for zero.
+
+    Raises:
+        InputError: shapes that do not fit, values that are not finite.
+        SingularPolynomialMatrix: det A(s) = 0 for every s.
+
+    >>> A = PolynomialMatrix([[[4.0]], [[0.0]], [[1.0]]])
+    >>> x = solve(A, initial=[[1.0], [0.0]])
+    >>> bool(np.isclose(x(0.5)[0], np.cos(1.0)))
+    True
+    """
+    q, r = A.degree, A.size
+    initial = np.zeros((q, r)) if initial is None else real_array(initial, "initial", shape=(q, r))
+    if force is None:
+        force = zero(r)
+    if not isinstance(force, ImpulsiveSmooth):
+        raise InputError(f"force: found {type(force).__name__}; make it with mb.step, mb.ramp, mb.harmonic, mb.term or mb.impulse")
+    if force.size != r:
+        raise InputError(f"force: it has {force.size} rows, but A(s) has {r}")
+    pairs = A.jordan_pairs()
+    start = start_of(pairs.form, initial, force)
+    function, coupling = regular_part(pairs.form, start, force)
+    return Response(A, initial, force, pairs, function, start.jump, start.impulses, coupling)

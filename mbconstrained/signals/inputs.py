@@ -1,0 +1,149 @@
+"""Inputs on [0, inf): a Bohl function plus Dirac impulses at t = 0, and the ways to make one.
+
+Every constructor takes the vector v of shape (r,) that the scalar function of time multiplies.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..checks import real_array, real_number, whole_number
+from ..errors import InputError
+from .bohl import BohlFunction
+
+
+@dataclass(frozen=True)
+class ImpulsiveSmooth:
+    """f = smooth + sum over k of impulses[k] delta^(k), zero before t = 0.
+
+    Attributes:
+        smooth: the regular part, a BohlFunction with r rows.
+        impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta.
+    """
+
+    smooth: BohlFunction
+    impulses: tuple[np.ndarray, ...] = ()
+
+    @property
+    def size(self) -> int:
+        """Number of rows r."""
+        return self.smooth.size
+
+    def __call__(self, times) -> np.ndarray:
+        """The regular part at a time (-> (r,)) or at times (T,) (-> (r, T)); t = 0 means 0+."""
+        return self.smooth(times)
+
+    def derivative(self, order: int = 1) -> BohlFunction:
+        """The classical derivative of the regular part, for t > 0."""
+        return self.smooth.derivative(order)
+
+    def mapped(self, matrix) -> ImpulsiveSmooth:
+        """matrix @ f, matrix of shape (p, r)."""
+        matrix = real_array(matrix, "matrix", shape=(None, self.size))
+        return ImpulsiveSmooth(self.smooth.mapped(matrix), tuple(matrix @ g for g in self.impulses))
+
+    def __add__(self, other: ImpulsiveSmooth) -> ImpulsiveSmooth:
+        if not isinstance(other, ImpulsiveSmooth):
+            return NotImplemented
+        count = max(len(self.impulses), len(other.impulses))
+        impulses = tuple(_entry(self, k) + _entry(other, k) for k in range(count)) if self.size == other.size else ()
+        return ImpulsiveSmooth(self.smooth + other.smooth, impulses)
+
+    def __mul__(self, factor: float) -> ImpulsiveSmooth:
+        return ImpulsiveSmooth(self.smooth * factor, tuple(g * float(factor) for g in self.impulses))
+
+    __rmul__ = __mul__
+
+    def __neg__(self) -> ImpulsiveSmooth:
+        return self * -1.0
+
+    def __sub__(self, other: ImpulsiveSmooth) -> ImpulsiveSmooth:
+        return self + -other
+
+
+def zero(size: int) -> ImpulsiveSmooth:
+    """The input that is zero, with the given number of rows."""
+    size = whole_number(size, "size")
+    return ImpulsiveSmooth(BohlFunction(np.zeros((size, 0)), (), np.zeros(0)))
+
+
+def term(vector, *, power: int = 0, rate: float = 0.0, angular_frequency: float = 0.0, phase: float = 0.0) -> ImpulsiveSmooth:
+    """v t^k e^{a t} cos(w t + p) for t >= 0, with k = power, a = rate (1/s), w in rad/s, p = phase in rad.
+
+    >>> float(term([2.0], power=2)(3.0)[0])
+    18.0
+    """
+    vector = real_array(vector, "vector", shape=(None,))
+    power = whole_number(power, "power")
+    rate, phase = real_number(rate, "rate"), real_number(phase, "phase")
+    frequency = real_number(angular_frequency, "angular_frequency")
+    scaled = vector * float(math.factorial(power)) if power <= 170 else None
+    if scaled is None:
+        raise InputError(f"power: found {power}; powers above 170 leave the range of float64")
+    if frequency == 0:
+        return _chain(scaled[:, None] * math.cos(phase), np.array([[rate]]), power)
+    turn = np.array([[rate, -frequency], [frequency, rate]])
+    return _chain(np.multiply.outer(scaled, [math.cos(phase), -math.sin(phase)]), turn, power)
+
+
+def step(vector) -> ImpulsiveSmooth:
+    """v for t >= 0 (I_1 of Hauksdottir's inputs).
+
+    >>> step([1.0, 2.0])(5.0)
+    array([1., 2.])
+    """
+    return term(vector)
+
+
+def ramp(vector) -> ImpulsiveSmooth:
+    """v t for t >= 0 (I_2)."""
+    return term(vector, power=1)
+
+
+def power(vector, gamma: int) -> ImpulsiveSmooth:
+    """v I_gamma(t) of Hauksdottir for every integer gamma: t^(gamma-1)/(gamma-1)! for gamma >= 1,
+    the (-gamma)-th derivative of Dirac's delta for gamma <= 0.
+
+    >>> float(power([6.0], 3)(2.0)[0])
+    12.0
+    """
+    if isinstance(gamma, bool) or not isinstance(gamma, (int, np.integer)):
+        raise InputError(f"gamma: found {gamma!r}; expected a whole number")
+    if gamma <= 0:
+        return impulse(vector, order=-int(gamma))
+    vector = real_array(vector, "vector", shape=(None,))
+    return _chain(vector[:, None], np.zeros((1, 1)), int(gamma) - 1)
+
+
+def impulse(vector, order: int = 0) -> ImpulsiveSmooth:
+    """v delta^(order)(t): a Dirac impulse at t = 0, or its derivative."""
+    vector = real_array(vector, "vector", shape=(None,))
+    order = whole_number(order, "order")
+    zeros = tuple(np.zeros_like(vector) for _ in range(order))
+    return ImpulsiveSmooth(zero(len(vector)).smooth, (*zeros, vector))
+
+
+def harmonic(vector, *, angular_frequency: float, phase: float = 0.0) -> ImpulsiveSmooth:
+    """v cos(w t + p) for t >= 0, w in rad/s, p in rad."""
+    return term(vector, angular_frequency=angular_frequency, phase=phase)
+
+
+def _chain(coefficients, diagonal, power) -> ImpulsiveSmooth:
+    """The function whose states are t^j/j! e^{diagonal t}, j = power .. 0, read off the highest one.
+
+    The highest power comes first: the generator is then upper (quasi-)triangular, like a real Schur form.
+    """
+    size = len(diagonal)
+    generator = np.kron(np.eye(power + 1), diagonal) + np.kron(np.eye(power + 1, k=1), np.eye(size))
+    start = np.zeros(size * (power + 1))
+    start[-size] = 1.0
+    rows = np.zeros((len(coefficients), size * (power + 1)))
+    rows[:, :size] = coefficients
+    return ImpulsiveSmooth(BohlFunction(rows, (generator,), start))
+
+
+def _entry(f: ImpulsiveSmooth, k: int) -> np.ndarray:
+    return f.impulses[k] if k < len(f.impulses) else np.zeros(f.size)

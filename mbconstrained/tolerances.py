@@ -1,0 +1,35 @@
+"""The one tolerance policy.
+
+A computed number counts as zero when it is no larger than the rounding noise that it was made with. The
+noise is carried along with the data (``linalg.rank``, ``linalg.staircase``) from its start, half a unit in
+the last place of every entry, so that no decision needs an absolute threshold and none depends on units.
+The few constants of the package's algorithms are here, each with its reason.
+"""
+
+import numpy as np
+
+EPS = float(np.finfo(float).eps)
+
+#: Carried noise is a first-order bound of single roundings; errors of sums of many may be this much larger.
+NOISE_SAFETY = 8.0
+
+#: A rank decision is clear when the smallest kept value stands this far above the noise; closer ones are told.
+CLEAR_GAP = 1e4
+
+#: Largest entry norm of a decoupling transformation between two blocks of J. A larger bound separates closer
+#: zeros, a smaller one loses fewer digits; clusters up to this bound are evaluated as one block instead.
+DECOUPLING_LIMIT = 1e3
+
+#: Two zeros are one zero of higher multiplicity when they differ by less than this many noise radii.
+CLUSTER_SAFETY = 32.0
+
+#: The error estimate compares the answer with answers from data moved by this many units in the last place.
+PROBE_SIZE = 1.0
+
+#: An answer with a larger estimated relative error than this cannot be trusted (exit code 3).
+TRUST_LIMIT = 1e-3
+
+
+def noise_of(size: float, count: int = 1) -> float:
+    """Rounding noise of a sum of ``count`` terms of magnitude ``size``."""
+    return NOISE_SAFETY * EPS * max(count, 1) ** 0.5 * size
