@@ -55,8 +55,11 @@ class Compression:
     decision: RankDecision
 
 
-def compress(matrix: np.ndarray, noise: np.ndarray) -> Compression:
-    """Split a matrix with entrywise noise into its row and column space and the rest."""
+def compress(matrix: np.ndarray, noise: np.ndarray, *, scale_columns: bool = True) -> Compression:
+    """Split a matrix with entrywise noise into its row and column space and the rest.
+
+    Without column scaling ``right`` is orthogonal: wanted where its columns become part of a basis.
+    """
     matrix = np.where(np.abs(matrix) <= NOISE_SAFETY * noise, 0.0, matrix)
     rows, columns = matrix.shape
     left, right = np.zeros((rows, rows)), np.zeros((columns, columns))
@@ -66,7 +69,7 @@ def compress(matrix: np.ndarray, noise: np.ndarray) -> Compression:
     null_right: list[np.ndarray] = []
     margins_kept, margins_dropped = [np.inf], [0.0]
     for i, j in _components(matrix):
-        part = _compress_component(matrix[np.ix_(i, j)], noise[np.ix_(i, j)])
+        part = _compress_component(matrix[np.ix_(i, j)], noise[np.ix_(i, j)], scale_columns)
         rank = len(part.values)
         placed_left, placed_right = np.zeros((len(i), rows)), np.zeros((columns, len(j)))
         placed_left[:, i], placed_right[j] = part.left, part.right
@@ -94,11 +97,14 @@ def _components(matrix):
         yield members[members < rows], members[members >= rows] - rows
 
 
-def _compress_component(matrix, noise) -> Compression:
+def _compress_component(matrix, noise, scale_columns) -> Compression:
     rows, columns = matrix.shape
     if not rows or not columns:
         return Compression(np.eye(rows), np.eye(columns), np.zeros(0), RankDecision(0, np.inf, 0.0))
-    row_scale, column_scale = equilibration(np.abs(matrix))
+    if scale_columns:
+        row_scale, column_scale = equilibration(np.abs(matrix))
+    else:
+        row_scale, column_scale = equilibration(np.abs(matrix).max(axis=1, keepdims=True))[0], np.ones(columns)
     scaled = row_scale[:, None] * matrix * column_scale
     scaled_noise = row_scale[:, None] * noise * column_scale
     u, values, vt = scipy.linalg.svd(scaled, lapack_driver="gesvd")

@@ -111,7 +111,7 @@ def _deflate(work: _Work, active: int, found: Compression) -> RankDecision:
     work.rows(active, found.left)
     work.E[rank:active, :active] = 0.0
     work.noise_E[rank:active, :active] = 0.0
-    turned = compress(work.F[rank:active, :active], work.noise_F[rank:active, :active])
+    turned = compress(work.F[rank:active, :active], work.noise_F[rank:active, :active], scale_columns=False)
     if turned.decision.rank < active - rank:
         raise SingularPencil("the pencil is singular")
     keep = active - rank

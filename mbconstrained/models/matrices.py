@@ -101,21 +101,22 @@ def _from_matrix_market(path: Path) -> np.ndarray:
         raise InputError(f"{path.name}: not a Matrix Market file ({_first_line(problem)})") from None
 
 
-def _from_csv(path: Path) -> np.ndarray:
+def _from_csv(path: Path) -> list[list[float]]:
     try:
-        text = path.read_text("utf-8-sig")
-        return np.array([_numbers(line) for line in text.splitlines() if line.strip() and line.strip()[0] != "#"])
+        lines = path.read_text("utf-8-sig").splitlines()
     except UnicodeDecodeError:
         raise InputError(f"{path.name}: not a text file in UTF-8") from None
-    except ValueError as problem:
+    return [_row(path, number, line) for number, line in enumerate(lines, 1) if line.strip() and line.strip()[0] != "#"]
+
+
+def _row(path: Path, number: int, line: str) -> list[float]:
+    try:
+        return [float(entry) for entry in line.split(",")]
+    except ValueError:
         raise InputError(
-            f"{path.name}: not a table of numbers separated by commas ({_first_line(problem)}); "
-            "give one row a line, the decimal sign a point, and no heading but lines that begin with #"
+            f"{path.name}, line {number}: found {ascii(line[:40])}; expected numbers separated by commas, "
+            "with a decimal point; a line that begins with # is left out"
         ) from None
-
-
-def _numbers(line: str) -> list[float]:
-    return [float(entry) for entry in line.split(",")]
 
 
 def _first_line(problem: Exception) -> str:
