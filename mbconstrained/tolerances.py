@@ -30,6 +30,6 @@ PROBE_SIZE = 1.0
 TRUST_LIMIT = 1e-3
 
 
-def noise_of(size: float, count: int = 1) -> float:
+def noise_of(size, count: int = 1):
     """Rounding noise of a sum of ``count`` terms of magnitude ``size``."""
     return NOISE_SAFETY * EPS * max(count, 1) ** 0.5 * size

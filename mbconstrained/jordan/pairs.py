@@ -93,14 +93,8 @@ class JordanPairs:
 
     def laurent(self, index: int) -> np.ndarray:
         """H_i of A(s)^-1 = sum over i of H_i s^i near infinity, shape (r, r) (Eqs. 18, 27)."""
-        form, scaling = self.form, self.form.companion.scaling
-        if index > self.structure.highest_impulse:
-            return np.zeros((self.polynomial_matrix.size,) * 2)
-        if index >= 0:
-            scaled = -form.C2 @ np.linalg.matrix_power(form.nilpotent, index) @ form.B2
-        else:
-            scaled = form.C @ np.linalg.matrix_power(form.T, -index - 1) @ form.B
-        return scaling.columns[:, None] * scaled * scaling.rows * scaling.time**-float(index)
+        scaling = self.form.companion.scaling
+        return scaling.columns[:, None] * self.form.laurent(index) * scaling.rows * scaling.time**-float(index)
 
     @cached_property
     def structure(self) -> Structure:

@@ -11,10 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 
 from ..linalg.staircase import SplitPencil
+from ..linalg.triangular import triangular_form
 from ..polynomial.companion import ScaledCompanion
+from ..tolerances import noise_of
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,23 @@ class WeierstrassForm:
         """Shape (m, r)."""
         return self.infinite_rows[:, -self.companion.size :] if self.companion.size else self.infinite_rows
 
+    @property
+    def highest_impulse(self) -> int:
+        """q_hat_r, the highest order of an infinite zero of A(s): H_i = 0 beyond it."""
+        return max([0, *(degree - self.companion.grade for degree in self.split.infinite_divisors)])
+
+    def laurent(self, index: int) -> np.ndarray:
+        """Scaled H_i of A(s)^-1 near infinity, entries that are mere rounding noise set to zero."""
+        if index > self.highest_impulse:
+            return np.zeros((self.companion.size,) * 2)
+        if index >= 0:
+            left, middle, right = -self.C2, self.nilpotent, self.B2
+        else:
+            left, middle, right, index = self.C, self.T, self.B, -index - 1
+        value = left @ np.linalg.matrix_power(middle, index) @ right
+        size = (np.abs(left) @ np.linalg.matrix_power(np.abs(middle), index) @ np.abs(right)).max(initial=0.0)
+        return np.where(np.abs(value) <= noise_of(size, self.companion.size), 0.0, value)
+
 
 def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
     """Decouple the finite from the infinite part.
@@ -67,34 +85,21 @@ def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
     are blocks in the staircase, row by row in the Schur basis of the finite part.
     """
     split = companion.split
-    n = len(split.J)
-    T, basis, inverse = balanced_schur(split.J)
-    E12, F12 = inverse @ split.E12, inverse @ split.F12
-    R = _fixed_point(T, split.nilpotent, F12 @ split.nilpotent - E12, len(split.deficiencies))
-    finite_columns = split.right[:, :n] @ basis
+    n = len(split.E11)
+    finite = triangular_form(split.E11, split.F11)
+    E12, F12 = finite.left @ split.E12, finite.left @ split.F12
+    R = _fixed_point(finite.T, split.nilpotent, F12 @ split.nilpotent - E12, len(split.deficiencies))
+    finite_columns = split.right[:, :n] @ finite.right
     return WeierstrassForm(
         companion=companion,
         split=split,
-        T=T,
+        T=finite.T,
         finite_columns=finite_columns,
-        finite_rows=inverse @ split.left[:n] - (T @ R + F12) @ split.left[n:],
+        finite_rows=finite.left @ split.left[:n] - (finite.T @ R + F12) @ split.left[n:],
         nilpotent=split.nilpotent,
         infinite_columns=split.right[:, n:] + finite_columns @ R,
         infinite_rows=split.left[n:],
     )
-
-
-def balanced_schur(J: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """J = basis T inverse with T in real Schur form, the basis orthogonal times a diagonal of powers of two."""
-    if not len(J):
-        return J, np.zeros((0, 0)), np.zeros((0, 0))
-    balanced, (scale, _) = scipy.linalg.matrix_balance(J, permute=False, separate=True)
-    order = np.argsort(-np.linalg.norm(balanced, axis=1), kind="stable")
-    T, orthogonal = scipy.linalg.schur(balanced[np.ix_(order, order)], output="real")
-    basis, inverse = np.empty_like(T), np.empty_like(T)
-    basis[order] = scale[order, None] * orthogonal
-    inverse[:, order] = orthogonal.T / scale[order]
-    return T, basis, inverse
 
 
 def _fixed_point(T, nilpotent, G, steps):

@@ -22,7 +22,7 @@ def finite_zeros(form: WeierstrassForm, blocks: tuple[np.ndarray, ...]) -> tuple
     at_origin, others = _split_at_origin(groups, zero_multiplicity(form))
     merged = _merge_equal(others)
     scale = form.companion.scaling.time
-    zeros = [FiniteZero(scale * value, count) for value, count in merged if value.imag >= 0]
+    zeros = [FiniteZero(complex(scale * value), count) for value, count in merged if value.imag >= 0]
     if at_origin:
         zeros.append(FiniteZero(0j, at_origin))
     return tuple(sorted(zeros, key=lambda zero: (abs(zero.value), zero.value.real, zero.value.imag)))

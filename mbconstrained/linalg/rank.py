@@ -42,12 +42,16 @@ class RankDecision:
 
 
 @dataclass(frozen=True)
-class Compression:
-    """S = inverse(left) [[diag(values), 0], [0, 0]] inverse(right), up to noise.
+class RowCompression:
+    """An orthogonal ``left`` with left @ S = [S_1; 0], S_1 of full row rank."""
 
-    ``left @ S @ right`` has the kept singular values first, zeros after. Rows and columns are scaled, so left
-    and right are orthogonal matrices times positive diagonal ones.
-    """
+    left: np.ndarray
+    decision: RankDecision
+
+
+@dataclass(frozen=True)
+class ColumnCompression:
+    """``left @ S @ right`` = [diag(values), 0] with an orthogonal right, for an S of full row rank."""
 
     left: np.ndarray
     right: np.ndarray
@@ -55,63 +59,99 @@ class Compression:
     decision: RankDecision
 
 
-def compress(matrix: np.ndarray, noise: np.ndarray, *, scale_columns: bool = True) -> Compression:
-    """Split a matrix with entrywise noise into its row and column space and the rest.
+def compress_rows(matrix: np.ndarray, noise: np.ndarray) -> RowCompression:
+    """Rotate the rows of a matrix with entrywise noise so that the dependent ones vanish, at the end."""
+    rows = len(matrix)
+    kept, null, decisions = [np.zeros((0, rows))], [np.zeros((0, rows))], []
+    for i, _, part in _decided_components(matrix, noise, scale_columns=True):
+        directions = np.zeros((len(i), rows))
+        directions[:, i] = _null_last(part).T
+        kept.append(directions[: part.decision.rank])
+        null.append(directions[part.decision.rank :])
+        decisions.append(part.decision)
+    return RowCompression(np.vstack(kept + null), _joined(decisions))
 
-    Without column scaling ``right`` is orthogonal: wanted where its columns become part of a basis.
-    """
-    matrix = np.where(np.abs(matrix) <= NOISE_SAFETY * noise, 0.0, matrix)
+
+def compress_columns(matrix: np.ndarray, noise: np.ndarray) -> ColumnCompression:
+    """Rotate the columns of a matrix with entrywise noise so that the first ones hold all of it."""
     rows, columns = matrix.shape
-    left, right = np.zeros((rows, rows)), np.zeros((columns, columns))
-    kept_values: list[float] = []
-    kept: list[tuple[np.ndarray, np.ndarray]] = []
-    null_left: list[np.ndarray] = []
-    null_right: list[np.ndarray] = []
-    margins_kept, margins_dropped = [np.inf], [0.0]
+    lefts, firsts, rest, values, decisions = [np.zeros((0, rows))], [], [], [], []
+    for i, j, part in _decided_components(matrix, noise, scale_columns=False):
+        rank = part.decision.rank
+        left, right = np.zeros((rank, rows)), np.zeros((columns, len(j)))
+        left[:, i] = (part.u * part.row_scale[:, None]).T[:rank]
+        right[j] = part.vt.T
+        lefts.append(left)
+        firsts.append(right[:, :rank])
+        rest.append(right[:, rank:])
+        values.append(part.values[:rank])
+        decisions.append(part.decision)
+    right = np.hstack(firsts + rest) if firsts else np.eye(columns)
+    return ColumnCompression(np.vstack(lefts), right, np.concatenate([[], *values]), _joined(decisions))
+
+
+@dataclass(frozen=True)
+class _Decided:
+    """row_scale * S * column_scale = u diag(values) vt, and the rank decided for S."""
+
+    u: np.ndarray
+    values: np.ndarray
+    vt: np.ndarray
+    row_scale: np.ndarray
+    decision: RankDecision
+
+
+def _decided_components(matrix, noise, scale_columns):
+    """(row indices, column indices, decision) of every connected group; entries within their noise are zero."""
+    matrix = np.where(np.abs(matrix) <= NOISE_SAFETY * noise, 0.0, matrix)
     for i, j in _components(matrix):
-        part = _compress_component(matrix[np.ix_(i, j)], noise[np.ix_(i, j)], scale_columns)
-        rank = len(part.values)
-        placed_left, placed_right = np.zeros((len(i), rows)), np.zeros((columns, len(j)))
-        placed_left[:, i], placed_right[j] = part.left, part.right
-        kept += [(placed_left[k], placed_right[:, k]) for k in range(rank)]
-        kept_values += list(part.values)
-        null_left += list(placed_left[rank:])
-        null_right += list(placed_right.T[rank:])
-        margins_kept.append(part.decision.smallest_kept)
-        margins_dropped.append(part.decision.largest_dropped)
-    left = np.array([row for row, _ in kept] + null_left).reshape(rows, rows)
-    right = np.array([column for _, column in kept] + null_right).reshape(columns, columns).T
-    decision = RankDecision(len(kept), min(margins_kept), max(margins_dropped))
-    return Compression(left, right, np.array(kept_values), decision)
+        yield i, j, _decide(matrix[np.ix_(i, j)], noise[np.ix_(i, j)], scale_columns)
 
 
 def _components(matrix):
-    """Row and column indices of the connected groups, empty rows and columns included (with none of the other)."""
+    """Row and column indices of the connected groups; an empty row or column is a group with none of the other."""
     rows, columns = matrix.shape
     i, j = np.nonzero(matrix)
     size = rows + columns
+    if not size:
+        return
     graph = coo_array((np.ones(len(i)), (i, rows + j)), shape=(size, size))
     count, labels = connected_components(graph, directed=False)
     order = np.argsort(labels, kind="stable")
-    for members in np.split(order, np.cumsum(np.bincount(labels, minlength=count))[:-1]) if size else []:
+    for members in np.split(order, np.cumsum(np.bincount(labels, minlength=count))[:-1]):
         yield members[members < rows], members[members >= rows] - rows
 
 
-def _compress_component(matrix, noise, scale_columns) -> Compression:
+def _decide(matrix, noise, scale_columns) -> _Decided:
     rows, columns = matrix.shape
     if not rows or not columns:
-        return Compression(np.eye(rows), np.eye(columns), np.zeros(0), RankDecision(0, np.inf, 0.0))
-    if scale_columns:
-        row_scale, column_scale = equilibration(np.abs(matrix))
-    else:
-        row_scale, column_scale = equilibration(np.abs(matrix).max(axis=1, keepdims=True))[0], np.ones(columns)
-    scaled = row_scale[:, None] * matrix * column_scale
+        return _Decided(np.eye(rows), np.zeros(0), np.eye(columns), np.ones(rows), RankDecision(0, np.inf, 0.0))
+    size = np.abs(matrix) if scale_columns else np.abs(matrix).max(axis=1, keepdims=True)
+    row_scale, column_scale = equilibration(size)
+    column_scale = column_scale if scale_columns else np.ones(columns)
+    u, values, vt = scipy.linalg.svd(row_scale[:, None] * matrix * column_scale, lapack_driver="gesvd")
     scaled_noise = row_scale[:, None] * noise * column_scale
-    u, values, vt = scipy.linalg.svd(scaled, lapack_driver="gesvd")
     count = len(values)
     carried = np.einsum("ij,ik,kj->j", np.abs(u[:, :count]), scaled_noise, np.abs(vt[:count].T))
     own = EPS * values[0] * (rows * columns > 1)  # a single number is decomposed without rounding
     ratios = values / np.maximum(NOISE_SAFETY * (carried + own), np.finfo(float).tiny)
     rank = int((ratios > 1).sum())
     decision = RankDecision(rank, float(ratios[:rank].min(initial=np.inf)), float(ratios[rank:].max(initial=0.0)))
-    return Compression(u.T * row_scale, vt.T * column_scale[:, None], values[:rank], decision)
+    return _Decided(u, values, vt, row_scale, decision)
+
+
+def _null_last(part: _Decided) -> np.ndarray:
+    """An orthogonal basis of the row space whose last columns span the left null space in unscaled rows."""
+    rank = part.decision.rank
+    if rank == len(part.u):
+        return np.eye(rank)
+    turned = scipy.linalg.qr(part.u[:, rank:] * part.row_scale[:, None])[0]
+    return np.roll(turned, rank, axis=1)
+
+
+def _joined(decisions) -> RankDecision:
+    return RankDecision(
+        sum(decision.rank for decision in decisions),
+        min((decision.smallest_kept for decision in decisions), default=np.inf),
+        max((decision.largest_dropped for decision in decisions), default=0.0),
+    )

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.linalg
 
 from ..tolerances import EPS
-from .rank import Compression, RankDecision, compress
+from .rank import RankDecision, RowCompression, compress_columns, compress_rows
 
 
 class SingularPencil(ArithmeticError):
@@ -23,11 +23,11 @@ class SingularPencil(ArithmeticError):
 
 @dataclass(frozen=True)
 class SplitPencil:
-    """W (s E - F) Z = [[s I - J, s E12 - F12], [0, s N - I]] with N strictly upper triangular, hence nilpotent.
+    """W (s E - F) Z = [[s E11 - F11, s E12 - F12], [0, s N - I]], N strictly upper triangular, hence nilpotent.
 
     Attributes:
         left, right: W and Z, shape (N, N).
-        J: finite part, shape (n, n).
+        E11, F11: finite part, shape (n, n), E11 regular.
         E12, F12: coupling, shape (n, m).
         nilpotent: N, shape (m, m).
         deficiencies: number of infinite elementary divisors of degree at least 1, 2, ...
@@ -36,7 +36,8 @@ class SplitPencil:
 
     left: np.ndarray
     right: np.ndarray
-    J: np.ndarray
+    E11: np.ndarray
+    F11: np.ndarray
     E12: np.ndarray
     F12: np.ndarray
     nilpotent: np.ndarray
@@ -93,11 +94,10 @@ def split_pencil(E: np.ndarray, F: np.ndarray) -> SplitPencil:
     work = _Work(E.copy(), F.copy(), EPS * np.abs(E), EPS * np.abs(F), np.eye(size), np.eye(size))
     active, deficiencies, decisions = size, [], []
     while True:
-        found = compress(work.E[:active, :active], work.noise_E[:active, :active])
+        found = compress_rows(work.E[:active, :active], work.noise_E[:active, :active])
         decisions.append(found.decision)
         missing = active - found.decision.rank
         if missing == 0:
-            _make_identity(work, active, found)
             break
         decisions.append(_deflate(work, active, found))
         deficiencies.append(missing)
@@ -105,13 +105,13 @@ def split_pencil(E: np.ndarray, F: np.ndarray) -> SplitPencil:
     return _finished(work, active, tuple(deficiencies), tuple(decisions))
 
 
-def _deflate(work: _Work, active: int, found: Compression) -> RankDecision:
+def _deflate(work: _Work, active: int, found: RowCompression) -> RankDecision:
     """Move the vanishing rows of E to the end, and the columns that they determine through F with them."""
     rank = found.decision.rank
     work.rows(active, found.left)
     work.E[rank:active, :active] = 0.0
     work.noise_E[rank:active, :active] = 0.0
-    turned = compress(work.F[rank:active, :active], work.noise_F[rank:active, :active], scale_columns=False)
+    turned = compress_columns(work.F[rank:active, :active], work.noise_F[rank:active, :active])
     if turned.decision.rank < active - rank:
         raise SingularPencil("the pencil is singular")
     keep = active - rank
@@ -124,13 +124,6 @@ def _deflate(work: _Work, active: int, found: Compression) -> RankDecision:
     return turned.decision
 
 
-def _make_identity(work: _Work, active: int, found: Compression) -> None:
-    """Turn the regular E of the finite part into the identity."""
-    work.rows(active, found.left / found.values[:, None] if active else found.left)
-    work.columns(active, found.right)
-    work.E[:active, :active] = np.eye(active)
-
-
 def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
     """Normalize the infinite part's F, upper triangular and regular, to the identity."""
     size = len(work.E)
@@ -139,9 +132,16 @@ def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
         for block in (work.E, work.F, work.left):
             block[n:] = scipy.linalg.solve_triangular(F22, block[n:])
     return SplitPencil(
-        work.left, work.right, work.F[:n, :n], work.E[:n, n:], work.F[:n, n:],
-        np.triu(work.E[n:, n:], 1), deficiencies, decisions,
-    )  # fmt: skip
+        left=work.left,
+        right=work.right,
+        E11=work.E[:n, :n],
+        F11=work.F[:n, :n],
+        E12=work.E[:n, n:],
+        F12=work.F[:n, n:],
+        nilpotent=np.triu(work.E[n:, n:], 1),
+        deficiencies=deficiencies,
+        decisions=decisions,
+    )
 
 
 def _mixes(matrix, axis):

@@ -25,10 +25,9 @@ def singular_message(A: PolynomialMatrix) -> tuple[str, tuple[int, ...], tuple[i
         involved_columns |= _support(vh[null].conj().T)
     equations, coordinates = np.flatnonzero(involved_rows), np.flatnonzero(involved_columns)
     message = (
-        "det A(s) is zero for every s, so the motion is not determined: "
-        f"{_list('equation', [A.equations[i] for i in equations])} depend{'s' if len(equations) == 1 else ''} on each other or vanish, and "
-        f"{_list('coordinate', [A.coordinates[i] for i in coordinates])} can move freely without any force. "
-        "Attach what is free (a mass, spring, damper or constraint), or take out what is said twice."
+        "det A(s) is zero for every s, so the motion is not determined: the equations "
+        f"{_quoted(A.equations, equations)} are dependent or empty, and the coordinates {_quoted(A.coordinates, coordinates)} "
+        "can move without any force. Attach what is free (a mass, spring, damper or constraint), or take out what is said twice."
     )
     return message, tuple(map(int, equations)), tuple(map(int, coordinates))
 
@@ -38,6 +37,5 @@ def _support(vectors) -> np.ndarray:
     return size > EPS**0.5 * size.max(initial=0.0)
 
 
-def _list(kind, names) -> str:
-    quoted = ", ".join(f'"{name}"' for name in names)
-    return f"{kind}{'s' if len(names) != 1 else ''} {quoted}"
+def _quoted(names, indices) -> str:
+    return ", ".join(f'"{names[i]}"' for i in indices)

@@ -73,7 +73,9 @@ def start_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth)
     for order, g in enumerate(f.impulses):
         finite = finite + np.linalg.matrix_power(form.T, order) @ (form.B @ g)
     inconsistency = _inconsistency(form, stack, f)
-    jump = -form.infinite_columns @ inconsistency + _dirac_jump(form, f)
+    jump = -form.infinite_columns @ inconsistency
+    size = np.abs(form.infinite_columns).max(initial=0.0) * np.abs(inconsistency).max(initial=0.0)
+    jump = _without_noise(jump, size) + _dirac_jump(form, f)
     return Start(finite, _unscaled_jump(form, jump, len(initial)), _impulses(form, inconsistency, f))
 
 
@@ -116,7 +118,7 @@ def _inconsistency(form, stack, f) -> np.ndarray:
         total = total + power @ value
         size = size + np.abs(power) @ (np.abs(derivative) @ np.abs(f.start))
         power = form.nilpotent @ power
-    return np.where(np.abs(total) <= noise_of(size, len(stack)), 0.0, total)
+    return _without_noise(total, size)
 
 
 def _dirac_jump(form, f) -> np.ndarray:
@@ -129,29 +131,26 @@ def _dirac_jump(form, f) -> np.ndarray:
 
 def _impulses(form, inconsistency, f) -> tuple[np.ndarray, ...]:
     scaling, r = form.companion.scaling, form.companion.size
-    count = max(_index(form) - 1, len(f.impulses) + _index(form) - 1 if f.impulses else 0)
-    total, noise = np.zeros((count, r)), np.zeros((count, r))
-    state = inconsistency
-    for order in range(_index(form) - 1):
+    highest = form.highest_impulse
+    count = highest + len(f.impulses)
+    total, state = np.zeros((count, r)), inconsistency
+    size = np.abs(form.C2).max(initial=0.0) * np.abs(inconsistency).max(initial=0.0)
+    for order in range(highest):
         state = form.nilpotent @ state
-        total[order] -= form.C2 @ state
-        noise[order] += np.abs(form.C2) @ (np.abs(form.nilpotent) @ np.abs(inconsistency))
+        size = size * np.abs(form.nilpotent).sum(axis=1).max(initial=0.0)
+        total[order] -= _without_noise(form.C2 @ state, size)
     for order, g in enumerate(f.impulses):
         for k in range(count):
-            H = _scaled_laurent(form, k - order)
-            total[k] += H @ g
-            noise[k] += np.abs(H) @ np.abs(g)
-    total = np.where(np.abs(total) <= noise_of(noise, len(form.T)), 0.0, total)
+            total[k] += form.laurent(k - order) @ g
     impulses = [scaling.columns * row * scaling.time ** -(k + 1.0) for k, row in enumerate(total)]
     while impulses and not impulses[-1].any():
         impulses.pop()
     return tuple(impulses)
 
 
-def _scaled_laurent(form, index) -> np.ndarray:
-    if index >= 0:
-        return -form.C2 @ np.linalg.matrix_power(form.nilpotent, index) @ form.B2
-    return form.C @ np.linalg.matrix_power(form.T, -index - 1) @ form.B
+def _without_noise(values, size):
+    """The values, those no larger than the rounding of sums of the given size set to zero."""
+    return np.where(np.abs(values) <= noise_of(size, len(values)), 0.0, values)
 
 
 def _unscaled_jump(form, jump, q) -> np.ndarray:

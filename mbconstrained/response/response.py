@@ -14,6 +14,7 @@ from ..notices import Notice
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction
 from ..signals.inputs import ImpulsiveSmooth
+from ..tolerances import noise_of
 
 
 @dataclass(frozen=True)
@@ -58,8 +59,9 @@ class Response:
 
     @property
     def start(self) -> np.ndarray:
-        """x^(i)(0+) as row i, shape (q, r)."""
-        return self.initial + self.jump
+        """x^(i)(0+) as row i, shape (q, r); what a jump leaves of a value below its rounding is zero."""
+        start = self.initial + self.jump
+        return np.where(np.abs(start) <= noise_of(np.abs(self.jump)), 0.0, start)
 
     def error_estimate(self, times) -> float:
         """Estimate of max |error| / max |x| over the given times (see ``response.estimate``)."""
