@@ -79,6 +79,8 @@ def names_of(names, count: int, what: str, prefix: str) -> tuple[str, ...]:
     """A tuple of count distinct names; made from the prefix when none are given."""
     if names is None:
         return tuple(f"{prefix}{i + 1}" for i in range(count))
+    if isinstance(names, str):
+        raise InputError(f'{what}: found the text "{names}"; expected a list of names')
     names = tuple(str(name) for name in names)
     if len(names) != count:
         raise InputError(f"{what}: {len(names)} names given for {count}; give one each")

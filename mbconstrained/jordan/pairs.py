@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg
 
-from ..errors import SingularPolynomialMatrix
+from ..errors import InputError, Overflow, SingularPolynomialMatrix
 from ..linalg.blocks import block_diagonalize
 from ..linalg.staircase import SingularPencil
 from ..polynomial.companion import scaled_companion
@@ -92,9 +92,19 @@ class JordanPairs:
         return InfinitePair(scaling.columns[:, None] * C, J / scaling.time, B * scaling.rows)
 
     def laurent(self, index: int) -> np.ndarray:
-        """H_i of A(s)^-1 = sum over i of H_i s^i near infinity, shape (r, r) (Eqs. 18, 27)."""
+        """H_i of A(s)^-1 = sum over i of H_i s^i near infinity, shape (r, r) (Eqs. 18, 27).
+
+        Raises:
+            Overflow: an entry leaves the range of float64 (for i far below zero).
+        """
+        if isinstance(index, bool) or not isinstance(index, (int, np.integer)):
+            raise InputError(f"index: found {index!r}; expected a whole number")
         scaling = self.form.companion.scaling
-        return scaling.columns[:, None] * self.form.laurent(index) * scaling.rows * scaling.time**-float(index)
+        with np.errstate(over="ignore", invalid="ignore"):
+            H = scaling.columns[:, None] * self.form.laurent(index) * scaling.rows * scaling.time ** -float(index)
+        if not np.isfinite(H).all():
+            raise Overflow(f"H_{index} has entries beyond the range of float64")
+        return H
 
     @cached_property
     def structure(self) -> Structure:

@@ -15,7 +15,7 @@ import numpy as np
 from ..linalg.staircase import SplitPencil
 from ..linalg.triangular import triangular_form
 from ..polynomial.companion import ScaledCompanion
-from ..tolerances import noise_of
+from ..tolerances import EPS, NOISE_SAFETY
 
 
 @dataclass(frozen=True)
@@ -66,16 +66,12 @@ class WeierstrassForm:
         return max([0, *(degree - self.companion.grade for degree in self.split.infinite_divisors)])
 
     def laurent(self, index: int) -> np.ndarray:
-        """Scaled H_i of A(s)^-1 near infinity, entries that are mere rounding noise set to zero."""
+        """Scaled H_i of A(s)^-1 near infinity, shape (r, r)."""
         if index > self.highest_impulse:
             return np.zeros((self.companion.size,) * 2)
         if index >= 0:
-            left, middle, right = -self.C2, self.nilpotent, self.B2
-        else:
-            left, middle, right, index = self.C, self.T, self.B, -index - 1
-        value = left @ np.linalg.matrix_power(middle, index) @ right
-        size = (np.abs(left) @ np.linalg.matrix_power(np.abs(middle), index) @ np.abs(right)).max(initial=0.0)
-        return np.where(np.abs(value) <= noise_of(size, self.companion.size), 0.0, value)
+            return -self.C2 @ np.linalg.matrix_power(self.nilpotent, index) @ self.B2
+        return self.C @ np.linalg.matrix_power(self.T, -index - 1) @ self.B
 
 
 def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
@@ -90,6 +86,9 @@ def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
     E12, F12 = finite.left @ split.E12, finite.left @ split.F12
     R = _fixed_point(finite.T, split.nilpotent, F12 @ split.nilpotent - E12, len(split.deficiencies))
     finite_columns = split.right[:, :n] @ finite.right
+    correction = finite_columns @ R
+    infinite_columns = split.right[:, n:] + correction
+    noise = split.right_noise[:, n:] + EPS * np.where(correction != 0, np.abs(finite_columns) @ np.abs(R), 0.0)
     return WeierstrassForm(
         companion=companion,
         split=split,
@@ -97,7 +96,7 @@ def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
         finite_columns=finite_columns,
         finite_rows=finite.left @ split.left[:n] - (finite.T @ R + F12) @ split.left[n:],
         nilpotent=split.nilpotent,
-        infinite_columns=split.right[:, n:] + finite_columns @ R,
+        infinite_columns=np.where(np.abs(infinite_columns) <= NOISE_SAFETY * noise, 0.0, infinite_columns),
         infinite_rows=split.left[n:],
     )
 

@@ -16,6 +16,9 @@ import scipy.linalg
 #: The Taylor polynomial of e^X of this degree is exact to rounding for |X| <= 1 (1/19! < 1e-17).
 TAYLOR_DEGREE = 18
 
+#: e^x overflows a little above this x.
+LARGEST_EXPONENT = 709.0
+
 #: Largest number of entries that one chunk of stacked small matrices may have (bounds the memory used).
 CHUNK_ENTRIES = 2_000_000
 
@@ -71,9 +74,11 @@ def _even_and_odd(square, times):
 
 
 def _scaled(values, exponents):
-    """values * e^exponents where exact zeros stay zero however large the exponent (no inf * 0)."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        return np.where(values == 0, 0.0, values * np.exp(exponents))
+    """values * e^exponents; exact zeros stay zero, and a tiny value may outweigh a huge exponential."""
+    with np.errstate(over="ignore", divide="ignore", under="ignore", invalid="ignore"):
+        direct = values * np.exp(exponents)
+        by_logarithm = np.sign(values) * np.exp(exponents + np.log(np.abs(values)))
+    return np.where(values == 0, 0.0, np.where(exponents > LARGEST_EXPONENT, by_logarithm, direct))
 
 
 def _cluster_states(block, start, times) -> np.ndarray:
@@ -108,7 +113,7 @@ def _upper_half(block):
 
 
 def _shifted_states(rest, shift, start, times) -> np.ndarray:
-    """e^{shift t} e^{rest t} start for every t, the second factor by Taylor with squaring."""
+    """e^{(rest + shift) t} start for every t, by Taylor in the rest and squaring."""
     size = len(start)
     states = np.empty((size, len(times)), dtype=np.result_type(rest, start))
     norm = np.abs(rest).sum(axis=0).max()
@@ -116,17 +121,24 @@ def _shifted_states(rest, shift, start, times) -> np.ndarray:
     for begin in range(0, len(times), chunk):
         part = times[begin : begin + chunk]
         doublings = int(np.ceil(np.log2(max(norm * np.abs(part).max(initial=0.0), 1.0))))
-        matrices = _taylor_exponential(rest, part / 2.0**doublings, doublings)
+        matrices = _taylor_exponential(rest, shift, part / 2.0**doublings, doublings)
         states[:, begin : begin + chunk] = np.einsum("tij,j->it", matrices, start)
-    return _scaled(states, shift * times)
+    return states
 
 
-def _taylor_exponential(rest, times, doublings) -> np.ndarray:
+def _taylor_exponential(rest, shift, times, doublings) -> np.ndarray:
+    """e^{(rest + shift) t 2^doublings}; the shift is in before the squaring, so that a decay keeps it in range.
+
+    A chain of n states needs n - 1 powers to be there at all: the degree grows with the size.
+    """
     steps = rest[None] * times[:, None, None]
     identity = np.eye(len(rest))
-    total = identity + steps / TAYLOR_DEGREE
-    for degree in range(TAYLOR_DEGREE - 1, 0, -1):
-        total = identity + steps @ total / degree
-    for _ in range(doublings):
-        total = total @ total
+    degree = TAYLOR_DEGREE + len(rest) - 1
+    total = identity + steps / degree
+    for power in range(degree - 1, 0, -1):
+        total = identity + steps @ total / power
+    with np.errstate(over="ignore", invalid="ignore", under="ignore"):  # the caller sees and reports what is not finite
+        total = total * np.exp(shift * times)[:, None, None]
+        for _ in range(doublings):
+            total = total @ total
     return total

@@ -29,8 +29,9 @@ class Scaling:
 
     def apply(self, coefficients: np.ndarray) -> np.ndarray:
         """The scaled coefficients, shape (q + 1, r, r)."""
-        powers = self.time ** np.arange(len(coefficients), dtype=float)
-        return self.rows[:, None] * coefficients * self.columns * powers[:, None, None]
+        powers = np.arange(len(coefficients))[:, None, None] * np.log2(self.time)
+        exponents = powers + np.log2(self.rows)[:, None] + np.log2(self.columns)
+        return np.ldexp(coefficients, exponents.astype(int))  # added first: the factors alone might overflow
 
 
 def joint_scaling(coefficients: np.ndarray) -> Scaling:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from ..tolerances import EPS
+from ..tolerances import EPS, NOISE_SAFETY
 from .rank import RankDecision, RowCompression, compress_columns, compress_rows
 
 
@@ -25,8 +25,11 @@ class SingularPencil(ArithmeticError):
 class SplitPencil:
     """W (s E - F) Z = [[s E11 - F11, s E12 - F12], [0, s N - I]], N strictly upper triangular, hence nilpotent.
 
+    Entries of W, Z and N that are no larger than their carried rounding noise are exactly zero.
+
     Attributes:
         left, right: W and Z, shape (N, N).
+        right_noise: bound of the rounding noise in Z.
         E11, F11: finite part, shape (n, n), E11 regular.
         E12, F12: coupling, shape (n, m).
         nilpotent: N, shape (m, m).
@@ -36,6 +39,7 @@ class SplitPencil:
 
     left: np.ndarray
     right: np.ndarray
+    right_noise: np.ndarray
     E11: np.ndarray
     F11: np.ndarray
     E12: np.ndarray
@@ -55,33 +59,50 @@ class SplitPencil:
 
 
 @dataclass
+class Noisy:
+    """A matrix with a bound of the rounding noise of each entry; row and column operations carry it along."""
+
+    data: np.ndarray
+    noise: np.ndarray
+
+    def rows(self, at: slice, matrix: np.ndarray) -> None:
+        """Replace the rows ``at`` by matrix times them."""
+        size = np.abs(matrix)
+        self.noise[at] = size @ self.noise[at] + EPS * _mixes(matrix, axis=1)[:, None] * (size @ np.abs(self.data[at]))
+        self.data[at] = matrix @ self.data[at]
+
+    def columns(self, at: slice, matrix: np.ndarray) -> None:
+        """Replace the columns ``at`` by them times matrix."""
+        size, part = np.abs(matrix), (slice(None), at)
+        self.noise[part] = self.noise[part] @ size + EPS * _mixes(matrix, axis=0) * (np.abs(self.data[part]) @ size)
+        self.data[part] = self.data[part] @ matrix
+
+    def clear(self, rows: slice, columns: slice) -> None:
+        """Set a part to exactly zero."""
+        self.data[rows, columns] = 0.0
+        self.noise[rows, columns] = 0.0
+
+    def cleaned(self) -> np.ndarray:
+        """The matrix, entries within their noise set to zero."""
+        return np.where(np.abs(self.data) <= NOISE_SAFETY * self.noise, 0.0, self.data)
+
+
+@dataclass
 class _Work:
-    """The pencil being transformed, with the noise of its entries; the active part is the leading m x m."""
+    """The pencil being transformed, left (s E_0 - F_0) right = s E - F; the active part is the leading one."""
 
-    E: np.ndarray
-    F: np.ndarray
-    noise_E: np.ndarray
-    noise_F: np.ndarray
-    left: np.ndarray
-    right: np.ndarray
+    E: Noisy
+    F: Noisy
+    left: Noisy
+    right: Noisy
 
-    def rows(self, count: int, matrix: np.ndarray) -> None:
-        """Replace the first count rows by matrix times them."""
-        size = np.abs(matrix)
-        smear = EPS * _mixes(matrix, axis=1)[:, None]
-        for data, noise in ((self.E, self.noise_E), (self.F, self.noise_F)):
-            noise[:count] = size @ noise[:count] + smear * (size @ np.abs(data[:count]))
-            data[:count] = matrix @ data[:count]
-        self.left[:count] = matrix @ self.left[:count]
+    def rows(self, at: slice, matrix: np.ndarray) -> None:
+        for part in (self.E, self.F, self.left):
+            part.rows(at, matrix)
 
-    def columns(self, count: int, matrix: np.ndarray) -> None:
-        """Replace the first count columns by them times matrix."""
-        size = np.abs(matrix)
-        smear = EPS * _mixes(matrix, axis=0)
-        for data, noise in ((self.E, self.noise_E), (self.F, self.noise_F)):
-            noise[:, :count] = noise[:, :count] @ size + smear * (np.abs(data[:, :count]) @ size)
-            data[:, :count] = data[:, :count] @ matrix
-        self.right[:, :count] = self.right[:, :count] @ matrix
+    def columns(self, at: slice, matrix: np.ndarray) -> None:
+        for part in (self.E, self.F, self.right):
+            part.columns(at, matrix)
 
 
 def split_pencil(E: np.ndarray, F: np.ndarray) -> SplitPencil:
@@ -90,55 +111,57 @@ def split_pencil(E: np.ndarray, F: np.ndarray) -> SplitPencil:
     Raises:
         SingularPencil: det(s E - F) vanishes identically, to within the noise of the data.
     """
-    size = len(E)
-    work = _Work(E.copy(), F.copy(), EPS * np.abs(E), EPS * np.abs(F), np.eye(size), np.eye(size))
-    active, deficiencies, decisions = size, [], []
+    n = len(E)
+    exact = np.zeros((n, n))
+    work = _Work(
+        E=Noisy(E.copy(), EPS * np.abs(E)),
+        F=Noisy(F.copy(), EPS * np.abs(F)),
+        left=Noisy(np.eye(n), exact.copy()),
+        right=Noisy(np.eye(n), exact.copy()),
+    )
+    deficiencies, decisions = [], []
     while True:
-        found = compress_rows(work.E[:active, :active], work.noise_E[:active, :active])
+        active = slice(n)
+        found = compress_rows(work.E.data[active, active], work.E.noise[active, active])
         decisions.append(found.decision)
-        missing = active - found.decision.rank
-        if missing == 0:
-            break
-        decisions.append(_deflate(work, active, found))
-        deficiencies.append(missing)
-        active -= missing
-    return _finished(work, active, tuple(deficiencies), tuple(decisions))
+        if found.decision.rank == n:
+            return _finished(work, n, tuple(deficiencies), tuple(decisions))
+        deficiencies.append(n - found.decision.rank)
+        decisions.append(_deflate(work, n, found))
+        n = found.decision.rank
 
 
 def _deflate(work: _Work, active: int, found: RowCompression) -> RankDecision:
     """Move the vanishing rows of E to the end, and the columns that they determine through F with them."""
     rank = found.decision.rank
-    work.rows(active, found.left)
-    work.E[rank:active, :active] = 0.0
-    work.noise_E[rank:active, :active] = 0.0
-    turned = compress_columns(work.F[rank:active, :active], work.noise_F[rank:active, :active])
-    if turned.decision.rank < active - rank:
+    top, bottom, keep = slice(active), slice(rank, active), active - rank
+    work.rows(top, found.left)
+    work.E.clear(bottom, top)
+    turned = compress_columns(work.F.data[bottom, top], work.F.noise[bottom, top])
+    if turned.decision.rank < keep:
         raise SingularPencil("the pencil is singular")
-    keep = active - rank
-    work.columns(active, np.hstack([turned.right[:, keep:], turned.right[:, :keep]]))
-    bottom = slice(rank, active)
-    for data in (work.E, work.F, work.left):  # no decision looks at these rows again: their noise may stay behind
-        data[bottom] = turned.left @ data[bottom]
-    work.F[bottom, :rank] = 0.0
-    work.F[bottom, rank:active] = np.diag(turned.values)
+    work.columns(top, np.hstack([turned.right[:, keep:], turned.right[:, :keep]]))
+    work.rows(bottom, turned.left)
+    work.F.clear(bottom, slice(rank))
+    work.F.data[bottom, bottom] = np.diag(turned.values)
     return turned.decision
 
 
 def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
     """Normalize the infinite part's F, upper triangular and regular, to the identity."""
-    size = len(work.E)
-    if n < size:
-        F22 = work.F[n:, n:].copy()
-        for block in (work.E, work.F, work.left):
-            block[n:] = scipy.linalg.solve_triangular(F22, block[n:])
+    finite, infinite = slice(n), slice(n, None)
+    if n < len(work.F.data):
+        F22 = work.F.data[infinite, infinite]
+        work.rows(infinite, scipy.linalg.solve_triangular(F22, np.eye(len(F22))))
     return SplitPencil(
-        left=work.left,
-        right=work.right,
-        E11=work.E[:n, :n],
-        F11=work.F[:n, :n],
-        E12=work.E[:n, n:],
-        F12=work.F[:n, n:],
-        nilpotent=np.triu(work.E[n:, n:], 1),
+        left=work.left.cleaned(),
+        right=work.right.cleaned(),
+        right_noise=work.right.noise,
+        E11=work.E.data[finite, finite],
+        F11=work.F.data[finite, finite],
+        E12=work.E.data[finite, infinite],
+        F12=work.F.data[finite, infinite],
+        nilpotent=np.triu(work.E.cleaned()[infinite, infinite], 1),
         deficiencies=deficiencies,
         decisions=decisions,
     )

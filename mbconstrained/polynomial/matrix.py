@@ -33,6 +33,8 @@ class PolynomialMatrix:
     """
 
     def __init__(self, coefficients: Iterable, coordinates: Sequence[str] | None = None, equations: Sequence[str] | None = None):
+        if not isinstance(coefficients, Iterable):
+            raise InputError(f"coefficients: found {coefficients!r}; expected a list of square matrices [A_0, A_1, ...]")
         matrices = [real_array(matrix, f"A_{power}") for power, matrix in enumerate(coefficients)]
         if not matrices:
             raise InputError("a polynomial matrix needs at least one coefficient, A_0; none was given")

@@ -53,15 +53,26 @@ class ScaledForce:
 
 
 def scaled_force(form: WeierstrassForm, force: ImpulsiveSmooth) -> ScaledForce:
-    """f' = rows * f as a function of t' = time * t."""
+    """f' = rows * f as a function of t' = time * t, its states measured so that its chains have couplings near 1."""
     scaling = form.companion.scaling
     smooth = force.smooth
+    size = np.concatenate([np.ones(0), *(_chain_units(block / scaling.time) for block in smooth.blocks)])
     return ScaledForce(
-        scaling.rows[:, None] * smooth.coefficients,
-        smooth.generator / scaling.time,
-        smooth.start,
+        scaling.rows[:, None] * smooth.coefficients * size,
+        smooth.generator / scaling.time * size / size[:, None],
+        smooth.start / size,
         tuple(scaling.rows * g * scaling.time ** (k + 1.0) for k, g in enumerate(force.impulses)),
     )
+
+
+def _chain_units(block) -> np.ndarray:
+    """Powers of two for the states of t^k e^{a t} (cos, sin), k descending, that bring the couplings near 1."""
+    level = 2 if len(block) > 1 and block[1, 0] != 0 else 1
+    units = np.ones(len(block))
+    for at in range(level, len(block), level):
+        coupling = np.abs(block[at - level : at, at : at + level]).max()
+        units[at:] = units[at - 1] / 2.0 ** np.round(np.log2(coupling)) if coupling > 0 else units[at - 1]
+    return units
 
 
 def start_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth) -> Start:
@@ -73,9 +84,8 @@ def start_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth)
     for order, g in enumerate(f.impulses):
         finite = finite + np.linalg.matrix_power(form.T, order) @ (form.B @ g)
     inconsistency = _inconsistency(form, stack, f)
-    jump = -form.infinite_columns @ inconsistency
-    size = np.abs(form.infinite_columns).max(initial=0.0) * np.abs(inconsistency).max(initial=0.0)
-    jump = _without_noise(jump, size) + _dirac_jump(form, f)
+    jump = _without_noise(-form.infinite_columns @ inconsistency, np.abs(form.infinite_columns) @ np.abs(inconsistency))
+    jump = jump + _dirac_jump(form, f)
     return Start(finite, _unscaled_jump(form, jump, len(initial)), _impulses(form, inconsistency, f))
 
 
@@ -133,12 +143,10 @@ def _impulses(form, inconsistency, f) -> tuple[np.ndarray, ...]:
     scaling, r = form.companion.scaling, form.companion.size
     highest = form.highest_impulse
     count = highest + len(f.impulses)
-    total, state = np.zeros((count, r)), inconsistency
-    size = np.abs(form.C2).max(initial=0.0) * np.abs(inconsistency).max(initial=0.0)
+    total, state, size = np.zeros((count, r)), inconsistency, np.abs(inconsistency)
     for order in range(highest):
-        state = form.nilpotent @ state
-        size = size * np.abs(form.nilpotent).sum(axis=1).max(initial=0.0)
-        total[order] -= _without_noise(form.C2 @ state, size)
+        state, size = form.nilpotent @ state, np.abs(form.nilpotent) @ size
+        total[order] -= _without_noise(form.C2 @ state, np.abs(form.C2) @ size)
     for order, g in enumerate(f.impulses):
         for k in range(count):
             total[k] += form.laurent(k - order) @ g

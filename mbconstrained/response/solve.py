@@ -33,6 +33,8 @@ def solve(A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None = Non
     >>> bool(np.isclose(x(0.5)[0], np.cos(1.0)))
     True
     """
+    if not isinstance(A, PolynomialMatrix):
+        raise InputError(f"A: found {type(A).__name__}; expected a PolynomialMatrix, e.g. mb.PolynomialMatrix([A0, A1, A2])")
     q, r = A.degree, A.size
     initial = np.zeros((q, r)) if initial is None else real_array(initial, "initial", shape=(q, r))
     if force is None:

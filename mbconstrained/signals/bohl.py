@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..checks import real_array
-from ..errors import InputError
+from ..checks import real_array, real_number, whole_number
+from ..errors import InputError, Overflow
 from ..linalg.exponential import block_states
 
 
@@ -36,13 +36,23 @@ class BohlFunction:
         return self.coefficients.shape[0]
 
     def __call__(self, times) -> np.ndarray:
-        """f at a time (-> shape (r,)) or at times of shape (T,) (-> shape (r, T)); each t >= 0, t = 0 means 0+."""
+        """f at a time (-> shape (r,)) or at times of shape (T,) (-> shape (r, T)); each t >= 0, t = 0 means 0+.
+
+        Raises:
+            InputError: negative or not finite times.
+            Overflow: a value leaves the range of float64.
+        """
         times = real_array(times, "time")
         if times.ndim > 1:
             raise InputError(f"time: expected a number or a list of numbers, found an array of shape {times.shape}")
         if times.size and times.min() < 0:
             raise InputError(f"time: found {times.min():g} s; the function is defined for t >= 0 (0 means 0+)")
-        values = self.coefficients @ block_states(self.blocks, self.start, np.atleast_1d(times))
+        with np.errstate(over="ignore", invalid="ignore"):  # reported below, with the time
+            values = self.coefficients @ block_states(self.blocks, self.start, np.atleast_1d(times))
+        finite = np.isfinite(values).all(axis=0)
+        if not finite.all():
+            first = np.atleast_1d(times)[~finite].min()
+            raise Overflow(f"the function grows beyond the range of float64 at t = {first:g} s; ask for earlier times")
         return values if times.ndim else values[:, 0]
 
     @property
@@ -60,13 +70,14 @@ class BohlFunction:
     def derivative(self, order: int = 1) -> BohlFunction:
         """The classical derivative C J^order e^{J t} v."""
         coefficients = self.coefficients
-        for _ in range(order):
+        for _ in range(whole_number(order, "order")):
             coefficients = self._times_generator(coefficients)
         return BohlFunction(coefficients, self.blocks, self.start)
 
     def mapped(self, matrix) -> BohlFunction:
         """The function matrix @ f(t), matrix of shape (p, r)."""
-        return BohlFunction(np.asarray(matrix, dtype=float) @ self.coefficients, self.blocks, self.start)
+        matrix = real_array(matrix, "matrix", shape=(None, self.size))
+        return BohlFunction(matrix @ self.coefficients, self.blocks, self.start)
 
     def __add__(self, other: BohlFunction) -> BohlFunction:
         if not isinstance(other, BohlFunction):
@@ -76,7 +87,7 @@ class BohlFunction:
         return _merged(self._parts() + other._parts(), self.size)
 
     def __mul__(self, factor: float) -> BohlFunction:
-        return BohlFunction(self.coefficients * float(factor), self.blocks, self.start)
+        return BohlFunction(self.coefficients * real_number(factor, "factor"), self.blocks, self.start)
 
     __rmul__ = __mul__
 

@@ -14,6 +14,9 @@ from ..checks import real_array, real_number, whole_number
 from ..errors import InputError
 from .bohl import BohlFunction
 
+#: The largest n with (n - 1)! in the range of float64.
+LARGEST_FACTORIAL = 171
+
 
 @dataclass(frozen=True)
 class ImpulsiveSmooth:
@@ -48,12 +51,14 @@ class ImpulsiveSmooth:
     def __add__(self, other: ImpulsiveSmooth) -> ImpulsiveSmooth:
         if not isinstance(other, ImpulsiveSmooth):
             return NotImplemented
+        if self.size != other.size:
+            raise InputError(f"inputs of different sizes cannot be added: {self.size} and {other.size} rows")
         count = max(len(self.impulses), len(other.impulses))
-        impulses = tuple(_entry(self, k) + _entry(other, k) for k in range(count)) if self.size == other.size else ()
+        impulses = tuple(_entry(self, k) + _entry(other, k) for k in range(count))
         return ImpulsiveSmooth(self.smooth + other.smooth, impulses)
 
     def __mul__(self, factor: float) -> ImpulsiveSmooth:
-        return ImpulsiveSmooth(self.smooth * factor, tuple(g * float(factor) for g in self.impulses))
+        return ImpulsiveSmooth(self.smooth * factor, tuple(g * factor for g in self.impulses))
 
     __rmul__ = __mul__
 
@@ -80,13 +85,10 @@ def term(vector, *, power: int = 0, rate: float = 0.0, angular_frequency: float 
     power = whole_number(power, "power")
     rate, phase = real_number(rate, "rate"), real_number(phase, "phase")
     frequency = real_number(angular_frequency, "angular_frequency")
-    scaled = vector * float(math.factorial(power)) if power <= 170 else None
-    if scaled is None:
-        raise InputError(f"power: found {power}; powers above 170 leave the range of float64")
     if frequency == 0:
-        return _chain(scaled[:, None] * math.cos(phase), np.array([[rate]]), power)
+        return _chain(vector[:, None] * math.cos(phase), np.array([[rate]]), power)
     turn = np.array([[rate, -frequency], [frequency, rate]])
-    return _chain(np.multiply.outer(scaled, [math.cos(phase), -math.sin(phase)]), turn, power)
+    return _chain(np.multiply.outer(vector, [math.cos(phase), -math.sin(phase)]), turn, power)
 
 
 def step(vector) -> ImpulsiveSmooth:
@@ -114,8 +116,10 @@ def power(vector, gamma: int) -> ImpulsiveSmooth:
         raise InputError(f"gamma: found {gamma!r}; expected a whole number")
     if gamma <= 0:
         return impulse(vector, order=-int(gamma))
+    if gamma > LARGEST_FACTORIAL:
+        raise InputError(f"gamma: found {gamma}; (gamma - 1)! leaves the range of float64 beyond {LARGEST_FACTORIAL}")
     vector = real_array(vector, "vector", shape=(None,))
-    return _chain(vector[:, None], np.zeros((1, 1)), int(gamma) - 1)
+    return _chain(vector[:, None] / math.factorial(gamma - 1), np.zeros((1, 1)), int(gamma) - 1)
 
 
 def impulse(vector, order: int = 0) -> ImpulsiveSmooth:
@@ -132,12 +136,13 @@ def harmonic(vector, *, angular_frequency: float, phase: float = 0.0) -> Impulsi
 
 
 def _chain(coefficients, diagonal, power) -> ImpulsiveSmooth:
-    """The function whose states are t^j/j! e^{diagonal t}, j = power .. 0, read off the highest one.
+    """The function whose states are t^j e^{diagonal t}, j = power .. 0, read off the highest one.
 
     The highest power comes first: the generator is then upper (quasi-)triangular, like a real Schur form.
     """
     size = len(diagonal)
-    generator = np.kron(np.eye(power + 1), diagonal) + np.kron(np.eye(power + 1, k=1), np.eye(size))
+    steps = np.diag(np.arange(power, 0, -1.0), k=1) if power else np.zeros((1, 1))
+    generator = np.kron(np.eye(power + 1), diagonal) + np.kron(steps, np.eye(size))
     start = np.zeros(size * (power + 1))
     start[-size] = 1.0
     rows = np.zeros((len(coefficients), size * (power + 1)))
