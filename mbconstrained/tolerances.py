@@ -10,18 +10,20 @@ import numpy as np
 
 EPS = float(np.finfo(float).eps)
 
-#: Carried noise is a first-order bound of single roundings; errors of sums of many may be this much larger.
-NOISE_SAFETY = 8.0
+#: Carried noise counts roundings to first order, one each; over several steps of a staircase true errors were seen
+#: to reach ten times that. A number below this many times its noise counts as zero.
+NOISE_SAFETY = 16.0
 
-#: A rank decision is clear when the smallest kept value stands this far above the noise; closer ones are told.
-CLEAR_GAP = 1e4
+#: A rank decision is clear when the smallest kept value stands this far above that bound, and the largest dropped
+#: one this far below it; closer ones are told.
+CLEAR_KEPT, CLEAR_DROPPED = 1e3, 0.25
 
 #: Largest entry norm of a decoupling transformation between two blocks of J. A larger bound separates closer
 #: zeros, a smaller one loses fewer digits; clusters up to this bound are evaluated as one block instead.
 DECOUPLING_LIMIT = 1e3
 
 #: Two zeros are one zero of higher multiplicity when they differ by less than this many noise radii.
-CLUSTER_SAFETY = 32.0
+CLUSTER_SAFETY = 1e3
 
 #: The error estimate compares the answer with answers from data moved by this many units in the last place.
 PROBE_SIZE = 1.0

@@ -1,4 +1,4 @@
-"""The minimal realization of a polynomial matrix H_0 + H_1 s + ... = C (I - s N)^-1 B with nilpotent N.
+"""The minimal realization of a polynomial matrix H_0 + H_1 s + ... = C (I - s J)^-1 B with nilpotent J.
 
 The block Hankel matrix of H_0, H_1, ... factors into observability times reachability (Ho and Kalman). Its
 rank and the kernels of the powers of J are known from the structure at infinity: no rank is guessed here.
@@ -10,13 +10,11 @@ import numpy as np
 import scipy.linalg
 
 
-def minimal_nilpotent(C: np.ndarray, N: np.ndarray, B: np.ndarray, chains: tuple[int, ...]):
-    """(C, J, B) with C J^i B = given C N^i B for i >= 0, J strictly upper triangular with the given chain lengths."""
-    r, size = C.shape[0], sum(chains)
+def minimal_nilpotent(terms: list[np.ndarray], chains: tuple[int, ...]):
+    """(C, J, B) with C J^i B = H_i for the given terms H_0, H_1, ..., J strictly upper triangular, of these chain lengths."""
+    r, size = len(terms[0]), sum(chains)
     if size == 0:
         return np.zeros((r, 0)), np.zeros((0, 0)), np.zeros((0, r))
-    depth = max(chains)
-    terms = [C @ np.linalg.matrix_power(N, i) @ B for i in range(depth)]
     u, values, vt = scipy.linalg.svd(_hankel(terms, 0))
     root = np.sqrt(values[:size])
     observe, reach = u[:, :size] * root, root[:, None] * vt[:size]

@@ -88,7 +88,8 @@ class JordanPairs:
     def infinite(self) -> InfinitePair:
         """(C, J, B) of the zeros at infinity, of the minimal size mu."""
         form, scaling = self.form, self.form.companion.scaling
-        C, J, B = minimal_nilpotent(form.C2, form.nilpotent, -form.B2, self.structure.infinite_chains)
+        terms = [form.laurent(index).cleaned() for index in range(self.structure.highest_impulse + 1)]
+        C, J, B = minimal_nilpotent(terms, self.structure.infinite_chains)
         return InfinitePair(scaling.columns[:, None] * C, J / scaling.time, B * scaling.rows)
 
     def laurent(self, index: int) -> np.ndarray:
@@ -101,7 +102,7 @@ class JordanPairs:
             raise InputError(f"index: found {index!r}; expected a whole number")
         scaling = self.form.companion.scaling
         with np.errstate(over="ignore", invalid="ignore"):
-            H = scaling.columns[:, None] * self.form.laurent(index) * scaling.rows * scaling.time ** -float(index)
+            H = scaling.columns[:, None] * self.form.laurent(index).cleaned() * scaling.rows * scaling.time ** -float(index)
         if not np.isfinite(H).all():
             raise Overflow(f"H_{index} has entries beyond the range of float64")
         return H

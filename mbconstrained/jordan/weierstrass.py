@@ -12,10 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..linalg.noise import Noisy
 from ..linalg.staircase import SplitPencil
 from ..linalg.triangular import triangular_form
 from ..polynomial.companion import ScaledCompanion
-from ..tolerances import EPS, NOISE_SAFETY
+from ..tolerances import EPS
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,7 @@ class WeierstrassForm:
         finite_columns: Q_1, shape (g r, n).   finite_rows: P_1, shape (n, g r).
         nilpotent: N, shape (m, m).
         infinite_columns: Q_2, shape (g r, m). infinite_rows: P_2, shape (m, g r).
+        The infinite part is small and read for zeros, so it carries its rounding noise.
     """
 
     companion: ScaledCompanion
@@ -36,9 +38,9 @@ class WeierstrassForm:
     T: np.ndarray
     finite_columns: np.ndarray
     finite_rows: np.ndarray
-    nilpotent: np.ndarray
-    infinite_columns: np.ndarray
-    infinite_rows: np.ndarray
+    nilpotent: Noisy
+    infinite_columns: Noisy
+    infinite_rows: Noisy
 
     @property
     def C(self) -> np.ndarray:
@@ -48,30 +50,37 @@ class WeierstrassForm:
     @property
     def B(self) -> np.ndarray:
         """Shape (n, r)."""
-        return self.finite_rows[:, -self.companion.size :] if self.companion.size else self.finite_rows
+        return self.finite_rows[:, len(self.companion.E) - self.companion.size :]
 
     @property
-    def C2(self) -> np.ndarray:
+    def C2(self) -> Noisy:
         """Shape (r, m)."""
         return self.infinite_columns[: self.companion.size]
 
     @property
-    def B2(self) -> np.ndarray:
+    def B2(self) -> Noisy:
         """Shape (m, r)."""
-        return self.infinite_rows[:, -self.companion.size :] if self.companion.size else self.infinite_rows
+        return self.infinite_rows[:, len(self.companion.E) - self.companion.size :]
 
     @property
     def highest_impulse(self) -> int:
         """q_hat_r, the highest order of an infinite zero of A(s): H_i = 0 beyond it."""
         return max([0, *(degree - self.companion.grade for degree in self.split.infinite_divisors)])
 
-    def laurent(self, index: int) -> np.ndarray:
+    def laurent(self, index: int) -> Noisy:
         """Scaled H_i of A(s)^-1 near infinity, shape (r, r)."""
+        r = self.companion.size
         if index > self.highest_impulse:
-            return np.zeros((self.companion.size,) * 2)
-        if index >= 0:
-            return -self.C2 @ np.linalg.matrix_power(self.nilpotent, index) @ self.B2
-        return self.C @ np.linalg.matrix_power(self.T, -index - 1) @ self.B
+            return Noisy.exact(np.zeros((r, r)))
+        if index < 0:
+            value, size = self.B, np.abs(self.B).max(axis=0, keepdims=True, initial=0.0) + np.zeros_like(self.B)
+            for _ in range(-index - 1):
+                value, size = self.T @ value, np.abs(self.T) @ size
+            return Noisy(self.C @ value, EPS * np.abs(self.C) @ size)
+        value = -self.B2
+        for _ in range(index):
+            value = self.nilpotent @ value
+        return self.C2 @ value
 
 
 def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
@@ -83,22 +92,25 @@ def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
     split = companion.split
     n = len(split.E11)
     finite = triangular_form(split.E11, split.F11)
+    N = split.nilpotent.data
     E12, F12 = finite.left @ split.E12, finite.left @ split.F12
-    R = _fixed_point(finite.T, split.nilpotent, F12 @ split.nilpotent - E12, len(split.deficiencies))
-    finite_columns = split.right[:, :n] @ finite.right
-    correction = finite_columns @ R
-    infinite_columns = split.right[:, n:] + correction
-    noise = split.right_noise[:, n:] + EPS * np.where(correction != 0, np.abs(finite_columns) @ np.abs(R), 0.0)
+    R = _fixed_point(finite.T, N, F12 @ N - E12, len(split.deficiencies))
+    finite_columns = split.right.data[:, :n] @ finite.right
     return WeierstrassForm(
         companion=companion,
         split=split,
         T=finite.T,
         finite_columns=finite_columns,
-        finite_rows=finite.left @ split.left[:n] - (finite.T @ R + F12) @ split.left[n:],
+        finite_rows=finite.left @ split.left.data[:n] - (finite.T @ R + F12) @ split.left.data[n:],
         nilpotent=split.nilpotent,
-        infinite_columns=np.where(np.abs(infinite_columns) <= NOISE_SAFETY * noise, 0.0, infinite_columns),
+        infinite_columns=split.right[:, n:] + _columnwise(finite_columns) @ _columnwise(R),
         infinite_rows=split.left[n:],
     )
+
+
+def _columnwise(matrix) -> Noisy:
+    """A result of orthogonal transformations: each column is known up to a rounding of its largest entry."""
+    return Noisy(matrix, EPS * np.abs(matrix).max(axis=0, initial=0.0) + np.zeros_like(matrix))
 
 
 def _fixed_point(T, nilpotent, G, steps):

@@ -1,11 +1,10 @@
 """Rank decisions against carried rounding noise, with their evidence.
 
-A matrix S comes with a matrix N >= 0 of the rounding noise of each entry. Independent groups of rows and
-columns (the connected components of the pattern of nonzeros) are decided apart, so that exact zeros stay
-exact and one group's scale cannot hide another's. Each group is scaled to unit rows and columns, which
-changes no rank, and a singular value sigma_i with vectors u_i, v_i counts as zero when
-sigma_i <= |u_i|^T N |v_i|, the first-order bound of what the noise can do to it, plus the rounding of the
-decomposition itself.
+A matrix is reduced by Gauss's elimination with complete pivoting while the rounding noise of every entry is
+carried along. What is left when all remaining entries are no larger than their noise is zero, and the pivots
+so far are the rank. Elimination, not orthogonal factors: exact zeros and ratios of the data stay exact, and a
+small entry that is known accurately (a light mass) is not lost beside large ones. The connected components of the
+pattern of nonzeros are decided apart.
 """
 
 from __future__ import annotations
@@ -13,12 +12,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from ..tolerances import CLEAR_GAP, EPS, NOISE_SAFETY
-from .scaling import equilibration
+from ..tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY
+from .noise import Noisy
 
 
 @dataclass(frozen=True)
@@ -27,8 +25,8 @@ class RankDecision:
 
     Attributes:
         rank: the rank decided.
-        smallest_kept: the least ratio (singular value / its noise) of those kept; inf when none was kept.
-        largest_dropped: the largest such ratio of those dropped; zero when none was dropped.
+        smallest_kept: the least ratio (pivot / bound below which it counts as zero); inf when none was kept.
+        largest_dropped: the largest such ratio of the entries dropped; zero when none was dropped.
     """
 
     rank: int
@@ -37,75 +35,53 @@ class RankDecision:
 
     @property
     def clear(self) -> bool:
-        """True where no kept value is near the noise."""
-        return self.smallest_kept >= CLEAR_GAP
+        """True where no value kept or dropped is near the bound that decides."""
+        return self.smallest_kept >= CLEAR_KEPT and self.largest_dropped <= CLEAR_DROPPED
 
 
 @dataclass(frozen=True)
 class RowCompression:
-    """An orthogonal ``left`` with left @ S = [S_1; 0], S_1 of full row rank."""
+    """``left @ S`` = [S_1; 0] with S_1 independent rows of S: left selects them, then combines the dependent ones.
 
-    left: np.ndarray
+    Attributes:
+        left: shape (m, m), with its noise.
+        pivots: the rows selected, in the order of left.
+    """
+
+    left: Noisy
+    pivots: np.ndarray
     decision: RankDecision
 
 
-@dataclass(frozen=True)
-class ColumnCompression:
-    """``left @ S @ right`` = [diag(values), 0] with an orthogonal right, for an S of full row rank."""
+def compress_rows(matrix: Noisy, weights: np.ndarray | None = None) -> RowCompression:
+    """Find the dependent rows of a matrix with noise.
 
-    left: np.ndarray
-    right: np.ndarray
-    values: np.ndarray
-    decision: RankDecision
-
-
-def compress_rows(matrix: np.ndarray, noise: np.ndarray) -> RowCompression:
-    """Rotate the rows of a matrix with entrywise noise so that the dependent ones vanish, at the end."""
-    rows = len(matrix)
-    kept, null, decisions = [np.zeros((0, rows))], [np.zeros((0, rows))], []
-    for i, _, part in _decided_components(matrix, noise, scale_columns=True):
-        directions = np.zeros((len(i), rows))
-        directions[:, i] = _null_last(part).T
-        kept.append(directions[: part.decision.rank])
-        null.append(directions[part.decision.rank :])
-        decisions.append(part.decision)
-    return RowCompression(np.vstack(kept + null), _joined(decisions))
-
-
-def compress_columns(matrix: np.ndarray, noise: np.ndarray) -> ColumnCompression:
-    """Rotate the columns of a matrix with entrywise noise so that the first ones hold all of it."""
-    rows, columns = matrix.shape
-    lefts, firsts, rest, values, decisions = [np.zeros((0, rows))], [], [], [], []
-    for i, j, part in _decided_components(matrix, noise, scale_columns=False):
-        rank = part.decision.rank
-        left, right = np.zeros((rank, rows)), np.zeros((columns, len(j)))
-        left[:, i] = (part.u * part.row_scale[:, None]).T[:rank]
-        right[j] = part.vt.T
-        lefts.append(left)
-        firsts.append(right[:, :rank])
-        rest.append(right[:, rank:])
-        values.append(part.values[:rank])
-        decisions.append(part.decision)
-    right = np.hstack(firsts + rest) if firsts else np.eye(columns)
-    return ColumnCompression(np.vstack(lefts), right, np.concatenate([[], *values]), _joined(decisions))
+    Args:
+        matrix: S, shape (m, n).
+        weights: factors (n,) by which columns count in the choice of pivots.
+    """
+    rows, columns = matrix.data.shape
+    weights = np.ones(columns) if weights is None else weights
+    pivots, nulls, decisions = [np.zeros(0, dtype=int)], [Noisy.exact(np.zeros((0, rows)))], []
+    matrix = Noisy(matrix.cleaned(), matrix.noise)
+    for i, j in _components(matrix.data):
+        order, combinations, decision = _eliminated(matrix[np.ix_(i, j)], weights[j])
+        placed = Noisy.exact(np.zeros((len(combinations.data), rows)))
+        placed[:, i] = combinations
+        pivots.append(i[order])
+        nulls.append(placed)
+        decisions.append(decision)
+    chosen = np.concatenate(pivots)
+    null = Noisy(np.vstack([part.data for part in nulls]), np.vstack([part.noise for part in nulls]))
+    selection = np.eye(rows)[chosen]
+    left = Noisy(np.vstack([selection, null.data]), np.vstack([np.zeros_like(selection), null.noise]))
+    return RowCompression(left, chosen, _joined(decisions))
 
 
-@dataclass(frozen=True)
-class _Decided:
-    """row_scale * S * column_scale = u diag(values) vt, and the rank decided for S."""
-
-    u: np.ndarray
-    values: np.ndarray
-    vt: np.ndarray
-    row_scale: np.ndarray
-    decision: RankDecision
-
-
-def _decided_components(matrix, noise, scale_columns):
-    """(row indices, column indices, decision) of every connected group; entries within their noise are zero."""
-    matrix = np.where(np.abs(matrix) <= NOISE_SAFETY * noise, 0.0, matrix)
-    for i, j in _components(matrix):
-        yield i, j, _decide(matrix[np.ix_(i, j)], noise[np.ix_(i, j)], scale_columns)
+def null_columns(matrix: Noisy) -> RowCompression:
+    """The same for columns: the transpose of ``left`` selects independent columns, then combines the rest to zero."""
+    size = np.abs(matrix.data).max(axis=1, initial=0.0)
+    return compress_rows(matrix.T, weights=1 / np.where(size > 0, size, 1.0))
 
 
 def _components(matrix):
@@ -122,31 +98,49 @@ def _components(matrix):
         yield members[members < rows], members[members >= rows] - rows
 
 
-def _decide(matrix, noise, scale_columns) -> _Decided:
-    rows, columns = matrix.shape
-    if not rows or not columns:
-        return _Decided(np.eye(rows), np.zeros(0), np.eye(columns), np.ones(rows), RankDecision(0, np.inf, 0.0))
-    size = np.abs(matrix) if scale_columns else np.abs(matrix).max(axis=1, keepdims=True)
-    row_scale, column_scale = equilibration(size)
-    column_scale = column_scale if scale_columns else np.ones(columns)
-    u, values, vt = scipy.linalg.svd(row_scale[:, None] * matrix * column_scale, lapack_driver="gesvd")
-    scaled_noise = row_scale[:, None] * noise * column_scale
-    count = len(values)
-    carried = np.einsum("ij,ik,kj->j", np.abs(u[:, :count]), scaled_noise, np.abs(vt[:count].T))
-    own = EPS * values[0] * (rows * columns > 1)  # a single number is decomposed without rounding
-    ratios = values / np.maximum(NOISE_SAFETY * (carried + own), np.finfo(float).tiny)
-    rank = int((ratios > 1).sum())
-    decision = RankDecision(rank, float(ratios[:rank].min(initial=np.inf)), float(ratios[rank:].max(initial=0.0)))
-    return _Decided(u, values, vt, row_scale, decision)
+def _eliminated(matrix: Noisy, weights) -> tuple[np.ndarray, Noisy, RankDecision]:
+    """Pivot rows in order, the combinations of rows that vanish, and the decision, for one component.
+
+    The rows are reduced together with an identity, in which the combination that each has become is recorded.
+    """
+    rows, columns = matrix.data.shape
+    work = Noisy(np.hstack([matrix.data, np.eye(rows)]), np.hstack([matrix.noise, np.zeros((rows, rows))]))
+    order, rank, kept, dropped = np.arange(rows), 0, np.inf, 0.0
+    while rank < min(rows, columns):
+        size = np.abs(work.data[rank:, :columns]) * weights
+        row, column = np.unravel_index(size.argmax(), size.shape)
+        if size[row, column] == 0:
+            break
+        swap = [rank + row, rank]
+        order[swap], work[swap] = order[swap[::-1]], work[swap[::-1]]
+        bound = NOISE_SAFETY * work.noise[rank, column]
+        kept = min(kept, abs(work.data[rank, column]) / bound if bound else np.inf)
+        dropped = max(dropped, _eliminate(work, rank, column, columns))
+        rank += 1
+    return order[:rank], work[rank:, columns:], RankDecision(rank, float(kept), dropped)
 
 
-def _null_last(part: _Decided) -> np.ndarray:
-    """An orthogonal basis of the row space whose last columns span the left null space in unscaled rows."""
-    rank = part.decision.rank
-    if rank == len(part.u):
-        return np.eye(rank)
-    turned = scipy.linalg.qr(part.u[:, rank:] * part.row_scale[:, None])[0]
-    return np.roll(turned, rank, axis=1)
+def _eliminate(work: Noisy, pivot: int, column: int, columns: int) -> float:
+    """Subtract multiples of the pivot row from those below it; return the largest entry dropped, over its bound."""
+    top, below = work[pivot], work[pivot + 1 :]
+    touched = np.flatnonzero(below.data[:, column])
+    if not touched.size:
+        return 0.0
+    rest = below[touched]
+    factor = rest.data[:, column] / top.data[column]
+    factor_noise = (rest.noise[:, column] + np.abs(factor) * top.noise[column]) / abs(top.data[column])
+    change = np.multiply.outer(factor, top.data)
+    rounds = EPS * ((rest.data != 0) & (change != 0))
+    data = rest.data - change
+    noise = rest.noise + np.multiply.outer(np.abs(factor), top.noise) + np.multiply.outer(factor_noise, np.abs(top.data))
+    noise += rounds * (np.abs(rest.data) + np.abs(change))
+    data[:, column], noise[:, column] = 0.0, 0.0
+    bound = NOISE_SAFETY * noise[:, :columns]
+    small = np.abs(data[:, :columns]) <= bound
+    ratios = np.abs(data[:, :columns]) / np.where(bound > 0, bound, 1.0)
+    data[:, :columns][small] = 0.0
+    work[pivot + 1 + touched] = Noisy(data, noise)
+    return float(ratios[small].max(initial=0.0))
 
 
 def _joined(decisions) -> RankDecision:

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from ..tolerances import EPS, NOISE_SAFETY
-from .rank import RankDecision, RowCompression, compress_columns, compress_rows
+from .noise import Noisy
+from .rank import RankDecision, RowCompression, compress_rows, null_columns
 
 
 class SingularPencil(ArithmeticError):
@@ -25,26 +25,22 @@ class SingularPencil(ArithmeticError):
 class SplitPencil:
     """W (s E - F) Z = [[s E11 - F11, s E12 - F12], [0, s N - I]], N strictly upper triangular, hence nilpotent.
 
-    Entries of W, Z and N that are no larger than their carried rounding noise are exactly zero.
-
     Attributes:
-        left, right: W and Z, shape (N, N).
-        right_noise: bound of the rounding noise in Z.
+        left, right: W and Z, shape (N, N), with their rounding noise.
         E11, F11: finite part, shape (n, n), E11 regular.
         E12, F12: coupling, shape (n, m).
-        nilpotent: N, shape (m, m).
+        nilpotent: N, shape (m, m), with its rounding noise.
         deficiencies: number of infinite elementary divisors of degree at least 1, 2, ...
         decisions: the rank decisions taken, in order.
     """
 
-    left: np.ndarray
-    right: np.ndarray
-    right_noise: np.ndarray
+    left: Noisy
+    right: Noisy
     E11: np.ndarray
     F11: np.ndarray
     E12: np.ndarray
     F12: np.ndarray
-    nilpotent: np.ndarray
+    nilpotent: Noisy
     deficiencies: tuple[int, ...]
     decisions: tuple[RankDecision, ...]
 
@@ -59,35 +55,6 @@ class SplitPencil:
 
 
 @dataclass
-class Noisy:
-    """A matrix with a bound of the rounding noise of each entry; row and column operations carry it along."""
-
-    data: np.ndarray
-    noise: np.ndarray
-
-    def rows(self, at: slice, matrix: np.ndarray) -> None:
-        """Replace the rows ``at`` by matrix times them."""
-        size = np.abs(matrix)
-        self.noise[at] = size @ self.noise[at] + EPS * _mixes(matrix, axis=1)[:, None] * (size @ np.abs(self.data[at]))
-        self.data[at] = matrix @ self.data[at]
-
-    def columns(self, at: slice, matrix: np.ndarray) -> None:
-        """Replace the columns ``at`` by them times matrix."""
-        size, part = np.abs(matrix), (slice(None), at)
-        self.noise[part] = self.noise[part] @ size + EPS * _mixes(matrix, axis=0) * (np.abs(self.data[part]) @ size)
-        self.data[part] = self.data[part] @ matrix
-
-    def clear(self, rows: slice, columns: slice) -> None:
-        """Set a part to exactly zero."""
-        self.data[rows, columns] = 0.0
-        self.noise[rows, columns] = 0.0
-
-    def cleaned(self) -> np.ndarray:
-        """The matrix, entries within their noise set to zero."""
-        return np.where(np.abs(self.data) <= NOISE_SAFETY * self.noise, 0.0, self.data)
-
-
-@dataclass
 class _Work:
     """The pencil being transformed, left (s E_0 - F_0) right = s E - F; the active part is the leading one."""
 
@@ -96,33 +63,28 @@ class _Work:
     left: Noisy
     right: Noisy
 
-    def rows(self, at: slice, matrix: np.ndarray) -> None:
+    def rows(self, at: slice, matrix: Noisy) -> None:
+        """Replace the rows ``at`` by matrix times them."""
         for part in (self.E, self.F, self.left):
-            part.rows(at, matrix)
+            part[at] = matrix @ part[at]
 
-    def columns(self, at: slice, matrix: np.ndarray) -> None:
+    def columns(self, at: slice, matrix: Noisy) -> None:
+        """Replace the columns ``at`` by them times matrix."""
         for part in (self.E, self.F, self.right):
-            part.columns(at, matrix)
+            part[:, at] = part[:, at] @ matrix
 
 
 def split_pencil(E: np.ndarray, F: np.ndarray) -> SplitPencil:
-    """Split s E - F (square, real, each entry known to half a unit in the last place).
+    """Split s E - F (square, real, each entry known to a unit in the last place).
 
     Raises:
         SingularPencil: det(s E - F) vanishes identically, to within the noise of the data.
     """
     n = len(E)
-    exact = np.zeros((n, n))
-    work = _Work(
-        E=Noisy(E.copy(), EPS * np.abs(E)),
-        F=Noisy(F.copy(), EPS * np.abs(F)),
-        left=Noisy(np.eye(n), exact.copy()),
-        right=Noisy(np.eye(n), exact.copy()),
-    )
+    work = _Work(Noisy.rounded(E.copy()), Noisy.rounded(F.copy()), Noisy.exact(np.eye(n)), Noisy.exact(np.eye(n)))
     deficiencies, decisions = [], []
     while True:
-        active = slice(n)
-        found = compress_rows(work.E.data[active, active], work.E.noise[active, active])
+        found = compress_rows(work.E[:n, :n])
         decisions.append(found.decision)
         if found.decision.rank == n:
             return _finished(work, n, tuple(deficiencies), tuple(decisions))
@@ -134,39 +96,36 @@ def split_pencil(E: np.ndarray, F: np.ndarray) -> SplitPencil:
 def _deflate(work: _Work, active: int, found: RowCompression) -> RankDecision:
     """Move the vanishing rows of E to the end, and the columns that they determine through F with them."""
     rank = found.decision.rank
-    top, bottom, keep = slice(active), slice(rank, active), active - rank
+    top, bottom = slice(active), slice(rank, active)
     work.rows(top, found.left)
-    work.E.clear(bottom, top)
-    turned = compress_columns(work.F.data[bottom, top], work.F.noise[bottom, top])
-    if turned.decision.rank < keep:
+    work.E[bottom, top] = Noisy.exact(np.zeros((active - rank, active)))
+    turned = null_columns(work.F[bottom, top])
+    if turned.decision.rank < active - rank:
         raise SingularPencil("the pencil is singular")
-    work.columns(top, np.hstack([turned.right[:, keep:], turned.right[:, :keep]]))
-    work.rows(bottom, turned.left)
-    work.F.clear(bottom, slice(rank))
-    work.F.data[bottom, bottom] = np.diag(turned.values)
+    keep = active - rank
+    order = np.r_[keep:active, :keep]  # the combinations that vanish first: they are the columns of what is left
+    work.columns(top, turned.left[order].T)
+    inverse = Noisy.rounded(np.linalg.inv(work.F.data[bottom, rank:active]))
+    work.rows(bottom, inverse)
+    work.F[bottom, top] = Noisy.exact(np.eye(keep, active, k=rank))
     return turned.decision
 
 
 def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
     """Normalize the infinite part's F, upper triangular and regular, to the identity."""
     finite, infinite = slice(n), slice(n, None)
-    if n < len(work.F.data):
-        F22 = work.F.data[infinite, infinite]
-        work.rows(infinite, scipy.linalg.solve_triangular(F22, np.eye(len(F22))))
+    F22 = work.F.data[infinite, infinite]
+    if len(F22):
+        work.rows(infinite, Noisy.rounded(scipy.linalg.solve_triangular(F22, np.eye(len(F22)))))
+    nilpotent = work.E[infinite, infinite]
     return SplitPencil(
-        left=work.left.cleaned(),
-        right=work.right.cleaned(),
-        right_noise=work.right.noise,
+        left=work.left,
+        right=work.right,
         E11=work.E.data[finite, finite],
         F11=work.F.data[finite, finite],
         E12=work.E.data[finite, infinite],
         F12=work.F.data[finite, infinite],
-        nilpotent=np.triu(work.E.cleaned()[infinite, infinite], 1),
+        nilpotent=Noisy(np.triu(nilpotent.cleaned(), 1), np.triu(nilpotent.noise, 1)),
         deficiencies=deficiencies,
         decisions=decisions,
     )
-
-
-def _mixes(matrix, axis):
-    """1 where a row (or column) sums more than one term and so rounds, 0 where it only copies or scales."""
-    return (np.count_nonzero(matrix, axis=axis) > 1).astype(float)

@@ -21,8 +21,8 @@ def response_notices(x: Response) -> tuple[Notice, ...]:
 
 
 def pair_notices(pairs) -> tuple[Notice, ...]:
-    """Zeros in the right half plane and rank decisions without a clear gap."""
-    return (*_growth(pairs), *_rank(pairs))
+    """Zeros in the right half plane, rank decisions without a clear gap, pairs that do not invert A(s)."""
+    return (*_growth(pairs), *_rank(pairs), *_residual(pairs))
 
 
 def _jumps(x: Response):
@@ -59,3 +59,9 @@ def _rank(pairs):
                 f"dropped {decision.largest_dropped:.3g} times its rounding noise; rank {decision.rank} was decided",
                 doubtful=True,
             )
+
+
+def _residual(pairs):
+    residual = next(item.value for item in pairs.evidence if item.name == "residual")
+    if not residual <= EPS**0.5:
+        yield Notice("accuracy", f"the pairs do not invert A(s): relative residual {residual:.2g}", doubtful=True)

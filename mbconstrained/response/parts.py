@@ -11,13 +11,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 
 from ..jordan.weierstrass import WeierstrassForm
 from ..linalg.blocks import block_diagonalize
+from ..linalg.noise import Noisy
 from ..signals.bohl import BohlFunction
 from ..signals.inputs import ImpulsiveSmooth
-from ..tolerances import noise_of
 
 
 @dataclass(frozen=True)
@@ -84,9 +83,7 @@ def start_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth)
     for order, g in enumerate(f.impulses):
         finite = finite + np.linalg.matrix_power(form.T, order) @ (form.B @ g)
     inconsistency = _inconsistency(form, stack, f)
-    jump = _without_noise(-form.infinite_columns @ inconsistency, np.abs(form.infinite_columns) @ np.abs(inconsistency))
-    jump = jump + _dirac_jump(form, f)
-    return Start(finite, _unscaled_jump(form, jump, len(initial)), _impulses(form, inconsistency, f))
+    return Start(finite, _jump(form, inconsistency, f, len(initial)), _impulses(form, inconsistency, f))
 
 
 def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth) -> tuple[BohlFunction, float]:
@@ -102,10 +99,8 @@ def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth) ->
     augmented = np.zeros((n + m, n + m))
     augmented[:n, :n], augmented[:n, n:], augmented[n:, n:] = form.T, drive / amplitude, f.generator
     through = np.zeros_like(f.coefficients)
-    power = -form.B2
-    for derivative in f.derivatives(_index(form)):
-        through = through + form.C2 @ (power @ derivative)
-        power = form.nilpotent @ power
+    for index, derivative in enumerate(f.derivatives(form.highest_impulse + 1)):
+        through = through + form.laurent(index).cleaned() @ derivative
     output = np.hstack([form.C, through / amplitude])
     parts = block_diagonalize(augmented)
     scaling = form.companion.scaling
@@ -117,59 +112,44 @@ def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth) ->
     return function, parts.coupling
 
 
-def _inconsistency(form, stack, f) -> np.ndarray:
+def _inconsistency(form, stack, f) -> Noisy:
     """g, with entries below their rounding noise set to zero."""
-    F = form.companion.F
-    total = form.infinite_rows @ (F @ stack)
-    size = np.abs(form.infinite_rows) @ (np.abs(F) @ np.abs(stack))
+    total = form.infinite_rows @ (Noisy.rounded(form.companion.F) @ Noisy.rounded(stack))
     power = form.B2
-    for derivative in f.derivatives(_index(form)):
-        value = derivative @ f.start
-        total = total + power @ value
-        size = size + np.abs(power) @ (np.abs(derivative) @ np.abs(f.start))
+    for derivative in f.derivatives(len(form.split.deficiencies)):  # so many powers of N are not zero
+        total = total + power @ (Noisy.rounded(derivative) @ Noisy.rounded(f.start))
         power = form.nilpotent @ power
-    return _without_noise(total, size)
+    return Noisy(total.cleaned(), total.noise)
 
 
-def _dirac_jump(form, f) -> np.ndarray:
-    """Jump of the stacked states by the force's own impulses: C T^l B g for delta^(l), and its derivatives."""
-    jump = np.zeros(len(form.finite_columns))
-    for order, g in enumerate(f.impulses):
-        jump = jump + form.finite_columns @ (np.linalg.matrix_power(form.T, order) @ (form.B @ g))
-    return jump
+def _jump(form, inconsistency, f, q) -> np.ndarray:
+    """x^(i)(0+) - x^(i)(0-): -Q_2 g, and H_(-i-l-1) g_l for each impulse delta^(l) of the force."""
+    scaling, r = form.companion.scaling, form.companion.size
+    by_state = -form.infinite_columns @ inconsistency
+    rows = np.zeros((q, r))
+    for i in range(q):
+        total = by_state[i * r : (i + 1) * r]
+        for order, g in enumerate(f.impulses):
+            total = total + form.laurent(-i - order - 1) @ Noisy.rounded(g)
+        rows[i] = scaling.columns * total.cleaned() * scaling.time ** float(i)
+    return rows
 
 
 def _impulses(form, inconsistency, f) -> tuple[np.ndarray, ...]:
     scaling, r = form.companion.scaling, form.companion.size
     highest = form.highest_impulse
-    count = highest + len(f.impulses)
-    total, state, size = np.zeros((count, r)), inconsistency, np.abs(inconsistency)
+    totals = [Noisy.exact(np.zeros(r)) for _ in range(highest + len(f.impulses))]
+    state = inconsistency
     for order in range(highest):
-        state, size = form.nilpotent @ state, np.abs(form.nilpotent) @ size
-        total[order] -= _without_noise(form.C2 @ state, np.abs(form.C2) @ size)
+        state = form.nilpotent @ state
+        totals[order] = totals[order] + -form.C2 @ state
     for order, g in enumerate(f.impulses):
-        for k in range(count):
-            total[k] += form.laurent(k - order) @ g
-    impulses = [scaling.columns * row * scaling.time ** -(k + 1.0) for k, row in enumerate(total)]
+        for k in range(len(totals)):
+            totals[k] = totals[k] + form.laurent(k - order) @ Noisy.rounded(g)
+    impulses = [scaling.columns * total.cleaned() * scaling.time ** -(k + 1.0) for k, total in enumerate(totals)]
     while impulses and not impulses[-1].any():
         impulses.pop()
     return tuple(impulses)
-
-
-def _without_noise(values, size):
-    """The values, those no larger than the rounding of sums of the given size set to zero."""
-    return np.where(np.abs(values) <= noise_of(size, len(values)), 0.0, values)
-
-
-def _unscaled_jump(form, jump, q) -> np.ndarray:
-    scaling = form.companion.scaling
-    rows = jump.reshape(form.companion.grade, form.companion.size)[:q]
-    return scaling.columns * rows * (scaling.time ** np.arange(q, dtype=float))[:, None]
-
-
-def _index(form) -> int:
-    """Number of powers of N that are not zero: its staircase has that many steps."""
-    return len(form.split.deficiencies)
 
 
 def _power_of_two_of(matrix) -> float:

@@ -1,0 +1,66 @@
+"""Arrays with a bound of the rounding noise in each entry, carried through products."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..tolerances import EPS, NOISE_SAFETY
+
+
+@dataclass
+class Noisy:
+    """An array known up to ``noise`` (same shape, >= 0); entries with noise zero are exact.
+
+    >>> product = Noisy.exact(np.array([[1.0, -1.0]])) @ Noisy.rounded(np.array([1.0, 1.0]))
+    >>> product.data, bool(product.noise[0] > 0), product.cleaned()
+    (array([0.]), True, array([0.]))
+    """
+
+    data: np.ndarray
+    noise: np.ndarray
+
+    @staticmethod
+    def exact(data: np.ndarray) -> Noisy:
+        """Numbers that are what they are meant to be."""
+        return Noisy(data, np.zeros_like(data))
+
+    @staticmethod
+    def rounded(data: np.ndarray) -> Noisy:
+        """Numbers known up to a unit in the last place, as given data is."""
+        return Noisy(data, EPS * np.abs(data))
+
+    def __matmul__(self, other: Noisy) -> Noisy:
+        size = np.abs(other.data)
+        noise = np.abs(self.data) @ other.noise + self.noise @ (size + other.noise)
+        return Noisy(self.data @ other.data, noise + _rounding(self.data, other.data))
+
+    def __add__(self, other: Noisy) -> Noisy:
+        data = self.data + other.data
+        rounds = (self.data != 0) & (other.data != 0)
+        return Noisy(data, self.noise + other.noise + EPS * rounds * np.abs(data))
+
+    def __neg__(self) -> Noisy:
+        return Noisy(-self.data, self.noise)
+
+    def __getitem__(self, key) -> Noisy:
+        return Noisy(self.data[key], self.noise[key])
+
+    def __setitem__(self, key, value: Noisy) -> None:
+        self.data[key], self.noise[key] = value.data, value.noise
+
+    def cleaned(self) -> np.ndarray:
+        """The array, entries within their noise set to zero."""
+        return np.where(np.abs(self.data) <= NOISE_SAFETY * self.noise, 0.0, self.data)
+
+    @property
+    def T(self) -> Noisy:
+        """The transpose."""
+        return Noisy(self.data.T, self.noise.T)
+
+
+def _rounding(left, right) -> np.ndarray:
+    """Rounding of left @ right; a sum with one term that copies or scales by a power of two rounds at most once."""
+    terms = (left != 0).astype(float) @ (right != 0).astype(float)
+    return EPS * np.where(terms > 1, np.abs(left) @ np.abs(right), 0.0)
