@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..linalg.blocks import eigenvalues
+from ..linalg.blocks import block_diagonalize, eigenvalues
 from ..linalg.staircase import split_pencil
 from ..polynomial.structure import FiniteZero
 from ..tolerances import CLUSTER_SAFETY, EPS
@@ -14,18 +14,20 @@ from .weierstrass import WeierstrassForm
 def finite_zeros(form: WeierstrassForm, blocks: tuple[np.ndarray, ...]) -> tuple[FiniteZero, ...]:
     """The zeros of A(s) in 1/s, ascending by modulus; of each complex pair the one above the real axis.
 
-    A defective zero of multiplicity m is computed as m zeros around it, at a distance of about eps^(1/m): within
-    one block such zeros are one zero, at their mean. Zeros of different blocks are one if they differ by a few
-    units in the last place. How many zeros are exactly 0 is decided by a staircase at s = 0, not by their size.
+    A defective zero of multiplicity m is computed as m zeros around it, at a distance of about eps^(1/m). Zeros of
+    one block are therefore one zero, at their mean, where no decoupling separates them that a rounding error of the
+    data could not undo. Zeros of different blocks are one if they differ by a few units in the last place. How
+    many zeros are exactly 0 is decided by a staircase at s = 0, not by their size.
     """
-    groups = [group for block in blocks for group in _groups_in_block(block)]
-    at_origin, others = _split_at_origin(groups, zero_multiplicity(form))
-    merged = _merge_equal(others)
     scale = form.companion.scaling.time
-    zeros = [FiniteZero(complex(scale * value), count) for value, count in merged if value.imag >= 0]
+    radius = (CLUSTER_SAFETY * EPS) ** 0.5  # how far rounding moves the two parts of a double zero
+    groups = [zero for block in blocks for zero in _merged(_zeros_of_block(block), radius)]
+    at_origin, others = _split_at_origin(sorted(groups, key=_order), zero_multiplicity(form))
+    merged = _merged(others, CLUSTER_SAFETY * EPS)
+    zeros = [FiniteZero(complex(scale * zero.value), zero.multiplicity) for zero in merged]
     if at_origin:
         zeros.append(FiniteZero(0j, at_origin))
-    return tuple(sorted(zeros, key=lambda zero: (abs(zero.value), zero.value.real, zero.value.imag)))
+    return tuple(sorted(zeros, key=_order))
 
 
 def zero_multiplicity(form: WeierstrassForm) -> int:
@@ -34,51 +36,61 @@ def zero_multiplicity(form: WeierstrassForm) -> int:
     return sum(split_pencil(companion.F, companion.E).infinite_divisors)
 
 
-def _groups_in_block(block) -> list[tuple[complex, int]]:
+def _zeros_of_block(block) -> list[FiniteZero]:
+    """Zeros of one cluster: split where a decoupling below the limit for its size does, else one zero."""
     values = eigenvalues(block)
-    size = len(values)
-    if size == 1:
-        return [(complex(values[0]), 1)]
-    scale = max(np.abs(values).max(), np.abs(np.triu(block, 1)).max())
-    radius = (CLUSTER_SAFETY * EPS) ** (1 / size) * scale if scale > 0 else 0.0
-    return [(_mean(group), len(group)) for group in _connected(values, radius)]
+    above = values[values.imag > 0]
+    pairs = 2 * len(above) == len(values) and above.imag.min() > _spread(above)
+    multiplicity = len(above) if pairs else len(values)
+    if pairs and multiplicity == 1:
+        return [_pair_or_double(block, above[0])]
+    parts = block_diagonalize(block, _separation_limit(multiplicity)).blocks
+    if len(parts) > 1:
+        return [zero for part in parts for zero in _zeros_of_block(part)]
+    return [FiniteZero(complex(above.mean()) if pairs else complex(values.mean().real), multiplicity)]
 
 
-def _connected(values, radius) -> list[np.ndarray]:
-    """Single linkage: values in one group are joined by steps of at most the radius."""
-    groups: list[list[complex]] = []
-    for value in values:
-        near = [group for group in groups if min(abs(value - other) for other in group) <= radius]
-        groups = [group for group in groups if group not in near] + [sum(near, []) + [value]]
-    return [np.array(group) for group in groups]
+def _pair_or_double(block, value) -> FiniteZero:
+    """A 2 x 2 block with a pair a +- i w: a double zero a where w is within what rounding makes of one."""
+    if np.abs(np.diag(block[::-1])).max() > 2 * value.imag * _separation_limit(2):
+        return FiniteZero(complex(value.real), 2)
+    return FiniteZero(complex(value), 1)
 
 
-def _mean(values) -> complex:
-    mean = complex(values.mean())
-    closed = np.isclose(np.sort(values.imag), np.sort(-values.imag), rtol=EPS**0.5, atol=0).all()
-    return complex(mean.real) if closed else mean
+def _separation_limit(multiplicity) -> float:
+    """Decoupling norm that the zeros around a zero of this multiplicity have, moved apart by rounding errors."""
+    return 0.5 * (CLUSTER_SAFETY * EPS) ** (1 / multiplicity - 1)
 
 
-def _split_at_origin(groups, multiplicity):
-    """Take the groups nearest to 0 away until the known multiplicity of the zero at 0 is reached."""
-    groups = sorted(groups, key=lambda group: abs(group[0]))
-    taken = 0
-    while groups and taken + groups[0][1] <= multiplicity:
-        taken += groups.pop(0)[1]
-    if taken < multiplicity and groups:
-        value, count = groups[0]
-        groups[0] = (value, count - (multiplicity - taken))
+def _spread(values) -> float:
+    return float(np.abs(values - values.mean()).max())
+
+
+def _split_at_origin(zeros, multiplicity):
+    """Take the zeros nearest to 0 away until its known multiplicity is reached; a complex pair is never cut."""
+    taken, rest = 0, list(zeros)
+    while rest and taken + rest[0].count <= multiplicity:
+        taken += rest.pop(0).count
+    if rest and taken < multiplicity and not rest[0].value.imag:
+        rest[0] = FiniteZero(rest[0].value, rest[0].count - (multiplicity - taken))
         taken = multiplicity
-    return taken, groups
+    return taken, rest
 
 
-def _merge_equal(groups) -> list[tuple[complex, int]]:
-    merged: list[tuple[complex, int]] = []
-    for value, count in groups:
-        for place, (other, known) in enumerate(merged):
-            if abs(value - other) <= CLUSTER_SAFETY * EPS * abs(value):
-                merged[place] = (other, known + count)
+def _merged(zeros, radius) -> list[FiniteZero]:
+    """Zeros that differ by less than radius times their size become one, at their mean."""
+    merged: list[FiniteZero] = []
+    for zero in zeros:
+        for place, other in enumerate(merged):
+            if abs(zero.value - other.value) <= radius * abs(zero.value):
+                total = zero.multiplicity + other.multiplicity
+                mean = (zero.multiplicity * zero.value + other.multiplicity * other.value) / total
+                merged[place] = FiniteZero(mean, total)
                 break
         else:
-            merged.append((value, count))
+            merged.append(zero)
     return merged
+
+
+def _order(zero: FiniteZero):
+    return abs(zero.value), zero.value.real, zero.value.imag

@@ -16,9 +16,6 @@ import scipy.linalg
 #: The Taylor polynomial of e^X of this degree is exact to rounding for |X| <= 1 (1/19! < 1e-17).
 TAYLOR_DEGREE = 18
 
-#: e^x overflows a little above this x.
-LARGEST_EXPONENT = 709.0
-
 #: Largest number of entries that one chunk of stacked small matrices may have (bounds the memory used).
 CHUNK_ENTRIES = 2_000_000
 
@@ -74,11 +71,10 @@ def _even_and_odd(square, times):
 
 
 def _scaled(values, exponents):
-    """values * e^exponents; exact zeros stay zero, and a tiny value may outweigh a huge exponential."""
-    with np.errstate(over="ignore", divide="ignore", under="ignore", invalid="ignore"):
-        direct = values * np.exp(exponents)
-        by_logarithm = np.sign(values) * np.exp(exponents + np.log(np.abs(values)))
-    return np.where(values == 0, 0.0, np.where(exponents > LARGEST_EXPONENT, by_logarithm, direct))
+    """values * e^exponents in two halves: a tiny value may outweigh an exponential beyond the range; zeros stay zero."""
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        half = np.exp(exponents / 2)
+        return np.where(values == 0, 0.0, values * half * half)
 
 
 def _cluster_states(block, start, times) -> np.ndarray:
@@ -113,16 +109,17 @@ def _upper_half(block):
 
 
 def _shifted_states(rest, shift, start, times) -> np.ndarray:
-    """e^{(rest + shift) t} start for every t, by Taylor in the rest and squaring."""
+    """e^{(rest + shift) t} start for every t, by Taylor in the rest and squaring, as often as each t needs."""
     size = len(start)
     states = np.empty((size, len(times)), dtype=np.result_type(rest, start))
     norm = np.abs(rest).sum(axis=0).max()
+    doublings = np.ceil(np.log2(np.maximum(norm * times, 1.0))).astype(int)
     chunk = max(1, CHUNK_ENTRIES // size**2)
-    for begin in range(0, len(times), chunk):
-        part = times[begin : begin + chunk]
-        doublings = int(np.ceil(np.log2(max(norm * np.abs(part).max(initial=0.0), 1.0))))
-        matrices = _taylor_exponential(rest, shift, part / 2.0**doublings, doublings)
-        states[:, begin : begin + chunk] = np.einsum("tij,j->it", matrices, start)
+    for count in np.unique(doublings):
+        at = np.flatnonzero(doublings == count)
+        for part in np.split(at, range(chunk, len(at), chunk)):
+            matrices = _taylor_exponential(rest, shift, times[part] / 2.0**count, count)
+            states[:, part] = np.einsum("tij,j->it", matrices, start)
     return states
 
 
