@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .errors import (
     ContradictoryConstraints,
+    IllConditioned,
     InputError,
     MbconstrainedError,
     NotUnique,

@@ -39,3 +39,7 @@ class NotUnique(MbconstrainedError, ValueError):
 
 class Overflow(MbconstrainedError, OverflowError):
     """The answer grows beyond the range of float64; the text names the time from which on it does."""
+
+
+class IllConditioned(MbconstrainedError, ArithmeticError):
+    """The data spans so many orders of magnitude that float64 arithmetic cannot give an answer."""

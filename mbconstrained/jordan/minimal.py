@@ -9,13 +9,21 @@ from __future__ import annotations
 import numpy as np
 import scipy.linalg
 
+from ..errors import IllConditioned
+
 
 def minimal_nilpotent(terms: list[np.ndarray], chains: tuple[int, ...]):
-    """(C, J, B) with C J^i B = H_i for the given terms H_0, H_1, ..., J strictly upper triangular, of these chain lengths."""
+    """(C, J, B) with C J^i B = H_i for the given terms H_0, H_1, ..., J strictly upper triangular, of these chain lengths.
+
+    Raises:
+        IllConditioned: the smallest of the terms is lost beside the largest.
+    """
     r, size = len(terms[0]), sum(chains)
     if size == 0:
         return np.zeros((r, 0)), np.zeros((0, 0)), np.zeros((0, r))
     u, values, vt = scipy.linalg.svd(_hankel(terms, 0))
+    if not values[size - 1]:
+        raise IllConditioned("the polynomial part of A(s)^-1 spans more orders of magnitude than float64 can hold")
     root = np.sqrt(values[:size])
     observe, reach = u[:, :size] * root, root[:, None] * vt[:size]
     J = (u[:, :size] / root).T @ _hankel(terms, 1) @ (vt[:size].T / root)

@@ -80,7 +80,7 @@ class JordanPairs:
             C=scaling.columns[:, None] * (form.C @ parts.basis),
             B=scaling.time * (parts.inverse @ form.B) * scaling.rows,
             blocks=tuple(scaling.time * block for block in parts.blocks),
-            zeros=finite_zeros(form, parts.blocks),
+            zeros=finite_zeros(form),
             coupling=parts.coupling,
         )
 

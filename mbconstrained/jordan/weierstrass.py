@@ -26,7 +26,8 @@ class WeierstrassForm:
     Attributes:
         companion: the pencil it came from.
         split: the staircase result, with its rank decisions.
-        T: real Schur form of the finite part, shape (n, n).
+        T: real Schur form of the finite part, shape (n, n), the zeros at s = 0 last.
+        nonzero_count: how many rows of T belong to the other zeros.
         finite_columns: Q_1, shape (g r, n).   finite_rows: P_1, shape (n, g r).
         nilpotent: N, shape (m, m).
         infinite_columns: Q_2, shape (g r, m). infinite_rows: P_2, shape (m, g r).
@@ -36,6 +37,7 @@ class WeierstrassForm:
     companion: ScaledCompanion
     split: SplitPencil
     T: np.ndarray
+    nonzero_count: int
     finite_columns: np.ndarray
     finite_rows: np.ndarray
     nilpotent: Noisy
@@ -90,7 +92,7 @@ def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
     are blocks in the staircase, row by row in the Schur basis of the finite part.
     """
     split = companion.split
-    n = len(split.E11)
+    n = len(split.E11.data)
     finite = triangular_form(split.E11, split.F11)
     N = split.nilpotent.data
     E12, F12 = finite.left @ split.E12, finite.left @ split.F12
@@ -100,6 +102,7 @@ def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
         companion=companion,
         split=split,
         T=finite.T,
+        nonzero_count=finite.nonzero_count,
         finite_columns=finite_columns,
         finite_rows=finite.left @ split.left.data[:n] - (finite.T @ R + F12) @ split.left.data[n:],
         nilpotent=split.nilpotent,

@@ -1,39 +1,32 @@
-"""Zeros with multiplicities, read off the diagonal blocks of J."""
+"""Zeros with multiplicities, read off the finite part in real Schur form."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..linalg.blocks import block_diagonalize, eigenvalues
-from ..linalg.staircase import split_pencil
 from ..polynomial.structure import FiniteZero
 from ..tolerances import CLUSTER_SAFETY, EPS
 from .weierstrass import WeierstrassForm
 
 
-def finite_zeros(form: WeierstrassForm, blocks: tuple[np.ndarray, ...]) -> tuple[FiniteZero, ...]:
+def finite_zeros(form: WeierstrassForm) -> tuple[FiniteZero, ...]:
     """The zeros of A(s) in 1/s, ascending by modulus; of each complex pair the one above the real axis.
 
     A defective zero of multiplicity m is computed as m zeros around it, at a distance of about eps^(1/m). Zeros of
     one block are therefore one zero, at their mean, where no decoupling separates them that a rounding error of the
-    data could not undo. Zeros of different blocks are one if they differ by a few units in the last place. How
-    many zeros are exactly 0 is decided by a staircase at s = 0, not by their size.
+    data could not undo. Zeros of different blocks are one if they differ by a few units in the last place. Zeros at
+    s = 0 were split off by rank decisions and have the exact value 0.
     """
     scale = form.companion.scaling.time
     radius = (CLUSTER_SAFETY * EPS) ** 0.5  # how far rounding moves the two parts of a double zero
-    groups = [zero for block in blocks for zero in _merged(_zeros_of_block(block), radius)]
-    at_origin, others = _split_at_origin(sorted(groups, key=_order), zero_multiplicity(form))
-    merged = _merged(others, CLUSTER_SAFETY * EPS)
+    parts = block_diagonalize(form.T[: form.nonzero_count, : form.nonzero_count]).blocks
+    groups = [zero for block in parts for zero in _merged(_zeros_of_block(block), radius)]
+    merged = _merged(sorted(groups, key=_order), CLUSTER_SAFETY * EPS)
     zeros = [FiniteZero(complex(scale * zero.value), zero.multiplicity) for zero in merged]
-    if at_origin:
-        zeros.append(FiniteZero(0j, at_origin))
+    if form.nonzero_count < len(form.T):
+        zeros.insert(0, FiniteZero(0j, len(form.T) - form.nonzero_count))
     return tuple(sorted(zeros, key=_order))
-
-
-def zero_multiplicity(form: WeierstrassForm) -> int:
-    """The multiplicity of s = 0 as a zero of A(s): the zero at infinity of the reversed pencil."""
-    companion = form.companion
-    return sum(split_pencil(companion.F, companion.E).infinite_divisors)
 
 
 def _zeros_of_block(block) -> list[FiniteZero]:
@@ -52,7 +45,8 @@ def _zeros_of_block(block) -> list[FiniteZero]:
 
 def _pair_or_double(block, value) -> FiniteZero:
     """A 2 x 2 block with a pair a +- i w: a double zero a where w is within what rounding makes of one."""
-    if np.abs(np.diag(block[::-1])).max() > 2 * value.imag * _separation_limit(2):
+    coupled = np.abs(np.diag(block[::-1])).max() > 2 * value.imag * _separation_limit(2)
+    if coupled or value.imag <= CLUSTER_SAFETY * EPS * abs(value):
         return FiniteZero(complex(value.real), 2)
     return FiniteZero(complex(value), 1)
 
@@ -64,17 +58,6 @@ def _separation_limit(multiplicity) -> float:
 
 def _spread(values) -> float:
     return float(np.abs(values - values.mean()).max())
-
-
-def _split_at_origin(zeros, multiplicity):
-    """Take the zeros nearest to 0 away until its known multiplicity is reached; a complex pair is never cut."""
-    taken, rest = 0, list(zeros)
-    while rest and taken + rest[0].count <= multiplicity:
-        taken += rest.pop(0).count
-    if rest and taken < multiplicity and not rest[0].value.imag:
-        rest[0] = FiniteZero(rest[0].value, rest[0].count - (multiplicity - taken))
-        taken = multiplicity
-    return taken, rest
 
 
 def _merged(zeros, radius) -> list[FiniteZero]:

@@ -66,6 +66,8 @@ def _grow(T, basis, inverse, start, limit):
 
 def _decoupling(top, bottom, corner):
     """X with top X - X bottom = -corner, or infinite entries where top and bottom share a zero."""
+    if not corner.any():
+        return np.zeros_like(corner)
     solution, scale, info = lapack.dtrsyl(top, bottom, -corner, isgn=-1)
     if info != 0 or scale == 0:
         return np.full(corner.shape, np.inf)

@@ -28,7 +28,9 @@ def block_states(blocks: Sequence[np.ndarray], start: np.ndarray, times: np.ndar
     _one_by_one(blocks, begins, start, times, states)
     _two_by_two(blocks, begins, start, times, states)
     for block, begin, end in zip(blocks, begins, ends):
-        if end - begin > 2:
+        if end - begin > 2 and not start[begin:end].any():
+            states[begin:end] = 0.0
+        elif end - begin > 2:
             states[begin:end] = _cluster_states(block, start[begin:end], times)
     return states
 

@@ -50,6 +50,10 @@ class Noisy:
     def __setitem__(self, key, value: Noisy) -> None:
         self.data[key], self.noise[key] = value.data, value.noise
 
+    def copy(self) -> Noisy:
+        """A copy that can be changed in place."""
+        return Noisy(self.data.copy(), self.noise.copy())
+
     def cleaned(self) -> np.ndarray:
         """The array, entries within their noise set to zero."""
         return np.where(np.abs(self.data) <= NOISE_SAFETY * self.noise, 0.0, self.data)

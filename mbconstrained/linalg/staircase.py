@@ -27,7 +27,7 @@ class SplitPencil:
 
     Attributes:
         left, right: W and Z, shape (N, N), with their rounding noise.
-        E11, F11: finite part, shape (n, n), E11 regular.
+        E11, F11: finite part, shape (n, n), E11 regular, with their rounding noise.
         E12, F12: coupling, shape (n, m).
         nilpotent: N, shape (m, m), with its rounding noise.
         deficiencies: number of infinite elementary divisors of degree at least 1, 2, ...
@@ -36,8 +36,8 @@ class SplitPencil:
 
     left: Noisy
     right: Noisy
-    E11: np.ndarray
-    F11: np.ndarray
+    E11: Noisy
+    F11: Noisy
     E12: np.ndarray
     F12: np.ndarray
     nilpotent: Noisy
@@ -74,14 +74,14 @@ class _Work:
             part[:, at] = part[:, at] @ matrix
 
 
-def split_pencil(E: np.ndarray, F: np.ndarray) -> SplitPencil:
-    """Split s E - F (square, real, each entry known to a unit in the last place).
+def split_pencil(E: Noisy, F: Noisy) -> SplitPencil:
+    """Split s E - F, square and real, with its noise; split_pencil(F, E) splits the zeros at s = 0 off instead.
 
     Raises:
-        SingularPencil: det(s E - F) vanishes identically, to within the noise of the data.
+        SingularPencil: det(s E - F) vanishes identically, to within the noise.
     """
-    n = len(E)
-    work = _Work(Noisy.rounded(E.copy()), Noisy.rounded(F.copy()), Noisy.exact(np.eye(n)), Noisy.exact(np.eye(n)))
+    n = len(E.data)
+    work = _Work(E.copy(), F.copy(), Noisy.exact(np.eye(n)), Noisy.exact(np.eye(n)))
     deficiencies, decisions = [], []
     while True:
         found = compress_rows(work.E[:n, :n])
@@ -121,8 +121,8 @@ def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
     return SplitPencil(
         left=work.left,
         right=work.right,
-        E11=work.E.data[finite, finite],
-        F11=work.F.data[finite, finite],
+        E11=work.E[finite, finite],
+        F11=work.F[finite, finite],
         E12=work.E.data[finite, infinite],
         F12=work.F.data[finite, infinite],
         nilpotent=Noisy(np.triu(nilpotent.cleaned(), 1), np.triu(nilpotent.noise, 1)),

@@ -1,9 +1,10 @@
 """A regular pencil s E - F with regular E as s I - T, T in real Schur form.
 
-E^-1 F is never formed from an ill-conditioned E: next to fast zeros it has entries so large that the rounding
-of its eigenvalues swamps the slow ones. The QZ algorithm works on the equilibrated pencil instead, where a
-zero lambda suffers a relative error of about eps (|lambda| + 1 / |lambda|) in the pencil's own unit of time,
-and only then the two triangular factors are divided.
+Zeros at s = 0 (rigid bodies, the drift of constraints) are split off first, by rank decisions: their part of T is
+nilpotent to the last bit, however stiff the rest is. E^-1 F is never formed from an ill-conditioned E: next
+to fast zeros it has entries so large that the rounding of its eigenvalues swamps the slow ones. The QZ algorithm
+works on the equilibrated pencil instead, where a zero lambda suffers a relative error of about
+eps (|lambda| + 1 / |lambda|) in the pencil's own unit of time, and only then the two factors are divided.
 """
 
 from __future__ import annotations
@@ -12,31 +13,75 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
+from scipy.sparse.csgraph import connected_components
 
+from ..errors import IllConditioned
+from .noise import Noisy
 from .scaling import equilibration
+from .staircase import split_pencil
 
 
 @dataclass(frozen=True)
 class TriangularForm:
-    """left (s E - F) right = s I - T, all of shape (n, n)."""
+    """left (s E - F) right = s I - T, all of shape (n, n).
+
+    Attributes:
+        nonzero_count: the leading rows of T with zeros other than 0; the rest is strictly upper triangular.
+    """
 
     left: np.ndarray
     right: np.ndarray
     T: np.ndarray
+    nonzero_count: int
 
 
-def triangular_form(E: np.ndarray, F: np.ndarray) -> TriangularForm:
-    """Bring s E - F, E regular, to s I - T with T in standardized real Schur form."""
+def triangular_form(E: Noisy, F: Noisy) -> TriangularForm:
+    """Bring s E - F, E regular, to s I - T with T in standardized real Schur form.
+
+    Raises:
+        IllConditioned: E is regular only beyond the precision of float64.
+    """
+    split = split_pencil(F, E)  # with the roles exchanged: its E11 belongs to F, its F11 to E
+    n = len(split.E11.data)
+    rest = _schur(split.F11.data, split.E11.data)
+    coupling_E, coupling_F = rest.left @ split.F12, rest.left @ split.E12
+    order = _by_component(split.nilpotent.data)
+    N = split.nilpotent.data[np.ix_(order, order)]
+    zero_rows, zero_columns = split.left.data[n:][order], split.right.data[:, n:][:, order]
+    coupling_E, coupling_F = coupling_E[:, order], coupling_F[:, order]
+    T = np.block([[rest.T, coupling_F - coupling_E @ N], [np.zeros((len(N), n)), N]])
+    return TriangularForm(
+        left=np.vstack([rest.left @ split.left.data[:n] - coupling_E @ zero_rows, zero_rows]),
+        right=np.hstack([split.right.data[:, :n] @ rest.right, zero_columns]),
+        T=T,
+        nonzero_count=n,
+    )
+
+
+def _by_component(nilpotent) -> np.ndarray:
+    """Order that puts the independent chains of a strictly upper triangular matrix one after the other."""
+    labels = connected_components(nilpotent != 0, directed=False)[1] if len(nilpotent) else np.zeros(0)
+    return np.argsort(labels, kind="stable")
+
+
+def _schur(E: np.ndarray, F: np.ndarray) -> TriangularForm:
+    """The same where no zero is 0."""
     n = len(E)
     if not n:
-        return TriangularForm(np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))
+        empty = np.zeros((0, 0))
+        return TriangularForm(empty, empty, empty, 0)
     rows, columns = equilibration(np.maximum(np.abs(E), np.abs(F)))
     S, P, Q, Z = scipy.linalg.qz(rows[:, None] * F * columns, rows[:, None] * E * columns, output="real")
+    if not np.diag(P).all():
+        raise IllConditioned(
+            "the zeros of A(s) differ by more orders of magnitude than float64 can hold; look for a mass, stiffness or "
+            "ratio far out of proportion, or a wrong unit"
+        )
     T = scipy.linalg.solve_triangular(P, S)
     left = scipy.linalg.solve_triangular(P, Q.T * rows)
     right = columns[:, None] * Z
     _standardize(T, S, left, right)
-    return TriangularForm(left, right, T)
+    return TriangularForm(left, right, T, n)
 
 
 def _standardize(T, S, left, right) -> None:
