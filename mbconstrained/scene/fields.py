@@ -9,7 +9,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSche
 
 from ..checks import nearest
 from ..errors import InputError
-from .units import KINDS, ascii_quoted, quantity, shown
+from .units import KINDS, quoted, quantity, shown
 
 LONGEST_TEXT = 2000
 _NAME = re.compile(r"[^\W\d][\w .'()-]{0,39}")
@@ -81,7 +81,7 @@ def _text(value):
         raise InputError(f"found a text of {len(value)} characters; expected at most {LONGEST_TEXT}")
     bad = next((c for c in value if not (c.isprintable() or c == "\n")), None)
     if bad:
-        raise InputError(f"found the character {ascii_quoted(bad)}, which cannot be printed; leave it out")
+        raise InputError(f"found the character {quoted(bad)}, which cannot be printed; leave it out")
     return value
 
 

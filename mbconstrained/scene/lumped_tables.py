@@ -86,7 +86,7 @@ class TorsionDamperTable(ElementTable):
 class RigidTieTable(ElementTable):
     """A rigid link: end - start = distance."""
 
-    distance: Length = Field(0.0, description="end - start, kept by the link.")
+    distance: Quantity = Field(0.0, description="end - start, kept by the link; a length, or an angle between bodies that turn.")
 
 
 class LeverTable(ElementTable):

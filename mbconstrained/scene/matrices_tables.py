@@ -31,12 +31,12 @@ def _matrix(value):
 
 
 def _numbers(value) -> np.ndarray:
-    if not isinstance(value, list) or not all(isinstance(row, list) for row in value):
+    if not isinstance(value, list) or not value or not all(isinstance(row, list) for row in value):
         raise InputError(f"found {shown(value)}; expected rows of numbers, e.g. [[1, 0], [0, 1]], or the name of a file")
     lengths = {len(row) for row in value}
     if len(lengths) != 1:
         found = ", ".join(str(len(row)) for row in value[:6])
-        raise InputError(f"found rows of {found or 'no'} numbers; expected rows of equal length")
+        raise InputError(f"found rows of {found} numbers; expected rows of equal length")
     return np.array([[quantity(entry, "1") for entry in row] for row in value])
 
 
@@ -49,7 +49,7 @@ Matrix = Annotated[
             "anyOf": [
                 {"type": "array", "items": {"type": "array", "items": {"type": "number"}}},
                 {"type": "string"},
-                {"$ref": "#/$defs/MatrixFile"},
+                MatrixFile.model_json_schema(),
             ],
         }
     ),
@@ -62,9 +62,9 @@ class MatricesTable(Table):
     kind: Literal["matrices"] = Field(description='"matrices": the equations themselves.')
     coordinates: list[Name] | None = Field(None, description="The names of the coordinates; x1, x2, … when left out.")
     units: dict[Name, Unit] = Field({}, description='Coordinates that are not in m, e.g. { theta = "rad", lambda = "N" }.')
-    mass: Matrix = Field(None, validate_default=False, description="M, in kg (kg m² for angles); may be singular.")
-    damping: Matrix = Field(None, validate_default=False, description="C, in N s/m.")
-    stiffness: Matrix = Field(None, validate_default=False, description="K, in N/m.")
+    mass: Matrix = Field(None, description="M, in kg (kg m² for angles); may be singular.")
+    damping: Matrix = Field(None, description="C, in N s/m.")
+    stiffness: Matrix = Field(None, description="K, in N/m.")
     constraint: list[ConstraintTable] = Field([], description="Constraint rows.")
     coefficients: list[Matrix] | None = Field(None, description="[A_0, A_1, …, A_q] instead of mass, damping and stiffness.")
 

@@ -17,6 +17,8 @@ from ..errors import InputError
 
 LONGEST_QUANTITY = 60  # characters; "-0.123456789012345678e-10 N*m*s/rad" has 36
 
+LEAST, LARGEST = 1e-100, 1e100  # in SI; squares of what lies between stay within the range of float64
+
 KINDS = {  # SI unit: (what it is called, an example)
     "1": ("a plain number", "2"),
     "kg": ("a mass", '"10 kg"'),
@@ -33,15 +35,19 @@ KINDS = {  # SI unit: (what it is called, an example)
     "N*m/rad": ("a torsional stiffness", '"20 N*m/rad"'),
     "N*s/m": ("a damping coefficient", '"4 N*s/m"'),
     "N*m*s/rad": ("a torsional damping coefficient", '"0.1 N*m*s/rad"'),
+    "N*s": ("an impulse", '"3 N*s"'),
     "s": ("a time", '"50 s"'),
     "Hz": ("a frequency", '"2 Hz"'),
     "1/s": ("a rate", '"-0.5 1/s"'),
 }
 
 _COMMON_UNITS = (
-    "kg g t lb slug m mm cm um km in ft N kN mN MN lbf kgf s ms us min h Hz kHz rpm rad deg rev "
+    "kg g t lb slug m mm cm um km in ft N kN mN MN Nm kNm Nmm Ns lbf kgf s ms us min h Hz kHz rpm rad deg rev "
     "J W Pa kPa MPa GPa bar"
 ).split()
+
+#: Products that engineers write as one word; to pint, Nm is a fineness of yarn.
+_RUN_TOGETHER = ("Nm = newton * meter", "Nmm = newton * millimeter", "Ns = newton * second")
 
 _FACTOR = r"(?:[^\W\d_]+(?:\^-?[1-9])?|°)"
 _UNIT = re.compile(rf"(?:1(?=/)|{_FACTOR}(?:\*{_FACTOR})*)(?:/{_FACTOR})*")  # a product after a division is ambiguous
@@ -91,7 +97,7 @@ def expected(unit: str) -> str:
 def shown(value, longest: int = 60) -> str:
     """A value as it is quoted in a message: texts in double quotes, control characters escaped, never long."""
     if isinstance(value, str):
-        text = ascii_quoted(value[: longest + 1])
+        text = quoted(value[: longest + 1])
     elif isinstance(value, bool):
         text = str(value).lower()
     elif isinstance(value, dict):
@@ -105,7 +111,7 @@ def shown(value, longest: int = 60) -> str:
     return text if len(text) <= longest + 2 else text[:longest] + "..."
 
 
-def ascii_quoted(text: str) -> str:
+def quoted(text: str) -> str:
     """The text in double quotes with every unprintable character escaped."""
     return '"' + "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text) + '"'
 
@@ -116,7 +122,9 @@ def _finite(number, value, unit: str) -> float:
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        raise InputError(f"found {shown(value)}; expected a finite number: {expected(unit)}")
+        raise InputError(f"found {shown(value)}; expected a finite number" + (f": {expected(unit)}" if unit != "1" else ""))
+    if number and not LEAST <= abs(number) <= LARGEST:
+        raise InputError(f"found {shown(value)}; expected 0 or a size between {LEAST:g} and {LARGEST:g}: no machine has others")
     return number
 
 
@@ -149,11 +157,28 @@ def _plain_unit(text: str) -> str:
     return re.sub(r"\s+", "*", re.sub(r"\s*([*/^])\s*", r"\1", text))
 
 
+def count_texts(data) -> int:
+    """How many texts in tables and arrays look like a number with a unit."""
+    if isinstance(data, str):
+        return int(len(data) <= LONGEST_QUANTITY and bool(_QUANTITY.fullmatch(data)))
+    if isinstance(data, dict):
+        data = list(data.values())
+    return sum(map(count_texts, data)) if isinstance(data, list) else 0
+
+
+def load_units() -> None:
+    """Import pint and read its definitions of units."""
+    _registry()
+
+
 @functools.cache
 def _registry():
     import pint
 
-    return pint.UnitRegistry()
+    registry = pint.UnitRegistry(on_redefinition="ignore")
+    for definition in _RUN_TOGETHER:
+        registry.define(definition)
+    return registry
 
 
 def _unknown_name(unit: str) -> str | None:
@@ -177,7 +202,7 @@ def _dimension(text: str) -> Dimension:
 def _same_kind(found: Dimension, unit: str) -> bool:
     """Equal dimensions; N*m/rad may also be written N*m, as is common for torsion springs."""
     wanted = _dimension(unit)
-    return found.exponents == wanted.exponents and (found.radian == wanted.radian or wanted.radian < 0 == found.radian)
+    return found.exponents == wanted.exponents and found.radian in ((wanted.radian, 0) if wanted.radian < 0 else (wanted.radian,))
 
 
 def _describe(found: Dimension) -> str:

@@ -1,0 +1,76 @@
+"""The constrained form [V^T (M s^2 + C s + K); A s^level] x = [V^T f; b]: as many equations as coordinates.
+
+V is a basis of null(A): multiplied by V^T the equations of motion lose the constraint forces A^T lambda, and
+the constraint rows take the freed places (Antoniou et al. 2016; Moysis et al., Eqs. 79-82). M may be singular.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..linalg.noise import Noisy
+from ..polynomial.matrix import PolynomialMatrix
+from ..signals.inputs import ImpulsiveSmooth, step
+from .constraint import ConstraintRow
+from .independence import IndependentRows
+
+
+@dataclass(frozen=True)
+class ConstrainedForm:
+    """The constrained equations of a system with n coordinates and k independent constraint rows.
+
+    Attributes:
+        null_space: V, shape (n, n - k).
+        rows: A, shape (k, n).
+        values: b, shape (k,).
+        polynomial_matrix: [V^T (M s^2 + C s + K); A s^level], always of degree 2.
+    """
+
+    null_space: np.ndarray
+    rows: np.ndarray
+    values: np.ndarray
+    polynomial_matrix: PolynomialMatrix
+
+    def force(self, applied: ImpulsiveSmooth) -> ImpulsiveSmooth:
+        """f with n rows -> [V^T f; b], b as a step: what stands on the right for t > 0."""
+        padding = np.zeros((len(self.values), self.null_space.shape[0]))
+        held = np.concatenate([np.zeros(self.null_space.shape[1]), self.values])
+        projected = applied.mapped(np.vstack([self.null_space.T, padding]))
+        return projected + step(held) if held.any() else projected
+
+
+def constrained_form(
+    motion: Sequence[np.ndarray], independent: IndependentRows, names: Sequence[str], orders: Sequence[int]
+) -> ConstrainedForm:
+    """Stack the projected equations of motion and the constraint rows.
+
+    Args:
+        motion: K, C, M, the coefficients of s^0, s^1, s^2, each of shape (n, n).
+        independent: the constraint rows and their null space.
+        names: of the n coordinates.
+        orders: for each row the derivative that it holds.
+    """
+    V, A = independent.null_space, independent.matrix
+    coefficients = [
+        np.vstack([_projected(V, matrix), A * (np.asarray(orders, dtype=int) == power)[:, None]])
+        for power, matrix in enumerate(motion)
+    ]
+    equations = [*_motion_names(independent.motions, names), *_row_names(independent.rows)]
+    values = np.array([row.value for row in independent.rows])
+    return ConstrainedForm(V, A, values, PolynomialMatrix(coefficients, names, equations))
+
+
+def _projected(V, matrix) -> np.ndarray:
+    """V^T times the matrix; sums that cancel leave an exact zero, not the rounding of their terms."""
+    return (Noisy.rounded(V.T) @ Noisy.rounded(matrix)).cleaned()
+
+
+def _motion_names(motions, names) -> list[str]:
+    return [f"motion {i + 1}" if free is None else f"motion of {names[free]}" for i, free in enumerate(motions)]
+
+
+def _row_names(rows) -> list[str]:
+    return [f"constraint {row.name}" for row in rows]

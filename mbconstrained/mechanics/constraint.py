@@ -1,0 +1,124 @@
+"""Constraint rows A x^(level) = b: which combination of coordinates is held, in which derivative, at which value."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ..checks import names_of, nearest, real_array
+from ..errors import InputError
+
+Level = Literal["position", "velocity", "acceleration"]
+
+#: The levels, strongest first; the place of a level is the order of the derivative that it holds.
+LEVELS: tuple[Level, ...] = ("position", "velocity", "acceleration")
+
+
+class Constraint:
+    """The rows A x^(level) = b of one constraint, b constant for t > 0.
+
+    Args:
+        rows: A, shape (k, n), or (n,) for a single row.
+        level: the derivative that is held: "position" A x = b, "velocity" A x' = b, or "acceleration" A x'' = b
+            (the form of Udwadia and Phohomsiri 2006). The stronger level implies the weaker one with b = 0; a weaker
+            level keeps what is wrong at the start, and adds drift zeros.
+        value: b, a number or shape (k,).
+        names: one name per row; made by the system when not given.
+        unit: unit of A x, "m" or "rad" ("1" for none), so that multipliers get theirs. When not given it is the
+            one of the coordinates in the row, metres where both kinds meet (a radius turns angles into lengths).
+
+    Raises:
+        InputError: rows that are no matrix of finite real numbers, an unknown level, values that do not fit.
+
+    >>> Constraint([1, -1, 0], level="velocity", value=0.5)
+    Constraint(1 row at velocity level)
+    """
+
+    def __init__(
+        self,
+        rows,
+        level: Level = "position",
+        value=0.0,
+        names: Sequence[str] | str | None = None,
+        unit: str | None = None,
+    ):
+        found = real_array(rows, "constraint rows")
+        if found.ndim not in (1, 2):
+            raise InputError(f"constraint rows: expected one row or a matrix, found an array of shape {found.shape}")
+        self.rows = np.atleast_2d(found)
+        self.level = checked_level(level, "constraint")
+        values = real_array(value, "constraint value")
+        if values.ndim > 1 or (values.ndim == 1 and len(values) != len(self.rows)):
+            raise InputError(
+                f"constraint value: found shape {values.shape}; expected one number, or one for each of the {len(self.rows)} rows"
+            )
+        self.values = np.array(np.broadcast_to(values, len(self.rows)))
+        if isinstance(names, str):
+            names = (names,)
+        self.names = None if names is None else names_of(names, len(self.rows), "constraint rows", "")
+        self.unit = unit
+        self.rows.flags.writeable = self.values.flags.writeable = False
+
+    def __repr__(self) -> str:
+        count = len(self.rows)
+        return f"Constraint({count} row{'s' if count != 1 else ''} at {self.level} level)"
+
+
+@dataclass(frozen=True)
+class ConstraintRow:
+    """One row a x^(level) = value of a system.
+
+    Attributes:
+        name: its name.
+        coefficients: a, shape (n,).
+        level: "position", "velocity" or "acceleration".
+        value: the right-hand side.
+        unit: unit of a x, "m", "rad" or "1".
+    """
+
+    name: str
+    coefficients: np.ndarray
+    level: Level
+    value: float
+    unit: str
+
+    @property
+    def order(self) -> int:
+        """Order of the derivative that is held: 0, 1 or 2."""
+        return LEVELS.index(self.level)
+
+
+def checked_level(level, what: str) -> Level:
+    """A known level, or an InputError with the nearest one."""
+    if level not in LEVELS:
+        raise InputError(f"{what}: found the level {level!r}; expected one of {', '.join(LEVELS)}{nearest(level, LEVELS)}")
+    return level
+
+
+def constraint_rows(constraints: Sequence[Constraint], units: dict[str, str]) -> tuple[ConstraintRow, ...]:
+    """All rows of the constraints of a system with coordinates of these units, each with a name of its own."""
+    found: list[ConstraintRow] = []
+    for constraint in constraints:
+        if not isinstance(constraint, Constraint):
+            raise InputError(f"constraints: found {type(constraint).__name__}; make each with mb.Constraint(rows, ...)")
+        if constraint.rows.shape[1] != len(units):
+            raise InputError(
+                f"constraint rows: found {constraint.rows.shape[1]} entries in a row; expected one for each of the "
+                f"{len(units)} coordinates ({', '.join(units)})"
+            )
+        for place, (coefficients, value) in enumerate(zip(constraint.rows, constraint.values)):
+            name = constraint.names[place] if constraint.names else f"constraint {len(found) + 1}"
+            unit = constraint.unit or _unit(coefficients, units)
+            found.append(ConstraintRow(name, coefficients, constraint.level, float(value), unit))
+    names_of([row.name for row in found], len(found), "constraint rows", "")
+    return tuple(found)
+
+
+def _unit(coefficients, units) -> str:
+    present = {unit for unit, coefficient in zip(units.values(), coefficients) if coefficient}
+    if len(present) == 1:
+        return present.pop()
+    return "m" if "m" in present else "1"

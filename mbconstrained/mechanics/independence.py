@@ -1,0 +1,101 @@
+"""Constraint rows freed of what they say twice, and refused where they contradict each other.
+
+The rows are taken strongest level first, so that of rows that coincide the strongest stays. A row held at position
+level holds the derivatives of a x at zero: only kept rows of its own level contribute to the value that is
+implied for a dependent row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import ContradictoryConstraints
+from ..linalg.noise import Noisy
+from ..notices import Notice
+from ..tolerances import CLEAR_KEPT, EPS
+from .constraint import LEVELS, ConstraintRow
+from .elimination import reduce_rows
+from .units import rate_unit
+
+
+@dataclass(frozen=True)
+class IndependentRows:
+    """What is left of the constraint rows of a system with n coordinates.
+
+    Attributes:
+        rows: the k independent rows, strongest level first.
+        matrix: A, their coefficients, shape (k, n).
+        null_space: V, a basis of null(A), shape (n, n - k).
+        motions: the coordinate that each column of V is named for, None where it mixes them.
+        left_inverse: G with G A^T = I, shape (k, n): turns a constraint force A^T lambda into lambda.
+        notices: one for each row that was left out, and for each that was kept by a narrow margin.
+    """
+
+    rows: tuple[ConstraintRow, ...]
+    matrix: np.ndarray
+    null_space: np.ndarray
+    motions: tuple[int | None, ...]
+    left_inverse: np.ndarray
+    notices: tuple[Notice, ...]
+
+
+def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRows:
+    """Take dependent rows out and find the null space of the rest.
+
+    Raises:
+        ContradictoryConstraints: a dependent row asks for another value than the rows that it depends on imply.
+    """
+    rows = sorted(rows, key=lambda row: row.order)
+    matrix = np.array([row.coefficients for row in rows]).reshape(len(rows), size)
+    reduction = reduce_rows(Noisy.rounded(matrix), _carried(rows))
+    notices = [_redundant(rows, place, rest) for place, rest in reduction.dependent.items()]
+    notices += [
+        _doubtful(rows[place], margin) for place, margin in zip(reduction.kept, reduction.margins) if margin < CLEAR_KEPT
+    ]
+    kept, pivots = list(reduction.kept), list(reduction.pivots)
+    null_space, motions = reduction.null_space()
+    left_inverse = np.zeros((len(kept), size))
+    left_inverse[:, pivots] = np.linalg.inv(matrix[np.ix_(kept, pivots)]).T
+    return IndependentRows(
+        tuple(rows[place] for place in kept), matrix[kept], null_space, motions, left_inverse, tuple(notices)
+    )
+
+
+def _carried(rows) -> Noisy:
+    """Carried along with each row: its value in the column of its level, and an exact unit vector."""
+    values = np.zeros((len(rows), len(LEVELS)))
+    for place, row in enumerate(rows):
+        values[place, row.order] = row.value
+    combination = np.eye(len(rows))
+    return Noisy(np.hstack([values, combination]), np.hstack([EPS * np.abs(values), np.zeros_like(combination)]))
+
+
+def _redundant(rows, place, rest) -> Notice:
+    """The notice of a row that the rows before it imply, or the error where they imply another value."""
+    row, levels = rows[place], len(LEVELS)
+    others = [f'"{rows[i].name}" ({rows[i].level} level)' for i in np.flatnonzero(rest[levels:]) if i != place]
+    reason = f"it follows from {' and '.join(others)}" if others else "all its coefficients are zero"
+    left_over = rest[row.order]
+    if left_over:
+        unit = rate_unit(row.unit, row.order)
+        raise ContradictoryConstraints(
+            f'constraint "{row.name}" ({row.level} level) asks for {row.value:.6g} {unit}, but {reason}, '
+            f"with the value {row.value - left_over:.6g} {unit}; make the values agree or take one of the rows out"
+        )
+    return Notice(
+        "redundant",
+        f'constraint "{row.name}" ({row.level} level) says nothing new and was left out: {reason}; '
+        "multipliers are those of the rows that are left",
+    )
+
+
+def _doubtful(row: ConstraintRow, margin: float) -> Notice:
+    return Notice(
+        "rank",
+        f'constraint "{row.name}" ({row.level} level) is almost a combination of other rows: what is new in it stands only '
+        f"{margin:.3g} times above the rounding noise; it was kept",
+        doubtful=True,
+    )

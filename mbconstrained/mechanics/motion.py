@@ -1,0 +1,83 @@
+"""The motion of a mechanical system: a response that knows its coordinates, units, reactions and energy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..notices import Notice
+from ..response.response import Response
+from ..response.solve import solve
+from ..signals.bohl import BohlFunction
+from ..signals.inputs import ImpulsiveSmooth
+from .energy import Energy, energy_of
+from .reaction import reaction_function, reaction_impulses
+
+if TYPE_CHECKING:
+    from .system import MechanicalSystem
+
+
+@dataclass(frozen=True)
+class Motion(Response):
+    """x(t) of a mechanical system, a ``Response`` to the constrained form; t = 0 means 0+ everywhere.
+
+    Attributes:
+        system: the system that moves.
+        applied: all forces f on its n coordinates, its own included.
+    """
+
+    system: MechanicalSystem
+    applied: ImpulsiveSmooth
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The coordinates, in the order of the rows of x."""
+        return self.system.names
+
+    def velocity(self, times) -> np.ndarray:
+        """x' at a time (-> (n,)) or at times (T,) (-> (n, T)), in m/s or rad/s."""
+        return self.derivative(1)(times)
+
+    def acceleration(self, times) -> np.ndarray:
+        """x'' at a time (-> (n,)) or at times (T,) (-> (n, T)), in m/s^2 or rad/s^2."""
+        return self.derivative(2)(times)
+
+    def reaction(self, times) -> np.ndarray:
+        """The multipliers lambda at a time (-> (k,)) or at times (T,) (-> (k, T)), one per row of ``system.rows``.
+
+        M x'' + C x' + K x = f + A^T lambda: lambda_i is the force along the i-th row, in N for a row in metres and
+        in N m for a row in radians. What happens at t = 0 itself is in ``constraint_impulses``.
+        """
+        return self.reaction_function(times)
+
+    @cached_property
+    def reaction_function(self) -> BohlFunction:
+        """lambda for t > 0 in closed form, k rows."""
+        return reaction_function(self.system, self, self.applied)
+
+    @cached_property
+    def constraint_impulses(self) -> tuple[np.ndarray, ...]:
+        """Arrays (k,); the p-th multiplies the p-th derivative of Dirac's delta in lambda (N s for p = 0, N s^2, ...)."""
+        return reaction_impulses(self.system, self, self.applied)
+
+    def energy(self, times) -> Energy:
+        """Kinetic, strain and static energy at a time or at times (T,), in J."""
+        return energy_of(self.system, self(times), self.velocity(times))
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """What the user should know, with names and units: broken rows, jumps, impulses, drift, doubtful decisions."""
+        from .motion_notices import motion_notices
+
+        return motion_notices(self)
+
+
+def motion_of(system: MechanicalSystem, start: np.ndarray, applied: ImpulsiveSmooth) -> Motion:
+    """Solve the constrained form from x(0-), x'(0-) in the rows of start, shape (2, n)."""
+    form = system.constrained_form()
+    response = solve(form.polynomial_matrix, start, form.force(applied))
+    found = {field.name: getattr(response, field.name) for field in fields(response)}
+    return Motion(**found, system=system, applied=applied)

@@ -1,0 +1,219 @@
+"""M x'' + C x' + K x = f with constraint rows: the box between models and mathematics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+
+from ..checks import names_of, nearest, real_array, real_number
+from ..errors import InputError
+from ..notices import Notice
+from ..polynomial.matrix import PolynomialMatrix
+from ..signals.inputs import ImpulsiveSmooth, step, zero
+from .acceleration import explicit_acceleration
+from .constrained_form import ConstrainedForm, constrained_form
+from .constraint import Constraint, ConstraintRow, constraint_rows
+from .independence import independent_rows
+from .modes import Modes, modes_of
+from .motion import Motion, motion_of
+from .units import coordinate_units
+
+
+class MechanicalSystem:
+    """M x'' + C x' + K x = f + A^T lambda with the constraint rows A x^(level) = b (SI units, t in s).
+
+    Args:
+        mass: M, shape (n, n), possibly singular (kg, kg m^2).
+        damping: C, shape (n, n) (N s/m); zero when not given.
+        stiffness: K, shape (n, n) (N/m); zero when not given.
+        constraints: any number of ``Constraint``; dependent rows are taken out and reported in ``notices``.
+        names: of the n coordinates, x1, x2, ... when not given.
+        force: what acts from t = 0 on: a constant vector (n,) or an ImpulsiveSmooth with n rows (N, N m).
+        static_force: constant vector (n,) of rest lengths and weights, in addition to the force. It has a
+            potential, which is counted in the energy, as that of a constant force is.
+        units: unit of each coordinate, "m" or "rad", by name or in order; "m" when not given.
+
+    Raises:
+        InputError: shapes that do not fit, entries that are not finite, names used twice.
+        ContradictoryConstraints: dependent rows that ask for different values.
+
+    >>> pair = MechanicalSystem(np.diag([1.0, 3.0]), constraints=[Constraint([1, -1])], names=["a", "b"])
+    >>> pair.acceleration([0, 0], [0, 0], [8.0, 0.0])
+    array([2., 2.])
+    """
+
+    def __init__(
+        self,
+        mass,
+        damping=None,
+        stiffness=None,
+        constraints: Sequence[Constraint] = (),
+        names: Sequence[str] | None = None,
+        force=None,
+        static_force=None,
+        units=None,
+    ):
+        self.mass = _square(mass, "mass", None)
+        self.damping = _square(damping, "damping", self.size)
+        self.stiffness = _square(stiffness, "stiffness", self.size)
+        self.names = names_of(names, self.size, "coordinates", "x")
+        self.units = coordinate_units(units, self.names)
+        self.constraints = (constraints,) if isinstance(constraints, Constraint) else tuple(constraints)
+        self._independent = independent_rows(constraint_rows(self.constraints, self.units), self.size)
+        self.static_force = self._vector(static_force, "static_force")
+        self.drive: ImpulsiveSmooth | None = None
+        if isinstance(force, ImpulsiveSmooth):
+            self.drive = self._signal(force, "force")
+        else:
+            self.static_force = self.static_force + self._vector(force, "force")
+        self.static_force.flags.writeable = False
+
+    @property
+    def size(self) -> int:
+        """The number n of coordinates."""
+        return len(self.mass)
+
+    @property
+    def rows(self) -> tuple[ConstraintRow, ...]:
+        """The independent constraint rows, strongest level first; multipliers come in this order."""
+        return self._independent.rows
+
+    @property
+    def constraint_matrix(self) -> np.ndarray:
+        """A, the coefficients of the independent rows, shape (k, n)."""
+        return self._independent.matrix
+
+    @property
+    def multiplier_map(self) -> np.ndarray:
+        """G with G A^T = I, shape (k, n): the multipliers of a constraint force A^T lambda."""
+        return self._independent.left_inverse
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """One notice for each constraint row that was left out because others imply it, or kept by a narrow margin."""
+        return self._independent.notices
+
+    @property
+    def force(self) -> ImpulsiveSmooth:
+        """All that acts from t = 0 on without being asked: the static force as a step, and the drive."""
+        static = step(self.static_force) if self.static_force.any() else zero(self.size)
+        return static if self.drive is None else static + self.drive
+
+    def constrained_form(self) -> ConstrainedForm:
+        """[V^T (M s^2 + C s + K); A s^level] with every row at its level."""
+        return self._constrained_form
+
+    @cached_property
+    def _constrained_form(self) -> ConstrainedForm:
+        return self._form([row.order for row in self.rows])
+
+    def position_form(self) -> ConstrainedForm:
+        """[V^T (M s^2 + C s + K); A], every row at position level: the same motions without the drift."""
+        return self._position_form
+
+    @cached_property
+    def _position_form(self) -> ConstrainedForm:
+        held = any(row.order for row in self.rows)
+        return self._form([0] * len(self.rows)) if held else self._constrained_form
+
+    def _form(self, orders) -> ConstrainedForm:
+        motion = (self.stiffness, self.damping, self.mass)
+        return constrained_form(motion, self._independent, self.names, orders)
+
+    def polynomial_matrix(self) -> PolynomialMatrix:
+        """A(s) of the constrained form, degree 2, size n."""
+        return self.constrained_form().polynomial_matrix
+
+    def solve(self, displacement=None, velocity=None, force=None) -> Motion:
+        """The motion from any values at 0-, in closed form; values that do not fit are not repaired: the motion tells jumps and impulses.
+
+        Args:
+            displacement, velocity: x and x' at 0-, shape (n,), or a mapping from names to numbers, zero for the others.
+            force: f in addition to the system's own, as an ImpulsiveSmooth with n rows or a constant vector.
+
+        Raises:
+            InputError: unknown names, shapes that do not fit.
+            SingularPolynomialMatrix: the motion is not determined; the text names equations and coordinates.
+
+        >>> spring = MechanicalSystem([[1.0]], stiffness=[[4.0]])
+        >>> bool(np.isclose(spring.solve([1.0])(0.5)[0], np.cos(1.0)))
+        True
+        """
+        start = np.array([self._vector(displacement, "displacement"), self._vector(velocity, "velocity")])
+        return motion_of(self, start, self._applied(force))
+
+    def modes(self) -> Modes:
+        """The finite zeros of A(s), each with what it means: oscillation, decay, rigid body, drift ..."""
+        return modes_of(self)
+
+    def acceleration(self, displacement, velocity, force=None, time: float = 0.0) -> np.ndarray:
+        """x'' at a given state, shape (n,), by the explicit formula of Udwadia and Phohomsiri (``mechanics.acceleration``).
+
+        Args:
+            displacement, velocity: x and x', shape (n,) or by name. Rows at position and velocity level enter as
+                A x'' = 0, whether or not the state obeys them.
+            force: f in addition to the system's own at that time, a constant vector (n,) or by name.
+            time: when, for the system's own force (s).
+
+        Raises:
+            NotUnique: rank [M; A] < n, the acceleration is not determined by the masses and constraints alone.
+        """
+        load = -self._resistance(displacement, velocity, force, time)
+        values = np.array([row.value if row.level == "acceleration" else 0.0 for row in self.rows])
+        return explicit_acceleration(self.mass, self._independent, load, values, self.names)
+
+    def constraint_force(self, displacement, velocity, force=None, time: float = 0.0) -> np.ndarray:
+        """f_c = M x'' + C x' + K x - f = A^T lambda at a given state, shape (n,); arguments as in ``acceleration``."""
+        acceleration = self.acceleration(displacement, velocity, force, time)
+        return self.mass @ acceleration + self._resistance(displacement, velocity, force, time)
+
+    def __repr__(self) -> str:
+        held = ", ".join(f"{row.name}: {row.level}" for row in self.rows)
+        count = f"{self.size} coordinate{'s' if self.size != 1 else ''}"
+        return f"MechanicalSystem({count}{', rows held: ' + held if held else ''})"
+
+    def _resistance(self, displacement, velocity, force, time) -> np.ndarray:
+        """C x' + K x - f."""
+        applied = self.force(real_number(time, "time", minimum=0.0)) + self._vector(force, "force")
+        held = self.damping @ self._vector(velocity, "velocity") + self.stiffness @ self._vector(displacement, "displacement")
+        return held - applied
+
+    def _applied(self, force) -> ImpulsiveSmooth:
+        if force is None:
+            return self.force
+        if not isinstance(force, ImpulsiveSmooth):
+            force = step(self._vector(force, "force"))
+        return self.force + self._signal(force, "force")
+
+    def _signal(self, signal: ImpulsiveSmooth, what: str) -> ImpulsiveSmooth:
+        if signal.size != self.size:
+            raise InputError(f"{what}: it has {signal.size} rows; expected one for each of the {self.size} coordinates")
+        return signal
+
+    def _vector(self, value, what: str) -> np.ndarray:
+        if value is None:
+            return np.zeros(self.size)
+        if not isinstance(value, Mapping):
+            return real_array(value, what, shape=(self.size,))
+        vector = np.zeros(self.size)
+        for name, number in value.items():
+            if name not in self.names:
+                raise InputError(f'{what}: there is no coordinate "{name}"{nearest(name, self.names)}')
+            vector[self.names.index(name)] = real_number(number, f"{what} of {name}")
+        return vector
+
+
+def _square(value, what: str, size: int | None) -> np.ndarray:
+    if value is None:
+        if size is None:
+            raise InputError("mass: a mechanical system needs a mass matrix (zeros for massless coordinates)")
+        value = np.zeros((size, size))
+    matrix = real_array(value, what, shape=(size, size))
+    if len(matrix) != matrix.shape[1]:
+        raise InputError(f"{what}: expected a square matrix, found {matrix.shape[0]} x {matrix.shape[1]}")
+    if not len(matrix):
+        raise InputError(f"{what}: found no entries; a mechanical system needs at least one coordinate")
+    matrix.flags.writeable = False
+    return matrix

@@ -1,0 +1,60 @@
+"""Units of what belongs to a coordinate in metres or in radians: rates, forces, impulses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ..checks import nearest
+from ..errors import InputError
+
+_FORCES = {"m": "N", "rad": "N m", "1": "J"}
+
+
+def coordinate_units(units, names: Sequence[str]) -> dict[str, str]:
+    """The unit of every coordinate by name, metres where nothing is said.
+
+    Args:
+        units: a mapping from names to units, a sequence in the order of the names, or None.
+    """
+    if units is None:
+        units = {}
+    if not isinstance(units, Mapping):
+        units = tuple(units)
+        if len(units) != len(names):
+            raise InputError(f"units: {len(units)} given for {len(names)} coordinates; give one each")
+        units = dict(zip(names, units))
+    unknown = [name for name in units if name not in names]
+    if unknown:
+        raise InputError(f'units: there is no coordinate "{unknown[0]}"{nearest(unknown[0], names)}')
+    return {name: units.get(name, "m") for name in names}
+
+
+def rate_unit(unit: str, order: int = 1) -> str:
+    """The unit of the derivative of this order.
+
+    >>> rate_unit("m", 2)
+    'm/s^2'
+    """
+    return unit if order == 0 else f"{unit}/{_seconds(order)}"
+
+
+def force_unit(unit: str) -> str:
+    """The unit of the force that works along a quantity of this unit.
+
+    >>> force_unit("rad")
+    'N m'
+    """
+    return _FORCES.get(unit, f"J/{unit}")
+
+
+def impulse_unit(unit: str, order: int = 0) -> str:
+    """The unit of the factor of the derivative of this order of Dirac's delta, for a quantity of this unit.
+
+    >>> impulse_unit("N"), impulse_unit("N", 1)
+    ('N s', 'N s^2')
+    """
+    return f"{unit} {_seconds(order + 1)}"
+
+
+def _seconds(power: int) -> str:
+    return "s" if power == 1 else f"s^{power}"

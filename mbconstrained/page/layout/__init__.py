@@ -1,0 +1,4 @@
+"""Drawings for models that bring none: where bodies stand, and how large their motion is drawn."""
+
+from .coordinates import coordinate_drawing
+from .lumped import lumped_drawing

@@ -1,0 +1,68 @@
+"""The parts of the page that need no script: heading, notices, plots, tables, facts. All texts are escaped."""
+
+from __future__ import annotations
+
+import html
+import re
+
+from ..notices import Notice
+from .content import PageContent, Plot, Table
+from .plots import plot_figure
+from .viewer import viewer_licences
+
+
+def header(content: PageContent) -> str:
+    """Title and source."""
+    source = f"\n<p>{html.escape(content.source)}</p>" if content.source else ""
+    return f"<header>\n<h1>{html.escape(content.title)}</h1>{source}\n</header>"
+
+
+def plot_figures(plots: tuple[Plot, ...]) -> str:
+    """All plots, side by side where the window is wide enough; one alone takes the whole width."""
+    figures = "\n".join(plot_figure(plot, alone=len(plots) == 1) for plot in plots)
+    return f'<div class="plots">\n{figures}\n</div>' if plots else ""
+
+
+def notice_section(notices: tuple[Notice, ...]) -> str:
+    """The notices, doubtful ones first and as warnings."""
+    if not notices:
+        return ""
+    ordered = sorted(notices, key=lambda notice: not notice.doubtful)
+    return f'<section class="notices">{"".join(_notice(notice) for notice in ordered)}</section>'
+
+
+def _notice(notice: Notice) -> str:
+    kind, label = ("notice doubtful", "Warning") if notice.doubtful else ("notice", "Note")
+    return f'<p class="{kind}"><b>{label} ({html.escape(notice.kind)}):</b> {html.escape(notice.text)}</p>'
+
+
+def table_section(table: Table) -> str:
+    """A titled table; columns of numbers are set flush right."""
+    columns = list(zip(*table.rows)) or [()] * len(table.columns)
+    kinds = [' class="number"' if column and all(map(_is_number, column)) else "" for column in columns]
+    head = "".join(f'<th scope="col"{kind}>{html.escape(text)}</th>' for kind, text in zip(kinds, table.columns))
+    rows = "".join(
+        "<tr>" + "".join(f"<td{kind}>{html.escape(cell)}</td>" for kind, cell in zip(kinds, row)) + "</tr>\n"
+        for row in table.rows
+    )
+    note = f'<p class="note">{html.escape(table.note)}</p>' if table.note else ""
+    return (
+        f'<section>\n<h2>{html.escape(table.title)}</h2>\n<div class="scroll"><table>\n'
+        f"<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>{note}\n</section>"
+    )
+
+
+def _is_number(cell: str) -> bool:
+    return re.match(r"[-+−±]?\d|[-–—]?$", cell) is not None
+
+
+def footer(facts: tuple[tuple[str, str], ...], *, with_viewer: bool) -> str:
+    """Facts, and the licences of what the page passes on."""
+    rows = "".join(f"<dt>{html.escape(label)}</dt><dd>{html.escape(text)}</dd>" for label, text in facts)
+    facts_list = f"<dl>{rows}</dl>\n" if facts else ""
+    licences = (
+        f"<details><summary>Licences of the 3-D viewer</summary><pre>{html.escape(viewer_licences())}</pre></details>\n"
+        if with_viewer
+        else ""
+    )
+    return f"<footer>\n{facts_list}{licences}</footer>"

@@ -1,0 +1,97 @@
+"""The commands run, plan and check. What is heavy is imported by the command that needs it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+FINE, SCENE_WRONG, COMMAND_WRONG, NOT_TRUSTED = 0, 1, 2, 3
+
+HELP = """Closed-form motion of constrained mechanical systems, from a scene file to an animated page.
+
+A scene is a text file (TOML): masses, springs, dampers, gears and constraints, or matrices; a start;
+a time. The answer is not stepped but computed as a sum of t^k e^(a t) cos(w t + p), with jumps and
+Dirac impulses at t = 0 where the start does not fit the constraints."""
+
+EPILOG = """Examples:
+  mbconstrained run examples/two_masses.toml     page, CSV and npz into results/two_masses/
+  mbconstrained run bridge.toml --out work/b1    the same into another folder
+  mbconstrained run bridge.toml --json           zeros, jumps, impulses, evidence for a program
+  mbconstrained plan bridge.toml                 what would be computed, what not, and why
+  mbconstrained check bridge.toml                is the file right? nothing is solved or written
+
+Exit codes:
+  0  fine
+  1  the scene is wrong: the message names the place, what was found and what was expected
+  2  the command line is wrong, or the results cannot be written
+  3  there is an answer, and it is written, but it cannot be trusted; a warning says why"""
+
+app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
+
+ScenePath = Annotated[str, typer.Argument(metavar="SCENE", help="The scene file, a .toml.")]
+Json = Annotated[bool, typer.Option("--json", help="Print plain data (JSON) instead of text.")]
+Out = Annotated[str, typer.Option("--out", metavar="DIR", help="Folder to write into; results/NAME_OF_SCENE if left out.")]
+
+
+def _verbatim(text: str) -> str:
+    """A help text that keeps its line breaks."""
+    return "\n\n".join("\b\n" + block for block in text.split("\n\n"))
+
+
+@app.callback(help=_verbatim(HELP), epilog=_verbatim(EPILOG))
+def _group() -> None:
+    pass
+
+
+@app.command(short_help="Solve a scene and write its page, CSV and npz.")
+def run(scene: ScenePath, out: Out = "", json: Json = False) -> None:
+    """Solve a scene, write page, CSV and npz, and print what an engineer wants to know."""
+    from .printing import show_result, stage_progress
+
+    def work(found: Scene) -> int:
+        with stage_progress() as progress:
+            result = found.run(Path(out or Path("results") / found.name), progress)
+        show_result(result, json)
+        return FINE if result.is_trusted else NOT_TRUSTED
+
+    _answer(scene, json, work)
+
+
+@app.command(short_help="List what would be computed, what not, and why.")
+def plan(scene: ScenePath, json: Json = False) -> None:
+    """List the stages that a scene needs, and those that are left out, each with its reason."""
+    from .printing import show_plan
+
+    _answer(scene, json, lambda found: show_plan(found, json))
+
+
+@app.command(short_help="See whether a scene is right; solve nothing.")
+def check(scene: ScenePath, json: Json = False) -> None:
+    """Read a scene and see whether everything in it is right; solve nothing, write nothing."""
+    from .printing import show_check
+
+    _answer(scene, json, lambda found: show_check(found, json))
+
+
+def _answer(path: str, json: bool, work: Callable[[Scene], int | None]) -> None:
+    """Read the scene, do the work, and leave with the exit code that says how it went."""
+    from ..errors import MbconstrainedError, SceneError
+    from .printing import show_error
+    from .scene import read_scene
+
+    try:
+        code = work(read_scene(path)) or FINE
+    except MbconstrainedError as problem:
+        named = str(problem) if isinstance(problem, SceneError) else f"{Path(path).name}: {problem}"
+        code = show_error(named, json, SCENE_WRONG)
+    except OSError as problem:
+        code = show_error(f"the results cannot be written: {problem}", json, COMMAND_WRONG)
+    except MemoryError:
+        code = show_error(f"{Path(path).name}: this needs more memory than there is; ask for fewer points", json, SCENE_WRONG)
+    raise typer.Exit(code)

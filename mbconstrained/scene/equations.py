@@ -1,0 +1,158 @@
+"""From the tables of a scene to its equations: matrices, start, force, with names and units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import InputError
+from ..polynomial import PolynomialMatrix
+from ..response import Response, solve
+from ..response.parts import start_of
+from ..signals import ImpulsiveSmooth, zero
+from .files import matrix_of
+from .problems import at
+from .values import Coordinates, beyond_noise, constraint_value, force_of, initial_values
+
+if TYPE_CHECKING:
+    from ..mechanics import MechanicalSystem
+    from ..models.lumped import LumpedModel
+
+
+@dataclass(frozen=True)
+class Equations:
+    """What a scene asks to be solved.
+
+    Attributes:
+        coordinates: names and units.
+        polynomial_matrix: A(s), for a mechanical system that of its constrained form.
+        initial: x^(i)(0-) as row i, shape (q, r).
+        force: on [0, inf), or None.
+        system: mass, damping, stiffness and constraint rows; None where A(s) was given itself.
+        model: the lumped model behind the system, or None.
+    """
+
+    coordinates: Coordinates
+    polynomial_matrix: PolynomialMatrix
+    initial: np.ndarray
+    force: ImpulsiveSmooth | None
+    system: MechanicalSystem | None = None
+    model: LumpedModel | None = None
+
+    @property
+    def right_hand_side(self) -> ImpulsiveSmooth:
+        """What stands on the right of A(d/dt) x: forces, static offsets and constraint values."""
+        force = zero(len(self.coordinates.names)) if self.force is None else self.force
+        return force if self.system is None else self.system.constrained_form().force(self.system.force + force)
+
+    @property
+    def is_free(self) -> bool:
+        """Whether nothing stands on the right."""
+        right = self.right_hand_side
+        return not (right.impulses or (right.smooth.coefficients.any() and right.smooth.start.any()))
+
+    @property
+    def start_fits(self) -> bool:
+        """Whether the values at 0- go on without a jump or an impulse."""
+        start = start_of(self.polynomial_matrix.jordan_pairs().form, self.initial, self.right_hand_side)
+        jumps = any(beyond_noise(jump, old, jump + old).size for jump, old in zip(start.jump, self.initial))
+        return not (jumps or any(impulse.any() for impulse in start.impulses))
+
+    def solve(self) -> Response:
+        """The answer: a Motion where there is a mechanical system, else a Response."""
+        if self.system is None:
+            return solve(self.polynomial_matrix, initial=self.initial, force=self.force)
+        return self.system.solve(*self.initial, force=self.force)
+
+
+def equations_of(table, folder: Path, file_name: str) -> Equations:
+    """Assemble the equations of a scene.
+
+    Raises:
+        SceneError: unknown names, values of the wrong kind, files that cannot be read, contradictory constraints.
+    """
+    if table.model.kind == "lumped":
+        return _lumped(table, file_name)
+    if table.model.coefficients is not None:
+        return _coefficients(table, folder, file_name)
+    return _matrices(table, folder, file_name)
+
+
+def _lumped(table, file_name: str) -> Equations:
+    from .lumped import lumped_model
+
+    model = lumped_model(table.model, file_name)
+    with at(file_name, "model"):
+        system = model.assemble()
+    coordinates = Coordinates(tuple(model.coordinates), tuple(model.units[name] for name in model.coordinates))
+    return _mechanical(table, system, coordinates, file_name, model)
+
+
+def _matrices(table, folder: Path, file_name: str) -> Equations:
+    from ..mechanics import Constraint, MechanicalSystem
+
+    matrices = {}
+    for key in ("mass", "damping", "stiffness"):
+        source = getattr(table.model, key)
+        with at(file_name, f"model.{key}"):
+            matrices[key] = None if source is None else _square(matrix_of(source, folder))
+    coordinates = _coordinates(table.model, len(matrices["mass"]), file_name)
+    constraints = []
+    for number, row in enumerate(table.model.constraint, 1):
+        with at(file_name, f"model.constraint[{number}]"):
+            coefficients, value = _row(row, coordinates), constraint_value(row, coordinates)
+            constraints.append(Constraint(coefficients, level=row.level, value=value, names=row.name))
+    units = dict(zip(coordinates.names, coordinates.units))
+    with at(file_name, "model"):
+        system = MechanicalSystem(**matrices, constraints=constraints, names=coordinates.names, units=units)
+    return _mechanical(table, system, coordinates, file_name)
+
+
+def _mechanical(table, system, coordinates, file_name, model=None) -> Equations:
+    with at(file_name, "model"):
+        polynomial_matrix = system.polynomial_matrix()
+    initial = initial_values(table.initial, coordinates, 2, file_name)
+    force = force_of(table.force, coordinates, file_name)
+    return Equations(coordinates, polynomial_matrix, initial, force, system, model)
+
+
+def _coefficients(table, folder: Path, file_name: str) -> Equations:
+    matrices = []
+    for number, source in enumerate(table.model.coefficients):
+        with at(file_name, f"model.coefficients[{number + 1}] (A_{number})"):
+            matrices.append(_square(matrix_of(source, folder)))
+    coordinates = _coordinates(table.model, len(matrices[0]), file_name)
+    with at(file_name, "model.coefficients"):
+        A = PolynomialMatrix(matrices, coordinates=coordinates.names)
+    initial = initial_values(table.initial, coordinates, A.degree, file_name)
+    return Equations(coordinates, A, initial, force_of(table.force, coordinates, file_name))
+
+
+def _square(matrix: np.ndarray) -> np.ndarray:
+    rows, columns = matrix.shape
+    if rows != columns or not rows:
+        raise InputError(f"found {rows} rows and {columns} columns; expected a square matrix")
+    return matrix
+
+
+def _coordinates(model, count: int, file_name: str) -> Coordinates:
+    names = tuple(model.coordinates or (f"x{i + 1}" for i in range(count)))
+    with at(file_name, "model.coordinates"):
+        if len(names) != count:
+            raise InputError(f"found {len(names)} names; expected {count}, one for each row of the matrices")
+        if repeated := next((name for name in names if names.count(name) > 1), None):
+            raise InputError(f'the name "{repeated}" is used twice; names must differ')
+    with at(file_name, "model.units"):
+        plain = Coordinates(names, ("m",) * count)
+        units = {plain.number(name): unit for name, unit in model.units.items()}
+    return Coordinates(names, tuple(units.get(i, "m") for i in range(count)))
+
+
+def _row(table, coordinates: Coordinates) -> np.ndarray:
+    row = np.zeros(len(coordinates.names))
+    for name, factor in table.rows.items():
+        row[coordinates.number(name)] = factor
+    return row

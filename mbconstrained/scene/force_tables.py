@@ -1,0 +1,88 @@
+"""The [[force]] tables: a force on one coordinate from t = 0 on, in closed form."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from ..errors import InputError
+from .fields import Angle, AngularVelocity, Frequency, Name, Quantity, Rate, Table
+
+MOST_POWER = 20
+
+
+class ForceBase(Table):
+    """What every force has."""
+
+    coordinate: Name = Field(description="The coordinate it acts on; for coefficients: the equation of that number.")
+
+
+class StepTable(ForceBase):
+    """value for t >= 0."""
+
+    kind: Literal["step"] = Field(description="Constant from t = 0 on.")
+    value: Quantity = Field(description="The force, or the torque on an angle.")
+
+
+class RampTable(ForceBase):
+    """value t."""
+
+    kind: Literal["ramp"] = Field(description="Grows in proportion to t.")
+    value: Quantity = Field(description="The force by time, e.g. \"2 N/s\".")
+
+
+class PowerTable(ForceBase):
+    """value t^(gamma-1) / (gamma-1)! for gamma >= 1, the derivatives of Dirac's delta for gamma <= 0."""
+
+    kind: Literal["power"] = Field(description="I_gamma of Hauksdottir: 1 is a step, 2 a ramp, 0 an impulse.")
+    gamma: int = Field(ge=-MOST_POWER, le=MOST_POWER, description="The index gamma.")
+    value: Quantity = Field(description="What it is multiplied by.")
+
+
+class ImpulseTable(ForceBase):
+    """value times the derivative of the given order of Dirac's delta at t = 0."""
+
+    kind: Literal["impulse"] = Field(description="A blow at t = 0.")
+    order: int = Field(0, ge=0, le=MOST_POWER, description="The order of the derivative of Dirac's delta.")
+    value: Quantity = Field(description='The impulse, e.g. "3 N*s".')
+
+
+class PeriodicTable(ForceBase):
+    """What forces with a cosine have."""
+
+    value: Quantity = Field(description="The amplitude.")
+    angular_frequency: AngularVelocity | None = Field(None, description='w in rad/s, e.g. "12 rad/s" or "300 rpm".')
+    frequency: Frequency | None = Field(None, description='w / (2 pi) in Hz, e.g. "2 Hz"; instead of angular_frequency.')
+    phase: Angle = Field(0.0, description="The phase of the cosine.")
+
+    @model_validator(mode="after")
+    def _one_frequency(self):
+        if self.angular_frequency is not None and self.frequency is not None:
+            raise InputError("give either angular_frequency (rad/s) or frequency (Hz), not both")
+        return self
+
+
+class HarmonicTable(PeriodicTable):
+    """value cos(w t + phase)."""
+
+    kind: Literal["harmonic"] = Field(description="A cosine from t = 0 on.")
+
+    @model_validator(mode="after")
+    def _has_frequency(self):
+        if self.angular_frequency is None and self.frequency is None:
+            raise InputError('give angular_frequency, e.g. "12 rad/s", or frequency, e.g. "2 Hz"')
+        return self
+
+
+class TermTable(PeriodicTable):
+    """value t^power e^(rate t) cos(w t + phase)."""
+
+    kind: Literal["term"] = Field(description="One term of a Bohl function.")
+    power: int = Field(0, ge=0, le=MOST_POWER, description="The power of t.")
+    rate: Rate = Field(0.0, description="The rate of the exponential; negative decays.")
+
+
+ForceTable = Annotated[
+    StepTable | RampTable | PowerTable | ImpulseTable | HarmonicTable | TermTable, Field(discriminator="kind")
+]

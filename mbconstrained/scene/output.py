@@ -1,0 +1,64 @@
+"""Trajectories as CSV and as NumPy arrays; a file takes its place only when it is complete."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .result import Result
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A path beside the given one that takes its place at the end, unless something goes wrong."""
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        yield beside
+        os.replace(beside, path)
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """A text in UTF-8, with line ends as they are."""
+    with replacing(path) as beside:
+        beside.write_bytes(text.encode("utf-8"))
+
+
+def write_csv(path: Path, result: Result) -> None:
+    """One line for each time: time, then every curve asked for, headed by name and unit, with 17 digits."""
+    blocks = [result.curves(kind) for kind in result.kinds]
+    heads = ["time (s)"]
+    for block in blocks:
+        heads += [f"{name} {title} ({unit})" for name, title, unit in zip(block.names, block.titles, block.units)]
+    columns = np.vstack([result.times, *(block.values for block in blocks)])
+    with replacing(path) as beside:
+        np.savetxt(beside, columns.T, fmt="%.17g", delimiter=",", header=",".join(heads), comments="", encoding="utf-8")
+
+
+def write_npz(path: Path, result: Result) -> None:
+    """Plain arrays, readable without pickle: times, names, curves, start, jump, impulses, finite and infinite pair."""
+    motion = result.motion
+    arrays = {"times": result.times, "coordinates": np.array(result.scene.equations.coordinates.names)}
+    for kind in result.kinds:
+        arrays[kind] = result.curves(kind).values
+    if "reaction" in result.kinds:
+        arrays["constraints"] = np.array(result.curves("reaction").names)
+    arrays |= {"initial": motion.initial, "jump": motion.jump}
+    arrays["impulses"] = np.array(motion.impulses).reshape(len(motion.impulses), motion.jump.shape[1])
+    for name, pair in _pairs(result):
+        arrays |= {f"{name}_C": pair.C, f"{name}_J": pair.J, f"{name}_B": pair.B}
+    with replacing(path) as beside, open(beside, "wb") as file:
+        np.savez(file, **arrays)
+
+
+def _pairs(result: Result):
+    yield "finite", result.finite_pair
+    if any(stage.name == "infinite pair" and stage.taken for stage in result.plan.stages):
+        yield "infinite", result.infinite_pair

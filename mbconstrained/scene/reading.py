@@ -1,0 +1,100 @@
+"""From a file to plain tables: every way in which the file itself can be wrong becomes one message."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+from ..checks import nearest
+from ..errors import SceneError
+from .units import quoted
+
+LARGEST_SCENE = 1_000_000  # bytes; larger matrices belong into files beside the scene
+DEEPEST_NAME = 40  # parts of a dotted name; tomllib needs quadratic time for longer ones
+_DOTTED = re.compile(rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){{{DEEPEST_NAME}}}""")
+
+
+def read_text(path: Path) -> str:
+    """The text of a scene file.
+
+    Raises:
+        SceneError: no such file, a directory, unreadable, too large, empty, or not UTF-8.
+    """
+    content = _content(path)
+    if len(content) > LARGEST_SCENE:
+        raise SceneError(
+            f"{path.name}: the file has more than {LARGEST_SCENE:,} bytes, which is no scene; "
+            "keep large matrices in .npz, .mtx or .csv files beside it"
+        )
+    if not content.strip():
+        raise SceneError(f"{path.name}: the file is empty; a scene has at least [model] and [time]")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        line = content.count(b"\n", 0, problem.start) + 1
+        raise SceneError(
+            f"{path.name}: line {line} is not UTF-8 text; save the file with the encoding UTF-8"
+        ) from None
+
+
+def _content(path: Path) -> bytes:
+    try:
+        if path.is_dir():
+            raise SceneError(f"{path.name or path}: this is a directory; give the scene file in it{_scenes_in(path)}")
+        if path.exists() and not path.is_file():
+            raise SceneError(f"{path.name}: this is not a file; give a scene file")
+        with open(path, "rb") as file:
+            return file.read(LARGEST_SCENE + 1)
+    except FileNotFoundError:
+        raise SceneError(f"{path}: there is no such file{_near(path)}") from None
+    except (OSError, ValueError) as problem:
+        reason = getattr(problem, "strerror", None) or str(problem)
+        raise SceneError(f"{quoted(str(path))}: the file cannot be read ({reason})") from None
+
+
+def _scenes_in(folder: Path) -> str:
+    names = sorted(path.name for path in folder.glob("*.toml"))[:5]
+    return f", e.g. {', '.join(names)}" if names else ""
+
+
+def _near(path: Path) -> str:
+    return nearest(path.name, [other.name for other in path.parent.glob("*.toml")]) if path.parent.is_dir() else ""
+
+
+def parse(text: str, name: str) -> dict:
+    """The tables of a TOML text.
+
+    Raises:
+        SceneError: not TOML, a key given twice, or nested without measure.
+    """
+    if _DOTTED.search(text):
+        raise SceneError(f"{name}: a name of more than {DEEPEST_NAME} parts joined by dots; a scene nests far less")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as problem:
+        raise SceneError(f"{name}: not a TOML file: {_readable(problem, text)}") from None
+    except ValueError:  # whole numbers of thousands of digits
+        raise SceneError(f"{name}: a number with far too many digits") from None
+    except RecursionError:
+        raise SceneError(f"{name}: arrays or tables are nested too deeply; a scene needs three or four levels") from None
+
+
+_PLAIN_WORDS = {  # what tomllib says: what it means to somebody who writes a scene
+    "Cannot overwrite a value": "a key is given twice",
+    "Expected newline or end of document after a statement": (
+        'expected one value on the line; a text such as "3 N/mm" needs quotes'
+    ),
+    "Invalid value": 'this is no value; a text such as "3 N/mm" needs quotes, an array needs its closing bracket',
+}
+
+
+def _readable(problem: tomllib.TOMLDecodeError, text: str) -> str:
+    """The parser's sentence in plain words, with the line it speaks of."""
+    message, _, place = str(problem).partition(" (at ")
+    message = _PLAIN_WORDS.get(message, message)
+    if not place:
+        return message
+    line = re.match(r"line (\d+)", place)  # or the end of the document
+    lines = text.split("\n")[: int(line[1])] if line else text.rstrip().split("\n")
+    return f"{message}; at {place.rstrip(')')}, near {quoted(lines[-1].strip()[:60])}"

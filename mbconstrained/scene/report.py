@@ -1,0 +1,56 @@
+"""From a result to its page."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..page import html
+from ..page.content import Curve, PageContent, Plot, Table
+from .curves import ORDERS
+from .tables import tables_of
+
+if TYPE_CHECKING:
+    from .curves import Curves
+    from .result import Result
+
+
+def page_html(result: Result) -> str:
+    """The page of a result."""
+    return html.page_html(page_content(result))
+
+
+def page_content(result: Result) -> PageContent:
+    """Animation, plots, tables, notices and facts of a result."""
+    scene, output = result.scene, result.scene.table.output
+    return PageContent(
+        title=scene.title,
+        source=scene.table.source,
+        animation=result.animation if output.animation else None,
+        plots=tuple(plot for kind in output.plots for plot in _plots(result, result.curves(kind))),
+        tables=tuple(Table(table.title, table.columns, table.rows, table.note) for table in tables_of(result)),
+        notices=result.notices,
+        facts=_facts(result),
+    )
+
+
+def _plots(result: Result, curves: Curves) -> list[Plot]:
+    """One plot for each unit: curves in m and in rad share no axis."""
+    wanted = result.scene.table.output.coordinates if curves.kind in ORDERS else None
+    keep = [i for i, name in enumerate(curves.names) if wanted is None or name in wanted]
+    groups: dict[tuple[str, str], list[Curve]] = {}
+    for i in keep:
+        groups.setdefault((curves.titles[i], curves.units[i]), []).append(Curve(curves.names[i], curves.values[i]))
+    return [Plot(title, unit, result.times, tuple(drawn)) for (title, unit), drawn in groups.items()]
+
+
+def _facts(result: Result) -> tuple[tuple[str, str], ...]:
+    coordinates, time = result.scene.equations.coordinates, result.scene.table.time
+    named = ", ".join(f"{name} ({unit})" for name, unit in zip(coordinates.names, coordinates.units))
+    left_out = ", ".join(stage.name for stage in result.plan.left_out)
+    return (
+        ("coordinates", named),
+        ("degree of the equations", str(result.scene.equations.polynomial_matrix.degree)),
+        ("finite zeros", str(sum(zero.count for zero in result.finite_pair.zeros))),
+        ("time", f"0 to {time.end:g} s, {time.points} points, in closed form"),
+        ("left out, since not needed", left_out),
+    )

@@ -1,0 +1,158 @@
+"""What running a scene gives. Each part is computed when it is first asked for; the plan says which are."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..notices import Notice
+from ..tolerances import TRUST_LIMIT
+from .curves import ORDERS, Curves, coordinate_curves, energy_curves, reaction_curves
+from .plan import Plan
+
+if TYPE_CHECKING:
+    from ..jordan.pairs import FinitePair, InfinitePair
+    from ..mechanics import MechanicalSystem, Modes
+    from ..page.content import Animation
+    from ..response import Response
+    from .scene import Scene
+
+
+class Result:
+    """The answer to a scene.
+
+    Attributes:
+        scene: the scene that was run.
+        plan: its stages with the time that each has taken.
+        files: what was written, in this order.
+    """
+
+    def __init__(self, scene: Scene, plan: Plan, folder: Path | None = None):
+        self.scene = scene
+        self.plan = plan
+        self.folder = folder
+        self.files: list[Path] = []
+        self._curves: dict[str, Curves] = {}
+
+    @property
+    def system(self) -> MechanicalSystem | None:
+        """Mass, damping, stiffness and constraint rows; None where A(s) was given itself."""
+        return self.scene.equations.system
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """The times asked for, shape (T,), in s."""
+        return np.linspace(0.0, self.scene.table.time.end, self.scene.table.time.points)
+
+    @cached_property
+    def finite_pair(self) -> FinitePair:
+        """(C, J, B) of the finite zeros."""
+        return self.scene.equations.polynomial_matrix.jordan_pairs().finite
+
+    @cached_property
+    def infinite_pair(self) -> InfinitePair:
+        """(C, J, B) of the zeros at infinity."""
+        return self.scene.equations.polynomial_matrix.jordan_pairs().infinite
+
+    @cached_property
+    def motion(self) -> Response:
+        """x as a function of time, with jumps and impulses; a Motion where there is a mechanical system."""
+        return self.scene.equations.solve()
+
+    @property
+    def values(self) -> np.ndarray:
+        """The coordinates at the times, shape (r, T)."""
+        return self.curves("displacement").values
+
+    def curves(self, kind: str) -> Curves:
+        """Trajectories of a kind: displacement, velocity, acceleration, reaction or energy."""
+        if kind not in self._curves:
+            self._curves[kind] = self._computed(kind)
+        return self._curves[kind]
+
+    def _computed(self, kind: str) -> Curves:
+        if kind in ORDERS:
+            return coordinate_curves(self.scene.equations, self.motion, self.times, kind)
+        if kind == "reaction":
+            return reaction_curves(self.scene.equations, self.motion, self.times)
+        return energy_curves(self.motion, self.times)
+
+    @property
+    def kinds(self) -> list[str]:
+        """The kinds of curves that the scene asks for, the coordinates themselves first."""
+        output = self.scene.table.output
+        asked = ["displacement", *output.plots, *(["reaction"] if output.reactions else [])]
+        rows = self.system is not None and self.system.rows
+        return [kind for kind in dict.fromkeys(asked) if kind != "reaction" or rows]
+
+    @cached_property
+    def modes(self) -> Modes:
+        """The finite zeros of the mechanical system with their meaning."""
+        return self.system.modes()
+
+    @cached_property
+    def error_estimate(self) -> float:
+        """Estimate of max |error| / max |x| over the times."""
+        return self.motion.error_estimate(self.times)
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """What is worth knowing, and what makes the answer doubtful."""
+        notices = self.motion.notices
+        if self.error_estimate <= TRUST_LIMIT:
+            return notices
+        text = f"the estimated relative error is {self.error_estimate:.2g}: the data do not determine the answer well enough"
+        return (*notices, Notice("accuracy", text, doubtful=True))
+
+    @property
+    def is_trusted(self) -> bool:
+        """False where a notice says that the answer may be wrong."""
+        return not any(notice.doubtful for notice in self.notices)
+
+    @cached_property
+    def animation(self) -> Animation:
+        """The drawing of the model and the motion that moves it."""
+        from .drawing import animation_of
+
+        return animation_of(self)
+
+    def write_page(self, path: str | Path | None = None) -> Path:
+        """Write the page; without a path into the folder of the run, named after the scene."""
+        from .output import write_text
+        from .report import page_html
+
+        return self._written("html", path, lambda path: write_text(path, page_html(self)))
+
+    def write_csv(self, path: str | Path | None = None) -> Path:
+        """Write the curves as CSV, one line for each time."""
+        from .output import write_csv
+
+        return self._written("csv", path, lambda path: write_csv(path, self))
+
+    def write_npz(self, path: str | Path | None = None) -> Path:
+        """Write curves, jumps, impulses and the Jordan pairs as NumPy arrays."""
+        from .output import write_npz
+
+        return self._written("npz", path, lambda path: write_npz(path, self))
+
+    def _written(self, ending: str, path, write) -> Path:
+        path = Path(path) if path is not None else (self.folder or Path()) / f"{self.scene.name}.{ending}"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write(path)
+        self.files.append(path)
+        return path
+
+    def summary(self) -> str:
+        """The answer in words and tables, as it is printed."""
+        from .summary import summary
+
+        return summary(self)
+
+    def as_json(self) -> dict:
+        """The answer without the curves, as plain data."""
+        from .summary import as_json
+
+        return as_json(self)

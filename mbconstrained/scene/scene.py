@@ -1,0 +1,139 @@
+"""A scene: a checked file with its equations, that can be planned and run."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..checks import nearest
+from ..errors import InputError
+from .equations import Equations, equations_of
+from .problems import at, validated
+from .reading import parse, read_text
+from .plan import Plan
+from .result import Result
+from .stages import plan_of, run_stages
+from .units import count_texts, load_units
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A scene that was read, checked and assembled; nothing is solved yet.
+
+    Attributes:
+        path: the file.
+        table: what stands in it, checked and in SI.
+        equations: the equations that it asks to be solved.
+        unit_texts: how many quantities were written with a unit.
+        seconds: what reading, loading pint and assembling took.
+    """
+
+    path: Path
+    table: object
+    equations: Equations
+    unit_texts: int
+    seconds: dict[str, float]
+
+    @property
+    def name(self) -> str:
+        """The name of the file without its ending; results are named after it."""
+        return self.path.stem
+
+    @property
+    def title(self) -> str:
+        """The title in the file, or else the name."""
+        return self.table.title or self.name
+
+    def plan(self) -> Plan:
+        """The stages that this scene needs and those it can do without, each with its reason."""
+        return plan_of(self)
+
+    def run(self, folder: str | Path | None = None, progress=None) -> Result:
+        """Solve the scene by the stages of its plan.
+
+        Args:
+            folder: where page, CSV and npz are written, as far as the scene asks for them; None: nowhere.
+            progress: called with each stage as it begins.
+
+        Raises:
+            MbconstrainedError: the equations have no answer, or none within the range of float64.
+        """
+        return run_stages(self, None if folder is None else Path(folder), progress)
+
+
+def read_scene(path: str | Path) -> Scene:
+    """Read a scene file, check it, assemble its equations and see that they determine a motion; solve nothing.
+
+    Args:
+        path: a TOML file in UTF-8.
+
+    Raises:
+        SceneError: the file cannot be read or something in it is wrong; the text names file, place, what was
+            found and what was expected.
+        SingularPolynomialMatrix: det A(s) = 0 for every s: dependent equations or free coordinates.
+
+    >>> scene = read_scene("examples/two_masses.toml")
+    >>> scene.title
+    'Two masses with a redundant coordinate'
+    """
+    path = Path(path)
+    clock = _Clock()
+    data = parse(read_text(path), path.name)
+    unit_texts = count_texts({key: data[key] for key in data if key not in ("title", "source")})
+    clock.lap("read the scene")
+    if unit_texts:
+        load_units()
+        clock.lap("units")
+    table = validated(data, path.name)
+    clock.lap("read the scene")
+    equations = equations_of(table, path.parent, path.name)
+    _check_output(table.output, equations, path.name)
+    _check_drawing(table.drawing, equations, path.name)
+    clock.lap("assemble the model")
+    equations.polynomial_matrix.jordan_pairs()
+    clock.lap("scaling and staircase")
+    return Scene(path, table, equations, unit_texts, clock.seconds)
+
+
+def _check_output(output, equations: Equations, file_name: str) -> None:
+    with at(file_name, "output.coordinates"):
+        for name in output.coordinates or ():
+            equations.coordinates.number(name)
+    system = equations.system
+    with at(file_name, "output.plots"):
+        if "energy" in output.plots and system is None:
+            raise InputError("energy is known only where mass, damping and stiffness are given, not for coefficients")
+        if "reaction" in output.plots and not (system and system.rows):
+            raise InputError("found reaction, but there are no constraint rows; leave it out")
+
+
+def _check_drawing(drawing, equations: Equations, file_name: str) -> None:
+    """Names in the drawing; it is drawn only when a page is made."""
+    bodies = [body.name for body in drawing.body] if drawing else []
+    for number, body in enumerate(drawing.body if drawing else (), 1):
+        with at(file_name, f'drawing.body[{number}] (of "{body.name}")'):
+            if bodies.count(body.name) > 1:
+                raise InputError("this name is used twice; names must differ")
+            for name in (*body.moves, *body.turns):
+                equations.coordinates.number(name)
+    for number, link in enumerate(drawing.link if drawing else (), 1):
+        with at(file_name, f"drawing.link[{number}]"):
+            for name in filter(None, (link.start, link.end, link.over)):
+                if name not in bodies:
+                    raise InputError(f'there is no body "{name}" in the drawing{nearest(name, bodies)}')
+
+
+class _Clock:
+    """Time by name."""
+
+    def __init__(self):
+        self.seconds: dict[str, float] = {}
+        self._last = time.perf_counter()
+
+    def lap(self, name: str) -> None:
+        now = time.perf_counter()
+        self.seconds[name] = self.seconds.get(name, 0.0) + now - self._last
+        self._last = now
+
+

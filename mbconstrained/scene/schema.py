@@ -1,0 +1,99 @@
+"""The schema of a scene file: what may stand in it, with a description of every key."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
+
+from ..errors import InputError
+from .fields import Name, Quantity, Table, Text, Time
+from .drawing_tables import DrawingTable
+from .force_tables import ForceTable
+from .lumped_tables import LumpedTable
+from .matrices_tables import MatricesTable
+from .units import shown
+from .values import DERIVATIVES
+
+FEWEST_POINTS, MOST_POINTS = 2, 200_000
+
+
+def _values(value):
+    if not isinstance(value, (dict, list)):
+        raise InputError(f'found {shown(value)}; expected {{ x1 = "0.8 m" }} or an array with a value for every coordinate')
+    return value
+
+
+Values = Annotated[
+    Any,
+    BeforeValidator(_values),
+    WithJsonSchema({"title": "values by coordinate, or an array of all", "anyOf": [{"type": "object"}, {"type": "array"}]}),
+]
+
+
+class InitialTable(Table):
+    """The values just before t = 0; coordinates that are left out start at 0."""
+
+    displacement: Values = Field({}, description="Positions or angles at 0-.")
+    velocity: Values = Field({}, description="Velocities at 0-.")
+    acceleration: Values = Field({}, description="Accelerations at 0-, for equations of degree 3 and above.")
+    jerk: Values = Field({}, description="Third derivatives at 0-, for equations of degree 4 and above.")
+    derivatives: list[list[Quantity]] | None = Field(
+        None, description="Instead of the above: row i has the i-th derivatives of all coordinates."
+    )
+
+    @model_validator(mode="after")
+    def _one_form(self):
+        named = [key for key in DERIVATIVES if key in self.model_fields_set]
+        if self.derivatives is not None and named:
+            raise InputError(f"derivatives and {named[0]} say the same thing; give one of them")
+        return self
+
+    @property
+    def rows(self) -> list[dict | list]:
+        """Values by order of derivative, without the empty ones at the end."""
+        rows = self.derivatives if self.derivatives is not None else [getattr(self, key) for key in DERIVATIVES]
+        while rows and not rows[-1]:
+            rows = rows[:-1]
+        return rows
+
+
+class TimeTable(Table):
+    """Where the answer is wanted: equally spaced times from 0 to end."""
+
+    end: Time = Field(description="The last time.")
+    points: int = Field(401, ge=FEWEST_POINTS, le=MOST_POINTS, description="How many times, 0 and end included.")
+
+    @model_validator(mode="after")
+    def _forwards(self):
+        if not self.end > 0:
+            raise InputError(f"end is {self.end:g} s; expected a time after 0")
+        return self
+
+
+Curve = Literal["displacement", "velocity", "acceleration", "reaction", "energy"]
+
+
+class OutputTable(Table):
+    """What is written."""
+
+    page: bool = Field(True, description="A static HTML page with animation, plots and tables.")
+    animation: bool = Field(True, description="The moving model on the page.")
+    plots: list[Curve] = Field(["displacement"], description="What the page plots.")
+    coordinates: list[Name] | None = Field(None, description="Only these coordinates are plotted; left out: all.")
+    reactions: bool = Field(False, description="Forces of the constraints in the CSV and npz files.")
+    csv: bool = Field(True, description="The trajectories as CSV.")
+    npz: bool = Field(True, description="The trajectories, jumps and impulses as NumPy .npz.")
+
+
+class SceneFile(Table):
+    """A scene: a model, its start, the forces, the times and what is to be written."""
+
+    title: Text = Field("", description="What the page is headed with; the name of the file when left out.")
+    source: Text = Field("", description="Where the example or the data comes from.")
+    model: Annotated[LumpedTable | MatricesTable, Field(discriminator="kind")] = Field(description="The equations.")
+    initial: InitialTable = Field(InitialTable(), description="The values just before t = 0.")
+    force: list[ForceTable] = Field([], description="Forces from t = 0 on; entries on one coordinate add up.")
+    time: TimeTable = Field(description="Where the answer is wanted.")
+    output: OutputTable = Field(OutputTable(), description="Which files are written, and what the page shows.")
+    drawing: DrawingTable | None = Field(None, description="How the model is drawn; left out: a drawing is made for it.")

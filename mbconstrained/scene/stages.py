@@ -1,0 +1,192 @@
+"""The stages of a scene: what decides whether each is needed, and what it does.
+
+A scene is planned first (``plan_of``) and then run (``run_stages``) by the very same list: what is listed as
+taken is called, nothing else is. The first stages, down to the staircase, have run when a scene has been read;
+the plan is decided from what they found.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from operator import attrgetter, methodcaller
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .plan import Plan, Stage
+from .result import Result
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+Decision = tuple[bool, str]
+
+
+@dataclass(frozen=True)
+class Step:
+    """A stage that a scene may need.
+
+    Attributes:
+        name: what is done.
+        decide: whether a scene needs it, and the reason.
+        work: does it; None where reading the scene has done it already.
+        writes: whether it is needed only for what is written.
+    """
+
+    name: str
+    decide: Callable[[Scene], Decision]
+    work: Callable[[Result], object] | None = None
+    writes: bool = False
+
+
+def plan_of(scene: Scene, *, writing: bool = True) -> Plan:
+    """Decide every stage, run none."""
+    return Plan(tuple(_stage(step, scene, writing) for step in STEPS))
+
+
+def _stage(step: Step, scene: Scene, writing: bool) -> Stage:
+    if step.writes and not writing:
+        return Stage(step.name, False, "no folder to write to was given")
+    return Stage(step.name, *step.decide(scene), scene.seconds.get(step.name))
+
+
+def run_stages(scene: Scene, folder: Path | None, progress: Callable[[Stage], None] | None) -> Result:
+    """Run the taken stages one after another and note how long each takes."""
+    result = Result(scene, plan_of(scene, writing=folder is not None), folder)
+    stages = []
+    for step, stage in zip(STEPS, result.plan.stages):
+        if stage.taken and step.work:
+            if progress:
+                progress(stage)
+            start = time.perf_counter()
+            step.work(result)
+            stage = replace(stage, seconds=time.perf_counter() - start)
+        stages.append(stage)
+    result.plan = Plan(tuple(stages))
+    return result
+
+
+def counted(count: int, one: str, many: str = "") -> str:
+    """A number with its noun.
+
+    >>> counted(1, "row"), counted(2, "row")
+    ('1 row', '2 rows')
+    """
+    return f"{count} {one if count == 1 else many or one + 's'}"
+
+
+def _always(reason: str):
+    return lambda scene: (True, reason)
+
+
+def _never(reason: str):
+    return lambda scene: (False, reason)
+
+
+def _units(scene) -> Decision:
+    if scene.unit_texts:
+        return True, f"{counted(scene.unit_texts, 'quantity', 'quantities')} with a unit"
+    return False, "all quantities are plain numbers in SI"
+
+
+def _assembly(scene) -> Decision:
+    equations = scene.equations
+    count, degree = len(equations.coordinates.names), equations.polynomial_matrix.degree
+    if equations.model is not None:
+        return True, f"{counted(len(equations.model.elements), 'element')}, {counted(count, 'coordinate')}"
+    return True, f"{counted(count, 'coordinate')}, degree {degree}"
+
+
+def _constraint_rows(scene) -> Decision:
+    system = scene.equations.system
+    if system is None:
+        return False, "A_0, A_1, … are given: constraints are equations among the others"
+    removed = sum(notice.kind == "redundant" for notice in system.notices)
+    if not system.rows and not removed:
+        return False, "no constraint rows"
+    return True, f"{counted(len(system.rows) + removed, 'row')}, {removed} of them dependent"
+
+
+def _constrained_form(scene) -> Decision:
+    system = scene.equations.system
+    if system is None or not system.rows:
+        return False, "no constraint rows"
+    levels = sorted({row.level for row in system.rows})
+    return True, f"{counted(len(system.rows), 'independent row')} at {' and '.join(levels)} level"
+
+
+def _infinite_pair(scene) -> Decision:
+    equations = scene.equations
+    A = equations.polynomial_matrix
+    if not any(A.jordan_pairs().form.split.infinite_divisors):
+        return False, f"A_{A.degree} is nonsingular: there is no infinite part"
+    if equations.is_free and equations.start_fits:
+        return False, "no force and a start that fits: the infinite part stays zero"
+    return True, f"A_{A.degree} is singular and {'the start does not fit' if equations.is_free else 'a force acts'}"
+
+
+def _reactions(scene) -> Decision:
+    output, system = scene.table.output, scene.equations.system
+    if system is None or not system.rows:
+        return False, "no constraint rows"
+    asked = output.reactions or "reaction" in output.plots
+    return asked, "asked for in [output]" if asked else "not asked for in [output]"
+
+
+def _plotted(kind: str):
+    def decide(scene) -> Decision:
+        asked = kind in scene.table.output.plots
+        return asked, f"{kind} is{'' if asked else ' not'} among the plots"
+
+    return decide
+
+
+def _modes(scene) -> Decision:
+    if scene.equations.system is None:
+        return False, "no mechanical system: the zeros of A(s) are listed as they are"
+    return True, "tells oscillations, rigid bodies and drift apart"
+
+
+def _animation(scene) -> Decision:
+    output = scene.table.output
+    if not output.page:
+        return False, "no page"
+    if not output.animation:
+        return False, "animation = false"
+    return True, "the model moves on the page, by displacements and velocities"
+
+
+def _wanted(kind: str):
+    def decide(scene) -> Decision:
+        wanted = getattr(scene.table.output, kind)
+        return wanted, f"{scene.name}.{'html' if kind == 'page' else kind}" if wanted else f"{kind} = false"
+
+    return decide
+
+
+STEPS = (
+    Step("read the scene", _always("checked against the schema")),
+    Step("units", _units),
+    Step("assemble the model", _assembly),
+    Step("dependent constraint rows", _constraint_rows),
+    Step("constrained form", _constrained_form),
+    Step("scaling and staircase", _always("splits the finite from the infinite part by rank decisions")),
+    Step("finite pair", _always("the motion for t > 0"), attrgetter("finite_pair")),
+    Step("infinite pair", _infinite_pair, attrgetter("infinite_pair")),
+    Step("response", _always("from the values at 0-, with jumps and impulses"), attrgetter("motion")),
+    Step("displacements", _always("the answer itself"), methodcaller("curves", "displacement")),
+    Step("velocities", _plotted("velocity"), methodcaller("curves", "velocity")),
+    Step("accelerations", _plotted("acceleration"), methodcaller("curves", "acceleration")),
+    Step("reactions", _reactions, methodcaller("curves", "reaction")),
+    Step("energy", _plotted("energy"), methodcaller("curves", "energy")),
+    Step("modes", _modes, attrgetter("modes")),
+    Step("error estimate", _always("an answer carries its evidence"), attrgetter("error_estimate")),
+    Step("animation", _animation, attrgetter("animation"), writes=True),
+    Step("page", _wanted("page"), methodcaller("write_page"), writes=True),
+    Step("CSV", _wanted("csv"), methodcaller("write_csv"), writes=True),
+    Step("npz", _wanted("npz"), methodcaller("write_npz"), writes=True),
+    Step("robot model (pinocchio)", _never("no robot in the scene")),
+    Step("symbols (sympy)", _never("nothing symbolic is asked for")),
+    Step("plots as images (matplotlib)", _never("the page draws its own")),
+)

@@ -1,0 +1,162 @@
+"""Values whose unit depends on the coordinate they belong to: starts, constraint values, forces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+from operator import add
+
+import numpy as np
+
+from .. import signals
+from ..checks import nearest
+from ..errors import InputError
+from ..mechanics.constraint import LEVELS
+from ..tolerances import noise_of
+from .problems import at
+from .units import quantity, shown
+
+DERIVATIVES = ("displacement", "velocity", "acceleration", "jerk")
+FORCE_UNITS = {"m": "N", "rad": "N*m"}
+
+
+def derivative_name(unit: str, order: int) -> str:
+    """What the derivative of a coordinate of this unit is called.
+
+    >>> derivative_name("m", 1), derivative_name("rad", 0), derivative_name("N", 0), derivative_name("m", 5)
+    ('velocity', 'angle', 'value', 'derivative 5')
+    """
+    if order >= len(DERIVATIVES) or unit not in FORCE_UNITS:
+        return "value" if order == 0 else f"derivative {order}"
+    if unit == "m":
+        return DERIVATIVES[order]
+    return "angle" if order == 0 else f"angular {DERIVATIVES[order]}"
+
+
+def with_time(unit: str, power: int) -> str:
+    """A unit times s^power.
+
+    >>> with_time("m", -2), with_time("N", 1), with_time("1", -1)
+    ('m/s^2', 'N*s', '1/s')
+    """
+    if power == 0:
+        return unit
+    seconds = "s" if abs(power) == 1 else f"s^{abs(power)}"
+    if power < 0:
+        return f"{unit}/{seconds}"
+    return seconds if unit == "1" else f"{unit}*{seconds}"
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """Names of coordinates with their SI units."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+
+    def number(self, name: str) -> int:
+        """The place of a coordinate.
+
+        Raises:
+            InputError: no such coordinate.
+        """
+        if name not in self.names:
+            hint = nearest(name, self.names)
+            raise InputError(f"there is no coordinate {shown(name)}{hint}; the coordinates are {', '.join(self.names)}")
+        return self.names.index(name)
+
+    def derivative_unit(self, index: int, order: int) -> str:
+        """The unit of a derivative of a coordinate, e.g. m/s^2."""
+        return with_time(self.units[index], -order)
+
+
+def initial_values(table, coordinates: Coordinates, degree: int, file_name: str) -> np.ndarray:
+    """x^(i)(0-) as row i, shape (degree, r), from the [initial] table."""
+    rows = table.rows
+    result = np.zeros((degree, len(coordinates.names)))
+    for order, row in enumerate(rows):
+        key = DERIVATIVES[order] if table.derivatives is None else f"derivatives[{order + 1}]"
+        with at(file_name, f"initial.{key}"):
+            if order >= degree and row:
+                raise InputError(f"the equations have degree {degree}: they start from {_start_names(degree)}, nothing higher")
+            result[order] = _row(row, coordinates, order)
+    return result
+
+
+def _start_names(degree: int) -> str:
+    return "no values" if degree == 0 else ", ".join(DERIVATIVES[:degree])
+
+
+def _row(row: dict | list, coordinates: Coordinates, order: int) -> np.ndarray:
+    if isinstance(row, list):
+        if len(row) != len(coordinates.names):
+            names = ", ".join(coordinates.names)
+            raise InputError(f"found {len(row)} values; expected {len(coordinates.names)}, one for each of {names}")
+        row = dict(zip(coordinates.names, row))
+    values = np.zeros(len(coordinates.names))
+    for name, value in row.items():
+        index = coordinates.number(name)
+        try:
+            values[index] = quantity(value, coordinates.derivative_unit(index, order))
+        except InputError as problem:
+            raise InputError(f"{name}: {problem}") from None
+    return values
+
+
+def beyond_noise(jump: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Indices of the jumps that are more than the rounding of the values that they lie between."""
+    size = max(np.abs(values).max(initial=0.0) for values in (before, after))
+    return np.flatnonzero(np.abs(jump) > noise_of(size, len(jump)))
+
+
+def constraint_value(table, coordinates: Coordinates) -> float:
+    """The right hand side of a constraint row: a unit is understood where all its coordinates have the same."""
+    power = LEVELS.index(table.level)
+    units = {coordinates.derivative_unit(coordinates.number(name), power) for name in table.rows}
+    if isinstance(table.value, str) and len(units) > 1:
+        raise InputError(f"value: found {shown(table.value)}; this row mixes {' and '.join(sorted(units))}: give a plain number")
+    try:
+        return quantity(table.value, units.pop())
+    except InputError as problem:
+        raise InputError(f"value: {problem}") from None
+
+
+def force_of(tables: Sequence, coordinates: Coordinates, file_name: str) -> signals.ImpulsiveSmooth | None:
+    """The sum of the [[force]] tables, or None when there are none."""
+    forces = []
+    for number, table in enumerate(tables, 1):
+        with at(file_name, f"force[{number}]"):
+            forces.append(_force(table, coordinates))
+    return reduce(add, forces) if forces else None
+
+
+def _force(table, coordinates: Coordinates) -> signals.ImpulsiveSmooth:
+    index = coordinates.number(table.coordinate)
+    unit = FORCE_UNITS.get(coordinates.units[index])
+    time_power, make = _SIGNALS[table.kind]
+    try:
+        value = quantity(table.value, with_time(unit, time_power(table)) if unit else "1")
+    except InputError as problem:
+        raise InputError(f"value: {problem}") from None
+    vector = np.zeros(len(coordinates.names))
+    vector[index] = value
+    return make(table, vector)
+
+
+def _angular_frequency(table) -> float:
+    return table.angular_frequency or 2 * math.pi * (table.frequency or 0.0)
+
+
+_SIGNALS = {  # kind: (power of seconds in the unit of its value, the signal)
+    "step": (lambda t: 0, lambda t, v: signals.step(v)),
+    "ramp": (lambda t: -1, lambda t, v: signals.ramp(v)),
+    "power": (lambda t: 1 - t.gamma, lambda t, v: signals.power(v, t.gamma)),
+    "impulse": (lambda t: t.order + 1, lambda t, v: signals.impulse(v, order=t.order)),
+    "harmonic": (lambda t: 0, lambda t, v: signals.harmonic(v, angular_frequency=_angular_frequency(t), phase=t.phase)),
+    "term": (
+        lambda t: -t.power,
+        lambda t, v: signals.term(v, power=t.power, rate=t.rate, angular_frequency=_angular_frequency(t), phase=t.phase),
+    ),
+}

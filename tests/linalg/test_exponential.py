@@ -1,0 +1,152 @@
+"""e^{J t} v against the same in sixty digits (mpmath) and against closed forms."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+
+from mbconstrained.linalg.exponential import block_states
+
+NILPOTENT = np.eye(6, k=1)
+START = np.array([1.0, -2.0, 3.0, 0.5, -1.0, 2.0])
+
+
+def triangle(diagonal, above=1.0) -> np.ndarray:
+    """Upper triangular with this diagonal and everything above it equal."""
+    size = len(diagonal)
+    return np.diag(np.asarray(diagonal, float)) + above * np.triu(np.ones((size, size)), 1)
+
+
+def rotation_chain(rate, frequency, spread=0.0, pairs=2) -> np.ndarray:
+    """Blocks [[a, w], [-w, a]] on the diagonal, joined by identities: a defective complex pair when spread = 0."""
+    J = np.kron(np.eye(pairs, k=1), np.eye(2))
+    for i in range(pairs):
+        a, w = rate, frequency * (1 + i * spread)
+        J[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = [[a, w], [-w, a]]
+    return J
+
+
+def reference(block, start, time) -> np.ndarray:
+    """The states in sixty digits more than the growth of the exponent needs."""
+    digits = 60 + int(abs(block).sum() * time)
+    with mpmath.workdps(min(digits, 400)):
+        return np.array([float(x) for x in mpmath.expm(mpmath.matrix(block) * mpmath.mpf(time)) * mpmath.matrix(start)])
+
+
+CLUSTERS = {
+    "one": (np.array([[-0.7]]), 1e-14),
+    "growing": (np.array([[0.9]]), 1e-14),
+    "a pair": (np.array([[-0.1, 2.0], [-3.0, -0.1]]), 1e-14),
+    "a nearly defective real pair": (triangle([-1.0, -1.0 - 1e-9]), 1e-14),
+    "a real pair with strong coupling": (triangle([-1.0, -2.0], 1e4), 1e-12),
+    "an exactly defective pair": (triangle([-1.0, -1.0]), 1e-14),
+    "nilpotent": (NILPOTENT, 1e-15),
+    "defective": (triangle([-1.0] * 5), 1e-13),
+    "nearly defective": (triangle(-1.0 - 1e-10 * np.arange(5)), 1e-13),
+    "spread": (triangle([-1.0, -1.1, -1.3, -1.2]), 1e-12),
+    "one far from the others": (triangle([-0.1, -0.2, -5.0]), 1e-11),
+    "growth and decay": (triangle([0.5, -0.5, 0.0]), 1e-12),
+    "a defective complex pair": (rotation_chain(-0.1, 3.0), 1e-13),
+    "a triple complex pair": (rotation_chain(-0.1, 3.0, pairs=3), 1e-12),
+    "nearly equal complex pairs": (rotation_chain(-0.1, 3.0, spread=1e-9), 1e-13),
+    "complex pairs apart": (rotation_chain(-0.1, 3.0, spread=0.5), 1e-11),
+    "a complex pair and a real zero": (np.array([[-0.1, 1.0, 1.0], [-1.0, -0.1, 1.0], [0.0, 0.0, -0.2]]), 1e-12),
+}
+
+
+@pytest.mark.parametrize("name", CLUSTERS)
+def test_states_agree_with_sixty_digits(name):
+    block, accuracy = CLUSTERS[name]
+    start = START[: len(block)]
+    times = np.array([0.0, 1e-8, 0.03, 1.0, 4.0, 20.0])
+    states = block_states([block], start, times)
+    for time, found in zip(times, states.T):
+        known = reference(block, start, time)
+        assert np.abs(found - known).max() <= accuracy * np.abs(known).max()
+
+
+def test_a_chain_keeps_relative_accuracy_entry_by_entry():
+    """e^{N t}: the entry (i, j) is t^(j-i)/(j-i)!, tiny or not."""
+    size = 30
+    for time in (1e-3, 0.5, 1.0, 2.0, 50.0):
+        column = block_states([np.eye(size, k=1)], np.eye(size)[-1], np.array([time]))[::-1, 0]
+        known = np.cumprod([1.0, *(time / k for k in range(1, size))])
+        assert np.allclose(column, known, rtol=1e-12, atol=0)
+
+
+def test_blocks_are_independent():
+    blocks = [triangle([-1.0] * 3), np.array([[-2.0]]), rotation_chain(0.0, 1.0, pairs=1), np.array([[0.5]])]
+    start, times = np.arange(1.0, 8.0), np.array([0.0, 0.5, 3.0])
+    together = block_states(blocks, start, times)
+    begin = 0
+    for block in blocks:
+        part = slice(begin, begin + len(block))
+        assert np.allclose(together[part], block_states([block], start[part], times), rtol=1e-14, atol=0)
+        begin += len(block)
+
+
+@pytest.mark.parametrize("name", CLUSTERS)
+def test_semigroup(name):
+    """e^{J (t + s)} v = e^{J t} (e^{J s} v)."""
+    block, accuracy = CLUSTERS[name]
+    start = START[: len(block)]
+    middle = block_states([block], start, np.array([1.5]))[:, 0]
+    twice = block_states([block], middle, np.array([2.25]))[:, 0]
+    once = block_states([block], start, np.array([3.75]))[:, 0]
+    assert np.abs(twice - once).max() <= 10 * accuracy * np.abs(once).max()
+
+
+@pytest.mark.parametrize("time", [1e3, 1e6, 1e12])
+def test_stiff_decay_ends_in_zero_without_a_warning(time):
+    for block in (np.array([[-1e6]]), triangle([-1e6, -2e6]), triangle([-1e6, -1.1e6, -1.2e6]), rotation_chain(-1e6, 1e6)):
+        assert not block_states([block], START[: len(block)], np.array([time])).any()
+
+
+@pytest.mark.parametrize("size", [1, 2, 3])
+def test_a_zero_start_stays_zero_however_fast_the_growth(size):
+    assert not block_states([triangle([1e3] * size)], np.zeros(size), np.array([1e6])).any()
+
+
+def test_growth_beyond_float64_is_not_finite_and_the_rest_is_untouched():
+    with np.errstate(over="ignore"):
+        states = block_states([np.array([[1.0]]), np.array([[-1.0]])], np.ones(2), np.array([800.0, 1.0]))
+    assert not np.isfinite(states[0, 0])
+    assert np.allclose(states[1], np.exp([-800.0, -1.0]))
+    assert states[0, 1] == pytest.approx(np.e)
+
+
+@pytest.mark.parametrize("pairs", [1, 2])
+def test_a_million_periods_leave_eight_digits_and_more(pairs):
+    """The phase w t is known to eps w t; a defective pair has the secular term t on top."""
+    time = 2e6 * np.pi
+    states = block_states([rotation_chain(0.0, 1.0, pairs=pairs)], np.eye(2 * pairs)[-1], np.array([time]))[:, 0]
+    known = reference_rotation(time, pairs)
+    assert np.abs(states - known).max() <= 1e-8 * np.abs(known).max()
+
+
+def reference_rotation(time, pairs) -> np.ndarray:
+    """The last column of e^{J t}: t^k/k! (sin t, cos t), k from pairs - 1 down to 0."""
+    with mpmath.workdps(40):
+        sine, cosine = float(mpmath.sin(mpmath.mpf(time))), float(mpmath.cos(mpmath.mpf(time)))
+    return np.concatenate([time**k * np.array([sine, cosine]) for k in reversed(range(pairs))])
+
+
+@pytest.mark.parametrize("late", [1e4, 1e8])
+def test_a_late_time_does_not_cost_an_early_one(late):
+    block = triangle([-1.0, -1.05, -1.1])
+    early = np.array([0.01, 1.0, 5.0])
+    alone = block_states([block], START[:3], early)
+    assert np.allclose(block_states([block], START[:3], np.array([*early, late]))[:, :3], alone, rtol=1e-12, atol=0)
+
+
+def test_no_blocks_and_no_times():
+    assert block_states([], np.zeros(0), np.array([1.0, 2.0])).shape == (0, 2)
+    assert block_states([NILPOTENT], START, np.zeros(0)).shape == (6, 0)
+
+
+def test_many_times_are_taken_in_chunks(monkeypatch):
+    monkeypatch.setattr("mbconstrained.linalg.exponential.CHUNK_ENTRIES", 50)
+    block, times = triangle([-1.0] * 4), np.linspace(0, 3, 17)
+    known = np.array([reference(block, START[:4], time) for time in times]).T
+    assert np.allclose(block_states([block], START[:4], times), known, rtol=1e-12)

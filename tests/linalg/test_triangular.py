@@ -1,0 +1,45 @@
+"""A regular pencil as s I - T: an equivalence with standardized real Schur form, accurate for slow zeros beside fast ones."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mbconstrained.linalg.blocks import eigenvalues
+from mbconstrained.linalg.triangular import triangular_form
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 6, 9])
+@pytest.mark.parametrize("seed", range(4))
+def test_it_is_an_equivalence(size, seed):
+    """left (s E - F) right = s I - T at any s, T quasi-triangular with equal diagonals in its 2 x 2 blocks."""
+    random = np.random.default_rng(seed)
+    E, F = random.normal(size=(2, size, size))
+    form = triangular_form(E, F)
+    for s in (0.0, 1.5, -0.3 + 2j):
+        found = form.left @ (s * E - F) @ form.right
+        weight = np.abs(form.left) @ (abs(s) * np.abs(E) + np.abs(F)) @ np.abs(form.right)
+        assert np.abs(found - (s * np.eye(size) - form.T)).max() <= 1e-13 * weight.max()
+    below = np.diag(form.T, -1)
+    assert not np.tril(form.T, -2).any()
+    assert not (below[:-1] * below[1:]).any()
+    for at in np.flatnonzero(below):
+        assert form.T[at, at] == form.T[at + 1, at + 1]
+        assert form.T[at, at + 1] * below[at] < 0
+
+
+def test_nothing_is_a_pencil_too():
+    form = triangular_form(np.zeros((0, 0)), np.zeros((0, 0)))
+    assert form.left.shape == form.right.shape == form.T.shape == (0, 0)
+
+
+@pytest.mark.parametrize("ratio", [1e6, 1e10, 1e14])
+def test_a_slow_zero_survives_beside_a_fast_one(ratio):
+    """E = diag(1, 1/ratio) mixed by rotations: zeros -1 and -ratio, both to about eps times the ratio's square root."""
+    c, s = np.cos(0.7), np.sin(0.7)
+    Q = np.array([[c, -s], [s, c]])
+    E, F = Q @ np.diag([1.0, 1 / ratio]) @ Q, -np.eye(2) @ Q @ Q
+    zeros = np.sort(eigenvalues(triangular_form(np.diag([1.0, 1 / ratio]), -np.eye(2)).T).real)
+    assert np.allclose(zeros, [-ratio, -1.0], rtol=1e-14)
+    mixed = np.sort(eigenvalues(triangular_form(E, F).T).real)
+    assert mixed[1] == pytest.approx(-1.0, rel=1e-13)

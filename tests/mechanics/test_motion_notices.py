@@ -1,0 +1,87 @@
+"""What a motion says about itself: names, amounts, units."""
+
+import numpy as np
+
+import mbconstrained as mb
+from mbconstrained.mechanics import Constraint, MechanicalSystem
+from tests.mechanics.systems import massless_joints, two_masses
+
+
+def texts(motion, kind):
+    return [notice.text for notice in motion.notices if notice.kind == kind]
+
+
+def test_a_consistent_motion_at_position_level_is_silent():
+    assert two_masses("position", value=-0.4).solve([0.8, 1.2, 2.0]).notices == ()
+
+
+def test_a_gap_in_a_link():
+    link = Constraint([1, -1], names="link")
+    motion = MechanicalSystem(np.eye(2), constraints=link, names=["cart", "wagon"]).solve([1, 0])
+    assert texts(motion, "jump") == [
+        'constraint "link" (position level) does not hold at 0-: its displacement is 1 m instead of 0 m, off by 1 m; it is '
+        "enforced at t = 0",
+        "cart: its displacement jumps at t = 0 by -0.5 m, from 1 m to 0.5 m",
+        "wagon: its displacement jumps at t = 0 by 0.5 m, from 0 m to 0.5 m",
+    ]
+    assert texts(motion, "impulse") == [
+        'constraint "link": its force contains the first derivative of a Dirac impulse of -0.5 N s^2 at t = 0'
+    ]
+
+
+def test_angles_have_their_units():
+    shafts = MechanicalSystem(
+        np.diag([1.0, 3.0]), constraints=Constraint([1, -1], names="clutch"), names=["motor", "load"], units=["rad", "rad"]
+    )
+    motion = shafts.solve(None, [4, 0])
+    assert "motor: its velocity jumps at t = 0 by -3 rad/s, from 4 rad/s to 1 rad/s" in texts(motion, "jump")
+    assert texts(motion, "impulse") == ['constraint "clutch": its force contains a Dirac impulse of -3 N m s at t = 0']
+
+
+def test_massless_joints_that_jump():
+    motion = massless_joints().solve([1, 1, 2], [0, 1, 0])
+    assert texts(motion, "jump") == [
+        "u1: its displacement jumps at t = 0 by -0.333333 m, from 1 m to 0.666667 m",
+        "u2: its velocity jumps at t = 0 by -1 m/s, from 1 m/s to 0 m/s",
+    ]
+    assert texts(motion, "impulse") == []
+
+
+def test_an_impulse_of_a_coordinate():
+    # a blow on a massless joint on a damper moves it at once; on a spring alone it passes through as an impulse
+    spring = MechanicalSystem([[0.0]], stiffness=[[2.0]], names=["joint"]).solve(force=mb.impulse([3.0]))
+    assert texts(spring, "impulse") == ["joint: its displacement contains a Dirac impulse of 1.5 m s at t = 0"]
+
+
+def test_velocity_rows_that_do_not_hold():
+    belt = MechanicalSystem([[1.0]], constraints=Constraint([1], level="velocity", value=2.0, names="belt"))
+    (text, jump) = texts(belt.solve([5.0]), "jump")
+    assert 'constraint "belt" (velocity level) does not hold at 0-: its velocity is 0 m/s instead of 2 m/s, off by -2 m/s' in text
+    assert jump == "x1: its velocity jumps at t = 0 by 2 m/s, from 0 m/s to 2 m/s"
+
+
+def test_levels_below_position_say_what_they_keep():
+    assert texts(two_masses().solve([0.8, 1.2, 2.0], [0, 0.1, 0]), "drift") == [
+        'constraint "link" is held at acceleration level (2 drift zeros): its position value starts at -0.4 m and moves on at '
+        "-0.1 m/s; nothing corrects it"
+    ]
+    assert texts(two_masses("velocity").solve([0.8, 1.2, 2.0]), "drift") == [
+        'constraint "link" is held at velocity level (1 drift zero): its position value starts at -0.4 m; nothing corrects it'
+    ]
+
+
+def test_redundant_rows_and_static_offsets():
+    system = MechanicalSystem(
+        np.eye(2),
+        constraints=[Constraint([1, -1], names="tie"), Constraint([3, -3], names="spare")],
+        names=["a", "b"],
+        static_force=[-9.81, 0.0],
+    )
+    notices = system.solve().notices
+    assert [notice.kind for notice in notices] == ["redundant", "offset"]
+    assert notices[1].text == "constant forces from rest lengths and weights act from t = 0 on: a -9.81 N"
+    assert not any(notice.doubtful for notice in notices)
+
+
+def test_growth_is_told():
+    assert texts(MechanicalSystem([[1.0]], stiffness=[[-4.0]]).solve([1.0]), "unstable")

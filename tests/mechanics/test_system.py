@@ -1,0 +1,76 @@
+"""MechanicalSystem at the door."""
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained import InputError
+from mbconstrained.mechanics import Constraint, MechanicalSystem
+from tests.mechanics.systems import two_masses
+
+
+def test_what_is_not_given_is_zero():
+    system = MechanicalSystem([[1.0]])
+    assert (system.damping, system.stiffness) == ([[0.0]], [[0.0]])
+    assert system.names == ("x1",)
+    assert system.units == {"x1": "m"}
+    assert system.force.smooth.coefficients.size == 0  # no state of its own: nothing acts
+
+
+def test_matrices_are_copied_and_frozen():
+    mass = np.eye(2)
+    system = MechanicalSystem(mass)
+    mass[0, 0] = 9.0
+    assert system.mass[0, 0] == 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        system.mass[0, 0] = 9.0
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        ({"mass": None}, "mass: a mechanical system needs a mass matrix"),
+        ({"mass": np.zeros((0, 0))}, "mass: found no entries"),
+        ({"mass": np.ones((2, 3))}, "mass: expected a square matrix, found 2 x 3"),
+        ({"mass": [1.0, 2.0]}, "mass: expected shape any x any, found 2"),
+        ({"mass": np.eye(2), "stiffness": np.eye(3)}, "stiffness: expected shape 2 x 2, found 3 x 3"),
+        ({"mass": np.eye(2), "damping": [[0, np.inf], [0, 0]]}, r"damping: the entry at \(0, 1\) is inf"),
+        ({"mass": np.eye(2), "names": ["a", "a"]}, 'the name "a" is used twice'),
+        ({"mass": np.eye(2), "units": {"x3": "m"}}, 'units: there is no coordinate "x3"'),
+        ({"mass": np.eye(2), "units": ["m"]}, "units: 1 given for 2 coordinates"),
+        ({"mass": np.eye(2), "force": [1.0]}, "force: expected shape 2, found 1"),
+        ({"mass": np.eye(2), "force": mb.step([1.0])}, "force: it has 1 rows; expected one for each of the 2 coordinates"),
+    ],
+)
+def test_wrong_input_is_named(arguments, message):
+    with pytest.raises(InputError, match=message):
+        MechanicalSystem(**arguments)
+
+
+def test_contradictory_rows_are_refused_at_once():
+    with pytest.raises(mb.ContradictoryConstraints, match="make the values agree or take one of the rows out"):
+        MechanicalSystem(np.eye(2), constraints=[Constraint([1, -1]), Constraint([1, -1], value=1.0)])
+
+
+def test_the_level_in_force_is_printed():
+    assert repr(two_masses("velocity")) == "MechanicalSystem(3 coordinates, rows held: link: velocity)"
+    assert repr(MechanicalSystem([[1.0]])) == "MechanicalSystem(1 coordinate)"
+
+
+def test_starts_by_name():
+    system = two_masses()
+    by_name = system.solve({"x1": 0.8, "q1": 1.2, "q2": 2}, {"q1": 0.1})
+    assert np.array_equal(by_name.initial, [[0.8, 1.2, 2.0], [0.0, 0.1, 0.0]])
+    with pytest.raises(InputError, match='displacement: there is no coordinate "hook"'):
+        system.solve({"hook": 1.0})
+    with pytest.raises(InputError, match="velocity of q1: expected shape a single number"):
+        system.solve(velocity={"q1": [1, 2]})
+
+
+def test_forces_add_up():
+    system = MechanicalSystem([[2.0]], force=mb.step([1.0]), static_force=[3.0])
+    # x'' = (1 + 3 + 4)/2 from rest
+    assert np.isclose(system.solve(force=[4.0])(3.0)[0], 18.0)
+    assert np.isclose(system.solve(force=mb.step([4.0]))(3.0)[0], 18.0)
+    with pytest.raises(InputError, match="force: it has 2 rows"):
+        system.solve(force=mb.step([1.0, 2.0]))

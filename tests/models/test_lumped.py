@@ -1,0 +1,262 @@
+"""LumpedModel: assembly, factors, names, and errors in the words of who builds a model."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import mbconstrained as mb
+from mbconstrained import InputError
+from mbconstrained.models import LumpedModel
+from mbconstrained.models.elements import Gear, Mass, Spring
+
+
+def cart_and_hook():
+    model = LumpedModel()
+    model.mass("cart", 10.0)
+    model.node("joint")
+    model.mass("hook", 2.0)
+    model.spring("ground", "cart", stiffness=2.0, rest_length=0.2)
+    model.spring("cart", "joint", stiffness=5.0, rest_length=0.4)
+    model.damper("joint", "hook", damping=3.0)
+    return model
+
+
+def test_assembled_matrices_by_hand():
+    system = cart_and_hook().assemble()
+    assert system.names == ("cart", "joint", "hook")
+    assert system.mass.tolist() == [[10, 0, 0], [0, 0, 0], [0, 0, 2]]
+    assert system.stiffness.tolist() == [[7, -5, 0], [-5, 5, 0], [0, 0, 0]]
+    assert system.damping.tolist() == [[0, 0, 0], [0, 3, -3], [0, -3, 3]]
+    assert system.static_force.tolist() == pytest.approx([2 * 0.2 - 5 * 0.4, 5 * 0.4, 0])
+
+
+def test_at_rest_lengths_no_spring_pulls():
+    model = cart_and_hook()
+    system = model.assemble()
+    rest = np.array([0.2, 0.6, 7.0])
+    assert np.allclose(system.stiffness @ rest, system.static_force)
+
+
+def test_elements_coordinates_units():
+    model = LumpedModel()
+    cart = model.mass("cart", 10, position=0.5)
+    shaft = model.inertia("shaft", 0.3)
+    model.node("pin")
+    model.node("flange", rotational=True)
+    spring = model.spring("ground", "cart", 2)
+    assert model.elements[:2] == (cart, shaft) and model.elements[-1] == spring
+    assert cart == Mass("cart", 10.0, 0.5)
+    assert model.coordinates == ("cart", "shaft", "pin", "flange")
+    assert model.units == {"cart": "m", "shaft": "rad", "pin": "m", "flange": "rad"}
+    assert model.assemble().units == model.units
+    with pytest.raises(AttributeError):
+        cart.mass = 3.0
+
+
+def test_names_are_made_where_none_are_given():
+    model = LumpedModel()
+    model.mass("a", 1)
+    model.mass("b", 1)
+    assert [model.spring("a", "b", 1).name for _ in range(3)] == ["spring a-b", "spring a-b 2", "spring a-b 3"]
+    assert model.spring("a", "b", 1, name="main spring").name == "main spring"
+    assert model.constrain({"a": 1}).name == "constraint 1"
+    assert model.constrain({"b": 1}).name == "constraint 2"
+
+
+def test_rows_of_ties_by_hand():
+    model = LumpedModel()
+    for name in ("a", "b", "c"):
+        model.mass(name, 1)
+    for name in ("p", "q"):
+        model.inertia(name, 1)
+    model.rigid_tie("a", "b", distance=0.5, name="tie")
+    model.lever("a", "c", start_arm=1.0, end_arm=2.0, name="lever")
+    model.gear("p", "q", start_radius=0.1, end_radius=0.2, name="gear")
+    model.rack("p", "b", radius=0.25, name="rack")
+    model.constrain({"a": 2, "q": -1}, value=0.1, level="velocity", name="relation")
+    constraints = {constraint.names[0]: constraint for constraint in model.assemble().constraints}
+    expected = {
+        "tie": ([-1, 1, 0, 0, 0], 0.5, "position"),
+        "lever": ([1, 0, 0.5, 0, 0], 0.0, "position"),
+        "gear": ([0, 0, 0, 1, 2], 0.0, "position"),
+        "rack": ([0, 1, 0, -0.25, 0], 0.0, "position"),
+        "relation": ([2, 0, 0, 0, -1], 0.1, "velocity"),
+    }
+    found = {name: (c.rows[0].tolist(), c.values[0], c.level) for name, c in constraints.items()}
+    assert found == expected
+    units = {row.name: row.unit for row in model.assemble().rows}
+    assert units == {"tie": "m", "lever": "m", "gear": "rad", "rack": "m", "relation": "m"}
+
+
+def test_rows_of_pulleys_by_hand():
+    model = LumpedModel()
+    for name in ("a", "b", "block"):
+        model.mass(name, 1)
+    model.pulley("a", "b", over="block", length=3.0)
+    model.pulley("ground", "a", over="block", length=-2.0)
+    rows = [(c.rows[0].tolist(), c.values[0]) for c in model.assemble().constraints]
+    assert rows == [([1, 1, -2], -3.0), ([1, 0, -2], 2.0)]
+
+
+def test_internal_gears_turn_the_same_way():
+    assert Gear("g", "p", "q", 0.1, 0.3, internal=True).row == {"p": 1.0, "q": pytest.approx(-3.0)}
+
+
+def test_gravity_acts_on_masses_only():
+    model = cart_and_hook()
+    model.inertia("shaft", 1.0)
+    without = model.assemble().static_force
+    model.gravity(-9.81)
+    assert (model.assemble().static_force - without).tolist() == pytest.approx([-98.1, 0, -19.62, 0])
+
+
+def test_forces_add_up_and_act_on_their_body():
+    model = cart_and_hook()
+    model.force("hook", mb.step([2.0]))
+    model.force("hook", mb.ramp([1.0]) + mb.impulse([4.0]))
+    model.force("cart", mb.harmonic([3.0], angular_frequency=2.0))
+    drive = model.assemble().drive
+    assert drive(0.5).tolist() == pytest.approx([3 * np.cos(1.0), 0, 2.5])
+    assert drive.impulses[0].tolist() == [0, 0, 4.0]
+    assert cart_and_hook().assemble().drive is None
+
+
+def test_redundant_ties_are_told_and_contradictory_ones_refused():
+    model = LumpedModel()
+    for name in ("a", "b", "c"):
+        model.mass(name, 1)
+    model.rigid_tie("a", "b", 1.0)
+    model.rigid_tie("b", "c", 2.0)
+    model.rigid_tie("a", "c", 3.0)
+    (notice,) = model.assemble().notices
+    assert '"rigid tie a-c"' in notice.text
+    model.rigid_tie("a", "c", 3.5)
+    with pytest.raises(mb.ContradictoryConstraints, match='"rigid tie a-c 2" .position level. asks for 3.5 m, .* value 3 m'):
+        model.assemble()
+
+
+def built(method, *arguments, **named):
+    def act(model):
+        return getattr(model, method)(*arguments, **named)
+
+    return act
+
+
+@pytest.mark.parametrize(
+    "act, message",
+    [
+        (built("spring", "cart", "hok", 1.0), 'spring "spring cart-hok": there is no body "hok"; did you mean "hook"'),
+        (built("spring", "grond", "cart", 1.0), 'there is no body "grond"; did you mean "ground"'),
+        (built("damper", "cart", "cart", 1.0), 'damper "damper cart-cart": two of its ends are on the same body'),
+        (built("rigid_tie", "ground", "ground"), "two of its ends are on the same body"),
+        (built("pulley", "cart", "hook", over="hook"), 'pulley "pulley cart-hook": two of its ends are on the same body'),
+        (built("spring", "ground", "cart", -2.0), "stiffness: found -2; expected a number greater than zero"),
+        (built("spring", "ground", "cart", 0.0), "stiffness: found 0; expected a number greater than zero"),
+        (built("spring", "ground", "cart", float("nan")), "stiffness: .* must be a finite number"),
+        (built("spring", "ground", "cart", "3 N/m"), "stiffness: found .*3 N/m.*; expected numbers"),
+        (built("spring", "ground", "cart", 1.0, rest_length=float("inf")), "rest length: .* must be a finite number"),
+        (built("damper", "ground", "cart", -1.0), "damping: found -1; expected a number greater than zero"),
+        (built("mass", "ball", 0.0), 'mass "ball": found no mass; a point without mass is a node'),
+        (built("inertia", "wheel", 0), 'inertia "wheel": found no inertia; a point without inertia is a rotational node'),
+        (built("mass", "ball", -1.0), 'mass "ball": mass: found -1; expected a number greater than zero'),
+        (built("mass", "cart", 1.0), 'mass: the name "cart" is already in use .mass.; names must differ'),
+        (built("node", "spring ground-cart"), 'node: the name "spring ground-cart" is already in use .spring.'),
+        (built("mass", "ground", 1.0), 'the name "ground" is that of the body that stays at 0'),
+        (built("mass", "  ", 1.0), "mass: found the name '  '; expected a text"),
+        (built("mass", 7, 1.0), "mass: found the name 7; expected a text"),
+        (built("spring", "shaft", "cart", 1.0), '"shaft" turns .rad., but a spring needs a body that moves along the axis .m.'),
+        (
+            built("torsion_spring", "ground", "cart", 1.0),
+            '"cart" moves along the axis .m., but a torsion spring needs a body that turns .rad.',
+        ),
+        (built("rigid_tie", "shaft", "cart"), "one end moves along the axis .m., the other turns .rad.; use a rack"),
+        (built("rack", "cart", "shaft", 0.1), '"cart" moves along the axis .m., but a rack needs a body that turns'),
+        (built("gear", "shaft", "wheel", 0.0, 0.1), "start radius: found 0; expected a number greater than zero"),
+        (built("gear", "cart", "hook", 0.1, 0.1), '"cart" moves along the axis .m., but a gear needs a body that turns .rad.'),
+        (built("lever", "cart", "hook", 1.0, 0.0), "end arm: found 0; expected a length that is not zero"),
+        (built("rack", "shaft", "cart", 0.0), "radius: found 0; expected a length that is not zero"),
+        (built("pulley", "cart", "hook", length=0.0), "length: found 0; expected a length that is not zero"),
+        (built("constrain", {"cart": 1, "hooc": 1}), 'constraint "constraint 1": there is no body "hooc"; did you mean "hook"'),
+        (built("constrain", {}), 'constraint "constraint 1": expected factors by coordinate, such as'),
+        (built("constrain", {"cart": 1}, level="place"), "found the level 'place'; expected one of position, velocity"),
+        (built("constrain", {"cart": float("nan")}), "factor of cart: .* must be a finite number"),
+        (built("gravity", float("nan")), "gravity: .* must be a finite number"),
+        (built("force", "hok", mb.step([1.0])), 'force: there is no body "hok"; did you mean "hook"'),
+        (built("force", "ground", mb.step([1.0])), 'force: found "ground", which does not move'),
+        (built("force", "cart", mb.step([1.0, 2.0])), "force on cart: expected a signal with one row"),
+        (built("force", "cart", 3.0), "force on cart: expected a signal with one row, such as mb.step"),
+    ],
+)
+def test_errors_name_what_is_wrong(act, message):
+    model = cart_and_hook()
+    model.inertia("shaft", 1.0)
+    elements = model.elements
+    with pytest.raises(InputError, match=message):
+        act(model)
+    assert model.elements == elements  # nothing half added
+
+
+def test_a_model_without_bodies():
+    with pytest.raises(InputError, match="the model has no body; add a mass, an inertia or a node"):
+        LumpedModel().assemble()
+
+
+def test_massless_bodies_alone_are_a_model():
+    model = LumpedModel()
+    model.node("joint")
+    model.spring("ground", "joint", stiffness=4.0)
+    model.damper("ground", "joint", damping=2.0)
+    assert np.isclose(model.assemble().solve([1.0])(0.5)[0], np.exp(-1.0))
+
+
+@st.composite
+def networks(draw):
+    model = LumpedModel()
+    count = draw(st.integers(1, 5))
+    for i in range(count):
+        if draw(st.booleans()):
+            model.mass(f"m{i}", draw(st.floats(1e-3, 1e3)))
+        else:
+            model.node(f"m{i}")
+    names = ["ground", *model.coordinates]
+    pairs = st.tuples(st.sampled_from(names), st.sampled_from(names)).filter(lambda pair: pair[0] != pair[1])
+    for start, end in draw(st.lists(pairs, max_size=8)):
+        if draw(st.booleans()):
+            model.spring(start, end, draw(st.floats(1e-3, 1e6)), rest_length=draw(st.floats(-1, 1)))
+        else:
+            model.damper(start, end, draw(st.floats(1e-3, 1e6)))
+    return model
+
+
+@settings(max_examples=60, deadline=None)
+@given(networks())
+def test_matrices_are_their_factors(model):
+    system, factors = model.assemble(), model.incidence()
+    for matrix, branches in ((system.stiffness, factors.springs), (system.damping, factors.dampers)):
+        B = branches.incidence
+        assert set(np.unique(B)) <= {-1.0, 0.0, 1.0}
+        assert (branches.constants > 0).all()
+        assert np.array_equal(matrix, matrix.T)
+        assert np.allclose(matrix, B.T @ np.diag(branches.constants) @ B, rtol=1e-14, atol=1e-14 * np.abs(matrix).max(initial=0))
+    assert np.array_equal(system.mass, np.diag(factors.masses))
+    assert len(factors.springs.names) + len(factors.dampers.names) + len(model.coordinates) == len(model.elements)
+
+
+@settings(max_examples=60, deadline=None)
+@given(networks(), st.data())
+def test_forces_of_the_system_are_those_of_its_elements(model, data):
+    system = model.assemble()
+    x = np.array([data.draw(st.floats(-2, 2)) for _ in model.coordinates])
+    expected = np.zeros(len(x))
+    place = {name: i for i, name in enumerate(model.coordinates)}
+    for element in model.elements:
+        if isinstance(element, Spring):
+            position = {"ground": 0.0, **{name: x[i] for name, i in place.items()}}
+            pull = element.stiffness * (position[element.end] - position[element.start] - element.rest_length)
+            for name, sign in ((element.end, -1), (element.start, 1)):
+                if name in place:
+                    expected[place[name]] += sign * pull
+    found = system.static_force - system.stiffness @ x
+    size = np.abs(system.stiffness).max(initial=0) * 4 + np.abs(system.static_force).max(initial=0)
+    assert np.allclose(found, expected, rtol=0, atol=1e-13 * size + 1e-300)

@@ -1,0 +1,166 @@
+"""A Chromium without a window for the tests: opens pages from disk and talks to them over the DevTools protocol."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import json
+import shutil
+import subprocess
+import time
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
+needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium or Chrome is installed to open the page")
+
+FLAGS = (
+    "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
+    "--disable-component-update --disable-sync --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader "
+    "--remote-debugging-port=0 --remote-allow-origins=* --window-size=800,600"
+).split()
+
+#: What the software renderer says when a picture is taken; nothing of the page's.
+HARMLESS = "GPU stall due to ReadPixels"
+
+
+class Browser:
+    """One browser with one tab.
+
+    Attributes:
+        messages: what the page has written to the console or thrown since it was opened.
+        requests: addresses that it has asked for since then.
+        dialogs: texts of dialogs that it has opened.
+    """
+
+    def __init__(self, folder: Path, *flags: str):
+        self.loop = asyncio.new_event_loop()
+        self.process = subprocess.Popen(
+            [CHROMIUM, *FLAGS, *flags, f"--user-data-dir={folder}", "about:blank"], stderr=subprocess.DEVNULL
+        )
+        self.count, self.loaded = 0, False
+        self.messages, self.requests, self.dialogs = [], [], []
+        try:
+            self.socket = self.loop.run_until_complete(self._connect(folder / "DevToolsActivePort"))
+            for domain in ("Page", "Runtime", "Log", "Network"):
+                self.call(f"{domain}.enable")
+        except BaseException:
+            self._end()
+            raise
+
+    async def _connect(self, port_file: Path):
+        from tornado.websocket import websocket_connect
+
+        until = time.monotonic() + 30
+        while not (port_file.exists() and port_file.read_text().count("\n")):
+            assert time.monotonic() < until, "the browser did not start"
+            await asyncio.sleep(0.05)
+        port = port_file.read_text().split()[0]
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/json/list") as answer:
+            tab = next(tab for tab in json.load(answer) if tab["type"] == "page")
+        return await websocket_connect(tab["webSocketDebuggerUrl"], max_message_size=2**26)
+
+    def close(self) -> None:
+        """Ends the browser."""
+        self.loop.run_until_complete(self._hang_up())
+        self._end()
+
+    async def _hang_up(self) -> None:
+        self.socket.close()
+        while await self.socket.read_message() is not None:
+            pass
+
+    def _end(self) -> None:
+        self.loop.close()
+        self.process.terminate()
+        self.process.wait(10)
+
+    def call(self, method: str, **parameters):
+        """The result of a command; events that arrive meanwhile are kept."""
+        self.count += 1
+        self.loop.run_until_complete(self._send({"id": self.count, "method": method, "params": parameters}))
+        while True:
+            message = self._receive()
+            if message.get("id") == self.count:
+                assert "error" not in message, message
+                return message["result"]
+
+    async def _send(self, message: dict) -> None:
+        await self.socket.write_message(json.dumps(message))
+
+    async def _read(self) -> str:
+        return await asyncio.wait_for(self.socket.read_message(), 30)
+
+    def _receive(self) -> dict:
+        message = json.loads(self.loop.run_until_complete(self._read()))
+        self._keep(message.get("method"), message.get("params", {}))
+        return message
+
+    def _keep(self, event: str | None, told: dict) -> None:
+        if event == "Network.requestWillBeSent":
+            self.requests.append(told["request"]["url"])
+        elif event == "Runtime.consoleAPICalled":
+            self.messages.append(str([argument.get("value") for argument in told["args"]]))
+        elif event == "Runtime.exceptionThrown":
+            self.messages.append(str(told["exceptionDetails"]))
+        elif event == "Log.entryAdded" and HARMLESS not in told["entry"]["text"]:
+            self.messages.append(told["entry"]["text"])
+        elif event == "Page.javascriptDialogOpening":
+            self.dialogs.append(told["message"])
+        elif event == "Page.loadEventFired":
+            self.loaded = True
+
+    def open(self, path: Path, fragment: str = "") -> Browser:
+        """Opens a file in a fresh document and waits until it has loaded."""
+        self._go("about:blank")
+        self.messages, self.requests, self.dialogs = [], [], []
+        self._go(path.resolve().as_uri() + fragment)
+        return self
+
+    def _go(self, address: str) -> None:
+        self.loaded = False
+        self.call("Page.navigate", url=address)
+        while not self.loaded:
+            self._receive()
+
+    def evaluate(self, expression: str):
+        """The value of a JavaScript expression, after promises."""
+        answer = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
+        assert "exceptionDetails" not in answer, answer
+        return answer["result"].get("value")
+
+    def state(self) -> dict:
+        """What the page says in its body's data-state."""
+        return json.loads(self.evaluate("document.body.dataset.state"))
+
+    def wait(self, seconds: float) -> None:
+        """Lets the page run."""
+        self.evaluate(f"new Promise(resolve => setTimeout(resolve, {1000 * seconds}))")
+
+    def click(self, selector: str) -> None:
+        """A press of the mouse on the middle of an element."""
+        x, y, width, height = self.box(selector)
+        for kind in ("mousePressed", "mouseReleased"):
+            place = {"x": x + width / 2, "y": y + height / 2}
+            self.call("Input.dispatchMouseEvent", type=kind, button="left", clickCount=1, **place)
+
+    def box(self, selector: str) -> list[float]:
+        """Left, top, width and height of an element, after it was brought into the window."""
+        return self.evaluate(f"""(() => {{
+            const element = document.querySelector({json.dumps(selector)});
+            element.scrollIntoView({{block: "center"}});
+            const box = element.getBoundingClientRect();
+            return [box.x, box.y, box.width, box.height];
+        }})()""")
+
+    def press_space(self) -> None:
+        """The space bar."""
+        self.call("Input.dispatchKeyEvent", type="keyDown", key=" ", code="Space", text=" ")
+        self.call("Input.dispatchKeyEvent", type="keyUp", key=" ", code="Space")
+
+    def picture(self, selector: str) -> bytes:
+        """An element as a PNG."""
+        clip = dict(zip(("x", "y", "width", "height"), self.box(selector)), scale=1)
+        return base64.b64decode(self.call("Page.captureScreenshot", format="png", clip=clip)["data"])

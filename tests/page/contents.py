@@ -1,0 +1,63 @@
+"""Pages that several tests look at."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbconstrained.notices import Notice
+from mbconstrained.page import Animation, Body, Curve, Drawing, Link, PageContent, Plot, Table
+
+TIMES = np.linspace(0, 50, 401)
+HOSTILE = """</script><script>alert(1)</script><img src=x onerror=alert(2)>&amp;"'\u2028]]>-->"""
+
+
+def two_masses(times=TIMES) -> np.ndarray:
+    """x1, q1, q2 of Moysis et al., section 5.1, from its closed form (m = 10, k = 2)."""
+    fast, slow = (5 + 5**0.5) / 10, (5 - 5**0.5) / 10
+    a, b = 9 / 5 - 23 * 5**0.5 / 25, 9 / 5 + 23 * 5**0.5 / 25
+    square = (3 + 5**0.5) / 2
+    x1 = a * square * np.cos(fast * times) + b / square * np.cos(slow * times)
+    q2 = -(2 + 5**0.5) * a * np.cos(fast * times) + (5**0.5 - 2) * b * np.cos(slow * times)
+    return np.array([x1, x1 + 0.4, q2])
+
+
+def two_masses_drawing() -> Drawing:
+    """A wall, two masses, springs and dampers between them; the second mass moves with two coordinates."""
+    across = (1.0, 0.0, 0.0)
+    bodies = (
+        Body("wall", "ground"),
+        Body("first", rest=(2, 0, 0), moves={"x1": across}),
+        Body("second", rest=(4.4, 0, 0), moves={"q1": across, "q2": across}),
+    )
+    links = [
+        Link(f"{kind} of {end}", kind, start, end, offset=(0, 0, z))
+        for start, end in (("wall", "first"), ("first", "second"))
+        for kind, z in (("spring", 0.2), ("damper", -0.2))
+    ]
+    return Drawing(bodies, tuple(links), scale=0.3)
+
+
+def two_masses_content() -> PageContent:
+    """Everything a page can have."""
+    names, values = ("x1", "q1", "q2"), two_masses()
+    return PageContent(
+        title="Two masses",
+        source="Moysis et al., section 5.1",
+        animation=Animation(two_masses_drawing(), names, TIMES, values),
+        plots=(Plot("displacement", "m", TIMES, tuple(Curve(name, row) for name, row in zip(names, values))),),
+        tables=(Table("Finite zeros", ("kind", "rad/s"), (("oscillation", "0.7236"), ("drift", "0")), "note below"),),
+        notices=(Notice("drift", "a row drifts"), Notice("rank", "a doubtful decision", doubtful=True)),
+        facts=(("Coordinates", "3"),),
+    )
+
+
+def hostile_content() -> PageContent:
+    """Texts that try to be more than texts, or are very long, in every place that takes one."""
+    long = "W" * 10_000
+    drawing = Drawing((Body(HOSTILE, moves={HOSTILE: (1, 0, 0)}), Body(long, rest=(2, 0, 0))), note=HOSTILE)
+    values = np.array([[0.0, 1.0]])
+    plots = tuple(Plot(text, text, [0, 1], (Curve(text, [0, 1]),)) for text in (HOSTILE, long))
+    tables = tuple(Table(text, (text,), ((text,),), text) for text in (HOSTILE, long))
+    notices = tuple(Notice("rank", text) for text in (HOSTILE, long))
+    animation = Animation(drawing, (HOSTILE,), [0, 1], values)
+    return PageContent(HOSTILE + long, HOSTILE + long, animation, plots, tables, notices, ((HOSTILE, HOSTILE), (long, long)))

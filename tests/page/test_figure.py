@@ -1,0 +1,77 @@
+"""The data that the page's script draws: colours, ends of links, bounds of the motion."""
+
+import numpy as np
+import pytest
+
+from mbconstrained.errors import InputError
+from mbconstrained.page import Body, Drawing, Link, key_frames
+from mbconstrained.page.figure import figure_data
+
+
+def figure(drawing, names=(), values=None):
+    times = np.arange(np.shape(values)[1] if values is not None else 1.0)
+    return figure_data(drawing, key_frames(drawing, names, times, np.zeros((0, 1)) if values is None else values))
+
+
+def test_nothing_to_draw_still_has_bounds():
+    assert figure(Drawing(()))["bounds"] == {"low": [-0.5] * 3, "high": [0.5] * 3}
+
+
+def test_the_magnification_is_in_the_moves():
+    body = Body("b", moves={"y": (1, 2, 3)}, turns={"x": (0, -1, 0)})
+    data = figure(Drawing((body,), scale=10, turn_scale=3), ("x", "y"), [[0], [0]])["bodies"][0]
+    assert data["moves"] == [[1, 10, 20, 30]]
+    assert data["turns"] == [[0, 0, -3, 0]]
+
+
+def test_links_end_on_the_sides_that_face_each_other():
+    drawing = Drawing((Body("a"), Body("b", rest=(3, 0, 0))), (Link("k", "spring", "a", "b", (0, 0, 0.2)),))
+    link = figure(drawing)["links"][0]
+    assert link["start_point"] == pytest.approx([0.4, 0, 0.2])
+    assert link["end_point"] == pytest.approx([-0.4, 0, 0.2])
+    assert link["mean"] == pytest.approx(3 - 0.8)
+
+
+def test_the_sides_are_those_of_the_motion_not_of_the_zero_of_the_coordinates():
+    # drawn at x = 5 and x = 2, although both are at 0 where the coordinates are 0
+    bodies = (Body("a", moves={"x": (1, 0, 0)}), Body("b", moves={"y": (1, 0, 0)}))
+    link = figure(Drawing(bodies, (Link("k", "spring", "a", "b"),)), ("x", "y"), [[5, 5], [2, 2.5]])["links"][0]
+    assert (link["start_point"][0], link["end_point"][0]) == pytest.approx((-0.4, 0.4))
+    assert (link["shortest"], link["longest"]) == pytest.approx((1.7, 2.2))
+
+
+def test_an_end_outside_its_body_stands_on_a_post():
+    drawing = Drawing((Body("a"), Body("b", rest=(3, 0, 0))), (Link("k", "spring", "a", "b", (0, 0, 1.5), (0, 0, 0.1)),))
+    data = figure(drawing)
+    assert [body["posts"] for body in data["bodies"]] == [[[0, 0, 1.5]], []]
+
+
+def test_bounds_hold_the_whole_motion():
+    drawing = Drawing((Body("b", moves={"x": (1, 0, 0)}),), scale=2)
+    assert figure(drawing, ("x",), [[-1, 0, 3]])["bounds"] == {"low": [-2.4, -0.4, -0.4], "high": [6.4, 0.4, 0.4]}
+
+
+def test_a_body_has_the_colour_of_its_own_curve_unless_it_brings_one():
+    bodies = [Body(name, rest=(i, 0, 0), moves={name: (1, 0, 0)}) for i, name in enumerate("xyz")]
+    bodies.append(Body("own", color="#123456"))
+    colors = [body["color"] for body in figure(Drawing(tuple(bodies)), tuple("xyz"), np.zeros((3, 1)))["bodies"]]
+    assert len(set(colors)) == 4
+    assert colors[3] == "#123456"
+
+
+def test_motion_too_large_to_be_seen_is_refused():
+    drawing = Drawing((Body("rocket", moves={"x": (1, 0, 0)}),))
+    with pytest.raises(InputError, match=r'body "rocket" is drawn up to 1e\+200 units away.*a smaller scale, or ask for earlier'):
+        figure(drawing, ("x",), [[0, 1e200]])
+
+
+@pytest.mark.parametrize("depth, yaw", [(0, 0.26), (1, 0.72), (-1, -0.72)])
+def test_what_stands_behind_is_seen_beside(depth, yaw):
+    # the body on the right is further away: seen from the right it moves out to the right
+    bodies = (Body("left"), Body("right", rest=(3, depth, 0)))
+    assert figure(Drawing(bodies))["view"]["yaw"] == pytest.approx(yaw)
+
+
+def test_a_long_chain_is_seen_from_its_side():
+    bodies = tuple(Body(f"b{i}", rest=(2.0 * i, 0, 0)) for i in range(50))
+    assert figure(Drawing(bodies))["view"]["yaw"] < 0.02

@@ -1,0 +1,165 @@
+"""The file: reproducible, closed to the outside, with nothing in it that is not needed, every text a text."""
+
+import base64
+import hashlib
+import html
+import json
+import os
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from mbconstrained.errors import MbconstrainedError
+from mbconstrained.notices import Notice
+from mbconstrained.page import Animation, Drawing, PageContent, Plot, page_html
+from mbconstrained.page.html import script_json
+from mbconstrained.page.viewer import viewer_script
+from tests.page.contents import HOSTILE, hostile_content, two_masses_content
+
+
+def data_of(page: str) -> dict:
+    return json.loads(re.search(r'<script type="application/json" id="motion-data">(.*?)</script>', page, re.S)[1])
+
+
+def test_the_page_of_two_masses_is_small():
+    assert len(page_html(two_masses_content()).encode()) < 1.1e6
+
+
+@pytest.mark.parametrize("seed", ["0", "7"])
+def test_the_same_content_gives_the_same_bytes_in_every_process(seed):
+    code = (
+        "import hashlib\n"
+        "from mbconstrained.page import PageContent, page_html\n"
+        "from tests.page.contents import two_masses_content\n"
+        "from tests.page.models import gallery\n"
+        "pages = [page_html(two_masses_content()), *(page_html(PageContent(k, animation=a)) for k, a in gallery().items())]\n"
+        "print(*(hashlib.sha256(page.encode()).hexdigest() for page in pages))\n"
+    )
+    environment = os.environ | {"PYTHONHASHSEED": seed, "TZ": "Asia/Tokyo" if seed == "7" else "UTC"}
+    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    from tests.page.models import gallery
+
+    pages = [page_html(two_masses_content()), *(page_html(PageContent(k, animation=a)) for k, a in gallery().items())]
+    assert run.stdout.split() == [hashlib.sha256(page.encode()).hexdigest() for page in pages]
+
+
+def test_meshcat_is_read_but_not_imported():
+    code = (
+        "import sys\n"
+        "from mbconstrained.page import page_html\n"
+        "from tests.page.contents import two_masses_content\n"
+        "page_html(two_masses_content())\n"
+        "print(*sorted({'meshcat', 'zmq', 'tornado', 'matplotlib', 'pydantic', 'pinocchio', 'sympy'} & set(sys.modules)))\n"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.split() == []
+
+
+def test_a_missing_viewer_is_one_clear_message(monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(MbconstrainedError, match='needs the package "meshcat", which is not installed: pip install meshcat'):
+        page_html(two_masses_content())
+
+
+def test_only_the_two_scripts_of_the_page_may_run():
+    page = page_html(two_masses_content())
+    policy = re.search(r'http-equiv="Content-Security-Policy" content="([^"]*)"', page)[1]
+    scripts = re.findall(r"<script>(.*?)</script>", page, re.S)
+    hashes = [base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts]
+    assert len(scripts) == 2
+    assert re.findall(r"'sha256-([^']*)'", policy) == hashes
+    assert policy.startswith("default-src 'none'; script-src 'sha256-")
+    assert "unsafe-eval" not in policy and "http" not in policy
+
+
+def test_the_page_names_no_place_to_load_from():
+    page = page_html(two_masses_content()).replace(viewer_script(), "")
+    assert re.findall(r"<(?:link|img|iframe|object|embed|base|form)\b|\ssrc=|\shref=|url\(|@import", page) == []
+
+
+@pytest.mark.parametrize("text", [HOSTILE, "</SCRIPT >", "<!--<script>", "\u2028\u2029", "\x00\ud800"])
+def test_json_in_a_script_cannot_end_it(text):
+    written = script_json({text: text})
+    assert not set("<>&\u2028\u2029") & set(written)
+    assert json.loads(written) == {text: text}
+
+
+class Texts(HTMLParser):
+    """Elements and texts as a browser sees them."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.tags, self.texts, self.attributes = [], [], []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        self.attributes += [name for name, _ in attributes]
+
+    def handle_data(self, data):
+        self.texts.append(data)
+
+
+def test_hostile_texts_come_out_as_texts():
+    content = hostile_content()
+    page = Texts(page_html(content))
+    assert page.tags.count("script") == 3  # the data, the viewer, the page's own
+    assert not {"img", "b2"} & set(page.tags)
+    assert not [name for name in page.attributes if name.startswith("on")]
+    assert page.texts.count(content.title) == 3  # title, heading and source
+    assert page.texts.count(HOSTILE) >= 6
+    assert page.texts.count("W" * 10_000) >= 6
+
+
+def test_the_data_are_the_values():
+    frames = data_of(page_html(two_masses_content()))["frames"]
+    values = two_masses_content().animation.values
+    assert frames["names"] == ["x1", "q1", "q2"]
+    assert np.allclose(frames["values"], values, rtol=1e-11, atol=0)
+    assert frames["times"][10] == 1.25
+
+
+def test_without_an_animation_there_is_no_script_and_no_control():
+    content = two_masses_content()
+    page = page_html(PageContent(content.title, content.source, None, content.plots, content.tables, content.notices, content.facts))
+    assert len(page) < 60_000
+    for word in ("<script", "<button", "MeshCat", "<details", 'id="stage"'):
+        assert word not in page
+
+
+def test_without_plots_tables_notices_and_facts_there_is_no_trace_of_them():
+    page = page_html(PageContent("t", animation=two_masses_content().animation))
+    for word in ('<div class="plots"', "<figure", "<svg", "<table", '<section class="notices"', "<dl", "<header>\n<h1>t</h1>\n<p"):
+        assert word not in page
+
+
+def test_doubtful_notices_come_first_and_as_warnings():
+    page = page_html(PageContent("t", notices=(Notice("jump", "first"), Notice("rank", "second", doubtful=True))))
+    found = re.findall(r'<p class="(notice[^"]*)"><b>(.*?)</b> (.*?)</p>', page)
+    assert found == [("notice doubtful", "Warning (rank):", "second"), ("notice", "Note (jump):", "first")]
+
+
+def test_columns_of_numbers_are_flush_right():
+    page = page_html(two_masses_content())
+    assert '<th scope="col">kind</th><th scope="col" class="number">rad/s</th>' in page
+    assert '<td>oscillation</td><td class="number">0.7236</td>' in page
+
+
+def test_the_magnification_is_told():
+    page = html.unescape(page_html(two_masses_content()))
+    assert '<p class="magnification">displacements drawn 0.3 × as large</p>' in page
+
+
+@pytest.mark.parametrize("duration, selected", [(10, "1.0"), (60, "1.0"), (1e-3, "0.0001"), (1e6, "100000.0")])
+def test_the_usual_speed_shows_the_motion_in_a_comfortable_time(duration, selected):
+    page = page_html(PageContent("t", animation=Animation(Drawing(()), ("x",), [0, duration], [[0, 1]])))
+    assert f'<option value="{selected}" selected>' in page
+
+
+def test_one_time_cannot_be_played():
+    page = page_html(PageContent("t", animation=Animation(Drawing(()), ("x",), [0.5], [[1]]), plots=(Plot("p", "m", [0.5], ()),)))
+    assert '<button type="button" id="play" aria-pressed="false" disabled>' in page

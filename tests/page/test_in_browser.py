@@ -1,0 +1,300 @@
+"""The page in a browser, opened from disk: what it shows, what it can be asked, what it asks for."""
+
+import json
+
+import numpy as np
+import pytest
+
+from mbconstrained.page import Animation, Body, Drawing, Link, PageContent, write_page
+from tests.page.browser import Browser, needs_chromium
+from tests.page.contents import HOSTILE, TIMES, hostile_content, two_masses, two_masses_content, two_masses_drawing
+from tests.page.models import gallery
+
+pytestmark = needs_chromium
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    browser = Browser(tmp_path_factory.mktemp("profile"))
+    yield browser
+    browser.close()
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    return write_page(tmp_path_factory.mktemp("pages") / "two masses.html", two_masses_content())
+
+
+def written(tmp_path, content):
+    return write_page(tmp_path / "page.html", content)
+
+
+def test_it_opens_without_a_complaint_and_asks_for_nothing_but_itself(browser, page):
+    browser.open(page, "#t=1.25").wait(0.3)
+    assert browser.messages == []
+    assert browser.requests == [page.as_uri()]
+    assert browser.state()["errors"] == []
+
+
+def test_the_state_at_a_time_of_the_animation_is_that_of_the_solution(browser, page):
+    state = browser.open(page, "#t=1.25").state()
+    assert (state["time"], state["duration"], state["playing"]) == (1.25, 50.0, False)
+    assert list(state["coordinates"]) == ["x1", "q1", "q2"]
+    assert list(state["coordinates"].values()) == pytest.approx(two_masses(np.array([1.25]))[:, 0], rel=1e-11)
+
+
+def test_the_state_at_any_other_time_is_that_of_the_solution_too(browser, page):
+    browser.open(page)
+    for time in (0.0, 0.05, 1.3, 33.33, 49.99, 50.0):
+        state = browser.evaluate(f"mbconstrained.seek({time}), mbconstrained.state()")
+        known = two_masses(np.array([time]))[:, 0]
+        assert list(state["coordinates"].values()) == pytest.approx(known, abs=1e-6), time
+
+
+def test_bodies_stand_where_the_drawing_puts_them(browser, page):
+    state = browser.open(page, "#t=1.25").state()
+    drawing, values = two_masses_drawing(), two_masses(np.array([1.25]))
+    for body in drawing.bodies:
+        place = drawing.positions(body, ("x1", "q1", "q2"), values)[:, 0]
+        assert state["nodes"][body.name]["position"] == pytest.approx(place, abs=1e-9)
+
+
+def test_the_picture_moves_and_is_the_same_again_at_the_same_time(browser, page):
+    browser.open(page)
+    pictures = [(browser.evaluate(f"mbconstrained.seek({time})"), browser.picture("#stage"))[1] for time in (0, 9, 0)]
+    assert pictures[0] != pictures[1]
+    assert pictures[0] == pictures[2]
+
+
+def test_the_play_button_plays_and_pauses(browser, page):
+    browser.open(page)
+    assert browser.state()["playing"] is False
+    browser.click("#play")
+    browser.wait(0.5)
+    state = browser.state()
+    assert state["playing"] is True
+    assert 0.1 < state["time"] < 5
+    assert state["coordinates"]["x1"] == pytest.approx(two_masses(np.array([state["time"]]))[0, 0], abs=1e-6)
+    assert browser.evaluate("document.querySelector('#play').textContent") == "Pause"
+    browser.click("#play")
+    time = browser.state()["time"]
+    browser.wait(0.2)
+    assert browser.state()["time"] == time
+    assert browser.state()["playing"] is False
+
+
+def test_the_speed_is_a_choice(browser, page):
+    browser.open(page)
+    browser.evaluate("document.querySelector('#speed').value = '10.0'")
+    browser.click("#play")
+    browser.wait(0.5)
+    assert browser.state()["time"] > 2.5
+
+
+def test_it_starts_again_at_the_end(browser, page):
+    browser.open(page, "#t=49.9")
+    browser.click("#play")
+    browser.wait(0.6)
+    assert browser.state()["time"] < 10
+
+
+def test_the_slider_seeks(browser, page):
+    browser.open(page)
+    browser.evaluate("""(() => {
+        const slider = document.querySelector("#time");
+        slider.value = 1.25;
+        slider.dispatchEvent(new Event("input", {bubbles: true}));
+    })()""")
+    assert browser.state()["time"] == 1.25
+    assert browser.evaluate("document.querySelector('#clock').textContent") == "1.25 s"
+    browser.click("#time")
+    assert browser.state()["time"] == pytest.approx(25, abs=1)
+
+
+def test_the_space_bar_plays_and_pauses(browser, page):
+    browser.open(page)
+    playing = []
+    for _ in range(2):
+        browser.press_space()
+        playing.append(browser.state()["playing"])
+    assert playing == [True, False]
+
+
+def test_the_address_seeks_and_pauses(browser, page):
+    browser.open(page)
+    browser.click("#play")
+    browser.evaluate("new Promise(done => { addEventListener('hashchange', done); location.hash = '#t=2.5' })")
+    state = browser.state()
+    assert (state["time"], state["playing"]) == (2.5, False)
+
+
+def test_an_address_beyond_the_motion_is_brought_into_it(browser, page):
+    browser.open(page, "#t=soon")
+    times = [browser.state()["time"]]
+    for fragment in ("#t=999", "#t=-3", "#other"):
+        browser.evaluate(f"new Promise(done => {{ addEventListener('hashchange', done); location.hash = '{fragment}' }})")
+        times.append(browser.state()["time"])
+    assert times == [0, 50, 0, 0]
+    assert browser.state()["errors"] == []
+
+
+def test_programs_can_seek_play_and_pause(browser, page):
+    browser.open(page)
+    state = browser.evaluate("mbconstrained.seek(1.25), mbconstrained.play(), mbconstrained.pause(), mbconstrained.state()")
+    assert (state["time"], state["playing"]) == (1.25, False)
+    assert state == browser.state()
+    assert browser.evaluate("(() => { try { mbconstrained.seek('x') } catch (error) { return error.message } })()") == (
+        "seek: found x; expected a time in seconds"
+    )
+
+
+def test_the_cursor_of_a_plot_follows_and_a_click_on_the_plot_seeks(browser, page):
+    browser.open(page, "#t=25")
+    place = "(() => { const b = document.querySelector('svg .cursor').getBoundingClientRect(); return b.x + b.width / 2 })()"
+    middle = browser.evaluate(place)
+    browser.click("svg.plot")
+    time = browser.state()["time"]
+    assert 0 < time < 50 and time != 25
+    left, _, width, _ = browser.box("svg .axis")
+    assert middle == pytest.approx(left + width / 2, abs=2)
+    assert browser.evaluate(place) == pytest.approx(left + width * time / 50, abs=2)
+
+
+def test_the_wheel_scrolls_the_page_and_zooms_only_with_the_control_key(browser, page):
+    browser.open(page)
+    left, top, width, height = browser.box("#stage")
+    turn = {"type": "mouseWheel", "x": left + width / 2, "y": top + height / 2, "deltaX": 0, "deltaY": 120}
+    zooms = []
+    for modifiers in (0, 2):
+        browser.call("Input.dispatchMouseEvent", **turn, modifiers=modifiers)
+        browser.wait(0.2)
+        zooms.append(browser.evaluate("mbconstrained.viewer.camera.zoom"))
+    assert zooms[0] == 1 and zooms[1] < 1
+    assert browser.evaluate("window.scrollY") > 0
+    browser.click("#reset")
+    assert browser.evaluate("mbconstrained.viewer.camera.zoom") == 1
+
+
+def test_dragging_turns_the_picture_and_not_the_model(browser, page):
+    browser.open(page)
+    before, nodes = browser.picture("#stage"), browser.state()["nodes"]
+    left, top, width, height = browser.box("#stage")
+    for kind, x in (("mousePressed", 0.3), ("mouseMoved", 0.5), ("mouseReleased", 0.5)):
+        place = {"x": left + x * width, "y": top + height / 2}
+        browser.call("Input.dispatchMouseEvent", type=kind, button="left", clickCount=1, **place)
+    browser.wait(0.2)
+    assert browser.picture("#stage") != before
+    assert browser.state()["nodes"] == nodes
+
+
+def test_a_spring_is_as_long_as_the_gap_it_spans(browser, tmp_path):
+    bodies = (Body("wall", "ground"), Body("b", rest=(3, 0, 0), moves={"x": (1, 0, 0)}))
+    drawing = Drawing(bodies, (Link("k", "spring", "wall", "b"),))
+    path = written(tmp_path, PageContent("t", animation=Animation(drawing, ("x",), [0, 1], [[0, 0.5]])))
+    browser.open(path)
+    lengths = [
+        browser.evaluate(f"""(() => {{
+            mbconstrained.seek({time});
+            const spring = mbconstrained.viewer.scene_tree.find(["mbconstrained", "links", "link 0", "<object>"]).object;
+            spring.geometry.computeBoundingBox();
+            return spring.geometry.boundingBox.max.x - spring.geometry.boundingBox.min.x;
+        }})()""")
+        for time in (0, 1)
+    ]
+    assert lengths == pytest.approx([3 - 0.1 - 0.4, 3.5 - 0.1 - 0.4], abs=1e-5)
+
+
+def test_hostile_texts_are_shown_as_texts(browser, tmp_path):
+    content = hostile_content()
+    browser.open(written(tmp_path, content), "#t=1").wait(0.2)
+    assert (browser.dialogs, browser.messages) == ([], [])
+    assert browser.evaluate("document.querySelector('.label').textContent") == HOSTILE
+    assert browser.evaluate("document.querySelector('h1').textContent") == content.title
+    assert browser.state()["coordinates"] == {HOSTILE: 1}
+    assert browser.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+
+
+def test_names_that_are_special_in_javascript_are_names(browser, tmp_path):
+    names = ("__proto__", "constructor", "toString")
+    bodies = tuple(Body(name, rest=(i, 0, 0), moves={name: (1, 0, 0)}) for i, name in enumerate(names))
+    animation = Animation(Drawing(bodies), names, [0, 1], [[0, 1], [0, 2], [0, 3]])
+    browser.open(written(tmp_path, PageContent("t", animation=animation)), "#t=1")
+    assert json.loads(browser.evaluate("document.body.dataset.state"))["coordinates"] == dict(zip(names, (1, 2, 3)))
+    assert browser.state()["nodes"]["__proto__"]["position"] == [1, 0, 0]
+
+
+def test_no_other_script_can_run(browser, page):
+    browser.open(page)
+    browser.evaluate("""(() => {
+        const script = document.createElement("script");
+        script.textContent = "window.entered = true";
+        document.body.append(script);
+    })()""")
+    assert browser.evaluate("window.entered") is None
+    assert browser.state()["errors"] == ["blocked: inline"]
+
+
+@pytest.mark.parametrize("name", gallery().keys())
+def test_every_kind_of_drawing_is_drawn(browser, tmp_path, name):
+    path = written(tmp_path, PageContent(name, animation=gallery()[name]))
+    browser.open(path)
+    pictures = [(browser.evaluate(f"mbconstrained.seek({time})"), browser.picture("#stage"))[1] for time in (0, 4)]
+    assert (browser.messages, browser.state()["errors"]) == ([], [])
+    assert pictures[0] != pictures[1]
+    assert browser.evaluate("mbconstrained.viewer.renderer.info.render.triangles") > 1000
+
+
+def test_a_turned_body_is_turned(browser, tmp_path):
+    disc = Body("disc", "disc", turns={"angle": (0, -1, 0)}, rest_turn=(0, -0.5, 0))
+    animation = Animation(Drawing((disc,), turn_scale=2), ("angle",), [0, 1], [[0, 0.75]])
+    state = browser.open(written(tmp_path, PageContent("t", animation=animation)), "#t=1").state()
+    assert state["nodes"]["disc"]["quaternion"] == pytest.approx([0, -np.sin(1), 0, np.cos(1)])  # half of 0.5 + 2 * 0.75
+    assert state["magnification"] == {"scale": 1, "turn_scale": 2}
+
+
+@pytest.mark.parametrize(
+    "drawing, times",
+    [(Drawing(()), [0.5]), (Drawing((Body("still"),)), [0.0, 2.0])],
+    ids=["no bodies and one time", "a body at rest"],
+)
+def test_pages_with_little_to_show(browser, tmp_path, drawing, times):
+    animation = Animation(drawing, ("x",), times, np.full((1, len(times)), 3.0))
+    browser.open(written(tmp_path, PageContent("t", animation=animation))).wait(0.1)
+    browser.click("#play")
+    state = browser.state()
+    assert (browser.messages, state["errors"]) == ([], [])
+    assert state["coordinates"] == {"x": 3}
+    assert state["playing"] is (len(times) > 1)
+
+
+def test_a_page_without_an_animation_complains_of_nothing(browser, tmp_path):
+    content = two_masses_content()
+    browser.open(written(tmp_path, PageContent("t", plots=content.plots, tables=content.tables))).wait(0.1)
+    assert (browser.messages, len(browser.requests)) == ([], 1)
+
+
+def test_fifty_springs_are_drawn_fast_enough_to_move(browser, tmp_path):
+    bodies = tuple(Body(f"b{i}", rest=(2.0 * i, 0, 0), moves={"x": (0.1 * (i % 2), 0, 0)}) for i in range(51))
+    links = tuple(Link(f"k{i}", "spring", f"b{i}", f"b{i + 1}") for i in range(50))
+    animation = Animation(Drawing(bodies, links), ("x",), TIMES, np.sin(TIMES)[None])
+    browser.open(written(tmp_path, PageContent("t", animation=animation)))
+    spent = browser.evaluate("""(() => {
+        const start = performance.now();
+        mbconstrained.viewer.render = () => {};  // the time of the script, not of the software renderer
+        for (let i = 0; i < 20; i++) mbconstrained.seek(i);
+        return (performance.now() - start) / 20;
+    })()""")
+    assert spent < 60  # ms a frame
+
+
+def test_without_webgl_everything_else_is_shown(tmp_path, page):
+    browser = Browser(tmp_path / "profile", "--disable-3d-apis")
+    try:
+        state = browser.open(page, "#t=1.25").state()
+        assert state["coordinates"]["x1"] == pytest.approx(two_masses(np.array([1.25]))[0, 0])
+        assert state["errors"][0].startswith("The 3-D view cannot be shown: ")
+        assert browser.evaluate("getComputedStyle(document.querySelector('.missing')).display") == "block"
+        browser.click("#play")
+        assert browser.state()["playing"] is True
+    finally:
+        browser.close()

@@ -1,0 +1,83 @@
+"""Key frames: exact values, rates good enough that cubics between them lose nothing."""
+
+import numpy as np
+import pytest
+
+from mbconstrained.errors import InputError
+from mbconstrained.page import Body, Drawing, key_frames
+from mbconstrained.page.keyframes import MOST_FRAMES, slopes
+from tests.page.contents import two_masses
+
+EMPTY = Drawing(())
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 9])
+def test_rates_of_polynomials_are_exact_up_to_the_degree_that_so_many_times_allow(count):
+    times = np.cumsum(np.linspace(0.5, 1.7, count))  # of uneven spacing
+    degree = min(4, count - 1)
+    coefficients = np.array([[0.3, -1.0, 2.0, 0.7, -0.2][: degree + 1]])
+    values = coefficients @ np.vander(times, degree + 1, increasing=True).T
+    powers = np.arange(1, degree + 1)
+    known = (coefficients[:, 1:] * powers) @ np.vander(times, degree, increasing=True).T if degree else np.zeros((1, 1))
+    assert np.allclose(slopes(times, values), known, rtol=1e-11, atol=1e-11)
+
+
+@pytest.mark.parametrize("unit", [1e-60, 1.0, 1e60])
+def test_rates_do_not_depend_on_the_unit_of_time(unit):
+    times = np.linspace(0, 3, 31)
+    assert np.allclose(slopes(unit * times, np.sin(times)[None]) * unit, np.cos(times), atol=1e-4)
+
+
+def test_rates_are_of_fourth_order():
+    errors = []
+    for count in (51, 101):
+        times = np.linspace(0, 6, count)
+        errors.append(np.abs(slopes(times, np.sin(times)[None]) - np.cos(times)).max())
+    assert 14 < errors[0] / errors[1] < 18  # 2^4
+
+
+def hermite(frames, name, time):
+    """Cubic interpolation, written here from its definition: value and rate of both ends are met."""
+    i = frames.names.index(name)
+    k = min(np.searchsorted(frames.times, time, side="right") - 1, len(frames.times) - 2)
+    a, b = frames.times[k : k + 2]
+    matrix = [[1, t, t**2, t**3] for t in (a, b)] + [[0, 1, 2 * t, 3 * t**2] for t in (a, b)]
+    known = [*frames.values[i, k : k + 2], *frames.rates[i, k : k + 2]]
+    return np.linalg.solve(matrix, known) @ [1, time, time**2, time**3]
+
+
+def test_two_masses_between_the_times_to_a_millionth():
+    times = np.linspace(0, 50, 401)
+    frames = key_frames(EMPTY, ("x1", "q1", "q2"), times, two_masses(times))
+    errors = [abs(hermite(frames, "q2", t) - two_masses(np.array([t]))[2, 0]) for t in np.linspace(0.01, 49.9, 97)]
+    assert max(errors) < 1e-6
+
+
+def test_what_does_not_move_has_no_key_frames():
+    data = key_frames(EMPTY, ("still", "moving"), [0, 1], [[5, 5], [0, 1]]).as_data()
+    assert data["values"] == [5.0, [0.0, 1.0]]
+    assert data["rates"] == [0, [1.0, 1.0]]
+
+
+def test_numbers_keep_twelve_digits():
+    values = np.array([[np.pi * 1e-9, -np.e * 1e7]])
+    kept = key_frames(EMPTY, ("x",), [0, 1 / 3], values).as_data()["values"][0]
+    assert np.allclose(kept, values[0], rtol=1e-12, atol=0)
+
+
+def test_one_time_is_enough():
+    frames = key_frames(EMPTY, ("x",), [2.0], [[7.0]])
+    assert frames.as_data() == {"names": ["x"], "times": [2.0], "values": [7.0], "rates": [0]}
+
+
+def test_too_many_times_are_thinned_evenly_with_both_ends():
+    times = np.arange(2 * MOST_FRAMES + 7.0)
+    frames = key_frames(EMPTY, ("x",), times, np.sin(times / 100)[None])
+    assert len(frames.times) <= MOST_FRAMES
+    assert (frames.times[0], frames.times[-1], frames.stride) == (times[0], times[-1], 3)
+
+
+def test_a_drawing_that_moves_with_an_unknown_coordinate_is_refused():
+    drawing = Drawing((Body("b", moves={"angel": (1, 0, 0)}),))
+    with pytest.raises(InputError, match='"angel" moves a body but is no coordinate; did you mean "angle"'):
+        key_frames(drawing, ("angle",), [0, 1], [[0, 1]])

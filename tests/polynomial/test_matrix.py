@@ -1,0 +1,83 @@
+"""PolynomialMatrix: what it accepts, what it evaluates to, what it refuses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+
+A0, A1, A2 = np.array([[1, 2], [3, 4]]), np.eye(2), np.diag([5.0, 0.0])
+
+
+def test_evaluation_is_horners_sum_at_real_and_complex_points():
+    A = mb.PolynomialMatrix([A0, A1, A2])
+    for s in (0, 2.0, -1.5, 1j, 0.5 - 2j):
+        assert np.allclose(A(s), A0 + A1 * s + A2 * s**2, rtol=1e-15)
+    assert np.isrealobj(A(2.0))
+
+
+def test_degree_is_declared_not_found():
+    A = mb.PolynomialMatrix([A0, A1, np.zeros((2, 2))])
+    assert (A.degree, A.size) == (2, 2)
+    assert repr(A) == "PolynomialMatrix(degree=2, size=2)"
+
+
+def test_integers_are_converted_and_the_data_is_copied_and_locked():
+    mine = np.array([[[1, 2], [3, 4]]])
+    A = mb.PolynomialMatrix(mine)
+    mine[0, 0, 0] = 99
+    assert A.coefficients.dtype == float
+    assert A.coefficients[0, 0, 0] == 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        A.coefficients[0, 0, 0] = 2.0
+
+
+def test_dual_reverses_the_coefficients():
+    A = mb.PolynomialMatrix([A0, A1, A2], coordinates=["a", "b"])
+    assert np.array_equal(A.dual.coefficients, A.coefficients[::-1])
+    assert A.dual.coordinates == ("a", "b")
+    assert np.allclose(A.dual(0.5), 0.25 * A(2.0))
+
+
+def test_coordinates_and_equations_have_names():
+    assert mb.PolynomialMatrix([A0]).coordinates == ("x1", "x2")
+    assert mb.PolynomialMatrix([A0]).equations == ("equation 1", "equation 2")
+    named = mb.PolynomialMatrix([A0], coordinates=["cart", "bob"], equations=["force", "row"])
+    assert (named.coordinates, named.equations) == (("cart", "bob"), ("force", "row"))
+
+
+def test_jordan_pairs_are_computed_once():
+    A = mb.PolynomialMatrix([A0, A1])
+    assert A.jordan_pairs() is A.jordan_pairs()
+
+
+@pytest.mark.parametrize(
+    "coefficients, text",
+    [
+        ([], "a polynomial matrix needs at least one coefficient, A_0; none was given"),
+        ([[1.0, 2.0]], r"A_0: expected a square matrix, found shape \(2,\)"),
+        ([[[1.0, 2.0]]], r"A_0: expected a square matrix, found shape \(1, 2\)"),
+        ([np.eye(2), np.eye(3)], r"A_1 has shape \(3, 3\), but A_0 has \(2, 2\); all must agree"),
+        ([np.eye(2), [[1, 2], [3]]], "A_1: the rows have different lengths"),
+        ([np.eye(2) * 1j], "A_0: complex numbers found; only real data is accepted"),
+        ([np.eye(2), np.diag([1.0, np.nan])], r"A_1: the entry at \(1, 1\) is nan; every entry must be a finite number"),
+        ([[["k"]]], "A_0: found .*'k'.*; expected numbers"),
+        (5, "coefficients|polynomial matrix"),
+    ],
+)
+def test_what_is_no_polynomial_matrix_is_refused(coefficients, text):
+    with pytest.raises(mb.InputError, match=text):
+        mb.PolynomialMatrix(coefficients)
+
+
+@pytest.mark.parametrize(
+    "names, text",
+    [
+        ({"coordinates": ["a"]}, "coordinates: 1 names given for 2; give one each"),
+        ({"equations": ["a", "a"]}, 'equations: the name "a" is used twice; names must differ'),
+    ],
+)
+def test_names_must_fit(names, text):
+    with pytest.raises(mb.InputError, match=text):
+        mb.PolynomialMatrix([A0], **names)

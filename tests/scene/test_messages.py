@@ -1,0 +1,119 @@
+"""Entries that are wrong: the message names the place, what was found, what was expected, the nearest name."""
+
+import pytest
+from tests.scene.scenes import COEFFICIENTS, MATRICES, OSCILLATOR, scene_of
+
+from mbconstrained.errors import SceneError, SingularPolynomialMatrix
+from mbconstrained.scene.problems import together
+
+BASES = {"lumped": OSCILLATOR, "matrices": MATRICES, "coefficients": COEFFICIENTS}
+
+CASES = [  # base, what is replaced, by what, message
+    # keys and tables
+    ("lumped", "[initial]", "[inital]", r'the file: unknown key "inital"; did you mean "initial"\?; known here are title'),
+    ("lumped", "stiffness", "stifness", r'model\.spring\[1\]: unknown key "stifness"; did you mean "stiffness"\?'),
+    ("lumped", "[time]\nend", "[time]\nstop = 1\nend", r'time: unknown key "stop".*known here are end, points'),
+    ("lumped", 'end = "5 s"', "", r"time\.end: this key is missing"),
+    ("lumped", 'kind = "lumped"', 'kind = "lumpd"', r'model: kind: found "lumpd"; expected "lumped" or "matrices"; did you mean "lumped"\?'),
+    ("lumped", 'kind = "lumped"\n', "", r'model: the key kind is missing; expected "lumped" or "matrices"'),
+    ("lumped", "[[model.mass]]", "[model.mass]", r"model\.mass: found one table; write it with double brackets"),
+    ("lumped", "points = 11", "points = 1", r"time\.points: found 1; expected at least 2"),
+    ("lumped", "points = 11", "points = 10000000", r"time\.points: found 10000000; expected at most 200000"),
+    ("lumped", "points = 11", 'points = "11"', r'time\.points: found "11"; expected a whole number'),
+    ("lumped", "points = 11", "points = 1.5", r"time\.points: found 1.5; expected a whole number"),
+    ("lumped", "points = 11", "[output]\npage = 1", r"output\.page: found 1; expected true or false"),
+    ("lumped", "points = 11", '[output]\nplots = ["dsplacement"]', r'output\.plots\[1\]: found "dsplacement"; .*did you mean "displacement"'),
+    ("lumped", "points = 11", '[output]\nplots = ["reaction"]', r"output\.plots: found reaction, but there are no constraint rows"),
+    ("lumped", "points = 11", '[output]\ncoordinates = ["crat"]', r'output\.coordinates: there is no coordinate "crat"; did you mean "cart"'),
+    ("coefficients", "points = 5", '[output]\nplots = ["energy"]', r"output\.plots: energy is known only where mass"),
+    # quantities
+    ("lumped", '"2 kg"', '"2 N/mm"', r'model\.mass\[1\]\.mass \(of "cart"\): found "2 N/mm", a stiffness; expected a mass, e\.g\. "10 kg"'),
+    ("lumped", '"2 kg"', "nan", r"model\.mass\[1\]\.mass .*: found nan; expected a finite number"),
+    ("lumped", '"2 kg"', "-2", r'model\.mass\[1\] \(of "cart"\): .*mass.*found -2; expected a number greater than zero'),
+    ("lumped", '"8 N/m"', '"8 Nm"', r'model\.spring\[1\]\.stiffness: found "8 Nm", a torque; expected a stiffness'),
+    ("lumped", '"5 s"', '"5 m"', r'time\.end: found "5 m", a length; expected a time'),
+    ("lumped", '"5 s"', "-5", r"time: end is -5 s; expected a time after 0"),
+    ("lumped", '"5 s"', "1979-05-27", r"time\.end: found 1979-05-27; expected a time"),
+    ("lumped", "cart = 0.1", "cart = nan", r"initial\.displacement: cart: found nan; expected a finite number"),
+    ("lumped", "cart = 0.1", 'cart = "0.1 rad"', r'initial\.displacement: cart: found "0.1 rad", an angle; expected a length'),
+    ("coefficients", "[time]", '[initial]\nvelocity = { q = "1 m/s" }\n[time]', r"initial\.velocity: q: found .*, a velocity; expected an angular velocity"),
+    # names
+    ("lumped", "cart = 0.1", "crat = 0.1", r'initial\.displacement: there is no coordinate "crat"; did you mean "cart"\?; the coordinates are cart'),
+    ("lumped", '"ground", "cart"', '"ground", "crat"', r'model\.spring\[1\]: .*there is no body "crat"; did you mean "cart"'),
+    ("lumped", '"ground", "cart"', '"cart", "cart"', r"model\.spring\[1\]: .*same body"),
+    ("lumped", '"ground", "cart"', '"ground"', r"model\.spring\[1\]\.between: found an array of 1; expected at least 2 entries"),
+    ("lumped", 'name = "cart"', 'name = "=cmd|calc"', r'model\.mass\[1\]\.name .*found "=cmd\|calc"; expected a name: a letter first'),
+    ("lumped", 'name = "cart"', 'name = "ground"', r'model\.mass\[1\] .*the name "ground" is that of the body that stays at 0'),
+    ("lumped", "[[model.spring]]", '[[model.mass]]\nname = "cart"\nmass = 1\n[[model.spring]]', r'model\.mass\[2\] \(of "cart"\): .*names must differ'),
+    ("matrices", '["a", "b"]', '["a", "a"]', r'model\.coordinates: the name "a" is used twice'),
+    ("matrices", '["a", "b"]', '["a"]', r"model\.coordinates: found 1 names; expected 2"),
+    ("matrices", "[time]", '[model.units]\nc = "rad"\n[time]', r'model\.units: there is no coordinate "c"'),
+    ("matrices", "[time]", '[model.units]\na = "mm"\n[time]', r'model\.units\.a: found "mm"; expected "m", "rad"'),
+    # matrices
+    ("matrices", "[[1, 0], [0, 1]]", "[[1, 0], [0]]", r"model\.mass: found rows of 2, 1 numbers; expected rows of equal length"),
+    ("matrices", "[[1, 0], [0, 1]]", "[[1, 0]]", r"model\.mass: found 1 rows and 2 columns; expected a square matrix"),
+    ("matrices", "[[1, 0], [0, 1]]", "[[1, 0], [0, inf]]", r"model\.mass: found inf; expected a finite number"),
+    ("matrices", "[[1, 0], [0, 1]]", '[[1, 0], [0, "1 kg"]]', r'model\.mass: found "1 kg"; expected a plain number'),
+    ("matrices", "[[1, 0], [0, 1]]", "[]", r"model\.mass: found an array of 0; expected rows of numbers"),
+    ("matrices", "[[1, 0], [0, 1]]", "5", r"model\.mass: found 5; expected rows of numbers"),
+    ("matrices", "[[1, 0], [0, 4]]", "[[1]]", r"model: stiffness: expected shape 2 x 2, found 1 x 1"),
+    ("matrices", "mass = [[1, 0], [0, 1]]\n", "", r"model: give either mass \(with damping and stiffness\) or coefficients"),
+    ("coefficients", "coefficients =", "stiffness = [[1]]\ncoefficients =", r"model: stiffness cannot stand beside coefficients"),
+    ("coefficients", "[[[4]], [[0]], [[1]]]", "[]", r"model: coefficients is empty"),
+    ("coefficients", "[[0]]", "[[0, 0], [0, 0]]", r"model\.coefficients: A_1 has shape \(2, 2\), but A_0 has \(1, 1\)"),
+    # initial values
+    ("matrices", "[time]", "[initial]\ndisplacement = [1]\n[time]", r"initial\.displacement: found 1 values; expected 2, one for each of a, b"),
+    ("matrices", "[time]", "[initial]\ndisplacement = 1\n[time]", r"initial\.displacement: found 1; expected"),
+    ("matrices", "[time]", "[initial]\nacceleration = { a = 1 }\n[time]", r"initial\.acceleration: the equations have degree 2"),
+    ("matrices", "[time]", "[initial]\ndisplacement = { a = 1 }\nderivatives = [[1, 1]]\n[time]", r"derivatives and displacement say the same"),
+    # constraints and forces
+    ("matrices", "[time]", '[[model.constraint]]\nrows = { a = 1, c = -1 }\n[time]', r'model\.constraint\[1\]: there is no coordinate "c"'),
+    ("matrices", "[time]", "[[model.constraint]]\nrows = {}\n[time]", r"model\.constraint\[1\]\.rows: found a table; expected coordinates with their factors"),
+    ("matrices", "[time]", '[[model.constraint]]\nrows = { a = 1 }\nlevel = "positon"\n[time]', r'level: found "positon"; .*did you mean "position"'),
+    ("matrices", "[time]", '[[model.constraint]]\nrows = { a = 1 }\nlevel = "velocity"\nvalue = "1 m"\n[time]', r'value: found "1 m", a length; expected a velocity'),
+    ("matrices", "[time]", '[model.units]\nb = "rad"\n[[model.constraint]]\nrows = { a = 1, b = 1 }\nvalue = "1 m"\n[time]', r"this row mixes m and rad: give a plain number"),
+    ("matrices", "[time]", "[[model.constraint]]\nrows = { a = 1 }\n[[model.constraint]]\nrows = { a = 2 }\nvalue = 1\n[time]", r"model: constraint .* asks for 1 m, but it follows from"),
+    ("matrices", "[time]", '[[force]]\ncoordinate = "a"\nkind = "stp"\nvalue = 1\n[time]', r'force\[1\]: kind: found "stp"; .*did you mean "step"'),
+    ("matrices", "[time]", '[[force]]\ncoordinate = "x"\nkind = "step"\nvalue = 1\n[time]', r'force\[1\]: there is no coordinate "x"'),
+    ("matrices", "[time]", '[[force]]\ncoordinate = "a"\nkind = "ramp"\nvalue = "1 N"\n[time]', r'force\[1\]: value: found "1 N", a force; expected a quantity in N/s'),
+    ("matrices", "[time]", '[[force]]\ncoordinate = "a"\nkind = "harmonic"\nvalue = 1\n[time]', r"force\[1\]: give angular_frequency"),
+    ("matrices", "[time]", '[[force]]\ncoordinate = "a"\nkind = "harmonic"\nvalue = 1\nfrequency = 1\nangular_frequency = 1\n[time]', r"force\[1\]: give either angular_frequency"),
+    ("matrices", "[time]", '[[force]]\ncoordinate = "a"\nkind = "step"\nvalue = 1\nphase = 1\n[time]', r'force\[1\]: unknown key "phase"'),
+    ("matrices", "[time]", '[[force]]\ncoordinate = "a"\nkind = "impulse"\nvalue = 1\norder = -1\n[time]', r"force\[1\]\.order: found -1; expected at least 0"),
+    # drawing
+    ("matrices", "[time]", '[[drawing.body]]\nname = "m"\nshape = "bx"\n[time]', r'drawing\.body\[1\]\.shape .*: found "bx"; .*did you mean "box"'),
+    ("matrices", "[time]", '[[drawing.body]]\nname = "m"\nshape = "box"\nmoves = { c = [1, 0, 0] }\n[time]', r'drawing\.body\[1\] \(of "m"\): there is no coordinate "c"'),
+    ("matrices", "[time]", '[[drawing.body]]\nname = "m"\nshape = "box"\ncolor = "red"\n[time]', r'color .*found "red"; expected a colour such as'),
+    ("matrices", "[time]", '[[drawing.link]]\nkind = "spring"\nstart = "m"\nend = "w"\n[time]', r'drawing\.link\[1\]: there is no body "m" in the drawing'),
+    # texts
+    ("lumped", "[model]", 'title = "\\u001b[31mred"\n[model]', r'title: found the character "\\x1b", which cannot be printed'),
+    ("lumped", "[model]", "title = 3\n[model]", r"title: found 3; expected a text in quotes"),
+]
+
+
+@pytest.mark.parametrize(("base", "old", "new", "message"), CASES, ids=[f"{case[0]}: {case[2][:50]!r}" for case in CASES])
+def test_message(tmp_path, base, old, new, message):
+    text = BASES[base]
+    assert old in text
+    with pytest.raises(SceneError, match=message) as caught:
+        scene_of(tmp_path, text.replace(old, new, 1))
+    assert str(caught.value).startswith("scene.toml: ")
+
+
+def test_all_problems_are_told_at_once_but_not_endlessly(tmp_path):
+    with pytest.raises(SceneError) as caught:
+        scene_of(tmp_path, OSCILLATOR.replace("2 kg", "2 m").replace("8 N/m", "8 s").replace("5 s", "5 kg"))
+    lines = str(caught.value).splitlines()
+    assert lines[0] == "scene.toml: 3 entries are wrong"
+    assert [line.split(":")[0].strip() for line in lines[1:]] == [
+        'model.mass[1].mass (of "cart")',
+        "model.spring[1].stiffness",
+        "time.end",
+    ]
+    assert together("a.toml", [str(i) for i in range(100)]).splitlines()[-1] == "  and 95 more"
+
+
+@pytest.mark.parametrize("form", ["mass = [[1, 1], [1, 1]]", "coefficients = [[[1, 1], [1, 1]]]"])
+def test_equations_that_determine_no_motion_are_refused(tmp_path, form):
+    with pytest.raises(SingularPolynomialMatrix, match=r"det A\(s\)"):
+        scene_of(tmp_path, f'[model]\nkind = "matrices"\n{form}\n[time]\nend = 1\n')

@@ -1,0 +1,178 @@
+"""The plan: what is listed as taken runs, what is left out does not."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, scene_of
+
+from mbconstrained.mechanics import MechanicalSystem, Motion
+from mbconstrained.scene import Result, read_scene
+
+CONSTRAINT = '[[model.constraint]]\nrows = { a = 1, b = -1 }\nlevel = "LEVEL"\n[time]'
+
+
+def stages(scene) -> dict[str, bool]:
+    return {stage.name: stage.taken for stage in scene.plan().stages}
+
+
+def constrained(folder, level, extra=""):
+    return scene_of(folder, MATRICES.replace("[time]", CONSTRAINT.replace("LEVEL", level)).replace("[time]", f"{extra}\n[time]"))
+
+
+def test_every_stage_has_a_reason(tmp_path):
+    for text in (OSCILLATOR, MATRICES, COEFFICIENTS):
+        for stage in scene_of(tmp_path, text).plan().stages:
+            assert stage.reason and stage.name
+
+
+def test_a_free_oscillator_needs_little(tmp_path):
+    plain = OSCILLATOR.replace('"2 kg"', "2").replace('"8 N/m"', "8").replace('"5 s"', "5")
+    taken = [stage.name for stage in scene_of(tmp_path, plain + "\n[output]\npage = false\nnpz = false\n").plan().taken]
+    assert taken == [
+        "read the scene",
+        "assemble the model",
+        "scaling and staircase",
+        "finite pair",
+        "response",
+        "displacements",
+        "modes",
+        "error estimate",
+        "CSV",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("key", "stage"),
+    [
+        ("page = false", "page"),
+        ("page = false", "animation"),
+        ("animation = false", "animation"),
+        ("csv = false", "CSV"),
+        ("npz = false", "npz"),
+        ('plots = ["velocity"]', "velocities"),
+        ('plots = ["acceleration"]', "accelerations"),
+        ('plots = ["energy"]', "energy"),
+    ],
+)
+def test_output_decides(tmp_path, key, stage):
+    default = stages(scene_of(tmp_path, OSCILLATOR))
+    changed = stages(scene_of(tmp_path, OSCILLATOR + f"\n[output]\n{key}\n"))
+    assert changed[stage] is not default[stage]
+
+
+def test_units_are_needed_only_for_texts_with_units(tmp_path):
+    assert stages(scene_of(tmp_path, OSCILLATOR))["units"]
+    assert not stages(scene_of(tmp_path, MATRICES.replace("[model]", 'title = "2 kg"\n[model]', 1)))["units"]
+
+
+def test_constraints_decide_form_and_reactions(tmp_path):
+    free, held = stages(scene_of(tmp_path, MATRICES)), stages(constrained(tmp_path, "position"))
+    for name in ("dependent constraint rows", "constrained form"):
+        assert (free[name], held[name]) == (False, True)
+    assert not held["reactions"]
+    assert stages(constrained(tmp_path, "position", "[output]\nreactions = true"))["reactions"]
+    assert not stages(scene_of(tmp_path, MATRICES + "[output]\nreactions = true"))["reactions"]
+
+
+@pytest.mark.parametrize(
+    ("level", "extra", "taken"),
+    [  # A_2 is singular below acceleration level (Moysis et al., section 4.1: free and admissible needs no infinite pair)
+        ("acceleration", "", False),
+        ("acceleration", '[[force]]\ncoordinate = "a"\nkind = "step"\nvalue = 1', False),
+        ("position", "", False),
+        ("position", "[initial]\ndisplacement = [1, 1]", False),
+        ("position", "[initial]\ndisplacement = [1, 0]", True),
+        ("velocity", "[initial]\nvelocity = [1, 0]", True),
+        ("position", '[[force]]\ncoordinate = "a"\nkind = "step"\nvalue = 1', True),
+        ("position", '[[force]]\ncoordinate = "a"\nkind = "impulse"\nvalue = 1', True),
+    ],
+)
+def test_infinite_pair_only_where_it_matters(tmp_path, level, extra, taken):
+    assert stages(constrained(tmp_path, level, extra))["infinite pair"] is taken
+
+
+def test_a_mechanical_system_has_modes_and_coefficients_have_zeros(tmp_path):
+    assert stages(scene_of(tmp_path, MATRICES))["modes"]
+    assert not stages(scene_of(tmp_path, COEFFICIENTS))["modes"]
+
+
+def test_without_a_folder_nothing_is_written_and_nothing_made_for_it(tmp_path):
+    scene = scene_of(tmp_path, OSCILLATOR)
+    left_out = {stage.name for stage in scene.run().plan.left_out}
+    assert {"page", "animation", "CSV", "npz"} <= left_out
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
+
+
+def test_what_is_left_out_is_not_called(tmp_path, monkeypatch):
+    def forbidden(*_, **__):
+        raise AssertionError("called although left out")
+
+    for owner, name in (
+        (Result, "infinite_pair"),
+        (Result, "animation"),
+        (Result, "write_page"),
+        (Result, "write_npz"),
+        (Motion, "reaction"),
+        (Motion, "energy"),
+        (Motion, "velocity"),
+    ):
+        monkeypatch.setattr(owner, name, property(forbidden))
+    scene = constrained(tmp_path, "acceleration", "[output]\npage = false\nnpz = false")
+    result = scene.run(tmp_path / "out")
+    assert result.summary() and result.as_json()
+    assert [path.name for path in result.files] == ["scene.csv"]
+
+
+def test_what_is_taken_is_called(tmp_path, monkeypatch):
+    called = []
+    original = MechanicalSystem.modes
+    monkeypatch.setattr(MechanicalSystem, "modes", lambda self: called.append("modes") or original(self))
+    order = []
+    text = OSCILLATOR + '[output]\nplots = ["displacement", "velocity", "energy"]\n'
+    result = scene_of(tmp_path, text).run(tmp_path, progress=lambda stage: order.append(stage.name))
+    assert called == ["modes"]
+    assert order == [stage.name for stage in result.plan.taken if stage.name not in PREPARED]
+    assert all(stage.seconds is not None for stage in result.plan.taken if stage.name in order)
+    assert all(stage.seconds is None for stage in result.plan.left_out)
+
+
+PREPARED = ("read the scene", "units", "assemble the model", "dependent constraint rows", "constrained form", "scaling and staircase")
+
+AUDIT = """
+import sys
+from mbconstrained.scene import read_scene
+scene = read_scene({path!r})
+plan = scene.plan()
+result = scene.run({folder!r})
+result.summary(), result.as_json()
+print(*(name for name in sys.modules if name.split(".")[0] in
+    ("pinocchio", "sympy", "meshcat", "matplotlib", "pandas", "typer", "rich", "flint", "IPython")
+    or name.startswith("mbconstrained.page") or name == "pint"))
+"""
+
+
+def imported(path, folder) -> list[str]:
+    code = AUDIT.format(path=str(path), folder=str(folder))
+    environment = {**os.environ, "PYTHONPATH": str(EXAMPLES.parent)}
+    found = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=environment)
+    return found.stdout.split()
+
+
+def test_a_lumped_scene_imports_no_robot_viewer_symbols_or_plots(tmp_path):
+    names = imported(EXAMPLES / "critically_damped.toml", tmp_path)
+    assert "mbconstrained.page.html" in names  # the page was made
+    assert all(name.startswith("mbconstrained.page") or name == "pint" for name in names)
+
+
+def test_without_a_page_and_units_neither_is_imported(tmp_path):
+    path = tmp_path / "plain.toml"
+    path.write_text(MATRICES + "[output]\npage = false\n")
+    assert imported(path, tmp_path) == []
+
+
+def test_planning_solves_nothing(monkeypatch):
+    monkeypatch.setattr(MechanicalSystem, "solve", None)
+    monkeypatch.setattr(MechanicalSystem, "modes", None)
+    assert read_scene(EXAMPLES / "two_masses.toml").plan().taken

@@ -1,0 +1,253 @@
+"""The command line: what it prints, what it writes, and the exit codes 0, 1, 2, 3 and 130."""
+
+import json
+import os
+import pty
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from mbconstrained import cli
+from mbconstrained.notices import Notice
+from mbconstrained.scene import Result
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+TWO_MASSES = str(EXAMPLES / "two_masses.toml")
+
+
+@pytest.fixture
+def command(monkeypatch, capsys, tmp_path):
+    """Run the command line in this process, in a folder of its own: (exit code, output, error output)."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["mbconstrained", *map(str, arguments)])
+        with pytest.raises(SystemExit) as left:
+            cli.main()
+        return left.value.code, *capsys.readouterr()
+
+    return run
+
+
+COMMAND = [sys.executable, "-m", "mbconstrained.cli"]
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(EXAMPLES.parent)}
+
+
+def process(*arguments, **options):
+    """The command line in a process of its own."""
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "env": ENVIRONMENT, **options}
+    return subprocess.run([*COMMAND, *map(str, arguments)], text=True, timeout=60, **options)
+
+
+def test_run_writes_three_files_and_says_what_an_engineer_wants_to_know(command, tmp_path):
+    code, out, err = command("run", TWO_MASSES)
+    assert (code, err) == (0, "")
+    folder = tmp_path / "results" / "two_masses"
+    assert {path.name for path in folder.iterdir()} == {"two_masses.html", "two_masses.csv", "two_masses.npz"}
+    for words in (
+        r"^Two masses with a redundant coordinate$",
+        r"Coordinates: x1 \(m\), q1 \(m\), q2 \(m\); t from 0 to 50 s",
+        r"face of m1 +acceleration +0 m/s\^2",
+        r"kind +zero \(1/s\) +frequency \(Hz\) +angular frequency \(rad/s\) +damping ratio +multiplicity",
+        r"drift +0 +2 ",
+        r"oscillation +± 0\.723607 i +0\.115166 +0\.723607 +0 +1 ",
+        r"note \(drift\): constraint .face of m1. is held at acceleration level",
+        r"error estimate +\d",
+        r"residual +\d",
+        r"results/two_masses/two_masses\.html",
+    ):
+        assert re.search(words, out, re.MULTILINE), words
+
+
+def test_jumps_and_impulses_are_told_with_units(command, tmp_path):
+    _, jumps, _ = command("run", EXAMPLES / "inconsistent_start.toml", "--out", tmp_path / "a")
+    assert re.search(r"u1 +displacement +1 m +0\.666667 m +-0\.333333 m", jumps)
+    assert re.search(r"u2 +velocity +1 m/s +0 m/s +-1 m/s", jumps)
+    _, impulses, _ = command("run", EXAMPLES / "rigid_link.toml", "--out", tmp_path / "b")
+    assert re.search(r"lambda +δ′ +-0\.5 N s\^2", impulses)
+
+
+def test_out_names_another_folder(command, tmp_path):
+    code, out, _ = command("run", TWO_MASSES, "--out", "some/where")
+    assert code == 0
+    assert (tmp_path / "some" / "where" / "two_masses.html").exists() and "some/where/two_masses.html" in out
+
+
+def test_json_is_data_and_nothing_else(command, tmp_path):
+    code, out, err = command("run", TWO_MASSES, "--json")
+    data = json.loads(out)
+    assert (code, err) == (0, "")
+    assert [zero["kind"] for zero in data["zeros"]] == ["drift", "oscillation", "oscillation"]
+    assert data["trusted"] is True and len(data["files"]) == 3
+    _, out, _ = command("plan", TWO_MASSES, "--json")
+    assert {stage["name"]: stage["taken"] for stage in json.loads(out)["plan"]}["page"] is True
+    _, out, _ = command("check", TWO_MASSES, "--json")
+    assert json.loads(out)["coordinates"] == ["x1", "q1", "q2"]
+    code, out, err = command("check", tmp_path / "no.toml", "--json")
+    assert (code, err, json.loads(out)["exit_code"]) == (1, "", 1)
+
+
+def test_plan_lists_reasons_and_writes_nothing(command, tmp_path):
+    code, out, _ = command("plan", TWO_MASSES)
+    assert code == 0 and list(tmp_path.iterdir()) == []
+    assert re.search(r"taken +constrained form +1 independent row at acceleration level", out)
+    assert re.search(r"left out +infinite pair +A_2 is nonsingular", out)
+    assert re.search(r"left out +robot model \(pinocchio\) +no robot in the scene", out)
+
+
+def test_check_solves_and_writes_nothing(command, tmp_path):
+    code, out, _ = command("check", TWO_MASSES)
+    assert code == 0 and list(tmp_path.iterdir()) == []
+    assert out.startswith("two_masses.toml is fine: Two masses with a redundant coordinate\n3 coordinates (x1, q1, q2)")
+
+
+def test_help_has_examples_and_exit_codes(command):
+    code, out, _ = command("--help")
+    assert code == 0
+    for words in ("Examples:", "mbconstrained run examples/two_masses.toml", "Exit codes:", "  3  there is an answer", "plan ", "check "):
+        assert words in out
+    assert "--json" in command("run", "--help")[1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run"], "Missing argument 'SCENE'"),
+        (["rnu", TWO_MASSES], "Did you mean 'run'"),
+        (["run", TWO_MASSES, "--jsn"], "--json"),
+        (["run", TWO_MASSES, "another.toml"], "unexpected extra argument"),
+    ],
+)
+def test_a_wrong_command_line_is_two(command, arguments, words):
+    code, out, err = command(*arguments)
+    assert (code, out) == (2, "") and words in err
+
+
+@pytest.mark.parametrize("place", ["taken", "taken/deeper", "x" * 300])
+def test_results_that_cannot_be_written_are_two(command, tmp_path, place):
+    (tmp_path / "taken").write_text("a file, not a folder")
+    code, out, err = command("run", TWO_MASSES, "--out", place)
+    assert (code, out) == (2, "")
+    assert err.startswith("the results cannot be written: ") and err.count("\n") == 1
+    assert (tmp_path / "taken").read_text() == "a file, not a folder"
+
+
+BAD = {
+    "misspelt key": ("stiffness = [[2", "stifness = [[2", 'did you mean "stiffness"'),
+    "wrong unit": ('"0.8 m"', '"0.8 kg"', 'found "0.8 kg", a mass; expected a length'),
+    "not a number": ('"0.8 m"', "nan", "expected a finite number"),
+    "missing data file": ("[[10, 0, 0], [0, 10, 10], [0, 10, 10]]", '"mass.mtx"', "mass.mtx: there is no such file in the folder"),
+    "singular pencil": (
+        "[0, 10, 10], [0, 10, 10]]     # kg\nstiffness = [[2, 0, 0], [0, 0, 0], [0, 0, 2]]",
+        "[0, 0, 0], [0, 0, 0]]\nstiffness = [[2, 0, 0], [0, 0, 0], [0, 0, 0]]",
+        "q2",
+    ),
+    "contradictory constraints": ("[initial]", "[[model.constraint]]\nrows = { x1 = 1, q1 = -1 }\nlevel = 'acceleration'\nvalue = 1\n[initial]", "asks for 1 m/s^2"),
+    "beyond the numbers": ("[[2, 0, 0]", "[[-2e9, 0, 0]", "beyond the range of float64"),
+    "empty": (None, "", "the file is empty"),
+    "nonsense": (None, "\x00\x01\x02" * 3_000_000, "more than 1,000,000 bytes"),
+    "not TOML": (None, "#!/bin/sh\necho hello\n", "not a TOML file"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_bad_scene_is_one_message_and_one_and_leaves_earlier_output(command, tmp_path, case):
+    path = tmp_path / "two_masses.toml"
+    good = Path(TWO_MASSES).read_text("utf-8")
+    path.write_text(good.replace("points = 1001", "points = 3"))
+    assert command("run", path)[0] == 0
+    folder = tmp_path / "results" / "two_masses"
+    before = {file.name: file.read_bytes() for file in folder.iterdir()}
+
+    old, new, words = BAD[case]
+    if old is not None:
+        assert old in good
+    path.write_text(new if old is None else good.replace(old, new))
+    code, out, err = command("run", path)
+    assert (code, out) == (1, "")
+    assert words in err and err.startswith("two_masses.toml: ") and err.count("\n") == 1
+    assert {file.name: file.read_bytes() for file in folder.iterdir()} == before
+
+
+def test_an_answer_that_cannot_be_trusted_is_written_and_is_three(command, monkeypatch, tmp_path):
+    doubt = Notice("accuracy", "the data do not determine the answer", doubtful=True)
+    monkeypatch.setattr(Result, "notices", (doubt,))
+    code, out, _ = command("run", TWO_MASSES)
+    assert code == 3
+    assert "warning (accuracy): the data do not determine the answer" in out
+    assert (tmp_path / "results" / "two_masses" / "two_masses.html").exists()
+
+
+def test_interruption_is_130_without_traceback(command, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("mbconstrained.scene.scene.read_scene", interrupted)
+    code, _, err = command("run", TWO_MASSES)
+    assert code == 130 and "Traceback" not in err
+
+
+def test_interrupted_process_leaves_no_half_file(tmp_path):
+    path = tmp_path / "long.toml"
+    path.write_text(Path(TWO_MASSES).read_text("utf-8").replace("points = 1001", "points = 200000"))
+    running = subprocess.Popen(
+        [*COMMAND, "run", path, "--out", tmp_path / "out"], stderr=subprocess.PIPE, text=True, env=ENVIRONMENT
+    )
+    deadline = time.monotonic() + 30
+    while not (tmp_path / "out").exists() and running.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.01)
+    running.send_signal(signal.SIGINT)
+    _, err = running.communicate(timeout=60)
+    assert "Traceback" not in err
+    assert running.returncode in (0, 130)
+    assert all(file.name.startswith("long.") for file in (tmp_path / "out").iterdir())
+
+
+def test_closed_pipe_is_no_error(tmp_path):
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = process("run", TWO_MASSES, "--out", tmp_path, stdout=writing)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "two_masses.html").exists()
+
+
+def test_output_fits_a_terminal_without_greek(tmp_path):
+    done = process("run", EXAMPLES / "rigid_link.toml", "--out", tmp_path, env={**ENVIRONMENT, "PYTHONIOENCODING": "ascii"})
+    assert done.returncode == 0 and "-0.5 N s^2" in done.stdout
+
+
+def test_a_terminal_gets_tables_and_no_markup_is_interpreted(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(Path(TWO_MASSES).read_text("utf-8").replace('title = "Two masses', 'title = "[red]Two[/] masses'))
+    master, slave = pty.openpty()
+    done, plan = process("check", path, stdout=slave), process("plan", path, stdout=slave)
+    os.close(slave)
+    shown = os.read(master, 100_000).decode()
+    os.close(master)
+    assert (done.returncode, done.stderr, plan.returncode, plan.stderr) == (0, "", 0, "")
+    assert "[red]Two[/] masses" in shown and "─" in shown
+
+
+def test_hostile_scene_in_a_process_of_its_own(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text('x = "' + "9**" * 300_000 + '"')
+    done = process("run", path, cwd=tmp_path)
+    assert done.returncode == 1
+    assert done.stderr.startswith("scene.toml: ") and "Traceback" not in done.stderr and len(done.stderr) < 500
+    assert [file.name for file in tmp_path.iterdir()] == ["scene.toml"]
+
+
+def test_from_the_command_to_the_page_in_less_than_three_seconds(tmp_path):
+    seconds = []
+    while len(seconds) < 3 and min(seconds, default=3) >= 3:  # other work on the machine may slow one run down
+        start = time.perf_counter()
+        assert process("run", TWO_MASSES, "--out", tmp_path).returncode == 0
+        seconds.append(time.perf_counter() - start)
+    assert min(seconds) < 3
+    assert (tmp_path / "two_masses.html").stat().st_size <= 1.3e6

@@ -1,0 +1,196 @@
+"""Every example against values from elsewhere: published, exact, or a closed form written down here."""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mbconstrained.scene import read_scene
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+SQRT5 = math.sqrt(5)
+
+
+def run(name):
+    return read_scene(EXAMPLES / f"{name}.toml").run()
+
+
+def nothing_happens_at_zero(motion) -> bool:
+    return not motion.jump.any() and not any(impulse.any() for impulse in motion.impulses)
+
+
+# Moysis et al., section 5.1. Trajectories from the closed form and, independently, from a matrix exponential with 60
+# digits, which agree to 40: t, x1, q1, q2, x1', q2'.
+TWO_MASSES = np.array(
+    [
+        [0, 0.8, 1.2, 2.0, 0.0, 0.0],
+        [0.5, 0.82954374510880989736, 1.22954374510880989736, 1.92078827181386863281, 0.11635825510275700160, -0.31370737324639116093],
+        [1, 0.91279875330444957214, 1.31279875330444957214, 1.69245090886507842543, 0.21145670759006875322, -0.59062386363696409454],
+        [2, 1.17088634365746355497, 1.57088634365746355497, 0.90923710548940196469, 0.26968595154057381037, -0.91445885635993525301],
+        [5, 0.87488327242276163606, 1.27488327242276163606, -0.79719351152473922141, -0.62342093021359114180, 0.11434461301236856262],
+        [10, -1.75956216930780201938, -1.35956216930780201938, -0.21523689709457451535, 0.24696362665032997740, -0.73536077775350820446],
+        [20, 1.29399197659739198984, 1.69399197659739198984, 0.30478915889112180232, 0.73928862824477588577, -0.57198653389816895094],
+        [50, 0.42495383113354081890, 0.82495383113354081890, 0.34092706255110139776, -0.87341414444106984941, 0.54816911653854423170],
+    ]
+)
+FREQUENCIES = [(5 - SQRT5) / 10, (5 + SQRT5) / 10]  # rad/s, roots of s^4 + 3/5 s^2 + 1/25
+
+
+@pytest.mark.parametrize("name", ["two_masses", "two_masses_position"])
+def test_two_masses_follow_the_published_solution(name):
+    result = run(name)
+    times, states = TWO_MASSES[:, 0], TWO_MASSES[:, 1:4].T
+    assert np.abs(result.motion(times) - states).max() <= 1e-12 * np.abs(states).max()
+    velocities = result.motion.velocity(times)[[0, 2]]
+    assert np.abs(velocities - TWO_MASSES[:, 4:].T).max() <= 1e-12 * np.abs(velocities).max()
+    assert nothing_happens_at_zero(result.motion)
+    assert result.modes.angular_frequencies == pytest.approx(FREQUENCIES, rel=1e-14)
+    assert result.is_trusted and result.error_estimate < 1e-12
+
+
+def test_two_masses_drift_at_acceleration_level():
+    result = run("two_masses")
+    assert [(mode.kind, mode.multiplicity) for mode in result.modes.zeros] == [("drift", 2), ("oscillation", 1), ("oscillation", 1)]
+    assert sum(zero.count for zero in result.finite_pair.zeros) == 6  # det A = -100 s^6 - 60 s^4 - 4 s^2
+    assert any(notice.kind == "drift" and "-0.4 m" in notice.text for notice in result.notices)
+
+
+def test_two_masses_at_position_level_have_no_drift():
+    result = run("two_masses_position")
+    assert [mode.kind for mode in result.modes.zeros] == ["oscillation", "oscillation"]
+    assert result.values[0] - result.values[1] == pytest.approx(np.full(1001, -0.4), rel=1e-14)
+    # The link between x1 and q1 carries the elastic force of the second spring: x1 - q1 row, 10 x1'' + 2 x1 = lambda.
+    force = 10 * result.motion.acceleration(result.times)[0] + 2 * result.values[0]
+    assert result.curves("reaction").values[0] == pytest.approx(force, abs=1e-12)
+    assert result.curves("reaction").values[0] == pytest.approx(2 * result.values[2], abs=1e-11)
+
+
+# Moysis et al., section 5.2: u3 = e^(-a t) (2 cos b t + (2 a/b) sin b t), a = 2/15, b = sqrt(41)/15; u1 = u3/3;
+# u2 = u3/3 + (u2(0) - 2/3), from the equilibrium of the massless joints.
+A, B = 2 / 15, math.sqrt(41) / 15
+
+
+def third_mass(t):
+    return np.exp(-A * t) * (2 * np.cos(B * t) + 2 * A / B * np.sin(B * t))
+
+
+@pytest.mark.parametrize("name", ["massless_joints", "inconsistent_start"])
+def test_massless_joints_follow_the_mass(name):
+    result = run(name)
+    u3 = third_mass(result.times)
+    assert result.values == pytest.approx(np.array([u3 / 3, u3 / 3 + 1 / 3, u3]), rel=1e-12, abs=1e-13)
+    assert [(mode.kind, mode.multiplicity) for mode in result.modes.zeros] == [("offset", 1), ("oscillation", 1)]
+    assert result.modes.zeros[1].value == pytest.approx(complex(-A, B), rel=1e-14)
+
+
+def test_massless_joints_reach_the_published_values():
+    # 25 digits from exact arithmetic: t, u1, u2, u3
+    published = np.array(
+        [
+            [1, 0.60654454973530868859, 0.93987788306864202192, 1.8196336492059260658],
+            [10, -0.12500485184830809596, 0.20832848148502523737, -0.37501455554492428788],
+            [50, -0.00051692035227767701, 0.33281641298105565632, -0.0015507610568330310308],
+        ]
+    )
+    motion = run("massless_joints").motion
+    assert motion(published[:, 0]) == pytest.approx(published[:, 1:].T, rel=1e-12)
+    assert nothing_happens_at_zero(motion)
+
+
+def test_inconsistent_start_jumps_without_impulses():
+    # The projector of section 5.2: u1(0+) = u3(0-)/3, u1'(0+) = u2'(0+) = u3'(0-)/3, all else stays.
+    motion = run("inconsistent_start").motion
+    assert motion.start == pytest.approx(np.array([[2 / 3, 1, 2], [0, 0, 0]]), abs=1e-15)
+    assert not any(impulse.any() for impulse in motion.impulses)
+    texts = " ".join(notice.text for notice in motion.notices)
+    assert "u1: its displacement jumps at t = 0" in texts and "u2: its velocity jumps at t = 0" in texts
+
+
+def test_rigid_link_is_closed_by_a_derivative_of_delta():
+    # By hand: the rows give (2 s^2 + 1) Q = s and Lambda = -s^2 Q = -s/2 + (s/2)/(2 s^2 + 1): -1/2 delta' and a cosine.
+    result = run("rigid_link")
+    motion, t = result.motion, result.times
+    assert motion.start == pytest.approx(np.array([[0.5, 0.5, 0.25], [0, 0, 0]]), abs=1e-15)
+    assert len(motion.impulses) == 2
+    assert motion.impulses[0] == pytest.approx([0, 0, 0], abs=1e-15)
+    assert motion.impulses[1] == pytest.approx([0, 0, -0.5], rel=1e-14)
+    cosine = np.cos(t / math.sqrt(2))
+    assert result.values == pytest.approx(np.array([cosine / 2, cosine / 2, cosine / 4]), abs=1e-13)
+    (zero,) = result.finite_pair.zeros
+    assert zero.value == pytest.approx(1j / math.sqrt(2), rel=1e-14)
+
+
+def test_critically_damped_mass_creeps_home():
+    result = run("critically_damped")
+    t = result.times
+    assert result.values[0] == pytest.approx(0.1 * (1 + 2 * t) * np.exp(-2 * t), rel=1e-12)
+    (mode,) = result.modes.zeros
+    assert (mode.kind, mode.multiplicity) == ("decay", 2)
+    assert mode.value == pytest.approx(-2, rel=1e-7)  # a double zero is known to half the digits
+
+
+def test_wagons_roll_off_and_swing():
+    # Modes of the free chain of three: (1, 1, 1) at 0, (1, 0, -1) at w = sqrt(k/m) = 10 rad/s, (1, -2, 1) at sqrt(3) w.
+    result = run("rigid_body")
+    t, fast = result.times, 10 * math.sqrt(3)
+    rolling, first, second = t / 3, np.sin(10 * t) / 20, np.sin(fast * t) / (6 * fast)
+    expected = np.array([rolling + first + second, rolling - 2 * second, rolling - first + second])
+    assert result.values == pytest.approx(expected, abs=1e-12)
+    assert [(mode.kind, mode.multiplicity) for mode in result.modes.zeros][0] == ("rigid body", 2)
+    assert result.modes.angular_frequencies == pytest.approx([10, fast], rel=1e-13)
+    assert result.curves("energy").values[-1] == pytest.approx(np.full(len(t), 0.5 * 20_000), rel=1e-12)
+
+
+def test_gear_train_is_two_equal_inertias_on_the_shaft():
+    # Reduced to the shaft: J = 0.02 on both ends of k = 40; twist d = (T/2k)(1 - cos w t), w = sqrt(2 k/J), mean 25 t^2.
+    result = run("gear_train")
+    t, w = result.times, math.sqrt(2 * 40 / 0.02)
+    twist = 2 / (2 * 40) * (1 - np.cos(w * t))
+    motor, pinion = 25 * t**2 + twist / 2, 25 * t**2 - twist / 2
+    names = result.scene.equations.coordinates.names
+    expected = {"motor": motor, "pinion": pinion, "wheel": -pinion / 3}
+    assert result.values == pytest.approx(np.array([expected[name] for name in names]), abs=1e-12)
+    # The pinion has no inertia: the torque of the teeth on it balances the shaft, 40 (motor - pinion).
+    assert result.curves("reaction").values[0] == pytest.approx(-40 * twist, abs=1e-10)
+    assert result.modes.angular_frequencies == pytest.approx([w], rel=1e-13)
+
+
+def test_flexible_joint_has_two_frequencies():
+    # a q'''' + b q'' + g q = 1 from q = 0.1 at rest: q = 1/g + c1 cos w1 t + c2 cos w2 t with c1 + c2 = 0.1 - 1/g and
+    # c1 w1^2 + c2 w2^2 = 0.
+    a, b, g = 0.05 * 0.5 / 200, 0.5 + 0.05 + 0.05 * 5 / 200, 5.0
+    root = math.sqrt(b * b - 4 * a * g)
+    slow, fast = 2 * g / (b + root), (b + root) / (2 * a)  # squares of the frequencies
+    result = run("flexible_joint")
+    t, offset = result.times, 0.1 - 1 / g
+    expected = 1 / g + offset * (fast * np.cos(math.sqrt(slow) * t) - slow * np.cos(math.sqrt(fast) * t)) / (fast - slow)
+    assert result.values[0] == pytest.approx(expected, abs=1e-13)
+    assert [zero.value.imag for zero in result.finite_pair.zeros] == pytest.approx([math.sqrt(slow), math.sqrt(fast)], rel=1e-12)
+
+
+def test_flexible_joint_agrees_with_its_two_bodies():
+    # The same joint before the angle of the motor was eliminated, as link and motor on a spring.
+    from mbconstrained.mechanics import MechanicalSystem
+    from mbconstrained.signals import step
+
+    result = run("flexible_joint")
+    motor = 0.1 + 5 * 0.1 / 200  # q + (M q'' + G q)/K with q'' = 0
+    pair = MechanicalSystem(np.diag([0.5, 0.05]), stiffness=[[205.0, -200.0], [-200.0, 200.0]])
+    motion = pair.solve([0.1, motor], force=step([0.0, 1.0]))
+    assert motion(result.times)[0] == pytest.approx(result.values[0], abs=1e-12)
+
+
+def test_every_example_is_in_the_index_and_has_a_test():
+    names = {path.name for path in EXAMPLES.glob("*.toml")}
+    assert set(re.findall(r"\((\w+\.toml)\)", (EXAMPLES / "README.md").read_text("utf-8"))) == names
+    tested = Path(__file__).read_text("utf-8")
+    assert [name for name in sorted(names) if f'"{name.removesuffix(".toml")}"' not in tested] == []
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
+def test_every_example_says_what_it_is(path):
+    scene = read_scene(path)
+    assert scene.table.title and scene.table.source
+    assert path.read_text("utf-8").startswith("# ")
