@@ -29,8 +29,8 @@ class Evidence:
 def pair_evidence(pairs: JordanPairs) -> tuple[Evidence, ...]:
     """Residual of the finite pair, condition of the decouplings, and the gap of the rank decisions."""
     form = pairs.form
-    kept = min((decision.smallest_kept for decision in form.split.decisions), default=np.inf)
-    dropped = max((decision.largest_dropped for decision in form.split.decisions), default=0.0)
+    kept = min((decision.smallest_kept for decision in form.decisions), default=np.inf)
+    dropped = max((decision.largest_dropped for decision in form.decisions), default=0.0)
     return (
         Evidence("residual", inverse_residual(pairs), "largest relative residual of A(s) times the inverse made from both pairs"),
         Evidence("decoupling", pairs.finite.coupling, "largest entry of the transformation that separates the zeros"),

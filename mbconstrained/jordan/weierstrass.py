@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..linalg.noise import Noisy
+from ..linalg.rank import RankDecision
 from ..linalg.staircase import SplitPencil
 from ..linalg.triangular import triangular_form
 from ..polynomial.companion import ScaledCompanion
@@ -25,7 +26,8 @@ class WeierstrassForm:
 
     Attributes:
         companion: the pencil it came from.
-        split: the staircase result, with its rank decisions.
+        split: the staircase result.
+        decisions: the rank decisions taken, at infinity and at s = 0.
         T: real Schur form of the finite part, shape (n, n), the zeros at s = 0 last.
         nonzero_count: how many rows of T belong to the other zeros.
         finite_columns: Q_1, shape (g r, n).   finite_rows: P_1, shape (n, g r).
@@ -36,6 +38,7 @@ class WeierstrassForm:
 
     companion: ScaledCompanion
     split: SplitPencil
+    decisions: tuple[RankDecision, ...]
     T: np.ndarray
     nonzero_count: int
     finite_columns: np.ndarray
@@ -101,6 +104,7 @@ def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
     return WeierstrassForm(
         companion=companion,
         split=split,
+        decisions=split.decisions + finite.decisions,
         T=finite.T,
         nonzero_count=finite.nonzero_count,
         finite_columns=finite_columns,

@@ -19,10 +19,9 @@ def finite_zeros(form: WeierstrassForm) -> tuple[FiniteZero, ...]:
     s = 0 were split off by rank decisions and have the exact value 0.
     """
     scale = form.companion.scaling.time
-    radius = (CLUSTER_SAFETY * EPS) ** 0.5  # how far rounding moves the two parts of a double zero
     parts = block_diagonalize(form.T[: form.nonzero_count, : form.nonzero_count]).blocks
-    groups = [zero for block in parts for zero in _merged(_zeros_of_block(block), radius)]
-    merged = _merged(sorted(groups, key=_order), CLUSTER_SAFETY * EPS)
+    groups = [zero for block in parts for zero in _merged(_zeros_of_block(block), _radius(2))]
+    merged = _merged(sorted(groups, key=_order), _radius(1))
     zeros = [FiniteZero(complex(scale * zero.value), zero.multiplicity) for zero in merged]
     if form.nonzero_count < len(form.T):
         zeros.insert(0, FiniteZero(0j, len(form.T) - form.nonzero_count))
@@ -30,25 +29,32 @@ def finite_zeros(form: WeierstrassForm) -> tuple[FiniteZero, ...]:
 
 
 def _zeros_of_block(block) -> list[FiniteZero]:
-    """Zeros of one cluster: split where a decoupling below the limit for its size does, else one zero."""
+    """Zeros of one cluster: split where a decoupling below the limit for its size does, or where they are far apart."""
     values = eigenvalues(block)
     above = values[values.imag > 0]
     pairs = 2 * len(above) == len(values) and above.imag.min() > _spread(above)
     multiplicity = len(above) if pairs else len(values)
     if pairs and multiplicity == 1:
-        return [_pair_or_double(block, above[0])]
+        return [_pair_or_double(complex(above[0]))]
     parts = block_diagonalize(block, _separation_limit(multiplicity)).blocks
     if len(parts) > 1:
         return [zero for part in parts for zero in _zeros_of_block(part)]
+    group = above if pairs else values
+    if _spread(group) > _radius(multiplicity) * np.abs(group).max():
+        return [_pair_or_double(complex(value)) if value.imag else FiniteZero(complex(value), 1) for value in values if value.imag >= 0]
     return [FiniteZero(complex(above.mean()) if pairs else complex(values.mean().real), multiplicity)]
 
 
-def _pair_or_double(block, value) -> FiniteZero:
-    """A 2 x 2 block with a pair a +- i w: a double zero a where w is within what rounding makes of one."""
-    coupled = np.abs(np.diag(block[::-1])).max() > 2 * value.imag * _separation_limit(2)
-    if coupled or value.imag <= CLUSTER_SAFETY * EPS * abs(value):
+def _pair_or_double(value: complex) -> FiniteZero:
+    """A pair a +- i w, or the double zero a where w is within what rounding makes of one."""
+    if value.imag <= _radius(2) * abs(value.real):
         return FiniteZero(complex(value.real), 2)
-    return FiniteZero(complex(value), 1)
+    return FiniteZero(value, 1)
+
+
+def _radius(multiplicity) -> float:
+    """How far, relative to its size, rounding moves the parts of a zero of this multiplicity."""
+    return (CLUSTER_SAFETY * EPS) ** (1 / multiplicity)
 
 
 def _separation_limit(multiplicity) -> float:

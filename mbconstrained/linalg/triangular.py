@@ -17,6 +17,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..errors import IllConditioned
 from .noise import Noisy
+from .rank import RankDecision
 from .scaling import equilibration
 from .staircase import split_pencil
 
@@ -27,12 +28,14 @@ class TriangularForm:
 
     Attributes:
         nonzero_count: the leading rows of T with zeros other than 0; the rest is strictly upper triangular.
+        decisions: the rank decisions taken.
     """
 
     left: np.ndarray
     right: np.ndarray
     T: np.ndarray
     nonzero_count: int
+    decisions: tuple[RankDecision, ...] = ()
 
 
 def triangular_form(E: Noisy, F: Noisy) -> TriangularForm:
@@ -55,6 +58,7 @@ def triangular_form(E: Noisy, F: Noisy) -> TriangularForm:
         right=np.hstack([split.right.data[:, :n] @ rest.right, zero_columns]),
         T=T,
         nonzero_count=n,
+        decisions=split.decisions,
     )
 
 

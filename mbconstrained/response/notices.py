@@ -51,7 +51,7 @@ def _growth(pairs):
 
 
 def _rank(pairs):
-    for decision in pairs.form.split.decisions:
+    for decision in pairs.form.decisions:
         if not decision.clear:
             yield Notice(
                 "rank",
