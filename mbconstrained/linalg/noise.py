@@ -1,4 +1,8 @@
-"""Arrays with a bound of the rounding noise in each entry, carried through products."""
+"""Arrays with an estimate of the rounding noise in each entry, carried through sums and products.
+
+Noise adds in quadrature, as independent errors do: bounds by absolute values would grow with every step of a
+staircase by more than the errors themselves, and call regular matrices singular.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,7 @@ from ..tolerances import EPS, NOISE_SAFETY
 
 @dataclass
 class Noisy:
-    """An array known up to ``noise`` (same shape, >= 0); entries with noise zero are exact.
+    """An array whose entries have errors of about ``noise`` (same shape, >= 0); those with noise zero are exact.
 
     >>> product = Noisy.exact(np.array([[1.0, -1.0]])) @ Noisy.rounded(np.array([1.0, 1.0]))
     >>> product.data, bool(product.noise[0] > 0), product.cleaned()
@@ -27,19 +31,18 @@ class Noisy:
         return Noisy(data, np.zeros_like(data))
 
     @staticmethod
-    def rounded(data: np.ndarray) -> Noisy:
-        """Numbers known up to a unit in the last place, as given data is."""
-        return Noisy(data, EPS * np.abs(data))
+    def rounded(data: np.ndarray, factor: float = 1.0) -> Noisy:
+        """Numbers known up to a unit in the last place, as given data is, or that times a factor."""
+        return Noisy(data, factor * EPS * np.abs(data))
 
     def __matmul__(self, other: Noisy) -> Noisy:
-        size = np.abs(other.data)
-        noise = np.abs(self.data) @ other.noise + self.noise @ (size + other.noise)
-        return Noisy(self.data @ other.data, noise + _rounding(self.data, other.data))
+        noise = self.data**2 @ other.noise**2 + self.noise**2 @ (other.data**2 + other.noise**2)
+        return Noisy(self.data @ other.data, np.sqrt(noise + _rounding(self.data, other.data) ** 2))
 
     def __add__(self, other: Noisy) -> Noisy:
         data = self.data + other.data
         rounds = (self.data != 0) & (other.data != 0)
-        return Noisy(data, self.noise + other.noise + EPS * rounds * np.abs(data))
+        return Noisy(data, np.sqrt(self.noise**2 + other.noise**2 + (EPS * rounds * data) ** 2))
 
     def __neg__(self) -> Noisy:
         return Noisy(-self.data, self.noise)
@@ -67,4 +70,4 @@ class Noisy:
 def _rounding(left, right) -> np.ndarray:
     """Rounding of left @ right; a sum with one term that copies or scales by a power of two rounds at most once."""
     terms = (left != 0).astype(float) @ (right != 0).astype(float)
-    return EPS * np.where(terms > 1, np.abs(left) @ np.abs(right), 0.0)
+    return EPS * np.where(terms > 1, np.sqrt(left**2 @ right**2), 0.0)

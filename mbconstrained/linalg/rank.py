@@ -39,6 +39,10 @@ class RankDecision:
     smallest_kept: float
     largest_dropped: float
 
+    def doubted(self, factor: float) -> RankDecision:
+        """The same decision where the noise was taken smaller by the factor than it was carried."""
+        return RankDecision(self.rank, self.smallest_kept * factor, self.largest_dropped * factor)
+
     @property
     def clear(self) -> bool:
         """True where no value kept or dropped is near the bound that decides."""
@@ -153,12 +157,12 @@ def _eliminate(work: Noisy, pivot: int, column: int, columns: int) -> float:
         return 0.0
     rest = below[touched]
     factor = rest.data[:, column] / top.data[column]
-    factor_noise = (rest.noise[:, column] + np.abs(factor) * top.noise[column]) / abs(top.data[column])
+    factor_noise = np.hypot(rest.noise[:, column], factor * top.noise[column]) / abs(top.data[column])
     change = np.multiply.outer(factor, top.data)
     rounds = EPS * ((rest.data != 0) & (change != 0))
     data = rest.data - change
-    noise = rest.noise + np.multiply.outer(np.abs(factor), top.noise) + np.multiply.outer(factor_noise, np.abs(top.data))
-    noise += rounds * (np.abs(rest.data) + np.abs(change))
+    squared = rest.noise**2 + np.multiply.outer(factor**2, top.noise**2) + np.multiply.outer(factor_noise**2, top.data**2)
+    noise = np.sqrt(squared + rounds**2 * (rest.data**2 + change**2))
     data[:, column], noise[:, column] = 0.0, 0.0
     bound = NOISE_SAFETY * noise[:, :columns]
     small = np.abs(data[:, :columns]) <= bound

@@ -19,7 +19,7 @@ from ..errors import IllConditioned
 from .noise import Noisy
 from .rank import RankDecision
 from .scaling import equilibration
-from .staircase import split_pencil
+from .staircase import SingularPencil, split_pencil
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,10 @@ def triangular_form(E: Noisy, F: Noisy) -> TriangularForm:
     Raises:
         IllConditioned: E is regular only beyond the precision of float64.
     """
-    split = split_pencil(F, E)  # with the roles exchanged: its E11 belongs to F, its F11 to E
+    try:
+        split = split_pencil(F, E)  # with the roles exchanged: its E11 belongs to F, its F11 to E
+    except SingularPencil:  # E was found regular: what seems to vanish with F here is carried noise
+        split = split_pencil(Noisy.exact(F.data), Noisy.exact(E.data))
     n = len(split.E11.data)
     rest = _schur(split.F11.data, split.E11.data)
     coupling_E, coupling_F = rest.left @ split.F12, rest.left @ split.E12

@@ -119,7 +119,7 @@ def modes_of(system: MechanicalSystem) -> Modes:
     resting, moving = [], []
     for zero in A.jordan_pairs().finite.zeros:
         if zero.value:
-            value = _cleaned(complex(zero.value), conservation)
+            value = cleaned(complex(zero.value), conservation)
             moving.append(Mode(_kind(value), value, zero.multiplicity, mode_shapes(A, value, zero.multiplicity)))
         else:
             resting.extend(_at_rest(A))
@@ -151,7 +151,7 @@ def _kind(value: complex) -> Kind:
     return "oscillation" if value.imag else "decay"
 
 
-def _cleaned(value: complex, conservation: Conservation) -> complex:
+def cleaned(value: complex, conservation: Conservation) -> complex:
     """Take out of a computed zero what the symmetry and signs of M, C and K rule out."""
     if conservation.passive and (conservation.lossless or value.real > 0):
         return complex(0.0, value.imag)

@@ -13,9 +13,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ..linalg.noise import Noisy
 from ..linalg.scaling import Scaling, joint_scaling
-from ..linalg.staircase import SplitPencil, split_pencil
+from ..linalg.staircase import SplitPencil, split_regular
 from .matrix import PolynomialMatrix
 
 
@@ -64,7 +63,7 @@ class ScaledCompanion:
         Raises:
             SingularPencil: det A(s) = 0 for every s.
         """
-        return split_pencil(Noisy.rounded(self.E), Noisy.rounded(self.F))
+        return split_regular(self.E, self.F)
 
     def scaled_stack(self, initial: np.ndarray) -> np.ndarray:
         """Values (q, r) at 0- as the pencil's state (g r,), in its units."""

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..linalg.staircase import GENERIC
 from ..tolerances import EPS, NOISE_SAFETY
 from .companion import scaled_companion
 from .matrix import PolynomialMatrix
-
-#: Where the null vectors of A(s) are looked at: three generic points, so that a zero of A(s) is not hit by chance.
-POINTS = (0.7390851 + 0.3183099j, -0.5671433 + 1.2020569j, 1.6180340 - 0.9159656j)
 
 
 def singular_message(A: PolynomialMatrix) -> tuple[str, tuple[int, ...], tuple[int, ...]]:
     """A sentence on why det A(s) = 0 for every s, with the indices of the equations and coordinates involved."""
     scaled = scaled_companion(A).coefficients
     involved_rows, involved_columns = np.zeros(A.size, bool), np.zeros(A.size, bool)
-    for s in POINTS:
+    for s in GENERIC:
         value = sum(matrix * s**power for power, matrix in enumerate(scaled))
         u, sizes, vh = np.linalg.svd(value)
         null = sizes <= NOISE_SAFETY * EPS * A.size * max(sizes[0], EPS)
