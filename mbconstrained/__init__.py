@@ -13,7 +13,43 @@ from .errors import (
     SingularPolynomialMatrix,
 )
 from .jordan import FinitePair, InfinitePair, JordanPairs
+from .mechanics import Constraint, MechanicalSystem, Modes, Motion
+from .models import LumpedModel
 from .notices import Notice
 from .polynomial import PolynomialMatrix
 from .response import Response, solve
+from .scene import read_scene
 from .signals import BohlFunction, ImpulsiveSmooth, harmonic, impulse, power, ramp, step, term, zero
+
+__all__ = [
+    "BohlFunction",
+    "Constraint",
+    "ContradictoryConstraints",
+    "FinitePair",
+    "IllConditioned",
+    "ImpulsiveSmooth",
+    "InfinitePair",
+    "InputError",
+    "JordanPairs",
+    "LumpedModel",
+    "MbconstrainedError",
+    "MechanicalSystem",
+    "Modes",
+    "Motion",
+    "NotUnique",
+    "Notice",
+    "Overflow",
+    "PolynomialMatrix",
+    "Response",
+    "SceneError",
+    "SingularPolynomialMatrix",
+    "harmonic",
+    "impulse",
+    "power",
+    "ramp",
+    "read_scene",
+    "solve",
+    "step",
+    "term",
+    "zero",
+]

@@ -109,6 +109,7 @@ def test_every_error_is_an_mbconstrained_error_and_a_builtin_one():
         (mb.ContradictoryConstraints, mb.InputError),
         (mb.NotUnique, ValueError),
         (mb.Overflow, OverflowError),
+        (mb.IllConditioned, ArithmeticError),
     ]:
         assert issubclass(error, mb.MbconstrainedError)
         assert issubclass(error, builtin)

@@ -115,12 +115,13 @@ def modes_of(system: MechanicalSystem) -> Modes:
         SingularPolynomialMatrix: the motion is not determined.
     """
     A = system.position_form().polynomial_matrix
-    conservation = conservation_of(system)
+    conservation, scaled = conservation_of(system), scaled_companion(A)
     resting, moving = [], []
     for zero in A.jordan_pairs().finite.zeros:
         if zero.value:
             value = cleaned(complex(zero.value), conservation)
-            moving.append(Mode(_kind(value), value, zero.multiplicity, mode_shapes(A, value, zero.multiplicity)))
+            shapes = mode_shapes(scaled, value, zero.multiplicity)
+            moving.append(Mode(_kind(value), value, zero.multiplicity, shapes))
         else:
             resting.extend(_at_rest(A))
     return Modes((*resting, *_drift(system), *moving), system.names)

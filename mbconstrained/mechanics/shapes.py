@@ -3,27 +3,37 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy.linalg
 
 from ..linalg.noise import Noisy
 from ..linalg.rank import null_columns
-from ..polynomial.companion import scaled_companion
+from ..polynomial.companion import ScaledCompanion
 from ..polynomial.matrix import PolynomialMatrix
 from ..tolerances import CLUSTER_SAFETY, EPS, NOISE_SAFETY
 
 
-def mode_shapes(A: PolynomialMatrix, zero: complex, multiplicity: int) -> np.ndarray:
+def mode_shapes(scaled: ScaledCompanion, zero: complex, multiplicity: int) -> np.ndarray:
     """The null space of A(zero), one shape a column, shape (r, g) with 1 <= g <= multiplicity; real where possible.
 
-    A zero of multiplicity m is known to about eps^(1/m); as many singular values of the scaled matrix below that
-    count as zero, and one at least.
+    It is read off a QR decomposition with column pivoting. A zero of multiplicity m is known to about eps^(1/m);
+    as many diagonal entries below that count as zero, and one at least.
+
+    Args:
+        scaled: the scaled coefficients of A(s).
+        zero: in 1/s.
+        multiplicity: m.
     """
-    scaled = scaled_companion(A)
     place = zero / scaled.scaling.time
     value = sum(matrix * place**power for power, matrix in enumerate(scaled.coefficients))
-    _, sizes, vh = np.linalg.svd(value)
+    triangle, order = scipy.linalg.qr(value if value.imag.any() else value.real, mode="r", pivoting=True)
+    sizes = np.abs(np.diag(triangle))
     limit = (CLUSTER_SAFETY * EPS) ** (1 / multiplicity) * sizes[0]
-    count = min(max(int((sizes <= limit).sum()), 1), multiplicity)
-    return _normalized(scaled.scaling.columns[:, None] * vh[-count:][::-1].conj().T)
+    count = min(max(int((sizes <= limit).sum()), 1), multiplicity, scaled.size)
+    rank = scaled.size - count
+    shapes = np.eye(scaled.size, count, -rank, dtype=triangle.dtype)
+    if rank:
+        shapes[:rank] = -scipy.linalg.solve_triangular(triangle[:rank, :rank], triangle[:rank, rank:])
+    return _normalized(scaled.scaling.columns[:, None] * shapes[np.argsort(order)])
 
 
 def rest_shapes(A: PolynomialMatrix) -> tuple[np.ndarray, np.ndarray]:

@@ -44,13 +44,13 @@ def check(E, F, split, finite, degrees):
     """W (s E - F) Z has the promised form, and the degrees are those put in."""
     size = len(E)
     assert split.infinite_divisors == tuple(sorted(degrees))
-    assert split.E11.shape == (finite, finite)
-    N = split.nilpotent.data
+    E11, F11, N = split.E11.data, split.F11.data, split.nilpotent.data
+    assert E11.shape == F11.shape == (finite, finite)
     assert not np.tril(N).any()
     for s in (0.7, -1.3 + 0.4j):
         found = split.left.data @ (s * E - F) @ split.right.data
         known = np.zeros((size, size), complex)
-        known[:finite, :finite] = s * split.E11 - split.F11
+        known[:finite, :finite] = s * E11 - F11
         known[:finite, finite:] = s * split.E12 - split.F12
         known[finite:, finite:] = s * N - np.eye(size - finite)
         weight = np.abs(split.left.data) @ (np.abs(s * E) + np.abs(F)) @ np.abs(split.right.data)
@@ -66,7 +66,7 @@ def test_parts_put_together_are_found_again(finite, degrees, seed):
 @given(st.integers(0, 4), chains, st.integers(0, 10**6))
 def test_zeros_of_the_finite_part_are_those_put_in(finite, degrees, seed):
     split = split_of(*mixed(*canonical(finite, degrees), seed))
-    zeros = np.sort(scipy.linalg.eigvals(split.F11, split.E11).real) if finite else []
+    zeros = np.sort(scipy.linalg.eigvals(split.F11.data, split.E11.data).real) if finite else []
     assert np.allclose(zeros, -np.arange(finite, 0.0, -1), rtol=1e-6)
 
 

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from mbconstrained.linalg.blocks import eigenvalues
-from mbconstrained.linalg.triangular import triangular_form
+from mbconstrained.linalg.noise import Noisy
+from mbconstrained.linalg.triangular import TriangularForm, triangular_form
+
+
+def form_of(E, F) -> TriangularForm:
+    """The form of s E - F, entries known to a unit in the last place."""
+    return triangular_form(Noisy.rounded(E), Noisy.rounded(F))
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 6, 9])
@@ -15,7 +21,7 @@ def test_it_is_an_equivalence(size, seed):
     """left (s E - F) right = s I - T at any s, T quasi-triangular with equal diagonals in its 2 x 2 blocks."""
     random = np.random.default_rng(seed)
     E, F = random.normal(size=(2, size, size))
-    form = triangular_form(E, F)
+    form = form_of(E, F)
     for s in (0.0, 1.5, -0.3 + 2j):
         found = form.left @ (s * E - F) @ form.right
         weight = np.abs(form.left) @ (abs(s) * np.abs(E) + np.abs(F)) @ np.abs(form.right)
@@ -29,7 +35,7 @@ def test_it_is_an_equivalence(size, seed):
 
 
 def test_nothing_is_a_pencil_too():
-    form = triangular_form(np.zeros((0, 0)), np.zeros((0, 0)))
+    form = form_of(np.zeros((0, 0)), np.zeros((0, 0)))
     assert form.left.shape == form.right.shape == form.T.shape == (0, 0)
 
 
@@ -39,7 +45,20 @@ def test_a_slow_zero_survives_beside_a_fast_one(ratio):
     c, s = np.cos(0.7), np.sin(0.7)
     Q = np.array([[c, -s], [s, c]])
     E, F = Q @ np.diag([1.0, 1 / ratio]) @ Q, -np.eye(2) @ Q @ Q
-    zeros = np.sort(eigenvalues(triangular_form(np.diag([1.0, 1 / ratio]), -np.eye(2)).T).real)
+    zeros = np.sort(eigenvalues(form_of(np.diag([1.0, 1 / ratio]), -np.eye(2)).T).real)
     assert np.allclose(zeros, [-ratio, -1.0], rtol=1e-14)
-    mixed = np.sort(eigenvalues(triangular_form(E, F).T).real)
+    mixed = np.sort(eigenvalues(form_of(E, F).T).real)
     assert mixed[1] == pytest.approx(-1.0, rel=1e-13)
+
+
+@pytest.mark.parametrize("stiff", [1.0, 1e8])
+def test_a_zero_at_the_origin_is_nilpotent_to_the_last_bit(stiff):
+    """A free body beside an oscillator, mixed: s^2 and s^2 + stiff; T ends in an exact [[0, 1], [0, 0]]."""
+    E = np.eye(4)
+    F = np.zeros((4, 4))
+    F[:2, 2:], F[2:, :2] = np.eye(2), -0.5 * stiff * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    form = form_of(E, F)
+    assert form.nonzero_count == 2
+    assert not np.diag(form.T)[2:].any() and not form.T[2:, :2].any()
+    assert form.T[2, 3] != 0 and form.T[3, 2] == 0
+    assert np.allclose(np.sort(np.abs(eigenvalues(form.T))), [0, 0, stiff**0.5, stiff**0.5], rtol=1e-14)

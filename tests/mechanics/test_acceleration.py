@@ -55,6 +55,15 @@ def test_massless_coordinates_have_no_acceleration_of_their_own():
         massless_joints().acceleration([0, 0, 1], [0, 0, 0])
 
 
+def test_rounding_makes_no_mass():
+    # the mass moves only against the gear: V^T M = 0 by ratio * m - m * ratio
+    ratio = 0.1
+    mass = 0.7 * np.array([[1.0, -ratio], [-ratio, ratio * ratio]])
+    geared = MechanicalSystem(mass, constraints=Constraint([1, -ratio]), names=["wheel", "pinion"])
+    with pytest.raises(NotUnique, match='acceleration of "wheel", "pinion" is not determined'):
+        geared.acceleration([0, 0], [0, 0])
+
+
 def test_a_row_can_make_it_unique():
     tied = MechanicalSystem(np.diag([0.0, 1.0]), constraints=Constraint([1, -1]))
     assert np.allclose(tied.acceleration([0, 0], [0, 0], [2.0, 0.0]), [2.0, 2.0])

@@ -74,6 +74,17 @@ def test_rounded_rows_are_still_dependent():
     assert names(found) == ["a"]
 
 
+def test_combinations_with_cancellation_are_still_dependent():
+    random = np.random.default_rng(5)
+    for _ in range(50):
+        rows, factors = random.normal(size=(8, 12)), random.normal(size=7)
+        rows[3] = rows[2] + 1e-4 * rows[3]
+        factors[2:4] = [1e4, -1e4]
+        rows[7] = factors @ rows[:7]
+        found = independent_rows([row(str(i), line) for i, line in enumerate(rows)], 12)
+        assert names(found) == [str(i) for i in range(7)]
+
+
 @pytest.mark.parametrize("scale", [1e-12, 1.0, 1e12])
 def test_the_decision_does_not_depend_on_units(scale):
     dependent = independent_rows([row("a", [1, -scale]), row("b", [3e7, -3e7 * scale])], 2)

@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mbconstrained as mb
 from mbconstrained.mechanics import Constraint, MechanicalSystem
+from mbconstrained.mechanics.conservation import Conservation
+from mbconstrained.mechanics.modes import cleaned
 from tests.mechanics.systems import massless_joints, two_masses
 
 
@@ -121,8 +124,10 @@ def test_a_defective_zero_has_fewer_shapes_than_its_multiplicity():
 def test_what_symmetry_rules_out_does_not_appear(seed):
     random = np.random.default_rng(seed)
     n = 12
-    M, K, G, S = (random.normal(size=(n, n)) for _ in range(4))
-    M, K, G, S = M @ M.T + np.eye(n), K @ K.T, G - G.T, S + S.T
+    M, Q, G = (random.normal(size=(n, n)) for _ in range(3))
+    M, Q, G = M @ M.T + np.eye(n), np.linalg.qr(Q)[0], G - G.T
+    stiff = 10.0 ** random.uniform(-3, 6, n)  # soft and stiff springs: rounding leaves real parts of 1e-10 and more
+    K, S = Q @ np.diag(stiff) @ Q.T, Q @ np.diag(stiff * np.resize([1, 1, -1], n)) @ Q.T
     free, spinning, unstable = (MechanicalSystem(M, C, stiffness).modes() for C, stiffness in ((None, K), (G, K), (None, S)))
     for modes in (free, spinning):  # lossless and stable: no real part at all
         assert {mode.kind for mode in modes.zeros} == {"oscillation"}
@@ -130,7 +135,20 @@ def test_what_symmetry_rules_out_does_not_appear(seed):
     assert all(mode.value.real == 0 or mode.value.imag == 0 for mode in unstable.zeros)  # s^2 is real
     assert {mode.kind for mode in unstable.zeros} == {"oscillation", "growth", "decay"}
     # omega^2 from the symmetric eigenproblem, an algorithm of its own
-    assert np.allclose(free.angular_frequencies**2, np.sort(np.linalg.eigvals(np.linalg.solve(M, K)).real), rtol=1e-8)
+    assert np.allclose(free.angular_frequencies**2, scipy.linalg.eigh(K, M, eigvals_only=True), rtol=1e-6)
+
+
+def test_computed_zeros_are_freed_of_what_cannot_be():
+    anything, passive, reversible, both = (Conservation(p, q) for p, q in ((False, False), (True, False), (False, True), (True, True)))
+    assert cleaned(1e-3 + 1j, anything) == 1e-3 + 1j
+    assert cleaned(1e-9 + 1j, anything) == 1j  # less growth than the rounding of a double zero
+    assert cleaned(-1e-9 + 1j, anything) == -1e-9 + 1j
+    assert cleaned(-1e-17 + 1j, anything) == 1j
+    assert cleaned(1e-3 + 1j, passive) == 1j
+    assert cleaned(-1e-9 + 1j, passive) == -1e-9 + 1j
+    assert cleaned(1e-3 + 1j, reversible) == 1j
+    assert cleaned(1 + 1e-3j, reversible) == 1
+    assert cleaned(1e-9 + 0j, both) == 0
 
 
 def test_equal_oscillators_share_a_zero_with_two_shapes():

@@ -44,8 +44,8 @@ def test_structure_at_infinity_is_decided_right(name):
 
 
 @everywhere
-def test_no_case_leaves_a_rank_decision_in_doubt(name):
-    assert not [notice.text for notice in answer(name).notices if notice.kind == "rank"]
+def test_a_rank_decision_is_in_doubt_only_where_the_entries_do_not_determine_the_answer(name):
+    assert case(name).is_void or not [notice.text for notice in answer(name).notices if notice.kind == "rank"]
 
 
 @everywhere
@@ -72,10 +72,11 @@ def _zero_bar(value, multiplicity, known) -> float:
 
 @everywhere
 def test_error_estimate_is_neither_blind_nor_hysterical(name):
-    """Within [0.1, 1e3] of the true error, errors below 8 eps counted as 8 eps."""
+    """Within [0.1, 1e3] of the true error, errors below 8 eps counted as 8 eps; any amount above where nothing is sure."""
     true = max(case(name).error(answer(name)), 8 * EPS)
     estimate = max(answer(name).error_estimate(case(name).times), 8 * EPS)
-    assert 0.1 * true <= estimate <= 1e3 * true
+    assert 0.1 * true <= estimate
+    assert estimate <= 1e3 * true or case(name).is_void
 
 
 @everywhere

@@ -67,3 +67,10 @@ def test_times_are_checked(times, text):
 def test_a_singular_matrix_is_found_when_asked_to_solve():
     with pytest.raises(mb.SingularPolynomialMatrix, match='the equations "equation 2" .* the coordinates "x2"'):
         mb.solve(mb.PolynomialMatrix([np.diag([1.0, 0.0]), np.diag([1.0, 0.0])]))
+
+
+def test_zeros_too_far_apart_for_float64_are_told_as_such():
+    """Masses 1 kg, 1e-150 kg and 1e150 kg joined by unit springs: no scaling of units helps."""
+    A = mb.PolynomialMatrix([[[1.0, 1, 0], [1, 2, 1], [0, 1, 1]], np.diag([1.0, 1e-150, 1e150])])
+    with pytest.raises(mb.IllConditioned, match="more orders of magnitude than float64 can hold; look for a mass"):
+        A.structure()
