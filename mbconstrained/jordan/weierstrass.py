@@ -97,9 +97,9 @@ def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
     split = companion.split
     n = len(split.E11.data)
     finite = triangular_form(split.E11, split.F11)
-    N = split.nilpotent.data
-    E12, F12 = finite.left @ split.E12, finite.left @ split.F12
-    R = _fixed_point(finite.T, N, F12 @ N - E12, len(split.deficiencies))
+    left = _columnwise(finite.left.T).T
+    E12, F12 = left @ split.E12, left @ split.F12
+    R = _fixed_point(Noisy.rounded(finite.T), split.nilpotent, F12 @ split.nilpotent + -E12, len(split.deficiencies))
     finite_columns = split.right.data[:, :n] @ finite.right
     return WeierstrassForm(
         companion=companion,
@@ -108,9 +108,9 @@ def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
         T=finite.T,
         nonzero_count=finite.nonzero_count,
         finite_columns=finite_columns,
-        finite_rows=finite.left @ split.left.data[:n] - (finite.T @ R + F12) @ split.left.data[n:],
+        finite_rows=finite.left @ split.left.data[:n] - (finite.T @ R.data + F12.data) @ split.left.data[n:],
         nilpotent=split.nilpotent,
-        infinite_columns=split.right[:, n:] + _columnwise(finite_columns) @ _columnwise(R),
+        infinite_columns=split.right[:, n:] + _columnwise(finite_columns) @ R,
         infinite_rows=split.left[n:],
     )
 

@@ -29,7 +29,7 @@ class SplitPencil:
     Attributes:
         left, right: W and Z, shape (N, N), with their rounding noise.
         E11, F11: finite part, shape (n, n), E11 regular, with their rounding noise.
-        E12, F12: coupling, shape (n, m).
+        E12, F12: coupling, shape (n, m), likewise.
         nilpotent: N, shape (m, m), with its rounding noise.
         deficiencies: number of infinite elementary divisors of degree at least 1, 2, ...
         decisions: the rank decisions taken, in order.
@@ -39,8 +39,8 @@ class SplitPencil:
     right: Noisy
     E11: Noisy
     F11: Noisy
-    E12: np.ndarray
-    F12: np.ndarray
+    E12: Noisy
+    F12: Noisy
     nilpotent: Noisy
     deficiencies: tuple[int, ...]
     decisions: tuple[RankDecision, ...]
@@ -160,8 +160,8 @@ def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
         right=work.right,
         E11=work.E[finite, finite],
         F11=work.F[finite, finite],
-        E12=work.E.data[finite, infinite],
-        F12=work.F.data[finite, infinite],
+        E12=work.E[finite, infinite],
+        F12=work.F[finite, infinite],
         nilpotent=Noisy(np.triu(nilpotent.cleaned(), 1), np.triu(nilpotent.noise, 1)),
         deficiencies=deficiencies,
         decisions=decisions,

@@ -50,7 +50,7 @@ def triangular_form(E: Noisy, F: Noisy) -> TriangularForm:
         split = split_pencil(Noisy.exact(F.data), Noisy.exact(E.data))
     n = len(split.E11.data)
     rest = _schur(split.F11.data, split.E11.data)
-    coupling_E, coupling_F = rest.left @ split.F12, rest.left @ split.E12
+    coupling_E, coupling_F = rest.left @ split.F12.data, rest.left @ split.E12.data
     order = _by_component(split.nilpotent.data)
     N = split.nilpotent.data[np.ix_(order, order)]
     zero_rows, zero_columns = split.left.data[n:][order], split.right.data[:, n:][:, order]

@@ -14,7 +14,6 @@ import numpy as np
 from ..linalg.noise import Noisy
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth, step
-from .constraint import ConstraintRow
 from .independence import IndependentRows
 
 

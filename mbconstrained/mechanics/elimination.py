@@ -1,10 +1,11 @@
 """Gauss's elimination row by row, in the order given: which rows say something new, and what they leave free.
 
-Unlike ``linalg.rank``, which picks pivots from all rows, this keeps the first of rows that say the same. Each row in its turn is reduced by those before it, and its pivot is the largest entry left (in columns brought to one
-scale by powers of two). With pivots chosen within rows no step depends on how a row is scaled, and every multiplier
-is bounded as in partial pivoting. A row whose rest is noise depends on those before it. Rows of 0, 1, -1 and
-plain ratios keep their exact zeros, and so does the null space [-X; I] that is read off, X the reduced rows solved
-for the pivot coordinates.
+Unlike ``linalg.rank``, which picks pivots from all rows, this keeps the first of rows that say the same. Each row in
+its turn is reduced by those before it, and its pivot is the largest entry left (in columns brought to one scale by
+powers of two). With pivots chosen within rows no step depends on how a row is scaled, and every multiplier is
+bounded as in partial pivoting. A row whose rest is noise depends on those before it. Rows of 0, 1, -1 and plain
+ratios keep their exact zeros, and so does the null space [-X; I] that is read off, X the reduced rows solved for
+the pivot coordinates.
 """
 
 from __future__ import annotations

@@ -44,8 +44,8 @@ def _broken_rows(motion: Motion) -> Iterator[Notice]:
                 unit = rate_unit(row.unit, order)
                 yield Notice(
                     "jump",
-                    f'constraint "{row.name}" ({row.level} level) does not hold at 0-: its {STATE_NAMES[order]} is {found:.6g} {unit} '
-                    f"instead of {value:.6g} {unit}, off by {found - value:.6g} {unit}; it is enforced at t = 0",
+                    f'constraint "{row.name}" ({row.level} level) does not hold at 0-: its {STATE_NAMES[order]} is '
+                    f"{found:.6g} {unit} instead of {value:.6g} {unit}, off by {found - value:.6g} {unit}; it is enforced at t = 0",
                 )
 
 

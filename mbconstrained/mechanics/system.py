@@ -127,7 +127,9 @@ class MechanicalSystem:
         return self.constrained_form().polynomial_matrix
 
     def solve(self, displacement=None, velocity=None, force=None) -> Motion:
-        """The motion from any values at 0-, in closed form; values that do not fit are not repaired: the motion tells jumps and impulses.
+        """The motion from any values at 0-, in closed form.
+
+        Values that do not fit are not repaired: the motion tells the jumps and impulses that they cause.
 
         Args:
             displacement, velocity: x and x' at 0-, shape (n,), or a mapping from names to numbers, zero for the others.

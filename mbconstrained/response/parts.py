@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import Overflow
 from ..jordan.weierstrass import WeierstrassForm
 from ..linalg.blocks import block_diagonalize
 from ..linalg.noise import Noisy
@@ -75,7 +76,11 @@ def _chain_units(block) -> np.ndarray:
 
 
 def start_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth) -> Start:
-    """The state at 0+, the jumps and the impulses at t = 0."""
+    """The state at 0+, the jumps and the impulses at t = 0.
+
+    Raises:
+        Overflow: one of them leaves the range of float64.
+    """
     companion = form.companion
     stack = companion.scaled_stack(initial)
     f = scaled_force(form, force)
@@ -83,7 +88,11 @@ def start_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth)
     for order, g in enumerate(f.impulses):
         finite = finite + np.linalg.matrix_power(form.T, order) @ (form.B @ g)
     inconsistency = _inconsistency(form, stack, f)
-    return Start(finite, _jump(form, inconsistency, f, len(initial)), _impulses(form, inconsistency, f))
+    with np.errstate(over="ignore", invalid="ignore"):  # reported below
+        start = Start(finite, _jump(form, inconsistency, f, len(initial)), _impulses(form, inconsistency, f))
+    if not all(np.isfinite(values).all() for values in (start.finite, start.jump, *start.impulses)):
+        raise Overflow("the jumps or impulses at t = 0 grow beyond the range of float64; choose other units or smaller values")
+    return start
 
 
 def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth) -> tuple[BohlFunction, float]:
