@@ -28,6 +28,9 @@ CLUSTER_SAFETY = 1e3
 #: The error estimate compares the answer with answers from data moved by this many units in the last place.
 PROBE_SIZE = 1.0
 
+#: Least estimate of the relative error where a rank decision is not clear: if it is wrong, so is all that follows.
+UNCLEAR_ERROR = 0.1
+
 #: An answer with a larger estimated relative error than this cannot be trusted (exit code 3).
 TRUST_LIMIT = 1e-3
 

@@ -4,7 +4,7 @@ The data of A(s), of the values at 0- and of the force are moved entry by entry 
 the scaled finite part by as much as the eigenvalue algorithm's own backward error. The largest change of
 the answer over a few such trials, times a safety factor, is the estimate: it sees the condition of the problem
 and the rounding of the algorithm at once. Where a rank decision was not clear, the whole answer stands on it, and
-the estimate is at least 1. The trials are seeded, so the estimate is reproducible.
+the estimate is at least a tenth. The trials are seeded, so the estimate is reproducible.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction
 from ..signals.inputs import ImpulsiveSmooth
-from ..tolerances import EPS, PROBE_SIZE
+from ..tolerances import EPS, PROBE_SIZE, UNCLEAR_ERROR
 
 if TYPE_CHECKING:
     from .response import Response
@@ -33,7 +33,7 @@ def error_estimate(x: Response, times) -> float:
     largest = np.abs(values).max(initial=0.0)
     if largest == 0:
         return EPS
-    worst = 0.0 if all(decision.clear for decision in x.pairs.form.decisions) else largest / SAFETY
+    worst = 0.0 if all(decision.clear for decision in x.pairs.form.decisions) else UNCLEAR_ERROR * largest / SAFETY
     for seed in range(TRIALS):
         random = np.random.default_rng(seed)
         A = x.polynomial_matrix

@@ -44,14 +44,14 @@ def check(E, F, split, finite, degrees):
     """W (s E - F) Z has the promised form, and the degrees are those put in."""
     size = len(E)
     assert split.infinite_divisors == tuple(sorted(degrees))
-    E11, F11, N = split.E11.data, split.F11.data, split.nilpotent.data
+    E11, F11, E12, F12, N = (part.data for part in (split.E11, split.F11, split.E12, split.F12, split.nilpotent))
     assert E11.shape == F11.shape == (finite, finite)
     assert not np.tril(N).any()
     for s in (0.7, -1.3 + 0.4j):
         found = split.left.data @ (s * E - F) @ split.right.data
         known = np.zeros((size, size), complex)
         known[:finite, :finite] = s * E11 - F11
-        known[:finite, finite:] = s * split.E12 - split.F12
+        known[:finite, finite:] = s * E12 - F12
         known[finite:, finite:] = s * N - np.eye(size - finite)
         weight = np.abs(split.left.data) @ (np.abs(s * E) + np.abs(F)) @ np.abs(split.right.data)
         assert np.abs(found - known).max(initial=0.0) <= 1e-11 * max(1.0, weight.max(initial=0.0))

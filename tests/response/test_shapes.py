@@ -98,3 +98,18 @@ def test_the_answer_keeps_what_it_was_asked():
     assert x.initial.tolist() == [[2.0]]
     assert x.pairs is A.jordan_pairs()
     assert x.evidence == x.pairs.evidence
+
+
+@pytest.mark.parametrize("exponent", [-1000, -500, -100, 100, 500, 1000])
+def test_amplitude_is_only_a_factor(exponent):
+    """Values and force times 2^n: everything in the answer times 2^n, to the last bit, zeros included."""
+    K, row = np.array([[2.0, -1.0], [-1.0, 3.0]]), np.array([1.0, -1.0])
+    A = np.zeros((3, 3, 3))
+    A[0, :2, :2], A[0, :2, 2], A[0, 2, :2], A[2, :2, :2] = K, -row, row, np.eye(2)
+    matrix, factor = mb.PolynomialMatrix(A), 2.0**exponent
+    start, force = np.array([[0.3, 0.1, 0.0], [0.0, 0.7, 0.0]]), mb.step([1.0, 0.0, 0.2]) + mb.impulse([0.0, 1.0, 0.0])
+    x, y = mb.solve(matrix, start, force), mb.solve(matrix, factor * start, factor * force)
+    assert np.array_equal(y.jump, factor * x.jump)
+    assert len(y.impulses) == len(x.impulses) > 0
+    assert all(np.array_equal(mine, factor * other) for mine, other in zip(y.impulses, x.impulses))
+    assert np.array_equal(y([0.0, 1.0]), factor * x([0.0, 1.0]))
