@@ -31,9 +31,9 @@ class Noisy:
         return Noisy(data, np.zeros_like(data))
 
     @staticmethod
-    def rounded(data: np.ndarray, factor: float = 1.0) -> Noisy:
-        """Numbers known up to a unit in the last place, as given data is, or that times a factor."""
-        return Noisy(data, factor * EPS * np.abs(data))
+    def rounded(data: np.ndarray) -> Noisy:
+        """Numbers known up to a unit in the last place, as given data is."""
+        return Noisy(data, EPS * np.abs(data))
 
     def __matmul__(self, other: Noisy) -> Noisy:
         noise = self.data**2 @ other.noise**2 + self.noise**2 @ (other.data**2 + other.noise**2)

@@ -39,10 +39,6 @@ class RankDecision:
     smallest_kept: float
     largest_dropped: float
 
-    def doubted(self, factor: float) -> RankDecision:
-        """The same decision where the noise was taken smaller by the factor than it was carried."""
-        return RankDecision(self.rank, self.smallest_kept * factor, self.largest_dropped * factor)
-
     @property
     def clear(self) -> bool:
         """True where no value kept or dropped is near the bound that decides."""

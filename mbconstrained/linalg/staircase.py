@@ -8,11 +8,12 @@ The number of vanishing rows in step i is the number of infinite elementary divi
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
 
+from ..errors import IllConditioned
 from ..tolerances import EPS, NOISE_SAFETY
 from .noise import Noisy
 from .rank import RankDecision, RowCompression, compress_rows, null_columns
@@ -75,9 +76,6 @@ class _Work:
             part[:, at] = part[:, at] @ matrix
 
 
-#: How much smaller the noise is taken, in turn, where a regular pencil looks singular with the noise as carried.
-SHRINKING = (1.0, 1 / 16, 1 / 256, 1 / 4096)
-
 #: Where a pencil is tried for regularity: generic numbers, so that no zero is hit by chance.
 GENERIC = (0.7390851 + 0.3183099j, -0.5671433 + 1.2020569j, 1.6180340 - 0.9159656j)
 
@@ -85,21 +83,19 @@ GENERIC = (0.7390851 + 0.3183099j, -0.5671433 + 1.2020569j, 1.6180340 - 0.915965
 def split_regular(E: np.ndarray, F: np.ndarray) -> SplitPencil:
     """Split s E - F, entries known to a unit in the last place.
 
-    The carried noise may outgrow the true errors over many steps. Where it calls a pencil singular that has full rank
-    at a generic s, it is taken smaller, and the decisions are marked as doubtful in proportion.
-
     Raises:
         SingularPencil: det(s E - F) vanishes identically.
+        IllConditioned: the pencil has full rank at a generic s, but its structure is lost in the rounding noise.
     """
-    for factor in SHRINKING:
-        try:
-            split = split_pencil(Noisy.rounded(E, factor), Noisy.rounded(F, factor))
-        except SingularPencil:
-            if not _has_full_rank(E, F):
-                raise
-            continue
-        return replace(split, decisions=tuple(decision.doubted(factor) for decision in split.decisions))
-    raise SingularPencil("the pencil is singular to within its rounding noise")
+    try:
+        return split_pencil(Noisy.rounded(E), Noisy.rounded(F))
+    except SingularPencil:
+        if not _has_full_rank(E, F):
+            raise
+    raise IllConditioned(
+        "the equations are regular, but so close to dependent ones that float64 cannot tell which of their zeros are "
+        "infinite; write them with fewer redundant coordinates, or in coordinates closer to the machine's own"
+    )
 
 
 def _has_full_rank(E, F) -> bool:

@@ -94,6 +94,7 @@ class PolynomialMatrix:
 
         Raises:
             SingularPolynomialMatrix: det A(s) = 0 for every s.
+            IllConditioned: float64 cannot tell the structure of A(s).
         """
         return self._pairs
 

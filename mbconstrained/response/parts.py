@@ -8,7 +8,7 @@ condition (60), corrected). Its rounding noise is bounded along with it, so that
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -43,6 +43,10 @@ class ScaledForce:
     generator: np.ndarray
     start: np.ndarray
     impulses: tuple[np.ndarray, ...]
+
+    def divided(self, size: float) -> ScaledForce:
+        """f / size."""
+        return replace(self, coefficients=self.coefficients / size, impulses=tuple(g / size for g in self.impulses))
 
     def derivatives(self, count: int) -> list[np.ndarray]:
         """C_f J_f^i for i = 0 .. count - 1: f^(i) = C_f J_f^i e^{J_f t} v."""
@@ -81,15 +85,16 @@ def start_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth)
     Raises:
         Overflow: one of them leaves the range of float64.
     """
-    companion = form.companion
-    stack = companion.scaled_stack(initial)
-    f = scaled_force(form, force)
-    finite = form.finite_rows @ (companion.E @ stack)
+    stack, f = form.companion.scaled_stack(initial), scaled_force(form, force)
+    size = _power_of_two_of(np.concatenate([stack, f.coefficients.ravel(), *f.impulses]))
+    stack, f = stack / size, f.divided(size)  # all is linear in them: their size shall not spoil the noise estimates
+    finite = form.finite_rows @ (form.companion.E @ stack)
     for order, g in enumerate(f.impulses):
         finite = finite + np.linalg.matrix_power(form.T, order) @ (form.B @ g)
     inconsistency = _inconsistency(form, stack, f)
     with np.errstate(over="ignore", invalid="ignore"):  # reported below
-        start = Start(finite, _jump(form, inconsistency, f, len(initial)), _impulses(form, inconsistency, f))
+        jump = size * _jump(form, inconsistency, f, len(initial))
+        start = Start(size * finite, jump, tuple(size * c for c in _impulses(form, inconsistency, f)))
     if not all(np.isfinite(values).all() for values in (start.finite, start.jump, *start.impulses)):
         raise Overflow("the jumps or impulses at t = 0 grow beyond the range of float64; choose other units or smaller values")
     return start

@@ -48,12 +48,18 @@ class BohlFunction:
         if times.size and times.min() < 0:
             raise InputError(f"time: found {times.min():g} s; the function is defined for t >= 0 (0 means 0+)")
         with np.errstate(over="ignore", invalid="ignore"):  # reported below, with the time
-            values = self.coefficients @ block_states(self.blocks, self.start, np.atleast_1d(times))
+            values = self._values(np.atleast_1d(times))
         finite = np.isfinite(values).all(axis=0)
         if not finite.all():
             first = np.atleast_1d(times)[~finite].min()
             raise Overflow(f"the function grows beyond the range of float64 at t = {first:g} s; ask for earlier times")
         return values if times.ndim else values[:, 0]
+
+    def _values(self, times) -> np.ndarray:
+        """C e^{J t} v, the size of C taken into v block by block: a tiny coefficient may outweigh a huge state."""
+        size = np.concatenate([np.ones(0), *(np.full(len(b), np.abs(c).max(initial=0.0)) for b, _, c in self._parts())])
+        size = np.where(size > 0, size, 1.0)
+        return (self.coefficients / size) @ block_states(self.blocks, self.start * size, times)
 
     @property
     def generator(self) -> np.ndarray:
