@@ -17,11 +17,12 @@ from .mechanics import Constraint, MechanicalSystem, Modes, Motion
 from .models import LumpedModel
 from .notices import Notice
 from .polynomial import PolynomialMatrix
-from .response import Response, solve
+from .response import Admissibility, Response, admissible, solve
 from .scene import read_scene
 from .signals import BohlFunction, ImpulsiveSmooth, harmonic, impulse, power, ramp, step, term, zero
 
 __all__ = [
+    "Admissibility",
     "BohlFunction",
     "Constraint",
     "ContradictoryConstraints",
@@ -43,6 +44,7 @@ __all__ = [
     "Response",
     "SceneError",
     "SingularPolynomialMatrix",
+    "admissible",
     "harmonic",
     "impulse",
     "power",

@@ -1,6 +1,7 @@
 """The pairs, values at 0- and a force become the response: a function of time, with its jumps and impulses."""
 
+from .admissible import Admissibility, admissible
 from .response import Response
 from .solve import solve
 
-__all__ = ["Response", "solve"]
+__all__ = ["Admissibility", "Response", "admissible", "solve"]

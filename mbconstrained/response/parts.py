@@ -91,7 +91,7 @@ def start_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth)
     finite = form.finite_rows @ (form.companion.E @ stack)
     for order, g in enumerate(f.impulses):
         finite = finite + np.linalg.matrix_power(form.T, order) @ (form.B @ g)
-    inconsistency = _inconsistency(form, stack, f)
+    inconsistency = inconsistency_of(form, stack, f)
     with np.errstate(over="ignore", invalid="ignore"):  # reported below
         jump = size * _jump(form, inconsistency, f, len(initial))
         start = Start(size * finite, jump, tuple(size * c for c in _impulses(form, inconsistency, f)))
@@ -126,8 +126,8 @@ def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth) ->
     return function, parts.coupling
 
 
-def _inconsistency(form, stack, f) -> Noisy:
-    """g, with entries below their rounding noise set to zero."""
+def inconsistency_of(form, stack, f) -> Noisy:
+    """g = P_2 F z0 + sum N^i B2 f^(i)(0+) in scaled units, entries below their rounding noise set to zero."""
     total = form.infinite_rows @ (Noisy.rounded(form.companion.F) @ Noisy.rounded(stack))
     power = form.B2
     for derivative in f.derivatives(len(form.split.deficiencies)):  # so many powers of N are not zero
