@@ -67,6 +67,11 @@ class Noisy:
         return Noisy(self.data.T, self.noise.T)
 
 
+def stacked(*parts: Noisy) -> Noisy:
+    """The parts, one below the other."""
+    return Noisy(np.concatenate([part.data for part in parts]), np.concatenate([part.noise for part in parts]))
+
+
 def _rounding(left, right) -> np.ndarray:
     """Rounding of left @ right; a sum with one term that copies or scales by a power of two rounds at most once."""
     terms = (left != 0).astype(float) @ (right != 0).astype(float)

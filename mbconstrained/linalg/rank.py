@@ -17,7 +17,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from ..tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY
-from .noise import Noisy
+from .noise import Noisy, stacked
 from .scaling import equilibration
 
 
@@ -47,16 +47,26 @@ class RankDecision:
 
 @dataclass(frozen=True)
 class RowCompression:
-    """``left @ S`` = [S_1; 0] with S_1 independent rows of S: left selects them, then combines the dependent ones.
+    """The rows of S (m, n): ``pivots`` are independent, and null @ S = 0.
 
     Attributes:
-        left: shape (m, m), with its noise.
-        pivots: the rows selected, in the order of left.
+        pivots: indices of k independent rows.
+        null: combinations of rows that vanish, shape (m - k, m), with their noise.
     """
 
-    left: Noisy
     pivots: np.ndarray
+    null: Noisy
     decision: RankDecision
+
+    @property
+    def left(self) -> Noisy:
+        """The regular matrix (m, m) that selects the pivot rows, then combines the vanishing ones."""
+        selection = np.eye(self.null.data.shape[1])[self.pivots]
+        return stacked(Noisy.exact(selection), self.null)
+
+    def apply(self, rows: Noisy) -> Noisy:
+        """left @ rows, without multiplying by ones and zeros."""
+        return stacked(rows[self.pivots], self.null @ rows)
 
 
 def compress_rows(matrix: Noisy, weights: np.ndarray | None = None) -> RowCompression:
@@ -77,15 +87,11 @@ def compress_rows(matrix: Noisy, weights: np.ndarray | None = None) -> RowCompre
         pivots.append(i[order])
         nulls.append(placed)
         decisions.append(decision)
-    chosen = np.concatenate(pivots)
-    null = Noisy(np.vstack([part.data for part in nulls]), np.vstack([part.noise for part in nulls]))
-    selection = np.eye(rows)[chosen]
-    left = Noisy(np.vstack([selection, null.data]), np.vstack([np.zeros_like(selection), null.noise]))
-    return RowCompression(left, chosen, _joined(decisions))
+    return RowCompression(np.concatenate(pivots), stacked(*nulls), _joined(decisions))
 
 
 def null_columns(matrix: Noisy) -> RowCompression:
-    """The same for columns: the transpose of ``left`` selects independent columns, then combines the rest to zero."""
+    """The same for the columns of S: S[:, pivots] are independent, and S @ null.T = 0."""
     size = np.abs(matrix.data).max(axis=1, initial=0.0)
     return compress_rows(matrix.T, weights=1 / np.where(size > 0, size, 1.0))
 

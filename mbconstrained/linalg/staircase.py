@@ -15,7 +15,7 @@ import scipy.linalg
 
 from ..errors import IllConditioned
 from ..tolerances import EPS, NOISE_SAFETY
-from .noise import Noisy
+from .noise import Noisy, stacked
 from .rank import RankDecision, RowCompression, compress_rows, null_columns
 
 
@@ -70,10 +70,16 @@ class _Work:
         for part in (self.E, self.F, self.left):
             part[at] = matrix @ part[at]
 
-    def columns(self, at: slice, matrix: Noisy) -> None:
-        """Replace the columns ``at`` by them times matrix."""
+    def dependent_rows_last(self, at: slice, found: RowCompression) -> None:
+        """Reorder and combine the rows ``at``: the independent ones first, then the combinations that vanish."""
+        for part in (self.E, self.F, self.left):
+            part[at] = found.apply(part[at])
+
+    def dependent_columns_first(self, at: slice, found: RowCompression) -> None:
+        """Reorder and combine the columns ``at``: the combinations that vanish first, then the independent ones."""
         for part in (self.E, self.F, self.right):
-            part[:, at] = part[:, at] @ matrix
+            columns = part[:, at].T
+            part[:, at] = stacked(found.null @ columns, columns[found.pivots]).T
 
 
 #: Where a pencil is tried for regularity: generic numbers, so that no zero is hit by chance.
@@ -130,17 +136,15 @@ def _deflate(work: _Work, active: int, found: RowCompression) -> RankDecision:
     """Move the vanishing rows of E to the end, and the columns that they determine through F with them."""
     rank = found.decision.rank
     top, bottom = slice(active), slice(rank, active)
-    work.rows(top, found.left)
+    work.dependent_rows_last(top, found)
     work.E[bottom, top] = Noisy.exact(np.zeros((active - rank, active)))
     turned = null_columns(work.F[bottom, top])
     if turned.decision.rank < active - rank:
         raise SingularPencil("the pencil is singular")
-    keep = active - rank
-    order = np.r_[keep:active, :keep]  # the combinations that vanish first: they are the columns of what is left
-    work.columns(top, turned.left[order].T)
+    work.dependent_columns_first(top, turned)
     inverse = Noisy.rounded(np.linalg.inv(work.F.data[bottom, rank:active]))
     work.rows(bottom, inverse)
-    work.F[bottom, top] = Noisy.exact(np.eye(keep, active, k=rank))
+    work.F[bottom, top] = Noisy.exact(np.eye(active - rank, active, k=rank))
     return turned.decision
 
 

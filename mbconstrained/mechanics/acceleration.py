@@ -49,7 +49,7 @@ def _check_unique(stacked: np.ndarray, names: Sequence[str]) -> None:
     rank = found.decision.rank
     if rank == size:
         return
-    left_open = found.left.data[rank:].any(axis=0)
+    left_open = found.null.data.any(axis=0)
     free = ", ".join(f'"{name}"' for name, is_open in zip(names, left_open) if is_open)
     raise NotUnique(
         f"the acceleration of {free} is not determined: rank [M; A] = {rank}, with {size} coordinates; "

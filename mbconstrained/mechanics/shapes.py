@@ -50,8 +50,7 @@ def rest_shapes(A: PolynomialMatrix) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _null_space(matrix: Noisy) -> Noisy:
-    found = null_columns(matrix)
-    return found.left[found.decision.rank :].T
+    return null_columns(matrix).null.T
 
 
 def _normalized(shapes: np.ndarray) -> np.ndarray:
