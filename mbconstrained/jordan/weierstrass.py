@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..linalg.noise import Noisy
+from ..linalg.noise import Noisy, columnwise
 from ..linalg.rank import RankDecision
 from ..linalg.staircase import SplitPencil
 from ..linalg.triangular import triangular_form
@@ -97,7 +97,7 @@ def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
     split = companion.split
     n = len(split.E11.data)
     finite = triangular_form(split.E11, split.F11)
-    left = _columnwise(finite.left.T).T
+    left = columnwise(finite.left.T).T
     E12, F12 = left @ split.E12, left @ split.F12
     R = _fixed_point(Noisy.rounded(finite.T), split.nilpotent, F12 @ split.nilpotent + -E12, len(split.deficiencies))
     finite_columns = split.right.data[:, :n] @ finite.right
@@ -110,14 +110,9 @@ def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
         finite_columns=finite_columns,
         finite_rows=finite.left @ split.left.data[:n] - (finite.T @ R.data + F12.data) @ split.left.data[n:],
         nilpotent=split.nilpotent,
-        infinite_columns=split.right[:, n:] + _columnwise(finite_columns) @ R,
+        infinite_columns=split.right[:, n:] + columnwise(finite_columns) @ R,
         infinite_rows=split.left[n:],
     )
-
-
-def _columnwise(matrix) -> Noisy:
-    """A result of orthogonal transformations: each column is known up to a rounding of its largest entry."""
-    return Noisy(matrix, EPS * np.abs(matrix).max(axis=0, initial=0.0) + np.zeros_like(matrix))
 
 
 def _fixed_point(T, nilpotent, G, steps):

@@ -72,6 +72,11 @@ def stacked(*parts: Noisy) -> Noisy:
     return Noisy(np.concatenate([part.data for part in parts]), np.concatenate([part.noise for part in parts]))
 
 
+def columnwise(matrix: np.ndarray) -> Noisy:
+    """A result of orthogonal transformations: each column is known up to a rounding of its largest entry."""
+    return Noisy(matrix, EPS * np.abs(matrix).max(axis=0, initial=0.0) + np.zeros_like(matrix))
+
+
 def _rounding(left, right) -> np.ndarray:
     """Rounding of left @ right; a sum with one term that copies or scales by a power of two rounds at most once."""
     terms = (left != 0).astype(float) @ (right != 0).astype(float)

@@ -15,7 +15,7 @@ import numpy as np
 from ..errors import Overflow
 from ..jordan.weierstrass import WeierstrassForm
 from ..linalg.blocks import block_diagonalize
-from ..linalg.noise import Noisy
+from ..linalg.noise import Noisy, columnwise
 from ..signals.bohl import BohlFunction
 from ..signals.inputs import ImpulsiveSmooth
 
@@ -107,14 +107,15 @@ def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth) ->
     together with those of A(s), so that resonance needs no special case.
     """
     f = scaled_force(form, force)
-    drive = form.B @ f.coefficients
-    amplitude = _power_of_two_of(drive) if drive.any() else _power_of_two_of(f.coefficients)
+    size = _power_of_two_of(f.coefficients)  # taken out and put back: squares of noise must not leave the range
+    drive = size * (columnwise(form.B.T).T @ Noisy.rounded(f.divided(size).coefficients)).cleaned()
     n, m = len(form.T), len(f.start)
-    augmented = np.zeros((n + m, n + m))
-    augmented[:n, :n], augmented[:n, n:], augmented[n:, n:] = form.T, drive / amplitude, f.generator
     through = np.zeros_like(f.coefficients)
     for index, derivative in enumerate(f.derivatives(form.highest_impulse + 1)):
         through = through + form.laurent(index).cleaned() @ derivative
+    amplitude = _power_of_two_of(np.vstack([drive, through]))  # both near 1, or less where one outweighs the other
+    augmented = np.zeros((n + m, n + m))
+    augmented[:n, :n], augmented[:n, n:], augmented[n:, n:] = form.T, drive / amplitude, f.generator
     output = np.hstack([form.C, through / amplitude])
     parts = block_diagonalize(augmented)
     scaling = form.companion.scaling

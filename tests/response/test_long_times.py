@@ -91,6 +91,19 @@ def test_the_rest_of_a_motion_that_starts_small_is_exact():
     assert np.allclose(x([0.5, 1.0, 2.0])[0], np.array([0.5, 1.0, 2.0]) ** 20 / factorial, rtol=1e-12, atol=0)
 
 
+@pytest.mark.parametrize("drive", [1.0, 1e-8, 1e-12, 1e-15, 0.0])
+def test_a_weak_drive_in_resonance_does_not_spoil_the_free_motion(drive):
+    """x1'' + x1 = d cos t, x2 = x1 + cos t, x3 = 0.3 x1 - 0.7 x2, rows mixed: x1 = cos t + d t sin(t) / 2 for any d."""
+    mixing = np.array([[1.0, 0.3, -0.2], [0.1, 1.0, 0.7], [0.4, -0.6, 1.0]])
+    K = np.array([[1.0, 0, 0], [-1, 1, 0], [-0.3, 0.7, 1]])
+    A = mb.PolynomialMatrix([mixing @ K, np.zeros((3, 3)), mixing @ np.diag([1.0, 0, 0])])
+    x = mb.solve(A, [[1.0, 0, 0], [0, 0, 0]], mb.harmonic([drive, 1.0, 0.0], angular_frequency=1.0).mapped(mixing))
+    times = np.linspace(0, 20, 9)
+    first = np.cos(times) + drive * times * np.sin(times) / 2
+    second = np.cos(times) + first
+    assert np.allclose(x(times), [first, second, 0.3 * first - 0.7 * second], rtol=0, atol=1e-10)
+
+
 @pytest.mark.parametrize("late", [1e3, 1e6, 1e9])
 def test_early_values_do_not_depend_on_how_far_the_times_reach(late):
     x = mb.solve(scalar(-1, -1, -1), unit(3))
