@@ -46,7 +46,8 @@ def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None)
         raise InputError(f"{what}: expected shape {wanted}, found {found}")
     if not np.isfinite(array).all():
         place = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise InputError(f"{what}: the entry at {place} is {array[place]}; every entry must be a finite number")
+        found = f"the entry at {place} is {array[place]}; every entry must be" if place else f"found {array}; expected"
+        raise InputError(f"{what}: {found} a finite number")
     return array
 
 

@@ -38,3 +38,8 @@ TRUST_LIMIT = 1e-3
 def noise_of(size, count: int = 1):
     """Rounding noise of a sum of ``count`` terms of magnitude ``size``."""
     return NOISE_SAFETY * EPS * max(count, 1) ** 0.5 * size
+
+
+def rounding_radius(multiplicity: int) -> float:
+    """How far, relative to its size, rounding may move the parts of a zero of this multiplicity."""
+    return (CLUSTER_SAFETY * EPS) ** (1 / multiplicity)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..linalg.blocks import block_diagonalize, eigenvalues
 from ..polynomial.structure import FiniteZero
-from ..tolerances import CLUSTER_SAFETY, EPS
+from ..tolerances import CLUSTER_SAFETY, EPS, rounding_radius
 from .weierstrass import WeierstrassForm
 
 
@@ -20,8 +20,8 @@ def finite_zeros(form: WeierstrassForm) -> tuple[FiniteZero, ...]:
     """
     scale = form.companion.scaling.time
     parts = block_diagonalize(form.T[: form.nonzero_count, : form.nonzero_count]).blocks
-    groups = [zero for block in parts for zero in _merged(_zeros_of_block(block), _radius(2))]
-    merged = _merged(sorted(groups, key=_order), _radius(1))
+    groups = [zero for block in parts for zero in _merged(_zeros_of_block(block), rounding_radius(2))]
+    merged = _merged(sorted(groups, key=_order), rounding_radius(1))
     zeros = [FiniteZero(complex(scale * zero.value), zero.multiplicity) for zero in merged]
     if form.nonzero_count < len(form.T):
         zeros.insert(0, FiniteZero(0j, len(form.T) - form.nonzero_count))
@@ -40,21 +40,16 @@ def _zeros_of_block(block) -> list[FiniteZero]:
     if len(parts) > 1:
         return [zero for part in parts for zero in _zeros_of_block(part)]
     group = above if pairs else values
-    if _spread(group) > _radius(multiplicity) * np.abs(group).max():
+    if _spread(group) > rounding_radius(multiplicity) * np.abs(group).max():
         return [_pair_or_double(complex(value)) if value.imag else FiniteZero(complex(value), 1) for value in values if value.imag >= 0]
     return [FiniteZero(complex(above.mean()) if pairs else complex(values.mean().real), multiplicity)]
 
 
 def _pair_or_double(value: complex) -> FiniteZero:
     """A pair a +- i w, or the double zero a where w is within what rounding makes of one."""
-    if value.imag <= _radius(2) * abs(value.real):
+    if value.imag <= rounding_radius(2) * abs(value.real):
         return FiniteZero(complex(value.real), 2)
     return FiniteZero(value, 1)
-
-
-def _radius(multiplicity) -> float:
-    """How far, relative to its size, rounding moves the parts of a zero of this multiplicity."""
-    return (CLUSTER_SAFETY * EPS) ** (1 / multiplicity)
 
 
 def _separation_limit(multiplicity) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..checks import names_of, nearest, real_array
 from ..errors import InputError
+from .units import check_unit
 
 Level = Literal["position", "velocity", "acceleration"]
 
@@ -59,7 +60,7 @@ class Constraint:
         if isinstance(names, str):
             names = (names,)
         self.names = None if names is None else names_of(names, len(self.rows), "constraint rows", "")
-        self.unit = unit
+        self.unit = unit if unit is None else check_unit(unit, "unit of the constraint")
         self.rows.flags.writeable = self.values.flags.writeable = False
 
     def __repr__(self) -> str:

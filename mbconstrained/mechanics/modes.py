@@ -16,7 +16,7 @@ import numpy as np
 
 from ..polynomial.companion import scaled_companion
 from ..polynomial.matrix import PolynomialMatrix
-from ..tolerances import EPS, NOISE_SAFETY
+from ..tolerances import EPS, NOISE_SAFETY, rounding_radius
 from .conservation import Conservation, conservation_of
 from .shapes import mode_shapes, rest_shapes
 
@@ -119,7 +119,7 @@ def modes_of(system: MechanicalSystem) -> Modes:
     resting, moving = [], []
     for zero in A.jordan_pairs().finite.zeros:
         if zero.value:
-            value = cleaned(complex(zero.value), conservation)
+            value = cleaned(complex(zero.value), zero.multiplicity, conservation)
             shapes = mode_shapes(scaled, value, zero.multiplicity)
             moving.append(Mode(_kind(value), value, zero.multiplicity, shapes))
         else:
@@ -152,14 +152,14 @@ def _kind(value: complex) -> Kind:
     return "oscillation" if value.imag else "decay"
 
 
-def cleaned(value: complex, conservation: Conservation) -> complex:
+def cleaned(value: complex, multiplicity: int, conservation: Conservation) -> complex:
     """Take out of a computed zero what the symmetry and signs of M, C and K rule out."""
     if conservation.passive and (conservation.lossless or value.real > 0):
         return complex(0.0, value.imag)
     if conservation.lossless:
         return complex(0.0, value.imag) if abs(value.imag) > abs(value.real) else complex(value.real)
-    # growth slower than this cannot be told from the rounding of a defective zero
-    limit = EPS**0.5 if value.real > 0 else NOISE_SAFETY * EPS
+    # growth slower than this cannot be told from rounding, which moves a defective zero further than a simple one
+    limit = rounding_radius(multiplicity) if value.real > 0 else NOISE_SAFETY * EPS
     return complex(value.real if abs(value.real) > limit * abs(value) else 0.0, value.imag)
 
 

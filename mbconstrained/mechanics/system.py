@@ -60,7 +60,7 @@ class MechanicalSystem:
         self.stiffness = _square(stiffness, "stiffness", self.size)
         self.names = names_of(names, self.size, "coordinates", "x")
         self.units = coordinate_units(units, self.names)
-        self.constraints = (constraints,) if isinstance(constraints, Constraint) else tuple(constraints)
+        self.constraints = (constraints,) if isinstance(constraints, Constraint) else tuple(constraints or ())
         self._independent = independent_rows(constraint_rows(self.constraints, self.units), self.size)
         self.static_force = self._vector(static_force, "static_force")
         self.drive: ImpulsiveSmooth | None = None

@@ -26,7 +26,16 @@ def coordinate_units(units, names: Sequence[str]) -> dict[str, str]:
     unknown = [name for name in units if name not in names]
     if unknown:
         raise InputError(f'units: there is no coordinate "{unknown[0]}"{nearest(unknown[0], names)}')
+    for name, unit in units.items():
+        check_unit(unit, f"unit of {name}")
     return {name: units.get(name, "m") for name in names}
+
+
+def check_unit(unit, what: str) -> str:
+    """The unit, if it is one that a coordinate or a constraint row may have."""
+    if unit not in _FORCES:
+        raise InputError(f'{what}: found {unit!r}; expected "m", "rad" or "1"{nearest(unit, _FORCES)}')
+    return unit
 
 
 def rate_unit(unit: str, order: int = 1) -> str:

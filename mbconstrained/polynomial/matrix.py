@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cached_property
+from numbers import Number
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..checks import names_of, real_array
-from ..errors import InputError
+from ..errors import IllConditioned, InputError
 
 if TYPE_CHECKING:
     from ..jordan.pairs import JordanPairs
@@ -59,7 +60,9 @@ class PolynomialMatrix:
         return self.coefficients.shape[1]
 
     def __call__(self, s: complex) -> np.ndarray:
-        """A(s) at a number s, shape (r, r), by Horner's rule."""
+        """A(s) at a finite number s, real or complex, shape (r, r), by Horner's rule."""
+        if not isinstance(s, Number) or not np.isfinite(s):
+            raise InputError(f"s: found {s!r}; expected a finite number, real or complex")
         value = np.zeros((self.size, self.size))
         for matrix in self.coefficients[::-1]:
             value = value * s + matrix
@@ -75,7 +78,7 @@ class PolynomialMatrix:
 
     @property
     def is_regular(self) -> bool:
-        """False where det A(s) = 0 for every s."""
+        """False where det A(s) = 0 for every s; True also where float64 cannot tell the structure of a regular A(s)."""
         from ..linalg.staircase import SingularPencil
         from .companion import scaled_companion
 
@@ -83,6 +86,8 @@ class PolynomialMatrix:
             scaled_companion(self).split
         except SingularPencil:
             return False
+        except IllConditioned:  # said of regular matrices only
+            pass
         return True
 
     def structure(self) -> Structure:

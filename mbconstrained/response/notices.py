@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..notices import Notice
-from ..tolerances import EPS, noise_of
+from ..tolerances import EPS, noise_of, rounding_radius
 
 if TYPE_CHECKING:
     from .response import Response
@@ -42,9 +42,9 @@ def _impulses(x: Response):
 
 
 def _growth(pairs):
-    values = [zero.value for zero in pairs.finite.zeros]
-    noise = noise_of(max(map(abs, values), default=0.0))
-    growing = [value for value in values if value.real > max(EPS**0.5 * abs(value), noise)]
+    zeros = pairs.finite.zeros
+    noise = noise_of(max((abs(zero.value) for zero in zeros), default=0.0))
+    growing = [z.value for z in zeros if z.value.real > max(rounding_radius(z.multiplicity) * abs(z.value), noise)]
     if growing:
         fastest = max(growing, key=lambda value: value.real)
         yield Notice("unstable", f"{len(growing)} zero(s) in the right half plane: the motion grows, fastest like e^({fastest.real:.6g} t)")

@@ -52,7 +52,7 @@ class BohlFunction:
         finite = np.isfinite(values).all(axis=0)
         if not finite.all():
             first = np.atleast_1d(times)[~finite].min()
-            raise Overflow(f"the function grows beyond the range of float64 at t = {first:g} s; ask for earlier times")
+            raise Overflow(f"the value at t = {first:g} s lies beyond the range of float64; ask for earlier times")
         return values if times.ndim else values[:, 0]
 
     def _values(self, times) -> np.ndarray:

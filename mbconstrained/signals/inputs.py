@@ -57,6 +57,10 @@ class ImpulsiveSmooth:
         impulses = tuple(_entry(self, k) + _entry(other, k) for k in range(count))
         return ImpulsiveSmooth(self.smooth + other.smooth, impulses)
 
+    def __radd__(self, other) -> ImpulsiveSmooth:
+        """0 + f, so that sum() of inputs works."""
+        return self if isinstance(other, (int, float)) and other == 0 else NotImplemented
+
     def __mul__(self, factor: float) -> ImpulsiveSmooth:
         return ImpulsiveSmooth(self.smooth * factor, tuple(g * factor for g in self.impulses))
 
@@ -81,7 +85,7 @@ def term(vector, *, power: int = 0, rate: float = 0.0, angular_frequency: float 
     >>> float(term([2.0], power=2)(3.0)[0])
     18.0
     """
-    vector = real_array(vector, "vector", shape=(None,))
+    vector = _vector(vector)
     power = whole_number(power, "power")
     rate, phase = real_number(rate, "rate"), real_number(phase, "phase")
     frequency = real_number(angular_frequency, "angular_frequency")
@@ -118,13 +122,13 @@ def power(vector, gamma: int) -> ImpulsiveSmooth:
         return impulse(vector, order=-int(gamma))
     if gamma > LARGEST_FACTORIAL:
         raise InputError(f"gamma: found {gamma}; (gamma - 1)! leaves the range of float64 beyond {LARGEST_FACTORIAL}")
-    vector = real_array(vector, "vector", shape=(None,))
+    vector = _vector(vector)
     return _chain(vector[:, None] / math.factorial(gamma - 1), np.zeros((1, 1)), int(gamma) - 1)
 
 
 def impulse(vector, order: int = 0) -> ImpulsiveSmooth:
     """v delta^(order)(t): a Dirac impulse at t = 0, or its derivative."""
-    vector = real_array(vector, "vector", shape=(None,))
+    vector = _vector(vector)
     order = whole_number(order, "order")
     zeros = tuple(np.zeros_like(vector) for _ in range(order))
     return ImpulsiveSmooth(zero(len(vector)).smooth, (*zeros, vector))
@@ -133,6 +137,12 @@ def impulse(vector, order: int = 0) -> ImpulsiveSmooth:
 def harmonic(vector, *, angular_frequency: float, phase: float = 0.0) -> ImpulsiveSmooth:
     """v cos(w t + p) for t >= 0, w in rad/s, p in rad."""
     return term(vector, angular_frequency=angular_frequency, phase=phase)
+
+
+def _vector(value) -> np.ndarray:
+    if np.ndim(value) == 0 and not isinstance(value, str):
+        raise InputError(f"vector: found {value!r}; expected a list with one number for each row, e.g. [1.0, 0.0]")
+    return real_array(value, "vector", shape=(None,))
 
 
 def _chain(coefficients, diagonal, power) -> ImpulsiveSmooth:

@@ -65,3 +65,11 @@ def test_rows_must_fit_the_system():
         MechanicalSystem(np.eye(2), constraints=[Constraint([1, 0], names="tie"), Constraint([0, 1], names="tie")])
     with pytest.raises(InputError, match="found list; make each with mb.Constraint"):
         MechanicalSystem(np.eye(2), constraints=[[1, 0]])
+
+
+def test_none_is_no_constraint_and_a_unit_is_checked():
+    assert MechanicalSystem([[1.0]], constraints=None).rows == ()
+    with pytest.raises(InputError, match='unit of the constraint: found .kg.; expected "m", "rad" or "1"'):
+        Constraint([1.0], unit="kg")
+    with pytest.raises(InputError, match='unit of b: found .kg.; expected'):
+        MechanicalSystem(np.eye(2), names=["a", "b"], units=["m", "kg"])

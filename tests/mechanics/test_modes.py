@@ -140,15 +140,16 @@ def test_what_symmetry_rules_out_does_not_appear(seed):
 
 def test_computed_zeros_are_freed_of_what_cannot_be():
     anything, passive, reversible, both = (Conservation(p, q) for p, q in ((False, False), (True, False), (False, True), (True, True)))
-    assert cleaned(1e-3 + 1j, anything) == 1e-3 + 1j
-    assert cleaned(1e-9 + 1j, anything) == 1j  # less growth than the rounding of a double zero
-    assert cleaned(-1e-9 + 1j, anything) == -1e-9 + 1j
-    assert cleaned(-1e-17 + 1j, anything) == 1j
-    assert cleaned(1e-3 + 1j, passive) == 1j
-    assert cleaned(-1e-9 + 1j, passive) == -1e-9 + 1j
-    assert cleaned(1e-3 + 1j, reversible) == 1j
-    assert cleaned(1 + 1e-3j, reversible) == 1
-    assert cleaned(1e-9 + 0j, both) == 0
+    assert cleaned(1e-3 + 1j, 2, anything) == 1e-3 + 1j
+    assert cleaned(1e-9 + 1j, 2, anything) == 1j  # less growth than the rounding of a double zero
+    assert cleaned(1e-9 + 1j, 1, anything) == 1e-9 + 1j  # a simple zero is known better: this one grows
+    assert cleaned(-1e-9 + 1j, 2, anything) == -1e-9 + 1j
+    assert cleaned(-1e-17 + 1j, 1, anything) == 1j
+    assert cleaned(1e-3 + 1j, 1, passive) == 1j
+    assert cleaned(-1e-9 + 1j, 1, passive) == -1e-9 + 1j
+    assert cleaned(1e-3 + 1j, 1, reversible) == 1j
+    assert cleaned(1 + 1e-3j, 1, reversible) == 1
+    assert cleaned(1e-9 + 0j, 1, both) == 0
 
 
 def test_equal_oscillators_share_a_zero_with_two_shapes():
@@ -222,3 +223,10 @@ def test_the_table_is_text():
 def test_undetermined_motion_is_refused():
     with pytest.raises(mb.SingularPolynomialMatrix, match="x2"):
         MechanicalSystem(np.diag([1.0, 0.0])).modes()
+
+
+def test_slow_growth_is_called_growth():
+    # x'' - 2e-9 x' + x = 0: zeros 1e-9 +- i
+    system = MechanicalSystem([[1.0]], [[-2e-9]], [[1.0]])
+    assert [mode.kind for mode in system.modes().zeros] == ["growth"]
+    assert any(notice.kind == "unstable" for notice in system.solve([1.0]).notices)

@@ -122,7 +122,7 @@ def test_shapes_follow_the_times():
     [
         (-1e-9, "time: found -1e-09 s; the function is defined for t >= 0"),
         ([1.0, -2.0], "time: found -2 s"),
-        (np.nan, "time: the entry at .* is nan"),
+        (np.nan, "time: found nan; expected a finite number"),
         ([0.0, np.inf], "time: the entry at .* is inf"),
         ([[1.0]], r"time: expected a number or a list of numbers, found an array of shape \(1, 1\)"),
         ("soon", "time: found .*'soon'.*; expected numbers"),
@@ -148,7 +148,7 @@ def test_a_late_time_in_the_same_call_costs_an_early_one_no_accuracy():
 def test_growth_beyond_float64_is_an_overflow_in_words():
     growth = mb.term([1.0], rate=1.0).smooth
     assert growth(709.0)[0] == pytest.approx(np.exp(709.0), rel=1e-12)
-    with pytest.raises(mb.Overflow, match="grows beyond the range of float64"):
+    with pytest.raises(mb.Overflow, match="beyond the range of float64"):
         growth([1.0, 710.0, 720.0])
 
 
