@@ -113,7 +113,7 @@ def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth) ->
     through = np.zeros_like(f.coefficients)
     for index, derivative in enumerate(f.derivatives(form.highest_impulse + 1)):
         through = through + form.laurent(index).cleaned() @ derivative
-    amplitude = _power_of_two_of(np.vstack([drive, through]))  # both near 1, or less where one outweighs the other
+    amplitude = _amplitudes(np.vstack([drive, through]), force.smooth.blocks)
     augmented = np.zeros((n + m, n + m))
     augmented[:n, :n], augmented[:n, n:], augmented[n:, n:] = form.T, drive / amplitude, f.generator
     output = np.hstack([form.C, through / amplitude])
@@ -125,6 +125,16 @@ def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth) ->
         parts.inverse @ np.concatenate([start.finite, amplitude * f.start]),
     )
     return function, parts.coupling
+
+
+def _amplitudes(columns, blocks) -> np.ndarray:
+    """Powers of two, one for all states of a block, that bring the largest entry of its columns near 1.
+
+    Each term of the force is measured by itself: a small one must not be lost beside a large one.
+    """
+    ends = np.cumsum([0, *map(len, blocks)])
+    parts = [np.full(end - begin, _power_of_two_of(columns[:, begin:end])) for begin, end in zip(ends, ends[1:])]
+    return np.concatenate([np.ones(0), *parts])
 
 
 def inconsistency_of(form, stack, f) -> Noisy:

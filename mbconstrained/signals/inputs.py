@@ -17,6 +17,9 @@ from .bohl import BohlFunction
 #: The largest n with (n - 1)! in the range of float64.
 LARGEST_FACTORIAL = 171
 
+#: Units of rate are kept within 2^(+-this / power), so that unit^power leaves room for the coefficients.
+LARGEST_UNIT_EXPONENT = 300
+
 
 @dataclass(frozen=True)
 class ImpulsiveSmooth:
@@ -146,18 +149,28 @@ def _vector(value) -> np.ndarray:
 
 
 def _chain(coefficients, diagonal, power) -> ImpulsiveSmooth:
-    """The function whose states are t^j e^{diagonal t}, j = power .. 0, read off the highest one.
+    """The function whose states are (u t)^j e^{diagonal t}, j = power .. 0, read off the highest one.
 
-    The highest power comes first: the generator is then upper (quasi-)triangular, like a real Schur form.
+    The highest power comes first: the generator is then upper (quasi-)triangular, like a real Schur form. The unit u
+    is near the rates, so that the couplings of the states are of their size whatever the unit of time is.
     """
-    size = len(diagonal)
-    steps = np.diag(np.arange(power, 0, -1.0), k=1) if power else np.zeros((1, 1))
+    size, unit = len(diagonal), _rate_unit(diagonal, power)
+    steps = unit * np.diag(np.arange(power, 0, -1.0), k=1) if power else np.zeros((1, 1))
     generator = np.kron(np.eye(power + 1), diagonal) + np.kron(steps, np.eye(size))
     start = np.zeros(size * (power + 1))
     start[-size] = 1.0
     rows = np.zeros((len(coefficients), size * (power + 1)))
-    rows[:, :size] = coefficients
+    rows[:, :size] = coefficients / unit**power
     return ImpulsiveSmooth(BohlFunction(rows, (generator,), start))
+
+
+def _rate_unit(diagonal, power) -> float:
+    """A power of two near the largest rate (1 where all are zero) whose power stays within the range of float64."""
+    rate = np.abs(diagonal).max()
+    if rate == 0 or power == 0:
+        return 1.0
+    largest = LARGEST_UNIT_EXPONENT / power
+    return float(2.0 ** np.round(np.clip(np.log2(rate), -largest, largest)))
 
 
 def _entry(f: ImpulsiveSmooth, k: int) -> np.ndarray:

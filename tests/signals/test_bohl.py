@@ -52,6 +52,15 @@ def test_derivatives_agree_with_the_complex_step(p):
     assert np.allclose(term(**p).derivative()(times), np.outer([1.0, -2.0], value.imag / step), rtol=1e-12, atol=1e-12)
 
 
+@pytest.mark.parametrize("unit", [1e-12, 1e-7, 1e-4, 1e-2, 1.0, 1e3, 1e9])
+@pytest.mark.parametrize("power", [0, 1, 2, 3, 6])
+def test_a_term_is_the_same_in_any_unit_of_time(unit, power):
+    """(w t)^k e^{-w t} cos w t of w t, from a slow tide to a fast resonator."""
+    term = mb.term([unit**power], power=power, rate=-unit, angular_frequency=unit)
+    u = np.array([0.0, 0.3, 1.0, 4.0])
+    assert np.allclose(term(u / unit)[0], u**power * np.exp(-u) * np.cos(u), rtol=0, atol=1e-12 * 4.0**power)
+
+
 def test_derivatives_compose():
     f = term(power=3, rate=-1.0, frequency=2.0)
     assert np.allclose(f.derivative(3)(TIMES), f.derivative().derivative(2)(TIMES), rtol=1e-13)
