@@ -137,6 +137,39 @@ def test_results_that_cannot_be_written_are_two(command, tmp_path, place):
     assert (tmp_path / "taken").read_text() == "a file, not a folder"
 
 
+@pytest.mark.parametrize("work", ["run", "check", "plan"])
+def test_a_data_file_that_cannot_be_read_is_one_and_about_the_scene(command, tmp_path, work):
+    path = tmp_path / "scene.toml"
+    path.write_text(f'[model]\nkind = "matrices"\nmass = "{"a" * 300}.csv"\n[time]\nend = 1\n')
+    code, out, err = command(work, path)
+    assert (code, out) == (1, "")
+    assert err.startswith("scene.toml: model.mass: ") and "the file cannot be read (File name too long)" in err
+
+
+def test_what_the_system_says_while_reading_is_no_writing_error(command, monkeypatch):
+    def failing(*_):
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr("mbconstrained.scene.scene.read_scene", failing)
+    code, _, err = command("check", TWO_MASSES)
+    assert code == 1 and err.startswith("two_masses.toml: the scene or a file of it cannot be read: ")
+
+
+@pytest.mark.parametrize("ending", ["html", "csv", "npz"])
+def test_results_are_replaced_together_or_not_at_all(command, tmp_path, ending):
+    assert command("run", TWO_MASSES, "--out", "out")[0] == 0
+    folder = tmp_path / "out"
+    for file in folder.iterdir():
+        file.write_text("earlier")
+    (folder / f"two_masses.{ending}").unlink()
+    (folder / f"two_masses.{ending}").mkdir()
+    code, _, err = command("run", TWO_MASSES, "--out", "out")
+    assert code == 2 and "Is a directory" in err and f"two_masses.{ending}" in err
+    assert len(list(folder.iterdir())) == 3
+    assert [file.read_text() for file in folder.iterdir() if file.is_file()] == ["earlier"] * 2
+
+
+
 BAD = {
     "misspelt key": ("stiffness = [[2", "stifness = [[2", 'did you mean "stiffness"'),
     "wrong unit": ('"0.8 m"', '"0.8 kg"', 'found "0.8 kg", a mass; expected a length'),

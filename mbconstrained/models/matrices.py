@@ -25,7 +25,7 @@ def read_matrix(path: str | Path, array: str | None = None) -> np.ndarray:
         A float64 array of two dimensions.
 
     Raises:
-        InputError: no such file, unknown ending, too large, unreadable, unknown array, not a matrix of real numbers.
+        InputError: no such file, unknown ending, too large, cannot be read, unknown array, not a matrix of real numbers.
 
     >>> import pathlib, tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -41,8 +41,11 @@ def read_matrix(path: str | Path, array: str | None = None) -> np.ndarray:
         raise InputError(f"{path.name}: expected a file that ends in {', '.join(readers)}")
     if array is not None and reader is not _from_npz:
         raise InputError(f"{path.name}: only .npz files hold named arrays; leave out the name {array}")
-    _check_file(path)
-    matrix = reader(path, array) if reader is _from_npz else reader(path)
+    try:
+        _check_file(path)
+        matrix = reader(path, array) if reader is _from_npz else reader(path)
+    except OSError as problem:
+        raise InputError(f"{path.name}: the file cannot be read ({problem.strerror or problem})") from None
     return real_array(matrix, path.name, shape=(None, None))
 
 
@@ -57,6 +60,8 @@ def _check_file(path: Path) -> None:
         raise InputError(f"{path.name}: the file has {size:,} bytes; at most {LARGEST_FILE:,} are read")
     if size == 0:
         raise InputError(f"{path.name}: the file is empty")
+    with open(path, "rb"):  # not every reader says so itself when the file may not be read
+        return
 
 
 def _check_size(path: Path, shape: tuple[int, ...]) -> None:
@@ -74,7 +79,7 @@ def _from_npz(path: Path, array: str | None) -> np.ndarray:
             return arrays[name]
     except InputError:
         raise
-    except (OSError, ValueError, EOFError, MemoryError, NotImplementedError, RuntimeError, zipfile.BadZipFile) as problem:
+    except (ValueError, EOFError, MemoryError, NotImplementedError, RuntimeError, zipfile.BadZipFile) as problem:
         raise InputError(f"{path.name}: not an .npz file of plain numbers ({_first_line(problem)})") from None
 
 
@@ -97,7 +102,7 @@ def _from_matrix_market(path: Path) -> np.ndarray:
         return scipy.io.mmread(path)
     except InputError:
         raise
-    except (OSError, ValueError, TypeError, OverflowError, MemoryError) as problem:
+    except (ValueError, TypeError, OverflowError, MemoryError) as problem:
         raise InputError(f"{path.name}: not a Matrix Market file ({_first_line(problem)})") from None
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..checks import names_of, real_array
+from ..checks import names_of, real_array, whole_number
 from ..errors import InputError
 from ..notices import Notice
 from .drawing import Drawing
@@ -49,10 +49,18 @@ class Animation:
 
 @dataclass(frozen=True)
 class Curve:
-    """One line of a plot: a name for the legend and values at the plot's times, shape (T,)."""
+    """One line of a plot.
+
+    Attributes:
+        name: for the legend.
+        values: shape (T,), at the plot's times.
+        color: number of its colour and dashes; for a coordinate its place among the animation's names, so that the curve
+            has the colour of the body that it moves. None for the place in the plot.
+    """
 
     name: str
     values: np.ndarray
+    color: int | None = None
 
 
 @dataclass(frozen=True)
@@ -76,12 +84,14 @@ class Plot:
 
     def __post_init__(self):
         times = _times(self.times, f'plot "{self.title}", times')
-        curves = tuple(
-            Curve(str(curve.name), drawable(curve.values, f'plot "{self.title}", curve "{curve.name}"', times.shape))
-            for curve in self.curves
-        )
+        curves = tuple(self._checked(curve, place, times.shape) for place, curve in enumerate(self.curves))
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "curves", curves)
+
+    def _checked(self, curve: Curve, place: int, shape: tuple[int, ...]) -> Curve:
+        where = f'plot "{self.title}", curve "{curve.name}"'
+        color = place if curve.color is None else whole_number(curve.color, f"{where}, color", minimum=0)
+        return replace(curve, name=str(curve.name), values=drawable(curve.values, where, shape), color=color)
 
 
 @dataclass(frozen=True)

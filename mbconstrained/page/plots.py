@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import html
+from dataclasses import replace
 
 import numpy as np
 
-from .content import Plot
+from .content import Curve, Plot
 from .figure import PALETTE
 from .ticks import Axis, axis_of
+from .typeset import raised, superscript
 
 HALF_WIDTH, FULL_WIDTH = 520, 1080  # of a plot beside another one, and of one alone, about one unit to a pixel
 HEIGHT, LEFT, TOP, BOTTOM, RIGHT_MARGIN = 270, 62, 12, 226, 14
@@ -16,15 +18,20 @@ HEIGHT, LEFT, TOP, BOTTOM, RIGHT_MARGIN = 270, 62, 12, 226, 14
 #: A curve of more points than the picture has pixels is drawn by the lowest and highest value of each pixel column.
 MOST_POINTS = 1200
 
+#: More curves than this in one picture cannot be told apart; the first are drawn.
+MOST_CURVES = 12
+
 _DASHES = ("", "7 4", "2 4", "9 4 2 4")
-_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def plot_figure(plot: Plot, *, alone: bool = False) -> str:
     """One <figure>: title, axes with units, curves, cursor and legend. Every text of the user is escaped."""
-    title = html.escape(plot.title)
-    body = plot_svg(plot, FULL_WIDTH if alone else HALF_WIDTH) if plot.curves else '<p class="note">no curves</p>'
-    return f'<figure>\n<h2>{title}</h2>\n{body}\n<ul class="legend">{_legend(plot)}</ul>\n</figure>'
+    title, count = html.escape(plot.title), len(plot.curves)
+    plot = replace(plot, curves=plot.curves[:MOST_CURVES])
+    body = plot_svg(plot, FULL_WIDTH if alone else HALF_WIDTH) if count else '<p class="note">no curves</p>'
+    left_out = f'\n<p class="note">the first {MOST_CURVES} of {count} curves</p>' if count > MOST_CURVES else ""
+    kind = ' class="wide"' if alone else ""
+    return f'<figure{kind}>\n<h2>{title}</h2>\n{body}\n<ul class="legend">{_legend(plot)}</ul>{left_out}\n</figure>'
 
 
 def plot_svg(plot: Plot, width: int = HALF_WIDTH) -> str:
@@ -35,7 +42,7 @@ def plot_svg(plot: Plot, width: int = HALF_WIDTH) -> str:
     up = axis_of(values.min(), values.max())
     x = _x(across, plot.times, right)
     parts = [_grid(across, up, right), _axis_titles(plot, across, up, right)]
-    parts += [_curve(i, x, _y(up, row)) for i, row in enumerate(values)]
+    parts += [_curve(curve, x, _y(up, curve.values)) for curve in plot.curves]
     parts.append(f'<g class="cursor" visibility="hidden"><line y1="{TOP}" y2="{BOTTOM}"/></g>')
     start, end = float(plot.times[0]), float(plot.times[-1])
     return (
@@ -78,18 +85,18 @@ def _axis_titles(plot: Plot, across: Axis, up: Axis, right: int) -> str:
 
 def _quantity(name: str, unit: str, exponent: int) -> str:
     """Such as "displacement in 10⁻³ m"; a long name would not fit beside the axis and is left to the heading."""
-    factor = f"10{str(exponent).translate(_SUPERSCRIPT)}" if exponent else ""
-    name, unit = (text if len(text) <= 20 else text[:19] + "…" for text in (name, unit))
+    factor = f"10{superscript(exponent)}" if exponent else ""
+    name, unit = (text if len(text) <= 20 else text[:19] + "…" for text in (name, raised(unit)))
     measure = " ".join(filter(None, (factor, unit)))
     return f"{name} in {measure}" if measure else name
 
 
-def _curve(number: int, x: np.ndarray, y: np.ndarray) -> str:
+def _curve(curve: Curve, x: np.ndarray, y: np.ndarray) -> str:
     x, y = _thinned(x, y)
     if len(x) == 1:
-        return f'<circle cx="{x[0]:.2f}" cy="{y[0]:.2f}" r="3.5" fill="{_color(number)}"/>'
+        return f'<circle cx="{x[0]:.2f}" cy="{y[0]:.2f}" r="3.5" fill="{_color(curve.color)}"/>'
     points = " ".join(f"{a:.2f},{b:.2f}" for a, b in zip(x, y))
-    return f'<polyline class="curve" {_stroke(number)} points="{points}"/>'
+    return f'<polyline class="curve" {_stroke(curve.color)} points="{points}"/>'
 
 
 def _thinned(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -103,9 +110,9 @@ def _thinned(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _legend(plot: Plot) -> str:
     return "".join(
-        f'<li><svg width="26" height="8"><path d="M1 4H25" stroke-width="2.4" {_stroke(i)}/></svg>'
+        f'<li><svg width="26" height="8"><path d="M1 4H25" stroke-width="2.4" {_stroke(curve.color)}/></svg>'
         f'<span title="{html.escape(curve.name)}">{html.escape(curve.name)}</span></li>'
-        for i, curve in enumerate(plot.curves)
+        for curve in plot.curves
     )
 
 

@@ -8,6 +8,7 @@ import re
 from ..notices import Notice
 from .content import PageContent, Plot, Table
 from .plots import plot_figure
+from .typeset import typeset
 from .viewer import viewer_licences
 
 
@@ -18,8 +19,9 @@ def header(content: PageContent) -> str:
 
 
 def plot_figures(plots: tuple[Plot, ...]) -> str:
-    """All plots, side by side where the window is wide enough; one alone takes the whole width."""
-    figures = "\n".join(plot_figure(plot, alone=len(plots) == 1) for plot in plots)
+    """All plots, in pairs side by side where the window is wide enough; one without a partner takes the whole width."""
+    paired = len(plots) - len(plots) % 2
+    figures = "\n".join(plot_figure(plot, alone=i >= paired) for i, plot in enumerate(plots))
     return f'<div class="plots">\n{figures}\n</div>' if plots else ""
 
 
@@ -33,19 +35,19 @@ def notice_section(notices: tuple[Notice, ...]) -> str:
 
 def _notice(notice: Notice) -> str:
     kind, label = ("notice doubtful", "Warning") if notice.doubtful else ("notice", "Note")
-    return f'<p class="{kind}"><b>{label} ({html.escape(notice.kind)}):</b> {html.escape(notice.text)}</p>'
+    return f'<p class="{kind}"><b>{label} ({html.escape(notice.kind)}):</b> {typeset(notice.text)}</p>'
 
 
 def table_section(table: Table) -> str:
     """A titled table; columns of numbers are set flush right."""
     columns = list(zip(*table.rows)) or [()] * len(table.columns)
     kinds = [' class="number"' if column and all(map(_is_number, column)) else "" for column in columns]
-    head = "".join(f'<th scope="col"{kind}>{html.escape(text)}</th>' for kind, text in zip(kinds, table.columns))
+    head = "".join(f'<th scope="col"{kind}>{typeset(text)}</th>' for kind, text in zip(kinds, table.columns))
     rows = "".join(
-        "<tr>" + "".join(f"<td{kind}>{html.escape(cell)}</td>" for kind, cell in zip(kinds, row)) + "</tr>\n"
+        "<tr>" + "".join(f"<td{kind}>{typeset(cell)}</td>" for kind, cell in zip(kinds, row)) + "</tr>\n"
         for row in table.rows
     )
-    note = f'<p class="note">{html.escape(table.note)}</p>' if table.note else ""
+    note = f'<p class="note">{typeset(table.note)}</p>' if table.note else ""
     return (
         f'<section>\n<h2>{html.escape(table.title)}</h2>\n<div class="scroll"><table>\n'
         f"<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>{note}\n</section>"
@@ -53,12 +55,12 @@ def table_section(table: Table) -> str:
 
 
 def _is_number(cell: str) -> bool:
-    return re.match(r"[-+−±]?\d|[-–—]?$", cell) is not None
+    return re.match(r"[-+−]?(± ?)?\d|[-–—]?$", cell) is not None
 
 
 def footer(facts: tuple[tuple[str, str], ...], *, with_viewer: bool) -> str:
     """Facts, and the licences of what the page passes on."""
-    rows = "".join(f"<dt>{html.escape(label)}</dt><dd>{html.escape(text)}</dd>" for label, text in facts)
+    rows = "".join(f"<dt>{html.escape(label)}</dt><dd>{typeset(text)}</dd>" for label, text in facts)
     facts_list = f"<dl>{rows}</dl>\n" if facts else ""
     licences = (
         f"<details><summary>Licences of the 3-D viewer</summary><pre>{html.escape(viewer_licences())}</pre></details>\n"

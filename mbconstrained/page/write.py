@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 from ..errors import InputError
+from ..replacing import replacing
 from .content import PageContent
 from .html import page_html
 
@@ -21,12 +21,9 @@ def write_page(path, content: PageContent) -> Path:
     """
     path = Path(path)
     text = page_html(content)
-    beside = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        beside.write_bytes(text.encode("utf-8", errors="replace"))
-        os.replace(beside, path)
+        with replacing(path) as beside:
+            beside.write_bytes(text.encode("utf-8", errors="replace"))
     except OSError as error:
         raise InputError(f'the page "{path}" cannot be written: {error.strerror or error}; give another place') from None
-    finally:
-        beside.unlink(missing_ok=True)
     return path

@@ -87,7 +87,7 @@ class PolynomialMatrix:
         except SingularPencil:
             return False
         except IllConditioned:  # said of regular matrices only
-            pass
+            return True
         return True
 
     def structure(self) -> Structure:

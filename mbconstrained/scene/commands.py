@@ -83,10 +83,9 @@ def _answer(path: str, json: bool, work: Callable[[Scene], int | None]) -> None:
     """Read the scene, do the work, and leave with the exit code that says how it went."""
     from ..errors import MbconstrainedError, SceneError
     from .printing import show_error
-    from .scene import read_scene
 
     try:
-        code = work(read_scene(path)) or FINE
+        code = work(_read(path)) or FINE
     except MbconstrainedError as problem:
         named = str(problem) if isinstance(problem, SceneError) else f"{Path(path).name}: {problem}"
         code = show_error(named, json, SCENE_WRONG)
@@ -95,3 +94,14 @@ def _answer(path: str, json: bool, work: Callable[[Scene], int | None]) -> None:
     except MemoryError:
         code = show_error(f"{Path(path).name}: this needs more memory than there is; ask for fewer points", json, SCENE_WRONG)
     raise typer.Exit(code)
+
+
+def _read(path: str) -> Scene:
+    """The scene; what the system says while it is read is about the scene, not about the results."""
+    from ..errors import SceneError
+    from .scene import read_scene
+
+    try:
+        return read_scene(path)
+    except OSError as problem:
+        raise SceneError(f"{Path(path).name}: the scene or a file of it cannot be read: {problem}") from None

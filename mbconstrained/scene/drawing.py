@@ -26,7 +26,7 @@ def _drawing(result: Result) -> Drawing:
         return drawing_of(table, result.scene.path.name)
     if equations.model is not None:
         return lumped_drawing(equations.model.elements, equations.coordinates.names, result.values)
-    return coordinate_drawing(equations.coordinates.names, result.values)
+    return coordinate_drawing(equations.coordinates.names, result.values, equations.coordinates.units)
 
 
 def drawing_of(table, file_name: str) -> Drawing:

@@ -104,7 +104,8 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
     for number, row in enumerate(table.model.constraint, 1):
         with at(file_name, f"model.constraint[{number}]"):
             coefficients, value = _row(row, coordinates), constraint_value(row, coordinates)
-            constraints.append(Constraint(coefficients, level=row.level, value=value, names=row.name))
+            unit = _common_unit(row, coordinates)
+            constraints.append(Constraint(coefficients, level=row.level, value=value, names=row.name, unit=unit))
     units = dict(zip(coordinates.names, coordinates.units))
     with at(file_name, "model"):
         system = MechanicalSystem(**matrices, constraints=constraints, names=coordinates.names, units=units)
@@ -149,6 +150,12 @@ def _coordinates(model, count: int, file_name: str) -> Coordinates:
         plain = Coordinates(names, ("m",) * count)
         units = {plain.number(name): unit for name, unit in model.units.items()}
     return Coordinates(names, tuple(units.get(i, "m") for i in range(count)))
+
+
+def _common_unit(table, coordinates: Coordinates) -> str | None:
+    """The unit of the coordinates named in a row, also of those with the factor 0; None where it differs."""
+    units = {coordinates.units[coordinates.number(name)] for name in table.rows}
+    return units.pop() if len(units) == 1 else None
 
 
 def _row(table, coordinates: Coordinates) -> np.ndarray:

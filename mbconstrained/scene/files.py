@@ -23,7 +23,10 @@ def data_file(folder: Path, name: str) -> Path:
     if Path(name).is_absolute():
         raise InputError(f"found {shown(name)}, an absolute path; {rule}")
     folder = folder.resolve()
-    path = (folder / name).resolve()
+    try:
+        path = (folder / name).resolve()
+    except (OSError, RuntimeError):  # Python before 3.13 has the second for a circle of links
+        raise InputError(f"found {shown(name)}, which is a link that leads in a circle; name the file itself") from None
     if not path.is_relative_to(folder):
         raise InputError(f"found {shown(name)}, which leads out of the folder; {rule}")
     return path

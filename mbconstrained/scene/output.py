@@ -1,10 +1,7 @@
-"""Trajectories as CSV and as NumPy arrays; a file takes its place only when it is complete."""
+"""Trajectories as CSV and as NumPy arrays."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,23 +11,6 @@ if TYPE_CHECKING:
     from .result import Result
 
 
-@contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """A path beside the given one that takes its place at the end, unless something goes wrong."""
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        yield beside
-        os.replace(beside, path)
-    finally:
-        beside.unlink(missing_ok=True)
-
-
-def write_text(path: Path, text: str) -> None:
-    """A text in UTF-8, with line ends as they are."""
-    with replacing(path) as beside:
-        beside.write_bytes(text.encode("utf-8"))
-
-
 def write_csv(path: Path, result: Result) -> None:
     """One line for each time: time, then every curve asked for, headed by name and unit, with 17 digits."""
     blocks = [result.curves(kind) for kind in result.kinds]
@@ -38,8 +18,7 @@ def write_csv(path: Path, result: Result) -> None:
     for block in blocks:
         heads += [f"{name} {title} ({unit})" for name, title, unit in zip(block.names, block.titles, block.units)]
     columns = np.vstack([result.times, *(block.values for block in blocks)])
-    with replacing(path) as beside:
-        np.savetxt(beside, columns.T, fmt="%.17g", delimiter=",", header=",".join(heads), comments="", encoding="utf-8")
+    np.savetxt(path, columns.T, fmt="%.17g", delimiter=",", header=",".join(heads), comments="", encoding="utf-8")
 
 
 def write_npz(path: Path, result: Result) -> None:
@@ -54,7 +33,7 @@ def write_npz(path: Path, result: Result) -> None:
     arrays["impulses"] = np.array(motion.impulses).reshape(len(motion.impulses), motion.jump.shape[1])
     for name, pair in _pairs(result):
         arrays |= {f"{name}_C": pair.C, f"{name}_J": pair.J, f"{name}_B": pair.B}
-    with replacing(path) as beside, open(beside, "wb") as file:
+    with open(path, "wb") as file:  # by its name alone, np.savez would put .npz behind it
         np.savez(file, **arrays)
 
 

@@ -48,6 +48,8 @@ def _content(path: Path) -> bytes:
             return file.read(LARGEST_SCENE + 1)
     except FileNotFoundError:
         raise SceneError(f"{path}: there is no such file{_near(path)}") from None
+    except SceneError:  # a ValueError as well
+        raise
     except (OSError, ValueError) as problem:
         reason = getattr(problem, "strerror", None) or str(problem)
         raise SceneError(f"{quoted(str(path))}: the file cannot be read ({reason})") from None

@@ -1,22 +1,16 @@
-"""From a result to its page."""
+"""From a result to what its page shows."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..page import html
 from ..page.content import Curve, PageContent, Plot, Table
 from .curves import ORDERS
-from .tables import tables_of
+from .tables import notices_of, tables_of
 
 if TYPE_CHECKING:
     from .curves import Curves
     from .result import Result
-
-
-def page_html(result: Result) -> str:
-    """The page of a result."""
-    return html.page_html(page_content(result))
 
 
 def page_content(result: Result) -> PageContent:
@@ -28,7 +22,7 @@ def page_content(result: Result) -> PageContent:
         animation=result.animation if output.animation else None,
         plots=tuple(plot for kind in output.plots for plot in _plots(result, result.curves(kind))),
         tables=tuple(Table(table.title, table.columns, table.rows, table.note) for table in tables_of(result)),
-        notices=result.notices,
+        notices=notices_of(result),
         facts=_facts(result),
     )
 
@@ -39,7 +33,7 @@ def _plots(result: Result, curves: Curves) -> list[Plot]:
     keep = [i for i, name in enumerate(curves.names) if wanted is None or name in wanted]
     groups: dict[tuple[str, str], list[Curve]] = {}
     for i in keep:
-        groups.setdefault((curves.titles[i], curves.units[i]), []).append(Curve(curves.names[i], curves.values[i]))
+        groups.setdefault((curves.titles[i], curves.units[i]), []).append(Curve(curves.names[i], curves.values[i], i))
     return [Plot(title, unit, result.times, tuple(drawn)) for (title, unit), drawn in groups.items()]
 
 

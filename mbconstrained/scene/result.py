@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,8 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..notices import Notice
+from ..replacing import Replacements
 from ..tolerances import TRUST_LIMIT
 from .curves import ORDERS, Curves, coordinate_curves, energy_curves, reaction_curves
+from .happenings import with_units
 from .plan import Plan
 
 if TYPE_CHECKING:
@@ -36,6 +40,7 @@ class Result:
         self.folder = folder
         self.files: list[Path] = []
         self._curves: dict[str, Curves] = {}
+        self._together: Replacements | None = None
 
     @property
     def system(self) -> MechanicalSystem | None:
@@ -101,7 +106,7 @@ class Result:
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """What is worth knowing, and what makes the answer doubtful."""
-        notices = self.motion.notices
+        notices = self.motion.notices if self.system else with_units(self.motion, self.scene.equations.coordinates)
         if self.error_estimate <= TRUST_LIMIT:
             return notices
         text = f"the estimated relative error is {self.error_estimate:.2g}: the data do not determine the answer well enough"
@@ -121,10 +126,10 @@ class Result:
 
     def write_page(self, path: str | Path | None = None) -> Path:
         """Write the page; without a path into the folder of the run, named after the scene."""
-        from .output import write_text
-        from .report import page_html
+        from ..page import page_html
+        from .report import page_content
 
-        return self._written("html", path, lambda path: write_text(path, page_html(self)))
+        return self._written("html", path, lambda path: path.write_bytes(page_html(page_content(self)).encode("utf-8")))
 
     def write_csv(self, path: str | Path | None = None) -> Path:
         """Write the curves as CSV, one line for each time."""
@@ -141,9 +146,22 @@ class Result:
     def _written(self, ending: str, path, write) -> Path:
         path = Path(path) if path is not None else (self.folder or Path()) / f"{self.scene.name}.{ending}"
         path.parent.mkdir(parents=True, exist_ok=True)
-        write(path)
+        with self.writing_together() as files:
+            write(files.beside(path))
         self.files.append(path)
         return path
+
+    @contextmanager
+    def writing_together(self) -> Iterator[Replacements]:
+        """What is written inside takes its place at the end of the outermost block, all of it or nothing."""
+        if self._together is not None:
+            yield self._together
+            return
+        try:
+            with Replacements() as self._together:
+                yield self._together
+        finally:
+            self._together = None
 
     def summary(self) -> str:
         """The answer in words and tables, as it is printed."""

@@ -119,6 +119,8 @@ def _check_drawing(drawing, equations: Equations, file_name: str) -> None:
                 equations.coordinates.number(name)
     for number, link in enumerate(drawing.link if drawing else (), 1):
         with at(file_name, f"drawing.link[{number}]"):
+            if link.start == link.end:
+                raise InputError(f'start and end are the same body, "{link.start}"; name two bodies')
             for name in filter(None, (link.start, link.end, link.over)):
                 if name not in bodies:
                     raise InputError(f'there is no body "{name}" in the drawing{nearest(name, bodies)}')

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
 
 from ..errors import InputError
 from .fields import Name, Quantity, Table, Text, Time
@@ -84,6 +84,13 @@ class OutputTable(Table):
     reactions: bool = Field(False, description="Forces of the constraints in the CSV and npz files.")
     csv: bool = Field(True, description="The trajectories as CSV.")
     npz: bool = Field(True, description="The trajectories, jumps and impulses as NumPy .npz.")
+
+    @field_validator("plots", "coordinates")
+    @classmethod
+    def _once(cls, names):
+        if repeated := next((name for name in names or () if names.count(name) > 1), None):
+            raise InputError(f'"{repeated}" is named twice; once is enough')
+        return names
 
 
 class SceneFile(Table):

@@ -55,14 +55,15 @@ def run_stages(scene: Scene, folder: Path | None, progress: Callable[[Stage], No
     """Run the taken stages one after another and note how long each takes."""
     result = Result(scene, plan_of(scene, writing=folder is not None), folder)
     stages = []
-    for step, stage in zip(STEPS, result.plan.stages):
-        if stage.taken and step.work:
-            if progress:
-                progress(stage)
-            start = time.perf_counter()
-            step.work(result)
-            stage = replace(stage, seconds=time.perf_counter() - start)
-        stages.append(stage)
+    with result.writing_together():
+        for step, stage in zip(STEPS, result.plan.stages):
+            if stage.taken and step.work:
+                if progress:
+                    progress(stage)
+                start = time.perf_counter()
+                step.work(result)
+                stage = replace(stage, seconds=time.perf_counter() - start)
+            stages.append(stage)
     result.plan = Plan(tuple(stages))
     return result
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .tables import TextTable, tables_of
+from .tables import TextTable, notices_of, tables_of
 
 if TYPE_CHECKING:
     from .result import Result
@@ -40,7 +40,8 @@ def plain_table(table: TextTable) -> str:
 
 
 def _notices(result: Result) -> list[str]:
-    return ["Notices\n" + "\n".join(f"  {notice}" for notice in result.notices)] if result.notices else []
+    notices = notices_of(result)
+    return ["Notices\n" + "\n".join(f"  {notice}" for notice in notices)] if notices else []
 
 
 def _files(result: Result) -> list[str]:

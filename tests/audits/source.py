@@ -12,7 +12,7 @@ FILES = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*
 #: The floors, lowest first. A file imports its own folder and floors below; parts on one floor do not import each other,
 #: except on the ground.
 FLOORS = (
-    {"errors", "tolerances", "checks", "notices"},
+    {"errors", "tolerances", "checks", "notices", "replacing"},
     {"linalg"},
     {"signals"},
     {"polynomial"},

@@ -115,3 +115,20 @@ def test_a_folder_is_no_file(tmp_path):
     (tmp_path / "a.csv").mkdir()
     with pytest.raises(InputError, match="expected a file, found something else"):
         read_matrix(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.mtx", "a.npz"])
+def test_a_file_that_may_not_be_read_is_wrong_input(tmp_path, monkeypatch, name):
+    def refused(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    (tmp_path / name).write_text("1")
+    monkeypatch.setattr("builtins.open", refused)
+    monkeypatch.setattr("io.open", refused)
+    with pytest.raises(InputError, match=r"a\.\w+: the file cannot be read \(Permission denied\)"):
+        read_matrix(tmp_path / name)
+
+
+def test_a_name_that_no_file_can_have(tmp_path):
+    with pytest.raises(InputError, match=r"a{300}\.csv: the file cannot be read \(File name too long\)"):
+        read_matrix(tmp_path / ("a" * 300 + ".csv"))

@@ -23,6 +23,7 @@ EMPTY = Drawing(())
         (lambda: Plot("p", "m", [0, 0], ()), "0 s is followed by 0 s"),
         (lambda: Plot("p", "m", [0, 1], (Curve("c", [0, np.inf]),)), 'plot "p", curve "c": the entry at .* is inf'),
         (lambda: Plot("p", "m", [0, 1], (Curve("c", [0]),)), 'plot "p", curve "c": expected shape 2, found 1'),
+        (lambda: Plot("p", "m", [0], (Curve("c", [0], -1),)), 'plot "p", curve "c", color: found -1; expected a whole number'),
         (lambda: Table("t", ("a", "b"), (("1", "2"), ("1",))), 'table "t": row 2 has 1 entries for 2 columns'),
     ],
 )

@@ -15,7 +15,7 @@ import pytest
 
 from mbconstrained.errors import MbconstrainedError
 from mbconstrained.notices import Notice
-from mbconstrained.page import Animation, Drawing, PageContent, Plot, page_html
+from mbconstrained.page import Animation, Curve, Drawing, PageContent, Plot, Table, page_html
 from mbconstrained.page.html import script_json
 from mbconstrained.page.viewer import viewer_script
 from tests.page.contents import HOSTILE, hostile_content, two_masses_content
@@ -147,6 +147,26 @@ def test_columns_of_numbers_are_flush_right():
     page = page_html(two_masses_content())
     assert '<th scope="col">kind</th><th scope="col" class="number">rad/s</th>' in page
     assert '<td>oscillation</td><td class="number">0.7236</td>' in page
+
+
+@pytest.mark.parametrize("cell", ["± 0.276393 i", "-0.5 ± 2 i", "−3", "± 1e-05 i", "0.5 N s^2", "–"])
+def test_a_column_of_complex_numbers_is_flush_right_too(cell):
+    page = page_html(PageContent("t", tables=(Table("t", ("zero",), ((cell,), ("1",))),)))
+    assert page.count('<td class="number">') == 2
+
+
+def test_tables_and_notices_raise_powers_and_keep_complex_numbers_together():
+    table = Table("t", ("zero", "m/s^2"), (("-0.5 ± 0.25 i", "1 N s^2"),), "in kg m^2")
+    page = page_html(PageContent("t", tables=(table,), notices=(Notice("rank", "± 0.25 i is in rad/s^2"),)))
+    for text in (">-0.5\xa0±\xa00.25\xa0i<", ">m/s²<", ">1 N s²<", ">in kg m²<", "±\xa00.25\xa0i is in rad/s²"):
+        assert text in page
+
+
+@pytest.mark.parametrize("count, wide", [(1, 1), (2, 0), (3, 1), (4, 0)])
+def test_a_plot_without_a_partner_spans_the_row(count, wide):
+    plots = tuple(Plot(f"p{i}", "m", [0, 1], (Curve("c", [0, 1]),)) for i in range(count))
+    figures = re.findall(r"<figure.*?</figure>", page_html(PageContent("t", plots=plots)), re.S)
+    assert ['class="wide"' in figure for figure in figures] == [False] * (count - wide) + [True] * wide
 
 
 def test_the_magnification_is_told():

@@ -244,6 +244,23 @@ def test_every_kind_of_drawing_is_drawn(browser, tmp_path, name):
     assert browser.evaluate("mbconstrained.viewer.renderer.info.render.triangles") > 1000
 
 
+def test_a_name_stands_clear_above_its_body(browser, page):
+    # every corner of every body's box, as the camera sees it, is below the name
+    rooms = browser.open(page, "#t=1.25").evaluate("""(() => {
+        const THREE = MeshCat.THREE, stage = mbconstrained.viewer;
+        const pane = document.querySelector("#stage").getBoundingClientRect();
+        return [...document.querySelectorAll(".label")].map((label, i) => {
+            const body = stage.scene_tree.find(["mbconstrained", "bodies", `body ${i}`]).object;
+            const box = new THREE.Box3().setFromObject(body);
+            const heights = [box.min.x, box.max.x].flatMap(x => [box.min.z, box.max.z].map(z =>
+                (1 - new THREE.Vector3(x, box.max.y, z).project(stage.camera).y) / 2 * pane.height));
+            return label.textContent && Math.min(...heights) - (label.getBoundingClientRect().bottom - pane.top);
+        }).filter(Number.isFinite);
+    })()""")
+    assert len(rooms) == 2
+    assert all(2 <= room <= 10 for room in rooms)
+
+
 def test_a_turned_body_is_turned(browser, tmp_path):
     disc = Body("disc", "disc", turns={"angle": (0, -1, 0)}, rest_turn=(0, -0.5, 0))
     animation = Animation(Drawing((disc,), turn_scale=2), ("angle",), [0, 1], [[0, 0.75]])

@@ -7,10 +7,11 @@ import pytest
 
 from mbconstrained.errors import InputError
 from mbconstrained.models import LumpedModel
-from mbconstrained.page import key_frames
+from mbconstrained.page import Animation, key_frames
 from mbconstrained.page.figure import figure_data
 from mbconstrained.page.layout import coordinate_drawing, lumped_drawing
 from mbconstrained.page.layout.joints import groups, joints_of, natural_positions, walk
+from mbconstrained.page.stage import stage_section
 from tests.page.models import gallery
 
 TIMES = np.linspace(0, 10, 51)
@@ -182,6 +183,32 @@ def test_what_hangs_on_a_rope_moves_upwards():
             assert body.moves[coordinate] == (0, 0, 1), body.name
     place = places(drawing)
     assert place["carrier"][2] > place["wheel of pulley c-d"][2] > place["c"][2]
+
+
+def test_known_by_equations_only_places_slide_and_angles_turn():
+    drawing = coordinate_drawing(["x", "f", "q"], np.array([[0.01], [1e9], [0.007]]), ["m", "N", "rad"])
+    assert [(body.name, body.shape) for body in drawing.bodies] == [("rail of x", "rail"), ("x", "box"), ("q", "disc")]
+    assert drawing.bodies[2].turns and not drawing.bodies[2].moves
+    assert (drawing.scale, drawing.turn_scale) == (200.0, 100.0)  # 2.4 / 0.01 and 0.7 / 0.007, rounded down
+    assert drawing.note == "not drawn, neither place nor angle: f"
+
+
+def test_angles_alone_are_told_as_angles():
+    names, values = ("q",), np.array([[0.0, 0.007]])
+    animation = Animation(coordinate_drawing(names, values, ("rad",)), names, [0, 1], values)
+    section = stage_section(animation, key_frames(animation.drawing, names, animation.times, values))
+    assert '<p class="magnification">angles drawn 100 × as large</p>' in section
+
+
+@pytest.mark.parametrize("units", [("N",), ("1",), ()])
+def test_nothing_is_drawn_of_what_has_no_place(units):
+    drawing = coordinate_drawing(("f",)[: len(units)], None, units)
+    assert (drawing.bodies, drawing.scale, drawing.turn_scale) == ((), 1.0, 1.0)
+
+
+def test_units_are_one_for_each_coordinate():
+    with pytest.raises(InputError, match="drawing, units: 1 given for 2 coordinates; give one each"):
+        coordinate_drawing(["a", "b"], units=["m"])
 
 
 def test_names_and_values_are_checked():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mbconstrained.page import Curve, Plot
-from mbconstrained.page.plots import MOST_POINTS, plot_figure, plot_svg
+from mbconstrained.page.plots import MOST_CURVES, MOST_POINTS, plot_figure, plot_svg
 from tests.page.contents import HOSTILE
 
 TIMES = np.linspace(0, 10, 11)
@@ -15,6 +15,10 @@ TIMES = np.linspace(0, 10, 11)
 
 def points(svg: str) -> list[np.ndarray]:
     return [np.array([pair.split(",") for pair in text.split()], float) for text in re.findall(r'points="([^"]*)"', svg)]
+
+
+def strokes(*curves: Curve) -> list[str]:
+    return re.findall(r'<polyline class="curve" (stroke=.*?) points', plot_svg(Plot("p", "m", TIMES, curves)))
 
 
 def test_curves_are_linear_images_of_their_values():
@@ -31,13 +35,31 @@ def test_both_axes_tell_their_quantity_and_unit():
 
 
 def test_every_curve_has_its_own_stroke_and_its_name_in_the_legend():
-    count = 20
-    figure = plot_figure(Plot("p", "", TIMES, tuple(Curve(f"curve {i}", i * TIMES) for i in range(count))))
+    count = MOST_CURVES
+    figure = plot_figure(Plot("p", "", TIMES, tuple(Curve(f"curve {i}", i * TIMES, 2 * i) for i in range(count))))
     strokes = re.findall(r'<polyline class="curve" (stroke=.*?) points', figure)
     assert len(set(strokes)) == count
     assert re.findall(r'stroke-width="2.4" (.*?)/></svg><span title="curve (\d+)"', figure) == [
         (stroke, str(i)) for i, stroke in enumerate(strokes)
     ]
+
+
+def test_a_curve_keeps_its_colour_in_whatever_plot_it_stands():
+    one, two, six = Curve("one", TIMES), Curve("two", TIMES), Curve("six", TIMES, 5)
+    assert strokes(one, two, six)[2] == strokes(six)[0] != strokes(one)[0]
+    assert strokes(two) == strokes(one)  # without a number, by the place in the plot
+
+
+@pytest.mark.parametrize("count", [MOST_CURVES, MOST_CURVES + 1, 300])
+def test_of_many_curves_the_first_are_drawn_and_told(count):
+    figure = plot_figure(Plot("p", "m", TIMES, tuple(Curve(f"x{i}", 10.0**i / 10**count * TIMES) for i in range(count))))
+    assert re.findall(r'<span title="(\w+)"', figure) == [f"x{i}" for i in range(MOST_CURVES)]
+    assert len(points(figure)) == MOST_CURVES
+    assert (f"the first {MOST_CURVES} of {count} curves" in figure) is (count > MOST_CURVES)
+
+
+def test_powers_of_units_are_raised():
+    assert ">acceleration in m/s²<" in plot_svg(Plot("acceleration", "m/s^2", TIMES, (Curve("c", TIMES),)))
 
 
 @pytest.mark.parametrize("values", [np.zeros(11), np.full(11, 1e-300), np.full(11, -7.0), 1e289 * np.linspace(-1, 1, 11)])

@@ -113,6 +113,18 @@ def test_a_small_force_survives_beside_a_large_one(frequency):
     assert np.allclose(x(u / frequency)[0], u + (u**2 - 2) * np.sin(u) + 2 * u * np.cos(u), rtol=1e-12)
 
 
+@pytest.mark.parametrize("slow", [1e-2, 1e-4, 1e-7, 1e-12])
+@pytest.mark.parametrize("order", [0, 1])
+def test_a_slow_force_with_a_power_is_followed(slow, order):
+    """x = f, and x + x' = f, for f = (w t)^3 e^{-w t} cos w t slow beside the system."""
+    A = mb.PolynomialMatrix([[[1.0]], [[1.0]]][: order + 1])
+    force = mb.term([slow**3], power=3, rate=-slow, angular_frequency=slow)
+    x = mb.solve(A, force=force)
+    u = np.array([0.3, 1.0, 4.0])
+    residual = x(u / slow) + order * x.derivative()(u / slow) - u**3 * np.exp(-u) * np.cos(u)
+    assert np.abs(residual).max() < 1e-12
+
+
 @pytest.mark.parametrize("late", [1e3, 1e6, 1e9])
 def test_early_values_do_not_depend_on_how_far_the_times_reach(late):
     x = mb.solve(scalar(-1, -1, -1), unit(3))

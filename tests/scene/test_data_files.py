@@ -51,6 +51,8 @@ def test_the_answer_is_that_of_the_same_numbers_in_the_scene(tmp_path, mass, sti
         ("inside/../../outside.csv", r"which leads out of the folder"),
         ("link.csv", r"which leads out of the folder"),
         ("folder/outside.csv", r"which leads out of the folder"),
+        ("circle.csv", r"model\.mass: .*(leads in a circle; name the file itself|no such file in the folder)"),
+        ("a" * 300 + ".csv", r"model\.mass: a{300}\.csv: the file cannot be read \(File name too long\)"),
         ("nothing.csv", r"model\.mass: nothing\.csv: there is no such file in the folder"),
         ("", r"model\.mass: found \"\"; expected the name of a"),
         ("a.txt", r"model\.mass: a\.txt: expected a file that ends in"),
@@ -64,6 +66,7 @@ def test_files_from_elsewhere_are_not_read(tmp_path, name, message):
     (tmp_path / "outside.csv").write_text("1")
     os.symlink(tmp_path / "outside.csv", folder / "link.csv")
     os.symlink(tmp_path, folder / "folder")
+    os.symlink("circle.csv", folder / "circle.csv")
     with pytest.raises(SceneError, match=message):
         scene_of(folder, f'[model]\nkind = "matrices"\nmass = "{name}"\n[time]\nend = 1\n')
 

@@ -26,6 +26,8 @@ CASES = [  # base, what is replaced, by what, message
     ("lumped", "points = 11", '[output]\nplots = ["reaction"]', r"output\.plots: found reaction, but there are no constraint rows"),
     ("lumped", "points = 11", '[output]\ncoordinates = ["crat"]', r'output\.coordinates: there is no coordinate "crat"; did you mean "cart"'),
     ("coefficients", "points = 5", '[output]\nplots = ["energy"]', r"output\.plots: energy is known only where mass"),
+    ("lumped", "points = 11", '[output]\nplots = ["velocity", "velocity"]', r'output\.plots: "velocity" is named twice; once is enough'),
+    ("matrices", "points = 5", '[output]\ncoordinates = ["a", "b", "a"]', r'output\.coordinates: "a" is named twice'),
     # quantities
     ("lumped", '"2 kg"', '"2 N/mm"', r'model\.mass\[1\]\.mass \(of "cart"\): found "2 N/mm", a stiffness; expected a mass, e\.g\. "10 kg"'),
     ("lumped", '"2 kg"', "nan", r"model\.mass\[1\]\.mass .*: found nan; expected a finite number"),
@@ -73,6 +75,7 @@ CASES = [  # base, what is replaced, by what, message
     ("matrices", "[time]", '[[model.constraint]]\nrows = { a = 1 }\nlevel = "velocity"\nvalue = "1 m"\n[time]', r'value: found "1 m", a length; expected a velocity'),
     ("matrices", "[time]", '[model.units]\nb = "rad"\n[[model.constraint]]\nrows = { a = 1, b = 1 }\nvalue = "1 m"\n[time]', r"this row mixes m and rad: give a plain number"),
     ("matrices", "[time]", "[[model.constraint]]\nrows = { a = 1 }\n[[model.constraint]]\nrows = { a = 2 }\nvalue = 1\n[time]", r"model: constraint .* asks for 1 m, but it follows from"),
+    ("matrices", "[time]", "[[model.constraint]]\nrows = { a = 0 }\nvalue = 1\n[time]", r"asks for 1 m, but all its coefficients are zero, with the value 0 m;"),
     ("matrices", "[time]", '[[force]]\ncoordinate = "a"\nkind = "stp"\nvalue = 1\n[time]', r'force\[1\]: kind: found "stp"; .*did you mean "step"'),
     ("matrices", "[time]", '[[force]]\ncoordinate = "x"\nkind = "step"\nvalue = 1\n[time]', r'force\[1\]: there is no coordinate "x"'),
     ("matrices", "[time]", '[[force]]\ncoordinate = "a"\nkind = "ramp"\nvalue = "1 N"\n[time]', r'force\[1\]: value: found "1 N", a force; expected a quantity in N/s'),
@@ -85,6 +88,7 @@ CASES = [  # base, what is replaced, by what, message
     ("matrices", "[time]", '[[drawing.body]]\nname = "m"\nshape = "box"\nmoves = { c = [1, 0, 0] }\n[time]', r'drawing\.body\[1\] \(of "m"\): there is no coordinate "c"'),
     ("matrices", "[time]", '[[drawing.body]]\nname = "m"\nshape = "box"\ncolor = "red"\n[time]', r'color .*found "red"; expected a colour such as'),
     ("matrices", "[time]", '[[drawing.link]]\nkind = "spring"\nstart = "m"\nend = "w"\n[time]', r'drawing\.link\[1\]: there is no body "m" in the drawing'),
+    ("matrices", "[time]", '[[drawing.body]]\nname = "m"\nshape = "box"\n[[drawing.link]]\nkind = "spring"\nstart = "m"\nend = "m"\n[time]', r'drawing\.link\[1\]: start and end are the same body, "m"; name two'),
     # texts
     ("lumped", "[model]", 'title = "\\u001b[31mred"\n[model]', r'title: found the character "\\x1b", which cannot be printed'),
     ("lumped", "[model]", "title = 3\n[model]", r"title: found 3; expected a text in quotes"),

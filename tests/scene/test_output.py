@@ -10,7 +10,7 @@ from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of
 
 from mbconstrained.errors import MbconstrainedError
 from mbconstrained.scene import read_scene
-from mbconstrained.scene.output import replacing
+from mbconstrained.replacing import Replacements, replacing
 
 W = 2.0  # sqrt(8/2), rad/s, of OSCILLATOR
 
@@ -108,6 +108,20 @@ def test_an_unfinished_file_leaves_the_earlier_one(tmp_path):
         raise KeyboardInterrupt
     assert path.read_text() == "earlier"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_several_files_are_replaced_together_or_not_at_all(tmp_path):
+    first, second = tmp_path / "a", tmp_path / "b"
+    first.write_text("earlier")
+    with Replacements() as files:
+        files.beside(first).write_text("new")
+        files.beside(second).write_text("new")
+        assert first.read_text() == "earlier" and not second.exists()
+    assert first.read_text() == second.read_text() == "new"
+    with pytest.raises(OSError, match="no space"), Replacements() as files:
+        files.beside(first).write_text("newer")
+        raise OSError("no space")
+    assert first.read_text() == "new" and sorted(tmp_path.iterdir()) == [first, second]
 
 
 def test_an_answer_beyond_the_range_of_numbers_leaves_earlier_output(tmp_path):

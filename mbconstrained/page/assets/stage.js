@@ -1,3 +1,6 @@
+// How far wheels reach beyond their size, for their teeth or rim.
+const wheels = { disc: 1, gear: 1.05, ring: 1.14 };
+
 // The stage: the meshcat viewer with the bodies and links of the figure in its scene tree, a camera that shows the
 // whole motion, and names as text over the picture.
 class Stage {
@@ -147,15 +150,26 @@ class Stage {
     if (this.viewer.needs_render) this.draw();
   }
 
-  // Puts the names where their bodies are seen; a name that would cover another one is left out.
-  write() {
+  // Above the middle of a body, in pixels, as high as its highest edge is seen.
+  top(i) {
+    const { shape, size } = this.figure.bodies[i];
+    const middle = this.bodies[i].getWorldPosition(new THREE.Vector3()); // in axes with y up
+    const seen = (x, y, z) => middle.clone().add(new THREE.Vector3(x, y, z)).project(this.camera);
+    const { x, y } = seen(0, 0, 0);
+    const across = (size[0] / 2) * (seen(1, 0, 0).y - y);
+    const up = (size[2] / 2) * (seen(0, 1, 0).y - y);
+    const away = (size[1] / 2) * (seen(0, 0, 1).y - y);
+    const face = wheels[shape] ? wheels[shape] * Math.hypot(across, up) : Math.abs(across) + Math.abs(up);
     const [width, height] = this.size;
+    return [((x + 1) / 2) * width, ((1 - (y + face + Math.abs(away))) / 2) * height];
+  }
+
+  // Puts the names a little above their bodies; a name that would cover another one is left out.
+  write() {
     const taken = [];
     this.labels.forEach((label, i) => {
-      const point = this.bodies[i].getWorldPosition(new THREE.Vector3());
-      point.y += this.figure.bodies[i].size[2] / 2 + 0.06;
-      point.project(this.camera);
-      const [x, y] = [((point.x + 1) / 2) * width, ((1 - point.y) / 2) * height];
+      const [x, top] = this.top(i);
+      const y = top - 4;
       label.style.transform = `translate(-50%, -100%) translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
       const box = { left: x - label.offsetWidth / 2, right: x + label.offsetWidth / 2, top: y - label.offsetHeight, bottom: y };
       const free = taken.every((b) => box.right < b.left || box.left > b.right || box.bottom < b.top || box.top > b.bottom);

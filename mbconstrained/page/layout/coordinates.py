@@ -1,4 +1,4 @@
-"""A drawing for a system of which only equations are known: every coordinate is a box on a rail of its own."""
+"""A drawing for a system of which only equations are known: every place is a box on a rail of its own, every angle a disc."""
 
 from __future__ import annotations
 
@@ -7,37 +7,35 @@ import math
 import numpy as np
 
 from ...checks import names_of, real_array
+from ...errors import InputError
 from ..drawing import Body, Drawing
-from .magnification import displacement_scale
+from .magnification import angle_scale, displacement_scale
 
-PITCH, WIDTH = 0.95, 5.6  # from rail to rail, downwards and across
+PITCH, WIDTH = 0.95, 5.6  # from one to the next, downwards and across
 
 
-def coordinate_drawing(names, values=None) -> Drawing:
-    """Boxes on rails, one below the other, in several columns when there are many.
+def coordinate_drawing(names, values=None, units=None) -> Drawing:
+    """Boxes on rails and discs, one below the other, in several columns when there are many.
 
     Args:
         names: r coordinate names.
-        values: typical values, shape (r,) or (r, T), by which the magnification is chosen; None for 1.
+        values: typical values, shape (r,) or (r, T), by which the magnifications are chosen; None for 1.
+        units: r units; "m" slides, "rad" turns, and what is neither place nor angle is not drawn. None for "m".
 
     Raises:
-        InputError: repeated names, values of another shape, NaN or infinity.
+        InputError: repeated names, values or units of another shape, NaN or infinity.
 
-    >>> [body.shape for body in coordinate_drawing(["x1"], [0.01]).bodies]
-    ['rail', 'box']
+    >>> [body.shape for body in coordinate_drawing(["x1", "q"], [0.01, 1.0], ["m", "rad"]).bodies]
+    ['rail', 'box', 'disc']
     """
     names = names_of(names, len(names), "drawing, names", "x")
-    values = rows_of(values, len(names))
-    scale = displacement_scale(dict(zip(names, values)), ())
-    rows = max(6, math.ceil(1.3 * math.sqrt(len(names))))
-    bodies = []
-    for i, name in enumerate(names):
-        column, row = divmod(i, rows)
-        place = (WIDTH * column, 0.0, -PITCH * row)
-        rail = (place[0], 0.0, place[2] - 0.24)
-        bodies.append(Body(f"rail of {name}", "rail", rail, size=(5.0, 0.3, 0.05)))
-        bodies.append(Body(name, "box", place, {name: (1.0, 0.0, 0.0)}, size=(0.42, 0.42, 0.42)))
-    return Drawing(tuple(bodies), scale=scale)
+    motion = dict(zip(names, rows_of(values, len(names))))
+    unit_of = dict(zip(names, _units(units, len(names))))
+    drawn = [name for name in names if unit_of[name] in _SHOWN]
+    bodies = [body for name, place in zip(drawn, _places(len(drawn))) for body in _SHOWN[unit_of[name]](name, place)]
+    scale = displacement_scale({name: motion[name] for name in drawn if unit_of[name] == "m"}, ())
+    turn_scale = angle_scale([motion[name] for name in drawn if unit_of[name] == "rad"])
+    return Drawing(tuple(bodies), (), scale, turn_scale, _note([name for name in names if name not in drawn]))
 
 
 def rows_of(values, count: int) -> np.ndarray:
@@ -46,3 +44,31 @@ def rows_of(values, count: int) -> np.ndarray:
         return np.zeros((count, 1))
     values = real_array(values, "drawing, typical values")
     return real_array(values[:, None] if values.ndim == 1 else values, "drawing, typical values", shape=(count, None))
+
+
+def _units(units, count: int) -> tuple[str, ...]:
+    units = ("m",) * count if units is None else tuple(units)
+    if len(units) != count:
+        raise InputError(f"drawing, units: {len(units)} given for {count} coordinates; give one each")
+    return units
+
+
+def _places(count: int) -> list[tuple[float, float, float]]:
+    rows = max(6, math.ceil(1.3 * math.sqrt(count)))
+    return [(WIDTH * (i // rows), 0.0, -PITCH * (i % rows)) for i in range(count)]
+
+
+def _on_rail(name: str, place: tuple[float, float, float]) -> list[Body]:
+    rail = Body(f"rail of {name}", "rail", (place[0], 0.0, place[2] - 0.24), size=(5.0, 0.3, 0.05))
+    return [rail, Body(name, "box", place, {name: (1.0, 0.0, 0.0)}, size=(0.42, 0.42, 0.42))]
+
+
+def _disc(name: str, place: tuple[float, float, float]) -> list[Body]:
+    return [Body(name, "disc", place, turns={name: (0.0, -1.0, 0.0)}, size=(0.6, 0.2, 0.6))]
+
+
+_SHOWN = {"m": _on_rail, "rad": _disc}
+
+
+def _note(missing: list[str]) -> str:
+    return f"not drawn, neither place nor angle: {', '.join(missing)}" if missing else ""

@@ -13,7 +13,7 @@ from ...models.elements import Body as ModelBody
 from ..drawing import Body, Drawing
 from .chains import Chain
 from .coordinates import rows_of
-from .joints import Joint, groups, joints_of, natural_positions, walk
+from .joints import groups, joints_of, natural_positions, walk
 from .magnification import angle_scale, displacement_scale
 from .mates import assembled, stacked
 from .piece import Piece

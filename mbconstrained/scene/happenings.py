@@ -1,0 +1,106 @@
+"""What happens at t = 0, jumps and impulses with their units: read once, said alike by tables and notices."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ..mechanics.motion_notices import DELTAS
+from ..mechanics.units import impulse_unit, rate_unit
+from ..notices import Notice
+from .values import Coordinates, beyond_noise, derivative_name
+
+if TYPE_CHECKING:
+    from ..response import Response
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A coordinate or a derivative of it that is another just after t = 0; values are texts with units."""
+
+    name: str
+    what: str
+    before: str
+    after: str
+    size: str
+
+
+@dataclass(frozen=True)
+class Impulse:
+    """A multiple of the derivative of this order of Dirac's delta; the size is a text with a unit."""
+
+    name: str
+    order: int
+    size: str
+
+
+def number(value: float) -> str:
+    """A number to six digits.
+
+    >>> number(-0.0), number(1 / 3)
+    ('0', '0.333333')
+    """
+    return f"{value + 0.0:.6g}"
+
+
+def sized(value: float, unit: str) -> str:
+    """A number with its unit; of the unit 1 nothing is printed.
+
+    >>> sized(0.5, "m/s"), sized(0.5, "1"), sized(0.5, "1/s"), sized(0.5, "1 s")
+    ('0.5 m/s', '0.5', '0.5 1/s', '0.5 s')
+    """
+    return f"{number(value)} {'' if unit == '1' else unit.removeprefix('1 ')}".rstrip()
+
+
+def jumps_of(motion: Response, coordinates: Coordinates) -> list[Jump]:
+    """The jumps that are more than rounding, by order of derivative."""
+    found = []
+    for order, row in enumerate(motion.jump):
+        for i in beyond_noise(row, motion.initial[order], motion.start[order]):
+            unit = rate_unit(coordinates.units[i], order)
+            values = (motion.initial[order, i], motion.start[order, i], row[i])
+            what = derivative_name(coordinates.units[i], order)
+            found.append(Jump(coordinates.names[i], what, *(sized(value, unit) for value in values)))
+    return found
+
+
+def impulses_of(impulses: Sequence, names: Sequence[str], units: Sequence[str]) -> list[Impulse]:
+    """The impulses of quantities with these names and units, by order of derivative."""
+    return [
+        Impulse(names[i], order, sized(row[i], impulse_unit(units[i], order)))
+        for order, row in enumerate(impulses)
+        for i in row.nonzero()[0]
+    ]
+
+
+def with_units(response: Response, coordinates: Coordinates) -> tuple[Notice, ...]:
+    """The notices of a response that itself does not know the units of its coordinates."""
+    others = [notice for notice in response.notices if notice.kind not in ("jump", "impulse")]
+    jumps = [
+        Notice("jump", f"{jump.name}: its {jump.what} jumps at t = 0 by {jump.size}, from {jump.before} to {jump.after}")
+        for jump in jumps_of(response, coordinates)
+    ]
+    what = {name: derivative_name(unit, 0) for name, unit in zip(coordinates.names, coordinates.units)}
+    impulses = [
+        Notice("impulse", f"{impulse.name}: its {what[impulse.name]} contains {_delta(impulse.order)} of {impulse.size} at t = 0")
+        for impulse in impulses_of(response.impulses, coordinates.names, coordinates.units)
+    ]
+    return (*jumps, *impulses, *others)
+
+
+def _delta(order: int) -> str:
+    return DELTAS[order] if order < len(DELTAS) else f"the derivative of order {order} of a Dirac impulse"
+
+
+def folded(notices: Sequence[Notice], jumps: int, impulses: int) -> tuple[Notice, ...]:
+    """One sentence instead of a notice for each of the jumps and impulses, which have tables of their own."""
+    counts = [f"{count} {one}{'s' if count > 1 else ''}" for count, one in ((jumps, "jump"), (impulses, "impulse")) if count]
+    text = f"At t = 0 there {'is' if jumps + impulses == 1 else 'are'} {' and '.join(counts)}; the tables give the sizes"
+    told = [Notice("jump" if jumps else "impulse", text)] if counts else []
+    return (*told, *(notice for notice in notices if not _has_table(notice)))
+
+
+def _has_table(notice: Notice) -> bool:
+    """A jump of a constraint row is the cause (the start does not fit the row) and stands in no table."""
+    return notice.kind == "impulse" or (notice.kind == "jump" and not notice.text.startswith("constraint "))
