@@ -57,7 +57,7 @@ class ScaledForce:
 
 
 def scaled_force(form: WeierstrassForm, force: ImpulsiveSmooth) -> ScaledForce:
-    """f' = rows * f as a function of t' = time * t, its states measured so that its chains have couplings near 1."""
+    """f' = rows * f as a function of t' = time * t, its states measured so that chains have couplings near their rates."""
     scaling = form.companion.scaling
     smooth = force.smooth
     size = np.concatenate([np.ones(0), *(_chain_units(block / scaling.time) for block in smooth.blocks)])
@@ -70,11 +70,14 @@ def scaled_force(form: WeierstrassForm, force: ImpulsiveSmooth) -> ScaledForce:
 
 
 def _chain_units(block) -> np.ndarray:
-    """Powers of two for the states of t^k e^{a t} (cos, sin), k descending, that bring the couplings near 1."""
+    """Powers of two for the states of t^k e^{a t} (cos, sin), k descending, that bring the couplings near the rates.
+
+    Where the rates are zero, near 1: the pencil's own unit of time.
+    """
     level = 2 if len(block) > 1 and block[1, 0] != 0 else 1
-    units = np.ones(len(block))
+    units, rate = np.ones(len(block)), np.abs(block[:level, :level]).max() or 1.0
     for at in range(level, len(block), level):
-        coupling = np.abs(block[at - level : at, at : at + level]).max()
+        coupling = np.abs(block[at - level : at, at : at + level]).max() / rate
         units[at:] = units[at - 1] / 2.0 ** np.round(np.log2(coupling)) if coupling > 0 else units[at - 1]
     return units
 
