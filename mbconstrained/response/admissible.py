@@ -12,7 +12,7 @@ import numpy as np
 
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth
-from .parts import inconsistency_of, scaled_force
+from .parts import inconsistency_of, scaled_data
 from .solve import solve
 
 
@@ -68,7 +68,8 @@ def admissible(A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None 
     smooth = None if force is None else ImpulsiveSmooth(force.smooth)
     start = solve(A, initial, smooth)
     form, structure = start.pairs.form, start.pairs.structure
-    g = inconsistency_of(form, form.companion.scaled_stack(start.initial), scaled_force(form, start.force)).data
+    stack, f, size = scaled_data(form, start.initial, start.force)
+    g = size * inconsistency_of(form, stack, f).data
     to_g = form.infinite_rows.data @ form.companion.F
     to_impulses = _impulse_map(form)
     zeros_at_infinity = sum(max(0, -order) for order in structure.at_infinity)
@@ -99,4 +100,4 @@ def _least_change(form, matrix, residual, rank, q) -> np.ndarray:
     scaling, r = form.companion.scaling, form.companion.size
     u, values, vt = np.linalg.svd(matrix, full_matrices=False)
     change = -vt[:rank].T @ ((u[:, :rank].T @ residual) / values[:rank])
-    return scaling.columns * change.reshape(-1, r)[:q] * scaling.time ** np.arange(q, dtype=float)[:, None]
+    return scaling.columns * change.reshape(form.companion.grade, r)[:q] * scaling.time ** np.arange(q, dtype=float)[:, None]

@@ -82,15 +82,23 @@ def _chain_units(block) -> np.ndarray:
     return units
 
 
+def scaled_data(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth) -> tuple[np.ndarray, ScaledForce, float]:
+    """The stacked values at 0- and the force, both divided by a power of two near their size, and that power.
+
+    All at t = 0 is linear in them; their size shall not take the squares of noise out of range.
+    """
+    stack, f = form.companion.scaled_stack(initial), scaled_force(form, force)
+    size = _power_of_two_of(np.concatenate([stack, f.coefficients.ravel(), *f.impulses]))
+    return stack / size, f.divided(size), size
+
+
 def start_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth) -> Start:
     """The state at 0+, the jumps and the impulses at t = 0.
 
     Raises:
         Overflow: one of them leaves the range of float64.
     """
-    stack, f = form.companion.scaled_stack(initial), scaled_force(form, force)
-    size = _power_of_two_of(np.concatenate([stack, f.coefficients.ravel(), *f.impulses]))
-    stack, f = stack / size, f.divided(size)  # all is linear in them: their size shall not spoil the noise estimates
+    stack, f, size = scaled_data(form, initial, force)
     finite = form.finite_rows @ (form.companion.E @ stack)
     for order, g in enumerate(f.impulses):
         finite = finite + np.linalg.matrix_power(form.T, order) @ (form.B @ g)

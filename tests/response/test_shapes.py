@@ -19,6 +19,7 @@ def test_no_coordinates_at_all(degree):
     assert (x.impulses, x.notices) == ((), ())
     assert A.structure() == mb.polynomial.structure.Structure(0, degree, (), ())
     assert x.error_estimate([1.0]) < 1e-15
+    assert mb.admissible(A).dimensions == (0, 0, 0)
 
 
 def test_one_algebraic_equation():
@@ -113,3 +114,6 @@ def test_amplitude_is_only_a_factor(exponent):
     assert len(y.impulses) == len(x.impulses) > 0
     assert all(np.array_equal(mine, factor * other) for mine, other in zip(y.impulses, x.impulses))
     assert np.array_equal(y([0.0, 1.0]), factor * x([0.0, 1.0]))
+    mine, other = (mb.admissible(matrix, times * start, times * force) for times in (factor, 1.0))
+    assert np.allclose(mine.nearest / factor, other.nearest, rtol=1e-14)
+    assert np.allclose(mine.nearest_continuous / factor, other.nearest_continuous, rtol=1e-14)
