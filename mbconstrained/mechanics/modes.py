@@ -115,7 +115,7 @@ def modes_of(system: MechanicalSystem) -> Modes:
         SingularPolynomialMatrix: the motion is not determined.
     """
     A = system.position_form().polynomial_matrix
-    conservation, scaled = conservation_of(system), scaled_companion(A)
+    conservation, scaled = conservation_of(system), A.jordan_pairs().form.companion
     resting, moving = [], []
     for zero in A.jordan_pairs().finite.zeros:
         if zero.value:

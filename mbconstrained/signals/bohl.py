@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ..checks import real_array, real_number, whole_number
 from ..errors import InputError, Overflow
@@ -64,14 +65,7 @@ class BohlFunction:
     @property
     def generator(self) -> np.ndarray:
         """J as one array of shape (n, n)."""
-        n = len(self.start)
-        J = np.zeros((n, n))
-        begin = 0
-        for block in self.blocks:
-            end = begin + len(block)
-            J[begin:end, begin:end] = block
-            begin = end
-        return J
+        return block_diag(*self.blocks) if self.blocks else np.zeros((0, 0))
 
     def derivative(self, order: int = 1) -> BohlFunction:
         """The classical derivative C J^order e^{J t} v."""
