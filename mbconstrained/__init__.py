@@ -13,19 +13,38 @@ from .errors import (
     SingularPolynomialMatrix,
 )
 from .jordan import FinitePair, InfinitePair, JordanPairs
-from .mechanics import Constraint, MechanicalSystem, Modes, Motion
+from .mechanics import Constraint, ElementMatrix, MechanicalSystem, Modes, Motion
 from .models import LumpedModel
 from .notices import Notice
 from .polynomial import PolynomialMatrix
-from .response import Admissibility, Response, admissible, solve
+from .response import Admissibility, Event, Response, admissible, solve
 from .scene import read_scene
-from .signals import BohlFunction, ImpulsiveSmooth, harmonic, impulse, power, ramp, step, term, zero
+from .signals import (
+    Approximation,
+    Blow,
+    BohlFunction,
+    ImpulsiveSmooth,
+    approximated,
+    harmonic,
+    impulse,
+    power,
+    pulse,
+    ramp,
+    sampled,
+    step,
+    term,
+    zero,
+)
 
 __all__ = [
     "Admissibility",
+    "Approximation",
+    "Blow",
     "BohlFunction",
     "Constraint",
     "ContradictoryConstraints",
+    "ElementMatrix",
+    "Event",
     "FinitePair",
     "IllConditioned",
     "ImpulsiveSmooth",
@@ -45,11 +64,14 @@ __all__ = [
     "SceneError",
     "SingularPolynomialMatrix",
     "admissible",
+    "approximated",
     "harmonic",
     "impulse",
     "power",
+    "pulse",
     "ramp",
     "read_scene",
+    "sampled",
     "solve",
     "step",
     "term",

@@ -157,6 +157,29 @@ def test_gear_train_is_two_equal_inertias_on_the_shaft():
     assert result.modes.angular_frequencies == pytest.approx([w], rel=1e-13)
 
 
+def test_pulled_joint_follows_the_closed_forms_of_its_pieces():
+    # By hand: x'' + 25 x = F/12 and u = x/4 + F/400. A slope s from t0 on adds s/12 (d/25 - sin(5 d)/125) with
+    # d = t - t0 > 0, a step F adds F/12 (1 - cos 5 d)/25, and the blow 1.5/3 sin(5 d)/5.
+    result = run("pulled_joint")
+    t = result.times
+
+    def since(t0):
+        return np.maximum(t - t0, 0.0)
+
+    def ramp(d):
+        return (d / 25 - np.sin(5 * d) / 125) / 12
+
+    load = 80 * ramp(since(0.5)) - 160 * ramp(since(1.0)) + 80 * ramp(since(1.5))
+    load += 20 * (np.cos(5 * since(2.4)) - np.cos(5 * since(2.0))) / 300 + 0.1 * np.sin(5 * since(3.0))
+    force = np.interp(t, [0.5, 1.0, 1.5], [0.0, 40.0, 0.0]) + 20 * ((t >= 2.0) & (t < 2.4))
+    assert result.values == pytest.approx(np.array([load / 4 + force / 400, load]), abs=1e-14)
+    assert nothing_happens_at_zero(result.motion)
+    # Jumps of (u, x) and of their velocities: u' by the change of F'/400, u by F/400, x' by 1.5/3 and u' by a quarter.
+    known = {0.5: (0, 0, 0.2, 0), 1.0: (0, 0, -0.4, 0), 1.5: (0, 0, 0.2, 0), 2.0: (0.05, 0, 0, 0), 2.4: (-0.05, 0, 0, 0), 3.0: (0, 0, 0.125, 0.5)}
+    assert {event.time: pytest.approx(event.jump.ravel(), rel=1e-14, abs=0) for event in result.motion.events} == known
+    assert not any(event.impulses for event in result.motion.events)
+
+
 def test_flexible_joint_has_two_frequencies():
     # a q'''' + b q'' + g q = 1 from q = 0.1 at rest: q = 1/g + c1 cos w1 t + c2 cos w2 t with c1 + c2 = 0.1 - 1/g and
     # c1 w1^2 + c2 w2^2 = 0.

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 import scipy.linalg
 
-from ..errors import InputError, Overflow, SingularPolynomialMatrix
-from ..linalg.blocks import block_diagonalize
+from ..errors import IllConditioned, InputError, Overflow, SingularPolynomialMatrix
+from ..linalg.blocks import block_diagonalize, eigenvalues
+from ..linalg.precise import MOST_STATES, is_worthwhile, precise_arithmetic
 from ..linalg.staircase import SingularPencil
 from ..polynomial.companion import scaled_companion
 from ..polynomial.matrix import PolynomialMatrix
@@ -30,20 +31,25 @@ class FinitePair:
 
     Attributes:
         C: shape (r, n).  B: shape (n, r).  blocks: the diagonal blocks of J, in 1/s.
-        zeros: the zeros with their multiplicities.
         coupling: the largest entry of the transformation that decoupled the blocks.
+        form: the decoupled pencil that it is read from.
     """
 
     C: np.ndarray
     B: np.ndarray
     blocks: tuple[np.ndarray, ...]
-    zeros: tuple[FiniteZero, ...]
     coupling: float
+    form: WeierstrassForm = field(repr=False)
 
     @cached_property
     def J(self) -> np.ndarray:
         """Shape (n, n)."""
         return scipy.linalg.block_diag(*self.blocks) if self.blocks else np.zeros((0, 0))
+
+    @cached_property
+    def zeros(self) -> tuple[FiniteZero, ...]:
+        """The zeros with their multiplicities, ascending by modulus; of each complex pair the one above the real axis."""
+        return finite_zeros(self.form)
 
 
 @dataclass(frozen=True)
@@ -66,10 +72,12 @@ class JordanPairs:
     Attributes:
         polynomial_matrix: A(s).
         form: the decoupled companion pencil that both are read from.
+        rank_tolerance: the one asked for, None for the rounding noise of the data.
     """
 
     polynomial_matrix: PolynomialMatrix
     form: WeierstrassForm
+    rank_tolerance: float | None = None
 
     @cached_property
     def finite(self) -> FinitePair:
@@ -80,8 +88,8 @@ class JordanPairs:
             C=scaling.columns[:, None] * (form.C @ parts.basis),
             B=scaling.time * (parts.inverse @ form.B) * scaling.rows,
             blocks=tuple(scaling.time * block for block in parts.blocks),
-            zeros=finite_zeros(form),
             coupling=parts.coupling,
+            form=form,
         )
 
     @cached_property
@@ -123,14 +131,36 @@ class JordanPairs:
         return pair_evidence(self)
 
 
-def jordan_pairs(A: PolynomialMatrix) -> JordanPairs:
-    """The pairs of A(s).
+def jordan_pairs(A: PolynomialMatrix, rank_tolerance: float | None = None) -> JordanPairs:
+    """The pairs of A(s); see ``PolynomialMatrix.jordan_pairs``.
 
     Raises:
         SingularPolynomialMatrix: det A(s) = 0 for every s; names the dependent equations and free coordinates.
     """
     try:
-        return JordanPairs(A, weierstrass_form(scaled_companion(A)))
+        return JordanPairs(A, _form_in_enough_digits(A, rank_tolerance), rank_tolerance)
     except SingularPencil:
         message, equations, coordinates = singular_message(A)
         raise SingularPolynomialMatrix(message, equations, coordinates) from None
+
+
+def _form_in_enough_digits(A: PolynomialMatrix, rank_tolerance: float | None) -> WeierstrassForm:
+    """The decoupled pencil, computed in float64 where that is enough."""
+    states, form = A.size * max(A.degree, 1), None
+    if all(factors is None for factors in A.factors) or states > MOST_STATES:
+        form = weierstrass_form(scaled_companion(A, rank_tolerance))
+        if not is_worthwhile(_slowness(form), states):
+            return form
+    try:
+        with precise_arithmetic():
+            return weierstrass_form(scaled_companion(A, rank_tolerance, in_float64=False))
+    except IllConditioned:
+        if form is None:
+            raise
+        return form
+
+
+def _slowness(form: WeierstrassForm) -> float:
+    """max(|s|, 1/|s|) over the zeros s other than 0 in the pencil's own unit of time: the eps of the QZ algorithm's error."""
+    moduli = np.abs(eigenvalues(form.T[: form.nonzero_count, : form.nonzero_count]))
+    return float(np.maximum(moduli, 1 / moduli).max(initial=1.0))

@@ -30,9 +30,10 @@ class WeierstrassForm:
         decisions: the rank decisions taken, at infinity and at s = 0.
         T: real Schur form of the finite part, shape (n, n), the zeros at s = 0 last.
         nonzero_count: how many rows of T belong to the other zeros.
-        finite_columns: Q_1, shape (g r, n).   finite_rows: P_1, shape (n, g r).
+        zero_divisors: degrees of the elementary divisors at s = 0, ascending.
+        finite_columns: Q_1, shape (g r, n).   finite_rows: P_1, shape (n, g r).   finite_start: P_1 E, likewise.
         nilpotent: N, shape (m, m).
-        infinite_columns: Q_2, shape (g r, m). infinite_rows: P_2, shape (m, g r).
+        infinite_columns: Q_2, shape (g r, m). infinite_rows: P_2, shape (m, g r). infinite_start: P_2 F, likewise.
         The infinite part is small and read for zeros, so it carries its rounding noise.
     """
 
@@ -41,11 +42,14 @@ class WeierstrassForm:
     decisions: tuple[RankDecision, ...]
     T: np.ndarray
     nonzero_count: int
+    zero_divisors: tuple[int, ...]
     finite_columns: np.ndarray
     finite_rows: np.ndarray
+    finite_start: np.ndarray
     nilpotent: Noisy
     infinite_columns: Noisy
     infinite_rows: Noisy
+    infinite_start: Noisy
 
     @property
     def C(self) -> np.ndarray:
@@ -55,7 +59,7 @@ class WeierstrassForm:
     @property
     def B(self) -> np.ndarray:
         """Shape (n, r)."""
-        return self.finite_rows[:, len(self.companion.E) - self.companion.size :]
+        return self.finite_rows[:, self.finite_rows.shape[1] - self.companion.size :]
 
     @property
     def C2(self) -> Noisy:
@@ -65,7 +69,7 @@ class WeierstrassForm:
     @property
     def B2(self) -> Noisy:
         """Shape (m, r)."""
-        return self.infinite_rows[:, len(self.companion.E) - self.companion.size :]
+        return self.infinite_rows[:, self.infinite_rows.data.shape[1] - self.companion.size :]
 
     @property
     def highest_impulse(self) -> int:
@@ -94,24 +98,28 @@ def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
     The coupling R solves R = T R N + G; N is nilpotent, so the fixed point is reached in as many steps as there
     are blocks in the staircase, row by row in the Schur basis of the finite part.
     """
-    split = companion.split
+    split, (E, F) = companion.split, companion.pencil
     n = len(split.E11.data)
     finite = triangular_form(split.E11, split.F11)
     left = columnwise(finite.left.T).T
     E12, F12 = left @ split.E12, left @ split.F12
     R = _fixed_point(Noisy.rounded(finite.T), split.nilpotent, F12 @ split.nilpotent + -E12, len(split.deficiencies))
     finite_columns = split.right.data[:, :n] @ finite.right
+    finite_rows = finite.left @ split.left.data[:n] - (finite.T @ R.data + F12.data) @ split.left.data[n:]
     return WeierstrassForm(
         companion=companion,
-        split=split,
+        split=split.rounded_to_float(),
         decisions=split.decisions + finite.decisions,
-        T=finite.T,
+        T=finite.T.astype(float),
         nonzero_count=finite.nonzero_count,
-        finite_columns=finite_columns,
-        finite_rows=finite.left @ split.left.data[:n] - (finite.T @ R.data + F12.data) @ split.left.data[n:],
-        nilpotent=split.nilpotent,
-        infinite_columns=split.right[:, n:] + columnwise(finite_columns) @ R,
-        infinite_rows=split.left[n:],
+        zero_divisors=finite.zero_divisors,
+        finite_columns=finite_columns.astype(float),
+        finite_rows=finite_rows.astype(float),
+        finite_start=(finite_rows @ E.data).astype(float),
+        nilpotent=split.nilpotent.rounded_to_float(),
+        infinite_columns=(split.right[:, n:] + columnwise(finite_columns) @ R).rounded_to_float(),
+        infinite_rows=split.left[n:].rounded_to_float(),
+        infinite_start=(split.left[n:] @ F).rounded_to_float(),
     )
 
 

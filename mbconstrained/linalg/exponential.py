@@ -16,22 +16,32 @@ import scipy.linalg
 #: The Taylor polynomial of e^X of this degree is exact to rounding for |X| <= 1 (1/19! < 1e-17).
 TAYLOR_DEGREE = 18
 
+#: Up to so many doublings the Taylor polynomial is applied to the vectors, 2^doublings times; beyond that it is
+#: cheaper to square the matrices.
+APPLIED_DOUBLINGS = 4
+
 #: Largest number of entries that one chunk of stacked small matrices may have (bounds the memory used).
 CHUNK_ENTRIES = 2_000_000
 
 
 def block_states(blocks: Sequence[np.ndarray], start: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """The states e^{J t} v, shape (n, T), for J = diag(blocks), v = start (n,) and times (T,)."""
+    """The states e^{J t} v, shape (n, T), for J = diag(blocks) and times (T,).
+
+    Args:
+        start: v, shape (n,), the same for all times, or (n, T), one for each time.
+    """
     states = np.empty((len(start), len(times)))
+    start = start[:, None] if start.ndim == 1 else start
     ends = np.cumsum([len(block) for block in blocks], dtype=int)
     begins = ends - [len(block) for block in blocks]
     _one_by_one(blocks, begins, start, times, states)
     _two_by_two(blocks, begins, start, times, states)
     for block, begin, end in zip(blocks, begins, ends):
-        if end - begin > 2 and not start[begin:end].any():
-            states[begin:end] = 0.0
-        elif end - begin > 2:
-            states[begin:end] = _cluster_states(block, start[begin:end], times)
+        if end - begin > 2:
+            started = np.broadcast_to(start[begin:end].any(axis=0), times.shape)
+            own = np.broadcast_to(start[begin:end], (end - begin, len(times)))
+            states[begin:end] = 0.0  # what does not start stays zero, however fast it would grow
+            states[begin:end, started] = _cluster_states(block, own[:, started], times[started])
     return states
 
 
@@ -39,7 +49,7 @@ def _one_by_one(blocks, begins, start, times, states) -> None:
     at = [begin for block, begin in zip(blocks, begins) if len(block) == 1]
     if at:
         rates = np.array([block[0, 0] for block in blocks if len(block) == 1])
-        states[at] = _scaled(start[at, None], np.multiply.outer(rates, times))
+        states[at] = _scaled(start[at], np.multiply.outer(rates, times))
 
 
 def _two_by_two(blocks, begins, start, times, states) -> None:
@@ -51,11 +61,11 @@ def _two_by_two(blocks, begins, start, times, states) -> None:
     rest = stack - mean[:, None, None] * np.eye(2)
     square = rest[:, 0, 0] ** 2 + rest[:, 0, 1] * rest[:, 1, 0]  # rest @ rest = square * identity
     pair = np.stack([start[at], start[at + 1]], axis=1)
-    turned = np.einsum("bij,bj->bi", rest, pair)
+    turned = np.einsum("bij,bjt->bit", rest, pair)
     even, odd = _even_and_odd(square, times)
     growth = np.multiply.outer(mean, times)
     for row in (0, 1):
-        states[at + row] = _scaled(pair[:, row, None] * even[0] + turned[:, row, None] * odd[0], growth + even[1])
+        states[at + row] = _scaled(pair[:, row] * even[0] + turned[:, row] * odd[0], growth + even[1])
 
 
 def _even_and_odd(square, times):
@@ -111,17 +121,41 @@ def _upper_half(block):
 
 
 def _shifted_states(rest, shift, start, times) -> np.ndarray:
-    """e^{(rest + shift) t} start for every t, by Taylor in the rest and squaring, as often as each t needs."""
+    """e^{(rest + shift) t} start for every t, by Taylor in the rest and doubling, as often as each t needs."""
     size = len(start)
+    start = np.broadcast_to(start, (size, len(times)))
+    if shift == 0 and not np.tril(rest).any():  # a polynomial in t, which ends by itself
+        return _applied(rest, shift, start, times, size - 1)
     states = np.empty((size, len(times)), dtype=np.result_type(rest, start))
     norm = np.abs(rest).sum(axis=0).max()
     doublings = np.ceil(np.log2(np.maximum(norm * times, 1.0))).astype(int)
-    chunk = max(1, CHUNK_ENTRIES // size**2)
     for count in np.unique(doublings):
-        at = np.flatnonzero(doublings == count)
-        for part in np.split(at, range(chunk, len(at), chunk)):
-            matrices = _taylor_exponential(rest, shift, times[part] / 2.0**count, count)
-            states[:, part] = np.einsum("tij,j->it", matrices, start)
+        at, degree = np.flatnonzero(doublings == count), TAYLOR_DEGREE + size - 1
+        if count <= APPLIED_DOUBLINGS:
+            states[:, at] = start[:, at]
+            for _ in range(2**count):
+                states[:, at] = _applied(rest, shift, states[:, at], times[at] / 2.0**count, degree)
+        else:
+            states[:, at] = _squared(rest, shift, start[:, at], times[at], count)
+    return states
+
+
+def _applied(rest, shift, start, times, degree) -> np.ndarray:
+    """The Taylor polynomial of e^{rest t}, applied to the vectors, and e^{shift t}."""
+    total = term = start
+    with np.errstate(over="ignore", invalid="ignore", under="ignore"):  # the caller sees and reports what is not finite
+        for power in range(1, degree + 1):
+            term = (rest @ term) * (times / power)
+            total = total + term
+        return total * np.exp(shift * times)
+
+
+def _squared(rest, shift, start, times, doublings) -> np.ndarray:
+    states, size = np.empty_like(start, dtype=np.result_type(rest, start)), len(start)
+    chunk = max(1, CHUNK_ENTRIES // size**2)
+    for part in np.split(np.arange(len(times)), range(chunk, len(times), chunk)):
+        matrices = _taylor_exponential(rest, shift, times[part] / 2.0**doublings, doublings)
+        states[:, part] = np.einsum("tij,jt->it", matrices, start[:, part])
     return states
 
 

@@ -11,11 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..tolerances import EPS, NOISE_SAFETY
+from .precise import DECOUPLED, is_precise, magnitude, of_kind, rounded_to_float, unit
 
 
 @dataclass
 class Noisy:
     """An array whose entries have errors of about ``noise`` (same shape, >= 0); those with noise zero are exact.
+
+    The data may be float64 or precise (``linalg.precise``), the noise is always float64.
 
     >>> product = Noisy.exact(np.array([[1.0, -1.0]])) @ Noisy.rounded(np.array([1.0, 1.0]))
     >>> product.data, bool(product.noise[0] > 0), product.cleaned()
@@ -28,21 +31,29 @@ class Noisy:
     @staticmethod
     def exact(data: np.ndarray) -> Noisy:
         """Numbers that are what they are meant to be."""
-        return Noisy(data, np.zeros_like(data))
+        return Noisy(data, np.zeros(data.shape))
 
     @staticmethod
     def rounded(data: np.ndarray) -> Noisy:
         """Numbers known up to a unit in the last place, as given data is."""
-        return Noisy(data, EPS * np.abs(data))
+        return Noisy(data, EPS * magnitude(data))
+
+    @property
+    def size(self) -> np.ndarray:
+        """|data| in float64."""
+        return magnitude(self.data)
 
     def __matmul__(self, other: Noisy) -> Noisy:
-        noise = self.data**2 @ other.noise**2 + self.noise**2 @ (other.data**2 + other.noise**2)
-        return Noisy(self.data @ other.data, np.sqrt(noise + _rounding(self.data, other.data) ** 2))
+        left, right = of_kind(self.data, other.data), of_kind(other.data, self.data)
+        own, others = self.size, other.size
+        noise = own**2 @ other.noise**2 + self.noise**2 @ (others**2 + other.noise**2)
+        product = left @ right
+        return Noisy(product, np.sqrt(noise + (unit(product) * _rounding(own, others)) ** 2))
 
     def __add__(self, other: Noisy) -> Noisy:
-        data = self.data + other.data
+        data = of_kind(self.data, other.data) + of_kind(other.data, self.data)
         rounds = (self.data != 0) & (other.data != 0)
-        return Noisy(data, np.sqrt(self.noise**2 + other.noise**2 + (EPS * rounds * data) ** 2))
+        return Noisy(data, np.sqrt(self.noise**2 + other.noise**2 + (unit(data) * rounds * magnitude(data)) ** 2))
 
     def __neg__(self) -> Noisy:
         return Noisy(-self.data, self.noise)
@@ -51,7 +62,7 @@ class Noisy:
         return Noisy(self.data[key], self.noise[key])
 
     def __setitem__(self, key, value: Noisy) -> None:
-        self.data[key], self.noise[key] = value.data, value.noise
+        self.data[key], self.noise[key] = of_kind(value.data, self.data), value.noise
 
     def copy(self) -> Noisy:
         """A copy that can be changed in place."""
@@ -59,7 +70,13 @@ class Noisy:
 
     def cleaned(self) -> np.ndarray:
         """The array, entries within their noise set to zero."""
-        return np.where(np.abs(self.data) <= NOISE_SAFETY * self.noise, 0.0, self.data)
+        return np.where(self.size <= NOISE_SAFETY * self.noise, self.data * 0, self.data)
+
+    def rounded_to_float(self) -> Noisy:
+        """In float64, with the noise of that rounding."""
+        if not is_precise(self.data):
+            return self
+        return Noisy(rounded_to_float(self.data), np.hypot(self.noise, EPS * self.size))
 
     @property
     def T(self) -> Noisy:
@@ -69,15 +86,17 @@ class Noisy:
 
 def stacked(*parts: Noisy) -> Noisy:
     """The parts, one below the other."""
-    return Noisy(np.concatenate([part.data for part in parts]), np.concatenate([part.noise for part in parts]))
+    data = [of_kind(part.data, max((part.data for part in parts), key=is_precise)) for part in parts]
+    return Noisy(np.concatenate(data), np.concatenate([part.noise for part in parts]))
 
 
 def columnwise(matrix: np.ndarray) -> Noisy:
-    """A result of orthogonal transformations: each column is known up to a rounding of its largest entry."""
-    return Noisy(matrix, EPS * np.abs(matrix).max(axis=0, initial=0.0) + np.zeros_like(matrix))
+    """A basis that an eigenvalue algorithm made: each column is known up to a rounding of its largest entry."""
+    noise = DECOUPLED if is_precise(matrix) else EPS
+    return Noisy(matrix, noise * magnitude(matrix).max(axis=0, initial=0.0) + np.zeros(matrix.shape))
 
 
 def _rounding(left, right) -> np.ndarray:
-    """Rounding of left @ right; a sum with one term that copies or scales by a power of two rounds at most once."""
+    """Rounding of left @ right in units of the arithmetic, from the magnitudes; a sum of one term rounds at most once."""
     terms = (left != 0).astype(float) @ (right != 0).astype(float)
-    return EPS * np.where(terms > 1, np.sqrt(left**2 @ right**2), 0.0)
+    return np.where(terms > 1, np.sqrt(left**2 @ right**2), 0.0)

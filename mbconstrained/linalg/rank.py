@@ -9,7 +9,7 @@ pattern of nonzeros are decided apart.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import lapack
@@ -18,6 +18,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY
 from .noise import Noisy, stacked
+from .precise import is_precise, magnitude, of_kind, rounded_to_float, unit
 from .scaling import equilibration
 
 
@@ -33,11 +34,13 @@ class RankDecision:
         rank: the rank decided.
         smallest_kept: the least ratio (pivot / bound below which it counts as zero); inf when none was kept.
         largest_dropped: the largest such ratio of the entries dropped; zero when none was dropped.
+        singular_values: where the decision is not clear, those of the equilibrated matrix, descending.
     """
 
     rank: int
     smallest_kept: float
     largest_dropped: float
+    singular_values: tuple[float, ...] = ()
 
     @property
     def clear(self) -> bool:
@@ -78,11 +81,13 @@ def compress_rows(matrix: Noisy, weights: np.ndarray | None = None) -> RowCompre
     """
     rows, columns = matrix.data.shape
     weights = np.ones(columns) if weights is None else weights
-    pivots, nulls, decisions = [np.zeros(0, dtype=int)], [Noisy.exact(np.zeros((0, rows)))], []
-    matrix = Noisy(matrix.cleaned(), matrix.noise)
-    for i, j in _components(matrix.data):
+    pivots, nulls, decisions = [np.zeros(0, dtype=int)], [_zeros_like(matrix, (0, rows))], []
+    cleaned = matrix.cleaned()
+    if not is_precise(cleaned):
+        matrix = Noisy(cleaned, matrix.noise)
+    for i, j in _components(cleaned):
         order, combinations, decision = _eliminated(matrix[np.ix_(i, j)], weights[j])
-        placed = Noisy.exact(np.zeros((len(combinations.data), rows)))
+        placed = _zeros_like(matrix, (len(combinations.data), rows))
         placed[:, i] = combinations
         pivots.append(i[order])
         nulls.append(placed)
@@ -92,8 +97,12 @@ def compress_rows(matrix: Noisy, weights: np.ndarray | None = None) -> RowCompre
 
 def null_columns(matrix: Noisy) -> RowCompression:
     """The same for the columns of S: S[:, pivots] are independent, and S @ null.T = 0."""
-    size = np.abs(matrix.data).max(axis=1, initial=0.0)
+    size = matrix.size.max(axis=1, initial=0.0)
     return compress_rows(matrix.T, weights=1 / np.where(size > 0, size, 1.0))
+
+
+def _zeros_like(matrix: Noisy, shape) -> Noisy:
+    return Noisy.exact(of_kind(np.zeros(shape), matrix.data))
 
 
 def _components(matrix):
@@ -118,20 +127,32 @@ def _eliminated(matrix: Noisy, weights) -> tuple[np.ndarray, Noisy, RankDecision
     rows, columns = matrix.data.shape
     if (margin := _regular_by_far(matrix)) is not None:
         return np.arange(rows), Noisy.exact(np.zeros((0, rows))), RankDecision(rows, margin, 0.0)
-    work = Noisy(np.hstack([matrix.data, np.eye(rows)]), np.hstack([matrix.noise, np.zeros((rows, rows))]))
+    identity = of_kind(np.eye(rows), matrix.data)
+    work = Noisy(np.hstack([matrix.data, identity]), np.hstack([matrix.noise, np.zeros((rows, rows))]))
     order, rank, kept, dropped = np.arange(rows), 0, np.inf, 0.0
     while rank < min(rows, columns):
-        size = np.abs(work.data[rank:, :columns]) * weights
+        rest = work[rank:, :columns]
+        size = np.where(rest.size > NOISE_SAFETY * rest.noise, rest.size, 0.0) * weights
         row, column = np.unravel_index(size.argmax(), size.shape)
         if size[row, column] == 0:
             break
         swap = [rank + row, rank]
         order[swap], work[swap] = order[swap[::-1]], work[swap[::-1]]
         bound = NOISE_SAFETY * work.noise[rank, column]
-        kept = min(kept, abs(work.data[rank, column]) / bound if bound else np.inf)
+        kept = min(kept, float(abs(work.data[rank, column])) / bound if bound else np.inf)
         dropped = max(dropped, _eliminate(work, rank, column, columns))
         rank += 1
-    return order[:rank], work[rank:, columns:], RankDecision(rank, float(kept), dropped)
+    rest = work[rank:, :columns]
+    dropped = max(dropped, float((rest.size / np.where(rest.noise > 0, NOISE_SAFETY * rest.noise, 1.0)).max(initial=0.0)))
+    return order[:rank], work[rank:, columns:], _with_singular_values(RankDecision(rank, float(kept), dropped), matrix)
+
+
+def _with_singular_values(decision: RankDecision, matrix: Noisy) -> RankDecision:
+    if decision.clear:
+        return decision
+    rows, columns = equilibration(matrix.size)
+    values = np.linalg.svd(rows[:, None] * rounded_to_float(matrix.data) * columns, compute_uv=False)
+    return replace(decision, singular_values=tuple(map(float, values)))
 
 
 def _regular_by_far(matrix: Noisy) -> float | None:
@@ -142,8 +163,8 @@ def _regular_by_far(matrix: Noisy) -> float | None:
     size = len(matrix.data)
     if size < SMALL or matrix.data.shape != (size, size):
         return None
-    rows, columns = equilibration(np.abs(matrix.data))
-    scaled, noise = rows[:, None] * matrix.data * columns, rows[:, None] * matrix.noise * columns
+    rows, columns = equilibration(matrix.size)
+    scaled, noise = rows[:, None] * rounded_to_float(matrix.data) * columns, rows[:, None] * matrix.noise * columns
     norm = np.abs(scaled).sum(axis=0).max()
     factors, _, info = lapack.dgetrf(scaled)
     reciprocal = lapack.dgecon(factors, norm)[0] if info == 0 else 0.0
@@ -159,16 +180,19 @@ def _eliminate(work: Noisy, pivot: int, column: int, columns: int) -> float:
         return 0.0
     rest = below[touched]
     factor = rest.data[:, column] / top.data[column]
-    factor_noise = np.hypot(rest.noise[:, column], factor * top.noise[column]) / abs(top.data[column])
+    times, size = magnitude(factor), top.size
+    factor_noise = np.hypot(rest.noise[:, column], times * top.noise[column]) / size[column]
     change = np.multiply.outer(factor, top.data)
-    rounds = EPS * ((rest.data != 0) & (change != 0))
+    rounds = unit(change) * ((rest.data != 0) & (change != 0))
     data = rest.data - change
-    squared = rest.noise**2 + np.multiply.outer(factor**2, top.noise**2) + np.multiply.outer(factor_noise**2, top.data**2)
-    noise = np.sqrt(squared + rounds**2 * (rest.data**2 + change**2))
-    data[:, column], noise[:, column] = 0.0, 0.0
-    bound = NOISE_SAFETY * noise[:, :columns]
-    small = np.abs(data[:, :columns]) <= bound
-    ratios = np.abs(data[:, :columns]) / np.where(bound > 0, bound, 1.0)
+    squared = rest.noise**2 + np.multiply.outer(times**2, top.noise**2) + np.multiply.outer(factor_noise**2, size**2)
+    noise = np.sqrt(squared + rounds**2 * (rest.size**2 + magnitude(change) ** 2))
+    data[:, column], noise[:, column] = data[:, column] * 0, 0.0
+    bound, left = NOISE_SAFETY * noise[:, :columns], magnitude(data[:, :columns])
+    small = left <= bound
+    ratios = left / np.where(bound > 0, bound, 1.0)
+    if is_precise(data):  # it rounds nothing away: what the data leave open may still be of weight for slow motions
+        small[:] = False
     data[:, :columns][small] = 0.0
     work[pivot + 1 + touched] = Noisy(data, noise)
     return float(ratios[small].max(initial=0.0))
@@ -179,4 +203,5 @@ def _joined(decisions) -> RankDecision:
         sum(decision.rank for decision in decisions),
         min((decision.smallest_kept for decision in decisions), default=np.inf),
         max((decision.largest_dropped for decision in decisions), default=0.0),
+        tuple(sorted((value for decision in decisions for value in decision.singular_values), reverse=True)),
     )

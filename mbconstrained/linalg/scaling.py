@@ -12,6 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..tolerances import EPS
+from .precise import is_precise, power_of_two
+
 #: Rounds of alternating row and column scaling; each at least halves the spread that is left.
 EQUILIBRATION_ROUNDS = 6
 
@@ -31,16 +34,28 @@ class Scaling:
         """The scaled coefficients, shape (q + 1, r, r)."""
         powers = np.arange(len(coefficients))[:, None, None] * np.log2(self.time)
         exponents = powers + np.log2(self.rows)[:, None] + np.log2(self.columns)
+        if is_precise(coefficients):
+            return coefficients * power_of_two(exponents)
         return np.ldexp(coefficients, exponents.astype(int))  # added first: the factors alone might overflow
 
 
 def joint_scaling(coefficients: np.ndarray) -> Scaling:
-    """The scaling of time, rows and columns for coefficients of shape (q + 1, r, r)."""
-    _, r, _ = coefficients.shape
+    """The scaling of time, rows and columns for coefficients of shape (q + 1, r, r).
+
+    Entries that turn out as mere rounding beside others of their row and of their column are left out of a second fit.
+    """
+    scaling = _fitted(coefficients)
+    size = np.abs(scaling.apply(coefficients))
+    rows, columns = size.max(axis=(0, 2), initial=0.0), size.max(axis=(0, 1), initial=0.0)
+    rounding = size <= EPS * np.minimum(rows[:, None], columns)
+    return _fitted(np.where(rounding, 0.0, coefficients)) if (rounding & (coefficients != 0)).any() else scaling
+
+
+def _fitted(coefficients: np.ndarray) -> Scaling:
     time, rows, columns = _log_fit(coefficients)
     scaling = Scaling(_power_of_two(time), _power_of_two(rows), _power_of_two(columns))
     size = np.abs(scaling.apply(coefficients)).max(axis=0, initial=0.0)
-    more_rows, more_columns = equilibration(size) if r else (np.ones(0), np.ones(0))
+    more_rows, more_columns = equilibration(size) if len(size) else (np.ones(0), np.ones(0))
     return Scaling(scaling.time, scaling.rows * more_rows, scaling.columns * more_columns)
 
 

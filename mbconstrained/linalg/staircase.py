@@ -8,7 +8,7 @@ The number of vanishing rows in step i is the number of infinite elementary divi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import scipy.linalg
@@ -16,6 +16,7 @@ import scipy.linalg
 from ..errors import IllConditioned
 from ..tolerances import EPS, NOISE_SAFETY
 from .noise import Noisy, stacked
+from .precise import inverse, is_precise, of_kind, unit
 from .rank import RankDecision, RowCompression, compress_rows, null_columns
 
 
@@ -55,6 +56,11 @@ class SplitPencil:
             degrees += [step + 1] * (count - following)
         return tuple(sorted(degrees))
 
+    def rounded_to_float(self) -> SplitPencil:
+        """All parts in float64."""
+        parts = {field.name: getattr(self, field.name) for field in fields(self)}
+        return replace(self, **{name: part.rounded_to_float() for name, part in parts.items() if isinstance(part, Noisy)})
+
 
 @dataclass
 class _Work:
@@ -86,15 +92,15 @@ class _Work:
 GENERIC = (0.7390851 + 0.3183099j, -0.5671433 + 1.2020569j, 1.6180340 - 0.9159656j)
 
 
-def split_regular(E: np.ndarray, F: np.ndarray) -> SplitPencil:
-    """Split s E - F, entries known to a unit in the last place.
+def split_regular(E: Noisy, F: Noisy) -> SplitPencil:
+    """Split s E - F.
 
     Raises:
         SingularPencil: det(s E - F) vanishes identically.
         IllConditioned: the pencil has full rank at a generic s, but its structure is lost in the rounding noise.
     """
     try:
-        return split_pencil(Noisy.rounded(E), Noisy.rounded(F))
+        return split_pencil(E, F)
     except SingularPencil:
         if not _has_full_rank(E, F):
             raise
@@ -104,11 +110,13 @@ def split_regular(E: np.ndarray, F: np.ndarray) -> SplitPencil:
     )
 
 
-def _has_full_rank(E, F) -> bool:
-    """Whether s E - F is regular beyond rounding at a generic s."""
+def _has_full_rank(E: Noisy, F: Noisy) -> bool:
+    """Whether s E - F is regular beyond its noise at a generic s."""
+    E, F = E.rounded_to_float(), F.rounded_to_float()
     for s in GENERIC:
-        values = np.linalg.svd(s * E - F, compute_uv=False)
-        if values[-1] > NOISE_SAFETY * EPS * len(E) * values[0]:
+        values = np.linalg.svd(s * E.data - F.data, compute_uv=False)
+        noise = max(np.linalg.norm(abs(s) * E.noise + F.noise), EPS * len(values) * values[0])
+        if values[-1] > NOISE_SAFETY * noise:
             return True
     return False
 
@@ -120,7 +128,8 @@ def split_pencil(E: Noisy, F: Noisy) -> SplitPencil:
         SingularPencil: det(s E - F) vanishes identically, to within the noise.
     """
     n = len(E.data)
-    work = _Work(E.copy(), F.copy(), Noisy.exact(np.eye(n)), Noisy.exact(np.eye(n)))
+    left, right = (Noisy.exact(of_kind(np.eye(n), E.data)) for _ in range(2))
+    work = _Work(E.copy(), F.copy(), left, right)
     deficiencies, decisions = [], []
     while True:
         found = compress_rows(work.E[:n, :n])
@@ -142,8 +151,7 @@ def _deflate(work: _Work, active: int, found: RowCompression) -> RankDecision:
     if turned.decision.rank < active - rank:
         raise SingularPencil("the pencil is singular")
     work.dependent_columns_first(top, turned)
-    inverse = Noisy.rounded(np.linalg.inv(work.F.data[bottom, rank:active]))
-    work.rows(bottom, inverse)
+    work.rows(bottom, _with_rounding(inverse(work.F.data[bottom, rank:active])))
     work.F[bottom, top] = Noisy.exact(np.eye(active - rank, active, k=rank))
     return turned.decision
 
@@ -153,7 +161,7 @@ def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
     finite, infinite = slice(n), slice(n, None)
     F22 = work.F.data[infinite, infinite]
     if len(F22):
-        work.rows(infinite, Noisy.rounded(scipy.linalg.solve_triangular(F22, np.eye(len(F22)))))
+        work.rows(infinite, _with_rounding(_triangular_inverse(F22)))
     nilpotent = work.E[infinite, infinite]
     return SplitPencil(
         left=work.left,
@@ -166,3 +174,11 @@ def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
         deficiencies=deficiencies,
         decisions=decisions,
     )
+
+
+def _triangular_inverse(matrix: np.ndarray) -> np.ndarray:
+    return inverse(matrix) if is_precise(matrix) else scipy.linalg.solve_triangular(matrix, np.eye(len(matrix)))
+
+
+def _with_rounding(matrix: np.ndarray) -> Noisy:
+    return Noisy(matrix, unit(matrix) * np.abs(matrix).astype(float))

@@ -9,15 +9,18 @@ eps (|lambda| + 1 / |lambda|) in the pencil's own unit of time, and only then th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
 from scipy.sparse.csgraph import connected_components
 
 from ..errors import IllConditioned
+from ..tolerances import DECOUPLING_LIMIT
 from .noise import Noisy
+from .precise import inverse, is_precise, magnitude, of_kind, power_of_two, precise, solved
 from .rank import RankDecision
+from .scales import block_diagonal
 from .scaling import equilibration
 from .staircase import SingularPencil, split_pencil
 
@@ -29,6 +32,7 @@ class TriangularForm:
     Attributes:
         nonzero_count: the leading rows of T with zeros other than 0; the rest is strictly upper triangular.
         decisions: the rank decisions taken.
+        zero_divisors: degrees of the elementary divisors at s = 0, ascending.
     """
 
     left: np.ndarray
@@ -36,6 +40,7 @@ class TriangularForm:
     T: np.ndarray
     nonzero_count: int
     decisions: tuple[RankDecision, ...] = ()
+    zero_divisors: tuple[int, ...] = ()
 
 
 def triangular_form(E: Noisy, F: Noisy) -> TriangularForm:
@@ -49,26 +54,70 @@ def triangular_form(E: Noisy, F: Noisy) -> TriangularForm:
     except SingularPencil:  # E was found regular: what seems to vanish with F here is carried noise
         split = split_pencil(Noisy.exact(F.data), Noisy.exact(E.data))
     n = len(split.E11.data)
-    rest = _schur(split.F11.data, split.E11.data)
+    rest = (_by_scales if is_precise(E.data) else _schur)(split.F11.data, split.E11.data)
     coupling_E, coupling_F = rest.left @ split.F12.data, rest.left @ split.E12.data
     order = _by_component(split.nilpotent.data)
     N = split.nilpotent.data[np.ix_(order, order)]
     zero_rows, zero_columns = split.left.data[n:][order], split.right.data[:, n:][:, order]
     coupling_E, coupling_F = coupling_E[:, order], coupling_F[:, order]
-    T = np.block([[rest.T, coupling_F - coupling_E @ N], [np.zeros((len(N), n)), N]])
-    return TriangularForm(
+    form = TriangularForm(
         left=np.vstack([rest.left @ split.left.data[:n] - coupling_E @ zero_rows, zero_rows]),
         right=np.hstack([split.right.data[:, :n] @ rest.right, zero_columns]),
-        T=T,
+        T=np.block([[rest.T, coupling_F - coupling_E @ N], [of_kind(np.zeros((len(N), n)), N), N]]),
         nonzero_count=n,
         decisions=split.decisions,
+        zero_divisors=split.infinite_divisors,
     )
+    return _zeros_decoupled(_measured(form)) if is_precise(E.data) else form
 
 
 def _by_component(nilpotent) -> np.ndarray:
     """Order that puts the independent chains of a strictly upper triangular matrix one after the other."""
     labels = connected_components(nilpotent != 0, directed=False)[1] if len(nilpotent) else np.zeros(0)
     return np.argsort(labels, kind="stable")
+
+
+def _by_scales(E: np.ndarray, F: np.ndarray) -> TriangularForm:
+    """The same for a precise pencil where no zero is 0, T block diagonal."""
+    if not len(E):
+        return TriangularForm(E, E, E, 0)
+    found = block_diagonal(solved(E, F))
+    T = precise(scipy.linalg.block_diag(*found.blocks))
+    return TriangularForm(found.inverse @ inverse(E), found.basis, T, len(E))
+
+
+def _measured(form: TriangularForm) -> TriangularForm:
+    """States of each block in the unit that gives its rows of ``left`` and its columns of ``right`` the same size."""
+    n = form.nonzero_count
+    labels = connected_components(form.T[:n, :n] != 0, directed=False)[1] if n else np.zeros(0, dtype=int)
+    units = np.zeros(len(form.T))
+    for block in range(labels.max(initial=-1) + 1):
+        at = np.flatnonzero(labels == block)
+        units[at] = np.round(np.log2(magnitude(form.left[at]).max() / magnitude(form.right[:, at]).max()) / 2)
+    unit = power_of_two(units)
+    return replace(form, left=form.left / unit[:, None], right=form.right * unit, T=form.T * unit / unit[:, None])
+
+
+def _zeros_decoupled(form: TriangularForm) -> TriangularForm:
+    """Take the coupling of the zeros at 0 with the others out, but for motions so slow that they belong together.
+
+    X solves T X - X N = -G; N is nilpotent, so the fixed point is reached in as many steps as N has rows.
+    """
+    n, m = form.nonzero_count, len(form.T) - form.nonzero_count
+    T, G, N = form.T[:n, :n], form.T[:n, n:], form.T[n:, n:]
+    if not n or not m:
+        return form
+    back, X = inverse(T), 0 * G
+    for _ in range(m):
+        X = back @ (X @ N - G)
+    close = magnitude(X).max(axis=1) > DECOUPLING_LIMIT
+    close |= (magnitude(T) > 0) @ close  # rows of one block together
+    X = np.where(close[:, None], 0 * X, X)
+    left, right, T = form.left.copy(), form.right.copy(), form.T.copy()
+    left[:n] = left[:n] - X @ left[n:]
+    right[:, n:] = right[:, n:] + right[:, :n] @ X
+    T[:n, n:] = np.where(close[:, None], G, 0 * G)
+    return replace(form, left=left, right=right, T=T)
 
 
 def _schur(E: np.ndarray, F: np.ndarray) -> TriangularForm:

@@ -10,10 +10,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg
 
 from ..linalg.noise import Noisy
+from ..linalg.precise import is_worthwhile
+from ..polynomial.factors import Factors
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth, step
+from .element_matrix import ElementMatrix
 from .independence import IndependentRows
 
 
@@ -42,24 +46,39 @@ class ConstrainedForm:
 
 
 def constrained_form(
-    motion: Sequence[np.ndarray], independent: IndependentRows, names: Sequence[str], orders: Sequence[int]
+    motion: Sequence[np.ndarray | ElementMatrix], independent: IndependentRows, names: Sequence[str], orders: Sequence[int]
 ) -> ConstrainedForm:
     """Stack the projected equations of motion and the constraint rows.
 
     Args:
-        motion: K, C, M, the coefficients of s^0, s^1, s^2, each of shape (n, n).
+        motion: K, C, M, the coefficients of s^0, s^1, s^2, each of shape (n, n), assembled or as elements.
         independent: the constraint rows and their null space.
         names: of the n coordinates.
         orders: for each row the derivative that it holds.
     """
     V, A = independent.null_space, independent.matrix
+    spread = max((matrix.spread for matrix in motion[:2] if isinstance(matrix, ElementMatrix)), default=1.0)
+    apart = is_worthwhile(spread, 2 * len(names))  # assembled, the softest element would lose as many digits
     coefficients = [
-        np.vstack([_projected(V, matrix), A * (np.asarray(orders, dtype=int) == power)[:, None]])
+        _stacked(matrix if apart else _assembled(matrix), V, A, np.asarray(orders, dtype=int) == power)
         for power, matrix in enumerate(motion)
     ]
     equations = [*_motion_names(independent.motions, names), *_row_names(independent.rows)]
     values = np.array([row.value for row in independent.rows])
     return ConstrainedForm(V, A, values, PolynomialMatrix(coefficients, names, equations))
+
+
+def _assembled(matrix: np.ndarray | ElementMatrix) -> np.ndarray:
+    return matrix.matrix if isinstance(matrix, ElementMatrix) else matrix
+
+
+def _stacked(matrix: np.ndarray | ElementMatrix, V, A, held) -> np.ndarray | Factors:
+    """[V^T matrix; the held rows of A], as factors where the matrix is given by its elements."""
+    rows = A * held[:, None]
+    if not isinstance(matrix, ElementMatrix):
+        return np.vstack([_projected(V, matrix), rows])
+    left = scipy.linalg.block_diag(_projected(V, matrix.directions.T), np.eye(len(rows)))
+    return Factors(left, np.concatenate([matrix.constants, np.ones(len(rows))]), np.vstack([matrix.directions, rows]))
 
 
 def _projected(V, matrix) -> np.ndarray:

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ..polynomial.companion import scaled_companion
 from ..polynomial.matrix import PolynomialMatrix
+from ..polynomial.structure import FiniteZero
 from ..tolerances import EPS, NOISE_SAFETY, rounding_radius
 from .conservation import Conservation, conservation_of
 from .shapes import mode_shapes, rest_shapes
@@ -115,22 +115,21 @@ def modes_of(system: MechanicalSystem) -> Modes:
         SingularPolynomialMatrix: the motion is not determined.
     """
     A = system.position_form().polynomial_matrix
-    conservation, scaled = conservation_of(system), A.jordan_pairs().form.companion
+    conservation, pair = conservation_of(system), A.jordan_pairs().finite
     resting, moving = [], []
-    for zero in A.jordan_pairs().finite.zeros:
+    for zero in pair.zeros:
         if zero.value:
             value = cleaned(complex(zero.value), zero.multiplicity, conservation)
-            shapes = mode_shapes(scaled, value, zero.multiplicity)
-            moving.append(Mode(_kind(value), value, zero.multiplicity, shapes))
+            moving.append(Mode(_kind(value), value, zero.multiplicity, mode_shapes(pair, zero)))
         else:
-            resting.extend(_at_rest(A))
+            resting.extend(_at_rest(A, zero))
     return Modes((*resting, *_drift(system), *moving), system.names)
 
 
-def _at_rest(A: PolynomialMatrix):
+def _at_rest(A: PolynomialMatrix, zero: FiniteZero):
     """The zeros at 0 with every row at position level, told apart by their elementary divisors."""
-    divisors = scaled_companion(A.dual).split.infinite_divisors  # s^2 A(1/s) has at infinity what A has at 0
-    bodies, offsets = sum(degree for degree in divisors if degree > 1), divisors.count(1)
+    bodies = sum(degree for degree in zero.partial_multiplicities if degree > 1)
+    offsets = zero.partial_multiplicities.count(1)
     free, staying = rest_shapes(A)
     if bodies:
         yield Mode("rigid body", 0j, bodies, free)

@@ -4,25 +4,31 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from ..checks import nearest
+from ..errors import InputError
 from ..notices import Notice
+from ..response.estimate import error_estimate
 from ..response.response import Response
 from ..response.solve import solve
 from ..signals.bohl import BohlFunction
-from ..signals.inputs import ImpulsiveSmooth
+from ..signals.impulsive import Blow, ImpulsiveSmooth
 from .energy import Energy, energy_of
-from .reaction import reaction_function, reaction_impulses
+from .reaction import later_reaction_impulses, reaction_function, reaction_impulses
 
 if TYPE_CHECKING:
     from .system import MechanicalSystem
 
+Quantity = Literal["displacement", "velocity", "acceleration", "reaction"]
+
 
 @dataclass(frozen=True)
 class Motion(Response):
-    """x(t) of a mechanical system, a ``Response`` to the constrained form; t = 0 means 0+ everywhere.
+    """x(t) of a mechanical system, a ``Response`` to the constrained form; t = 0 means 0+ everywhere,
+    the time of an event its right limit.
 
     Attributes:
         system: the system that moves.
@@ -49,7 +55,8 @@ class Motion(Response):
         """The multipliers lambda at a time (-> (k,)) or at times (T,) (-> (k, T)), one per row of ``system.rows``.
 
         M x'' + C x' + K x = f + A^T lambda: lambda_i is the force along the i-th row, in N for a row in metres and
-        in N m for a row in radians. What happens at t = 0 itself is in ``constraint_impulses``.
+        in N m for a row in radians. What happens at t = 0 itself is in ``constraint_impulses``, what happens at later
+        times in ``later_constraint_impulses``.
         """
         return self.reaction_function(times)
 
@@ -63,9 +70,30 @@ class Motion(Response):
         """Arrays (k,); the p-th multiplies the p-th derivative of Dirac's delta in lambda (N s for p = 0, N s^2, ...)."""
         return reaction_impulses(self.system, self, self.applied)
 
+    @cached_property
+    def later_constraint_impulses(self) -> tuple[Blow, ...]:
+        """The same after t = 0: for each time at which lambda has impulses a ``Blow``, whose arrays have k rows."""
+        return later_reaction_impulses(self.system, self, self.applied)
+
     def energy(self, times) -> Energy:
         """Kinetic, strain and static energy at a time or at times (T,), in J."""
         return energy_of(self.system, self(times), self.velocity(times))
+
+    def error_estimate(self, times, of: Quantity = "displacement") -> float:
+        """Estimate of max |error| / max |value| over the times, of displacement, velocity, acceleration or reaction.
+
+        Raises:
+            InputError: another word.
+        """
+        views = {
+            "displacement": lambda x: x.function,
+            "velocity": lambda x: x.derivative(1),
+            "acceleration": lambda x: x.derivative(2),
+            "reaction": lambda x: reaction_function(self.system, x, self.applied),
+        }
+        if of not in views:
+            raise InputError(f"of: found {of!r}{nearest(str(of), views)}; expected one of {', '.join(views)}")
+        return error_estimate(self, times, views[of])
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
@@ -75,9 +103,11 @@ class Motion(Response):
         return motion_notices(self)
 
 
-def motion_of(system: MechanicalSystem, start: np.ndarray, applied: ImpulsiveSmooth) -> Motion:
+def motion_of(
+    system: MechanicalSystem, start: np.ndarray, applied: ImpulsiveSmooth, rank_tolerance: float | None = None
+) -> Motion:
     """Solve the constrained form from x(0-), x'(0-) in the rows of start, shape (2, n)."""
     form = system.constrained_form()
-    response = solve(form.polynomial_matrix, start, form.force(applied))
+    response = solve(form.polynomial_matrix, start, form.force(applied), rank_tolerance)
     found = {field.name: getattr(response, field.name) for field in fields(response)}
     return Motion(**found, system=system, applied=applied)

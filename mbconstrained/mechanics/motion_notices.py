@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..notices import Notice
-from ..response.notices import pair_notices
+from ..response.notices import first_and_count, pair_notices, sides
+from ..signals.impulsive import Blow
 from ..tolerances import noise_of
 from .units import force_unit, impulse_unit, rate_unit
 
@@ -28,6 +29,8 @@ def motion_notices(motion: Motion) -> tuple[Notice, ...]:
         *_jumps(motion),
         *_coordinate_impulses(motion),
         *_constraint_impulses(motion),
+        *_later(motion),
+        *motion.force.notices,
         *_drift(motion),
         *_static_offsets(motion),
         *pair_notices(motion.pairs),
@@ -51,29 +54,49 @@ def _broken_rows(motion: Motion) -> Iterator[Notice]:
 
 def _jumps(motion: Motion) -> Iterator[Notice]:
     for order, what in enumerate(STATE_NAMES):
-        jump, before, after = motion.jump[order], motion.initial[order], motion.start[order]
-        for i in np.flatnonzero(jump):
-            unit = rate_unit(_unit(motion, i), order)
-            yield Notice(
-                "jump",
-                f"{motion.names[i]}: its {what} jumps at t = 0 by {jump[i]:.6g} {unit}, "
-                f"from {before[i]:.6g} {unit} to {after[i]:.6g} {unit}",
-            )
+        yield from _jump_sentences(motion, order, what, motion.jump[order], motion.start[order], motion.initial[order], "t = 0")
 
 
-def _coordinate_impulses(motion: Motion) -> Iterator[Notice]:
-    for order, sizes in enumerate(motion.impulses):
+def _jump_sentences(motion: Motion, order, what, jump, after, before, when) -> Iterator[Notice]:
+    for i in np.flatnonzero(jump):
+        unit = rate_unit(_unit(motion, i), order)
+        yield Notice(
+            "jump",
+            f"{motion.names[i]}: its {what} jumps at {when} by {jump[i]:.6g} {unit}, "
+            f"from {before[i]:.6g} {unit} to {after[i]:.6g} {unit}",
+        )
+
+
+def _coordinate_impulses(motion: Motion, impulses=None, when: str = "t = 0") -> Iterator[Notice]:
+    for order, sizes in enumerate(motion.impulses if impulses is None else impulses):
         for i in np.flatnonzero(sizes):
             size = f"{sizes[i]:.6g} {impulse_unit(_unit(motion, i), order)}"
-            yield Notice("impulse", f"{motion.names[i]}: its displacement contains {_delta(order)} of {size} at t = 0")
+            yield Notice("impulse", f"{motion.names[i]}: its displacement contains {_delta(order)} of {size} at {when}")
 
 
-def _constraint_impulses(motion: Motion) -> Iterator[Notice]:
-    for order, sizes in enumerate(motion.constraint_impulses):
+def _constraint_impulses(motion: Motion, impulses=None, when: str = "t = 0") -> Iterator[Notice]:
+    for order, sizes in enumerate(motion.constraint_impulses if impulses is None else impulses):
         for i in np.flatnonzero(sizes):
             row = motion.system.rows[i]
             size = f"{sizes[i]:.6g} {impulse_unit(force_unit(row.unit), order)}"
-            yield Notice("impulse", f'constraint "{row.name}": its force contains {_delta(order)} of {size} at t = 0')
+            yield Notice("impulse", f'constraint "{row.name}": its force contains {_delta(order)} of {size} at {when}')
+
+
+def _later(motion: Motion) -> Iterator[Notice]:
+    """What happens after t = 0, the first of it in the same words, the rest counted."""
+    yield from first_and_count(lambda event: _event_sentences(motion, event), motion.events, motion.later_constraint_impulses)
+
+
+def _event_sentences(motion: Motion, event) -> Iterator[Notice]:
+    when = f"t = {event.time:.6g} s"
+    if isinstance(event, Blow):
+        yield from _constraint_impulses(motion, event.impulses, when)
+        return
+    for order, what in enumerate(STATE_NAMES):
+        if event.jump[order].any():
+            before, after = sides(motion, event, order)
+            yield from _jump_sentences(motion, order, what, event.jump[order], after, before, when)
+    yield from _coordinate_impulses(motion, event.impulses, when)
 
 
 def _drift(motion: Motion) -> Iterator[Notice]:

@@ -5,35 +5,32 @@ from __future__ import annotations
 import numpy as np
 import scipy.linalg
 
+from ..jordan.pairs import FinitePair
 from ..linalg.noise import Noisy
+from ..linalg.precise import precise_arithmetic, rounded_to_float
 from ..linalg.rank import null_columns
-from ..polynomial.companion import ScaledCompanion
+from ..polynomial.companion import known_coefficient
 from ..polynomial.matrix import PolynomialMatrix
-from ..tolerances import CLUSTER_SAFETY, EPS, NOISE_SAFETY
+from ..polynomial.structure import FiniteZero
+from ..tolerances import NOISE_SAFETY
 
 
-def mode_shapes(scaled: ScaledCompanion, zero: complex, multiplicity: int) -> np.ndarray:
-    """The null space of A(zero), one shape a column, shape (r, g) with 1 <= g <= multiplicity; real where possible.
+def mode_shapes(pair: FinitePair, zero: FiniteZero) -> np.ndarray:
+    """The null space of A(zero), one shape a column, shape (r, g), one for each chain of the zero; real where possible.
 
-    It is read off a QR decomposition with column pivoting. A zero of multiplicity m is known to about eps^(1/m);
-    as many diagonal entries below that count as zero, and one at least.
-
-    Args:
-        scaled: the scaled coefficients of A(s).
-        zero: in 1/s.
-        multiplicity: m.
+    A(s) C (s I - J)^-1 B = I, so that A(s) C v = 0 where J v = s v: the shapes are C v with the eigenvectors v of those
+    blocks of J that belong to the zero. A(s) itself is never formed: beside stiff parts it has lost the soft ones.
     """
-    place = zero / scaled.scaling.time
-    value = sum(matrix * place**power for power, matrix in enumerate(scaled.coefficients))
-    triangle, order = scipy.linalg.qr(value if value.imag.any() else value.real, mode="r", pivoting=True)
-    sizes = np.abs(np.diag(triangle))
-    limit = (CLUSTER_SAFETY * EPS) ** (1 / multiplicity) * sizes[0]
-    count = min(max(int((sizes <= limit).sum()), 1), multiplicity, scaled.size)
-    rank = scaled.size - count
-    shapes = np.eye(scaled.size, count, -rank, dtype=triangle.dtype)
-    if rank:
-        shapes[:rank] = -scipy.linalg.solve_triangular(triangle[:rank, :rank], triangle[:rank, rank:])
-    return _normalized(scaled.scaling.columns[:, None] * shapes[np.argsort(order)])
+    ends = np.cumsum([len(block) for block in pair.blocks])
+    owner = np.repeat(np.arange(len(pair.blocks)), [len(block) for block in pair.blocks])
+    values = np.concatenate([np.linalg.eigvals(block) for block in pair.blocks])
+    nearest = np.argsort(np.abs(values - zero.value), kind="stable")[: zero.multiplicity]
+    chosen = sorted(set(owner[nearest]))
+    J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
+    C = np.hstack([pair.C[:, ends[i] - len(pair.blocks[i]) : ends[i]] for i in chosen])
+    place = zero.value if zero.value.imag else zero.value.real
+    vectors = scipy.linalg.svd(J - place * np.eye(len(J)))[2].conj().T
+    return _normalized(C @ vectors[:, len(J) - len(zero.partial_multiplicities) :])
 
 
 def rest_shapes(A: PolynomialMatrix) -> tuple[np.ndarray, np.ndarray]:
@@ -42,11 +39,12 @@ def rest_shapes(A: PolynomialMatrix) -> tuple[np.ndarray, np.ndarray]:
     A shape u can also move on at constant velocity, and so begins a chain of the zero at 0, where A_1 u is balanced
     by some displacement: where w^T A_1 u = 0 for every w with w^T A_0 = 0. The others are offsets.
     """
-    A_0, A_1 = Noisy.rounded(A.coefficients[0]), Noisy.rounded(A.coefficients[1])
-    right, left = _null_space(A_0), _null_space(A_0.T)
-    moving = _null_space(left.T @ A_1 @ right)
-    staying = _null_space(moving.T)
-    return _normalized((right @ moving).data), _normalized((right @ staying).data)
+    with precise_arithmetic():
+        A_0, A_1 = known_coefficient(A, 0), known_coefficient(A, 1)
+        right, left = _null_space(A_0), _null_space(A_0.T)
+        moving = _null_space(left.T @ A_1 @ right)
+        staying = _null_space(moving.T)
+        return tuple(_normalized(rounded_to_float((right @ shapes).data)) for shapes in (moving, staying))
 
 
 def _null_space(matrix: Noisy) -> Noisy:

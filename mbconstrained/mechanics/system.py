@@ -15,6 +15,7 @@ from ..signals.inputs import ImpulsiveSmooth, step, zero
 from .acceleration import explicit_acceleration
 from .constrained_form import ConstrainedForm, constrained_form
 from .constraint import Constraint, ConstraintRow, constraint_rows
+from .element_matrix import ElementMatrix
 from .independence import independent_rows
 from .modes import Modes, modes_of
 from .motion import Motion, motion_of
@@ -25,7 +26,8 @@ class MechanicalSystem:
     """M x'' + C x' + K x = f + A^T lambda with the constraint rows A x^(level) = b (SI units, t in s).
 
     Args:
-        mass: M, shape (n, n), possibly singular (kg, kg m^2).
+        mass: M, shape (n, n), possibly singular (kg, kg m^2). This one and the next two may be given as ``ElementMatrix``:
+            where their elements differ by many orders of magnitude, none is lost.
         damping: C, shape (n, n) (N s/m); zero when not given.
         stiffness: K, shape (n, n) (N/m); zero when not given.
         constraints: any number of ``Constraint``; dependent rows are taken out and reported in ``notices``.
@@ -58,6 +60,8 @@ class MechanicalSystem:
         self.mass = _square(mass, "mass", None)
         self.damping = _square(damping, "damping", self.size)
         self.stiffness = _square(stiffness, "stiffness", self.size)
+        given = zip((stiffness, damping, mass), (self.stiffness, self.damping, self.mass))
+        self._motion = tuple(value if isinstance(value, ElementMatrix) else matrix for value, matrix in given)
         self.names = names_of(names, self.size, "coordinates", "x")
         self.units = coordinate_units(units, self.names)
         self.constraints = (constraints,) if isinstance(constraints, Constraint) else tuple(constraints or ())
@@ -119,14 +123,13 @@ class MechanicalSystem:
         return self._form([0] * len(self.rows)) if held else self._constrained_form
 
     def _form(self, orders) -> ConstrainedForm:
-        motion = (self.stiffness, self.damping, self.mass)
-        return constrained_form(motion, self._independent, self.names, orders)
+        return constrained_form(self._motion, self._independent, self.names, orders)
 
     def polynomial_matrix(self) -> PolynomialMatrix:
         """A(s) of the constrained form, degree 2, size n."""
         return self.constrained_form().polynomial_matrix
 
-    def solve(self, displacement=None, velocity=None, force=None) -> Motion:
+    def solve(self, displacement=None, velocity=None, force=None, rank_tolerance: float | None = None) -> Motion:
         """The motion from any values at 0-, in closed form.
 
         Values that do not fit are not repaired: the motion tells the jumps and impulses that they cause.
@@ -134,6 +137,7 @@ class MechanicalSystem:
         Args:
             displacement, velocity: x and x' at 0-, shape (n,), or a mapping from names to numbers, zero for the others.
             force: f in addition to the system's own, as an ImpulsiveSmooth with n rows or a constant vector.
+            rank_tolerance: see ``mbconstrained.solve``.
 
         Raises:
             InputError: unknown names, shapes that do not fit.
@@ -144,7 +148,7 @@ class MechanicalSystem:
         True
         """
         start = np.array([self._vector(displacement, "displacement"), self._vector(velocity, "velocity")])
-        return motion_of(self, start, self._applied(force))
+        return motion_of(self, start, self._applied(force), rank_tolerance)
 
     def modes(self) -> Modes:
         """The finite zeros of A(s), each with what it means: oscillation, decay, rigid body, drift ..."""
@@ -212,6 +216,8 @@ def _square(value, what: str, size: int | None) -> np.ndarray:
         if size is None:
             raise InputError("mass: a mechanical system needs a mass matrix (zeros for massless coordinates)")
         value = np.zeros((size, size))
+    if isinstance(value, ElementMatrix):
+        value = value.matrix
     matrix = real_array(value, what, shape=(size, size))
     if len(matrix) != matrix.shape[1]:
         raise InputError(f"{what}: expected a square matrix, found {matrix.shape[0]} x {matrix.shape[1]}")

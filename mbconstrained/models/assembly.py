@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..mechanics.constraint import Constraint
+from ..mechanics.element_matrix import ElementMatrix
 from ..mechanics.system import MechanicalSystem
 from ..signals.inputs import ImpulsiveSmooth, zero
 from .elements import Body, Element, Mass, Tie
@@ -35,9 +36,9 @@ def assembled(
     factors = incidence_of(elements)
     weights = {element.name: gravity * element.mass for element in elements if isinstance(element, Mass)}
     return MechanicalSystem(
-        mass=np.diag(factors.masses),
-        damping=factors.dampers.matrix(),
-        stiffness=factors.springs.matrix(),
+        mass=ElementMatrix(np.eye(len(names)), factors.masses),
+        damping=factors.dampers.matrix,
+        stiffness=factors.springs.matrix,
         constraints=[_constraint(element, names) for element in elements if isinstance(element, Tie)],
         names=names,
         force=_drive(forces or {}, names),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..mechanics.element_matrix import ElementMatrix
 from .elements import Body, Damper, Element, Spring, TorsionDamper, TorsionSpring
 
 
@@ -26,13 +27,10 @@ class Branches:
     rest: np.ndarray
     names: tuple[str, ...]
 
-    def matrix(self) -> np.ndarray:
-        """B^T diag(constants) B, exactly symmetric, shape (n, n)."""
-        total = np.zeros((self.incidence.shape[1],) * 2)
-        for row, constant in zip(self.incidence, self.constants):
-            at = np.flatnonzero(row)
-            total[np.ix_(at, at)] += constant * np.outer(row[at], row[at])
-        return total
+    @property
+    def matrix(self) -> ElementMatrix:
+        """B^T diag(constants) B, shape (n, n)."""
+        return ElementMatrix(self.incidence, self.constants)
 
     def rest_force(self) -> np.ndarray:
         """B^T diag(constants) rest: what the rest lengths push with at x = 0, shape (n,)."""

@@ -13,8 +13,11 @@ from functools import cached_property
 
 import numpy as np
 
+from ..linalg.noise import Noisy
+from ..linalg.precise import is_precise, magnitude, of_kind, precise
 from ..linalg.scaling import Scaling, joint_scaling
 from ..linalg.staircase import SplitPencil, split_regular
+from ..tolerances import EPS, NOISE_SAFETY
 from .matrix import PolynomialMatrix
 
 
@@ -23,38 +26,53 @@ class ScaledCompanion:
     """The companion pencil of the scaled coefficients.
 
     Attributes:
-        coefficients: scaled A_0 ... A_g with g = max(q, 1), shape (g + 1, r, r).
+        known: scaled A_0 ... A_g with g = max(q, 1), shape (g + 1, r, r), in float64 or precise, and how well they are known.
         scaling: the powers of two used.
     """
 
-    coefficients: np.ndarray
+    known: Noisy
     scaling: Scaling
+
+    @property
+    def is_precise(self) -> bool:
+        """True where the coefficients have more digits than float64."""
+        return is_precise(self.known.data)
+
+    @cached_property
+    def coefficients(self) -> np.ndarray:
+        """The same in float64."""
+        return self.known.data.astype(float)
 
     @property
     def size(self) -> int:
         """r."""
-        return self.coefficients.shape[1]
+        return self.known.data.shape[1]
 
     @property
     def grade(self) -> int:
         """g, the number of stacked derivatives."""
-        return len(self.coefficients) - 1
+        return len(self.known.data) - 1
 
-    @cached_property
+    @property
     def E(self) -> np.ndarray:
-        """Shape (g r, g r)."""
-        r, g = self.size, self.grade
-        E = np.eye(g * r)
-        E[(g - 1) * r :, (g - 1) * r :] = self.coefficients[g]
-        return E
+        """Shape (g r, g r), in float64."""
+        return self.pencil[0].data.astype(float)
+
+    @property
+    def F(self) -> np.ndarray:
+        """Shape (g r, g r), in float64."""
+        return self.pencil[1].data.astype(float)
 
     @cached_property
-    def F(self) -> np.ndarray:
-        """Shape (g r, g r)."""
+    def pencil(self) -> tuple[Noisy, Noisy]:
+        """E and F with what is uncertain about them."""
         r, g = self.size, self.grade
-        F = np.eye(g * r, k=r)
-        F[(g - 1) * r :] = -np.hstack(self.coefficients[:g])
-        return F
+        E, F = (Noisy.exact(of_kind(np.eye(g * r, k=shift), self.known.data)) for shift in (0, r))
+        last = slice((g - 1) * r, None)
+        E[last, last] = self.known[g]
+        for power in range(g):
+            F[last, power * r : (power + 1) * r] = -self.known[power]
+        return E, F
 
     @cached_property
     def split(self) -> SplitPencil:
@@ -63,7 +81,7 @@ class ScaledCompanion:
         Raises:
             SingularPencil: det A(s) = 0 for every s.
         """
-        return split_regular(self.E, self.F)
+        return split_regular(*self.pencil)
 
     def scaled_stack(self, initial: np.ndarray) -> np.ndarray:
         """Values (q, r) at 0- as the pencil's state (g r,), in its units."""
@@ -73,10 +91,29 @@ class ScaledCompanion:
         return stack.reshape(-1)
 
 
-def scaled_companion(A: PolynomialMatrix) -> ScaledCompanion:
-    """The companion pencil of A(s) in units chosen from its entries."""
-    coefficients = A.coefficients
-    if A.degree == 0:  # a pencil needs a first power: declare one
-        coefficients = np.concatenate([coefficients, np.zeros_like(coefficients)])
-    scaling = joint_scaling(coefficients)
-    return ScaledCompanion(scaling.apply(coefficients), scaling)
+def scaled_companion(A: PolynomialMatrix, rank_tolerance: float | None = None, in_float64: bool = True) -> ScaledCompanion:
+    """The companion pencil of A(s) in units chosen from its entries, in float64 or precise.
+
+    Entries given in float64 are known to a unit in the last place, a coefficient given by its factors is known exactly; where
+    a rank tolerance is given, a difference of entries counts as zero if it is no larger than that part of them.
+    """
+    exact = _with_first_power(A.coefficients if in_float64 else precise(A.exact_coefficients))
+    scaling = joint_scaling(_with_first_power(A.coefficients))
+    scaled = scaling.apply(exact)
+    if rank_tolerance is not None:
+        known = np.full(len(exact), rank_tolerance / NOISE_SAFETY)
+    else:
+        by_factors = [factors is not None and not in_float64 for factors in A.factors]
+        known = np.where([*by_factors, True][: len(exact)], 0.0, EPS)
+    return ScaledCompanion(Noisy(scaled, known[:, None, None] * magnitude(scaled)), scaling)
+
+
+def _with_first_power(coefficients: np.ndarray) -> np.ndarray:
+    """A pencil needs a first power: one is declared where there is none."""
+    return coefficients if len(coefficients) > 1 else np.concatenate([coefficients, 0 * coefficients])
+
+
+def known_coefficient(A: PolynomialMatrix, power: int) -> Noisy:
+    """A_power with what is uncertain about it: precise and exact where it is given by its factors."""
+    factors = A.factors[power]
+    return Noisy.rounded(A.coefficients[power]) if factors is None else Noisy.exact(precise(factors.exact))

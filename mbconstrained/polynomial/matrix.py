@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import cached_property
 from numbers import Number
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..checks import names_of, real_array
+from ..checks import names_of, real_array, real_number
 from ..errors import IllConditioned, InputError
+from .factors import Factors
 
 if TYPE_CHECKING:
     from ..jordan.pairs import JordanPairs
@@ -21,7 +21,8 @@ class PolynomialMatrix:
     """A(s) = A_0 + A_1 s + ... + A_q s^q, real and square, of any declared degree q >= 0 (Moysis et al., Eq. 4).
 
     Args:
-        coefficients: A_0 ... A_q in ascending powers, each of shape (r, r). A_q may be singular or zero.
+        coefficients: A_0 ... A_q in ascending powers, each of shape (r, r), as an array or as ``Factors``. A_q may be
+            singular or zero.
         coordinates: names of the r entries of x (x1, x2, ... when not given).
         equations: names of the r rows (equation 1, ... when not given).
 
@@ -36,7 +37,11 @@ class PolynomialMatrix:
     def __init__(self, coefficients: Iterable, coordinates: Sequence[str] | None = None, equations: Sequence[str] | None = None):
         if not isinstance(coefficients, Iterable):
             raise InputError(f"coefficients: found {coefficients!r}; expected a list of square matrices [A_0, A_1, ...]")
-        matrices = [real_array(matrix, f"A_{power}") for power, matrix in enumerate(coefficients)]
+        given = list(coefficients)
+        self.factors = tuple(matrix if isinstance(matrix, Factors) else None for matrix in given)
+        matrices = [
+            matrix.matrix if isinstance(matrix, Factors) else real_array(matrix, f"A_{power}") for power, matrix in enumerate(given)
+        ]
         if not matrices:
             raise InputError("a polynomial matrix needs at least one coefficient, A_0; none was given")
         for power, matrix in enumerate(matrices):
@@ -46,8 +51,18 @@ class PolynomialMatrix:
                 raise InputError(f"A_{power} has shape {matrix.shape}, but A_0 has {matrices[0].shape}; all must agree")
         self.coefficients = np.array(matrices)
         self.coefficients.flags.writeable = False
+        self._pairs: dict[float | None, JordanPairs] = {}
         self.coordinates = names_of(coordinates, self.size, "coordinates", "x")
         self.equations = names_of(equations, self.size, "equations", "equation ")
+
+    @property
+    def exact_coefficients(self) -> np.ndarray:
+        """The coefficients, shape (q + 1, r, r), exact Fractions of those that are given by their factors."""
+        found = self.coefficients.astype(object)
+        for power, factors in enumerate(self.factors):
+            if factors is not None:
+                found[power] = factors.exact
+        return found
 
     @property
     def degree(self) -> int:
@@ -74,7 +89,8 @@ class PolynomialMatrix:
     @property
     def dual(self) -> PolynomialMatrix:
         """s^q A(1/s), the coefficients in reverse (Moysis et al., Eq. 11): its zeros at 0 are those of A at infinity."""
-        return PolynomialMatrix(self.coefficients[::-1], self.coordinates, self.equations)
+        given = [self.coefficients[power] if factors is None else factors for power, factors in enumerate(self.factors)]
+        return PolynomialMatrix(given[::-1], self.coordinates, self.equations)
 
     @property
     def is_regular(self) -> bool:
@@ -90,21 +106,25 @@ class PolynomialMatrix:
             return True
         return True
 
-    def structure(self) -> Structure:
+    def structure(self, rank_tolerance: float | None = None) -> Structure:
         """Finite zeros with multiplicities, pole and zero orders q_i at infinity, infinite elementary divisors."""
-        return self.jordan_pairs().structure
+        return self.jordan_pairs(rank_tolerance).structure
 
-    def jordan_pairs(self) -> JordanPairs:
+    def jordan_pairs(self, rank_tolerance: float | None = None) -> JordanPairs:
         """The finite pair (C, J, B) and the infinite pair (C, J, B), see ``mbconstrained.jordan``.
+
+        Args:
+            rank_tolerance: a difference of entries counts as zero if it is no larger than this part of them; None for the
+                rounding noise of float64 (of what is known exactly, by its elements, nothing is lost).
 
         Raises:
             SingularPolynomialMatrix: det A(s) = 0 for every s.
             IllConditioned: float64 cannot tell the structure of A(s).
         """
-        return self._pairs
+        if rank_tolerance is not None:
+            rank_tolerance = real_number(rank_tolerance, "rank_tolerance", minimum=0.0)
+        if rank_tolerance not in self._pairs:
+            from ..jordan.pairs import jordan_pairs
 
-    @cached_property
-    def _pairs(self) -> JordanPairs:
-        from ..jordan.pairs import jordan_pairs
-
-        return jordan_pairs(self)
+            self._pairs[rank_tolerance] = jordan_pairs(self, rank_tolerance)
+        return self._pairs[rank_tolerance]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+from ..notices import Notice
 
 
 @dataclass(frozen=True)
@@ -12,10 +14,15 @@ class FiniteZero:
     Attributes:
         value: the zero in 1/s; of a complex pair the one above the real axis stands for both.
         multiplicity: its multiplicity as a root of det A(s) (that of each of the two, for a pair).
+        partial_multiplicities: the degrees of its elementary divisors (s - value)^k, ascending; they add up to the
+            multiplicity. Two uncoupled oscillators that are alike have (1, 1), critical damping has (2,).
+        clear: False where rounding leaves the multiplicities in doubt.
     """
 
     value: complex
     multiplicity: int
+    partial_multiplicities: tuple[int, ...] = field(default=(), compare=False)
+    clear: bool = field(default=True, compare=False)
 
     @property
     def count(self) -> int:
@@ -29,7 +36,8 @@ class Structure:
 
     Attributes:
         size, degree: r and the declared q.
-        finite_zeros: the zeros with multiplicities, ascending by modulus.
+        finite_zeros: the zeros with multiplicities, ascending by modulus; where moduli agree to rounding, by the real
+            part, then by the imaginary part.
         infinite_divisors: degrees mu_1 <= ... <= mu_r of the infinite elementary divisors (zeros included).
     """
 
@@ -57,3 +65,17 @@ class Structure:
     def infinite_chains(self) -> tuple[int, ...]:
         """Chain lengths of the minimal infinite pair: |q_i| + 1 for every q_i <= 0 (Eqs. 23-24, corrected)."""
         return tuple(1 - order for order in self.at_infinity if order <= 0)
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """The zeros whose multiplicities rounding leaves in doubt."""
+        return tuple(
+            Notice(
+                "multiplicity",
+                f"zero {zero.value:.6g}: taken as one zero with the partial multiplicities {zero.partial_multiplicities}, but "
+                "rounding of the data could make it simpler, or split it",
+                doubtful=True,
+            )
+            for zero in self.finite_zeros
+            if not zero.clear
+        )

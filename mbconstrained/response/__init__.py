@@ -1,7 +1,8 @@
 """The pairs, values at 0- and a force become the response: a function of time, with its jumps and impulses."""
 
 from .admissible import Admissibility, admissible
+from .events import Event
 from .response import Response
 from .solve import solve
 
-__all__ = ["Admissibility", "Response", "admissible", "solve"]
+__all__ = ["Admissibility", "Event", "Response", "admissible", "solve"]

@@ -12,8 +12,10 @@ import numpy as np
 
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth
-from .parts import inconsistency_of, scaled_data
+from .forcing import scaled_data
+from .parts import inconsistency_of
 from .solve import solve
+from .violations import Violation, violations_of
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,8 @@ class Admissibility:
         residuals: arrays (r,), one for each condition k = 1 ... q_hat_r of (58), the impulse of order k - 1 that the
             start causes; all zero where it is impulse-free.
         jump: x^(i)(0+) - x^(i)(0-), shape (q, r), the residual of (60); all zero where the start is continuous.
+        violations: the algebraic conditions hidden in the equations that the start contradicts, each with the equations and
+            coordinates involved and by how much (``.text`` is a sentence); empty where the start is continuous.
         nearest: values (q, r) without impulses, nearest to the start.
         nearest_continuous: values (q, r) without impulses and jumps, nearest to the start.
         dimensions: of the sets of continuous, of impulse-free and of all values, (n, r q - sum of q_hat_i, r q).
@@ -31,6 +35,7 @@ class Admissibility:
 
     residuals: tuple[np.ndarray, ...]
     jump: np.ndarray
+    violations: tuple[Violation, ...]
     nearest: np.ndarray
     nearest_continuous: np.ndarray
     dimensions: tuple[int, int, int]
@@ -64,19 +69,23 @@ def admissible(A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None 
     >>> found = admissible(A, initial=[[1.0, 0.0], [0.0, 0.0]])
     >>> found.is_impulse_free, found.is_continuous, found.dimensions
     (True, False, (2, 4, 4))
+    >>> (violation,) = found.violations
+    >>> violation.equations, violation.coordinates, violation.amount
+    ((('equation 1', 0),), (('x1', 0), ('x2', 0)), 1.0)
     """
     smooth = None if force is None else ImpulsiveSmooth(force.smooth)
     start = solve(A, initial, smooth)
     form, structure = start.pairs.form, start.pairs.structure
     stack, f, size = scaled_data(form, start.initial, start.force)
-    g = size * inconsistency_of(form, stack, f).data
-    to_g = form.infinite_rows.data @ form.companion.F
+    inconsistency = inconsistency_of(form, stack, f)
+    g, to_g = size * inconsistency.data, form.infinite_start.data
     to_impulses = _impulse_map(form)
     zeros_at_infinity = sum(max(0, -order) for order in structure.at_infinity)
     residuals = (*start.impulses, *[np.zeros(A.size)] * structure.highest_impulse)[: structure.highest_impulse]
     return Admissibility(
         residuals=residuals,
         jump=start.jump,
+        violations=violations_of(A, form, inconsistency, size, bool(start.impulses)) if start.jump.any() or start.impulses else (),
         nearest=start.initial + _least_change(form, to_impulses @ to_g, to_impulses @ g, zeros_at_infinity, A.degree),
         nearest_continuous=start.initial + _least_change(form, to_g, g, len(g), A.degree),
         dimensions=(structure.finite_count, A.size * A.degree - zeros_at_infinity, A.size * A.degree),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -12,8 +12,9 @@ from ..jordan.pairs import JordanPairs
 from ..notices import Notice
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction
-from ..signals.inputs import ImpulsiveSmooth
+from ..signals.impulsive import ImpulsiveSmooth
 from ..tolerances import noise_of
+from .events import Event
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,7 @@ class Response:
     """x with A(d/dt) x = f from values at 0-.
 
     ``x(t)`` is the regular part at t > 0 (t = 0 means 0+): a number gives shape (r,), times of shape (T,) give
-    (r, T), in any order and spacing. Impulses are apart, never smeared.
+    (r, T), in any order and spacing, at the time of an event the right limit. Impulses are apart, never smeared.
 
     Attributes:
         polynomial_matrix: A(s).
@@ -32,6 +33,7 @@ class Response:
         jump: x^(i)(0+) - x^(i)(0-), shape (q, r); exactly zero where the start is consistent.
         impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta.
         coupling: the largest entry of the transformation that separated the zeros.
+        events: jumps and impulses after t = 0, where the force starts, stops, changes or strikes, by ascending time.
     """
 
     polynomial_matrix: PolynomialMatrix
@@ -42,6 +44,7 @@ class Response:
     jump: np.ndarray
     impulses: tuple[np.ndarray, ...]
     coupling: float
+    events: tuple[Event, ...] = field(default=(), kw_only=True)
 
     def __call__(self, times) -> np.ndarray:
         """x at a time (-> (r,)) or at times (T,) (-> (r, T)).
@@ -69,6 +72,13 @@ class Response:
         return error_estimate(self, times)
 
     @cached_property
+    def moved(self) -> tuple[Response, ...]:
+        """Answers to the same problem with its data moved by about a rounding error (see ``response.estimate``)."""
+        from .estimate import moved_responses
+
+        return moved_responses(self)
+
+    @cached_property
     def evidence(self) -> tuple[Evidence, ...]:
         """Residuals, conditions and gaps that tell how far the answer can be trusted."""
         return self.pairs.evidence
@@ -79,4 +89,3 @@ class Response:
         from .notices import response_notices
 
         return response_notices(self)
-

@@ -7,22 +7,33 @@ import numpy as np
 from ..checks import real_array
 from ..errors import InputError
 from ..polynomial.matrix import PolynomialMatrix
-from ..signals.inputs import ImpulsiveSmooth, zero
-from .parts import regular_part, start_of
+from ..signals.impulsive import ImpulsiveSmooth
+from ..signals.inputs import zero
+from .events import kicks_of
+from .parts import start_of
+from .pieces import piecewise_part
+from .regular import regular_part
 from .response import Response
+from .series import with_series
+from .taylor import taylor_series
 
 
-def solve(A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None = None) -> Response:
+def solve(
+    A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None = None, rank_tolerance: float | None = None
+) -> Response:
     """The solution of A(d/dt) x = f on t >= 0 from any values at 0- (Moysis et al., Theorem 3.1, corrected).
 
     With X(s) = A(s)^-1 (X_in(s) + F(s)), the transform taken from 0-: only the values at 0- and the force on
     [0, inf) enter. Values that do not fit the equations are not repaired: the answer tells the jumps and
-    impulses that they cause.
+    impulses that they cause. Where the force starts, stops, changes or strikes later, ``Response.events`` tells what
+    happens to x; between such times it is the same closed form from another start.
 
     Args:
         A: the polynomial matrix, degree q, size r.
         initial: x^(i)(0-) as row i, shape (q, r); None for zeros.
         force: f with r rows, see ``mbconstrained.signals``; None for zero.
+        rank_tolerance: overrides how rank decisions are made: a difference of entries of A(s) counts as zero if it is no
+            larger than this part of them (1e-9 for measured data, say); None for the rounding noise of float64.
 
     Raises:
         InputError: shapes that do not fit, values that are not finite.
@@ -40,10 +51,18 @@ def solve(A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None = Non
     if force is None:
         force = zero(r)
     if not isinstance(force, ImpulsiveSmooth):
-        raise InputError(f"force: found {type(force).__name__}; make it with mb.step, mb.ramp, mb.harmonic, mb.term or mb.impulse")
+        raise InputError(
+            f"force: found {type(force).__name__}; make it with mb.step, mb.ramp, mb.harmonic, mb.term or mb.impulse, or mb.sampled"
+        )
     if force.size != r:
         raise InputError(f"force: it has {force.size} rows, but A(s) has {r}")
-    pairs = A.jordan_pairs()
-    start = start_of(pairs.form, initial, force)
-    function, coupling = regular_part(pairs.form, start, force)
-    return Response(A, initial, force, pairs, function, start.jump, start.impulses, coupling)
+    pairs = A.jordan_pairs(rank_tolerance)
+    start, events = start_of(pairs.form, initial, force), ()
+    if len(force.knots) == 1:
+        function, coupling = regular_part(pairs.form, start, force)
+    else:
+        kicks = kicks_of(pairs.form, force, q)
+        function, coupling = piecewise_part(pairs.form, start, force, kicks)
+        events = kicks.events
+    function = with_series(function, taylor_series(pairs.form, initial, start.jump, force))
+    return Response(A, initial, force, pairs, function, start.jump, start.impulses, coupling, events=events)

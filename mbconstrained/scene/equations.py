@@ -14,8 +14,9 @@ from ..response import Response, solve
 from ..response.parts import start_of
 from ..signals import ImpulsiveSmooth, zero
 from .files import matrix_of
+from .forces import force_of
 from .problems import at
-from .values import Coordinates, beyond_noise, constraint_value, force_of, initial_values
+from .values import Coordinates, beyond_noise, constraint_value, initial_values
 
 if TYPE_CHECKING:
     from ..mechanics import MechanicalSystem
@@ -51,8 +52,7 @@ class Equations:
     @property
     def is_free(self) -> bool:
         """Whether nothing stands on the right."""
-        right = self.right_hand_side
-        return not (right.impulses or (right.smooth.coefficients.any() and right.smooth.start.any()))
+        return self.right_hand_side.is_zero
 
     @property
     def start_fits(self) -> bool:
@@ -75,20 +75,20 @@ def equations_of(table, folder: Path, file_name: str) -> Equations:
         SceneError: unknown names, values of the wrong kind, files that cannot be read, contradictory constraints.
     """
     if table.model.kind == "lumped":
-        return _lumped(table, file_name)
+        return _lumped(table, folder, file_name)
     if table.model.coefficients is not None:
         return _coefficients(table, folder, file_name)
     return _matrices(table, folder, file_name)
 
 
-def _lumped(table, file_name: str) -> Equations:
+def _lumped(table, folder: Path, file_name: str) -> Equations:
     from .lumped import lumped_model
 
     model = lumped_model(table.model, file_name)
     with at(file_name, "model"):
         system = model.assemble()
     coordinates = Coordinates(tuple(model.coordinates), tuple(model.units[name] for name in model.coordinates))
-    return _mechanical(table, system, coordinates, file_name, model)
+    return _mechanical(table, system, coordinates, folder, file_name, model)
 
 
 def _matrices(table, folder: Path, file_name: str) -> Equations:
@@ -109,14 +109,14 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
     units = dict(zip(coordinates.names, coordinates.units))
     with at(file_name, "model"):
         system = MechanicalSystem(**matrices, constraints=constraints, names=coordinates.names, units=units)
-    return _mechanical(table, system, coordinates, file_name)
+    return _mechanical(table, system, coordinates, folder, file_name)
 
 
-def _mechanical(table, system, coordinates, file_name, model=None) -> Equations:
+def _mechanical(table, system, coordinates, folder, file_name, model=None) -> Equations:
     with at(file_name, "model"):
         polynomial_matrix = system.polynomial_matrix()
     initial = initial_values(table.initial, coordinates, 2, file_name)
-    force = force_of(table.force, coordinates, file_name)
+    force = force_of(table.force, coordinates, folder, file_name)
     return Equations(coordinates, polynomial_matrix, initial, force, system, model)
 
 
@@ -129,7 +129,7 @@ def _coefficients(table, folder: Path, file_name: str) -> Equations:
     with at(file_name, "model.coefficients"):
         A = PolynomialMatrix(matrices, coordinates=coordinates.names)
     initial = initial_values(table.initial, coordinates, A.degree, file_name)
-    return Equations(coordinates, A, initial, force_of(table.force, coordinates, file_name))
+    return Equations(coordinates, A, initial, force_of(table.force, coordinates, folder, file_name))
 
 
 def _square(matrix: np.ndarray) -> np.ndarray:

@@ -41,3 +41,49 @@ def matrix_of(source, folder: Path) -> np.ndarray:
     if sizes.size and not (LEAST <= sizes.min() and sizes.max() <= LARGEST):
         raise InputError(f"{source.file}: entries must be 0 or of a size between {LEAST:g} and {LARGEST:g}")
     return matrix
+
+
+def record_of(source, folder: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Times and values, the first and another column of the file that a sampled force names.
+
+    Raises:
+        InputError: as ``matrix_of``; too few columns, times that do not ascend. Of a .csv file the line is named.
+    """
+    path = data_file(folder, source.file)
+    try:
+        found = read_matrix(path, source.array)
+    except InputError:
+        if line := _odd_line(path):
+            raise InputError(f"{source.file}, line {line}: it has another number of columns than the lines before it") from None
+        raise
+    if found.shape[1] < source.column:
+        raise InputError(
+            f"{source.file}: found {found.shape[1]} column{'s' if found.shape[1] != 1 else ''}; expected the times in s in "
+            f"column 1 and the force in column {source.column}"
+        )
+    times, values = found[:, 0], found[:, source.column - 1]
+    if (backwards := np.diff(times) < 0).any():
+        row = int(np.argmax(backwards)) + 1
+        raise InputError(
+            f"{source.file}, {_place(path, row)}: {times[row - 1]:g} s is followed by {times[row]:g} s; times must ascend"
+        )
+    return times, values
+
+
+def _data_lines(path: Path) -> list[tuple[int, str]]:
+    """The lines of a .csv file that hold numbers, with their numbers."""
+    if path.suffix.lower() != ".csv" or not path.is_file():
+        return []
+    lines = enumerate(path.read_text("utf-8-sig", errors="replace").splitlines(), 1)
+    return [(number, line) for number, line in lines if line.strip() and line.strip()[0] != "#"]
+
+
+def _odd_line(path: Path) -> int | None:
+    """The first line with another number of columns than the one before."""
+    lines = _data_lines(path)
+    return next((number for (_, before), (number, line) in zip(lines, lines[1:]) if line.count(",") != before.count(",")), None)
+
+
+def _place(path: Path, row: int) -> str:
+    lines = _data_lines(path)
+    return f"line {lines[row][0]}" if lines else f"row {row + 1}"

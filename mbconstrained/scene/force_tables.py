@@ -1,4 +1,4 @@
-"""The [[force]] tables: a force on one coordinate from t = 0 on, in closed form."""
+"""The [[force]] tables: a force on one coordinate from t = 0 or from its delay on, in closed form."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from ..errors import InputError
-from .fields import Angle, AngularVelocity, Frequency, Name, Quantity, Rate, Table
+from .fields import Angle, AngularVelocity, Frequency, Name, Quantity, Rate, Table, Text, Time
 
 MOST_POWER = 20
 
@@ -16,6 +16,13 @@ class ForceBase(Table):
     """What every force has."""
 
     coordinate: Name = Field(description="The coordinate it acts on; for coefficients: the equation of that number.")
+    delay: Time = Field(0.0, description='It acts later by this, e.g. "2 s"; not negative.')
+
+    @model_validator(mode="after")
+    def _not_earlier(self):
+        if self.delay < 0:
+            raise InputError(f"delay: found {self.delay:g} s; expected 0 or a later time")
+        return self
 
 
 class StepTable(ForceBase):
@@ -29,7 +36,7 @@ class RampTable(ForceBase):
     """value t."""
 
     kind: Literal["ramp"] = Field(description="Grows in proportion to t.")
-    value: Quantity = Field(description="The force by time, e.g. \"2 N/s\".")
+    value: Quantity = Field(description='The force by time, e.g. "2 N/s".')
 
 
 class PowerTable(ForceBase):
@@ -83,6 +90,43 @@ class TermTable(PeriodicTable):
     rate: Rate = Field(0.0, description="The rate of the exponential; negative decays.")
 
 
+class PulseTable(ForceBase):
+    """value for start <= t < start + duration."""
+
+    kind: Literal["pulse"] = Field(description="Constant for a while, zero before and after.")
+    value: Quantity = Field(description="The force, or the torque on an angle.")
+    start: Time = Field(0.0, description="When it begins.")
+    duration: Time = Field(description="How long it lasts.")
+
+
+class SampledTable(ForceBase):
+    """A record: linear between its samples, zero before the first and after the last."""
+
+    kind: Literal["sampled"] = Field(description="A record of times and values, in the scene or in a file.")
+    times: list[Time] | None = Field(None, description="Times of the samples, ascending; one that stands there twice is a jump.")
+    values: list[Quantity] | None = Field(None, description="The force at each of the times.")
+    file: Text | None = Field(
+        None, description="Instead of both: a .csv, .npz or .mtx file in the folder of the scene, times in s first."
+    )
+    column: int = Field(
+        2, ge=2, description="The column of the file that holds the force in N (N m on an angle); times are in the first."
+    )
+    array: Text | None = Field(None, description="The name of the array in an .npz file.")
+
+    @model_validator(mode="after")
+    def _one_source(self):
+        if self.file is None and (self.times is None or self.values is None):
+            raise InputError('give times and values, or file, e.g. file = "record.csv"')
+        if self.file is not None and (self.times is not None or self.values is not None):
+            raise InputError("give either times and values or file, not both")
+        if self.file is None and {"column", "array"} & self.model_fields_set:
+            raise InputError("column and array belong to a file; leave them out beside times and values")
+        if self.file is None and len(self.times) != len(self.values):
+            raise InputError(f"found {len(self.times)} times and {len(self.values)} values; expected as many of both")
+        return self
+
+
 ForceTable = Annotated[
-    StepTable | RampTable | PowerTable | ImpulseTable | HarmonicTable | TermTable, Field(discriminator="kind")
+    StepTable | RampTable | PowerTable | ImpulseTable | HarmonicTable | TermTable | PulseTable | SampledTable,
+    Field(discriminator="kind"),
 ]

@@ -1,4 +1,4 @@
-"""What happens at t = 0, jumps and impulses with their units: read once, said alike by tables and notices."""
+"""What happens at t = 0 and later, jumps and impulses with their units: read once, said alike by tables and notices."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from ..mechanics.motion_notices import DELTAS
 from ..mechanics.units import impulse_unit, rate_unit
 from ..notices import Notice
+from ..response.events import Event
+from ..response.notices import first_and_count, sides
 from .values import Coordinates, beyond_noise, derivative_name
 
 if TYPE_CHECKING:
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Jump:
-    """A coordinate or a derivative of it that is another just after t = 0; values are texts with units."""
+    """A coordinate or a derivative of it that is another just after a time; values are texts with units."""
 
     name: str
     what: str
@@ -54,15 +56,28 @@ def sized(value: float, unit: str) -> str:
 
 
 def jumps_of(motion: Response, coordinates: Coordinates) -> list[Jump]:
-    """The jumps that are more than rounding, by order of derivative."""
+    """The jumps at t = 0 that are more than rounding, by order of derivative."""
+    return [
+        _jump(coordinates, order, i, motion.initial[order, i], motion.start[order, i], row[i])
+        for order, row in enumerate(motion.jump)
+        for i in beyond_noise(row, motion.initial[order], motion.start[order])
+    ]
+
+
+def later_jumps_of(motion: Response, event: Event, coordinates: Coordinates) -> list[Jump]:
+    """The jumps of an event, by order of derivative."""
     found = []
-    for order, row in enumerate(motion.jump):
-        for i in beyond_noise(row, motion.initial[order], motion.start[order]):
-            unit = rate_unit(coordinates.units[i], order)
-            values = (motion.initial[order, i], motion.start[order, i], row[i])
-            what = derivative_name(coordinates.units[i], order)
-            found.append(Jump(coordinates.names[i], what, *(sized(value, unit) for value in values)))
+    for order, row in enumerate(event.jump):
+        if row.any():
+            before, after = sides(motion, event, order)
+            found += [_jump(coordinates, order, i, before[i], after[i], row[i]) for i in row.nonzero()[0]]
     return found
+
+
+def _jump(coordinates: Coordinates, order: int, i: int, *values: float) -> Jump:
+    unit = rate_unit(coordinates.units[i], order)
+    what = derivative_name(coordinates.units[i], order)
+    return Jump(coordinates.names[i], what, *(sized(value, unit) for value in values))
 
 
 def impulses_of(impulses: Sequence, names: Sequence[str], units: Sequence[str]) -> list[Impulse]:
@@ -77,28 +92,45 @@ def impulses_of(impulses: Sequence, names: Sequence[str], units: Sequence[str]) 
 def with_units(response: Response, coordinates: Coordinates) -> tuple[Notice, ...]:
     """The notices of a response that itself does not know the units of its coordinates."""
     others = [notice for notice in response.notices if notice.kind not in ("jump", "impulse")]
-    jumps = [
-        Notice("jump", f"{jump.name}: its {jump.what} jumps at t = 0 by {jump.size}, from {jump.before} to {jump.after}")
-        for jump in jumps_of(response, coordinates)
-    ]
+    first = _sentences(jumps_of(response, coordinates), response.impulses, coordinates, "t = 0")
+
+    def of_event(event: Event) -> list[Notice]:
+        return _sentences(later_jumps_of(response, event, coordinates), event.impulses, coordinates, f"t = {event.time:.6g} s")
+
+    return (*first, *first_and_count(of_event, response.events), *others)
+
+
+def _sentences(jumps: list[Jump], impulses, coordinates: Coordinates, when: str) -> list[Notice]:
     what = {name: derivative_name(unit, 0) for name, unit in zip(coordinates.names, coordinates.units)}
-    impulses = [
-        Notice("impulse", f"{impulse.name}: its {what[impulse.name]} contains {_delta(impulse.order)} of {impulse.size} at t = 0")
-        for impulse in impulses_of(response.impulses, coordinates.names, coordinates.units)
+    told = [
+        Notice("jump", f"{jump.name}: its {jump.what} jumps at {when} by {jump.size}, from {jump.before} to {jump.after}")
+        for jump in jumps
     ]
-    return (*jumps, *impulses, *others)
+    return told + [
+        Notice("impulse", f"{impulse.name}: its {what[impulse.name]} contains {_delta(impulse.order)} of {impulse.size} at {when}")
+        for impulse in impulses_of(impulses, coordinates.names, coordinates.units)
+    ]
 
 
 def _delta(order: int) -> str:
     return DELTAS[order] if order < len(DELTAS) else f"the derivative of order {order} of a Dirac impulse"
 
 
-def folded(notices: Sequence[Notice], jumps: int, impulses: int) -> tuple[Notice, ...]:
-    """One sentence instead of a notice for each of the jumps and impulses, which have tables of their own."""
-    counts = [f"{count} {one}{'s' if count > 1 else ''}" for count, one in ((jumps, "jump"), (impulses, "impulse")) if count]
-    text = f"At t = 0 there {'is' if jumps + impulses == 1 else 'are'} {' and '.join(counts)}; the tables give the sizes"
-    told = [Notice("jump" if jumps else "impulse", text)] if counts else []
+def folded(notices: Sequence[Notice], jumps: int, impulses: int, later: tuple[int, int] = (0, 0)) -> tuple[Notice, ...]:
+    """One sentence instead of a notice for each of the jumps and impulses, which have tables of their own.
+
+    Args:
+        jumps, impulses: how many at t = 0.
+        later: how many of both after t = 0.
+    """
+    told = [*_counted("At t = 0", jumps, impulses), *_counted("After t = 0", *later)]
     return (*told, *(notice for notice in notices if not _has_table(notice)))
+
+
+def _counted(when: str, jumps: int, impulses: int) -> list[Notice]:
+    counts = [f"{count} {one}{'s' if count > 1 else ''}" for count, one in ((jumps, "jump"), (impulses, "impulse")) if count]
+    text = f"{when} there {'is' if jumps + impulses == 1 else 'are'} {' and '.join(counts)}; the tables give the sizes"
+    return [Notice("jump" if jumps else "impulse", text)] if counts else []
 
 
 def _has_table(notice: Notice) -> bool:

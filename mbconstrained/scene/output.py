@@ -22,7 +22,7 @@ def write_csv(path: Path, result: Result) -> None:
 
 
 def write_npz(path: Path, result: Result) -> None:
-    """Plain arrays, readable without pickle: times, names, curves, start, jump, impulses, finite and infinite pair."""
+    """Plain arrays, readable without pickle: times, names, curves, start, jump, impulses, events, finite and infinite pair."""
     motion = result.motion
     arrays = {"times": result.times, "coordinates": np.array(result.scene.equations.coordinates.names)}
     for kind in result.kinds:
@@ -31,10 +31,23 @@ def write_npz(path: Path, result: Result) -> None:
         arrays["constraints"] = np.array(result.curves("reaction").names)
     arrays |= {"initial": motion.initial, "jump": motion.jump}
     arrays["impulses"] = np.array(motion.impulses).reshape(len(motion.impulses), motion.jump.shape[1])
+    if motion.events:
+        arrays |= _events(motion.events)
     for name, pair in _pairs(result):
         arrays |= {f"{name}_C": pair.C, f"{name}_J": pair.J, f"{name}_B": pair.B}
     with open(path, "wb") as file:  # by its name alone, np.savez would put .npz behind it
         np.savez(file, **arrays)
+
+
+def _events(events) -> dict[str, np.ndarray]:
+    """Times (E,), jumps (E, q, r) and impulses (E, P, r), those of an event with fewer than P filled up with zeros."""
+    most = max(len(event.impulses) for event in events)
+    impulses = np.zeros((len(events), most, events[0].jump.shape[1]))
+    for row, event in zip(impulses, events):
+        for order, impulse in enumerate(event.impulses):
+            row[order] = impulse
+    times, jumps = np.array([event.time for event in events]), np.array([event.jump for event in events])
+    return {"event_times": times, "event_jumps": jumps, "event_impulses": impulses}
 
 
 def _pairs(result: Result):

@@ -12,7 +12,7 @@ from .units import shown
 MOST_PROBLEMS = 5  # in one message; the rest is counted
 KINDS = {
     "model": '"lumped" or "matrices"',
-    "force": '"step", "ramp", "power", "impulse", "harmonic" or "term"',
+    "force": '"step", "ramp", "power", "impulse", "harmonic", "term", "pulse" or "sampled"',
 }
 
 

@@ -100,7 +100,7 @@ class SceneFile(Table):
     source: Text = Field("", description="Where the example or the data comes from.")
     model: Annotated[LumpedTable | MatricesTable, Field(discriminator="kind")] = Field(description="The equations.")
     initial: InitialTable = Field(InitialTable(), description="The values just before t = 0.")
-    force: list[ForceTable] = Field([], description="Forces from t = 0 on; entries on one coordinate add up.")
+    force: list[ForceTable] = Field([], description="Forces from t = 0 or from their delays on; entries on one coordinate add up.")
     time: TimeTable = Field(description="Where the answer is wanted.")
     output: OutputTable = Field(OutputTable(), description="Which files are written, and what the page shows.")
     drawing: DrawingTable | None = Field(None, description="How the model is drawn; left out: a drawing is made for it.")

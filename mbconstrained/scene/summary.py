@@ -64,6 +64,14 @@ def as_json(result: Result) -> dict:
         "jump": motion.jump.tolist(),
         "impulses": [impulse.tolist() for impulse in motion.impulses],
         "constraint_impulses": [impulse.tolist() for impulse in getattr(motion, "constraint_impulses", ())],
+        "events": [
+            {"time": event.time, "jump": event.jump.tolist(), "impulses": [impulse.tolist() for impulse in event.impulses]}
+            for event in motion.events
+        ],
+        "later_constraint_impulses": [
+            {"time": blow.time, "impulses": [impulse.tolist() for impulse in blow.impulses]}
+            for blow in getattr(motion, "later_constraint_impulses", ())
+        ],
         "final": result.values[:, -1].tolist(),
         "error_estimate": _finite(result.error_estimate),
         "evidence": [{"name": item.name, "value": _finite(item.value), "text": item.text} for item in motion.evidence],

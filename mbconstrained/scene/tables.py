@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,10 +12,15 @@ from ..mechanics.conservation import Conservation
 from ..mechanics.modes import Kind, Mode, Modes, cleaned
 from ..mechanics.units import force_unit, rate_unit
 from ..notices import Notice
-from .happenings import folded, impulses_of, jumps_of, number, sized
+from ..response.events import Event
+from ..response.notices import counts
+from ..signals import Blow
+from .happenings import Impulse, folded, impulses_of, jumps_of, later_jumps_of, number, sized
 
 if TYPE_CHECKING:
     from .result import Result
+
+MOST_LATER_ROWS = 20  # of the jumps and impulses after t = 0 that are listed; JSON and npz have all
 
 
 @dataclass(frozen=True)
@@ -36,13 +42,15 @@ class TextTable:
 
 def tables_of(result: Result) -> list[TextTable]:
     """Constraints, zeros, jumps, impulses and evidence; those without rows are left out, but for the zeros."""
-    tables = [constraint_table(result), zero_table(result), jump_table(result), impulse_table(result), evidence_table(result)]
+    at_zero = [jump_table(result), impulse_table(result)]
+    tables = [constraint_table(result), zero_table(result), *at_zero, later_table(result), evidence_table(result)]
     return [table for table in tables if table.rows or table.title == "Zeros"]
 
 
 def notices_of(result: Result) -> tuple[Notice, ...]:
     """The notices to stand beside the tables: jumps and impulses, which have tables, are counted in one sentence."""
-    return folded(result.notices, len(jump_table(result).rows), len(impulse_table(result).rows))
+    later = counts(_later(result))
+    return folded(result.notices, len(jump_table(result).rows), len(impulse_table(result).rows), later)
 
 
 def constraint_table(result: Result) -> TextTable:
@@ -105,11 +113,40 @@ def impulse_table(result: Result) -> TextTable:
     coordinates = result.scene.equations.coordinates
     found = impulses_of(result.motion.impulses, coordinates.names, coordinates.units)
     if result.system is not None and result.system.rows:
-        rows = result.system.rows
-        names, units = [f"force of {row.name}" for row in rows], [force_unit(row.unit) for row in rows]
-        found += impulses_of(result.motion.constraint_impulses, names, units)
+        found += _impulses_of_rows(result, result.motion.constraint_impulses)
     cells = tuple((impulse.name, f"δ{_primes(impulse.order)}", impulse.size) for impulse in found)
     return TextTable("Impulses at t = 0", ("of", "multiplies", "size"), cells)
+
+
+def _impulses_of_rows(result: Result, impulses) -> list[Impulse]:
+    rows = result.system.rows
+    return impulses_of(impulses, [f"force of {row.name}" for row in rows], [force_unit(row.unit) for row in rows])
+
+
+def later_table(result: Result) -> TextTable:
+    """Jumps and impulses after t = 0, where the force starts, stops, changes or strikes; the first of them."""
+    rows = (row for happening in _later(result) for row in _happening_rows(result, happening))
+    jumps, impulses = counts(_later(result))
+    note = f"The first {MOST_LATER_ROWS} of {jumps + impulses} are shown." if jumps + impulses > MOST_LATER_ROWS else ""
+    columns = ("time", "of", "what", "before", "after", "size")
+    return TextTable("Jumps and impulses after t = 0", columns, tuple(islice(rows, MOST_LATER_ROWS)), note)
+
+
+def _later(result: Result) -> list[Event | Blow]:
+    """The events of the motion and the impulses of its constraint forces, by time."""
+    found = [*result.motion.events, *getattr(result.motion, "later_constraint_impulses", ())]
+    return sorted(found, key=lambda happening: happening.time)
+
+
+def _happening_rows(result: Result, happening: Event | Blow) -> list[tuple[str, ...]]:
+    when, coordinates = f"{number(happening.time)} s", result.scene.equations.coordinates
+    if isinstance(happening, Blow):
+        jumps, impulses = [], _impulses_of_rows(result, happening.impulses)
+    else:
+        jumps = later_jumps_of(result.motion, happening, coordinates)
+        impulses = impulses_of(happening.impulses, coordinates.names, coordinates.units)
+    cells = [(when, jump.name, f"{jump.what} jumps", jump.before, jump.after, jump.size) for jump in jumps]
+    return cells + [(when, impulse.name, f"multiplies δ{_primes(impulse.order)}", "", "", impulse.size) for impulse in impulses]
 
 
 def _primes(order: int) -> str:

@@ -1,16 +1,11 @@
-"""Values whose unit depends on the coordinate they belong to: starts, constraint values, forces."""
+"""Values whose unit depends on the coordinate they belong to: starts and constraint values."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
-from operator import add
 
 import numpy as np
 
-from .. import signals
 from ..checks import nearest
 from ..errors import InputError
 from ..mechanics.constraint import LEVELS
@@ -121,42 +116,3 @@ def constraint_value(table, coordinates: Coordinates) -> float:
         return quantity(table.value, units.pop())
     except InputError as problem:
         raise InputError(f"value: {problem}") from None
-
-
-def force_of(tables: Sequence, coordinates: Coordinates, file_name: str) -> signals.ImpulsiveSmooth | None:
-    """The sum of the [[force]] tables, or None when there are none."""
-    forces = []
-    for number, table in enumerate(tables, 1):
-        with at(file_name, f"force[{number}]"):
-            forces.append(_force(table, coordinates))
-    return reduce(add, forces) if forces else None
-
-
-def _force(table, coordinates: Coordinates) -> signals.ImpulsiveSmooth:
-    index = coordinates.number(table.coordinate)
-    unit = FORCE_UNITS.get(coordinates.units[index])
-    time_power, make = _SIGNALS[table.kind]
-    try:
-        value = quantity(table.value, with_time(unit, time_power(table)) if unit else "1")
-    except InputError as problem:
-        raise InputError(f"value: {problem}") from None
-    vector = np.zeros(len(coordinates.names))
-    vector[index] = value
-    return make(table, vector)
-
-
-def _angular_frequency(table) -> float:
-    return table.angular_frequency or 2 * math.pi * (table.frequency or 0.0)
-
-
-_SIGNALS = {  # kind: (power of seconds in the unit of its value, the signal)
-    "step": (lambda t: 0, lambda t, v: signals.step(v)),
-    "ramp": (lambda t: -1, lambda t, v: signals.ramp(v)),
-    "power": (lambda t: 1 - t.gamma, lambda t, v: signals.power(v, t.gamma)),
-    "impulse": (lambda t: t.order + 1, lambda t, v: signals.impulse(v, order=t.order)),
-    "harmonic": (lambda t: 0, lambda t, v: signals.harmonic(v, angular_frequency=_angular_frequency(t), phase=t.phase)),
-    "term": (
-        lambda t: -t.power,
-        lambda t, v: signals.term(v, power=t.power, rate=t.rate, angular_frequency=_angular_frequency(t), phase=t.phase),
-    ),
-}

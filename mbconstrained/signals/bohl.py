@@ -1,4 +1,7 @@
-"""A Bohl function: a function of time f(t) = C e^{J t} v, that is a sum of t^k e^{a t} (cos w t, sin w t)."""
+"""A Bohl function: a function of time f(t) = C e^{J t} v, that is a sum of t^k e^{a t} (cos w t, sin w t).
+
+Where it starts, stops or changes later, it is piecewise: the state e^{J t} v is set anew at given times.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,8 @@ from scipy.linalg import block_diag
 from ..checks import real_array, real_number, whole_number
 from ..errors import InputError, Overflow
 from ..linalg.exponential import block_states
+from .merging import Part, merged
+from .restarts import Restarts
 
 
 @dataclass(frozen=True)
@@ -19,7 +24,7 @@ class BohlFunction:
     Attributes:
         coefficients: C, shape (r, n).
         blocks: the diagonal blocks of J, square arrays whose sizes add up to n.
-        start: v, shape (n,).
+        start: v, shape (n,); or ``Restarts``, states that start anew at later times too.
 
     >>> import numpy as np
     >>> decay = BohlFunction(np.array([[2.0]]), (np.array([[-1.0]]),), np.array([1.0]))
@@ -29,7 +34,7 @@ class BohlFunction:
 
     coefficients: np.ndarray
     blocks: tuple[np.ndarray, ...]
-    start: np.ndarray
+    start: np.ndarray | Restarts
 
     @property
     def size(self) -> int:
@@ -60,7 +65,28 @@ class BohlFunction:
         """C e^{J t} v, the size of C taken into v block by block: a tiny coefficient may outweigh a huge state."""
         size = np.concatenate([np.ones(0), *(np.full(len(b), np.abs(c).max(initial=0.0)) for b, _, c in self._parts())])
         size = np.where(size > 0, size, 1.0)
-        return (self.coefficients / size) @ block_states(self.blocks, self.start * size, times)
+        start, since = self.start, times
+        if isinstance(start, Restarts):
+            piece, since = start.located(times)
+            start = start.states[:, piece].T
+        return (self.coefficients / size) @ block_states(self.blocks, (start * size).T, since)
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether it is known to vanish everywhere."""
+        return not (self.coefficients.any() and self.restarts.states.any())
+
+    @property
+    def restarts(self) -> Restarts:
+        """The start as ``Restarts``, where there is no later one with t = 0 alone."""
+        if isinstance(self.start, Restarts):
+            return self.start
+        return Restarts(np.zeros(1), self.start[:, None], self.start[:, None])
+
+    @property
+    def start_at_zero(self) -> np.ndarray:
+        """v at t = 0+, shape (n,)."""
+        return self.restarts.states[:, 0]
 
     @property
     def generator(self) -> np.ndarray:
@@ -79,12 +105,30 @@ class BohlFunction:
         matrix = real_array(matrix, "matrix", shape=(None, self.size))
         return BohlFunction(matrix @ self.coefficients, self.blocks, self.start)
 
+    def delayed(self, delay: float) -> BohlFunction:
+        """The function f(t - delay), zero for t < delay; delay >= 0 in s.
+
+        >>> import numpy as np
+        >>> BohlFunction(np.eye(1), (np.zeros((1, 1)),), np.ones(1)).delayed(2.0)([1.0, 2.0])
+        array([[0., 1.]])
+        """
+        delay = real_number(delay, "delay", minimum=0.0)
+        return self if delay == 0 else BohlFunction(self.coefficients, self.blocks, self.restarts.delayed(delay))
+
+    def with_knots(self, knots: np.ndarray) -> BohlFunction:
+        """The same function, its states kept at these times too."""
+        if isinstance(self.start, Restarts) or len(knots) > 1:
+            knots = np.union1d(self.restarts.knots, knots)
+            return BohlFunction(self.coefficients, self.blocks, self.restarts.on(self.blocks, knots))
+        return self
+
     def __add__(self, other: BohlFunction) -> BohlFunction:
         if not isinstance(other, BohlFunction):
             return NotImplemented
         if self.size != other.size:
             raise InputError(f"functions of different sizes cannot be added: {self.size} and {other.size} rows")
-        return _merged(self._parts() + other._parts(), self.size)
+        one, two = self.with_knots(other.restarts.knots), other.with_knots(self.restarts.knots)
+        return _of_parts(merged(one._parts() + two._parts()), self.size)
 
     def __mul__(self, factor: float) -> BohlFunction:
         return BohlFunction(self.coefficients * real_number(factor, "factor"), self.blocks, self.start)
@@ -106,38 +150,24 @@ class BohlFunction:
             begin = end
         return product
 
-    def _parts(self):
+    def _parts(self) -> list[Part]:
         parts, begin = [], 0
         for block in self.blocks:
             end = begin + len(block)
-            parts.append((block, self.start[begin:end], self.coefficients[:, begin:end]))
+            start = self.start.rows(begin, end) if isinstance(self.start, Restarts) else self.start[begin:end]
+            parts.append(Part(block, start, self.coefficients[:, begin:end]))
             begin = end
         return parts
 
 
-def _merged(parts, size) -> BohlFunction:
-    """Concatenate parts; a part whose generator is the tail of another's shares that one's states."""
-    kept: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
-    for part in sorted(parts, key=lambda part: -len(part[0])):
-        for place, (block, start, coefficients) in enumerate(kept):
-            if _is_tail(part, block, start):
-                total = coefficients.copy()
-                total[:, len(block) - len(part[0]) :] += part[2]
-                kept[place] = (block, start, total)
-                break
-        else:
-            kept.append(part)
-    if not kept:
+def _of_parts(parts: list[Part], size: int) -> BohlFunction:
+    if not parts:
         return BohlFunction(np.zeros((size, 0)), (), np.zeros(0))
-    blocks, starts, coefficients = zip(*kept)
-    return BohlFunction(np.hstack(coefficients), tuple(blocks), np.concatenate(starts))
+    blocks, starts, coefficients = zip(*parts)
+    return BohlFunction(np.hstack(coefficients), tuple(blocks), _together(starts))
 
 
-def _is_tail(part, block, start) -> bool:
-    generator, own_start, _ = part
-    skip = len(block) - len(generator)
-    return bool(
-        np.array_equal(block[skip:, skip:], generator)
-        and not block[skip:, :skip].any()
-        and np.array_equal(start[skip:], own_start)
-    )
+def _together(starts) -> np.ndarray | Restarts:
+    if not isinstance(starts[0], Restarts):
+        return np.concatenate(starts)
+    return Restarts(starts[0].knots, np.vstack([start.states for start in starts]), np.vstack([start.jumps for start in starts]))

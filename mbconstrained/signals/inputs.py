@@ -1,4 +1,4 @@
-"""Inputs on [0, inf): a Bohl function plus Dirac impulses at t = 0, and the ways to make one.
+"""Inputs in closed form from t = 0 on: steps, ramps, powers, impulses, harmonics and their products.
 
 Every constructor takes the vector v of shape (r,) that the scalar function of time multiplies.
 """
@@ -6,74 +6,20 @@ Every constructor takes the vector v of shape (r,) that the scalar function of t
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..checks import real_array, real_number, whole_number
 from ..errors import InputError
+from ..tolerances import EPS
 from .bohl import BohlFunction
+from .impulsive import ImpulsiveSmooth
 
 #: The largest n with (n - 1)! in the range of float64.
 LARGEST_FACTORIAL = 171
 
 #: Units of rate are kept within 2^(+-this / power), so that unit^power leaves room for the coefficients.
 LARGEST_UNIT_EXPONENT = 300
-
-
-@dataclass(frozen=True)
-class ImpulsiveSmooth:
-    """f = smooth + sum over k of impulses[k] delta^(k), zero before t = 0.
-
-    Attributes:
-        smooth: the regular part, a BohlFunction with r rows.
-        impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta.
-    """
-
-    smooth: BohlFunction
-    impulses: tuple[np.ndarray, ...] = ()
-
-    @property
-    def size(self) -> int:
-        """Number of rows r."""
-        return self.smooth.size
-
-    def __call__(self, times) -> np.ndarray:
-        """The regular part at a time (-> (r,)) or at times (T,) (-> (r, T)); t = 0 means 0+."""
-        return self.smooth(times)
-
-    def derivative(self, order: int = 1) -> BohlFunction:
-        """The classical derivative of the regular part, for t > 0."""
-        return self.smooth.derivative(order)
-
-    def mapped(self, matrix) -> ImpulsiveSmooth:
-        """matrix @ f, matrix of shape (p, r)."""
-        matrix = real_array(matrix, "matrix", shape=(None, self.size))
-        return ImpulsiveSmooth(self.smooth.mapped(matrix), tuple(matrix @ g for g in self.impulses))
-
-    def __add__(self, other: ImpulsiveSmooth) -> ImpulsiveSmooth:
-        if not isinstance(other, ImpulsiveSmooth):
-            return NotImplemented
-        if self.size != other.size:
-            raise InputError(f"inputs of different sizes cannot be added: {self.size} and {other.size} rows")
-        count = max(len(self.impulses), len(other.impulses))
-        impulses = tuple(_entry(self, k) + _entry(other, k) for k in range(count))
-        return ImpulsiveSmooth(self.smooth + other.smooth, impulses)
-
-    def __radd__(self, other) -> ImpulsiveSmooth:
-        """0 + f, so that sum() of inputs works."""
-        return self if isinstance(other, (int, float)) and other == 0 else NotImplemented
-
-    def __mul__(self, factor: float) -> ImpulsiveSmooth:
-        return ImpulsiveSmooth(self.smooth * factor, tuple(g * factor for g in self.impulses))
-
-    __rmul__ = __mul__
-
-    def __neg__(self) -> ImpulsiveSmooth:
-        return self * -1.0
-
-    def __sub__(self, other: ImpulsiveSmooth) -> ImpulsiveSmooth:
-        return self + -other
 
 
 def zero(size: int) -> ImpulsiveSmooth:
@@ -92,10 +38,11 @@ def term(vector, *, power: int = 0, rate: float = 0.0, angular_frequency: float 
     power = whole_number(power, "power")
     rate, phase = real_number(rate, "rate"), real_number(phase, "phase")
     frequency = real_number(angular_frequency, "angular_frequency")
+    cosine, sine = (_known(turned, phase) for turned in (math.cos(phase), math.sin(phase)))
     if frequency == 0:
-        return _chain(vector[:, None] * math.cos(phase), np.array([[rate]]), power)
+        return _chain(vector[:, None] * cosine, np.array([[rate]]), power)
     turn = np.array([[rate, -frequency], [frequency, rate]])
-    return _chain(np.multiply.outer(vector, [math.cos(phase), -math.sin(phase)]), turn, power)
+    return _chain(np.multiply.outer(vector, [cosine, -sine]), turn, power)
 
 
 def step(vector) -> ImpulsiveSmooth:
@@ -142,6 +89,14 @@ def harmonic(vector, *, angular_frequency: float, phase: float = 0.0) -> Impulsi
     return term(vector, angular_frequency=angular_frequency, phase=phase)
 
 
+def _known(value: float, phase: float) -> float:
+    """The cosine or sine of a phase, zero where it is not more than the rounding of the phase.
+
+    With the phase -pi/2 a harmonic is a sine: it does not jump at its start.
+    """
+    return 0.0 if abs(value) <= EPS * abs(phase) else value
+
+
 def _vector(value) -> np.ndarray:
     if np.ndim(value) == 0 and not isinstance(value, str):
         raise InputError(f"vector: found {value!r}; expected a list with one number for each row, e.g. [1.0, 0.0]")
@@ -171,7 +126,3 @@ def _rate_unit(diagonal, power) -> float:
         return 1.0
     largest = LARGEST_UNIT_EXPONENT / power
     return float(2.0 ** np.round(np.clip(np.log2(rate), -largest, largest)))
-
-
-def _entry(f: ImpulsiveSmooth, k: int) -> np.ndarray:
-    return f.impulses[k] if k < len(f.impulses) else np.zeros(f.size)

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mbconstrained.errors import IllConditioned
+from mbconstrained.linalg.noise import Noisy
 from mbconstrained.linalg.staircase import SingularPencil, split_regular
 
 chains = st.lists(st.integers(1, 4), max_size=3)
@@ -63,7 +64,7 @@ def check(E, F, split, finite, degrees):
 def test_parts_put_together_are_found_again(finite, degrees, seed):
     """Rotated from both sides and rounded."""
     E, F = rotated(*canonical(finite, degrees), seed)
-    check(E, F, split_regular(E, F), finite, degrees)
+    check(E, F, split_regular(Noisy.rounded(E), Noisy.rounded(F)), finite, degrees)
 
 
 @given(st.integers(0, 4), chains, st.integers(0, 10**6))
@@ -71,7 +72,7 @@ def test_what_is_mixed_beyond_recognition_is_never_wrong_in_silence(finite, degr
     """Dense integer mixtures up to 16 x 16, some of condition 1e6: right, or told as unclear, or refused."""
     E, F = mixed(*canonical(finite, degrees), seed)
     try:
-        split = split_regular(E, F)
+        split = split_regular(Noisy.rounded(E), Noisy.rounded(F))
     except IllConditioned as refused:
         assert "float64 cannot tell which of their zeros are infinite" in str(refused)
         return
@@ -81,7 +82,7 @@ def test_what_is_mixed_beyond_recognition_is_never_wrong_in_silence(finite, degr
 
 @given(st.integers(0, 4), chains, st.integers(0, 10**6))
 def test_zeros_of_the_finite_part_are_those_put_in(finite, degrees, seed):
-    split = split_regular(*rotated(*canonical(finite, degrees), seed))
+    split = split_regular(*map(Noisy.rounded, rotated(*canonical(finite, degrees), seed)))
     zeros = np.sort(scipy.linalg.eigvals(split.F11.data, split.E11.data).real) if finite else []
     assert np.allclose(zeros, -np.arange(finite, 0.0, -1), rtol=1e-6)
 
@@ -89,7 +90,7 @@ def test_zeros_of_the_finite_part_are_those_put_in(finite, degrees, seed):
 @pytest.mark.parametrize("degrees", [[], [1], [1, 1], [2, 1], [3], [4, 2, 1], [6]])
 def test_canonical_pencils_are_split_without_rounding(degrees):
     E, F = canonical(2, degrees)
-    split = split_regular(E, F)
+    split = split_regular(Noisy.rounded(E), Noisy.rounded(F))
     check(E, F, split, 2, degrees)
     assert all(decision.clear for decision in split.decisions)
     assert set(np.unique(split.nilpotent.data)) <= {0.0, 1.0}
@@ -104,7 +105,7 @@ def test_a_dependent_row_or_column_makes_it_singular(degrees, seed, side):
     else:
         E[:, 0], F[:, 0] = 2 * E[:, 1], 2 * F[:, 1]
     with pytest.raises(SingularPencil):
-        split_regular(E, F)
+        split_regular(Noisy.rounded(E), Noisy.rounded(F))
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
@@ -114,18 +115,18 @@ def test_kronecker_chains_of_any_length_are_singular(degree):
     E = scipy.linalg.block_diag(L1, L1.T)
     F = scipy.linalg.block_diag(L0, L0.T)
     with pytest.raises(SingularPencil):
-        split_regular(E, F)
+        split_regular(Noisy.rounded(E), Noisy.rounded(F))
     with pytest.raises(SingularPencil):
-        split_regular(*mixed(E, F, degree))
+        split_regular(*map(Noisy.rounded, mixed(E, F, degree)))
 
 
 def test_nothing_is_split_into_nothing():
-    split = split_regular(np.zeros((0, 0)), np.zeros((0, 0)))
+    split = split_regular(*[Noisy.exact(np.zeros((0, 0)))] * 2)
     assert (split.infinite_divisors, split.deficiencies) == ((), ())
 
 
 def test_the_pencil_given_is_left_alone():
     E, F = mixed(*canonical(2, [2, 1]), 3)
     kept = E.copy(), F.copy()
-    split_regular(E, F)
+    split_regular(Noisy.rounded(E), Noisy.rounded(F))
     assert np.array_equal(E, kept[0]) and np.array_equal(F, kept[1])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.response.estimate import error_estimate, moved_responses
 
 EPS = np.finfo(float).eps
 
@@ -41,3 +42,46 @@ def test_the_estimate_sees_an_ill_conditioned_answer():
 def test_the_estimate_of_a_well_conditioned_answer_is_a_few_roundings():
     x = mb.solve(mb.PolynomialMatrix([np.diag([1.0, 2.0]), np.eye(2)]), [[1.0, 1.0]])
     assert x.error_estimate(np.linspace(0, 2, 5)) <= 20 * EPS
+
+
+# what is read off an answer
+
+
+def test_a_derivative_loses_what_the_value_does_not():
+    """Two bodies lean on each other and sink at x' = -5e-7 x: a small difference of entries near 1."""
+    A = mb.PolynomialMatrix([[[1.0, -1.0], [-1.0, 1.0 + 1e-6]], np.eye(2)])
+    x = mb.solve(A, [[1.0, 1.0]])
+    times = np.array([5.0, 10.0, 20.0])
+    assert x.error_estimate(times) <= 100 * EPS
+    assert 1e5 * EPS <= error_estimate(x, times, lambda response: response.derivative(1)) <= 1e9 * EPS
+
+
+@pytest.mark.parametrize("order", [0, 1, 2, 3])
+@pytest.mark.parametrize("ratio", [1.0, 1e3, 1e6])
+def test_derivatives_of_a_decay_and_an_oscillation(order, ratio):
+    """x1' = -w x1 and x2'' = -x2, coupled by a turn of the coordinates and of the equations: true error and estimate."""
+    turn = np.array([[0.8, -0.6], [0.6, 0.8]])
+    A = [turn @ np.diag(d) @ turn.T for d in ([ratio, 1.0], [1.0, 0.0], [0.0, 1.0])]
+    x = mb.solve(mb.PolynomialMatrix(A), [turn @ [1.0, 1.0], turn @ [-ratio, 0.0]])
+    times = np.linspace(0.1, 3.0, 7) / ratio
+    phase = times + order * np.pi / 2
+    known = turn @ np.array([(-ratio) ** order * np.exp(-ratio * times), np.cos(phase)])
+    found = x.derivative(order)(times)
+    true = np.abs(found - known).max() / np.abs(known).max()
+    estimate = error_estimate(x, times, lambda response: response.derivative(order))
+    assert 0.1 * max(true, 8 * EPS) <= max(estimate, 8 * EPS) <= 1e3 * max(true, 8 * EPS)
+
+
+def test_a_view_may_be_any_function_of_the_answer():
+    x = mb.solve(mb.PolynomialMatrix([np.diag([1.0, 4.0]), np.zeros((2, 2)), np.eye(2)]), [[1.0, 1.0], [0.0, 0.0]])
+    force = error_estimate(x, [0.5, 1.0], lambda response: response.function.mapped([[1.0, -1.0]]) + response.derivative(2).mapped([[1.0, 0]]))
+    assert EPS <= force <= 100 * EPS
+
+
+def test_the_moved_problems_are_as_many_as_said_and_differ_by_a_rounding():
+    x = mb.solve(mb.PolynomialMatrix([[[3.0]], [[1.0]]]), [[7.0]], mb.step([5.0]) + mb.impulse([2.0]))
+    for other in moved_responses(x):
+        assert other.polynomial_matrix.coefficients.tolist() != x.polynomial_matrix.coefficients.tolist()
+        assert np.allclose(other.polynomial_matrix.coefficients, x.polynomial_matrix.coefficients, rtol=2 * EPS, atol=0)
+        assert np.allclose(other.initial, x.initial, rtol=2 * EPS, atol=0)
+        assert np.allclose(other.force.impulses[0], 2.0, rtol=2 * EPS, atol=0)

@@ -6,11 +6,14 @@ The transfer function is example (47) of Hauksdottir et al., order 8; the values
 from __future__ import annotations
 
 from fractions import Fraction
+from math import factorial
 
 import numpy as np
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.response.series import with_series
+from mbconstrained.response.taylor import taylor_series
 
 DENOMINATOR = (
     "9009004301/31250000000000 11673172709/1562500000000 18352013733/250000000000 185730207/500000000 "
@@ -38,6 +41,37 @@ def test_impulse_step_ramp_and_parabola_responses_of_order_eight(gamma):
     found = output(gamma)(TIMES)[0]
     assert np.allclose(found[1:], VALUES[gamma][1:], rtol=1e-12)
     assert found[0] == pytest.approx(VALUES[gamma][0], rel=1e-7)
+
+
+def exact_output(gamma: int, time: Fraction, order: int = 0) -> float:
+    """y^(order)(t) as the sum of t^p / p! over the Laurent coefficients of b(s) / (a(s) s^gamma), in rational arithmetic."""
+    a, b = ([Fraction(float(Fraction(c))) for c in text.split()] for text in (DENOMINATOR, NUMERATOR))
+    inverse: list[Fraction] = []  # 1 / a(s) = sum of inverse[j] s^(-8 - j)
+    for j in range(120):
+        inverse.append((j == 0) - sum(a[8 - i] * inverse[j - i] for i in range(1, min(j, 8) + 1)))
+    total = Fraction(0)
+    for j, coefficient in enumerate(inverse):
+        for k, factor in enumerate(b):
+            power = 7 + j - k + gamma - order
+            total += factor * coefficient * time**power / factorial(power) if power >= 0 else 0
+    return float(total)
+
+
+def started(x: mb.Response):
+    """The regular part, evaluated by its Taylor series at first."""
+    return with_series(x.function, taylor_series(x.pairs.form, x.initial, x.jump, x.force))
+
+
+@pytest.mark.parametrize("time", ["1/1000000", "1/100", "1/10", "1/2", "1", "2", "10"])
+@pytest.mark.parametrize("gamma", VALUES)
+def test_small_outputs_of_order_eight_keep_their_digits(gamma, time):
+    """y ~ t^(gamma + 3) / (gamma + 3)!, 1e-39 for I_3 at t = 1e-6; the modes sum up to 1e-13 there."""
+    a, b = ([float(Fraction(c)) for c in text.split()] for text in (DENOMINATOR, NUMERATOR))
+    force = sum(factor * mb.power([1.0], gamma - k) for k, factor in enumerate(b))
+    y = started(mb.solve(mb.PolynomialMatrix(np.array(a)[:, None, None]), force=force))
+    t = Fraction(float(Fraction(time)))
+    for order in range(3):
+        assert y.derivative(order)(float(t))[0] == pytest.approx(exact_output(gamma, t, order), rel=1e-12)
 
 
 def test_the_estimate_knows_about_the_cancellation():

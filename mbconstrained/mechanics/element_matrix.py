@@ -1,0 +1,50 @@
+"""A mass, damping or stiffness matrix as the sum of its elements, none of which is lost beside stiffer ones."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from ..checks import real_array
+from ..polynomial.factors import Factors
+
+
+class ElementMatrix:
+    """B^T diag(k) B: one row of B and one constant for each spring, damper or mass of a system with n coordinates.
+
+    ``MechanicalSystem`` takes it in the place of a matrix. Assembled in float64, a spring of 1 N/m that hangs on one of 1e16
+    N/m is gone (1e16 + 1 = 1e16); as elements both keep all their digits, and so do the motions that they make.
+
+    Args:
+        directions: B, shape (m, n): the elongation of element i is B[i] @ x; entries 0, 1, -1 and lever or gear ratios.
+        constants: k, shape (m,): N/m, N s/m or kg (N m/rad, N m s/rad, kg m^2).
+
+    Raises:
+        InputError: shapes that do not fit, entries that are not finite.
+
+    >>> springs = ElementMatrix([[1, 0], [-1, 1]], [2.0, 3.0])
+    >>> springs.matrix
+    array([[ 5., -3.],
+           [-3.,  3.]])
+    """
+
+    def __init__(self, directions, constants):
+        self.constants = real_array(constants, "constants", shape=(None,))
+        self.directions = real_array(directions, "directions", shape=(len(self.constants), None))
+
+    @property
+    def size(self) -> int:
+        """The number n of coordinates."""
+        return self.directions.shape[1]
+
+    @cached_property
+    def matrix(self) -> np.ndarray:
+        """The nearest float64 matrix, exactly symmetric, shape (n, n)."""
+        return Factors(self.directions.T, self.constants, self.directions).matrix
+
+    @cached_property
+    def spread(self) -> float:
+        """The largest of the constants over the smallest, those that are zero left out."""
+        size = np.abs(self.constants[self.constants != 0])
+        return float(size.max() / size.min()) if len(size) else 1.0

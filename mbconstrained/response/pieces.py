@@ -1,0 +1,123 @@
+"""x(t) for t > 0 where the force starts, stops or changes at later times: the same formula from a new start at each knot.
+
+In block diagonal coordinates of the finite part, y_b' = T_b y_b + sum over k of D_bk w_k and w_k' = J_k w_k for the parts
+k of the force. With T_b X - X J_k = -D_bk the motion that w_k causes is X w_k and a free one. Where X is large, zeros
+close to those of the force, y_b and a copy of w_k are evaluated together from rest instead. So a force that has ended
+is over exactly, and a short pulse on a free body keeps its digits for ever.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import lapack
+
+from ..jordan.weierstrass import WeierstrassForm
+from ..linalg.blocks import block_diagonalize
+from ..linalg.exponential import block_states
+from ..linalg.recursion import recursion
+from ..signals.bohl import BohlFunction
+from ..signals.impulsive import ImpulsiveSmooth
+from ..signals.restarts import Restarts
+from ..tolerances import DECOUPLING_LIMIT
+from .events import Kicks
+from .forcing import power_of_two_of
+from .parts import Start
+from .regular import driven_form
+
+#: Largest X, relative to D in the pencil's unit of time, with very many pieces: the digits that it costs add up.
+PIECE_LIMIT = 8.0
+
+
+@dataclass(frozen=True)
+class Coupled:
+    """A block of the finite part driven by a part of the force that cannot be separated from it.
+
+    Attributes:
+        own, of_force: which states of both.
+        block: [[T_b, D_bk / unit], [0, J_k]].
+        unit: what y_b is measured in, so that D_bk has the size of the zeros: what it drives grows no faster.
+    """
+
+    own: slice
+    of_force: slice
+    block: np.ndarray
+    unit: float
+
+    def start(self, inputs: np.ndarray) -> np.ndarray:
+        """From rest, for states (m, K) of the force."""
+        return np.vstack([np.zeros((self.own.stop - self.own.start, inputs.shape[1])), inputs[self.of_force]])
+
+
+def piecewise_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth, kicks: Kicks) -> tuple[BohlFunction, float]:
+    """x(t) for t > 0 in the user's units and the largest decoupling entry.
+
+    Args:
+        start: what happens at t = 0.
+        kicks: what happens at the later knots.
+    """
+    free, driven = block_diagonalize(form.T), driven_form(form, force)
+    n, time, knots, forcing = len(form.T), form.companion.scaling.time, force.knots, force.smooth.blocks
+    finite, outer = _slices(free.blocks), _slices(forcing)
+    X, coupled = _separated(free, driven, finite, outer, max(PIECE_LIMIT, DECOUPLING_LIMIT / len(knots)))
+    blocks = (*free.blocks, *(driven.matrix[n:, n:][of, of] for of in outer), *(pair.block for pair in coupled))
+    output = np.hstack([driven.output[:, :n] @ free.basis, driven.output[:, n:]])
+    output[:, n:] += output[:, :n] @ X
+    inputs, gaps = force.smooth.with_knots(knots).restarts.states / driven.inputs[:, None], time * np.diff(knots)
+    caused = np.vstack([-X @ inputs, inputs, *(pair.start(inputs) for pair in coupled)])
+    with np.errstate(over="ignore", invalid="ignore"):  # told when the function is evaluated
+        gained = _finite_part(block_states(blocks, caused[:, :-1], gaps), X, coupled)
+        own = recursion(free.blocks, free.inverse @ start.finite, gained + free.inverse @ kicks.finite, gaps)
+        states = caused
+        states[:n] += own
+        before = np.hstack([np.zeros((len(states), 1)), block_states(blocks, states[:, :-1], gaps)])
+    output = np.hstack([output, *(_padded(pair.unit * output[:, pair.own], len(pair.block)) for pair in coupled)])
+    function = BohlFunction(
+        form.companion.scaling.columns[:, None] * output,
+        tuple(time * block for block in blocks),
+        Restarts(knots, states, states - before),
+    )
+    return function, max(free.coupling, float(np.abs(X).max(initial=0.0)))
+
+
+def _separated(free, driven, finite, outer, limit) -> tuple[np.ndarray, list[Coupled]]:
+    """X, zero where a block and a part of the force cannot be separated, and those pairs."""
+    n = len(free.basis)
+    drive, generator = free.inverse @ driven.matrix[:n, n:], driven.matrix[n:, n:]
+    X, coupled = np.zeros_like(drive), []
+    for own, T in zip(finite, free.blocks):
+        for of in outer:
+            D, J = drive[own, of], generator[of, of]
+            if D.any():
+                solution, scale, info = lapack.dtrsyl(T, J, -D, isgn=-1)
+                if info == 0 and np.abs(solution).max() <= limit * scale * np.abs(D).max():
+                    X[own, of] = solution / scale
+                else:
+                    coupled.append(_coupled(own, of, T, D, J))
+    return X, coupled
+
+
+def _coupled(own, of_force, T, D, J) -> Coupled:
+    unit = power_of_two_of(D) / power_of_two_of([np.abs(T).max(), np.abs(J).max()])
+    return Coupled(own, of_force, np.block([[T, D / unit], [np.zeros((len(J), len(T))), J]]), unit)
+
+
+def _finite_part(states, X, coupled) -> np.ndarray:
+    """y from the states of all blocks."""
+    n, m = X.shape
+    y, begin = states[:n] + X @ states[n : n + m], n + m
+    for pair in coupled:
+        size = pair.own.stop - pair.own.start
+        y[pair.own] += pair.unit * states[begin : begin + size]
+        begin += len(pair.block)
+    return y
+
+
+def _slices(blocks) -> list[slice]:
+    ends = np.cumsum([0, *map(len, blocks)])
+    return [slice(begin, end) for begin, end in zip(ends, ends[1:])]
+
+
+def _padded(columns, size) -> np.ndarray:
+    return np.hstack([columns, np.zeros((len(columns), size - columns.shape[1]))])

@@ -1,0 +1,203 @@
+"""A response just after t = 0+: its Taylor series, and a function that is evaluated by it as long as that is better.
+
+After a start from rest a coordinate far from the force begins like t^p, a tiny remainder of modes that are not small:
+their sum cancels, the series (``response.taylor``) does not.
+
+How far to use it? The series loses up to e^(2 rate t) units in the last place, where the rate bounds the growth from one
+derivative to the next. The modal sum's loss is measured: by how much more than the noise of the series it differs
+from it for rate t <= 1. Each row is left to the modal sum where the noise of its series exceeds that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, exp, log
+
+import numpy as np
+
+from ..checks import real_array, whole_number
+from ..signals.bohl import BohlFunction
+from ..tolerances import EPS, NOISE_SAFETY
+
+#: The series is made for rate * t up to this: e^(2 rate t) times EPS is then the root of EPS, half of the digits.
+REACH = -log(EPS) / 4
+
+#: Terms after the first one that is not zero: the tail (e REACH / k)^k of REACH^k / k! is then below EPS.
+TERMS = ceil(6 * REACH)
+
+#: The norm of the power 2^SQUARINGS of a matrix, its root taken, is the Perron root to a percent for any size met.
+SQUARINGS = 10
+
+#: The range of float64 ends here.
+LARGEST = float(np.finfo(float).max)
+
+#: The two are compared at so many times per factor of two, over so many factors of two: that of the span to its rounding.
+PLACES, OCTAVES = 2, 52
+
+
+@dataclass(frozen=True)
+class Series:
+    """sum over k of c_k t^k for 0 <= t <= span, each coefficient with its rounding noise.
+
+    Attributes:
+        span: in s; the series has converged up to here.
+        coefficients: c_k span^k, shape (r, K).
+        noise: their errors, about, shape (r, K).
+    """
+
+    span: float
+    coefficients: np.ndarray
+    noise: np.ndarray
+
+    def __call__(self, times) -> np.ndarray:
+        """The sum at a time (-> (r,)) or at times (T,) (-> (r, T)), none later than span.
+
+        >>> Series(2.0, np.array([[1.0, 2.0, 2.0]]), np.zeros((1, 3)))([0.0, 1.0]).tolist()  # 1 + t + t^2 / 2
+        [[1.0, 2.5]]
+        """
+        return self.coefficients @ self._powers(times)
+
+    def noise_at(self, times) -> np.ndarray:
+        """About how far rounding has moved the sum, in the shape of the sum."""
+        return self._errors @ self._powers(times)
+
+    def derivative(self, order: int = 1) -> Series:
+        """The series of the derivative of this order."""
+        found = self
+        for _ in range(whole_number(order, "order")):
+            factors = np.arange(1.0, max(found.coefficients.shape[1], 1)) / found.span
+            found = Series(found.span, found.coefficients[:, 1:] * factors, found.noise[:, 1:] * factors)
+        return found
+
+    def mapped(self, matrix) -> Series:
+        """The series of matrix @ x(t), matrix of shape (p, r)."""
+        matrix = np.asarray(matrix, dtype=float)
+        return Series(self.span, matrix @ self.coefficients, np.abs(matrix) @ self._errors)
+
+    def within(self, span: float) -> Series:
+        """The same series over a shorter span."""
+        powers = (span / self.span) ** np.arange(self.coefficients.shape[1])
+        return Series(span, self.coefficients * powers, self.noise * powers)
+
+    def __mul__(self, factor: float) -> Series:
+        return Series(self.span, self.coefficients * factor, self.noise * abs(factor))
+
+    def __add__(self, other: Series) -> Series:
+        span = min(self.span, other.span)
+        one, two = self.within(span), other.within(span)
+        return Series(span, _padded_sum(one.coefficients, two.coefficients), _padded_sum(one._errors, two._errors))
+
+    @property
+    def _errors(self) -> np.ndarray:
+        """With the rounding that comes next."""
+        return self.noise + EPS * np.abs(self.coefficients)
+
+    def _powers(self, times):
+        orders = np.arange(self.coefficients.shape[1])
+        return np.power.outer(np.asarray(times, dtype=float) / self.span, orders).T
+
+
+@dataclass(frozen=True)
+class ResponseFunction(BohlFunction):
+    """A Bohl function that is evaluated by its Taylor series as long as that is the more accurate of the two.
+
+    Attributes:
+        series: its Taylor series at t = 0+.
+    """
+
+    series: Series
+
+    def __call__(self, times) -> np.ndarray:
+        """As ``BohlFunction``, each row by its series before the time ``switch`` of the row."""
+        values = super().__call__(times)
+        times = np.asarray(times, dtype=float)
+        if not times.size or times.min() >= self.series.span:
+            return values
+        early = np.greater.outer(self.switch, times)
+        with np.errstate(over="ignore", invalid="ignore"):  # a row whose series leaves the range is not evaluated by it
+            return np.where(early, self.series(np.minimum(times, self.series.span)), values)
+
+    @cached_property
+    def switch(self) -> np.ndarray:
+        """Before which time each row is evaluated by its series, in s, shape (r,)."""
+        places = self.series.span * 2.0 ** (-np.arange(PLACES * OCTAVES) / PLACES)
+        early = places <= self.series.span / REACH
+        with np.errstate(over="ignore", invalid="ignore"):  # what leaves the range is not taken: no comparison with it holds
+            noise, difference = self.series.noise_at(places), np.abs(self._values(places[early]) - self.series(places[early]))
+            error = (difference - NOISE_SAFETY * noise[:, early]).max(axis=1, initial=0.0)
+        worse = ~(noise <= error[:, None])
+        first_good = np.where(worse.all(axis=1), len(places), worse.argmin(axis=1))
+        return np.append(places, 0.0)[first_good]
+
+    def derivative(self, order: int = 1) -> ResponseFunction:
+        """The classical derivative."""
+        return with_series(super().derivative(order), self.series.derivative(order))
+
+    def mapped(self, matrix) -> ResponseFunction:
+        """The function matrix @ f(t), matrix of shape (p, r)."""
+        matrix = real_array(matrix, "matrix", shape=(None, self.size))
+        return with_series(super().mapped(matrix), self.series.mapped(matrix))
+
+    def __add__(self, other: BohlFunction) -> ResponseFunction:
+        if not isinstance(other, BohlFunction):
+            return NotImplemented
+        series = other.series if isinstance(other, ResponseFunction) else series_of(other, self.series.span)
+        return with_series(super().__add__(other), self.series + series)
+
+    __radd__ = __add__
+
+    def __mul__(self, factor: float) -> ResponseFunction:
+        return with_series(super().__mul__(factor), self.series * factor)
+
+    __rmul__ = __mul__
+
+
+def with_series(function: BohlFunction, series: Series) -> ResponseFunction:
+    """The function together with its series, which ends where the function starts anew for the first time."""
+    knots = function.restarts.knots
+    if len(knots) > 1 and knots[1] < series.span:
+        series = series.within(float(knots[1]))
+    return ResponseFunction(function.coefficients, function.blocks, function.start, series)
+
+
+def series_of(function: BohlFunction, longest: float) -> Series:
+    """The Taylor series of C e^{J t} v, over no more than the longest span."""
+    J, v = function.generator, function.start_at_zero
+    rate, steps = growth(np.abs(J), v != 0)
+    span = min(span_of(rate, longest), longest)
+    state, columns = v, []
+    for k in range(TERMS + steps):
+        columns.append(function.coefficients @ state)
+        state = span / (k + 1) * (J @ state)
+    coefficients = np.stack(columns, axis=1)
+    return Series(span, coefficients, EPS * np.abs(coefficients))
+
+
+def growth(bounds: np.ndarray, begun: np.ndarray) -> tuple[float, int]:
+    """Perron root of the states that are reached from those begun with, and the steps after which all of them are."""
+    steps = 0
+    while (more := begun | (bounds[:, begun] > 0).any(axis=1)).sum() > begun.sum():
+        begun, steps = more, steps + 1
+    return _perron_root(bounds[np.ix_(begun, begun)]), steps
+
+
+def _perron_root(matrix: np.ndarray) -> float:
+    """The largest eigenvalue of a nonnegative matrix, slightly above: the root of a norm of a high power (Gelfand)."""
+    logarithm = 0.0
+    for _ in range(SQUARINGS):
+        size = min(matrix.sum(axis=1).max(initial=0.0), LARGEST)
+        if size == 0:
+            return 0.0
+        matrix, logarithm = (matrix / size) @ (matrix / size), 2 * (logarithm + log(size))
+    return exp(min(logarithm / 2**SQUARINGS, log(LARGEST)))
+
+
+def span_of(rate: float, otherwise: float) -> float:
+    """As far as the series may serve; a series that ends, with no growth at all, serves as far as one likes."""
+    return REACH / rate if rate > 0 else otherwise
+
+
+def _padded_sum(one, two) -> np.ndarray:
+    count = max(one.shape[1], two.shape[1])
+    return sum(np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (one, two))

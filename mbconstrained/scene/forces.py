@@ -1,0 +1,74 @@
+"""From the [[force]] tables to the force: a signal for each table, on its coordinate, with its unit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import reduce
+from operator import add
+from pathlib import Path
+
+import numpy as np
+
+from .. import signals
+from ..errors import InputError
+from .files import record_of
+from .problems import at
+from .units import quantity
+from .values import FORCE_UNITS, Coordinates, with_time
+
+
+def force_of(tables: Sequence, coordinates: Coordinates, folder: Path, file_name: str) -> signals.ImpulsiveSmooth | None:
+    """The sum of the [[force]] tables, or None when there are none."""
+    forces = []
+    for number, table in enumerate(tables, 1):
+        with at(file_name, f"force[{number}]"):
+            row = np.zeros((len(coordinates.names), 1))
+            row[coordinates.number(table.coordinate)] = 1.0
+            forces.append(_signal(table, coordinates, folder).delayed(table.delay).mapped(row))
+    return reduce(add, forces) if forces else None
+
+
+def _signal(table, coordinates: Coordinates, folder: Path) -> signals.ImpulsiveSmooth:
+    """What acts on the coordinate, one row."""
+    unit = FORCE_UNITS.get(coordinates.units[coordinates.number(table.coordinate)])
+    if table.kind == "sampled":
+        return _record(table, unit, folder)
+    time_power, make = _SIGNALS[table.kind]
+    return make(table, [_value(table.value, "value", unit, time_power(table))])
+
+
+def _value(value, what: str, unit: str | None, time_power: int = 0) -> float:
+    try:
+        return quantity(value, with_time(unit, time_power) if unit else "1")
+    except InputError as problem:
+        raise InputError(f"{what}: {problem}") from None
+
+
+def _record(table, unit: str | None, folder: Path) -> signals.ImpulsiveSmooth:
+    if table.file is None:
+        values = [_value(value, f"values[{number}]", unit) for number, value in enumerate(table.values, 1)]
+        return signals.sampled(table.times, [values])
+    times, values = record_of(table, folder)
+    try:
+        return signals.sampled(times, [values])
+    except InputError as problem:
+        raise InputError(f"{table.file}: {problem}") from None
+
+
+def _angular_frequency(table) -> float:
+    return table.angular_frequency or 2 * math.pi * (table.frequency or 0.0)
+
+
+_SIGNALS = {  # kind: (power of seconds in the unit of its value, the signal)
+    "step": (lambda t: 0, lambda t, v: signals.step(v)),
+    "ramp": (lambda t: -1, lambda t, v: signals.ramp(v)),
+    "power": (lambda t: 1 - t.gamma, lambda t, v: signals.power(v, t.gamma)),
+    "impulse": (lambda t: t.order + 1, lambda t, v: signals.impulse(v, order=t.order)),
+    "harmonic": (lambda t: 0, lambda t, v: signals.harmonic(v, angular_frequency=_angular_frequency(t), phase=t.phase)),
+    "term": (
+        lambda t: -t.power,
+        lambda t, v: signals.term(v, power=t.power, rate=t.rate, angular_frequency=_angular_frequency(t), phase=t.phase),
+    ),
+    "pulse": (lambda t: 0, lambda t, v: signals.pulse(v, start=t.start, duration=t.duration)),
+}

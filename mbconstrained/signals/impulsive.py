@@ -1,0 +1,127 @@
+"""Inputs on [0, inf): a Bohl function, which may start anew later, plus Dirac impulses at t = 0 and later."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..checks import real_array, real_number
+from ..errors import InputError
+from ..notices import Notice
+from .bohl import BohlFunction
+
+
+@dataclass(frozen=True)
+class Blow:
+    """Dirac impulses at one time.
+
+    Attributes:
+        time: when, in s.
+        impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta.
+    """
+
+    time: float
+    impulses: tuple[np.ndarray, ...]
+
+
+@dataclass(frozen=True)
+class ImpulsiveSmooth:
+    """f = smooth + sum over k of impulses[k] delta^(k), zero before t = 0.
+
+    Attributes:
+        smooth: the regular part, a BohlFunction with r rows.
+        impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta.
+        later: the Dirac impulses after t = 0, by ascending time.
+        notices: what is worth knowing about it, such as how well it approximates what was asked for.
+    """
+
+    smooth: BohlFunction
+    impulses: tuple[np.ndarray, ...] = ()
+    later: tuple[Blow, ...] = ()
+    notices: tuple[Notice, ...] = ()
+
+    @property
+    def size(self) -> int:
+        """Number of rows r."""
+        return self.smooth.size
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether nothing acts at any time."""
+        return self.smooth.is_zero and not self.impulses and not self.later
+
+    @property
+    def knots(self) -> np.ndarray:
+        """The times in s at which something may start, stop or change, the first is 0."""
+        return np.union1d(self.smooth.restarts.knots, [blow.time for blow in self.later])
+
+    def __call__(self, times) -> np.ndarray:
+        """The regular part at a time (-> (r,)) or at times (T,) (-> (r, T)); t = 0 means 0+, a knot its right limit."""
+        return self.smooth(times)
+
+    def derivative(self, order: int = 1) -> BohlFunction:
+        """The classical derivative of the regular part, for t > 0."""
+        return self.smooth.derivative(order)
+
+    def delayed(self, delay: float) -> ImpulsiveSmooth:
+        """The input f(t - delay), zero before; delay >= 0 in s.
+
+        >>> from .inputs import impulse, step
+        >>> late = (step([1.0]) + impulse([3.0])).delayed(0.5)
+        >>> late([0.25, 0.5, 2.0]), late.later[0].time, late.later[0].impulses
+        (array([[0., 1., 1.]]), 0.5, (array([3.]),))
+        """
+        delay = real_number(delay, "delay", minimum=0.0)
+        if delay == 0:
+            return self
+        first = (Blow(delay, self.impulses),) if self.impulses else ()
+        later = _joined([*first, *(Blow(blow.time + delay, blow.impulses) for blow in self.later)])
+        return ImpulsiveSmooth(self.smooth.delayed(delay), (), later, self.notices)
+
+    def mapped(self, matrix) -> ImpulsiveSmooth:
+        """matrix @ f, matrix of shape (p, r)."""
+        matrix = real_array(matrix, "matrix", shape=(None, self.size))
+        return self._changed(self.smooth.mapped(matrix), lambda impulse: matrix @ impulse)
+
+    def __add__(self, other: ImpulsiveSmooth) -> ImpulsiveSmooth:
+        if not isinstance(other, ImpulsiveSmooth):
+            return NotImplemented
+        if self.size != other.size:
+            raise InputError(f"inputs of different sizes cannot be added: {self.size} and {other.size} rows")
+        notices = dict.fromkeys((*self.notices, *other.notices))
+        impulses, later = _sum(self.impulses, other.impulses), _joined([*self.later, *other.later])
+        return ImpulsiveSmooth(self.smooth + other.smooth, impulses, later, tuple(notices))
+
+    def __radd__(self, other) -> ImpulsiveSmooth:
+        """0 + f, so that sum() of inputs works."""
+        return self if isinstance(other, (int, float)) and other == 0 else NotImplemented
+
+    def __mul__(self, factor: float) -> ImpulsiveSmooth:
+        return self._changed(self.smooth * factor, lambda impulse: impulse * factor)
+
+    __rmul__ = __mul__
+
+    def __neg__(self) -> ImpulsiveSmooth:
+        return self * -1.0
+
+    def __sub__(self, other: ImpulsiveSmooth) -> ImpulsiveSmooth:
+        return self + -other
+
+    def _changed(self, smooth, change) -> ImpulsiveSmooth:
+        later = tuple(Blow(blow.time, tuple(map(change, blow.impulses))) for blow in self.later)
+        return ImpulsiveSmooth(smooth, tuple(map(change, self.impulses)), later, self.notices)
+
+
+def _joined(blows: Sequence[Blow]) -> tuple[Blow, ...]:
+    """By ascending time, those at the same time added."""
+    found: dict[float, tuple[np.ndarray, ...]] = {}
+    for blow in blows:
+        found[blow.time] = _sum(found.get(blow.time, ()), blow.impulses)
+    return tuple(Blow(time, found[time]) for time in sorted(found))
+
+
+def _sum(one, two) -> tuple[np.ndarray, ...]:
+    longer, shorter = (one, two) if len(one) >= len(two) else (two, one)
+    return tuple(a + b for a, b in zip(longer, shorter)) + tuple(longer[len(shorter) :])

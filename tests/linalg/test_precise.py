@@ -1,0 +1,84 @@
+"""Precise arrays: what float64 rounds away is kept."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mbconstrained.linalg.noise import Noisy
+from mbconstrained.linalg.precise import (
+    DIGITS,
+    inverse,
+    is_precise,
+    magnitude,
+    power_of_two,
+    precise,
+    precise_arithmetic,
+    rounded_to_float,
+    solved,
+)
+from mbconstrained.linalg.rank import compress_rows
+
+
+def test_floats_become_the_same_numbers():
+    """No digit of 0.1 = 3602879701896397 / 2^55 is lost."""
+    with precise_arithmetic():
+        found = precise(np.array([0.1, -0.0, 1e-300, 2.0**60 + 2.0**10]))
+        assert [Fraction(value) for value in found] == [Fraction(0.1), 0, Fraction(1e-300), 2**60 + 2**10]
+
+
+def test_fractions_become_all_digits():
+    with precise_arithmetic():
+        assert abs(Fraction(precise(np.array([Fraction(1, 3)], dtype=object))[0]) - Fraction(1, 3)) < Fraction(10) ** -(DIGITS)
+
+
+def test_powers_of_two_beyond_float64():
+    with precise_arithmetic():
+        assert abs(Fraction(power_of_two(np.array([1500.0]))[0]) / 2**1500 - 1) < Fraction(10) ** (1 - DIGITS)
+        assert Fraction(power_of_two(-3.0)) == Fraction(1, 8)
+
+
+def test_arrays_without_entries():
+    with precise_arithmetic():
+        empty = precise(np.zeros((0, 3)))
+    assert is_precise(empty) and empty.shape == (0, 3) and magnitude(empty).shape == (0, 3)
+    assert not is_precise(rounded_to_float(empty))
+
+
+@given(st.integers(0, 10**6), st.integers(1, 5))
+def test_inverse_of_an_ill_conditioned_matrix(seed, size):
+    """A A^-1 = I to the last digits but those that a condition of 1e40 takes; float64 knows nothing of this inverse."""
+    random = np.random.default_rng(seed)
+    with precise_arithmetic():
+        graded = power_of_two(-30.0 * np.arange(size))
+        mixing = precise(random.integers(-9, 10, (size, size)) + 40.0 * np.eye(size))
+        A = mixing * graded @ mixing.T
+        assert magnitude(A @ inverse(A) - precise(np.eye(size))).max() < 1e-25
+        assert magnitude(solved(A, A @ mixing) - mixing).max() < 1e-25
+
+
+def test_a_singular_matrix_is_refused():
+    with precise_arithmetic(), pytest.raises(np.linalg.LinAlgError):
+        inverse(precise(np.array([[1.0, 2.0], [2.0, 4.0]])))
+
+
+def test_rank_of_what_float64_cannot_tell_apart():
+    """Rows (1e16 + 1, 1e16) and (1e16, 1e16 - 1) have the determinant -1, all lost in float64."""
+    big = Fraction(10**16)
+    with precise_arithmetic():
+        exact = precise(np.array([[big + 1, big], [big, big - 1]], dtype=object))
+        assert compress_rows(Noisy.exact(exact)).decision.rank == 2
+    assert compress_rows(Noisy.rounded(rounded_to_float(exact))).decision.rank == 1
+
+
+def test_null_combinations_are_precise():
+    """The combination of dependent rows that vanishes is found to all digits."""
+    with precise_arithmetic():
+        rows = precise(np.array([[Fraction(1), Fraction(1, 3)], [Fraction(3), Fraction(1)]], dtype=object))
+        found = compress_rows(Noisy(rows, 1e-60 * magnitude(rows)))
+        assert found.decision.rank == 1
+        assert magnitude(found.null.data @ rows).max() < 1e-60

@@ -1,0 +1,67 @@
+"""z_(j+1) = e^{J h_j} z_j + g_j against a matrix exponential with forty digits, and starts of their own for all times."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+import scipy.linalg
+
+from mbconstrained.linalg.exponential import block_states
+from mbconstrained.linalg.recursion import recursion
+
+BLOCKS = [
+    np.array([[-0.5]]),
+    np.array([[0.1, 2.0], [-3.0, 0.1]]),
+    np.eye(4, k=1),
+    np.array([[-1.0, 1.0, 0.5], [0.0, -1.0, 1.0], [0.0, 0.0, -1.1]]),
+    np.array([[0.0]]),
+]
+SIZE = sum(map(len, BLOCKS))
+RANDOM = np.random.default_rng(0)
+
+
+def exponential(time) -> np.ndarray:
+    with mpmath.workdps(40):
+        J = mpmath.matrix(scipy.linalg.block_diag(*BLOCKS))
+        return np.array(mpmath.expm(J * mpmath.mpf(time)).tolist(), dtype=float)
+
+
+@pytest.mark.parametrize("gaps", [np.full(7, 0.3), RANDOM.uniform(0.0, 2.0, 7), np.zeros(3)], ids=["equal", "different", "none"])
+def test_it_is_the_recursion(gaps):
+    start, gained = RANDOM.normal(size=SIZE), RANDOM.normal(size=(SIZE, len(gaps)))
+    known = [start]
+    for gap, g in zip(gaps, gained.T):
+        known.append(exponential(gap) @ known[-1] + g)
+    assert np.allclose(recursion(BLOCKS, start, gained, gaps), np.array(known).T, rtol=1e-13, atol=1e-13)
+
+
+def test_it_is_done_in_chunks(monkeypatch):
+    gaps, start, gained = np.linspace(0.1, 1, 9), np.ones(SIZE), np.ones((SIZE, 9))
+    whole = recursion(BLOCKS, start, gained, gaps)
+    monkeypatch.setattr("mbconstrained.linalg.recursion.CHUNK_ENTRIES", 40)
+    assert np.allclose(recursion(BLOCKS, start, gained, gaps), whole, rtol=1e-14)
+
+
+def test_growth_that_is_not_excited_stays_out_however_long_the_gap():
+    blocks = [np.array([[1.0]]), np.array([[-1.0]]), np.eye(3) + np.eye(3, k=1)]
+    states = recursion(blocks, np.array([0.0, 1.0, 0, 0, 0]), np.zeros((5, 2)), np.array([1e4, 1.0]))
+    assert not states[:, 1:].any()
+
+
+def test_no_gaps_and_no_states():
+    assert recursion([], np.zeros(0), np.zeros((0, 2)), np.ones(2)).shape == (0, 3)
+    assert recursion([np.eye(1)], np.ones(1), np.zeros((1, 0)), np.zeros(0)).tolist() == [[1.0]]
+
+
+def test_every_time_may_have_its_own_start():
+    times = np.array([0.0, 0.2, 3.0, 11.0])
+    starts = RANDOM.normal(size=(SIZE, 4))
+    known = np.array([exponential(time) @ start for time, start in zip(times, starts.T)]).T
+    assert np.allclose(block_states(BLOCKS, starts, times), known, rtol=1e-12, atol=1e-12)
+
+
+def test_a_start_of_zero_stays_zero_beside_others():
+    times, starts = np.array([1e4, 1e-3]), np.array([[0.0, 1.0]] * 3)
+    states = block_states([np.eye(3) + np.diag([1e-3, 1e-3], k=1)], starts, times)
+    assert not states[:, 0].any() and np.allclose(states[2, 1], np.exp(1e-3))

@@ -1,0 +1,170 @@
+"""Stiff models keep their soft elements: errors stay near the floor that the condition of the motion sets.
+
+A frequency known to a unit in the last place moves the phase by w t eps: no answer in float64 can be better. The
+floor of a motion is that of the fastest zero that takes part in it.
+"""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.tolerances import EPS
+from tests.oracles.stiff import motion as exact_motion
+
+FLOORS = 100
+
+
+def chain(ratio: float, damped: bool, count: int = 8) -> mb.LumpedModel:
+    """Unit masses, soft and stiff springs in turn, the first one at the ground."""
+    model, before = mb.LumpedModel(), "ground"
+    for i in range(count):
+        model.mass(f"m{i}", 1.0)
+        stiffness = ratio if i % 2 else 1.0
+        model.spring(before, f"m{i}", stiffness=stiffness)
+        if damped:
+            model.damper(before, f"m{i}", damping=1e-3 * stiffness**0.5)
+        before = f"m{i}"
+    return model
+
+
+def network(ratio: float, damped: bool, count: int = 6) -> mb.LumpedModel:
+    """A chain with as many springs across it, all of random stiffness in 1 ... ratio, masses in 1 ... 2."""
+    random, model = np.random.default_rng(5), mb.LumpedModel()
+    for i in range(count):
+        model.mass(f"m{i}", 1.0 + random.random())
+    ends = [(i - 1, i) for i in range(count)] + [tuple(random.choice(count, 2, replace=False)) for _ in range(count)]
+    for start, end in ends:
+        names = ("ground" if start < 0 else f"m{start}", f"m{end}")
+        model.spring(*names, stiffness=float(ratio ** random.random()))
+        if damped:
+            model.damper(*names, damping=float(1e-3 * ratio ** (random.random() / 2)))
+    return model
+
+
+def smooth(model: mb.LumpedModel) -> np.ndarray:
+    """The static shape under a unit force on every mass of the chain: slow motions alone."""
+    constants = model.incidence().springs.constants
+    return np.cumsum([(len(constants) - i) / constant for i, constant in enumerate(constants)])
+
+
+@pytest.mark.parametrize("ratio", [1e4, 1e8, 1e12, 1e16])
+@pytest.mark.parametrize("damped", [False, True])
+def test_slow_motion_of_a_stiff_chain_over_1000_periods(ratio, damped):
+    """Only slow zeros take part: the floor is theirs, however stiff the rest is."""
+    model = chain(ratio, damped)
+    times = 1000 * 2 * np.pi / 0.2455756 * np.linspace(0, 1, 7)
+    truth, moduli = exact_motion(model, smooth(model), times)
+    x = model.assemble().solve(displacement=smooth(model))
+    error = np.abs(x(times) - truth).max() / np.abs(truth).max()
+    assert error <= FLOORS * moduli[0] * times[-1] * EPS
+    assert x.error_estimate(times) >= 0.1 * error
+
+
+@pytest.mark.parametrize("ratio", [1e4, 1e10, 1e16])
+@pytest.mark.parametrize("damped", [False, True])
+@pytest.mark.parametrize("make", [chain, network])
+def test_any_motion_of_a_stiff_model(make, ratio, damped):
+    """All zeros take part: the floor is that of the fastest."""
+    model = make(ratio, damped)
+    start = np.random.default_rng(0).normal(size=len(model.coordinates))
+    times = 1000 * np.linspace(0, 1, 7)
+    truth, moduli = exact_motion(model, start, times)
+    x = model.assemble().solve(displacement=start)
+    error = np.abs(x(times) - truth).max() / np.abs(truth).max()
+    assert error <= max(FLOORS * EPS, moduli[-1] * times[-1] * EPS)
+    assert 0.1 * error <= x.error_estimate(times)
+
+
+def test_zeros_of_a_stiff_model_are_right_to_the_last_digits():
+    model = chain(1e16, damped=False)
+    _, moduli = exact_motion(model, np.ones(8), [])
+    found = model.assemble().modes().angular_frequencies
+    assert np.abs(found / moduli[::2] - 1).max() <= 10 * EPS
+
+
+def test_a_rigid_body_stays_one_among_stiff_springs():
+    """Without the ground the chain moves freely: exactly two zeros at 0, and the rest where it belongs."""
+    model, before = mb.LumpedModel(), None
+    for i, stiffness in enumerate([None, 1e16, 1.0, 1e15, 3.0]):
+        model.mass(f"m{i}", 1.0)
+        if before:
+            model.spring(before, f"m{i}", stiffness=stiffness)
+        before = f"m{i}"
+    system = model.assemble()
+    zeros = system.polynomial_matrix().structure().finite_zeros
+    assert [(zero.value, zero.multiplicity) for zero in zeros if zero.value == 0] == [(0, 2)]
+    x = system.solve(velocity=np.ones(5))
+    times = np.array([0.0, 1.0, 1e6])
+    assert np.abs(x(times) - times).max() <= 1e-9  # 1e6 m in steps of 1e-10 m
+
+
+def test_massless_joints_in_a_stiff_model():
+    """Springs 1e14 and 2 in series over a joint are one spring of 2e14 / (1e14 + 2), beside a spring of 1e-3."""
+    with_joint, without = mb.LumpedModel(), mb.LumpedModel()
+    for model in (with_joint, without):
+        model.mass("cart", 3.0)
+        model.mass("load", 1.0)
+        model.spring("ground", "cart", stiffness=1e-3)
+        model.spring("cart", "load", stiffness=1e13)
+    with_joint.node("joint")
+    with_joint.spring("ground", "joint", stiffness=1e14)
+    with_joint.spring("joint", "cart", stiffness=2.0)
+    without.spring("ground", "cart", stiffness=2e14 / (1e14 + 2.0))
+    times = np.linspace(0.0, 1e4, 9)
+    truth, _ = exact_motion(without, [0.5, 0.5], times)
+    x = with_joint.assemble().solve(displacement={"cart": 0.5, "load": 0.5, "joint": 0.5 * 2.0 / (1e14 + 2.0)})
+    assert np.abs(x(times)[:2] - truth).max() <= FLOORS * EPS * 1e4
+    assert not x.impulses
+
+
+def test_rigid_ties_and_levers_in_a_stiff_model():
+    """A lever of ratio 2 to a stiff spring: the cart feels four times its stiffness; a soft spring sets the slow motion."""
+    tied, plain = mb.LumpedModel(), mb.LumpedModel()
+    for model in (tied, plain):
+        model.mass("cart", 1.0)
+        model.mass("load", 2.0)
+        model.spring("cart", "load", stiffness=4e15)
+        model.spring("ground", "load", stiffness=1.0)
+    tied.mass("arm", 1.0)
+    tied.lever("cart", "arm", 1.0, 2.0)  # x_arm = -2 x_cart
+    tied.spring("ground", "arm", stiffness=0.25)
+    tied.spring("load", "arm", stiffness=0.125)
+    # in the coordinates cart, load the tied model has mass 1 + 4, stiffness 4 * 0.25 and 0.125 (load + 2 cart)^2
+    with mpmath.workdps(60):
+        K = mpmath.matrix([[4e15 + 1, -4e15], [-4e15, 4e15 + 1]])
+        K[0, 0] = mpmath.mpf("4e15") + 1 + mpmath.mpf("0.5")
+        K[1, 1] = mpmath.mpf("4e15") + 1 + mpmath.mpf("0.125")
+        K[0, 1] = K[1, 0] = -mpmath.mpf("4e15") + mpmath.mpf("0.25")
+        M = mpmath.matrix([[5, 0], [0, 2]])
+        truth = sorted(float(mpmath.sqrt(value)) for value in mpmath.eig(M**-1 * K, left=False, right=False))
+    found = tied.assemble().modes().angular_frequencies
+    assert np.abs(found / truth - 1).max() <= 10 * EPS
+
+
+def test_elements_and_matrices_agree_where_nothing_is_lost():
+    """The same system as elements and assembled, all constants whole numbers."""
+    B, k = [[1, 0, 0], [-1, 1, 0], [0, -1, 1]], [1.0, 1000.0, 5.0]
+    elements = mb.ElementMatrix(B, k)
+    start, times = [1.0, 0.0, -1.0], np.linspace(0, 20, 5)
+    by_elements = mb.MechanicalSystem(np.eye(3), stiffness=elements).solve(start)
+    assembled = mb.MechanicalSystem(np.eye(3), stiffness=elements.matrix).solve(start)
+    assert by_elements.pairs.polynomial_matrix.factors[0] is not None
+    assert assembled.pairs.polynomial_matrix.factors[0] is None
+    assert np.abs(by_elements(times) - assembled(times)).max() < 1e-11
+
+
+@pytest.mark.parametrize(
+    "directions, constants, words",
+    [([[1, 0]], [1.0, 2.0], "directions"), ([[1, np.nan]], [1.0], "directions"), ([[1, 0]], ["stiff"], "constants")],
+)
+def test_elements_that_cannot_be_used(directions, constants, words):
+    with pytest.raises(mb.InputError, match=words):
+        mb.ElementMatrix(directions, constants)
+
+
+def test_elements_of_another_size():
+    with pytest.raises(mb.InputError, match="stiffness: expected shape 2 x 2, found 1 x 1"):
+        mb.MechanicalSystem(np.eye(2), stiffness=mb.ElementMatrix([[1.0]], [1.0]))

@@ -1,0 +1,127 @@
+"""Inputs that begin later: values, derivatives, algebra, and how few states they need."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import mbconstrained as mb
+
+TIMES = np.array([0.0, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.25])
+SIGNALS = {
+    "step": (mb.step([1.0, -2.0]), lambda t: 1 + 0 * t),
+    "ramp": (mb.ramp([1.0, -2.0]), lambda t: t),
+    "cubic": (mb.term([1.0, -2.0], power=3), lambda t: t**3),
+    "harmonic": (mb.harmonic([1.0, -2.0], angular_frequency=7.0, phase=0.3), lambda t: np.cos(7 * t + 0.3)),
+    "term": (mb.term([1.0, -2.0], power=2, rate=-0.5, angular_frequency=2.0), lambda t: t**2 * np.exp(-t / 2) * np.cos(2 * t)),
+}
+names, delays = st.sampled_from(sorted(SIGNALS)), st.sampled_from([0.0, 0.25, 0.5, 1.0, 1.5])
+
+
+def known(name, delay, times=TIMES):
+    shape = np.where(times >= delay, SIGNALS[name][1](np.maximum(times - delay, 0)), 0.0)
+    return np.outer([1.0, -2.0], shape)
+
+
+@given(names, delays)
+def test_a_delayed_input_is_zero_before_and_the_same_later(name, delay):
+    assert np.allclose(SIGNALS[name][0].delayed(delay)(TIMES), known(name, delay), rtol=1e-13, atol=1e-13)
+
+
+@given(names, delays, names, delays, delays)
+def test_sums_are_delayed_together(one, first, two, second, both):
+    total = (SIGNALS[one][0].delayed(first) - 3 * SIGNALS[two][0].delayed(second)).delayed(both)
+    expected = known(one, first + both) - 3 * known(two, second + both)
+    assert np.allclose(total(TIMES), expected, rtol=1e-13, atol=1e-12)
+
+
+@given(names, delays, st.integers(0, 3))
+def test_derivatives_are_delayed(name, delay, order):
+    signal = SIGNALS[name][0]
+    late, early = TIMES[TIMES >= delay], TIMES[TIMES < delay]
+    found = signal.delayed(delay).derivative(order)
+    assert np.allclose(found(late), signal.derivative(order)(late - delay), rtol=1e-13, atol=1e-13)
+    assert not found(early).any()
+
+
+@given(names, delays)
+def test_a_matrix_maps_it(name, delay):
+    matrix = np.array([[1.0, 2.0], [0.5, 0.0], [-1.0, 3.0]])
+    assert np.allclose(SIGNALS[name][0].delayed(delay).mapped(matrix)(TIMES), matrix @ known(name, delay), rtol=1e-13, atol=1e-12)
+
+
+def test_impulses_are_delayed_and_added_at_equal_times():
+    blow = mb.impulse([1.0, 0.0]) + mb.impulse([0.0, 2.0], order=1)
+    total = blow.delayed(1.0) + mb.impulse([3.0, 0.0]).delayed(1.0) + mb.impulse([5.0, 5.0]) - blow.delayed(0.5)
+    assert [g.tolist() for g in total.impulses] == [[5.0, 5.0]]
+    assert [(b.time, [g.tolist() for g in b.impulses]) for b in total.later] == [
+        (0.5, [[-1.0, 0.0], [0.0, -2.0]]),
+        (1.0, [[4.0, 0.0], [0.0, 2.0]]),
+    ]
+    again = total.mapped([[1.0, 1.0]]).delayed(2.0)
+    assert again.impulses == () and [b.time for b in again.later] == [2.0, 2.5, 3.0]
+    assert again.later[2].impulses[0].tolist() == [4.0] and again.knots.tolist() == [0.0, 2.0, 2.5, 3.0]
+
+
+def test_a_delay_of_zero_is_none():
+    assert mb.step([1.0]).delayed(0) is not None and not mb.step([1.0]).delayed(0.0).later
+    assert mb.impulse([1.0]).delayed(0.0).impulses[0].tolist() == [1.0]
+    assert isinstance(mb.step([1.0]).delayed(0.0).smooth.start, np.ndarray)
+
+
+@pytest.mark.parametrize("delay", [-1.0, np.nan, np.inf, "2", None, [1.0]])
+def test_a_delay_is_a_time(delay):
+    with pytest.raises(mb.InputError, match="delay: "):
+        mb.step([1.0]).delayed(delay)
+
+
+def test_a_pulse_is_a_step_and_a_step_back():
+    pulse = mb.pulse([1.0, 2.0], start=0.5, duration=0.5)
+    assert np.array_equal(pulse(TIMES), (mb.step([1.0, 2.0]).delayed(0.5) - mb.step([1.0, 2.0]).delayed(1.0))(TIMES))
+    assert pulse([0.49, 0.5, 0.99, 1.0]).tolist() == [[0, 1, 1, 0], [0, 2, 2, 0]]
+    assert mb.pulse([1.0], duration=1.0)([0.0, 1.0]).tolist() == [[1.0, 0.0]]
+
+
+@pytest.mark.parametrize(
+    ("keys", "text"),
+    [
+        ({"start": -1.0, "duration": 1.0}, "start: found -1"),
+        ({"duration": 0.0}, "duration: found 0"),
+        ({"start": 1e20, "duration": 1.0}, "vanishes beside the start"),
+    ],
+)
+def test_a_pulse_lasts(keys, text):
+    with pytest.raises(mb.InputError, match=text):
+        mb.pulse([1.0], **keys)
+
+
+def test_parts_with_one_vector_share_one_channel():
+    pulses = sum(k * mb.pulse([0.1, 0.7], start=k, duration=0.5) for k in range(1, 30))
+    assert [len(block) for block in pulses.smooth.blocks] == [1]
+    record = mb.sampled([1.0, 2.0, 3.0], [[1.0, 2.0, 0.0]])
+    assert [
+        len(block) for block in (record + mb.sampled([0.0, 5.0], [[1.0, 1.0]]) + mb.pulse([2.0], duration=1.0)).smooth.blocks
+    ] == [2]
+
+
+def test_what_cancels_leaves_exactly_nothing():
+    f = mb.step([3.0, 0.1]).delayed(1.0) + mb.ramp([1.0, 1.0]) - mb.step([3.0, 0.1]).delayed(1.0)
+    assert not (f.smooth.coefficients @ f.smooth.restarts.jumps)[:, 1].any()
+    assert (mb.pulse([1.0], duration=1.0) - mb.pulse([1.0], duration=1.0)).is_zero
+
+
+def test_knots_that_rounding_joins_are_one():
+    f = mb.pulse([1.0], start=1.0, duration=1e-9).delayed(1e9)
+    assert f.knots.tolist() == [0.0, 1e9 + 1] and not f(2e9).any()
+
+
+def test_zero_may_be_delayed():
+    assert mb.zero(2).delayed(1.0)(TIMES).shape == (2, len(TIMES)) and mb.zero(2).delayed(1.0).is_zero
+
+
+def test_a_sine_written_as_a_cosine_begins_at_zero():
+    assert mb.harmonic([1.0], angular_frequency=2.0, phase=-np.pi / 2)(0.0)[0] == 0.0
+    assert mb.harmonic([1.0], angular_frequency=2.0, phase=1e-20)(0.0)[0] == 1.0
+    assert mb.harmonic([1.0], angular_frequency=2.0, phase=np.pi / 2 + 1e-12)(0.0)[0] == pytest.approx(-1e-12, rel=1e-3)
