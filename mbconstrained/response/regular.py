@@ -1,7 +1,9 @@
-"""The regular part: x(t) for t > 0 as a Bohl function, for a force of one piece.
+"""The regular part: x(t) for t > 0 as a Bohl function, from a new start wherever the force starts, stops or changes.
 
-The force's generator is appended to the finite part: G = [[T, B C_f], [0, J_f]]. Its zeros are clustered together with
-those of A(s), so that resonance needs no special case.
+In block diagonal coordinates of the finite part, y_b' = T_b y_b + sum over k of D_bk w_k and w_k' = J_k w_k for the parts
+k of the force. With T_b X - X J_k = -D_bk the motion that w_k causes is X w_k and a free one. Where X is large, zeros
+close to those of the force, y_b and a copy of w_k are evaluated together from rest instead. So a force that has ended
+is over exactly, and a short pulse on a free body keeps its digits for ever.
 """
 
 from __future__ import annotations
@@ -9,61 +11,112 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import lapack
 
 from ..jordan.weierstrass import WeierstrassForm
-from ..linalg.blocks import block_diagonalize
-from ..linalg.noise import Noisy, columnwise
+from ..linalg.blocks import BlockDiagonal, block_diagonalize
+from ..linalg.exponential import block_states
+from ..linalg.recursion import recursion
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
-from .forcing import power_of_two_of, scaled_force
+from ..signals.restarts import Restarts
+from ..tolerances import DECOUPLING_LIMIT
+from .driven import Driven, driven_form
+from .events import Kicks
+from .forcing import power_of_two_of
 from .parts import Start
+
+#: Largest X, relative to D in the pencil's unit of time, with very many pieces: the digits that it costs add up.
+PIECE_LIMIT = 8.0
 
 
 @dataclass(frozen=True)
-class Driven:
-    """The finite part with the force appended, in scaled units.
+class Coupled:
+    """A block of the finite part driven by a part of the force that cannot be separated from it.
 
     Attributes:
-        matrix: G, shape (n + m, n + m).
-        output: x as a function of both, shape (r, n + m).
-        inputs: the force's states are those of f divided by these, shape (m,).
+        own, of_force: which states of both.
+        block: [[T_b, D_bk / unit], [0, J_k]].
+        unit: what y_b is measured in, so that D_bk has the size of the zeros: what it drives grows no faster.
     """
 
-    matrix: np.ndarray
-    output: np.ndarray
-    inputs: np.ndarray
+    own: slice
+    of_force: slice
+    block: np.ndarray
+    unit: float
+
+    def start(self, inputs: np.ndarray) -> np.ndarray:
+        """From rest, for states (m, K) of the force."""
+        return np.vstack([np.zeros((self.own.stop - self.own.start, inputs.shape[1])), inputs[self.of_force]])
 
 
-def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth) -> tuple[BohlFunction, float]:
-    """x(t) for t > 0 in the user's units and the largest decoupling entry, for a force of one piece."""
-    driven, scaling = driven_form(form, force), form.companion.scaling
-    parts = block_diagonalize(driven.matrix)
+def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth, kicks: Kicks) -> tuple[BohlFunction, float]:
+    """x(t) for t > 0 in the user's units and the largest decoupling entry.
+
+    Args:
+        start: what happens at t = 0.
+        kicks: what happens at the later knots.
+    """
+    free, driven = block_diagonalize(form.T), driven_form(form, force)
+    n, time, knots, forcing = len(form.T), form.companion.scaling.time, force.knots, force.smooth.blocks
+    finite, outer = _slices(free.blocks), _slices(forcing)
+    X, coupled = _separated(free, driven, finite, outer, max(PIECE_LIMIT, DECOUPLING_LIMIT / len(knots)))
+    blocks = (*free.blocks, *(driven.generator[of, of] for of in outer), *(pair.block for pair in coupled))
+    own_output = form.C @ free.basis
+    inputs, gaps = force.smooth.with_knots(knots).restarts.states / driven.units[:, None], time * np.diff(knots)
+    caused = np.vstack([-X @ inputs, inputs, *(pair.start(inputs) for pair in coupled)])
+    with np.errstate(over="ignore", invalid="ignore"):  # told when the function is evaluated
+        gained = _finite_part(block_states(blocks, caused[:, :-1], gaps), X, coupled)
+        own = recursion(free.blocks, free.inverse @ start.finite, gained + free.inverse @ kicks.finite, gaps)
+        states = caused
+        states[:n] += own
+        before = np.hstack([np.zeros((len(states), 1)), block_states(blocks, states[:, :-1], gaps)])
+    outputs = [own_output, driven.through + own_output @ X]
+    outputs += [_padded(pair.unit * own_output[:, pair.own], len(pair.block)) for pair in coupled]
     function = BohlFunction(
-        scaling.columns[:, None] * (driven.output @ parts.basis),
-        tuple(scaling.time * block for block in parts.blocks),
-        parts.inverse @ np.concatenate([start.finite, force.smooth.start_at_zero / driven.inputs]),
+        form.companion.scaling.columns[:, None] * np.hstack(outputs),
+        tuple(time * block for block in blocks),
+        states[:, 0] if len(knots) == 1 else Restarts(knots, states, states - before),
     )
-    return function, parts.coupling
+    return function, max(free.coupling, float(np.abs(X).max(initial=0.0)))
 
 
-def driven_form(form: WeierstrassForm, force: ImpulsiveSmooth) -> Driven:
-    """The finite part with the force appended, each term of the force measured by itself."""
-    f = scaled_force(form, force)
-    size = power_of_two_of(f.coefficients)  # taken out and put back: squares of noise must not leave the range
-    drive = size * (columnwise(form.B.T).T @ Noisy.rounded(f.divided(size).coefficients)).cleaned()
-    through = np.zeros_like(f.coefficients)
-    for index, derivative in enumerate(f.derivatives(form.highest_impulse + 1)):
-        through = through + form.laurent(index).cleaned() @ derivative
-    amplitude = _amplitudes(np.vstack([drive, through]), force.smooth.blocks)
-    matrix = np.block([[form.T, drive / amplitude], [np.zeros((len(f.start), len(form.T))), f.generator]])
-    return Driven(matrix, np.hstack([form.C, through / amplitude]), f.units / amplitude)
+def _separated(free: BlockDiagonal, driven: Driven, finite, outer, limit) -> tuple[np.ndarray, list[Coupled]]:
+    """X, zero where a block and a part of the force cannot be separated, and those pairs."""
+    drive, generator = free.inverse @ driven.drive, driven.generator
+    X, coupled = np.zeros_like(drive), []
+    for own, T in zip(finite, free.blocks):
+        for of in outer:
+            D, J = drive[own, of], generator[of, of]
+            if D.any():
+                solution, scale, info = lapack.dtrsyl(T, J, -D, isgn=-1)
+                if info == 0 and np.abs(solution).max() <= limit * scale * np.abs(D).max():
+                    X[own, of] = solution / scale
+                else:
+                    coupled.append(_coupled(own, of, T, D, J))
+    return X, coupled
 
 
-def _amplitudes(columns, blocks) -> np.ndarray:
-    """Powers of two, one for all states of a block, that bring the largest entry of its columns near 1.
+def _coupled(own, of_force, T, D, J) -> Coupled:
+    unit = power_of_two_of(D) / power_of_two_of([np.abs(T).max(), np.abs(J).max()])
+    return Coupled(own, of_force, np.block([[T, D / unit], [np.zeros((len(J), len(T))), J]]), unit)
 
-    Each term of the force is measured by itself: a small one must not be lost beside a large one.
-    """
+
+def _finite_part(states, X, coupled) -> np.ndarray:
+    """y from the states of all blocks."""
+    n, m = X.shape
+    y, begin = states[:n] + X @ states[n : n + m], n + m
+    for pair in coupled:
+        size = pair.own.stop - pair.own.start
+        y[pair.own] += pair.unit * states[begin : begin + size]
+        begin += len(pair.block)
+    return y
+
+
+def _slices(blocks) -> list[slice]:
     ends = np.cumsum([0, *map(len, blocks)])
-    parts = [np.full(end - begin, power_of_two_of(columns[:, begin:end])) for begin, end in zip(ends, ends[1:])]
-    return np.concatenate([np.ones(0), *parts])
+    return [slice(begin, end) for begin, end in zip(ends, ends[1:])]
+
+
+def _padded(columns, size) -> np.ndarray:
+    return np.hstack([columns, np.zeros((len(columns), size - columns.shape[1]))])

@@ -11,7 +11,6 @@ from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
 from .events import kicks_of
 from .parts import start_of
-from .pieces import piecewise_part
 from .regular import regular_part
 from .response import Response
 from .series import with_series
@@ -57,12 +56,7 @@ def solve(
     if force.size != r:
         raise InputError(f"force: it has {force.size} rows, but A(s) has {r}")
     pairs = A.jordan_pairs(rank_tolerance)
-    start, events = start_of(pairs.form, initial, force), ()
-    if len(force.knots) == 1:
-        function, coupling = regular_part(pairs.form, start, force)
-    else:
-        kicks = kicks_of(pairs.form, force, q)
-        function, coupling = piecewise_part(pairs.form, start, force, kicks)
-        events = kicks.events
+    start, kicks = start_of(pairs.form, initial, force), kicks_of(pairs.form, force, q)
+    function, coupling = regular_part(pairs.form, start, force, kicks)
     function = with_series(function, taylor_series(pairs.form, initial, start.jump, force))
-    return Response(A, initial, force, pairs, function, start.jump, start.impulses, coupling, events=events)
+    return Response(A, initial, force, pairs, function, start.jump, start.impulses, coupling, events=kicks.events)
