@@ -22,6 +22,9 @@ from .precise import is_precise, magnitude, of_kind, rounded_to_float, unit
 from .scaling import equilibration
 
 
+#: By how much a row that is to become a pivot may be smaller than others.
+PREFERENCE = 30.0
+
 #: Below this size the elimination is as fast as asking whether it is needed.
 SMALL = 24
 
@@ -72,21 +75,23 @@ class RowCompression:
         return stacked(rows[self.pivots], self.null @ rows)
 
 
-def compress_rows(matrix: Noisy, weights: np.ndarray | None = None) -> RowCompression:
+def compress_rows(matrix: Noisy, weights: np.ndarray | None = None, preferred: np.ndarray | None = None) -> RowCompression:
     """Find the dependent rows of a matrix with noise.
 
     Args:
         matrix: S, shape (m, n).
         weights: factors (n,) by which columns count in the choice of pivots.
+        preferred: rows (m,) that become pivots rather than others, where this does not cost more than a digit or two.
     """
     rows, columns = matrix.data.shape
     weights = np.ones(columns) if weights is None else weights
+    favour = np.ones(rows) if preferred is None else np.where(preferred, PREFERENCE, 1.0)
     pivots, nulls, decisions = [np.zeros(0, dtype=int)], [_zeros_like(matrix, (0, rows))], []
     cleaned = matrix.cleaned()
     if not is_precise(cleaned):
         matrix = Noisy(cleaned, matrix.noise)
     for i, j in _components(cleaned):
-        order, combinations, decision = _eliminated(matrix[np.ix_(i, j)], weights[j])
+        order, combinations, decision = _eliminated(matrix[np.ix_(i, j)], weights[j], favour[i])
         placed = _zeros_like(matrix, (len(combinations.data), rows))
         placed[:, i] = combinations
         pivots.append(i[order])
@@ -95,10 +100,11 @@ def compress_rows(matrix: Noisy, weights: np.ndarray | None = None) -> RowCompre
     return RowCompression(np.concatenate(pivots), stacked(*nulls), _joined(decisions))
 
 
-def null_columns(matrix: Noisy) -> RowCompression:
-    """The same for the columns of S: S[:, pivots] are independent, and S @ null.T = 0."""
+def null_columns(matrix: Noisy, preferred: np.ndarray | None = None) -> RowCompression:
+    """The same for the columns of S: S[:, pivots] are independent, and S @ null.T = 0; preferred ones become pivots if they can."""
     size = matrix.size.max(axis=1, initial=0.0)
-    return compress_rows(matrix.T, weights=1 / np.where(size > 0, size, 1.0))
+    weights = 1 / np.where(size > 0, size, 1.0)
+    return compress_rows(matrix.T, weights, preferred)
 
 
 def _zeros_like(matrix: Noisy, shape) -> Noisy:
@@ -119,7 +125,7 @@ def _components(matrix):
         yield members[members < rows], members[members >= rows] - rows
 
 
-def _eliminated(matrix: Noisy, weights) -> tuple[np.ndarray, Noisy, RankDecision]:
+def _eliminated(matrix: Noisy, weights, favour) -> tuple[np.ndarray, Noisy, RankDecision]:
     """Pivot rows in order, the combinations of rows that vanish, and the decision, for one component.
 
     The rows are reduced together with an identity, in which the combination that each has become is recorded.
@@ -132,7 +138,7 @@ def _eliminated(matrix: Noisy, weights) -> tuple[np.ndarray, Noisy, RankDecision
     order, rank, kept, dropped = np.arange(rows), 0, np.inf, 0.0
     while rank < min(rows, columns):
         rest = work[rank:, :columns]
-        size = np.where(rest.size > NOISE_SAFETY * rest.noise, rest.size, 0.0) * weights
+        size = np.where(rest.size > NOISE_SAFETY * rest.noise, rest.size, 0.0) * weights * favour[order[rank:], None]
         row, column = np.unravel_index(size.argmax(), size.shape)
         if size[row, column] == 0:
             break

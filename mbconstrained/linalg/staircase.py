@@ -147,7 +147,8 @@ def _deflate(work: _Work, active: int, found: RowCompression) -> RankDecision:
     top, bottom = slice(active), slice(rank, active)
     work.dependent_rows_last(top, found)
     work.E[bottom, top] = Noisy.exact(np.zeros((active - rank, active)))
-    turned = null_columns(work.F[bottom, top])
+    still = ~work.E.data[:rank, top].any(axis=0)
+    turned = null_columns(work.F[bottom, top], still)
     if turned.decision.rank < active - rank:
         raise SingularPencil("the pencil is singular")
     work.dependent_columns_first(top, turned)
