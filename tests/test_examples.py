@@ -217,3 +217,12 @@ def test_every_example_says_what_it_is(path):
     scene = read_scene(path)
     assert scene.table.title and scene.table.source
     assert path.read_text("utf-8").startswith("# ")
+
+
+def test_the_stiff_stack_follows_its_soft_spring():
+    """Screws of 1e16 N/m make the slow frequency 1 rad/s smaller by 1e-16 of it: over 1000 periods that is 1e-12 rad."""
+    result = run("stiff_stack")
+    times = 2 * math.pi * np.array([0.0, 0.25, 1.0, 999.6, 1000.0])
+    assert np.abs(result.motion(times) - 0.01 * np.cos(times)).max() <= 0.01 * 1e-11
+    assert result.modes.angular_frequencies[0] == pytest.approx(1.0, rel=1e-14)
+    assert result.is_trusted and nothing_happens_at_zero(result.motion)

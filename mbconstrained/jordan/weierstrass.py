@@ -18,6 +18,7 @@ from ..linalg.staircase import SplitPencil
 from ..linalg.triangular import triangular_form
 from ..polynomial.companion import ScaledCompanion
 from ..tolerances import EPS
+from .alignment import aligning_rotation
 
 
 @dataclass(frozen=True)
@@ -106,6 +107,10 @@ def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
     R = _fixed_point(Noisy.rounded(finite.T), split.nilpotent, F12 @ split.nilpotent + -E12, len(split.deficiencies))
     finite_columns = split.right.data[:, :n] @ finite.right
     finite_rows = finite.left @ split.left.data[:n] - (finite.T @ R.data + F12.data) @ split.left.data[n:]
+    infinite_columns = split.right[:, n:] + columnwise(finite_columns) @ R
+    if companion.is_precise:
+        turn = aligning_rotation(finite.T.astype(float), finite_rows[:, finite_rows.shape[1] - companion.size :])
+        finite_columns, finite_rows = finite_columns @ turn.T, turn @ finite_rows
     return WeierstrassForm(
         companion=companion,
         split=split.rounded_to_float(),
@@ -117,7 +122,7 @@ def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
         finite_rows=finite_rows.astype(float),
         finite_start=(finite_rows @ E.data).astype(float),
         nilpotent=split.nilpotent.rounded_to_float(),
-        infinite_columns=(split.right[:, n:] + columnwise(finite_columns) @ R).rounded_to_float(),
+        infinite_columns=infinite_columns.rounded_to_float(),
         infinite_rows=split.left[n:].rounded_to_float(),
         infinite_start=(split.left[n:] @ F).rounded_to_float(),
     )

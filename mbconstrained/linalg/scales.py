@@ -123,9 +123,19 @@ def _schur(part: _Part) -> _Part:
     """The part in a basis of norm one in which its block is a float64 real Schur form."""
     part = _in_own_units(part)
     T, turn = scipy.linalg.schur(rounded_to_float(part.block), output="real")
-    basis, back = part.basis @ precise(turn), inverse(precise(turn)) @ part.inverse
+    turn = precise(turn)
+    if len(T) == 2 and T[1, 0]:
+        T, turn = _as_rotation(T, turn)
+    basis, back = part.basis @ turn, inverse(turn) @ part.inverse
     size = power_of_two(np.round(np.log2(magnitude(basis).max())))
     return _Part(basis / size, back * size, T)
+
+
+def _as_rotation(T, turn):
+    """A complex pair as [[a, w], [-w, a]], which stays what it is however its two states are rotated."""
+    stretch = np.sqrt(-T[0, 1] / T[1, 0])
+    w = np.copysign(stretch * abs(T[1, 0]), T[0, 1])
+    return np.array([[T[0, 0], w], [-w, T[0, 0]]]), turn * precise(np.array([stretch, 1.0]))
 
 
 def _clustered(parts: list[_Part]) -> list[_Part]:
