@@ -40,7 +40,10 @@ def pair_evidence(pairs: JordanPairs) -> tuple[Evidence, ...]:
 
 
 def inverse_residual(pairs: JordanPairs) -> float:
-    """max over test points s and rows of |A(s) X(s) - I| / (|A(s)| |X(s)|), X(s) = A(s)^-1 from the pairs (Theorem 2.8)."""
+    """max over test points s and rows of |A(s) X(s) - I| / (|A(s)| |X|(s)), X(s) = A(s)^-1 from the pairs (Theorem 2.8).
+
+    |X| is the sum of what the finite zeros and the infinite part contribute to X, without regard to sign.
+    """
     form = pairs.form
     companion = form.companion
     if not companion.size:
@@ -48,9 +51,10 @@ def inverse_residual(pairs: JordanPairs) -> float:
     worst = 0.0
     for s in (0.5 + 1.0j, 1.0 - 0.25j, -0.75 + 0.6j):
         A = sum(matrix * s**power for power, matrix in enumerate(companion.coefficients))
-        inverse = form.C @ np.linalg.solve(s * np.eye(len(form.T)) - form.T, form.B)
-        N = form.nilpotent.data
-        inverse = inverse - form.C2.data @ np.linalg.solve(np.eye(len(N)) - s * N, form.B2.data)
-        size = (np.abs(A) @ np.abs(inverse)).max(axis=1)
+        finite, N = np.linalg.solve(s * np.eye(len(form.T)) - form.T, form.B), form.nilpotent.data
+        infinite = np.linalg.solve(np.eye(len(N)) - s * N, form.B2.data)
+        inverse = form.C @ finite - form.C2.data @ infinite
+        parts = np.abs(form.C) @ np.abs(finite) + np.abs(form.C2.data) @ np.abs(infinite)
+        size = (np.abs(A) @ parts).max(axis=1)
         worst = max(worst, float((np.abs(A @ inverse - np.eye(companion.size)).max(axis=1) / size).max()))
     return worst

@@ -20,7 +20,7 @@ from scipy.linalg import lapack
 from ..linalg.precise import of_kind, precise_arithmetic, unit
 from ..linalg.rank import RankDecision
 from ..polynomial.companion import ScaledCompanion
-from ..tolerances import CLUSTER_SAFETY, NOISE_SAFETY
+from ..tolerances import CLUSTER_SAFETY, EPS, NOISE_SAFETY
 from .weierstrass import WeierstrassForm
 
 #: Where the ranks are not those of a single zero they are tried again with the noise multiplied by these.
@@ -74,7 +74,8 @@ class ZeroParts:
         mean = np.trace(J) / multiplicity
         square = (F.noise**2 + (unit(F.data) * F.size) ** 2) + abs(mean) ** 2 * (E.noise**2 + (unit(E.data) * E.size) ** 2)
         noise = np.sqrt(np.abs(inverse @ L) ** 2 @ square @ np.abs(R) ** 2)
-        return J - mean * np.eye(multiplicity), float(np.linalg.norm(noise))
+        rounding = EPS * abs(mean) * multiplicity**0.5  # J is formed in float64 in the end
+        return J - mean * np.eye(multiplicity), float(np.hypot(np.linalg.norm(noise), rounding))
 
     def _bases(self, value, multiplicity) -> tuple[np.ndarray, np.ndarray]:
         """Left (m, g r) and right (g r, m) bases of the m zeros nearest to the value."""

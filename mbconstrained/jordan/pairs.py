@@ -147,17 +147,28 @@ def jordan_pairs(A: PolynomialMatrix, rank_tolerance: float | None = None) -> Jo
 def _form_in_enough_digits(A: PolynomialMatrix, rank_tolerance: float | None) -> WeierstrassForm:
     """The decoupled pencil, computed in float64 where that is enough."""
     states, form = A.size * max(A.degree, 1), None
-    if all(factors is None for factors in A.factors) or states > MOST_STATES:
-        form = weierstrass_form(scaled_companion(A, rank_tolerance))
-        if not is_worthwhile(_slowness(form), states):
+    exact = rank_tolerance == 0 or any(factors is not None for factors in A.factors)
+    if not exact or states > MOST_STATES:
+        form = _form_in_float64(A, rank_tolerance, refuse=states > MOST_STATES)
+        if form is not None and not is_worthwhile(_slowness(form), states):
             return form
     try:
         with precise_arithmetic():
-            return weierstrass_form(scaled_companion(A, rank_tolerance, in_float64=False))
+            companion = scaled_companion(A, rank_tolerance, in_float64=False)
+            return weierstrass_form(companion, None if form is None else form.decisions)
     except IllConditioned:
         if form is None:
             raise
         return form
+
+
+def _form_in_float64(A: PolynomialMatrix, rank_tolerance: float | None, refuse: bool) -> WeierstrassForm | None:
+    try:
+        return weierstrass_form(scaled_companion(A, rank_tolerance))
+    except IllConditioned:
+        if refuse:
+            raise
+        return None
 
 
 def _slowness(form: WeierstrassForm) -> float:

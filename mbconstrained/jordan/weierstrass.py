@@ -8,13 +8,14 @@ infinite one as P_2 F z0 (Eqs. 43-44).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..linalg.noise import Noisy, columnwise
 from ..linalg.rank import RankDecision
-from ..linalg.staircase import SplitPencil
+from ..linalg.staircase import SplitPencil, split_pencil
 from ..linalg.triangular import triangular_form
 from ..polynomial.companion import ScaledCompanion
 from ..tolerances import EPS
@@ -63,6 +64,11 @@ class WeierstrassForm:
         return self.finite_rows[:, self.finite_rows.shape[1] - self.companion.size :]
 
     @property
+    def noisy_B(self) -> Noisy:
+        """B with its rounding: that of an eigenvalue algorithm, or of each entry where it was precise."""
+        return Noisy.rounded(self.B) if self.companion.is_precise else columnwise(self.B.T).T
+
+    @property
     def C2(self) -> Noisy:
         """Shape (r, m)."""
         return self.infinite_columns[: self.companion.size]
@@ -93,29 +99,37 @@ class WeierstrassForm:
         return self.C2 @ value
 
 
-def weierstrass_form(companion: ScaledCompanion) -> WeierstrassForm:
+def weierstrass_form(companion: ScaledCompanion, decided: Sequence[RankDecision] | None = None) -> WeierstrassForm:
     """Decouple the finite from the infinite part.
 
     The coupling R solves R = T R N + G; N is nilpotent, so the fixed point is reached in as many steps as there
     are blocks in the staircase, row by row in the Schur basis of the finite part.
+
+    Args:
+        companion: the pencil.
+        decided: the decisions of the form of the same pencil in float64, to be followed: what the data leave open is
+            decided once, and no digit is rounded away on the strength of it.
     """
-    split, (E, F) = companion.split, companion.pencil
+    (E, F), decisions = companion.pencil, None if decided is None else iter(decided)
+    split = companion.split if decisions is None else split_pencil(E, F, decisions)
     n = len(split.E11.data)
-    finite = triangular_form(split.E11, split.F11)
+    finite = triangular_form(split.E11, split.F11, decisions)
     left = columnwise(finite.left.T).T
     E12, F12 = left @ split.E12, left @ split.F12
     R = _fixed_point(Noisy.rounded(finite.T), split.nilpotent, F12 @ split.nilpotent + -E12, len(split.deficiencies))
     finite_columns = split.right.data[:, :n] @ finite.right
     finite_rows = finite.left @ split.left.data[:n] - (finite.T @ R.data + F12.data) @ split.left.data[n:]
     infinite_columns = split.right[:, n:] + columnwise(finite_columns) @ R
+    T = finite.T.astype(float)
     if companion.is_precise:
-        turn = aligning_rotation(finite.T.astype(float), finite_rows[:, finite_rows.shape[1] - companion.size :])
+        turn, coupling = aligning_rotation(T, finite_rows[:, finite_rows.shape[1] - companion.size :]), slice(finite.nonzero_count, None)
         finite_columns, finite_rows = finite_columns @ turn.T, turn @ finite_rows
+        T[:, coupling] = (turn @ finite.T[:, coupling]).astype(float)  # the pairs themselves stay what they are
     return WeierstrassForm(
         companion=companion,
         split=split.rounded_to_float(),
         decisions=split.decisions + finite.decisions,
-        T=finite.T.astype(float),
+        T=T,
         nonzero_count=finite.nonzero_count,
         zero_divisors=finite.zero_divisors,
         finite_columns=finite_columns.astype(float),

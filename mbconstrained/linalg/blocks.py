@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import lapack
+from scipy.sparse.csgraph import connected_components
 
 from ..tolerances import DECOUPLING_LIMIT
 
@@ -32,7 +33,21 @@ class BlockDiagonal:
 
 
 def block_diagonalize(triangle: np.ndarray, limit: float = DECOUPLING_LIMIT) -> BlockDiagonal:
-    """Block-diagonalize a real quasi-triangular matrix (a real Schur form)."""
+    """Block-diagonalize a real quasi-triangular matrix (a real Schur form); what nothing couples is never put together."""
+    n = len(triangle)
+    labels = connected_components(triangle != 0, directed=False)[1] if n else np.zeros(0, dtype=int)
+    basis, inverse, blocks, worst = np.zeros((n, n)), np.zeros((n, n)), [], 0.0
+    begin = 0
+    for label in range(labels.max(initial=-1) + 1):
+        at = np.flatnonzero(labels == label)
+        found = _block_diagonalize(triangle[np.ix_(at, at)], limit)
+        end = begin + len(at)
+        basis[at, begin:end], inverse[begin:end, at] = found.basis, found.inverse
+        blocks, worst, begin = [*blocks, *found.blocks], max(worst, found.coupling), end
+    return BlockDiagonal(basis, inverse, tuple(blocks), worst)
+
+
+def _block_diagonalize(triangle, limit) -> BlockDiagonal:
     T = np.array(triangle, dtype=float, order="F")
     n = len(T)
     basis, inverse = np.eye(n), np.eye(n)

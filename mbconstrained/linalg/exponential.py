@@ -126,6 +126,8 @@ def _shifted_states(rest, shift, start, times) -> np.ndarray:
     start = np.broadcast_to(start, (size, len(times)))
     if shift == 0 and not np.tril(rest).any():  # a polynomial in t, which ends by itself
         return _applied(rest, shift, start, times, size - 1)
+    units = _units(rest, times)
+    rest, start = rest * units / units[:, None], start / units[:, None]
     states = np.empty((size, len(times)), dtype=np.result_type(rest, start))
     norm = np.abs(rest).sum(axis=0).max()
     doublings = np.ceil(np.log2(np.maximum(norm * times, 1.0))).astype(int)
@@ -137,7 +139,26 @@ def _shifted_states(rest, shift, start, times) -> np.ndarray:
                 states[:, at] = _applied(rest, shift, states[:, at], times[at] / 2.0**count, degree)
         else:
             states[:, at] = _squared(rest, shift, start[:, at], times[at], count)
-    return states
+    return states * units[:, None]
+
+
+def _units(rest, times) -> np.ndarray:
+    """Powers of two for the states of a quasi-triangular matrix in which no coupling is larger than its zeros.
+
+    A coupling that is, such as that of a slow decay with the fast unit of time that it came with, would have the
+    exponential doubled more often than anything moves, and each doubling doubles the rounding errors too.
+    """
+    units, latest = np.ones(len(rest)), times.max(initial=0.0)
+    if not latest:
+        return units
+    target, at = max(np.abs(np.linalg.eigvals(rest)).max(), 1 / latest), 1
+    while at < len(rest):
+        begin = at - 1 if rest[at, at - 1] else at  # the two states of a pair have one unit
+        coupling = (np.abs(rest[:begin, begin : at + 1]).max(axis=1, initial=0.0) / units[:begin]).max(initial=0.0)
+        if coupling > target:
+            units[begin : at + 1] = 2.0 ** np.floor(np.log2(target / coupling))
+        at += 1
+    return units
 
 
 def _applied(rest, shift, start, times, degree) -> np.ndarray:

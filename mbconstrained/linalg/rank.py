@@ -18,7 +18,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY
 from .noise import Noisy, stacked
-from .precise import is_precise, magnitude, of_kind, rounded_to_float, unit
+from .precise import magnitude, of_kind, rounded_to_float, unit
 from .scaling import equilibration
 
 
@@ -75,22 +75,28 @@ class RowCompression:
         return stacked(rows[self.pivots], self.null @ rows)
 
 
-def compress_rows(matrix: Noisy, weights: np.ndarray | None = None, preferred: np.ndarray | None = None) -> RowCompression:
+def compress_rows(
+    matrix: Noisy,
+    weights: np.ndarray | None = None,
+    preferred: np.ndarray | None = None,
+    decided: RankDecision | None = None,
+) -> RowCompression:
     """Find the dependent rows of a matrix with noise.
 
     Args:
         matrix: S, shape (m, n).
         weights: factors (n,) by which columns count in the choice of pivots.
         preferred: rows (m,) that become pivots rather than others, where this does not cost more than a digit or two.
+        decided: a decision made before, on the same matrix with fewer digits; where it is given the noise only ranks pivots.
     """
     rows, columns = matrix.data.shape
     weights = np.ones(columns) if weights is None else weights
     favour = np.ones(rows) if preferred is None else np.where(preferred, PREFERENCE, 1.0)
     pivots, nulls, decisions = [np.zeros(0, dtype=int)], [_zeros_like(matrix, (0, rows))], []
-    cleaned = matrix.cleaned()
-    if not is_precise(cleaned):
-        matrix = Noisy(cleaned, matrix.noise)
-    for i, j in _components(cleaned):
+    if decided is not None:
+        return RowCompression(*_eliminated(matrix, weights, favour, decided))
+    matrix = Noisy(matrix.cleaned(), matrix.noise)
+    for i, j in _components(matrix.data):
         order, combinations, decision = _eliminated(matrix[np.ix_(i, j)], weights[j], favour[i])
         placed = _zeros_like(matrix, (len(combinations.data), rows))
         placed[:, i] = combinations
@@ -100,11 +106,13 @@ def compress_rows(matrix: Noisy, weights: np.ndarray | None = None, preferred: n
     return RowCompression(np.concatenate(pivots), stacked(*nulls), _joined(decisions))
 
 
-def null_columns(matrix: Noisy, preferred: np.ndarray | None = None) -> RowCompression:
+def null_columns(
+    matrix: Noisy, preferred: np.ndarray | None = None, decided: RankDecision | None = None
+) -> RowCompression:
     """The same for the columns of S: S[:, pivots] are independent, and S @ null.T = 0; preferred ones become pivots if they can."""
     size = matrix.size.max(axis=1, initial=0.0)
     weights = 1 / np.where(size > 0, size, 1.0)
-    return compress_rows(matrix.T, weights, preferred)
+    return compress_rows(matrix.T, weights, preferred, decided)
 
 
 def _zeros_like(matrix: Noisy, shape) -> Noisy:
@@ -125,32 +133,40 @@ def _components(matrix):
         yield members[members < rows], members[members >= rows] - rows
 
 
-def _eliminated(matrix: Noisy, weights, favour) -> tuple[np.ndarray, Noisy, RankDecision]:
+def _eliminated(matrix: Noisy, weights, favour, decided=None) -> tuple[np.ndarray, Noisy, RankDecision]:
     """Pivot rows in order, the combinations of rows that vanish, and the decision, for one component.
 
     The rows are reduced together with an identity, in which the combination that each has become is recorded.
     """
     rows, columns = matrix.data.shape
-    if (margin := _regular_by_far(matrix)) is not None:
+    if decided is None and (margin := _regular_by_far(matrix)) is not None:
         return np.arange(rows), Noisy.exact(np.zeros((0, rows))), RankDecision(rows, margin, 0.0)
     identity = of_kind(np.eye(rows), matrix.data)
     work = Noisy(np.hstack([matrix.data, identity]), np.hstack([matrix.noise, np.zeros((rows, rows))]))
     order, rank, kept, dropped = np.arange(rows), 0, np.inf, 0.0
-    while rank < min(rows, columns):
-        rest = work[rank:, :columns]
-        size = np.where(rest.size > NOISE_SAFETY * rest.noise, rest.size, 0.0) * weights * favour[order[rank:], None]
-        row, column = np.unravel_index(size.argmax(), size.shape)
-        if size[row, column] == 0:
+    most = min(rows, columns) if decided is None else decided.rank
+    while rank < most:
+        row, column = _pivot(work[rank:, :columns], weights * favour[order[rank:], None], at_any_rate=decided is not None)
+        if row is None:
             break
         swap = [rank + row, rank]
         order[swap], work[swap] = order[swap[::-1]], work[swap[::-1]]
         bound = NOISE_SAFETY * work.noise[rank, column]
         kept = min(kept, float(abs(work.data[rank, column])) / bound if bound else np.inf)
-        dropped = max(dropped, _eliminate(work, rank, column, columns))
+        dropped = max(dropped, _eliminate(work, rank, column, columns, clean=decided is None))
         rank += 1
-    rest = work[rank:, :columns]
-    dropped = max(dropped, float((rest.size / np.where(rest.noise > 0, NOISE_SAFETY * rest.noise, 1.0)).max(initial=0.0)))
-    return order[:rank], work[rank:, columns:], _with_singular_values(RankDecision(rank, float(kept), dropped), matrix)
+    decision = decided or _with_singular_values(RankDecision(rank, float(kept), dropped), matrix)
+    return order[:rank], work[rank:, columns:], decision
+
+
+def _pivot(rest: Noisy, weights, at_any_rate: bool):
+    """Row and column of the largest entry above the noise, or if there is none and must be one, of the one nearest to it."""
+    told = rest.size > NOISE_SAFETY * rest.noise
+    size = np.where(told, rest.size * weights, 0.0)
+    if at_any_rate and not told.any():
+        size = rest.size / np.where(rest.noise > 0, rest.noise, 1.0)
+    row, column = np.unravel_index(size.argmax(), size.shape)
+    return (row, column) if size[row, column] else (None, None)
 
 
 def _with_singular_values(decision: RankDecision, matrix: Noisy) -> RankDecision:
@@ -178,8 +194,8 @@ def _regular_by_far(matrix: Noisy) -> float | None:
     return float(margin) if margin >= CLEAR_KEPT else None
 
 
-def _eliminate(work: Noisy, pivot: int, column: int, columns: int) -> float:
-    """Subtract multiples of the pivot row from those below it; return the largest entry dropped, over its bound."""
+def _eliminate(work: Noisy, pivot: int, column: int, columns: int, clean: bool) -> float:
+    """Subtract multiples of the pivot row from those below it; return the largest entry dropped as noise, over its bound."""
     top, below = work[pivot], work[pivot + 1 :]
     touched = np.flatnonzero(below.data[:, column])
     if not touched.size:
@@ -197,9 +213,8 @@ def _eliminate(work: Noisy, pivot: int, column: int, columns: int) -> float:
     bound, left = NOISE_SAFETY * noise[:, :columns], magnitude(data[:, :columns])
     small = left <= bound
     ratios = left / np.where(bound > 0, bound, 1.0)
-    if is_precise(data):  # it rounds nothing away: what the data leave open may still be of weight for slow motions
-        small[:] = False
-    data[:, :columns][small] = 0.0
+    if clean:
+        data[:, :columns][small] = data[:, :columns][small] * 0
     work[pivot + 1 + touched] = Noisy(data, noise)
     return float(ratios[small].max(initial=0.0))
 

@@ -34,6 +34,9 @@ LARGEST_STEP = 0.1
 #: Decoupling norm up to which float64 makes a start; what of it the answer cannot bear is joined again at the end.
 START_LIMIT = 1e8
 
+#: Largest ratio of the couplings of a complex pair: one that is stretched more is nearly a double zero on the real axis.
+MOST_STRETCHED = 1e4
+
 #: A step that has not become smaller than this part of the one before comes from zeros too close to be separated.
 CONVERGING = 1e-2
 
@@ -92,7 +95,7 @@ def block_diagonal(matrix: np.ndarray) -> BlockDiagonal:
     return BlockDiagonal(
         balance[:, None] * np.hstack([part.basis for part in schur]),
         np.vstack([part.inverse for part in schur]) / balance,
-        tuple(rounded_to_float(part.block) for part in schur),
+        tuple(part.block for part in schur),
         max(part.coupling for part in parts),
     )
 
@@ -123,19 +126,27 @@ def _schur(part: _Part) -> _Part:
     """The part in a basis of norm one in which its block is a float64 real Schur form."""
     part = _in_own_units(part)
     T, turn = scipy.linalg.schur(rounded_to_float(part.block), output="real")
-    turn = precise(turn)
-    if len(T) == 2 and T[1, 0]:
-        T, turn = _as_rotation(T, turn)
+    ratio = abs(T[1, 0] / T[0, 1]) if len(T) == 2 and T[1, 0] else 0.0
+    rotation = _rotation(part.block) if 1 / MOST_STRETCHED < ratio < MOST_STRETCHED else None
+    T, turn = rotation or (T, precise(turn))
     basis, back = part.basis @ turn, inverse(turn) @ part.inverse
     size = power_of_two(np.round(np.log2(magnitude(basis).max())))
     return _Part(basis / size, back * size, T)
 
 
-def _as_rotation(T, turn):
-    """A complex pair as [[a, w], [-w, a]], which stays what it is however its two states are rotated."""
-    stretch = np.sqrt(-T[0, 1] / T[1, 0])
-    w = np.copysign(stretch * abs(T[1, 0]), T[0, 1])
-    return np.array([[T[0, 0], w], [-w, T[0, 0]]]), turn * precise(np.array([stretch, 1.0]))
+def _rotation(block):
+    """A complex pair as [[a, w], [-w, a]], a and w to their own last digits, and the basis in which it is that.
+
+    It stays what it is however its two states are rotated. None where the zeros are real, if only by more digits.
+    """
+    a = (block[0, 0] + block[1, 1]) / 2
+    square = block[0, 0] * block[1, 1] - block[0, 1] * block[1, 0] - a * a
+    if square <= 0:
+        return None
+    w = square.sqrt()
+    first = precise(np.array([1.0, 0.0]))
+    turn = np.column_stack([first, (block @ first - a * first) / -w])
+    return np.array([[float(a), float(w)], [-float(w), float(a)]]), turn
 
 
 def _clustered(parts: list[_Part]) -> list[_Part]:
@@ -200,7 +211,7 @@ def _limit(moduli: np.ndarray) -> float:
     upper = ordered[1:][ordered[:-1] < SLOW * largest]
     lower = ordered[:-1][ordered[:-1] < SLOW * largest]
     widest = (upper / lower).argmax()
-    return float(np.sqrt(upper[widest] * lower[widest]))
+    return float(np.sqrt(upper[widest]) * np.sqrt(lower[widest]))
 
 
 def _sorted(matrix, limit):

@@ -8,6 +8,7 @@ The number of vanishing rows in step i is the number of infinite elementary divi
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -121,8 +122,11 @@ def _has_full_rank(E: Noisy, F: Noisy) -> bool:
     return False
 
 
-def split_pencil(E: Noisy, F: Noisy) -> SplitPencil:
+def split_pencil(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None = None) -> SplitPencil:
     """Split s E - F, square and real, with its noise; split_pencil(F, E) splits the zeros at s = 0 off instead.
+
+    Args:
+        decided: the rank decisions of a pencil with the same structure, in order, to be followed.
 
     Raises:
         SingularPencil: det(s E - F) vanishes identically, to within the noise.
@@ -132,23 +136,27 @@ def split_pencil(E: Noisy, F: Noisy) -> SplitPencil:
     work = _Work(E.copy(), F.copy(), left, right)
     deficiencies, decisions = [], []
     while True:
-        found = compress_rows(work.E[:n, :n])
+        found = compress_rows(work.E[:n, :n], decided=_next(decided))
         decisions.append(found.decision)
         if found.decision.rank == n:
             return _finished(work, n, tuple(deficiencies), tuple(decisions))
         deficiencies.append(n - found.decision.rank)
-        decisions.append(_deflate(work, n, found))
+        decisions.append(_deflate(work, n, found, _next(decided)))
         n = found.decision.rank
 
 
-def _deflate(work: _Work, active: int, found: RowCompression) -> RankDecision:
+def _next(decided):
+    return None if decided is None else next(decided)
+
+
+def _deflate(work: _Work, active: int, found: RowCompression, decided: RankDecision | None) -> RankDecision:
     """Move the vanishing rows of E to the end, and the columns that they determine through F with them."""
     rank = found.decision.rank
     top, bottom = slice(active), slice(rank, active)
     work.dependent_rows_last(top, found)
     work.E[bottom, top] = Noisy.exact(np.zeros((active - rank, active)))
     still = ~work.E.data[:rank, top].any(axis=0)
-    turned = null_columns(work.F[bottom, top], still)
+    turned = null_columns(work.F[bottom, top], still, decided)
     if turned.decision.rank < active - rank:
         raise SingularPencil("the pencil is singular")
     work.dependent_columns_first(top, turned)

@@ -9,6 +9,7 @@ eps (|lambda| + 1 / |lambda|) in the pencil's own unit of time, and only then th
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -43,14 +44,17 @@ class TriangularForm:
     zero_divisors: tuple[int, ...] = ()
 
 
-def triangular_form(E: Noisy, F: Noisy) -> TriangularForm:
+def triangular_form(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None = None) -> TriangularForm:
     """Bring s E - F, E regular, to s I - T with T in standardized real Schur form.
+
+    Args:
+        decided: the rank decisions of a pencil with the same structure, in order, to be followed.
 
     Raises:
         IllConditioned: E is regular only beyond the precision of float64.
     """
     try:
-        split = split_pencil(F, E)  # with the roles exchanged: its E11 belongs to F, its F11 to E
+        split = split_pencil(F, E, decided)  # with the roles exchanged: its E11 belongs to F, its F11 to E
     except SingularPencil:  # E was found regular: what seems to vanish with F here is carried noise
         split = split_pencil(Noisy.exact(F.data), Noisy.exact(E.data))
     n = len(split.E11.data)

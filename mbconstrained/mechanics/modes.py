@@ -119,7 +119,7 @@ def modes_of(system: MechanicalSystem) -> Modes:
     resting, moving = [], []
     for zero in pair.zeros:
         if zero.value:
-            value = cleaned(complex(zero.value), zero.multiplicity, conservation)
+            value = cleaned(complex(zero.value), zero.multiplicity, conservation, pair.form.companion.is_precise)
             moving.append(Mode(_kind(value), value, zero.multiplicity, mode_shapes(pair, zero)))
         else:
             resting.extend(_at_rest(A, zero))
@@ -151,12 +151,14 @@ def _kind(value: complex) -> Kind:
     return "oscillation" if value.imag else "decay"
 
 
-def cleaned(value: complex, multiplicity: int, conservation: Conservation) -> complex:
-    """Take out of a computed zero what the symmetry and signs of M, C and K rule out."""
+def cleaned(value: complex, multiplicity: int, conservation: Conservation, is_precise: bool = False) -> complex:
+    """Take out of a computed zero what the symmetry and signs of M, C and K rule out; a precise simple one keeps its real part."""
     if conservation.passive and (conservation.lossless or value.real > 0):
         return complex(0.0, value.imag)
     if conservation.lossless:
         return complex(0.0, value.imag) if abs(value.imag) > abs(value.real) else complex(value.real)
+    if is_precise and multiplicity == 1:
+        return value
     # growth slower than this cannot be told from rounding, which moves a defective zero further than a simple one
     limit = rounding_radius(multiplicity) if value.real > 0 else NOISE_SAFETY * EPS
     return complex(value.real if abs(value.real) > limit * abs(value) else 0.0, value.imag)

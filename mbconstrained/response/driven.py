@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..jordan.weierstrass import WeierstrassForm
-from ..linalg.noise import Noisy, columnwise
+from ..linalg.noise import Noisy
 from ..signals.impulsive import ImpulsiveSmooth
 from .forcing import power_of_two_of, scaled_force
 
@@ -33,7 +33,7 @@ def driven_form(form: WeierstrassForm, force: ImpulsiveSmooth) -> Driven:
     """Each term of the force measured by itself: a small one must not be lost beside a large one."""
     f = scaled_force(form, force)
     size = power_of_two_of(f.coefficients)  # taken out and put back: squares of noise must not leave the range
-    drive = size * (columnwise(form.B.T).T @ Noisy.rounded(f.divided(size).coefficients)).cleaned()
+    drive = size * (form.noisy_B @ Noisy.rounded(f.divided(size).coefficients)).cleaned()
     through = np.zeros_like(f.coefficients)
     for index, derivative in enumerate(f.derivatives(form.highest_impulse + 1)):
         through = through + form.laurent(index).cleaned() @ derivative
