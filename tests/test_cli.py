@@ -57,7 +57,7 @@ def test_run_writes_three_files_and_says_what_an_engineer_wants_to_know(command,
         r"drift +0 +2 ",
         r"oscillation +± 0\.723607 i +0\.115166 +0\.723607 +0 +1 ",
         r"note \(drift\): constraint .face of m1. is held at acceleration level",
-        r"error estimate +\d",
+        r"error estimate: displacement +\d",
         r"residual +\d",
         r"results/two_masses/two_masses\.html",
     ):

@@ -226,3 +226,5 @@ def test_the_stiff_stack_follows_its_soft_spring():
     assert np.abs(result.motion(times) - 0.01 * np.cos(times)).max() <= 0.01 * 1e-11
     assert result.modes.angular_frequencies[0] == pytest.approx(1.0, rel=1e-14)
     assert result.is_trusted and nothing_happens_at_zero(result.motion)
+    total = result.curves("energy").values[-1]  # 4 N/m, 1 cm
+    assert np.abs(total - 2e-4).max() <= 2e-4 * 1e-9

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .element_matrix import ElementMatrix
+
 if TYPE_CHECKING:
     from .system import MechanicalSystem
 
@@ -39,12 +41,16 @@ class Energy:
 
 def energy_of(system: MechanicalSystem, displacement: np.ndarray, velocity: np.ndarray) -> Energy:
     """The energies at states (n,) or (n, T)."""
+    stiffness, _, mass = system.given
     return Energy(
-        kinetic=_half_square(system.mass, velocity),
-        strain=_half_square(system.stiffness, displacement),
+        kinetic=_half_square(mass, velocity),
+        strain=_half_square(stiffness, displacement),
         static=-(system.static_force @ displacement),
     )
 
 
 def _half_square(matrix, vectors):
+    """1/2 v^T A v, element by element where A is given so: of stiff springs the difference of products would be mere rounding."""
+    if isinstance(matrix, ElementMatrix):
+        return matrix.constants @ (matrix.directions @ vectors) ** 2 / 2
     return np.sum(vectors * (matrix @ vectors), axis=0) / 2

@@ -63,7 +63,11 @@ class Motion(Response):
     @cached_property
     def reaction_function(self) -> BohlFunction:
         """lambda for t > 0 in closed form, k rows."""
-        return reaction_function(self.system, self, self.applied)
+        return self.reaction_of(self)
+
+    def reaction_of(self, response: Response) -> BohlFunction:
+        """The same for another response of the system to the same forces."""
+        return reaction_function(self.system, response, self.applied)
 
     @cached_property
     def constraint_impulses(self) -> tuple[np.ndarray, ...]:
@@ -89,7 +93,7 @@ class Motion(Response):
             "displacement": lambda x: x.function,
             "velocity": lambda x: x.derivative(1),
             "acceleration": lambda x: x.derivative(2),
-            "reaction": lambda x: reaction_function(self.system, x, self.applied),
+            "reaction": self.reaction_of,
         }
         if of not in views:
             raise InputError(f"of: found {of!r}{nearest(str(of), views)}; expected one of {', '.join(views)}")

@@ -41,6 +41,9 @@ class MechanicalSystem:
         InputError: shapes that do not fit, entries that are not finite, names used twice.
         ContradictoryConstraints: dependent rows that ask for different values.
 
+    Attributes:
+        given: K, C, M as they were given, each a matrix or its elements.
+
     >>> pair = MechanicalSystem(np.diag([1.0, 3.0]), constraints=[Constraint([1, -1])], names=["a", "b"])
     >>> pair.acceleration([0, 0], [0, 0], [8.0, 0.0])
     array([2., 2.])
@@ -61,7 +64,7 @@ class MechanicalSystem:
         self.damping = _square(damping, "damping", self.size)
         self.stiffness = _square(stiffness, "stiffness", self.size)
         given = zip((stiffness, damping, mass), (self.stiffness, self.damping, self.mass))
-        self._motion = tuple(value if isinstance(value, ElementMatrix) else matrix for value, matrix in given)
+        self.given = tuple(value if isinstance(value, ElementMatrix) else matrix for value, matrix in given)
         self.names = names_of(names, self.size, "coordinates", "x")
         self.units = coordinate_units(units, self.names)
         self.constraints = (constraints,) if isinstance(constraints, Constraint) else tuple(constraints or ())
@@ -123,7 +126,7 @@ class MechanicalSystem:
         return self._form([0] * len(self.rows)) if held else self._constrained_form
 
     def _form(self, orders) -> ConstrainedForm:
-        return constrained_form(self._motion, self._independent, self.names, orders)
+        return constrained_form(self.given, self._independent, self.names, orders)
 
     def polynomial_matrix(self) -> PolynomialMatrix:
         """A(s) of the constrained form, degree 2, size n."""

@@ -11,6 +11,7 @@ from .equations import Equations
 from .values import derivative_name
 
 ORDERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
+ENERGY_PARTS = {"energy": ("displacement", "velocity")}
 ENERGIES = ("kinetic", "strain", "static", "total")
 
 

@@ -12,8 +12,9 @@ import numpy as np
 
 from ..notices import Notice
 from ..replacing import Replacements
+from ..response.estimate import error_estimate
 from ..tolerances import TRUST_LIMIT
-from .curves import ORDERS, Curves, coordinate_curves, energy_curves, reaction_curves
+from .curves import ENERGY_PARTS, ORDERS, Curves, coordinate_curves, energy_curves, reaction_curves
 from .happenings import with_units
 from .plan import Plan
 
@@ -98,19 +99,32 @@ class Result:
         """The finite zeros of the mechanical system with their meaning."""
         return self.system.modes()
 
-    @cached_property
+    @property
     def error_estimate(self) -> float:
         """Estimate of max |error| / max |x| over the times."""
-        return self.motion.error_estimate(self.times)
+        return self.error_estimates["displacement"]
+
+    @cached_property
+    def error_estimates(self) -> dict[str, float]:
+        """The same for each kind of curve that the scene asks for; energies are made of displacements and velocities."""
+        kinds = dict.fromkeys(part for kind in self.kinds for part in ENERGY_PARTS.get(kind, (kind,)))
+        return {kind: error_estimate(self.motion, self.times, self._view(kind)) for kind in kinds}
+
+    def _view(self, kind: str):
+        if kind == "reaction":
+            return self.motion.reaction_of
+        return lambda response: response.derivative(ORDERS[kind])
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """What is worth knowing, and what makes the answer doubtful."""
         notices = self.motion.notices if self.system else with_units(self.motion, self.scene.equations.coordinates)
-        if self.error_estimate <= TRUST_LIMIT:
-            return notices
-        text = f"the estimated relative error is {self.error_estimate:.2g}: the data do not determine the answer well enough"
-        return (*notices, Notice("accuracy", text, doubtful=True))
+        doubts = [(kind, estimate) for kind, estimate in self.error_estimates.items() if not estimate <= TRUST_LIMIT]
+        texts = [
+            f"the estimated relative error of the {kind} is {estimate:.2g}: the data do not determine it well enough"
+            for kind, estimate in doubts
+        ]
+        return (*notices, *(Notice("accuracy", text, doubtful=True) for text in texts))
 
     @property
     def is_trusted(self) -> bool:

@@ -74,6 +74,7 @@ def as_json(result: Result) -> dict:
         ],
         "final": result.values[:, -1].tolist(),
         "error_estimate": _finite(result.error_estimate),
+        "error_estimates": {kind: _finite(value) for kind, value in result.error_estimates.items()},
         "evidence": [{"name": item.name, "value": _finite(item.value), "text": item.text} for item in motion.evidence],
         "notices": [{"kind": notice.kind, "text": notice.text, "doubtful": notice.doubtful} for notice in result.notices],
         "trusted": result.is_trusted,

@@ -155,6 +155,9 @@ def _primes(order: int) -> str:
 
 def evidence_table(result: Result) -> TextTable:
     """What tells how far the answer can be trusted."""
-    estimate = ("error estimate", f"{result.error_estimate:.2g}", "largest error over largest value, over all times")
+    estimates = [
+        (f"error estimate: {kind}", f"{value:.2g}", "largest error over largest value, over all times")
+        for kind, value in result.error_estimates.items()
+    ]
     found = [(item.name, f"{item.value:.2g}", item.text) for item in result.motion.evidence]
-    return TextTable("Evidence", ("what", "value", "meaning"), (estimate, *found))
+    return TextTable("Evidence", ("what", "value", "meaning"), (*estimates, *found))
