@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..linalg.noise import Noisy, columnwise
+from ..linalg.precise import DECOUPLED
 from ..linalg.rank import RankDecision
 from ..linalg.staircase import SplitPencil, split_pencil
 from ..linalg.triangular import triangular_form
@@ -66,7 +67,10 @@ class WeierstrassForm:
     @property
     def noisy_B(self) -> Noisy:
         """B with its rounding: that of an eigenvalue algorithm, or of each entry where it was precise."""
-        return Noisy.rounded(self.B) if self.companion.is_precise else columnwise(self.B.T).T
+        by_rows = columnwise(self.B.T).T
+        if not self.companion.is_precise:
+            return by_rows
+        return Noisy(self.B, EPS * np.abs(self.B) + DECOUPLED / EPS * by_rows.noise)
 
     @property
     def C2(self) -> Noisy:
@@ -89,7 +93,8 @@ class WeierstrassForm:
         if index > self.highest_impulse:
             return Noisy.exact(np.zeros((r, r)))
         if index < 0:
-            value, size = self.B, np.abs(self.B).max(axis=0, keepdims=True, initial=0.0) + np.zeros_like(self.B)
+            value, largest = self.B, np.abs(self.B).max(axis=0, keepdims=True, initial=0.0)
+            size = np.maximum(largest, self.noisy_B.noise / EPS)
             for _ in range(-index - 1):
                 value, size = self.T @ value, np.abs(self.T) @ size
             return Noisy(self.C @ value, EPS * np.abs(self.C) @ size)

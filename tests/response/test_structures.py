@@ -84,3 +84,11 @@ def test_hammers_of_any_order(order):
     after = [coefficient[order - 1] if order else 0.0, coefficient[order]]
     assert np.allclose(x.start.ravel(), after, rtol=1e-12)
     assert np.allclose(x(1.0), after[0] * (2 * np.exp(-1) - np.exp(-2)) + after[1] * (np.exp(-1) - np.exp(-2)), rtol=1e-9)
+
+
+def test_a_blow_on_an_algebraic_row_moves_nothing_else():
+    """x1 = delta and (s^3 + 2 s^2 + 2 s)(x1 + x2) = 0: x2 = -x1 and no jump is left behind."""
+    A = mb.PolynomialMatrix([[[1, 0], [0, 0]], [[0, 0], [2, 2]], [[0, 0], [2, 2]], [[0, 0], [1, 1]]])
+    x = mb.solve(A, force=mb.impulse([1.0, 0.0]))
+    assert not x.jump.any()
+    assert len(x.impulses) == 1 and np.allclose(x.impulses[0], [1.0, -1.0], rtol=1e-14, atol=0)
