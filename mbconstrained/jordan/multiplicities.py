@@ -19,7 +19,6 @@ from scipy.linalg import lapack
 
 from ..linalg.precise import of_kind, precise_arithmetic, unit
 from ..linalg.rank import RankDecision
-from ..polynomial.companion import ScaledCompanion
 from ..tolerances import CLUSTER_SAFETY, EPS, NOISE_SAFETY
 from .weierstrass import WeierstrassForm
 

@@ -57,7 +57,8 @@ def test_public_names_are_documented_functions_and_classes():
 
 def test_the_promised_names_are_there():
     promised = """PolynomialMatrix solve Response BohlFunction ImpulsiveSmooth step ramp power impulse harmonic term zero
-    MbconstrainedError InputError SceneError SingularPolynomialMatrix ContradictoryConstraints NotUnique Overflow Notice""".split()
+    MbconstrainedError InputError SceneError SingularPolynomialMatrix ContradictoryConstraints NotUnique Overflow Notice
+    sampled pulse approximated Event Blow admissible Admissibility ElementMatrix MechanicalSystem Constraint LumpedModel read_scene""".split()
     assert [name for name in promised if not hasattr(mb, name)] == []
 
 
