@@ -11,11 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import comb, factorial
+from numbers import Number
 
 import numpy as np
 import scipy.linalg
 
-from ..errors import InputError
+from ..checks import real_number, whole_number
+from ..errors import IllConditioned, InputError, Overflow
 
 
 def exponential_of_jordan_block(zero: complex, size: int, t: float) -> np.ndarray:
@@ -28,10 +30,16 @@ def exponential_of_jordan_block(zero: complex, size: int, t: float) -> np.ndarra
         size: n, at least 1.
         t: in s.
 
+    Raises:
+        InputError: a zero that is no finite number, a size below 1.
+        Overflow: an entry is beyond the range of float64.
+
     >>> exponential_of_jordan_block(0.0, 2, 3.0).tolist()
     [[1.0, 3.0], [0.0, 1.0]]
     """
-    return np.exp(zero * t) * _shifts(size, t)
+    zero, size, t = _number(zero, "zero"), whole_number(size, "size", minimum=1), real_number(t, "t")
+    with np.errstate(all="ignore"):  # told by _in_range
+        return _in_range(np.exp(zero * t) * _shifts(size, t), t)
 
 
 def exponential_of_real_jordan_block(real: float, imaginary: float, size: int, t: float) -> np.ndarray:
@@ -40,11 +48,17 @@ def exponential_of_real_jordan_block(real: float, imaginary: float, size: int, t
     J has D = [[a, b], [-b, a]] on its diagonal and I_2 beside it. Corrected: M in (40) is the rotation of (41) alone, which is
     e^{D t} without its factor e^{a t}; the pair has multiplicity m_i in a block of size 2 m_i.
 
+    Raises:
+        InputError, Overflow: as ``exponential_of_jordan_block``.
+
     >>> exponential_of_real_jordan_block(0.0, 1.0, 1, 0.0).tolist()
     [[1.0, 0.0], [-0.0, 1.0]]
     """
-    c, s = np.cos(imaginary * t), np.sin(imaginary * t)
-    return np.exp(real * t) * np.kron(_shifts(size, t), np.array([[c, s], [-s, c]]))
+    real, imaginary, t = real_number(real, "real"), real_number(imaginary, "imaginary"), real_number(t, "t")
+    size = whole_number(size, "size", minimum=1)
+    with np.errstate(all="ignore"):
+        c, s = np.cos(imaginary * t), np.sin(imaginary * t)
+        return _in_range(np.exp(real * t) * np.kron(_shifts(size, t), np.array([[c, s], [-s, c]])), t)
 
 
 def exponential_by_interpolation(J: np.ndarray, exponents: Mapping[complex, int], t: float) -> np.ndarray:
@@ -57,19 +71,16 @@ def exponential_by_interpolation(J: np.ndarray, exponents: Mapping[complex, int]
         t: in s.
 
     Raises:
-        InputError: exponents below 1, or none.
+        InputError: J that is not square; zeros that are no finite numbers; exponents that are no whole numbers of at least 1.
+        IllConditioned: zeros so close, or so large, that float64 finds the system singular.
+        Overflow: an entry is beyond the range of float64.
 
     >>> exponential_by_interpolation(np.zeros((2, 2)), {0.0: 1}, 3.0).tolist()
     [[1.0, 0.0], [0.0, 1.0]]
     """
-    _check(exponents)
-    m, rows, right = sum(exponents.values()), [], []
-    for zero, exponent in exponents.items():
-        for i in range(exponent):
-            rows.append([comb(k, i) * zero ** max(k - i, 0) for k in range(m)])
-            right.append(t**i / factorial(i) * np.exp(zero * t))
-    f = np.linalg.solve(np.array(rows), np.array(right))
-    value = _polynomial(f, J)
+    J, exponents, t = _square(J, "J"), _checked(exponents), real_number(t, "t")
+    with np.errstate(all="ignore"):
+        value = _in_range(_polynomial(_factors(exponents, t), J), t)
     return value if np.iscomplexobj(J) else value.real
 
 
@@ -85,27 +96,51 @@ def exponential_by_blocks(blocks: Sequence[np.ndarray], zeros: Sequence[complex]
         t: in s.
 
     Raises:
-        InputError: not one zero and exponent for each block, a zero twice, exponents below 1.
+        InputError: not one zero and exponent for each block, a zero twice; else as ``exponential_by_interpolation``.
+        Overflow: an entry is beyond the range of float64.
 
     >>> exponential_by_blocks([np.array([[0.0, 1.0], [0.0, 0.0]])], [0.0], [2], 3.0).tolist()
     [[1.0, 3.0], [0.0, 1.0]]
     """
+    if not all(isinstance(given, Sequence | np.ndarray) for given in (blocks, zeros, exponents)):
+        raise InputError("blocks, zeros, exponents: expected three lists, one entry of each for each zero")
+    zeros, t = [_number(zero, "zeros") for zero in zeros], real_number(t, "t")
     if not len(blocks) == len(zeros) == len(exponents) == len(set(zeros)):
         raise InputError(f"expected one zero and one exponent for each of {len(blocks)} blocks, each zero once")
-    _check(dict(zip(zeros, exponents, strict=True)))
-    parts = []
-    for block, zero, m in zip(blocks, zeros, exponents, strict=True):
-        f = [
-            np.exp(zero * t) / factorial(j) * sum((-1) ** (k - j) / factorial(k - j) * zero ** (k - j) * t**k for k in range(j, m))
-            for j in range(m)
-        ]
-        parts.append(_polynomial(f, np.asarray(block)))
-    return scipy.linalg.block_diag(*parts)
+    found, parts = _checked(dict(zip(zeros, exponents, strict=True))), []
+    with np.errstate(all="ignore"):
+        for block, (zero, m) in zip(blocks, found.items(), strict=True):
+            power = _powers(zero, m) * (-1.0) ** np.arange(m) / _factorials(m)  # (-zero)^k / k!
+            f = [np.exp(zero * t) / factorial(j) * (power[: m - j] @ _powers(t, m)[j:]) for j in range(m)]
+            parts.append(_polynomial(f, _square(block, "blocks")))
+        return _in_range(scipy.linalg.block_diag(*parts), t)
+
+
+def _factors(exponents, t) -> np.ndarray:
+    """The f_k(t) of (35)."""
+    m, rows, right = sum(exponents.values()), [], []
+    for zero, exponent in exponents.items():
+        powers = _powers(zero, m)
+        rows += [[comb(k, i) * powers[max(k - i, 0)] for k in range(m)] for i in range(exponent)]
+        right += list(np.exp(zero * t) * _powers(t, exponent) / _factorials(exponent))
+    rows, right = _in_range(np.array(rows), t), _in_range(np.array(right), t)
+    try:
+        return np.linalg.solve(rows, right)
+    except np.linalg.LinAlgError:
+        raise IllConditioned("the system (35) of these zeros is singular in float64; use exponential_by_blocks, or mb.solve") from None
+
+
+def _powers(number, count) -> np.ndarray:
+    return np.cumprod(np.append(1.0, np.full(count - 1, number)))
+
+
+def _factorials(count) -> np.ndarray:
+    return np.cumprod(np.append(1.0, np.arange(1.0, count)))
 
 
 def _shifts(size, t) -> np.ndarray:
     """The upper triangular Toeplitz matrix of t^k / k!."""
-    return np.triu(scipy.linalg.toeplitz([t**k / factorial(k) for k in range(size)]))
+    return np.triu(scipy.linalg.toeplitz(np.cumprod(np.append(1.0, t / np.arange(1.0, size)))))
 
 
 def _polynomial(factors, J) -> np.ndarray:
@@ -116,6 +151,31 @@ def _polynomial(factors, J) -> np.ndarray:
     return value
 
 
-def _check(exponents: Mapping[complex, int]) -> None:
-    if not exponents or min(exponents.values()) < 1:
-        raise InputError(f"exponents: found {dict(exponents)}; expected at least one zero, each with an exponent of at least 1")
+def _in_range(value, t) -> np.ndarray:
+    if not np.isfinite(value).all():
+        raise Overflow(f"e^(J t) at t = {t:g} s, or what it is made of, is beyond the range of float64; ask for an earlier time")
+    return value
+
+
+def _number(value, what: str) -> complex:
+    """A finite number, real or complex."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, Number) or not np.isfinite(value):
+        raise InputError(f"{what}: found {value!r}; expected a finite number, real or complex")
+    return value
+
+
+def _square(value, what: str) -> np.ndarray:
+    """A square array of finite numbers, real or complex."""
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise InputError(f"{what}: the rows have different lengths; expected a square array") from None
+    if array.dtype.kind not in "iufc" or array.ndim != 2 or array.shape[0] != array.shape[1] or not np.isfinite(array).all():
+        raise InputError(f"{what}: found an array of {array.dtype}, shape {array.shape}; expected square, of finite numbers")
+    return array
+
+
+def _checked(exponents) -> dict[complex, int]:
+    if not isinstance(exponents, Mapping) or not exponents:
+        raise InputError(f"exponents: found {exponents!r}; expected at least one zero, each with an exponent of at least 1")
+    return {_number(zero, "zero"): whole_number(m, f"exponent of {zero!r}", minimum=1) for zero, m in exponents.items()}

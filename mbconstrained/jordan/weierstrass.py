@@ -12,9 +12,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from ..linalg.noise import Noisy, columnwise
-from ..linalg.precise import DECOUPLED
+from ..linalg.precise import DECOUPLED, magnitude, precise_arithmetic
 from ..linalg.rank import RankDecision
 from ..linalg.staircase import SplitPencil, split_pencil
 from ..linalg.triangular import triangular_form
@@ -38,6 +39,7 @@ class WeierstrassForm:
         nilpotent: N, shape (m, m).
         infinite_columns: Q_2, shape (g r, m). infinite_rows: P_2, shape (m, g r). infinite_start: P_2 F, likewise.
         The infinite part is small and read for zeros, so it carries its rounding noise.
+        exact_pair: C, T and B before they were rounded, where the arithmetic was precise.
     """
 
     companion: ScaledCompanion
@@ -53,6 +55,7 @@ class WeierstrassForm:
     infinite_columns: Noisy
     infinite_rows: Noisy
     infinite_start: Noisy
+    exact_pair: tuple[np.ndarray, np.ndarray, np.ndarray] | None
 
     @property
     def C(self) -> np.ndarray:
@@ -93,15 +96,33 @@ class WeierstrassForm:
         if index > self.highest_impulse:
             return Noisy.exact(np.zeros((r, r)))
         if index < 0:
-            value, largest = self.B, np.abs(self.B).max(axis=0, keepdims=True, initial=0.0)
-            size = np.maximum(largest, self.noisy_B.noise / EPS)
-            for _ in range(-index - 1):
-                value, size = self.T @ value, np.abs(self.T) @ size
-            return Noisy(self.C @ value, EPS * np.abs(self.C) @ size)
+            return self._precise_laurent(index) if self.exact_pair else self._rounded_laurent(index)
         value = -self.B2
         for _ in range(index):
             value = self.nilpotent @ value
         return self.C2 @ value
+
+    def _rounded_laurent(self, index: int) -> Noisy:
+        """C T^(-i-1) B; T is known to a rounding of its norm, as is what orthogonal transformations make, part by part."""
+        labels = connected_components(self.T != 0, directed=False)[1] if len(self.T) else np.zeros(0, dtype=int)
+        together, size = labels[:, None] == labels, np.abs(self.T)
+        norms = np.where(together, size.max(initial=0.0, axis=1, keepdims=True), 0.0).max(axis=0, initial=0.0)
+        uncertain = np.maximum(size, together * norms / np.maximum(together.sum(axis=0), 1))
+        value, largest = self.B, np.abs(self.B).max(axis=0, keepdims=True, initial=0.0)
+        noise = np.maximum(EPS * largest, self.noisy_B.noise)
+        for _ in range(-index - 1):
+            value, noise = self.T @ value, size @ noise + EPS * uncertain @ np.abs(value)
+        return Noisy(self.C @ value, np.abs(self.C) @ noise)
+
+    def _precise_laurent(self, index: int) -> Noisy:
+        """C T^(-i-1) B before anything was rounded: where fast zeros cancel, nothing is lost of slow ones."""
+        C, T, value = self.exact_pair
+        with precise_arithmetic():
+            size = magnitude(value)
+            for _ in range(-index - 1):
+                value, size = T @ value, magnitude(T) @ size
+            H = (C @ value).astype(float)
+            return Noisy(H, EPS * np.abs(H) + DECOUPLED * magnitude(C) @ size)
 
 
 def weierstrass_form(companion: ScaledCompanion, decided: Sequence[RankDecision] | None = None) -> WeierstrassForm:
@@ -120,16 +141,18 @@ def weierstrass_form(companion: ScaledCompanion, decided: Sequence[RankDecision]
     n = len(split.E11.data)
     finite = triangular_form(split.E11, split.F11, decisions)
     left = columnwise(finite.left.T).T
+    exact_T = finite.left @ split.F11.data @ finite.right if companion.is_precise else finite.T
     E12, F12 = left @ split.E12, left @ split.F12
-    R = _fixed_point(Noisy.rounded(finite.T), split.nilpotent, F12 @ split.nilpotent + -E12, len(split.deficiencies))
+    R = _fixed_point(Noisy.rounded(exact_T), split.nilpotent, F12 @ split.nilpotent + -E12, len(split.deficiencies))
     finite_columns = split.right.data[:, :n] @ finite.right
-    finite_rows = finite.left @ split.left.data[:n] - (finite.T @ R.data + F12.data) @ split.left.data[n:]
+    finite_rows = finite.left @ split.left.data[:n] - (exact_T @ R.data + F12.data) @ split.left.data[n:]
     infinite_columns = split.right[:, n:] + columnwise(finite_columns) @ R
-    T = finite.T.astype(float)
+    T, exact_pair = finite.T.astype(float), None
     if companion.is_precise:
-        turn, coupling = aligning_rotation(T, finite_rows[:, finite_rows.shape[1] - companion.size :]), slice(finite.nonzero_count, None)
+        turn = aligning_rotation(T, finite_rows[:, finite_rows.shape[1] - companion.size :])
         finite_columns, finite_rows = finite_columns @ turn.T, turn @ finite_rows
-        T[:, coupling] = (turn @ finite.T[:, coupling]).astype(float)  # the pairs themselves stay what they are
+        T[:, finite.nonzero_count :] = (turn @ finite.T[:, finite.nonzero_count :]).astype(float)  # pairs stay what they are
+        exact_pair = _exact_pair(companion.size, finite_columns, turn @ exact_T @ turn.T, finite_rows)
     return WeierstrassForm(
         companion=companion,
         split=split.rounded_to_float(),
@@ -144,7 +167,12 @@ def weierstrass_form(companion: ScaledCompanion, decided: Sequence[RankDecision]
         infinite_columns=infinite_columns.rounded_to_float(),
         infinite_rows=split.left[n:].rounded_to_float(),
         infinite_start=(split.left[n:] @ F).rounded_to_float(),
+        exact_pair=exact_pair,
     )
+
+
+def _exact_pair(r, columns, T, rows):
+    return columns[:r], T, rows[:, rows.shape[1] - r :]
 
 
 def _fixed_point(T, nilpotent, G, steps):
