@@ -57,6 +57,8 @@ def real_number(value, what: str, *, positive: bool = False, minimum: float | No
     >>> real_number(2, "stiffness", positive=True)
     2.0
     """
+    if isinstance(value, (bool, np.bool_)):
+        raise InputError(f"{what}: found {value}; expected a number")
     number = float(real_array(value, what, shape=()))
     if positive and not number > 0:
         raise InputError(f"{what}: found {number:g}; expected a number greater than zero")
@@ -74,6 +76,15 @@ def whole_number(value, what: str, *, minimum: int = 0) -> int:
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < minimum:
         raise InputError(f"{what}: found {value!r}; expected a whole number of at least {minimum}")
     return int(value)
+
+
+def counted(count: int, one: str, several: str | None = None) -> str:
+    """How many there are of something.
+
+    >>> counted(1, "row"), counted(0, "row"), counted(2, "entry", "entries")
+    ('1 row', '0 rows', '2 entries')
+    """
+    return f"{count} {one if count == 1 else several or one + 's'}"
 
 
 def names_of(names, count: int, what: str, prefix: str) -> tuple[str, ...]:
@@ -96,6 +107,8 @@ def _fits(found: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
 
 
 def _sample(array: np.ndarray) -> str:
-    first = array.reshape(-1)[0]
+    first = array.reshape(-1)[:1].tolist()[0]
     text = repr(first)
+    if " at 0x" in text:  # where it lies in memory tells nobody what it is
+        return f"an object of type {type(first).__name__}"
     return text if len(text) <= 60 else text[:57] + "..."

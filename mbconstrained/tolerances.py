@@ -15,8 +15,8 @@ EPS = float(np.finfo(float).eps)
 NOISE_SAFETY = 16.0
 
 #: A rank decision is clear when the smallest kept value stands this far above that bound, and the largest dropped
-#: one this far below it; closer ones are told.
-CLEAR_KEPT, CLEAR_DROPPED = 1e3, 0.25
+#: one this far below it, near its noise itself; closer ones are told.
+CLEAR_KEPT, CLEAR_DROPPED = 1e3, 0.1
 
 #: Largest entry norm of a decoupling transformation between two blocks of J. A larger bound separates closer
 #: zeros, a smaller one loses fewer digits; clusters up to this bound are evaluated as one block instead.

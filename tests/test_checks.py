@@ -28,9 +28,9 @@ def test_the_array_is_a_copy():
     [
         ([[1, 2], [3]], None, "mass: the rows have different lengths; give a rectangular array of numbers"),
         ([1 + 2j], None, "mass: complex numbers found; only real data is accepted"),
-        (["a", "b"], None, r"mass: found .*'a'.*; expected numbers"),
+        (["a", "b"], None, "mass: found 'a'; expected numbers"),
         ([None], None, "mass: found None; expected numbers"),
-        (object(), None, "mass: found <object .*; expected numbers"),
+        (object(), None, "mass: found an object of type object; expected numbers"),
         ([1.0, 2.0], (2, 2), "mass: expected shape 2 x 2, found 2$"),
         ([[1.0, 2.0]], (2, None), "mass: expected shape 2 x any, found 1 x 2"),
         ([1.0], (), "mass: expected shape a single number, found 1"),
@@ -56,6 +56,8 @@ def test_empty_is_an_array_like_any_other():
         (-1e-3, {"minimum": 0}, "stiffness: found -0.001; expected at least 0"),
         ("2", {}, "stiffness: found .*'2'.*; expected numbers"),
         (np.nan, {}, "stiffness: found nan; expected a finite number"),
+        (True, {}, "stiffness: found True; expected a number"),
+        (np.False_, {}, "stiffness: found False; expected a number"),
     ],
 )
 def test_numbers_out_of_range_are_refused(value, rules, text):

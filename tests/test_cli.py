@@ -106,6 +106,13 @@ def test_check_solves_and_writes_nothing(command, tmp_path):
     assert out.startswith("two_masses.toml is fine: Two masses with a redundant coordinate\n3 coordinates (x1, q1, q2)")
 
 
+def test_one_coordinate_is_not_several(command, tmp_path):
+    model = '[model]\nkind = "matrices"\nmass = [[1]]\nstiffness = [[1]]\ncoordinates = ["a"]'
+    (tmp_path / "one.toml").write_text(f'title = "One"\n{model}\n[time]\nend = 1\n')
+    code, out, _ = command("check", "one.toml")
+    assert code == 0 and "\n1 coordinate (a), " in out
+
+
 def test_help_has_examples_and_exit_codes(command):
     code, out, _ = command("--help")
     assert code == 0

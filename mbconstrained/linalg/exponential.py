@@ -13,6 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.linalg
 
+from ..errors import IllConditioned
+
 #: The Taylor polynomial of e^X of this degree is exact to rounding for |X| <= 1 (1/19! < 1e-17).
 TAYLOR_DEGREE = 18
 
@@ -22,6 +24,14 @@ APPLIED_DOUBLINGS = 4
 
 #: Largest number of entries that one chunk of stacked small matrices may have (bounds the memory used).
 CHUNK_ENTRIES = 2_000_000
+
+#: Units of states down to this leave room for the states themselves in the range of float64.
+LEAST_UNIT = 2.0**-500
+
+TOO_FAR_APART = (
+    "the force or the motion changes within times too short beside the others, by more than 150 powers of ten, for float64 to "
+    "follow both; check the units of time, or leave out samples that lie that close"
+)
 
 
 def block_states(blocks: Sequence[np.ndarray], start: np.ndarray, times: np.ndarray) -> np.ndarray:
@@ -130,7 +140,11 @@ def _shifted_states(rest, shift, start, times) -> np.ndarray:
     rest, start = rest * units / units[:, None], start / units[:, None]
     states = np.empty((size, len(times)), dtype=np.result_type(rest, start))
     norm = np.abs(rest).sum(axis=0).max()
-    doublings = np.ceil(np.log2(np.maximum(norm * times, 1.0))).astype(int)
+    with np.errstate(over="ignore"):
+        angles = norm * times
+    if not np.isfinite(angles).all():
+        raise IllConditioned(TOO_FAR_APART)
+    doublings = np.ceil(np.log2(np.maximum(angles, 1.0))).astype(int)
     for count in np.unique(doublings):
         at, degree = np.flatnonzero(doublings == count), TAYLOR_DEGREE + size - 1
         if count <= APPLIED_DOUBLINGS:
@@ -147,6 +161,9 @@ def _units(rest, times) -> np.ndarray:
 
     A coupling that is, such as that of a slow decay with the fast unit of time that it came with, would have the
     exponential doubled more often than anything moves, and each doubling doubles the rounding errors too.
+
+    Raises:
+        IllConditioned: no such units are in the range of float64.
     """
     units, latest = np.ones(len(rest)), times.max(initial=0.0)
     if not latest:
@@ -154,8 +171,11 @@ def _units(rest, times) -> np.ndarray:
     target, at = max(np.abs(np.linalg.eigvals(rest)).max(), 1 / latest), 1
     while at < len(rest):
         begin = at - 1 if rest[at, at - 1] else at  # the two states of a pair have one unit
-        coupling = (np.abs(rest[:begin, begin : at + 1]).max(axis=1, initial=0.0) / units[:begin]).max(initial=0.0)
+        with np.errstate(over="ignore"):
+            coupling = (np.abs(rest[:begin, begin : at + 1]).max(axis=1, initial=0.0) / units[:begin]).max(initial=0.0)
         if coupling > target:
+            if target / coupling < LEAST_UNIT:
+                raise IllConditioned(TOO_FAR_APART)
             units[begin : at + 1] = 2.0 ** np.floor(np.log2(target / coupling))
         at += 1
     return units

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
+from ..errors import IllConditioned
 from ..linalg.noise import Noisy
 from ..linalg.precise import is_worthwhile
 from ..polynomial.factors import Factors
@@ -19,6 +20,12 @@ from ..polynomial.matrix import PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth, step
 from .element_matrix import ElementMatrix
 from .independence import IndependentRows
+
+#: Assembled in float64, elements that differ by more leave the softest fewer than four digits.
+ASSEMBLED_SPREAD = 1e12
+
+#: Springs or dampers that differ by more leave nothing of the softest even in precise arithmetic.
+MOST_SPREAD = 1e40
 
 
 @dataclass(frozen=True)
@@ -58,7 +65,13 @@ def constrained_form(
     """
     V, A = independent.null_space, independent.matrix
     spread = max((matrix.spread for matrix in motion[:2] if isinstance(matrix, ElementMatrix)), default=1.0)
-    apart = is_worthwhile(spread, 2 * len(names))  # assembled, the softest element would lose as many digits
+    if spread > MOST_SPREAD:
+        raise IllConditioned(
+            f"the stiffest spring or damper is {spread:.3g} times the softest; a ratio above {MOST_SPREAD:g} cannot be solved: "
+            "look for a wrong unit, or make the stiffest ones rigid ties"
+        )
+    # assembled, the softest element would lose as many digits; where it cannot be helped the answer has to say so
+    apart = is_worthwhile(spread, 2 * len(names)) or spread > ASSEMBLED_SPREAD
     coefficients = [
         _stacked(matrix if apart else _assembled(matrix), V, A, np.asarray(orders, dtype=int) == power)
         for power, matrix in enumerate(motion)

@@ -6,7 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ..checks import real_array
+from ..checks import counted, real_array
+from ..errors import InputError
 from ..polynomial.factors import Factors
 
 
@@ -33,6 +34,9 @@ class ElementMatrix:
         self.constants = real_array(constants, "constants", shape=(None,))
         self.directions = real_array(directions, "directions", shape=(len(self.constants), None))
 
+    def __repr__(self) -> str:
+        return f"ElementMatrix({counted(self.size, 'coordinate')}, {counted(len(self.constants), 'element')})"
+
     @property
     def size(self) -> int:
         """The number n of coordinates."""
@@ -40,11 +44,24 @@ class ElementMatrix:
 
     @cached_property
     def matrix(self) -> np.ndarray:
-        """The nearest float64 matrix, exactly symmetric, shape (n, n)."""
-        return Factors(self.directions.T, self.constants, self.directions).matrix
+        """The nearest float64 matrix, exactly symmetric, shape (n, n).
+
+        Raises:
+            InputError: an entry is beyond the range of float64.
+        """
+        try:
+            return Factors(self.directions.T, self.constants, self.directions).matrix
+        except OverflowError:
+            raise InputError(
+                "elements: B^T diag(k) B has an entry beyond the range of float64; expected directions near 1 and constants "
+                "in units in which they are of ordinary size"
+            ) from None
 
     @cached_property
     def spread(self) -> float:
-        """The largest of the constants over the smallest, those that are zero left out."""
+        """The largest of the constants over the smallest, those that are zero left out; at most the largest float64."""
         size = np.abs(self.constants[self.constants != 0])
-        return float(size.max() / size.min()) if len(size) else 1.0
+        if not len(size):
+            return 1.0
+        with np.errstate(over="ignore"):
+            return float(min(size.max() / size.min(), np.finfo(float).max))

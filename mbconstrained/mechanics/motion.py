@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ..checks import nearest
+from ..checks import nearest, whole_number
 from ..errors import InputError
 from ..notices import Notice
 from ..response.estimate import error_estimate
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Quantity = Literal["displacement", "velocity", "acceleration", "reaction"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Motion(Response):
     """x(t) of a mechanical system, a ``Response`` to the constrained form; t = 0 means 0+ everywhere,
     the time of an event its right limit.
@@ -83,11 +83,16 @@ class Motion(Response):
         """Kinetic, strain and static energy at a time or at times (T,), in J."""
         return energy_of(self.system, self(times), self.velocity(times))
 
-    def error_estimate(self, times, of: Quantity = "displacement") -> float:
+    def error_estimate(self, times, of: Quantity = "displacement", *, order: int = 0) -> float:
         """Estimate of max |error| / max |value| over the times, of displacement, velocity, acceleration or reaction.
 
+        Args:
+            times: in s, a number or shape (T,).
+            of: the quantity.
+            order: of the derivative of it that is meant, if any.
+
         Raises:
-            InputError: another word.
+            InputError: another word; times that are negative or not finite; an order that is no whole number of at least 0.
         """
         views = {
             "displacement": lambda x: x.function,
@@ -95,9 +100,10 @@ class Motion(Response):
             "acceleration": lambda x: x.derivative(2),
             "reaction": self.reaction_of,
         }
-        if of not in views:
+        if not isinstance(of, str) or of not in views:
             raise InputError(f"of: found {of!r}{nearest(str(of), views)}; expected one of {', '.join(views)}")
-        return error_estimate(self, times, views[of])
+        view, order = views[of], whole_number(order, "order")
+        return error_estimate(self, times, lambda x: view(x).derivative(order) if order else view(x))
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:

@@ -21,8 +21,8 @@ class PolynomialMatrix:
     """A(s) = A_0 + A_1 s + ... + A_q s^q, real and square, of any declared degree q >= 0 (Moysis et al., Eq. 4).
 
     Args:
-        coefficients: A_0 ... A_q in ascending powers, each of shape (r, r), as an array or as ``Factors``. A_q may be
-            singular or zero.
+        coefficients: A_0 ... A_q in ascending powers, each of shape (r, r), as an array, as ``Factors`` or by its
+            elements (``mb.ElementMatrix``). A_q may be singular or zero.
         coordinates: names of the r entries of x (x1, x2, ... when not given).
         equations: names of the r rows (equation 1, ... when not given).
 
@@ -37,11 +37,9 @@ class PolynomialMatrix:
     def __init__(self, coefficients: Iterable, coordinates: Sequence[str] | None = None, equations: Sequence[str] | None = None):
         if not isinstance(coefficients, Iterable):
             raise InputError(f"coefficients: found {coefficients!r}; expected a list of square matrices [A_0, A_1, ...]")
-        given = list(coefficients)
+        given = [_factors_of(matrix) for matrix in coefficients]
         self.factors = tuple(matrix if isinstance(matrix, Factors) else None for matrix in given)
-        matrices = [
-            matrix.matrix if isinstance(matrix, Factors) else real_array(matrix, f"A_{power}") for power, matrix in enumerate(given)
-        ]
+        matrices = [_assembled(matrix, f"A_{power}") for power, matrix in enumerate(given)]
         if not matrices:
             raise InputError("a polynomial matrix needs at least one coefficient, A_0; none was given")
         for power, matrix in enumerate(matrices):
@@ -128,3 +126,19 @@ class PolynomialMatrix:
 
             self._pairs[rank_tolerance] = jordan_pairs(self, rank_tolerance)
         return self._pairs[rank_tolerance]
+
+
+def _factors_of(matrix):
+    """B^T diag(k) B where a coefficient is given by its elements, directions B and constants k; itself otherwise."""
+    if hasattr(matrix, "directions") and hasattr(matrix, "constants"):
+        return Factors(matrix.directions.T, matrix.constants, matrix.directions)
+    return matrix
+
+
+def _assembled(matrix, what: str) -> np.ndarray:
+    if not isinstance(matrix, Factors):
+        return real_array(matrix, what)
+    try:
+        return matrix.matrix
+    except OverflowError:
+        raise InputError(f"{what}: its elements add up to an entry beyond the range of float64; choose other units") from None

@@ -14,7 +14,7 @@ from ..polynomial.matrix import PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth
 from .forcing import scaled_data
 from .parts import inconsistency_of
-from .solve import solve
+from .solve import checked_force, checked_matrix, solve
 from .violations import Violation, violations_of
 
 
@@ -73,8 +73,8 @@ def admissible(A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None 
     >>> violation.equations, violation.coordinates, violation.amount
     ((('equation 1', 0),), (('x1', 0), ('x2', 0)), 1.0)
     """
-    smooth = None if force is None else ImpulsiveSmooth(force.smooth)
-    start = solve(A, initial, smooth)
+    smooth = checked_force(force, checked_matrix(A).size).smooth
+    start = solve(A, initial, ImpulsiveSmooth(smooth))
     form, structure = start.pairs.form, start.pairs.structure
     stack, f, size = scaled_data(form, start.initial, start.force)
     inconsistency = inconsistency_of(form, stack, f)

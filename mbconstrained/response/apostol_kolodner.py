@@ -14,6 +14,7 @@ from ..checks import real_array
 from ..errors import InputError
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction
+from .solve import checked_matrix
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def apostol_kolodner(A: PolynomialMatrix, initial) -> ApostolKolodner:
     >>> bool(np.isclose(x(0.5)[0], np.cos(1.0)))
     True
     """
-    q, r = A.degree, A.size
+    q, r = checked_matrix(A).degree, A.size
     if q < 1 or A.coefficients[1:-1].any():
         found = [power for power in range(1, q) if A.coefficients[power].any()]
         detail = f"terms in s^{', s^'.join(map(str, found))}" if found else "degree 0"

@@ -30,12 +30,16 @@ TRIALS = 3
 #: By how many units in the last place entries are moved: not all by the same, or ratios of theirs would stay as they are.
 MOVES = (-2.0, -1.0, 1.0, 2.0)
 
-#: An algorithm in float64 adds errors of its own to those of the data, of the same kind; in precise arithmetic it adds none.
-SAFETY, PRECISE_SAFETY = 2.5, 0.6
+#: An algorithm in float64 adds errors of its own to those of the data, of the same kind; precise arithmetic only those of
+#: the evaluation.
+SAFETY, PRECISE_SAFETY = 2.5, 1.0
+
+#: No answer is claimed to be better than so many roundings: its evaluation takes as many.
+LEAST = 8 * EPS
 
 
 def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] = lambda response: response.function) -> float:
-    """Estimate of max |error| / max |y| over the times, at least one rounding error.
+    """Estimate of max |error| / max |y| over the times, at least a few rounding errors.
 
     Args:
         x: the response.
@@ -51,7 +55,7 @@ def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] 
     change = max(_largest_change(lambda: view(other)(times) - values, largest) for other in x.moved)
     phase = EPS / 2 * float(np.abs(times * view(x).derivative()(times)).max())  # zeros are known to half a unit at best
     estimate = max((PRECISE_SAFETY if form.companion.is_precise else SAFETY) * change, phase) / largest
-    return max(estimate, EPS if all(decision.clear for decision in form.decisions) else UNCLEAR_ERROR)
+    return max(estimate, LEAST if all(decision.clear for decision in form.decisions) else UNCLEAR_ERROR)
 
 
 def _largest_change(changes: Callable[[], np.ndarray], largest: float) -> float:

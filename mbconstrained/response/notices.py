@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..linalg.precise import MOST_STATES
 from ..notices import Notice
 from ..signals.impulsive import Blow
 from ..tolerances import EPS, noise_of, rounding_radius
@@ -33,7 +34,7 @@ def response_notices(x: Response) -> tuple[Notice, ...]:
 
 def pair_notices(pairs) -> tuple[Notice, ...]:
     """Zeros in the right half plane, rank decisions without a clear gap, pairs that do not invert A(s)."""
-    return (*_growth(pairs), *_rank(pairs), *_residual(pairs))
+    return (*_growth(pairs), *_rank(pairs), *_digits(pairs), *_residual(pairs))
 
 
 def _jumps(x: Response):
@@ -124,6 +125,18 @@ def _rank(pairs):
                 f"singular values of the scaled matrix: {_few(decision.singular_values)}. Give rank_tolerance to decide otherwise",
                 doubtful=True,
             )
+
+
+def _digits(pairs):
+    states = len(pairs.form.companion.E)
+    stiff = any(factors is not None for factors in pairs.polynomial_matrix.factors)
+    if stiff and not pairs.form.companion.is_precise:
+        yield Notice(
+            "accuracy",
+            f"elements of very different stiffness were assembled in float64: with {states} states, more than {MOST_STATES}, they "
+            "are not solved with more digits, and the softest may have lost theirs",
+            doubtful=True,
+        )
 
 
 def _few(values) -> str:

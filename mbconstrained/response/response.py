@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..checks import counted, whole_number
 from ..jordan.evidence import Evidence
 from ..jordan.pairs import JordanPairs
 from ..notices import Notice
@@ -16,8 +17,11 @@ from ..signals.impulsive import ImpulsiveSmooth
 from ..tolerances import noise_of
 from .events import Event
 
+#: So many coordinates are named where a response is shown in one line.
+MOST_NAMES = 6
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Response:
     """x with A(d/dt) x = f from values at 0-.
 
@@ -46,6 +50,15 @@ class Response:
     coupling: float
     events: tuple[Event, ...] = field(default=(), kw_only=True)
 
+    def __repr__(self) -> str:
+        names, first = self.polynomial_matrix.coordinates, int(self.jump.any(axis=0).sum())
+        shown = ", ".join(names[:MOST_NAMES]) + (", ..." if len(names) > MOST_NAMES else "")
+        struck = int(np.any(self.impulses, axis=0).sum()) if self.impulses else 0
+        return (
+            f"{type(self).__name__}({counted(len(names), 'coordinate')}: {shown}; {counted(first, 'jump')} and "
+            f"{counted(struck, 'impulse')} at t = 0; {counted(len(self.events), 'event')} later)"
+        )
+
     def __call__(self, times) -> np.ndarray:
         """x at a time (-> (r,)) or at times (T,) (-> (r, T)).
 
@@ -65,11 +78,16 @@ class Response:
         start = self.initial + self.jump
         return np.where(np.abs(start) <= noise_of(np.abs(self.jump)), 0.0, start)
 
-    def error_estimate(self, times) -> float:
-        """Estimate of max |error| / max |x| over the given times (see ``response.estimate``)."""
+    def error_estimate(self, times, *, order: int = 0) -> float:
+        """Estimate of max |error| / max |x^(order)| over the given times, of x itself or a derivative (``response.estimate``).
+
+        Raises:
+            InputError: times that are negative or not finite, an order that is no whole number of at least 0.
+        """
         from .estimate import error_estimate
 
-        return error_estimate(self, times)
+        order = whole_number(order, "order")
+        return error_estimate(self, times, lambda x: x.derivative(order) if order else x.function)
 
     @cached_property
     def moved(self) -> tuple[Response, ...]:

@@ -16,7 +16,7 @@ from math import ceil, exp, log
 
 import numpy as np
 
-from ..checks import real_array, whole_number
+from ..checks import counted, real_array, whole_number
 from ..signals.bohl import BohlFunction
 from ..tolerances import EPS, NOISE_SAFETY
 
@@ -36,7 +36,7 @@ LARGEST = float(np.finfo(float).max)
 PLACES, OCTAVES = 2, 52
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Series:
     """sum over k of c_k t^k for 0 <= t <= span, each coefficient with its rounding noise.
 
@@ -49,6 +49,10 @@ class Series:
     span: float
     coefficients: np.ndarray
     noise: np.ndarray
+
+    def __repr__(self) -> str:
+        rows, terms = self.coefficients.shape
+        return f"Series({counted(rows, 'row')}, {counted(terms, 'term')}, for 0 <= t <= {self.span:.6g} s)"
 
     def __call__(self, times) -> np.ndarray:
         """The sum at a time (-> (r,)) or at times (T,) (-> (r, T)), none later than span.
@@ -98,7 +102,7 @@ class Series:
         return np.power.outer(np.asarray(times, dtype=float) / self.span, orders).T
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ResponseFunction(BohlFunction):
     """A Bohl function that is evaluated by its Taylor series as long as that is the more accurate of the two.
 

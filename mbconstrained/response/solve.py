@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..checks import real_array
+from ..checks import counted, real_array
 from ..errors import InputError
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.impulsive import ImpulsiveSmooth
@@ -15,6 +15,9 @@ from .regular import regular_part
 from .response import Response
 from .series import with_series
 from .taylor import taylor_series
+
+#: What makes a force.
+MAKERS = "mb.step, mb.ramp, mb.harmonic, mb.term, mb.impulse, mb.pulse, mb.sampled or mb.approximated"
 
 
 def solve(
@@ -43,20 +46,30 @@ def solve(
     >>> bool(np.isclose(x(0.5)[0], np.cos(1.0)))
     True
     """
-    if not isinstance(A, PolynomialMatrix):
-        raise InputError(f"A: found {type(A).__name__}; expected a PolynomialMatrix, e.g. mb.PolynomialMatrix([A0, A1, A2])")
-    q, r = A.degree, A.size
+    q, r = checked_matrix(A).degree, A.size
     initial = np.zeros((q, r)) if initial is None else real_array(initial, "initial", shape=(q, r))
-    if force is None:
-        force = zero(r)
-    if not isinstance(force, ImpulsiveSmooth):
-        raise InputError(
-            f"force: found {type(force).__name__}; make it with mb.step, mb.ramp, mb.harmonic, mb.term or mb.impulse, or mb.sampled"
-        )
-    if force.size != r:
-        raise InputError(f"force: it has {force.size} rows, but A(s) has {r}")
+    force = checked_force(force, r)
     pairs = A.jordan_pairs(rank_tolerance)
     start, kicks = start_of(pairs.form, initial, force), kicks_of(pairs.form, force, q)
     function, coupling = regular_part(pairs.form, start, force, kicks)
     function = with_series(function, taylor_series(pairs.form, initial, start.jump, force))
     return Response(A, initial, force, pairs, function, start.jump, start.impulses, coupling, events=kicks.events)
+
+
+def checked_matrix(A) -> PolynomialMatrix:
+    """A(s), or an InputError."""
+    if not isinstance(A, PolynomialMatrix):
+        raise InputError(f"A: found {type(A).__name__}; expected a PolynomialMatrix, e.g. mb.PolynomialMatrix([A0, A1, A2])")
+    return A
+
+
+def checked_force(force, size: int) -> ImpulsiveSmooth:
+    """A force with so many rows, zero for None, or an InputError."""
+    if force is None:
+        return zero(size)
+    if not isinstance(force, ImpulsiveSmooth):
+        of_function = "of a function of time make it with mb.approximated(function, end)"
+        raise InputError(f"force: found {type(force).__name__}; {of_function if callable(force) else f'make it with {MAKERS}'}")
+    if force.size != size:
+        raise InputError(f"force: it has {counted(force.size, 'row')}, but A(s) has {size}")
+    return force

@@ -55,6 +55,8 @@ def record_of(source, folder: Path) -> tuple[np.ndarray, np.ndarray]:
     except InputError:
         if line := _odd_line(path):
             raise InputError(f"{source.file}, line {line}: it has another number of columns than the lines before it") from None
+        if line := _line_without_number(path):
+            raise InputError(f"{source.file}, line {line}: found an entry that is nan or infinite; expected numbers") from None
         raise
     if found.shape[1] < source.column:
         raise InputError(
@@ -62,6 +64,13 @@ def record_of(source, folder: Path) -> tuple[np.ndarray, np.ndarray]:
             f"column 1 and the force in column {source.column}"
         )
     times, values = found[:, 0], found[:, source.column - 1]
+    sizes = np.abs(found[:, [0, source.column - 1]])
+    if (beyond := ((sizes != 0) & ((sizes < LEAST) | (sizes > LARGEST))).any(axis=1)).any():
+        row = int(np.argmax(beyond))
+        raise InputError(
+            f"{source.file}, {_place(path, row)}: found {times[row]:g} s and {values[row]:g}; expected 0 or a size between "
+            f"{LEAST:g} and {LARGEST:g} of both"
+        )
     if (backwards := np.diff(times) < 0).any():
         row = int(np.argmax(backwards)) + 1
         raise InputError(
@@ -82,6 +91,18 @@ def _odd_line(path: Path) -> int | None:
     """The first line with another number of columns than the one before."""
     lines = _data_lines(path)
     return next((number for (_, before), (number, line) in zip(lines, lines[1:]) if line.count(",") != before.count(",")), None)
+
+
+def _line_without_number(path: Path) -> int | None:
+    """The first line with an entry that is nan or infinite."""
+    return next((number for number, line in _data_lines(path) if not np.isfinite(_numbers(line)).all()), None)
+
+
+def _numbers(line: str) -> list[float]:
+    try:
+        return [float(entry) for entry in line.split(",")]
+    except ValueError:  # the reader has told
+        return []
 
 
 def _place(path: Path, row: int) -> str:

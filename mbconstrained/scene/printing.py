@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from ..checks import counted
 from .summary import as_json, blocks, plain_table
 from .tables import TextTable
 
@@ -42,8 +43,8 @@ def show_check(scene: Scene, json: bool) -> None:
     if json:
         _say_json({"title": scene.title, "coordinates": list(coordinates), "stages": taken})
     else:
-        named = ", ".join(coordinates)
-        _say(f"{scene.path.name} is fine: {scene.title}\n{len(coordinates)} coordinates ({named}), {taken} stages to run")
+        holds = f"{counted(len(coordinates), 'coordinate')} ({', '.join(coordinates)}), {counted(taken, 'stage')} to run"
+        _say(f"{scene.path.name} is fine: {scene.title}\n{holds}")
 
 
 def show_error(message: str, json: bool, code: int) -> int:

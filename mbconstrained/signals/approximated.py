@@ -16,10 +16,11 @@ from ..errors import InputError
 from ..notices import Notice
 from ..tolerances import EPS
 from .bohl import BohlFunction
-from .chebyshev import CHECKS, DEGREE, NODES, Fit, fitted
+from .chebyshev import DEGREE, Fit
 from .edges import FIRST_HALVINGS, MOST_HALVINGS, REMEDY, edges_of
 from .impulsive import ImpulsiveSmooth
 from .restarts import Restarts
+from .values import Values
 
 #: The tolerance when none is asked for: a little above what rounding leaves of polynomials of this degree.
 TOLERANCE = 1e-12
@@ -27,8 +28,11 @@ TOLERANCE = 1e-12
 #: A tolerance below this many roundings of the largest value cannot be reached.
 LEAST_TOLERANCE = 64 * EPS
 
+#: One over the length of a piece, and its products with the values, must stay within the range of float64.
+SHORTEST_END = 1e-280
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Approximation(ImpulsiveSmooth):
     """An input that stands for a function known by its values.
 
@@ -57,7 +61,8 @@ def approximated(function: Callable, end: float, *, tolerance: float = TOLERANCE
         tolerance: of the error relative to the largest value.
 
     Raises:
-        InputError: values that are not finite or not reached to the tolerance; the text says where.
+        InputError: values that are not real, not finite, of different shapes or not reached to the tolerance, a call that
+            fails; the text says where.
 
     >>> f = approximated(lambda t: np.abs(np.sin(3 * t)), 2.0)
     >>> float(abs(f(1.0)[0] - abs(np.sin(3.0)))) < 1e-12, f.error < 1e-12
@@ -66,7 +71,9 @@ def approximated(function: Callable, end: float, *, tolerance: float = TOLERANCE
     end, tolerance = real_number(end, "end", positive=True), real_number(tolerance, "tolerance", positive=True)
     if tolerance < LEAST_TOLERANCE:
         raise InputError(f"tolerance: found {tolerance:g}; rounding allows at least {LEAST_TOLERANCE:.2g}")
-    values = _Values(function, tolerance)
+    values = Values(function, tolerance)
+    if end < SHORTEST_END:
+        raise InputError(f"end: found {end:g} s; expected at least {SHORTEST_END:g} s, so that slopes stay in the range of float64")
     knots, fit = _even_pieces(values, edges_of(values, end), end)
     error = float(fit.error.max() / values.largest) if values.largest else 0.0
     text = f"the force is approximated by {len(knots) - 1} polynomials from {values.points} values, to {error:.2g} of its largest"
@@ -74,42 +81,7 @@ def approximated(function: Callable, end: float, *, tolerance: float = TOLERANCE
     return Approximation(smooth, (), (), (Notice("accuracy", text),), values.points, len(knots) - 1, error)
 
 
-class _Values:
-    """The function at any times, as an array (r, ...), with its largest value and the number of times so far."""
-
-    def __init__(self, function: Callable, tolerance: float):
-        self.function, self.tolerance = function, tolerance
-        self.points, self.largest, self.by_array = 0, 0.0, True
-
-    def __call__(self, times: np.ndarray) -> np.ndarray:
-        flat = times.ravel()
-        found = self._at(flat)
-        finite = np.isfinite(found).all(axis=0)
-        if not finite.all():
-            raise InputError(f"function: it is not finite at t = {flat[np.argmin(finite)]:.17g} s")
-        self.points += len(flat)
-        self.largest = max(self.largest, float(np.abs(found).max(initial=0.0)))
-        return found.reshape(-1, *times.shape)
-
-    def fit(self, begins: np.ndarray, lengths: np.ndarray) -> Fit:
-        """Polynomials on the intervals, and whether they follow the function to the tolerance."""
-        places = np.concatenate([NODES, CHECKS])
-        found = self(begins[:, None] + lengths[:, None] * places)
-        return fitted(found, self.largest, self.tolerance)
-
-    def _at(self, times: np.ndarray) -> np.ndarray:
-        if self.by_array:
-            try:
-                found = np.asarray(self.function(times.copy()), dtype=float)
-            except (TypeError, ValueError):  # it takes one time only
-                found = np.zeros(())
-            if found.ndim in (1, 2) and found.shape[-1] == len(times):
-                return found.reshape(-1, len(times))
-            self.by_array = False
-        return np.array([np.atleast_1d(np.asarray(self.function(float(t)), dtype=float)) for t in times]).T
-
-
-def _even_pieces(values: _Values, edges: np.ndarray, end: float) -> tuple[np.ndarray, Fit]:
+def _even_pieces(values: Values, edges: np.ndarray, end: float) -> tuple[np.ndarray, Fit]:
     """Knots and polynomials, the stretches between the edges divided evenly."""
     borders = np.concatenate([[0.0], edges, [end]])
     for halvings in range(FIRST_HALVINGS, MOST_HALVINGS + 1):

@@ -10,14 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag
 
-from ..checks import real_array, real_number, whole_number
+from ..checks import counted, real_array, real_number, whole_number
 from ..errors import InputError, Overflow
 from ..linalg.exponential import block_states
 from .merging import Part, merged
 from .restarts import Restarts
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class BohlFunction:
     """f(t) = C e^{J t} v for t >= 0, evaluated at any times, in any order, with no stepping.
 
@@ -35,6 +35,9 @@ class BohlFunction:
     coefficients: np.ndarray
     blocks: tuple[np.ndarray, ...]
     start: np.ndarray | Restarts
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({counted(self.size, 'row')}, {counted(self.coefficients.shape[1], 'state')})"
 
     @property
     def size(self) -> int:

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..checks import real_array, real_number
+from ..checks import counted, real_array, real_number
 from ..errors import InputError
 from ..notices import Notice
 from .bohl import BohlFunction
+from .restarts import later_times
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class Blow:
     impulses: tuple[np.ndarray, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ImpulsiveSmooth:
     """f = smooth + sum over k of impulses[k] delta^(k), zero before t = 0.
 
@@ -41,6 +42,11 @@ class ImpulsiveSmooth:
     impulses: tuple[np.ndarray, ...] = ()
     later: tuple[Blow, ...] = ()
     notices: tuple[Notice, ...] = ()
+
+    def __repr__(self) -> str:
+        told = [counted(self.size, "row"), f"smooth part of {counted(len(self.smooth.coefficients.T), 'state')}"]
+        told += [f"impulses at {counted(len(self._blow_times), 'time')}"] if len(self._blow_times) else []
+        return f"{type(self).__name__}({', '.join(told)})"
 
     @property
     def size(self) -> int:
@@ -68,6 +74,9 @@ class ImpulsiveSmooth:
     def delayed(self, delay: float) -> ImpulsiveSmooth:
         """The input f(t - delay), zero before; delay >= 0 in s.
 
+        Raises:
+            InputError: a delay that is negative, or so long that two changes of the input would be rounded to one time.
+
         >>> from .inputs import impulse, step
         >>> late = (step([1.0]) + impulse([3.0])).delayed(0.5)
         >>> late([0.25, 0.5, 2.0]), late.later[0].time, late.later[0].impulses
@@ -76,8 +85,8 @@ class ImpulsiveSmooth:
         delay = real_number(delay, "delay", minimum=0.0)
         if delay == 0:
             return self
-        first = (Blow(delay, self.impulses),) if self.impulses else ()
-        later = _joined([*first, *(Blow(blow.time + delay, blow.impulses) for blow in self.later)])
+        blows = [self.impulses] * bool(self.impulses) + [blow.impulses for blow in self.later]
+        later = tuple(Blow(float(time), blow) for time, blow in zip(later_times(self._blow_times, delay), blows))
         return ImpulsiveSmooth(self.smooth.delayed(delay), (), later, self.notices)
 
     def mapped(self, matrix) -> ImpulsiveSmooth:
@@ -108,6 +117,11 @@ class ImpulsiveSmooth:
 
     def __sub__(self, other: ImpulsiveSmooth) -> ImpulsiveSmooth:
         return self + -other
+
+    @property
+    def _blow_times(self) -> np.ndarray:
+        """The times of the Dirac impulses."""
+        return np.array([0.0] * bool(self.impulses) + [blow.time for blow in self.later])
 
     def _changed(self, smooth, change) -> ImpulsiveSmooth:
         later = tuple(Blow(blow.time, tuple(map(change, blow.impulses))) for blow in self.later)

@@ -27,9 +27,12 @@ def pulse(vector, *, start: float = 0.0, duration: float) -> ImpulsiveSmooth:
     array([[0., 2., 2., 0.]])
     """
     start, duration = real_number(start, "start", minimum=0.0), real_number(duration, "duration", positive=True)
-    if start + duration == start:
+    end = start + duration
+    if end == start:
         raise InputError(f"duration: {duration:g} s vanishes beside the start at {start:g} s; give a longer one")
-    return step(vector).delayed(start) - step(vector).delayed(start + duration)
+    if end == np.inf:
+        raise InputError(f"duration: {duration:g} s after the start at {start:g} s is beyond the range of float64; shorten it")
+    return step(vector).delayed(start) - step(vector).delayed(end)
 
 
 def sampled(times, values) -> ImpulsiveSmooth:
@@ -50,7 +53,7 @@ def sampled(times, values) -> ImpulsiveSmooth:
     array([[0., 2., 4., 3., 0.]])
     """
     times = real_array(times, "times", shape=(None,))
-    values = real_array(values, "values", shape=(None, len(times)))
+    values = _rows(values, len(times))
     first = _first_samples(times)
     last = np.append(first[1:], len(times)) - 1
     knots, left, right = times[first], values[:, first], values[:, last]
@@ -61,6 +64,14 @@ def sampled(times, values) -> ImpulsiveSmooth:
     start = _from_zero(Restarts(knots, _alternating(right, slopes), _alternating(jumps, changes)))
     rows = np.kron(np.eye(len(values)), [1.0, 0.0])
     return ImpulsiveSmooth(BohlFunction(rows, (LINEAR,) * len(values), start))
+
+
+def _rows(values, count: int) -> np.ndarray:
+    values = real_array(values, "values")
+    if values.ndim != 2 or values.shape[1] != count:
+        found = " x ".join(map(str, values.shape)) or "a single number"
+        raise InputError(f"values: found shape {found}; expected one row per coordinate, each of {count} values, e.g. [[1, 2]]")
+    return values
 
 
 def _first_samples(times) -> np.ndarray:

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..checks import counted
+from ..errors import InputError
 from ..linalg.exponential import block_states
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Restarts:
     """z(t) = e^{J (t - t_j)} z_j for t_j <= t < t_(j+1), and z = 0 before t = 0.
 
@@ -27,6 +29,9 @@ class Restarts:
     states: np.ndarray
     jumps: np.ndarray
 
+    def __repr__(self) -> str:
+        return f"Restarts({counted(len(self.states), 'state')}, set at {counted(len(self.knots), 'time')})"
+
     def located(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """For each time the number of its piece, and the time since this began."""
         piece = np.searchsorted(self.knots, times, side="right") - 1
@@ -37,10 +42,14 @@ class Restarts:
         return Restarts(self.knots, self.states[begin:end], self.jumps[begin:end])
 
     def delayed(self, delay: float) -> Restarts:
-        """The same, later by delay > 0."""
+        """The same, later by delay > 0.
+
+        Raises:
+            InputError: as ``later_times``.
+        """
         first = 0 if self.jumps[:, 0].any() else 1  # without the knot 0 of what is delayed already
-        nothing, later = np.zeros((len(self.states), 1)), self.knots[first:] + delay
-        return _joined(
+        nothing, later = np.zeros((len(self.states), 1)), later_times(self.knots[first:], delay)
+        return Restarts(
             np.append(0.0, later), np.hstack([nothing, self.states[:, first:]]), np.hstack([nothing, self.jumps[:, first:]])
         )
 
@@ -56,8 +65,21 @@ class Restarts:
         return Restarts(knots, states, jumps)
 
 
-def _joined(knots, states, jumps) -> Restarts:
-    """Knots that rounding has brought to the same time become one."""
-    first = np.flatnonzero(np.append(True, np.diff(knots) > 0))
-    last = np.append(first[1:], len(knots)) - 1
-    return Restarts(knots[first], states[:, last], np.add.reduceat(jumps, first, axis=1))
+def later_times(times: np.ndarray, delay: float) -> np.ndarray:
+    """Ascending times, later by delay.
+
+    Raises:
+        InputError: one would leave the range of float64, or two would be rounded to the same time: what acts between
+            them would be lost, however much it is.
+    """
+    with np.errstate(over="ignore"):
+        later = times + delay
+    if not np.isfinite(later).all():
+        raise InputError(f"delay: {delay:g} s after {times.max():g} s is beyond the range of float64; give a shorter delay")
+    if (joined := np.diff(later) <= 0).any():
+        at = int(np.argmax(joined))
+        raise InputError(
+            f"delay: {delay:g} s would bring the changes of the signal at {times[at]:.6g} s and {times[at + 1]:.6g} s to one and "
+            "the same float64 time, and what acts between them would be lost; give a shorter delay, or count time from later on"
+        )
+    return later

@@ -114,7 +114,47 @@ def test_close_zeros_break_the_interpolation_but_not_the_engine():
 
 
 def test_what_is_asked_is_checked():
-    with pytest.raises(mb.InputError, match="exponent of at least 1"):
+    with pytest.raises(mb.InputError, match="exponent of 1.0: found 0; expected a whole number of at least 1"):
         exponential_by_interpolation(np.eye(2), {1.0: 0}, 1.0)
     with pytest.raises(mb.InputError, match="one zero and one exponent"):
         exponential_by_blocks([np.eye(1), np.eye(1)], [1.0, 1.0], [1, 1], 1.0)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda: exponential_of_jordan_block(800.0, 2, 1.0),
+        lambda: exponential_of_jordan_block(-1e308, 3, 1e200),
+        lambda: exponential_of_real_jordan_block(800.0, 1.0, 2, 1.0),
+        lambda: exponential_of_real_jordan_block(1.0, 1e308, 1, 1e308),
+        lambda: exponential_by_interpolation(np.eye(2), {800.0: 2}, 1.0),
+        lambda: exponential_by_blocks([np.eye(2)], [800.0], [2], 1.0),
+    ],
+)
+def test_what_leaves_the_range_is_told(ask):
+    with pytest.raises(mb.Overflow, match=r"e\^\(J t\) at t = .* beyond the range of float64"):
+        ask()
+
+
+@pytest.mark.parametrize(
+    ("ask", "text"),
+    [
+        (lambda: exponential_of_jordan_block("a", 2, 1.0), "zero: found 'a'; expected a finite number"),
+        (lambda: exponential_of_jordan_block(np.nan, 2, 1.0), "zero: found nan; expected a finite number"),
+        (lambda: exponential_of_jordan_block(1.0, -1, 1.0), "size: found -1; expected a whole number"),
+        (lambda: exponential_of_jordan_block(1.0, 2, np.nan), "t: found nan; expected a finite number"),
+        (lambda: exponential_of_real_jordan_block(1.0, "a", 2, 1.0), "imaginary: found 'a'; expected numbers"),
+        (lambda: exponential_by_interpolation(np.eye(2), {1.0: "a"}, 1.0), "exponent of 1.0: found 'a'; expected a whole number"),
+        (lambda: exponential_by_interpolation(np.eye(2), {1.0: 1.5}, 1.0), "exponent of 1.0: found 1.5; expected a whole number"),
+        (lambda: exponential_by_interpolation(np.eye(2), {"a": 1}, 1.0), "zero: found 'a'"),
+        (lambda: exponential_by_interpolation(np.eye(2), 3, 1.0), "exponents: found 3"),
+        (lambda: exponential_by_interpolation(np.ones((2, 3)), {1.0: 1}, 1.0), r"J: found .* shape \(2, 3\); expected square"),
+        (lambda: exponential_by_blocks([np.eye(1)], [[1.0]], [1], 1.0), r"zeros: found \[1.0\]"),
+        (lambda: exponential_by_blocks([np.eye(1)], [1.0], ["a"], 1.0), "exponent of 1.0: found 'a'"),
+        (lambda: exponential_by_blocks(3, [1.0], [1], 1.0), "expected three lists"),
+    ],
+)
+def test_numbers_are_checked(ask, text):
+    with pytest.raises(mb.InputError, match=text):
+        ask()

@@ -168,3 +168,32 @@ def test_elements_that_cannot_be_used(directions, constants, words):
 def test_elements_of_another_size():
     with pytest.raises(mb.InputError, match="stiffness: expected shape 2 x 2, found 1 x 1"):
         mb.MechanicalSystem(np.eye(2), stiffness=mb.ElementMatrix([[1.0]], [1.0]))
+
+
+def test_a_ratio_that_no_arithmetic_here_can_bear_is_refused():
+    springs = mb.ElementMatrix([[1, 0], [1, -1]], [1.0, 1e70])
+    with pytest.raises(mb.IllConditioned, match="1e\\+70 times the softest"):
+        mb.MechanicalSystem(mass=np.eye(2), stiffness=springs).solve(displacement=[1.0, 1.0])
+
+
+def test_large_stiff_models_say_that_they_were_assembled():
+    model, before = mb.LumpedModel(), "ground"
+    for i in range(61):
+        model.mass(f"m{i}", 1.0)
+        model.spring(before, f"m{i}", stiffness=1e13 if i == 30 else 1.0)
+        before = f"m{i}"
+    assert [n for n in model.assemble().solve(np.ones(61)).notices if n.doubtful and "assembled in float64" in n.text]
+
+
+@pytest.mark.parametrize("stiffness", [1e8, 3e10, 1e12, 1e15])
+def test_the_jump_after_a_double_blow_does_not_depend_on_stiff_springs(stiffness):
+    """A tie at velocity level takes a blow delta': the jumps are those of the soft parts, 1/8 m and -1/64 m/s, for any k."""
+    D = [[1, 0, 0], [-1, 1, 0], [0, -1, 1]]
+    system = mb.MechanicalSystem(
+        mass=np.diag([3.0, 0, 1]),
+        stiffness=mb.ElementMatrix(D, [1, 4, stiffness]),
+        damping=mb.ElementMatrix(D, [0.5, 0.1, 2]),
+        constraints=[mb.Constraint([1, 0, -1], level="velocity")],
+    )
+    jump = system.solve(force=mb.impulse([0.5, 0, 0], order=1)).jump
+    assert np.allclose(jump, [[0.125] * 3, [-0.015625] * 3], rtol=1e-6, atol=0)

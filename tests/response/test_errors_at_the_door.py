@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.response.apostol_kolodner import apostol_kolodner
+from mbconstrained.response.estimate import error_estimate
 
 A = mb.PolynomialMatrix([np.eye(2), np.zeros((2, 2)), np.eye(2)])
 
@@ -30,9 +32,9 @@ def test_values_at_zero_are_checked(initial, text):
 @pytest.mark.parametrize(
     "force, text",
     [
-        (mb.step([1.0]), "force: it has 1 rows, but A\\(s\\) has 2"),
-        ([1.0, 2.0], "force: found list; make it with mb.step, mb.ramp, mb.harmonic, mb.term or mb.impulse"),
-        (np.sin, "force: found ufunc; make it with"),
+        (mb.step([1.0]), "force: it has 1 row, but A\\(s\\) has 2"),
+        ([1.0, 2.0], "force: found list; make it with mb.step, .*mb.pulse, mb.sampled or mb.approximated$"),
+        (np.sin, "force: found ufunc; of a function of time make it with mb.approximated"),
     ],
 )
 def test_forces_are_checked(force, text):
@@ -75,3 +77,54 @@ def test_zeros_too_far_apart_for_float64_take_more_digits(exponent):
     A = mb.PolynomialMatrix([[[1.0, 1, 0], [1, 2, 1], [0, 1, 1]], np.diag([1.0, 10.0**-exponent, 10.0**exponent])])
     found = [zero.value for zero in A.structure().finite_zeros]
     assert found[0] == 0 and np.allclose(found[1:], [-0.5, -2 * 10.0**exponent], rtol=1e-14, atol=0)
+
+
+@pytest.mark.parametrize("force", [3, "a", [1.0, 2.0], np.sin, mb.step([1.0])])
+def test_admissible_refuses_the_same_forces_in_the_same_words(force):
+    with pytest.raises(mb.InputError) as of_solve:
+        mb.solve(A, force=force)
+    with pytest.raises(mb.InputError) as found:
+        mb.admissible(A, force=force)
+    assert str(found.value) == str(of_solve.value)
+
+
+def test_admissible_and_the_special_form_need_a_matrix():
+    for ask in (lambda: mb.admissible(3), lambda: apostol_kolodner(3, [[1.0]])):
+        with pytest.raises(mb.InputError, match="A: found int; expected a PolynomialMatrix"):
+            ask()
+
+
+@pytest.mark.parametrize("order", [-1, 1.5, "a", True])
+def test_the_order_of_an_error_estimate_is_a_whole_number(order):
+    with pytest.raises(mb.InputError, match="order: found .*; expected a whole number of at least 0"):
+        mb.solve(A, np.ones((2, 2))).error_estimate(1.0, order=order)
+
+
+def test_an_error_estimate_of_a_derivative():
+    x = mb.solve(A, np.ones((2, 2)))
+    assert x.error_estimate([0.0, 1.0], order=0) == x.error_estimate([0.0, 1.0])
+    for order in (1, 2):
+        expected = error_estimate(x, [0.0, 1.0], lambda response, k=order: response.derivative(k))
+        assert x.error_estimate([0.0, 1.0], order=order) == expected
+
+
+@pytest.mark.parametrize("value", [True, np.True_])
+def test_a_tolerance_is_no_truth_value(value):
+    with pytest.raises(mb.InputError, match="rank_tolerance: found True; expected a number"):
+        mb.solve(A, rank_tolerance=value)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("exponent", [200, 300, 307])
+def test_times_that_float64_cannot_hold_together_are_told(exponent):
+    oscillator = mb.PolynomialMatrix([[[1.0]], [[0.5]], [[1.0]]])
+    with pytest.raises(mb.errors.IllConditioned, match="changes within times too short beside the others"):
+        mb.solve(oscillator, force=mb.sampled([0.0, 10.0**-exponent, 1.0], [[0.0, 1.0, 0.0]]))
+
+
+def test_a_response_is_shown_in_one_line():
+    x = mb.solve(A, np.ones((2, 2)), force=mb.impulse([1.0, 0.0]).delayed(1.0))
+    assert repr(x) == "Response(2 coordinates: x1, x2; 0 jumps and 0 impulses at t = 0; 1 event later)"
+    jumping = mb.solve(mb.PolynomialMatrix([np.eye(8), np.eye(8, k=1)]), np.ones((1, 8)))
+    assert repr(jumping) == "Response(8 coordinates: x1, x2, x3, x4, x5, x6, ...; 8 jumps and 7 impulses at t = 0; 0 events later)"
+    assert repr(x.function.series).startswith("Series(2 rows, ") and "array" not in repr(x.function)

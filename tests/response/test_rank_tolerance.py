@@ -49,3 +49,11 @@ def test_exact_data_can_be_declared():
 def test_tolerances_that_are_none(tolerance):
     with pytest.raises(mb.InputError, match="rank_tolerance"):
         mb.solve(NEARLY, rank_tolerance=tolerance)
+
+
+def test_a_soft_spring_at_the_edge_of_float64_is_told():
+    """1e15 + 1 still has its 1, but no rounding less: the zero at 0 that is decided for is in doubt, and the estimate says so."""
+    system = mb.MechanicalSystem(mass=np.eye(2), stiffness=[[1e15 + 1, -1e15], [-1e15, 1e15]])
+    motion = system.solve(displacement=[1.0, 1.0])
+    assert [notice for notice in motion.notices if notice.doubtful]
+    assert motion.error_estimate(1.0) >= 0.1

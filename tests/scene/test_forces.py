@@ -91,6 +91,7 @@ def test_a_record_lies_in_the_folder_of_the_scene(tmp_path, name):
     [
         ('kind = "step"\nvalue = 1\ndelay = -1', r"force\[1\]: delay: found -1 s; expected 0 or a later time"),
         ('kind = "step"\nvalue = 1\ndelay = "2 N"', r'force\[1\]\.delay: found "2 N", a force'),
+        ('kind = "pulse"\nvalue = 1\nduration = 1e-20\ndelay = 2', r"force\[1\]: delay: 2 s would bring .* to one and the same"),
         ('kind = "pulse"\nvalue = 1', r"force\[1\]\.duration: this key is missing"),
         ('kind = "pulse"\nvalue = 1\nduration = 0', r"force\[1\]: duration: found 0"),
         ('kind = "pulse"\nvalue = "1 m"\nduration = 1', r'force\[1\]: value: found "1 m", a length'),
@@ -176,3 +177,19 @@ def test_coefficients_have_events_with_units(tmp_path):
 def test_a_later_force_keeps_the_plan_of_a_force(tmp_path):
     text = OSCILLATOR.replace("[time]", '[[force]]\ncoordinate = "cart"\nkind = "step"\nvalue = 1\ndelay = 1\n[time]')
     assert not scene_of(tmp_path, text).equations.is_free and scene_of(tmp_path, OSCILLATOR).equations.is_free
+
+
+@pytest.mark.parametrize(
+    ("record", "message"),
+    [
+        ("# t, f\n0,1\n1,nan\n", r"a\.csv, line 3: found an entry that is nan or infinite; expected numbers"),
+        ("0,1\n\n1,-inf\n", r"a\.csv, line 3: found an entry that is nan or infinite"),
+        ("0,1\n1e300,1\n", r"a\.csv, line 2: found 1e\+300 s and 1; expected 0 or a size between 1e-100 and 1e\+100"),
+        ("0,1\n1e-200,1\n", r"a\.csv, line 2: found 1e-200 s and 1; expected 0 or a size between"),
+        ("# t, f\n0,1e-150\n1,1\n", r"a\.csv, line 2: found 0 s and 1e-150; expected 0 or a size between"),
+    ],
+)
+def test_a_wrong_number_in_a_record_is_told_with_its_line(tmp_path, record, message):
+    (tmp_path / "a.csv").write_text(record)
+    with pytest.raises(SceneError, match=message):
+        force(tmp_path, 'kind = "sampled"\nfile = "a.csv"')

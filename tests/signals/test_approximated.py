@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -118,3 +119,41 @@ def test_the_maps_between_values_and_coefficients():
         known = chebyshev.chebval(2 * t - 1, c)
         assert (TO_POWERS @ c) @ t ** np.arange(DEGREE + 1) == pytest.approx(known, abs=1e-9)
         assert (TO_POWERS_AT_END @ c) @ (t - 1) ** np.arange(DEGREE + 1) == pytest.approx(known, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("function", "text"),
+    [
+        (5, "function: found 5; expected a function of time"),
+        (None, "function: found None; expected a function of time"),
+        (lambda: 1, r"its call with t = \S+ s fails with TypeError: .*; expected a number or a list of r numbers"),
+        (lambda t: {}["x"], r"its call with t = \S+ s fails with KeyError: 'x'"),
+        (lambda t: {1: 2}, r"found {1: 2} at t = \S+ s; expected a number or a list"),
+        (lambda t: None, r"found None at t = \S+ s; expected a number or a list"),
+        (lambda t: "a", r"found 'a' at t = \S+ s; expected a number or a list"),
+        (lambda t: [], r"found \[\] at t = \S+ s; expected a number or a list"),
+        (lambda t: [1, [2, 3]], r"found \[1, \[2, 3\]\] at t = \S+ s; expected a number or a list"),
+        (lambda t: np.ones((2, 2, 2)), r"found array of shape \(2, 2, 2\) at t = \S+ s; expected a number or a list"),
+        (lambda t: [1.0] * (1 + int(t > 0.5)), r"it has 2 rows at t = 0\.5\S+ s and 1 at t = \S+ s"),
+        (lambda t: np.exp(1j * t), r"found the complex \S+ at t = \S+ s; expected real numbers"),
+        (lambda t: 1j * float(t), r"found the complex \S+ at t = \S+ s; expected real numbers"),
+        (lambda t: math.exp(1000 * t), r"it is not finite at t = 0\.70\d+ s \(math range error\)"),
+        (lambda t: np.exp(2000 * t), r"it is (not finite|larger than can be used) at t = 0\.3\d+ s"),
+        (lambda t: 1e300 + 0 * t, r"it is larger than can be used at t = \S+ s; expected values of a size up to"),
+        (lambda t: 1 / 0, r"it is not finite at t = \S+ s \(division by zero\)"),
+    ],
+)
+@pytest.mark.filterwarnings("error")
+def test_what_is_no_real_function_of_time_is_refused(function, text):
+    with pytest.raises(mb.InputError, match=text):
+        mb.approximated(function, 1.0)
+
+
+def test_a_shortest_end():
+    with pytest.raises(mb.InputError, match="end: found 1e-307 s; expected at least"):
+        mb.approximated(np.sin, 1e-307)
+
+
+def test_numbers_of_other_kinds_are_taken():
+    f = mb.approximated(lambda t: [Fraction(3, 2), Fraction(float(t))], 1.0)
+    assert np.allclose(f(0.25), [1.5, 0.25], rtol=0, atol=1e-14)

@@ -90,6 +90,7 @@ def test_a_pulse_is_a_step_and_a_step_back():
         ({"start": -1.0, "duration": 1.0}, "start: found -1"),
         ({"duration": 0.0}, "duration: found 0"),
         ({"start": 1e20, "duration": 1.0}, "vanishes beside the start"),
+        ({"start": 1e308, "duration": 1e308}, "^duration: 1e\\+308 s after the start at 1e\\+308 s is beyond the range"),
     ],
 )
 def test_a_pulse_lasts(keys, text):
@@ -112,9 +113,38 @@ def test_what_cancels_leaves_exactly_nothing():
     assert (mb.pulse([1.0], duration=1.0) - mb.pulse([1.0], duration=1.0)).is_zero
 
 
-def test_knots_that_rounding_joins_are_one():
-    f = mb.pulse([1.0], start=1.0, duration=1e-9).delayed(1e9)
-    assert f.knots.tolist() == [0.0, 1e9 + 1] and not f(2e9).any()
+@pytest.mark.parametrize(
+    ("signal", "delay"),
+    [
+        (mb.pulse([1e20], duration=1e-20), 5.0),
+        (mb.pulse([1.0], start=1.0, duration=1e-9), 1e9),
+        (mb.sampled([0.0, 1e-12, 2e-12], [[0.0, 2e12, 0.0]]), 1e5),
+        (mb.impulse([1.0]) - mb.impulse([1.0]).delayed(1e-20), 1.0),
+    ],
+)
+def test_a_delay_never_swallows_what_acts_between_two_changes(signal, delay):
+    with pytest.raises(mb.InputError, match="^delay: .* to one and the same float64 time, .*; give a shorter delay"):
+        signal.delayed(delay)
+
+
+@pytest.mark.parametrize("signal", [mb.step([1.0]), mb.impulse([1.0]), mb.sampled([0.0, 1e308], [[0.0, 1.0]])])
+def test_a_delay_ends_within_the_range_of_float64(signal):
+    with pytest.raises(mb.InputError, match="^delay: 1e\\+308 s after 1e\\+308 s is beyond the range"):
+        signal.delayed(1e308).delayed(1e308)
+
+
+def test_a_jump_of_a_record_is_delayed():
+    record = mb.sampled([0.0, 1.0, 1.0, 2.0], [[1.0, 2.0, 5.0, 5.0]]).delayed(1e9)
+    assert record.knots.tolist() == [0.0, 1e9, 1e9 + 1, 1e9 + 2]
+    assert record([1e9, 1e9 + 0.5, 1e9 + 1]).tolist() == [[1.0, 1.5, 5.0]]
+
+
+def test_inputs_are_shown_in_one_line():
+    late = (mb.pulse([1.0, 2.0], duration=1.0) + mb.impulse([1.0, 0.0])).delayed(2.0)
+    assert repr(late) == "ImpulsiveSmooth(2 rows, smooth part of 1 state, impulses at 1 time)"
+    assert repr(late.smooth) == "BohlFunction(2 rows, 1 state)"
+    assert repr(late.smooth.start) == "Restarts(1 state, set at 3 times)"
+    assert repr(mb.approximated(lambda t: 0 * t, 1.0)).startswith("Approximation(1 row, ")
 
 
 def test_zero_may_be_delayed():
