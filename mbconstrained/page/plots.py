@@ -13,7 +13,7 @@ from .ticks import Axis, axis_of
 from .typeset import raised, superscript
 
 HALF_WIDTH, FULL_WIDTH = 520, 1080  # of a plot beside another one, and of one alone, about one unit to a pixel
-HEIGHT, LEFT, TOP, BOTTOM, RIGHT_MARGIN = 270, 62, 12, 226, 14
+HEIGHT, LEFT, TOP, BOTTOM, RIGHT_MARGIN = 270, 74, 12, 226, 14
 
 #: A curve of more points than the picture has pixels is drawn by the lowest and highest value of each pixel column.
 MOST_POINTS = 1200
