@@ -21,6 +21,9 @@ from .minimal import minimal_nilpotent
 from .weierstrass import WeierstrassForm, weierstrass_form
 from .zeros import finite_zeros
 
+#: The least normal number of float64.
+TINY = float(np.finfo(float).tiny)
+
 
 @dataclass(frozen=True)
 class FinitePair:
@@ -174,4 +177,4 @@ def _form_in_float64(A: PolynomialMatrix, rank_tolerance: float | None, refuse: 
 def _slowness(form: WeierstrassForm) -> float:
     """max(|s|, 1/|s|) over the zeros s other than 0 in the pencil's own unit of time: the eps of the QZ algorithm's error."""
     moduli = np.abs(eigenvalues(form.T[: form.nonzero_count, : form.nonzero_count]))
-    return float(np.maximum(moduli, 1 / moduli).max(initial=1.0))
+    return float(np.maximum(moduli, 1 / np.maximum(moduli, TINY)).max(initial=1.0))

@@ -71,12 +71,13 @@ def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth, ki
         states = caused
         states[:n] += own
         before = np.hstack([np.zeros((len(states), 1)), block_states(blocks, states[:, :-1], gaps)])
+        jumps = states - before
     outputs = [own_output, driven.through + own_output @ X]
     outputs += [_padded(pair.unit * own_output[:, pair.own], len(pair.block)) for pair in coupled]
     function = BohlFunction(
         form.companion.scaling.columns[:, None] * np.hstack(outputs),
         tuple(time * block for block in blocks),
-        states[:, 0] if len(knots) == 1 else Restarts(knots, states, states - before),
+        states[:, 0] if len(knots) == 1 else Restarts(knots, states, jumps),
     )
     return function, max(free.coupling, float(np.abs(X).max(initial=0.0)))
 
