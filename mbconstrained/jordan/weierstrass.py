@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
+from ..linalg.blocks import coupled_rows
 from ..linalg.noise import Noisy, columnwise
 from ..linalg.precise import DECOUPLED, magnitude, precise_arithmetic
 from ..linalg.rank import RankDecision
@@ -65,7 +65,7 @@ class WeierstrassForm:
     @property
     def B(self) -> np.ndarray:
         """Shape (n, r)."""
-        return self.finite_rows[:, self.finite_rows.shape[1] - self.companion.size :]
+        return _of_equations(self.finite_rows, self.companion)
 
     @property
     def noisy_B(self) -> Noisy:
@@ -83,7 +83,7 @@ class WeierstrassForm:
     @property
     def B2(self) -> Noisy:
         """Shape (m, r)."""
-        return self.infinite_rows[:, self.infinite_rows.data.shape[1] - self.companion.size :]
+        return _of_equations(self.infinite_rows, self.companion)
 
     @property
     def highest_impulse(self) -> int:
@@ -104,10 +104,11 @@ class WeierstrassForm:
 
     def _rounded_laurent(self, index: int) -> Noisy:
         """C T^(-i-1) B; T is known to a rounding of its norm, as is what orthogonal transformations make, part by part."""
-        labels = connected_components(self.T != 0, directed=False)[1] if len(self.T) else np.zeros(0, dtype=int)
-        together, size = labels[:, None] == labels, np.abs(self.T)
-        norms = np.where(together, size.max(initial=0.0, axis=1, keepdims=True), 0.0).max(axis=0, initial=0.0)
-        uncertain = np.maximum(size, together * norms / np.maximum(together.sum(axis=0), 1))
+        size = np.abs(self.T)
+        uncertain = size.copy()
+        for at in coupled_rows(self.T):
+            own = np.ix_(at, at)
+            uncertain[own] = np.maximum(size[own], size[own].max() / len(at))
         value, largest = self.B, np.abs(self.B).max(axis=0, keepdims=True, initial=0.0)
         noise = np.maximum(EPS * largest, self.noisy_B.noise)
         for _ in range(-index - 1):
@@ -149,10 +150,10 @@ def weierstrass_form(companion: ScaledCompanion, decided: Sequence[RankDecision]
     infinite_columns = split.right[:, n:] + columnwise(finite_columns) @ R
     T, exact_pair = finite.T.astype(float), None
     if companion.is_precise:
-        turn = aligning_rotation(T, finite_rows[:, finite_rows.shape[1] - companion.size :])
+        turn = aligning_rotation(T, _of_equations(finite_rows, companion))
         finite_columns, finite_rows = finite_columns @ turn.T, turn @ finite_rows
         T[:, finite.nonzero_count :] = (turn @ finite.T[:, finite.nonzero_count :]).astype(float)  # pairs stay what they are
-        exact_pair = _exact_pair(companion.size, finite_columns, turn @ exact_T @ turn.T, finite_rows)
+        exact_pair = finite_columns[: companion.size], turn @ exact_T @ turn.T, _of_equations(finite_rows, companion)
     return WeierstrassForm(
         companion=companion,
         split=split.rounded_to_float(),
@@ -171,8 +172,9 @@ def weierstrass_form(companion: ScaledCompanion, decided: Sequence[RankDecision]
     )
 
 
-def _exact_pair(r, columns, T, rows):
-    return columns[:r], T, rows[:, rows.shape[1] - r :]
+def _of_equations(rows, companion: ScaledCompanion):
+    """The last r columns, those of the equations A(d/dt) x = f themselves."""
+    return rows[:, companion.state_count - companion.size :]
 
 
 def _fixed_point(T, nilpotent, G, steps):

@@ -7,6 +7,7 @@ with large entries, the zero nearest to the block is swapped in and it is tried 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,16 +36,35 @@ class BlockDiagonal:
 def block_diagonalize(triangle: np.ndarray, limit: float = DECOUPLING_LIMIT) -> BlockDiagonal:
     """Block-diagonalize a real quasi-triangular matrix (a real Schur form); what nothing couples is never put together."""
     n = len(triangle)
-    labels = connected_components(triangle != 0, directed=False)[1] if n else np.zeros(0, dtype=int)
-    basis, inverse, blocks, worst = np.zeros((n, n)), np.zeros((n, n)), [], 0.0
-    begin = 0
-    for label in range(labels.max(initial=-1) + 1):
-        at = np.flatnonzero(labels == label)
+    basis, inverse, blocks, worst, begin = np.zeros((n, n)), np.zeros((n, n)), [], 0.0, 0
+    for at in coupled_rows(triangle):
         found = _block_diagonalize(triangle[np.ix_(at, at)], limit)
         end = begin + len(at)
         basis[at, begin:end], inverse[begin:end, at] = found.basis, found.inverse
         blocks, worst, begin = [*blocks, *found.blocks], max(worst, found.coupling), end
     return BlockDiagonal(basis, inverse, tuple(blocks), worst)
+
+
+def block_slices(blocks: Sequence[np.ndarray]) -> list[slice]:
+    """Which rows of diag(blocks) belong to each of the blocks.
+
+    >>> block_slices([np.eye(2), np.eye(1)])
+    [slice(0, 2, None), slice(2, 3, None)]
+    """
+    ends = np.cumsum([0, *map(len, blocks)]).tolist()
+    return [slice(begin, end) for begin, end in zip(ends, ends[1:])]
+
+
+def coupled_rows(matrix: np.ndarray) -> list[np.ndarray]:
+    """The rows of a square matrix in groups that no entry couples to each other, each ascending.
+
+    >>> [rows.tolist() for rows in coupled_rows(np.array([[1.0, 0, 2], [0, 1, 0], [0, 0, 1]]))]
+    [[0, 2], [1]]
+    """
+    if not len(matrix):
+        return []
+    count, labels = connected_components(matrix != 0, directed=False)
+    return [np.flatnonzero(labels == label) for label in range(count)]
 
 
 def _block_diagonalize(triangle, limit) -> BlockDiagonal:

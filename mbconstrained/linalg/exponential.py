@@ -14,6 +14,7 @@ import numpy as np
 import scipy.linalg
 
 from ..errors import IllConditioned
+from .blocks import block_slices
 
 #: The Taylor polynomial of e^X of this degree is exact to rounding for |X| <= 1 (1/19! < 1e-17).
 TAYLOR_DEGREE = 18
@@ -42,16 +43,16 @@ def block_states(blocks: Sequence[np.ndarray], start: np.ndarray, times: np.ndar
     """
     states = np.empty((len(start), len(times)))
     start = start[:, None] if start.ndim == 1 else start
-    ends = np.cumsum([len(block) for block in blocks], dtype=int)
-    begins = ends - [len(block) for block in blocks]
+    places = block_slices(blocks)
+    begins = [at.start for at in places]
     _one_by_one(blocks, begins, start, times, states)
     _two_by_two(blocks, begins, start, times, states)
-    for block, begin, end in zip(blocks, begins, ends):
-        if end - begin > 2:
-            started = np.broadcast_to(start[begin:end].any(axis=0), times.shape)
-            own = np.broadcast_to(start[begin:end], (end - begin, len(times)))
-            states[begin:end] = 0.0  # what does not start stays zero, however fast it would grow
-            states[begin:end, started] = _cluster_states(block, own[:, started], times[started])
+    for block, at in zip(blocks, places):
+        if len(block) > 2:
+            started = np.broadcast_to(start[at].any(axis=0), times.shape)
+            own = np.broadcast_to(start[at], (len(block), len(times)))
+            states[at] = 0.0  # what does not start stays zero, however fast it would grow
+            states[at, started] = _cluster_states(block, own[:, started], times[started])
     return states
 
 

@@ -21,7 +21,6 @@ from .noise import Noisy, stacked
 from .precise import magnitude, of_kind, rounded_to_float, unit
 from .scaling import equilibration
 
-
 #: By how much a row that is to become a pivot may be smaller than others.
 PREFERENCE = 30.0
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .blocks import block_slices
 from .exponential import CHUNK_ENTRIES, block_states
 
 
@@ -21,7 +22,7 @@ def recursion(blocks: Sequence[np.ndarray], start: np.ndarray, gained: np.ndarra
     array([[8. , 5. , 3.5]])
     """
     states = np.column_stack([start, gained])
-    begins = np.cumsum([0, *map(len, blocks)])
+    begins = np.array([at.start for at in block_slices(blocks)], dtype=int)
     for size in {len(block) for block in blocks}:
         group = [i for i, block in enumerate(blocks) if len(block) == size]
         at = begins[group][:, None] + np.arange(size)

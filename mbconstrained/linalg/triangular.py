@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
-from scipy.sparse.csgraph import connected_components
 
 from ..errors import IllConditioned
 from ..tolerances import DECOUPLING_LIMIT
+from .blocks import coupled_rows
 from .noise import Noisy
 from .precise import inverse, is_precise, magnitude, of_kind, power_of_two, precise, solved
 from .rank import RankDecision
@@ -60,7 +60,8 @@ def triangular_form(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None =
     n = len(split.E11.data)
     rest = (_by_scales if is_precise(E.data) else _schur)(split.F11.data, split.E11.data)
     coupling_E, coupling_F = rest.left @ split.F12.data, rest.left @ split.E12.data
-    order = _by_component(split.nilpotent.data)
+    # the independent chains one after the other
+    order = np.concatenate([np.zeros(0, dtype=int), *coupled_rows(split.nilpotent.data)])
     N = split.nilpotent.data[np.ix_(order, order)]
     zero_rows, zero_columns = split.left.data[n:][order], split.right.data[:, n:][:, order]
     coupling_E, coupling_F = coupling_E[:, order], coupling_F[:, order]
@@ -75,12 +76,6 @@ def triangular_form(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None =
     return _zeros_decoupled(_measured(form)) if is_precise(E.data) else form
 
 
-def _by_component(nilpotent) -> np.ndarray:
-    """Order that puts the independent chains of a strictly upper triangular matrix one after the other."""
-    labels = connected_components(nilpotent != 0, directed=False)[1] if len(nilpotent) else np.zeros(0)
-    return np.argsort(labels, kind="stable")
-
-
 def _by_scales(E: np.ndarray, F: np.ndarray) -> TriangularForm:
     """The same for a precise pencil where no zero is 0, T block diagonal."""
     if not len(E):
@@ -93,10 +88,8 @@ def _by_scales(E: np.ndarray, F: np.ndarray) -> TriangularForm:
 def _measured(form: TriangularForm) -> TriangularForm:
     """States of each block in the unit that gives its rows of ``left`` and its columns of ``right`` the same size."""
     n = form.nonzero_count
-    labels = connected_components(form.T[:n, :n] != 0, directed=False)[1] if n else np.zeros(0, dtype=int)
     units = np.zeros(len(form.T))
-    for block in range(labels.max(initial=-1) + 1):
-        at = np.flatnonzero(labels == block)
+    for at in coupled_rows(form.T[:n, :n]):
         units[at] = np.round(np.log2(magnitude(form.left[at]).max() / magnitude(form.right[:, at]).max()) / 2)
     unit = power_of_two(units)
     return replace(form, left=form.left / unit[:, None], right=form.right * unit, T=form.T * unit / unit[:, None])

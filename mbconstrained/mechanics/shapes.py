@@ -6,6 +6,7 @@ import numpy as np
 import scipy.linalg
 
 from ..jordan.pairs import FinitePair
+from ..linalg.blocks import block_slices
 from ..linalg.noise import Noisy
 from ..linalg.precise import precise_arithmetic, rounded_to_float
 from ..linalg.rank import null_columns
@@ -21,13 +22,13 @@ def mode_shapes(pair: FinitePair, zero: FiniteZero) -> np.ndarray:
     A(s) C (s I - J)^-1 B = I, so that A(s) C v = 0 where J v = s v: the shapes are C v with the eigenvectors v of those
     blocks of J that belong to the zero. A(s) itself is never formed: beside stiff parts it has lost the soft ones.
     """
-    ends = np.cumsum([len(block) for block in pair.blocks])
+    columns = block_slices(pair.blocks)
     owner = np.repeat(np.arange(len(pair.blocks)), [len(block) for block in pair.blocks])
     values = np.concatenate([np.linalg.eigvals(block) for block in pair.blocks])
     nearest = np.argsort(np.abs(values - zero.value), kind="stable")[: zero.multiplicity]
     chosen = sorted(set(owner[nearest]))
     J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
-    C = np.hstack([pair.C[:, ends[i] - len(pair.blocks[i]) : ends[i]] for i in chosen])
+    C = np.hstack([pair.C[:, columns[i]] for i in chosen])
     place = zero.value if zero.value.imag else zero.value.real
     vectors = scipy.linalg.svd(J - place * np.eye(len(J)))[2].conj().T
     return _normalized(C @ vectors[:, len(J) - len(zero.partial_multiplicities) :])

@@ -54,14 +54,14 @@ class ScaledCompanion:
         return len(self.known.data) - 1
 
     @property
+    def state_count(self) -> int:
+        """g r, the size of the pencil."""
+        return self.grade * self.size
+
+    @property
     def E(self) -> np.ndarray:
         """Shape (g r, g r), in float64."""
         return self.pencil[0].data.astype(float)
-
-    @property
-    def F(self) -> np.ndarray:
-        """Shape (g r, g r), in float64."""
-        return self.pencil[1].data.astype(float)
 
     @cached_property
     def pencil(self) -> tuple[Noisy, Noisy]:

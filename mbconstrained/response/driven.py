@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..jordan.weierstrass import WeierstrassForm
+from ..linalg.blocks import block_slices
 from ..linalg.noise import Noisy
 from ..signals.impulsive import ImpulsiveSmooth
 from .forcing import power_of_two_of, scaled_force
@@ -43,6 +44,5 @@ def driven_form(form: WeierstrassForm, force: ImpulsiveSmooth) -> Driven:
 
 def _amplitudes(columns, blocks) -> np.ndarray:
     """Powers of two, one for all states of a block, that bring the largest entry of its columns near 1."""
-    ends = np.cumsum([0, *map(len, blocks)])
-    parts = [np.full(end - begin, power_of_two_of(columns[:, begin:end])) for begin, end in zip(ends, ends[1:])]
+    parts = [np.full(len(block), power_of_two_of(columns[:, at])) for block, at in zip(blocks, block_slices(blocks))]
     return np.concatenate([np.ones(0), *parts])

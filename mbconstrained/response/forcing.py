@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..jordan.weierstrass import WeierstrassForm
+from ..linalg.blocks import block_slices
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.restarts import Restarts
@@ -67,13 +68,11 @@ def _units(smooth: BohlFunction, time: float) -> np.ndarray:
     The states of pieces are as large as they are: polynomials of short pieces have large derivatives, and what is far
     from the size of the others could not be told from a slow zero of A(s).
     """
-    units, begin = [np.ones(0)], 0
-    for block in smooth.blocks:
-        end = begin + len(block)
-        largest = np.abs(smooth.restarts.states[begin:end]).max(axis=1)
+    units = [np.ones(0)]
+    for block, at in zip(smooth.blocks, block_slices(smooth.blocks)):
+        largest = np.abs(smooth.restarts.states[at]).max(axis=1)
         pieces = isinstance(smooth.start, Restarts) and _level(block) == 1 and (largest > 0).all() and np.isfinite(largest).all()
         units.append(np.exp2(np.round(np.log2(largest))) if pieces else _chain_units(block / time))
-        begin = end
     return np.concatenate(units)
 
 

@@ -12,7 +12,6 @@ from ..linalg.precise import MOST_STATES
 from ..notices import Notice
 from ..signals.impulsive import Blow
 from ..tolerances import EPS, noise_of, rounding_radius
-
 from .events import Event
 
 if TYPE_CHECKING:
@@ -128,7 +127,7 @@ def _rank(pairs):
 
 
 def _digits(pairs):
-    states = len(pairs.form.companion.E)
+    states = pairs.form.companion.state_count
     stiff = any(factors is not None for factors in pairs.polynomial_matrix.factors)
     if stiff and not pairs.form.companion.is_precise:
         yield Notice(

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from ..jordan.weierstrass import WeierstrassForm
-from ..linalg.blocks import BlockDiagonal, block_diagonalize
+from ..linalg.blocks import BlockDiagonal, block_diagonalize, block_slices
 from ..linalg.exponential import block_states
 from ..linalg.recursion import recursion
 from ..signals.bohl import BohlFunction
@@ -59,7 +59,7 @@ def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth, ki
     """
     free, driven = block_diagonalize(form.T), driven_form(form, force)
     n, time, knots, forcing = len(form.T), form.companion.scaling.time, force.knots, force.smooth.blocks
-    finite, outer = _slices(free.blocks), _slices(forcing)
+    finite, outer = block_slices(free.blocks), block_slices(forcing)
     X, coupled = _separated(free, driven, finite, outer, max(PIECE_LIMIT, DECOUPLING_LIMIT / len(knots)))
     blocks = (*free.blocks, *(driven.generator[of, of] for of in outer), *(pair.block for pair in coupled))
     own_output = form.C @ free.basis
@@ -112,11 +112,6 @@ def _finite_part(states, X, coupled) -> np.ndarray:
         y[pair.own] += pair.unit * states[begin : begin + size]
         begin += len(pair.block)
     return y
-
-
-def _slices(blocks) -> list[slice]:
-    ends = np.cumsum([0, *map(len, blocks)])
-    return [slice(begin, end) for begin, end in zip(ends, ends[1:])]
 
 
 def _padded(columns, size) -> np.ndarray:

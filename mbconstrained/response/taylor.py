@@ -78,7 +78,7 @@ class _Equations:
     def __init__(self, form: WeierstrassForm, f):
         split, r, self.count = form.split, form.companion.size, len(form.split.E11.data)
         n, self.J = self.count, Noisy.rounded(f.generator)
-        loads = split.left[:, len(form.companion.E) - r :] @ Noisy.rounded(f.coefficients)
+        loads = split.left[:, form.companion.state_count - r :] @ Noisy.rounded(f.coefficients)
         G = power = -loads[n:]
         for _ in split.deficiencies[1:]:  # so many powers of N are not zero
             power = split.nilpotent @ power @ self.J

@@ -12,6 +12,7 @@ from scipy.linalg import block_diag
 
 from ..checks import counted, real_array, real_number, whole_number
 from ..errors import InputError, Overflow
+from ..linalg.blocks import block_slices
 from ..linalg.exponential import block_states
 from .merging import Part, merged
 from .restarts import Restarts
@@ -146,20 +147,15 @@ class BohlFunction:
 
     def _times_generator(self, coefficients):
         product = np.empty_like(coefficients)
-        begin = 0
-        for block in self.blocks:
-            end = begin + len(block)
-            product[:, begin:end] = coefficients[:, begin:end] @ block
-            begin = end
+        for block, at in zip(self.blocks, block_slices(self.blocks)):
+            product[:, at] = coefficients[:, at] @ block
         return product
 
     def _parts(self) -> list[Part]:
-        parts, begin = [], 0
-        for block in self.blocks:
-            end = begin + len(block)
-            start = self.start.rows(begin, end) if isinstance(self.start, Restarts) else self.start[begin:end]
-            parts.append(Part(block, start, self.coefficients[:, begin:end]))
-            begin = end
+        parts = []
+        for block, at in zip(self.blocks, block_slices(self.blocks)):
+            start = self.start.rows(at) if isinstance(self.start, Restarts) else self.start[at]
+            parts.append(Part(block, start, self.coefficients[:, at]))
         return parts
 
 

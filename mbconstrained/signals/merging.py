@@ -76,7 +76,7 @@ def _added(start: Restarts, factor: float, other: Restarts) -> Restarts:
 
 
 def _rows(start, skip):
-    return start.rows(skip, len(start.states)) if isinstance(start, Restarts) else start[skip:]
+    return start.rows(slice(skip, None)) if isinstance(start, Restarts) else start[skip:]
 
 
 def _same(one, two) -> bool:

@@ -37,9 +37,9 @@ class Restarts:
         piece = np.searchsorted(self.knots, times, side="right") - 1
         return piece, times - self.knots[piece]
 
-    def rows(self, begin: int, end: int) -> Restarts:
+    def rows(self, at: slice) -> Restarts:
         """Some of the states."""
-        return Restarts(self.knots, self.states[begin:end], self.jumps[begin:end])
+        return Restarts(self.knots, self.states[at], self.jumps[at])
 
     def delayed(self, delay: float) -> Restarts:
         """The same, later by delay > 0.

@@ -120,7 +120,6 @@ def test_what_is_asked_is_checked():
         exponential_by_blocks([np.eye(1), np.eye(1)], [1.0, 1.0], [1, 1], 1.0)
 
 
-@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
     "ask",
     [

@@ -143,7 +143,6 @@ def test_the_maps_between_values_and_coefficients():
         (lambda t: 1 / 0, r"it is not finite at t = \S+ s \(division by zero\)"),
     ],
 )
-@pytest.mark.filterwarnings("error")
 def test_what_is_no_real_function_of_time_is_refused(function, text):
     with pytest.raises(mb.InputError, match=text):
         mb.approximated(function, 1.0)
