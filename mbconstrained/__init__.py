@@ -15,6 +15,7 @@ from .errors import (
 from .jordan import FinitePair, InfinitePair, JordanPairs
 from .mechanics import Constraint, ElementMatrix, MechanicalSystem, Modes, Motion
 from .models import LumpedModel
+from .models.robot import BodySpring, Bushing, FlexibleJoint, LinearizedRobot, Loop, PointMotion, Posture, Robot
 from .notices import Notice
 from .polynomial import PolynomialMatrix
 from .response import Admissibility, Event, Response, admissible, solve
@@ -40,17 +41,22 @@ __all__ = [
     "Admissibility",
     "Approximation",
     "Blow",
+    "BodySpring",
     "BohlFunction",
+    "Bushing",
     "Constraint",
     "ContradictoryConstraints",
     "ElementMatrix",
     "Event",
     "FinitePair",
+    "FlexibleJoint",
     "IllConditioned",
     "ImpulsiveSmooth",
     "InfinitePair",
     "InputError",
     "JordanPairs",
+    "LinearizedRobot",
+    "Loop",
     "LumpedModel",
     "MbconstrainedError",
     "MechanicalSystem",
@@ -59,8 +65,11 @@ __all__ = [
     "NotUnique",
     "Notice",
     "Overflow",
+    "PointMotion",
     "PolynomialMatrix",
+    "Posture",
     "Response",
+    "Robot",
     "SceneError",
     "SingularPolynomialMatrix",
     "admissible",

@@ -2,8 +2,9 @@
 
 from .constraint import Constraint
 from .element_matrix import ElementMatrix
+from .energy_parts import EnergyParts, EnergyShares
 from .modes import Mode, Modes
 from .motion import Motion
 from .system import MechanicalSystem
 
-__all__ = ["Constraint", "ElementMatrix", "MechanicalSystem", "Mode", "Modes", "Motion"]
+__all__ = ["Constraint", "ElementMatrix", "EnergyParts", "EnergyShares", "MechanicalSystem", "Mode", "Modes", "Motion"]

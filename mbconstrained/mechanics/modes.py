@@ -9,7 +9,8 @@ velocity both left alone, and an offset where the divisor is s: a displacement t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..polynomial.matrix import PolynomialMatrix
 from ..polynomial.structure import FiniteZero
 from ..tolerances import EPS, NOISE_SAFETY, rounding_radius
 from .conservation import Conservation, conservation_of
+from .energy_parts import EnergyParts, EnergyShares
 from .shapes import mode_shapes, rest_shapes
 
 if TYPE_CHECKING:
@@ -35,12 +37,14 @@ class Mode:
         value: the zero in 1/s.
         multiplicity: how often it is a root of det A(s); each of the two, for a pair.
         shapes: the independent shapes, one a column, shape (n, g), the largest entry of each 1; none for drift.
+        energy_parts: of the system; None where nothing is known of energies.
     """
 
     kind: Kind
     value: complex
     multiplicity: int
     shapes: np.ndarray
+    energy_parts: EnergyParts | None = field(default=None, repr=False, compare=False)
 
     @property
     def angular_frequency(self) -> float:
@@ -56,6 +60,24 @@ class Mode:
     def damping_ratio(self) -> float:
         """-Re s / |s|; 0 for a zero at 0."""
         return -self.value.real / abs(self.value) if self.value.real else 0.0
+
+    @cached_property
+    def shares(self) -> tuple[EnergyShares, ...]:
+        """For each shape the shares of its kinetic and strain energy by part of the machine (``EnergyParts``).
+
+        What rests has no kinetic energy (an offset), what moves as a rigid body no strain energy: its shares are None.
+
+        >>> from mbconstrained.models import LumpedModel
+        >>> model = LumpedModel()
+        >>> _ = model.mass("cart", 3.0), model.mass("load", 1.0)
+        >>> _ = model.spring("ground", "cart", 3.0, name="wall"), model.spring("cart", "load", 1.0, name="coupling")
+        >>> {name: round(share, 3) for name, share in model.assemble().modes().oscillating[0].shares[0].strain.items()}
+        {'wall': 0.651, 'coupling': 0.349}
+        """
+        if self.energy_parts is None:
+            return ()
+        found = (self.energy_parts.shares(shape, self.value) for shape in self.shapes.T)
+        return tuple(replace(shares, kinetic=None) if self.kind == "offset" else shares for shares in found)
 
     @property
     def text(self) -> str:
@@ -123,7 +145,8 @@ def modes_of(system: MechanicalSystem) -> Modes:
             moving.append(Mode(_kind(value), value, zero.multiplicity, mode_shapes(pair, zero)))
         else:
             resting.extend(_at_rest(A, zero))
-    return Modes((*resting, *_drift(system), *moving), system.names)
+    found = (*resting, *_drift(system), *moving)
+    return Modes(tuple(replace(mode, energy_parts=system.energy_parts) for mode in found), system.names)
 
 
 def _at_rest(A: PolynomialMatrix, zero: FiniteZero):

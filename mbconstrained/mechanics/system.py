@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..checks import names_of, nearest, real_array, real_number
+from ..checks import counted, names_of, nearest, real_array, real_number
 from ..errors import InputError
 from ..notices import Notice
 from ..polynomial.matrix import PolynomialMatrix
@@ -16,6 +16,7 @@ from .acceleration import explicit_acceleration
 from .constrained_form import ConstrainedForm, constrained_form
 from .constraint import Constraint, ConstraintRow, constraint_rows
 from .element_matrix import ElementMatrix
+from .energy_parts import EnergyParts, coordinate_parts
 from .independence import independent_rows
 from .modes import Modes, modes_of
 from .motion import Motion, motion_of
@@ -36,6 +37,8 @@ class MechanicalSystem:
         static_force: constant vector (n,) of rest lengths and weights, in addition to the force. It has a
             potential, which is counted in the energy, as that of a constant force is.
         units: unit of each coordinate, "m" or "rad", by name or in order; "m" when not given.
+        energy_parts: M and K as sums of named parts, by which the energy of modes is shared out; coordinate by coordinate
+            when not given.
 
     Raises:
         InputError: shapes that do not fit, entries that are not finite, names used twice.
@@ -43,6 +46,7 @@ class MechanicalSystem:
 
     Attributes:
         given: K, C, M as they were given, each a matrix or its elements.
+        energy_parts: M and K as sums of named parts.
 
     >>> pair = MechanicalSystem(np.diag([1.0, 3.0]), constraints=[Constraint([1, -1])], names=["a", "b"])
     >>> pair.acceleration([0, 0], [0, 0], [8.0, 0.0])
@@ -59,6 +63,7 @@ class MechanicalSystem:
         force=None,
         static_force=None,
         units=None,
+        energy_parts: EnergyParts | None = None,
     ):
         self.mass = _square(mass, "mass", None)
         self.damping = _square(damping, "damping", self.size)
@@ -67,6 +72,7 @@ class MechanicalSystem:
         self.given = tuple(value if isinstance(value, ElementMatrix) else matrix for value, matrix in given)
         self.names = names_of(names, self.size, "coordinates", "x")
         self.units = coordinate_units(units, self.names)
+        self.energy_parts = self._parts(energy_parts)
         self.constraints = (constraints,) if isinstance(constraints, Constraint) else tuple(constraints or ())
         self._independent = independent_rows(constraint_rows(self.constraints, self.units), self.size)
         self.static_force = self._vector(static_force, "static_force")
@@ -200,6 +206,15 @@ class MechanicalSystem:
         if signal.size != self.size:
             raise InputError(f"{what}: it has {signal.size} rows; expected one for each of the {self.size} coordinates")
         return signal
+
+    def _parts(self, parts: EnergyParts | None) -> EnergyParts:
+        if parts is None:
+            stiffness, _, mass = self.given
+            return coordinate_parts(self.names, mass, stiffness)
+        if not isinstance(parts, EnergyParts) or parts.size not in (self.size, None):
+            found = f"parts of {parts.size} coordinates" if isinstance(parts, EnergyParts) else f"a {type(parts).__name__}"
+            raise InputError(f"energy_parts: found {found}; expected EnergyParts of {counted(self.size, 'coordinate')}")
+        return parts
 
     def _vector(self, value, what: str) -> np.ndarray:
         if value is None:

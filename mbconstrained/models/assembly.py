@@ -9,10 +9,11 @@ import numpy as np
 from ..errors import InputError
 from ..mechanics.constraint import Constraint
 from ..mechanics.element_matrix import ElementMatrix
+from ..mechanics.energy_parts import EnergyParts
 from ..mechanics.system import MechanicalSystem
 from ..signals.inputs import ImpulsiveSmooth, zero
 from .elements import Body, Element, Mass, Tie
-from .incidence import coordinate_row, incidence_of
+from .incidence import Incidence, coordinate_row, incidence_of
 
 
 def assembled(
@@ -44,7 +45,16 @@ def assembled(
         force=_drive(forces or {}, names),
         static_force=factors.springs.rest_force() + coordinate_row(weights, names),
         units=units,
+        energy_parts=_energy_parts(factors, names),
     )
+
+
+def _energy_parts(factors: Incidence, names: Sequence[str]) -> EnergyParts:
+    """Every mass and every spring by its name; joints without mass are none."""
+    unit_rows, springs = np.eye(len(names)), factors.springs
+    masses = {name: ElementMatrix(row[None], [mass]) for name, row, mass in zip(names, unit_rows, factors.masses) if mass}
+    by_spring = zip(springs.names, springs.incidence, springs.constants)
+    return EnergyParts(masses, {name: ElementMatrix(row[None], [constant]) for name, row, constant in by_spring})
 
 
 def _constraint(tie: Tie, names: Sequence[str]) -> Constraint:

@@ -71,6 +71,22 @@ class ImpulsiveSmooth:
         """The classical derivative of the regular part, for t > 0."""
         return self.smooth.derivative(order)
 
+    def distribution_derivative(self) -> ImpulsiveSmooth:
+        """f' on [0, inf) in the sense of distributions: with the jump of f at 0 and at each knot as a Dirac impulse there.
+
+        >>> from .inputs import step
+        >>> step([2.0]).distribution_derivative().impulses
+        (array([2.]),)
+        """
+        restarts = self.smooth.restarts
+        jumps = (self.smooth.coefficients @ restarts.jumps).T
+        found = {float(time): (jump,) for time, jump in zip(restarts.knots, jumps) if jump.any()}
+        for time, impulses in ((0.0, self.impulses), *((blow.time, blow.impulses) for blow in self.later)):
+            if impulses:
+                found[time] = (*found.get(time, (np.zeros(self.size),)), *impulses)
+        later = tuple(Blow(time, found[time]) for time in sorted(found) if time)
+        return ImpulsiveSmooth(self.smooth.derivative(), found.get(0.0, ()), later, self.notices)
+
     def delayed(self, delay: float) -> ImpulsiveSmooth:
         """The input f(t - delay), zero before; delay >= 0 in s.
 

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-HEAVY = ["pinocchio", "meshcat", "sympy", "matplotlib", "pydantic", "pint", "typer", "rich"]
+HEAVY = ["pinocchio", "coal", "meshcat", "sympy", "matplotlib", "pydantic", "pint", "typer", "rich"]
 
 
 def loaded_by(statement: str) -> set[str]:

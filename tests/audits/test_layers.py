@@ -15,6 +15,7 @@ UPWARDS = {("polynomial/matrix.py", "jordan")}
 #: The packages that only some scenes need: each is imported by its own folder alone.
 HEAVY = {
     "pinocchio": {"models"},
+    "coal": {"models"},
     "meshcat": {"page"},
     "sympy": {"exact", "mechanics"},
     "flint": {"exact"},
@@ -52,6 +53,12 @@ def test_no_file_goes_through_the_top(file):
 def test_heavy_packages_are_imported_by_their_own_folder_only(file):
     used = {name.split(".")[0] for name in imports(file)} & set(HEAVY)
     assert not {package for package in used if part(file) not in HEAVY[package]}
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_robots_are_the_only_place_of_pinocchio(file):
+    used = {name.split(".")[0] for name in imports(file)} & {"pinocchio", "coal"}
+    assert not used or file.startswith("models/robot/")
 
 
 def test_the_mathematics_needs_numpy_and_scipy_only():

@@ -1,0 +1,170 @@
+"""The balance of forces of a robot at rest, in one configuration.
+
+    g(q) + tau_springs(q) - tau_applied(q) = J^T lambda,   phi(q) = 0
+
+with gravity g, the loops' rows phi and their multipliers lambda. The derivative of the left side, and that of the
+right side at constant lambda (the geometric stiffness of the loop forces), are exact; nothing is differenced.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .coupling import Coupling, joint_way
+from .elastic import Elastic, elastic
+from .kinematics import Anchor, Kinematics
+from .mechanism import Attached
+from .point_motion import PointMotion
+
+
+@dataclass(frozen=True)
+class Load:
+    """What acts on a robot besides gravity.
+
+    Attributes:
+        loops, springs: attached connections.
+        couplings: joints that follow others; their rows come after those of the loops.
+        joint_stiffness, joint_rest: by tangent coordinate, shape (nv,); only of joints with one degree of freedom.
+        joint_force: constant forces and torques of the joints, shape (nv,).
+        point_forces: directions of points, with the force or torque that works along each.
+    """
+
+    loops: tuple[Attached, ...]
+    springs: tuple[Attached, ...]
+    couplings: tuple[Coupling, ...]
+    joint_stiffness: np.ndarray
+    joint_rest: np.ndarray
+    joint_force: np.ndarray
+    point_forces: Mapping[PointMotion, tuple[Anchor, float]]
+
+    @property
+    def row_names(self) -> tuple[str, ...]:
+        """Names of the rows of all loops and couplings."""
+        return (*(name for item in self.loops for name in item.connection.row_names), *(item.name for item in self.couplings))
+
+    @property
+    def row_units(self) -> tuple[str, ...]:
+        """ "m" or "rad" for each of them."""
+        return (*(unit for item in self.loops for unit in item.connection.row_units), *(item.unit for item in self.couplings))
+
+    @property
+    def is_held(self) -> bool:
+        """Whether there is any such row."""
+        return bool(self.loops or self.couplings)
+
+
+class Balance:
+    """Forces and their derivatives by the nv tangent coordinates, in one configuration q."""
+
+    def __init__(self, model, load: Load, configuration: np.ndarray):
+        self.model, self.load = model, load
+        self.configuration = configuration
+        self.kinematics = Kinematics(model, configuration)
+
+    @cached_property
+    def gravity(self) -> np.ndarray:
+        """g, shape (nv,)."""
+        import pinocchio
+
+        return np.array(pinocchio.computeGeneralizedGravity(self.model, self.model.createData(), self.configuration))
+
+    @cached_property
+    def forces(self) -> tuple[np.ndarray, ...]:
+        """The terms of the left side, each of shape (nv,)."""
+        springs = [element.force for element in self.elastic]
+        applied = [-value * row for row, value in self._rows]
+        return (self.gravity, self.load.joint_stiffness * self._stretch, *springs, -self.load.joint_force, *applied)
+
+    @property
+    def force(self) -> np.ndarray:
+        """The left side, shape (nv,)."""
+        return np.sum(self.forces, axis=0)
+
+    @cached_property
+    def stiffnesses(self) -> tuple[np.ndarray, ...]:
+        """The derivatives of its terms, each of shape (nv, nv)."""
+        import pinocchio
+
+        gravity = pinocchio.computeGeneralizedGravityDerivatives(self.model, self.model.createData(), self.configuration)
+        springs = [element.stiffness for element in self.elastic]
+        applied = [-value * self._row_change(motion, anchor) for motion, (anchor, value) in self.load.point_forces.items()]
+        return (np.array(gravity), np.diag(self.load.joint_stiffness), *springs, *applied)
+
+    @cached_property
+    def elastic(self) -> list[Elastic]:
+        """Of the springs and bushings."""
+        return [elastic(item.connection, item.pose(self.kinematics), item.rest_length) for item in self.load.springs]
+
+    @cached_property
+    def _poses(self):
+        return [(item.connection.rows, item.pose(self.kinematics)) for item in self.load.loops]
+
+    @cached_property
+    def gaps(self) -> np.ndarray:
+        """phi, the rows of all loops and couplings (m, rad), shape (m,)."""
+        coupled = [item.gap(self.model, self.configuration) for item in self.load.couplings]
+        return np.concatenate([*(rows @ pose.value for rows, pose in self._poses), coupled])
+
+    @cached_property
+    def jacobian(self) -> np.ndarray:
+        """J = d phi / dq, shape (m, nv)."""
+        coupled = [item.row(self.model) for item in self.load.couplings]
+        return np.vstack([np.zeros((0, self.model.nv)), *(rows @ pose.jacobian for rows, pose in self._poses), *coupled])
+
+    def geometric(self, multipliers: np.ndarray) -> tuple[np.ndarray, ...]:
+        """d(J^T lambda)/dq at constant lambda, a matrix (nv, nv) for each loop."""
+        parts, start = [], 0
+        for rows, pose in self._poses:
+            parts.append(pose.hessian(rows.T @ multipliers[start : start + len(rows)]))
+            start += len(rows)
+        return tuple(parts)
+
+    def stiffness(self, multipliers: np.ndarray) -> np.ndarray:
+        """The derivative of the left side less that of the right, shape (nv, nv)."""
+        return np.sum(self.stiffnesses, axis=0) - np.sum(self.geometric(multipliers), axis=0)
+
+    @cached_property
+    def mass(self) -> np.ndarray:
+        """M, shape (nv, nv), rotors not included."""
+        import pinocchio
+
+        return np.array(pinocchio.crba(self.model, self.model.createData(), self.configuration))
+
+    @cached_property
+    def sizes(self) -> np.ndarray:
+        """sqrt(M_ii): in coordinates times these, metres and radians of any body count alike; shape (nv,)."""
+        diagonal = np.sqrt(np.diag(self.mass))
+        least = diagonal[diagonal > 0].min(initial=np.inf)
+        return np.where(diagonal > 0, diagonal, least if np.isfinite(least) else 1.0)
+
+    def row(self, motion: PointMotion, anchor: Anchor) -> np.ndarray:
+        """The rate of a point's motion by that of each coordinate, shape (nv,)."""
+        if motion.turn:
+            return np.array(motion.along) @ self.kinematics.velocity(anchor.joint)[3:]
+        return np.array(motion.along) @ self.kinematics.of_point(anchor.joint, self.kinematics.frame(anchor)[1])
+
+    @cached_property
+    def _rows(self):
+        return [(self.row(motion, anchor), value) for motion, (anchor, value) in self.load.point_forces.items()]
+
+    def _row_change(self, motion: PointMotion, anchor: Anchor) -> np.ndarray:
+        """d(row^T) / dq, shape (nv, nv), of a force or torque that keeps its direction."""
+        along, point = np.array(motion.along), self.kinematics.frame(anchor)[1]
+        if motion.turn:
+            return self.kinematics.turning(anchor.joint, np.concatenate([np.zeros(3), along]))
+        arm = np.cross(self.kinematics.of_point(anchor.joint, point), along, axis=0)
+        kept = self.kinematics.turning(anchor.joint, np.concatenate([along, np.cross(point, along)]))
+        return kept + self.kinematics.velocity(anchor.joint)[3:].T @ arm
+
+    @cached_property
+    def _stretch(self) -> np.ndarray:
+        """How far each joint is from its rest, the short way round for one that turns without end, shape (nv,)."""
+        stretch = np.zeros(self.model.nv)
+        for joint in list(self.model.joints)[1:]:
+            if joint.nv == 1:
+                stretch[joint.idx_v] = joint_way(joint, self.configuration, self.load.joint_rest[joint.idx_v])
+        return stretch

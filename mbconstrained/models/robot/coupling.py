@@ -1,0 +1,61 @@
+"""Joints that follow others: rows of the loops that are linear in two joint values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .tangent import Tangent
+from .urdf import Mimic
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """q_follower - multiplier q_leader - offset = 0.
+
+    Attributes:
+        name: of the row.
+        unit: of the follower, "m" or "rad".
+        follower, leader: numbers of joints in the model.
+        multiplier, offset: of the leader's value, and added to it.
+    """
+
+    name: str
+    unit: str
+    follower: int
+    leader: int
+    multiplier: float
+    offset: float
+
+    def gap(self, model, configuration: np.ndarray) -> float:
+        """The left side, the short way round for a joint that turns without end."""
+        leader = joint_way(model.joints[self.leader], configuration, 0.0)
+        return joint_way(model.joints[self.follower], configuration, self.multiplier * leader + self.offset)
+
+    def row(self, model) -> np.ndarray:
+        """Its derivative, shape (nv,)."""
+        row = np.zeros(model.nv)
+        row[model.joints[self.follower].idx_v] = 1.0
+        row[model.joints[self.leader].idx_v] -= self.multiplier
+        return row
+
+
+def couplings(mimics: tuple[Mimic, ...], tangent: Tangent) -> tuple[Coupling, ...]:
+    """The couplings between joints that move; one with a locked joint is left out."""
+    found = []
+    for mimic in mimics:
+        if mimic.follower in tangent.coordinates and mimic.leader in tangent.coordinates:
+            numbers = [tangent.joints.index(name) + 1 for name in (mimic.follower, mimic.leader)]
+            unit = tangent.units[tangent.coordinates.index(mimic.follower)]
+            found.append(Coupling(f"{mimic.follower} follows {mimic.leader}", unit, *numbers, mimic.multiplier, mimic.offset))
+    return tuple(found)
+
+
+def joint_way(joint, configuration: np.ndarray, rest: float) -> float:
+    """How far a joint with one degree of freedom is from a value (rad, m)."""
+    value = configuration[joint.idx_q : joint.idx_q + joint.nq]
+    if joint.nq == 1:
+        return float(value[0] - rest)
+    c, s = np.cos(rest), np.sin(rest)
+    return float(np.arctan2(c * value[1] - s * value[0], c * value[0] + s * value[1]))

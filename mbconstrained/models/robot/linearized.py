@@ -1,0 +1,234 @@
+"""A robot linearized about a posture: matrices in tangent coordinates, loops as constraint rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...checks import nearest
+from ...errors import InputError
+from ...mechanics.constraint import Constraint, Level
+from ...mechanics.energy_parts import EnergyParts
+from ...mechanics.system import MechanicalSystem
+from ...notices import Notice
+from ...signals.impulsive import ImpulsiveSmooth
+from ...signals.inputs import zero
+from ...tolerances import noise_of
+from .equilibrium import null_space
+from .flexible_joint import FlexibleJoint
+from .point_motion import PointMotion
+
+if TYPE_CHECKING:
+    from .posture import Posture
+    from .without_motors import WithoutMotors
+
+#: A stiffness matrix whose asymmetry along the motion, relative to its largest entry, is below this has a potential and is
+#: made symmetric: where there is a potential rounding and the equilibrium's residual leave 1e-12.
+SYMMETRIC = 1e-9
+
+
+class LinearizedRobot(MechanicalSystem):
+    """Small motions of a robot, M d'' + D d' + K d = f + J^T lambda, J d = 0; made by ``Robot.linearize``.
+
+    The coordinates d are deviations from the posture, q = q0 (+) d, named after the joints; a flexible joint adds the angle
+    of its motor behind the gear, "<joint> motor". Multipliers are changes of the loop forces, in the frames of the loops.
+
+    Attributes:
+        posture: that it is linearized about.
+        inputs: by name the distribution of a force over the coordinates, shape (n,): a joint's torque (of a flexible one the
+            motor's), or a force or torque on a body.
+        outputs: by name a row of C in y = C d, shape (n,): a joint's angle, or the motion of a point.
+        output_units: "m" or "rad" for each.
+    """
+
+    def __init__(self, posture: Posture, level: Level, inputs: Mapping, outputs: Mapping):
+        robot, balance = posture.robot, posture.balance
+        self.posture = posture
+        self._stiffness_parts = _stiffness_parts(posture)
+        self._flexible = [(robot.coordinates.index(name), joint) for name, joint in robot.flexible_joints.items()]
+        link_stiffness, self._notices = _stiffness(posture, sum(self._stiffness_parts.values()))
+        damping = np.diag(robot.joint_damping) + np.sum([item.damping for item in balance.elastic], axis=0)
+        motors = [joint for _, joint in self._flexible]
+        names = (*robot.coordinates, *(f"{robot.coordinates[i]} motor" for i, _ in self._flexible))
+        super().__init__(
+            mass=self._with_motors(balance.mass) + self._at_motors([motor.reflected_inertia for motor in motors]),
+            damping=self._with_motors(damping)
+            + self._gears([motor.damping for motor in motors])
+            + self._at_motors([motor.derivative_gain for motor in motors]),
+            stiffness=self._with_motors(link_stiffness)
+            + self._gears([motor.stiffness for motor in motors])
+            + self._at_motors([motor.proportional_gain for motor in motors]),
+            constraints=self._rows(level),
+            names=names,
+            units=(*robot.units, *(robot.units[i] for i, _ in self._flexible)),
+            energy_parts=self._energy_parts(),
+        )
+        self.inputs = {str(name): self._input(value, f'input "{name}"') for name, value in _by_name(inputs, "inputs").items()}
+        self.outputs = {str(name): self._row(value, f'output "{name}"') for name, value in _by_name(outputs, "outputs").items()}
+        self.output_units = {str(name): self._unit(value) for name, value in outputs.items()}
+        self.input_units = {str(name): self._unit(value) for name, value in inputs.items()}
+
+    @property
+    def flexible_joints(self) -> tuple[tuple[int, FlexibleJoint], ...]:
+        """The flexible joints with the places of their links' coordinates; their motors follow after all links."""
+        return tuple(self._flexible)
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """Of the posture, of the matrices and of the constraint rows."""
+        return (*self.posture.notices, *self._notices, *super().notices)
+
+    @property
+    def output_matrix(self) -> np.ndarray:
+        """C, the rows of all outputs, shape (p, n)."""
+        return np.array([*self.outputs.values()]).reshape(len(self.outputs), self.size)
+
+    def input_force(self, signals: Mapping[str, ImpulsiveSmooth]) -> ImpulsiveSmooth:
+        """f on all coordinates from signals with one row by name of an input or of a coordinate.
+
+        Raises:
+            InputError: an unknown name, a signal with more than one row.
+        """
+        total = zero(self.size)
+        for name, signal in signals.items():
+            if not isinstance(signal, ImpulsiveSmooth) or signal.size != 1:
+                raise InputError(f'input "{name}": expected a signal with one row, such as mb.step([1.0])')
+            total = total + signal.mapped(self.force_direction(name)[:, None])
+        return total
+
+    def force_direction(self, name: str) -> np.ndarray:
+        """The distribution of a force over the coordinates, by name of an input or of a coordinate, shape (n,)."""
+        if name in self.inputs:
+            return self.inputs[name]
+        if name not in self.names:
+            known = (*self.inputs, *self.names)
+            raise InputError(f'there is no input or coordinate "{name}"{nearest(name, known)}')
+        return np.eye(self.size)[self.names.index(name)]
+
+    def without_motors(self) -> WithoutMotors:
+        """The same motion with the motors of flexible joints eliminated: a polynomial matrix of degree 4."""
+        from .without_motors import WithoutMotors
+
+        return WithoutMotors(self)
+
+    def _with_motors(self, links: np.ndarray) -> np.ndarray:
+        """A matrix of the links, with zeros for the motors."""
+        return np.pad(links, (0, len(self._flexible)))
+
+    def _at_motors(self, values: Sequence[float]) -> np.ndarray:
+        return np.diag([*np.zeros(len(self.posture.robot.coordinates)), *values])
+
+    def _gears(self, values: Sequence[float]) -> np.ndarray:
+        """Each value between a motor and its link: [v, -v; -v, v]."""
+        count = len(self.posture.robot.coordinates)
+        stretch = np.zeros((len(self._flexible), count + len(self._flexible)))
+        for motor, (link, _) in enumerate(self._flexible):
+            stretch[motor, [link, count + motor]] = -1.0, 1.0
+        return stretch.T @ np.diag(np.array(values, dtype=float)) @ stretch
+
+    def _rows(self, level: Level) -> list[Constraint]:
+        balance = self.posture.balance
+        names, units = balance.load.row_names, balance.load.row_units
+        J = np.pad(_clean_rows(balance.jacobian, balance.sizes, units), ((0, 0), (0, len(self._flexible))))
+        return [Constraint(J[i], level=level, names=names[i], unit=units[i]) for i in self.posture.independent_rows]
+
+    def _row(self, value, what: str) -> np.ndarray:
+        robot, row = self.posture.robot, np.zeros(self.size)
+        if isinstance(value, PointMotion):
+            anchor = robot.link_frames.point(value, what)
+            row[: len(robot.coordinates)] = self.posture.balance.row(value, anchor)
+        elif isinstance(value, str) and value in self.names:
+            row[self.names.index(value)] = 1.0
+        else:
+            hint = nearest(str(value), self.names)
+            raise InputError(f"{what}: found {value!r}{hint}; expected the name of a joint, or mb.PointMotion(body, ...)")
+        return row
+
+    def _input(self, value, what: str) -> np.ndarray:
+        motor = f"{value} motor"
+        return self._row(motor if motor in self.names else value, what)
+
+    def _unit(self, value) -> str:
+        if isinstance(value, PointMotion):
+            return "rad" if value.turn else "m"
+        return self.units[value]
+
+    def _energy_parts(self) -> EnergyParts:
+        robot, count = self.posture.robot, len(self._flexible)
+        kinetic = {name: self._with_motors(part) for name, part in body_masses(self.posture).items()}
+        strain = {name: self._with_motors(part) for name, part in self._stiffness_parts.items()}
+        for place, (link, joint) in enumerate(self._flexible):
+            only, name = np.eye(count)[place], robot.coordinates[link]
+            kinetic[f"{name} motor"] = self._at_motors(only * joint.reflected_inertia)
+            strain[f"gear of {name}"] = self._gears(only * joint.stiffness)
+            if joint.proportional_gain:
+                strain[f"control of {name}"] = self._at_motors(only * joint.proportional_gain)
+        return EnergyParts(kinetic, strain)
+
+
+def body_masses(posture: Posture) -> dict[str, np.ndarray]:
+    """What each body adds to M, shape (nv, nv), by the name of its first link: S_j^T I_j S_j."""
+    model, kinematics = posture.robot.model, posture.balance.kinematics
+    names = posture.robot.link_frames.first_links()
+    found = {}
+    for joint in range(1, model.njoints):
+        inertia, R = model.inertias[joint], kinematics.rotations[joint]
+        columns = kinematics.velocity(joint)
+        centre = kinematics.origins[joint] + R @ np.array(inertia.lever)
+        v, w = kinematics.of_point(joint, centre), R.T @ columns[3:]
+        found[names[joint]] = inertia.mass * v.T @ v + w.T @ np.array(inertia.inertia) @ w
+    return found
+
+
+def _stiffness_parts(posture: Posture) -> dict[str, np.ndarray]:
+    """K by what causes it: the joints' springs, the springs between bodies, gravity and forces."""
+    robot, balance = posture.robot, posture.balance
+    gravity, joints, *others = balance.stiffnesses
+    springs, applied = others[: len(balance.elastic)], others[len(balance.elastic) :]
+    sizes = np.outer(balance.sizes, balance.sizes)
+    rest = sum(_clean(part, sizes) for part in (gravity, *applied)) - sum(
+        _clean(part, sizes) for part in balance.geometric(posture.multipliers)
+    )
+    parts = {f"spring of {name}": np.diag(row) for name, row, k in zip(robot.coordinates, joints, robot.joint_stiffness) if k}
+    parts |= {item.connection.name: _clean(part, sizes) for item, part in zip(balance.load.springs, springs)}
+    return {**parts, "gravity and forces": rest + np.zeros_like(gravity)}
+
+
+def _stiffness(posture: Posture, K: np.ndarray) -> tuple[np.ndarray, tuple[Notice, ...]]:
+    """K made symmetric where the forces have a potential.
+
+    At an equilibrium the derivative of a conservative force is symmetric; what is not lies across the motion.
+    """
+    balance = posture.balance
+    sizes = np.outer(balance.sizes, balance.sizes)
+    along = null_space(balance.jacobian / balance.sizes)
+    scaled = along.T @ (K / sizes) @ along
+    skew = np.abs(scaled - scaled.T).max(initial=0.0)
+    if skew <= SYMMETRIC * np.abs(K / sizes).max(initial=0.0):
+        return (K + K.T) / 2, ()
+    text = f"the stiffness matrix is not symmetric (by {skew / np.abs(scaled).max():.1e} of its largest entry)"
+    return K, (Notice("left out", f"{text}: a torque that keeps its direction has no potential"),)
+
+
+def _clean(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """Without entries that are rounding beside the largest: a zero stiffness must be zero, or a free motion oscillates."""
+    scaled = np.abs(part / sizes)
+    return np.where(scaled > noise_of(scaled.max(initial=0.0), len(part)), part, 0.0)
+
+
+def _clean_rows(J: np.ndarray, sizes: np.ndarray, units: Sequence[str]) -> np.ndarray:
+    """The same for rows of loops, beside the largest entry of all rows of the same unit."""
+    found = J.copy()
+    for unit in set(units):
+        rows = np.array(units) == unit
+        scaled = np.abs(J[rows] / sizes)
+        found[rows] = np.where(scaled > noise_of(scaled.max(initial=0.0), J.shape[1]), J[rows], 0.0)
+    return found
+
+
+def _by_name(values, what: str) -> Mapping:
+    if not isinstance(values, Mapping):
+        raise InputError(f"{what}: found {type(values).__name__}; expected joints or mb.PointMotion by names of your own")
+    return values

@@ -1,0 +1,164 @@
+"""The tree of a robot in pinocchio, with its loops and springs attached: from here on names are numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...checks import nearest
+from ...errors import InputError
+from ..element import GROUND
+from .connections import BodySpring, Bushing, Connection, Loop
+from .kinematics import Anchor, Kinematics
+from .point_motion import PointMotion
+from .relative_pose import RelativePose
+
+
+@dataclass(frozen=True)
+class Attached:
+    """A connection whose frames are found.
+
+    Attributes:
+        connection: a Loop, BodySpring or Bushing.
+        first, second: its frames.
+        rest_length: of a BodySpring (m), otherwise 0.
+    """
+
+    connection: Connection
+    first: Anchor
+    second: Anchor
+    rest_length: float = 0.0
+
+    def pose(self, kinematics: Kinematics) -> RelativePose:
+        """phi in a configuration."""
+        return RelativePose(kinematics, self.first, self.second)
+
+
+class LinkFrames:
+    """The links of a pinocchio model, each fixed in one of its joints."""
+
+    def __init__(self, model):
+        import pinocchio
+
+        frames = [(number, frame) for number, frame in enumerate(model.frames) if frame.type == pinocchio.FrameType.BODY]
+        self._frames = {str(frame.name): frame for _, frame in frames}
+        self._numbers = {str(frame.name): number for number, frame in frames}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the links."""
+        return tuple(self._frames)
+
+    def number(self, body: str) -> int:
+        """The number of a link's frame."""
+        return self._numbers[body]
+
+    def first_links(self) -> dict[int, str]:
+        """The first link that moves with each joint, by the number of the joint."""
+        found = {}
+        for body in self.names:
+            found.setdefault(self.link(body).joint, body)
+        return found
+
+    def link(self, body: str) -> Anchor:
+        """The frame of a link, or of the ground, in the joint that carries it."""
+        return self.anchor(body, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), "body")
+
+    def anchor(self, body: str, point, rotation, what: str) -> Anchor:
+        """A frame given in a link, in the joint that carries the link.
+
+        Raises:
+            InputError: no such link.
+        """
+        import pinocchio
+
+        rotation = pinocchio.rpy.rpyToMatrix(*rotation)
+        if body == GROUND:
+            return Anchor(0, rotation, np.array(point))
+        self.check(body, what)
+        frame = self._frames[body]
+        link = np.array(frame.placement.rotation)
+        return Anchor(int(frame.parentJoint), link @ rotation, frame.placement.translation + link @ np.array(point))
+
+    def point(self, motion: PointMotion, what: str) -> Anchor:
+        """The point of an input or output."""
+        self.check(motion.body, what)
+        return self.anchor(motion.body, motion.point, (0.0, 0.0, 0.0), what)
+
+    def check(self, body: str, what: str) -> None:
+        """Raise an InputError where there is no such link."""
+        if body not in self._frames:
+            raise InputError(f'{what}: there is no body "{body}"{nearest(body, (GROUND, *self.names))}')
+
+    def attached(self, connection: Connection, guess: Kinematics) -> Attached:
+        """A connection with its frames; a second point that is left out lies where the first is at the guess."""
+        label = connection.label
+        first = self.anchor(connection.body1, connection.point1, connection.rotation1, label)
+        if connection.point2 is not None:
+            return Attached(connection, first, self.anchor(connection.body2, connection.point2, connection.rotation2, label))
+        joint = self.link(connection.body2).joint
+        rotation, point = guess.frame(first)
+        R, origin = guess.frame(Anchor(joint, np.eye(3), np.zeros(3)))
+        return Attached(connection, first, Anchor(joint, R.T @ rotation, R.T @ (point - origin)))
+
+
+def untwisted(attached: Attached, at: Kinematics) -> Attached:
+    """The same with the second frame of a hinge turned about its axis so that the hinge is at angle 0 in a configuration.
+
+    There the multipliers of its rows are torques, and its rotation vector is far from where it jumps, at pi.
+    """
+    import pinocchio
+
+    loop = attached.connection
+    if not isinstance(loop, Loop) or loop.kind != "hinge":
+        return attached
+    axis = np.array(loop.axis) / np.linalg.norm(loop.axis)
+    R1, R2 = at.frame(attached.first)[0], at.frame(attached.second)[0]
+    *v, w = pinocchio.Quaternion(R1.T @ R2).coeffs()
+    back = pinocchio.exp3(-2 * np.arctan2(axis @ np.array(v), w) * axis)
+    return replace(attached, second=replace(attached.second, rotation=attached.second.rotation @ back))
+
+
+def with_rest_length(attached: Attached, guess: Kinematics) -> Attached:
+    """The same with the rest length of a spring that is given by its preload at the guess."""
+    spring = attached.connection
+    if not isinstance(spring, BodySpring):
+        return attached
+    if spring.rest_length is not None:
+        return replace(attached, rest_length=spring.rest_length)
+    length = float(np.linalg.norm(attached.pose(guess).value[:3]))
+    slack = (spring.preload or 0.0) / spring.stiffness if spring.stiffness else 0.0
+    if slack > length:
+        raise InputError(
+            f"{spring.label}: with a preload of {spring.preload:g} N and {length:.6g} m length at the guess its rest length "
+            "would be negative; give a smaller preload or a greater stiffness"
+        )
+    return replace(attached, rest_length=length - slack)
+
+
+def check_connections(loops, springs, bodies: LinkFrames) -> None:
+    """Kinds, names and bodies of all loops and springs, before any configuration is known.
+
+    Raises:
+        InputError: of which connection and why.
+    """
+    for kinds, connections, word in (((Loop,), loops, "loops"), ((BodySpring, Bushing), springs, "springs")):
+        for connection in connections:
+            if not isinstance(connection, kinds):
+                wanted = " or ".join(f"mb.{kind.__name__}" for kind in kinds)
+                raise InputError(f"{word}: found {type(connection).__name__}; make each with {wanted}(...)")
+            for body in (connection.body1, connection.body2):
+                if body != GROUND:
+                    bodies.check(body, connection.label)
+
+
+def with_own_names(connections) -> tuple[Connection, ...]:
+    """The connections, numbered where several have the same name."""
+    names = [connection.name for connection in connections]
+    found, seen = [], {}
+    for connection in connections:
+        seen[connection.name] = seen.get(connection.name, 0) + 1
+        several = names.count(connection.name) > 1
+        found.append(replace(connection, name=f"{connection.name} {seen[connection.name]}") if several else connection)
+    return tuple(found)

@@ -1,0 +1,120 @@
+"""From a guess to a posture: which joints may move, what acts, loops closed, then the balance of forces."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...checks import real_number
+from ...errors import InputError
+from ...notices import Notice
+from .balance import Balance, Load
+from .equilibrium import LARGEST_STEP, Equilibrium, Search, closed, equilibrium
+from .kinematics import Kinematics
+from .mechanism import untwisted, with_rest_length
+from .point_motion import PointMotion
+from .posture import Posture
+from .regularity import loop_rows
+
+if TYPE_CHECKING:
+    from .robot import Robot
+
+#: A joint may be this far beyond its limits (rad, m): rounding of a guess at the limit.
+AT_LIMIT = 1e-9
+
+
+def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str) -> Posture:
+    """See ``Robot.equilibrium``."""
+    start = robot.tangent.configuration(guess)
+    free = ~_held(robot, hold)
+    load = _untwisted(_load(robot, start, forces), robot, start)
+    q = closed(search(robot, load, free), start)
+    at_guess = Kinematics(robot.model, q)
+    load = replace(load, springs=tuple(with_rest_length(item, at_guess) for item in load.springs))
+    found = equilibrium(search(robot, load, free), q)
+    if (here := _untwisted(load, robot, found.balance.configuration)) is not load:
+        found = equilibrium(search(robot, here, free), found.balance.configuration)
+    if outside := robot.tangent.outside_limits(found.balance.configuration, AT_LIMIT):
+        raise InputError(f"equilibrium: {outside}; give another guess, or other limits in the URDF")
+    return _posture(robot, found, free)
+
+
+def search(robot: Robot, load: Load, free: np.ndarray) -> Search:
+    """For a posture under a load, with the coordinates that may move."""
+    size = _size(robot, load)
+    reach = np.where(np.array(robot.units) == "rad", LARGEST_STEP, LARGEST_STEP * size)
+    return Search(lambda q: Balance(robot.model, load, q), free, size, reach)
+
+
+def _held(robot: Robot, hold) -> np.ndarray:
+    """Which coordinates keep the guess."""
+    if isinstance(hold, str) and hold != "all":
+        hold = (hold,)
+    followers = [robot.joints[item.follower - 1] for item in robot.couplings]
+    single = [name for name in robot.joints if name in robot.coordinates and name not in followers]
+    held = np.zeros(len(robot.coordinates), bool)
+    for name in (*(single if hold == "all" else hold), *robot.flexible_joints):
+        held[robot.tangent.place(name, "hold")] = True
+    return held
+
+
+def _load(robot: Robot, start: np.ndarray, forces) -> Load:
+    """What acts, the frames of loops and springs found at the guess."""
+    if not isinstance(forces, Mapping):
+        raise InputError(f'forces: found {type(forces).__name__}; expected numbers by joint, such as {{"j1": 2.0}}')
+    at_guess, bodies = Kinematics(robot.model, start), robot.link_frames
+    points = {key: value for key, value in forces.items() if isinstance(key, PointMotion)}
+    return Load(
+        loops=tuple(bodies.attached(loop, at_guess) for loop in robot.loops),
+        springs=tuple(bodies.attached(spring, at_guess) for spring in robot.springs),
+        couplings=robot.couplings,
+        joint_stiffness=robot.joint_stiffness,
+        joint_rest=robot.joint_rest,
+        joint_force=robot.tangent.vector({key: value for key, value in forces.items() if key not in points}, "forces"),
+        point_forces={
+            key: (bodies.point(key, "forces"), real_number(value, f"forces: on {key.body}")) for key, value in points.items()
+        },
+    )
+
+
+def _untwisted(load: Load, robot: Robot, q: np.ndarray) -> Load:
+    """The load with its hinges, if there are any, at angle 0 in a configuration."""
+    at = Kinematics(robot.model, q)
+    loops = tuple(untwisted(item, at) for item in load.loops)
+    return load if all(map(operator.is_, loops, load.loops)) else replace(load, loops=loops)
+
+
+def _size(robot: Robot, load: Load) -> float:
+    """A length that is typical for the robot (m)."""
+    anchors = [anchor for item in (*load.loops, *load.springs) for anchor in (item.first, item.second) if anchor.joint]
+    places = [np.array(place.translation) for place in robot.model.jointPlacements] + [anchor.point for anchor in anchors]
+    places += [np.array(inertia.lever) for inertia in robot.model.inertias]
+    return float(max((np.linalg.norm(place) for place in places), default=0.0)) or 1.0
+
+
+def _posture(robot: Robot, found: Equilibrium, free: np.ndarray) -> Posture:
+    balance = found.balance
+    rows = loop_rows(balance)
+    left = balance.force - balance.jacobian.T @ found.multipliers
+    return Posture(
+        robot=robot,
+        configuration=balance.configuration,
+        multipliers=found.multipliers,
+        torques={robot.coordinates[i]: float(left[i]) for i in np.flatnonzero(~free)},
+        residual=found.residual,
+        loop_error=found.gap,
+        notices=(*rows.notices, *_left_out(robot)),
+        balance=balance,
+        independent_rows=rows.kept,
+    )
+
+
+def _left_out(robot: Robot) -> tuple[Notice, ...]:
+    """What the URDF says and no linear model can have."""
+    dry = [name for name, friction in zip(robot.coordinates, robot.model.friction) if friction]
+    named = ", ".join(dry[:3]) + (f" and {len(dry) - 3} more joints" if len(dry) > 3 else "")
+    return (Notice("left out", f"dry friction of {named} is left out: it is not linear"),) if dry else ()

@@ -1,0 +1,196 @@
+"""A robot: a URDF with what a URDF cannot say, loops, springs, elastic gears."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from ...checks import nearest, real_array, real_number
+from ...errors import InputError
+from ...mechanics.constraint import Level
+from .connections import BodySpring, Bushing, Loop
+from .coupling import couplings
+from .flexible_joint import FlexibleJoint
+from .linearized import LinearizedRobot
+from .mechanism import LinkFrames, check_connections, with_own_names
+from .point_motion import PointMotion
+from .posture import Posture
+from .posture_search import find_posture
+from .tangent import Tangent
+from .tree import built_model, urdf_damping
+from .urdf import checked_tree, mimics_of, read_urdf
+
+if TYPE_CHECKING:
+    from .connection_points import ConnectionPoints
+    from .poses import Poses
+    from .visuals import Visual
+
+
+class Robot:
+    """A tree of joints from a URDF, with loops, springs and elastic gears.
+
+    Args:
+        urdf: the path of a .urdf file, or the XML text itself. Collision geometry is never read.
+        loops: joints that close loops, ``Loop``.
+        springs: between bodies, ``BodySpring`` and ``Bushing``.
+        base: "fixed" to the ground, or "free".
+        joint_stiffness, joint_rest, joint_damping: by joint with one degree of freedom: a spring (N m/rad, N/m) that is
+            relaxed at the rest (rad, m; 0 when not given), and a damper (N m s/rad, N s/m) in addition to the URDF's.
+        gravity: the acceleration of free fall (m/s^2), a vector or the number g for (0, 0, -g).
+        locked: joints that do not move, with their values (rad, m).
+        flexible_joints: by joint, ``FlexibleJoint``.
+        package_dirs: folders in which package://NAME/... of mesh files is looked for, each holding the folder NAME.
+        name: the URDF's when not given.
+
+    Raises:
+        InputError: what is wrong, and where.
+
+    >>> urdf = '''<robot name="pendulum"><link name="base"/><link name="rod"><inertial><mass value="2"/>
+    ...   <origin xyz="0 0 -0.5"/><inertia ixx="0.1" iyy="0.1" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    ...   <joint name="hinge" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint></robot>'''
+    >>> robot = Robot(urdf)
+    >>> system = robot.linearize(robot.equilibrium({"hinge": 0.1}))
+    >>> bool(np.isclose(system.modes().angular_frequencies[0] ** 2, 2 * 9.81 * 0.5 / (0.1 + 2 * 0.5**2)))
+    True
+    """
+
+    def __init__(
+        self,
+        urdf: str | Path,
+        loops: Sequence[Loop] = (),
+        springs: Sequence[BodySpring | Bushing] = (),
+        base: Literal["fixed", "free"] = "fixed",
+        joint_stiffness: Mapping[str, float] | None = None,
+        joint_rest: Mapping[str, float] | None = None,
+        joint_damping: Mapping[str, float] | None = None,
+        gravity=(0.0, 0.0, -9.81),
+        locked: Mapping[str, float] | None = None,
+        flexible_joints: Mapping[str, FlexibleJoint] | None = None,
+        package_dirs: Sequence[str | Path] = (),
+        name: str | None = None,
+    ):
+        text, self.folder = read_urdf(urdf)
+        self.description = checked_tree(text)
+        self.name = str(name or self.description.get("name") or "robot")
+        if base not in ("fixed", "free"):
+            raise InputError(f'base: found {base!r}{nearest(str(base), ("fixed", "free"))}; expected "fixed" or "free"')
+        self.package_dirs = tuple(Path(folder) for folder in package_dirs)
+        self.model = built_model(text, base == "free", locked or {}, _gravity(gravity))
+        self.tangent = Tangent(self.model, base == "free")
+        self.link_frames = LinkFrames(self.model)
+        self.couplings = couplings(mimics_of(self.description), self.tangent)
+        self.loops, self.springs = with_own_names(tuple(loops)), with_own_names(tuple(springs))
+        check_connections(self.loops, self.springs, self.link_frames)
+        self._set_joints(joint_stiffness, joint_rest, joint_damping, flexible_joints)
+
+    def _set_joints(self, stiffness, rest, damping, flexible) -> None:
+        self.joint_stiffness = self.tangent.vector(stiffness, "joint_stiffness", minimum=0.0)
+        self.joint_rest = self.tangent.vector(rest, "joint_rest")
+        self.joint_damping = urdf_damping(self.model) + self.tangent.vector(damping, "joint_damping", minimum=0.0)
+        self.flexible_joints = dict(flexible or {})
+        for name, joint in self.flexible_joints.items():
+            self.tangent.place(name, "flexible_joints")
+            if not isinstance(joint, FlexibleJoint):
+                raise InputError(f"flexible_joints: {name}: found {type(joint).__name__}; make it with mb.FlexibleJoint(...)")
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints that move, "base" for a free base."""
+        return self.tangent.joints
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the links."""
+        return self.link_frames.names
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the tangent coordinates."""
+        return self.tangent.coordinates
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """ "m" or "rad" for each of them."""
+        return self.tangent.units
+
+    def equilibrium(
+        self,
+        guess: Mapping | np.ndarray | None = None,
+        forces: Mapping[str | PointMotion, float] | None = None,
+        hold: Sequence[str] | Literal["all"] = (),
+    ) -> Posture:
+        """The posture near a guess at which the robot stays at rest, its loops closed.
+
+            g(q) + tau_springs(q) - tau = J^T lambda,   phi(q) = 0        (Newton's method)
+
+        Args:
+            guess: values by joint (rad, m), 0 for those not named: for a free base ("base") x, y, z, roll, pitch, yaw or
+                x, y, z and a quaternion x, y, z, w; or all of q.
+            forces: constant ones by joint (N m, N) or by ``PointMotion`` (N, N m).
+            hold: joints that keep the guess, or "all"; the torques that they need are found. Flexible joints are held.
+
+        Raises:
+            InputError: there is none near the guess, the loops do not close, a joint is beyond its limits, or the
+                posture is singular.
+        """
+        return find_posture(self, {} if guess is None else guess, forces or {}, hold)
+
+    def linearize(
+        self,
+        posture: Posture,
+        level: Level = "position",
+        inputs: Mapping[str, str | PointMotion] | None = None,
+        outputs: Mapping[str, str | PointMotion] | None = None,
+    ) -> LinearizedRobot:
+        """Small motions about a posture, M d'' + D d' + K d = f + J^T lambda with J d = 0.
+
+        K is the derivative of all forces at rest, the geometric stiffness of the loop forces included,
+
+            K = dg/dq + d tau_springs/dq - d(J^T lambda)/dq at constant lambda.
+
+        Args:
+            posture: from ``equilibrium`` of this robot.
+            level: at which the loops are held, "position", "velocity" or "acceleration".
+            inputs, outputs: by name of your own: a joint (its torque; its angle), or a ``PointMotion``.
+
+        Raises:
+            InputError: a posture of another robot, unknown names.
+        """
+        if not isinstance(posture, Posture) or posture.robot is not self:
+            raise InputError("linearize: expected a posture that equilibrium() of this robot has found")
+        return LinearizedRobot(posture, level, inputs or {}, outputs or {})
+
+    def visuals(self) -> tuple[Visual, ...]:
+        """What the links look like; mesh files are read now, collision geometry never.
+
+        Raises:
+            InputError: shapes without sense, mesh files that cannot be read or lie outside the folders named.
+        """
+        from .visuals import visuals_of
+
+        return visuals_of(self.description, self.folder, self.package_dirs)
+
+    def poses(self, posture: Posture, displacements, scale: float = 1.0) -> dict[str, Poses]:
+        """The places of all links for small motions about a posture, shape (n, T), drawn larger; loops stay closed."""
+        from .poses import link_poses
+
+        return link_poses(posture, displacements, scale)
+
+    def connection_points(self, posture: Posture) -> tuple[ConnectionPoints, ...]:
+        """The ends of all loops and springs in the frames of their bodies."""
+        from .connection_points import connection_points
+
+        return connection_points(posture)
+
+    def __repr__(self) -> str:
+        closed_by = f", {len(self.loops)} loop{'s' if len(self.loops) != 1 else ''}" if self.loops else ""
+        return f"Robot({self.name}: {len(self.bodies)} links, {len(self.coordinates)} coordinates{closed_by})"
+
+
+def _gravity(gravity) -> np.ndarray:
+    if np.ndim(gravity) == 0:
+        return np.array([0.0, 0.0, -real_number(gravity, "gravity")])
+    return real_array(gravity, "gravity", shape=(3,))

@@ -1,0 +1,139 @@
+"""The coordinates of a robot: names, units, and configurations given by name.
+
+A configuration (nq numbers, with unit quaternions and cosines) is not a vector; small motions about it are. The nv
+tangent coordinates are the angle or way of each joint with one degree of freedom, and for a free body the translation
+along and the rotation about its own axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+
+import numpy as np
+
+from ...checks import nearest, real_array, real_number
+from ...errors import InputError
+
+BASE = "base"
+
+_SUFFIXES = {1: ("",), 3: (" x", " y", " rz"), 6: (" x", " y", " z", " rx", " ry", " rz")}
+
+
+class Tangent:
+    """Names of the joints of a pinocchio model and of their tangent coordinates."""
+
+    def __init__(self, model, free_base: bool):
+        self.model = model
+        names = [str(name) for name in model.names]
+        if free_base:
+            names[1] = BASE
+        self.joints = tuple(names[1:])
+
+    @cached_property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the nv tangent coordinates."""
+        return tuple(f"{name}{suffix}" for name, joint in self._each() for suffix in _SUFFIXES[joint.nv])
+
+    @cached_property
+    def units(self) -> tuple[str, ...]:
+        """ "m" or "rad" for each of them."""
+        return tuple(unit for _, joint in self._each() for unit in _units(joint))
+
+    def place(self, name: str, what: str) -> int:
+        """The place of a joint with one degree of freedom among the coordinates."""
+        if name in self.joints and name not in self.coordinates:
+            several = ", ".join(c for c in self.coordinates if c.startswith(f"{name} "))
+            raise InputError(f'{what}: "{name}" moves in several ways; name one of {several}')
+        if name not in self.coordinates:
+            raise InputError(f'{what}: there is no joint "{name}"{nearest(name, self.coordinates)}')
+        return self.coordinates.index(name)
+
+    def vector(self, values: Mapping[str, float], what: str, **limits) -> np.ndarray:
+        """Numbers by coordinate as a vector, zero for the others."""
+        vector = np.zeros(self.model.nv)
+        for name, value in _mapping(values, what).items():
+            vector[self.place(name, what)] = real_number(value, f"{what} of {name}", **limits)
+        return vector
+
+    def configuration(self, values, what: str = "guess") -> np.ndarray:
+        """q from a mapping of joint names to values, zero for the others; or all nq numbers of it.
+
+        A free body takes x, y, z, roll, pitch, yaw or x, y, z and a quaternion x, y, z, w; one that slides in a plane
+        x, y and its angle.
+        """
+        import pinocchio
+
+        q = pinocchio.neutral(self.model)
+        if not isinstance(values, Mapping):
+            return pinocchio.normalize(self.model, self._whole(values, what))
+        for name, value in values.items():
+            if name not in self.joints:
+                raise InputError(f'{what}: there is no joint "{name}"{nearest(name, self.joints)}')
+            joint = self.model.joints[self.joints.index(name) + 1]
+            q[joint.idx_q : joint.idx_q + joint.nq] = _joint_configuration(joint, value, f"{what} of {name}")
+        return q
+
+    def values(self, q: np.ndarray) -> dict[str, float | tuple[float, ...]]:
+        """The inverse: by joint a number, or the numbers of a body that moves in several ways."""
+        return {name: _joint_value(joint, q[joint.idx_q : joint.idx_q + joint.nq]) for name, joint in self._each()}
+
+    def outside_limits(self, q: np.ndarray, tolerance: float) -> str:
+        """A sentence on the first joint that is beyond its limits, or an empty text."""
+        model = self.model
+        for name, joint in self._each():
+            low, high, value = model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q], q[joint.idx_q]
+            if joint.nq == 1 and low < high and not low - tolerance <= value <= high + tolerance:
+                return f'joint "{name}" is at {value:.6g} {_units(joint)[0]}, beyond its limits {low:.6g} ... {high:.6g}'
+        return ""
+
+    def _each(self):
+        return zip(self.joints, list(self.model.joints)[1:])
+
+    def _whole(self, values, what: str) -> np.ndarray:
+        q = real_array(values, what, shape=(self.model.nq,))
+        for name, joint in self._each():
+            turn = q[joint.idx_q : joint.idx_q + joint.nq][{4: 2, 7: 3}.get(joint.nq, 0) :] if joint.nq != joint.nv else ()
+            if len(turn) and not np.any(turn):
+                raise InputError(f"{what}: the numbers of {name} that stand for its rotation are all 0")
+        return q
+
+
+def _mapping(values, what: str) -> Mapping:
+    if values is None:
+        return {}
+    if not isinstance(values, Mapping):
+        raise InputError(f'{what}: found {type(values).__name__}; expected numbers by joint, such as {{"j1": 1.2}}')
+    return values
+
+
+def _units(joint) -> tuple[str, ...]:
+    if joint.nv == 1:
+        return ("m",) if joint.shortname().startswith("JointModelP") else ("rad",)
+    return ("m", "m", "rad") if joint.nv == 3 else ("m",) * 3 + ("rad",) * 3
+
+
+def _joint_configuration(joint, value, what: str) -> np.ndarray:
+    import pinocchio
+
+    if joint.nv == 1:
+        value = real_number(value, what)
+        return np.array([value] if joint.nq == 1 else [np.cos(value), np.sin(value)])
+    numbers = real_array(value, what, shape=(None,))
+    if joint.nv == 3 and len(numbers) == 3:
+        return np.array([*numbers[:2], np.cos(numbers[2]), np.sin(numbers[2])])
+    if joint.nv == 6 and len(numbers) == 6:
+        rotation = pinocchio.rpy.rpyToMatrix(*numbers[3:])
+        return np.concatenate([numbers[:3], pinocchio.Quaternion(rotation).coeffs()])
+    if joint.nv == 6 and len(numbers) == 7 and numbers[3:].any():
+        return np.concatenate([numbers[:3], numbers[3:] / np.linalg.norm(numbers[3:])])
+    wanted = "x, y and an angle" if joint.nv == 3 else "x, y, z, roll, pitch, yaw, or x, y, z and a quaternion x, y, z, w"
+    raise InputError(f"{what}: found {len(numbers)} numbers; expected {wanted}")
+
+
+def _joint_value(joint, q: np.ndarray):
+    if joint.nq == joint.nv == 1:
+        return float(q[0])
+    if joint.nq == 2:
+        return float(np.arctan2(q[1], q[0]))
+    return (*q[:2].tolist(), float(np.arctan2(q[3], q[2]))) if joint.nv == 3 else tuple(q.tolist())

@@ -1,0 +1,160 @@
+"""What the links look like: the visuals of the URDF, as plain data. Collision geometry is never looked at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import unquote
+from xml.etree import ElementTree
+
+import numpy as np
+
+from ...checks import nearest
+from ...errors import InputError
+
+LARGEST_MESH = 50_000_000  # bytes; a page with it would be larger still
+
+MESH_ENDINGS = (".stl", ".obj", ".dae", ".ply")
+
+
+@dataclass(frozen=True)
+class Visual:
+    """One shape of a link.
+
+    Attributes:
+        link: its name.
+        kind: "box", "cylinder" (axis z), "sphere" or "mesh".
+        size: x, y, z; radius, length; radius; nothing for a mesh (m).
+        placement: shape (4, 4), from the shape's frame into that of the link.
+        color: red, green, blue, opacity from 0 to 1, or None.
+        vertices, faces: of a mesh: corners (k, 3) in m, and triangles (f, 3) of their numbers.
+    """
+
+    link: str
+    kind: str
+    size: tuple[float, ...]
+    placement: np.ndarray
+    color: tuple[float, float, float, float] | None
+    vertices: np.ndarray | None = None
+    faces: np.ndarray | None = None
+
+
+def visuals_of(description: ElementTree.Element, folder: Path | None, package_dirs: tuple[Path, ...]) -> tuple[Visual, ...]:
+    """The visuals of all links.
+
+    Args:
+        description: the element <robot>.
+        folder: of the URDF, in which its mesh files lie, or None where the URDF was given as a text.
+        package_dirs: folders that hold the packages of package://NAME/...
+
+    Raises:
+        InputError: numbers that make no sense, mesh files outside these folders, or that cannot be read.
+    """
+    colors = {m.get("name"): _color(m) for m in description.findall("material")}
+    found = []
+    for link in description.findall("link"):
+        for visual in link.findall("visual"):
+            where = f'urdf, link "{link.get("name")}", visual'
+            material = visual.find("material")
+            color = None if material is None else _color(material) or colors.get(material.get("name"))
+            kind, size, mesh = _shape(visual.find("geometry"), where, folder, package_dirs)
+            found.append(Visual(str(link.get("name")), kind, size, _placement(visual.find("origin"), where), color, *mesh))
+    return tuple(found)
+
+
+def _shape(geometry, where: str, folder, package_dirs):
+    """Kind, size, and vertices and faces of a mesh."""
+    if geometry is None or len(geometry) == 0:
+        raise InputError(f"{where}: found no geometry; expected a box, cylinder, sphere or mesh")
+    shape = geometry[0]
+    keys = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}
+    if shape.tag == "mesh":
+        return "mesh", (), _mesh(shape, where, folder, package_dirs)
+    if shape.tag not in keys:
+        raise InputError(f"{where}: found <{shape.tag}>{nearest(shape.tag, (*keys, 'mesh'))}; expected {', '.join(keys)} or mesh")
+    size = [number for key in keys[shape.tag] for number in _numbers(shape.get(key), f"{where}, {key}")]
+    if len(size) != (3 if shape.tag == "box" else len(keys[shape.tag])) or min(size) <= 0:
+        raise InputError(
+            f"{where}: found <{shape.tag}> of the size {size}; expected {', '.join(keys[shape.tag])} greater than zero"
+        )
+    return ("cylinder" if shape.tag == "capsule" else shape.tag), tuple(size), (None, None)
+
+
+def _mesh(shape, where: str, folder, package_dirs) -> tuple[np.ndarray, np.ndarray]:
+    path = mesh_file(shape.get("filename", ""), where, folder, package_dirs)
+    scale = np.array(_numbers(shape.get("scale", "1 1 1"), f"{where}, scale"))
+    if len(scale) != 3:
+        raise InputError(f"{where}: scale: found {len(scale)} numbers; expected three")
+    import coal
+
+    try:
+        mesh = coal.MeshLoader().load(str(path), scale)
+        faces = [mesh.tri_indices(i) for i in range(mesh.num_tris)]
+        return np.array(mesh.vertices()).reshape(-1, 3), np.array([[f[0], f[1], f[2]] for f in faces], int).reshape(-1, 3)
+    except (ValueError, RuntimeError) as problem:
+        reason = (str(problem).strip().splitlines() or ["unknown"])[-1][:120]
+        raise InputError(f"{where}: the mesh file {path.name} cannot be read ({reason})") from None
+
+
+def mesh_file(name: str, where: str, folder: Path | None, package_dirs: tuple[Path, ...]) -> Path:
+    """The path of a mesh: in the folder of the URDF, or by package://NAME/... in a folder NAME of the package directories.
+
+    Raises:
+        InputError: any other place, also by a symbolic link; no such file, too large, another kind of file.
+    """
+    rule = "mesh files lie in the folder of the URDF, or are named package://NAME/... with NAME in package_dirs"
+    name = unquote(name)
+    if name.startswith("package://"):
+        package, _, rest = name.removeprefix("package://").partition("/")
+        roots = [directory / package for directory in package_dirs if package and (directory / package).is_dir()]
+        if not roots or package in (".", ".."):
+            raise InputError(f'{where}: found the mesh of the package "{package}", which is in none of package_dirs; {rule}')
+        root, name = roots[0], rest
+    elif folder is None:
+        raise InputError(f"{where}: found the mesh {name[:60]!a}, but the URDF was given as a text; give its path, or package_dirs")
+    else:
+        root = folder
+    if "://" in name or "\0" in name or not name or Path(name).is_absolute():
+        raise InputError(f"{where}: found the mesh {name[:60]!a}; {rule}")
+    path = (root / name).resolve()
+    if not path.is_relative_to(root.resolve()):
+        raise InputError(f"{where}: the mesh {name[:60]!a} leads out of its folder; {rule}")
+    if path.suffix.lower() not in MESH_ENDINGS:
+        raise InputError(f"{where}: found the mesh {path.name[:60]!a}; expected a file that ends in {', '.join(MESH_ENDINGS)}")
+    if not path.is_file():
+        raise InputError(f"{where}: there is no mesh file {name[:60]!a} in the folder")
+    if path.stat().st_size > LARGEST_MESH:
+        raise InputError(f"{where}: the mesh {path.name} has {path.stat().st_size:,} bytes; at most {LARGEST_MESH:,} are read")
+    return path
+
+
+def _placement(origin, where: str) -> np.ndarray:
+    import pinocchio
+
+    placement = np.eye(4)
+    if origin is not None:
+        xyz, rpy = (_numbers(origin.get(key, "0 0 0"), f"{where}, {key}") for key in ("xyz", "rpy"))
+        if len(xyz) != 3 or len(rpy) != 3:
+            raise InputError(f"{where}, origin: expected three numbers in xyz and in rpy")
+        placement[:3, :3], placement[:3, 3] = pinocchio.rpy.rpyToMatrix(*rpy), xyz
+    return placement
+
+
+def _color(material) -> tuple[float, float, float, float] | None:
+    color = material.find("color")
+    if color is None:
+        return None
+    rgba = _numbers(color.get("rgba", ""), "urdf, color")
+    if len(rgba) not in (3, 4):
+        raise InputError(f"urdf, color: found {len(rgba)} numbers; expected red, green, blue and opacity")
+    return tuple(min(1.0, max(0.0, part)) for part in (*rgba, 1.0)[:4])
+
+
+def _numbers(text, where: str) -> list[float]:
+    try:
+        numbers = [float(part) for part in str(text).split()]
+    except ValueError:
+        numbers = [np.nan]
+    if not np.isfinite(numbers).all() or not numbers:
+        raise InputError(f"{where}: found {str(text)[:60]!a}; expected numbers")
+    return numbers

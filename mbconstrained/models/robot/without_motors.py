@@ -1,0 +1,131 @@
+"""Flexible joints with their motors eliminated: a polynomial matrix of degree 4 in the links' coordinates.
+
+With R(s) = M s^2 + D s + K of the links (their gears included), S = c s + k of each gear and
+Z = B s^2 + (k_d + c) s + k_p + k of each motor, the doubled equations
+
+    R q - S theta - J^T lambda = f,     Z theta - S q = tau,     J q = 0
+
+become, the rows of flexible joints multiplied by Z and theta put in from the second,
+
+    (Z R - S^2) q - Z J^T lambda = Z f + S tau,     J q = 0.
+
+Loops keep their multipliers as coordinates: Z does not commute with a basis of null(J).
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...errors import InputError
+from ...polynomial.matrix import PolynomialMatrix
+from ...response.response import Response
+from ...response.solve import solve
+from ...signals.impulsive import ImpulsiveSmooth
+from ...signals.inputs import step
+from ...tolerances import noise_of
+
+if TYPE_CHECKING:
+    from .linearized import LinearizedRobot
+
+
+class WithoutMotors:
+    """A linearized robot in the coordinates of its links alone, then the multipliers of its loops.
+
+    Attributes:
+        system: the linearized robot with its motors.
+        names: of the links' coordinates, then of the rows of the loops.
+    """
+
+    def __init__(self, system: LinearizedRobot):
+        self.system = system
+        self._links = system.size - len(system.flexible_joints)
+        self.names = (*system.names[: self._links], *(row.name for row in system.rows))
+
+    @cached_property
+    def polynomial_matrix(self) -> PolynomialMatrix:
+        """[Z R - S^2, -Z J^T; J s^level, 0], its degree 4 where a joint is flexible."""
+        system, n = self.system, self._links
+        count = len(self.names)
+        found = np.zeros((5, count, count))
+        R = np.array([matrix[:n, :n] for matrix in (system.stiffness, system.damping, system.mass)])
+        J = system.constraint_matrix[:, :n]
+        for link in range(n):
+            Z, S = self._gear(link)
+            for power, factor in enumerate(Z):
+                found[power : power + 3, link, :n] += factor * R[:, link]
+                found[power, link, n:] -= factor * J[:, link]
+            square = np.convolve(S, S)
+            found[: len(square), link, link] -= square
+        for place, row in enumerate(system.rows):
+            found[row.order, n + place, :n] = J[place]
+        while len(found) > 1 and not found[-1].any():
+            found = found[:-1]
+        return PolynomialMatrix(found, coordinates=self.names)
+
+    def solve(self, displacement=None, velocity=None, force=None) -> Response:
+        """The motion; arguments as for the linearized robot's ``solve``, motors included.
+
+        The values of the second and third derivatives at 0- are those of the motion without force.
+
+        Raises:
+            InputError: the masses do not determine the accelerations, so that there are no such values.
+        """
+        system = self.system
+        start = [system._vector(displacement, "displacement"), system._vector(velocity, "velocity")]
+        return solve(self.polynomial_matrix, self._initial(*start), self._force(force))
+
+    def _gear(self, link: int) -> tuple[np.ndarray, np.ndarray]:
+        """Coefficients of Z and S in ascending powers; 1 and 0 for a joint without a motor."""
+        for motor, (place, joint) in enumerate(self.system.flexible_joints):
+            if place == link:
+                at = self._links + motor
+                Z = [matrix[at, at] for matrix in (self.system.stiffness, self.system.damping, self.system.mass)]
+                return np.array(Z), np.array([joint.stiffness, joint.damping])
+        return np.ones(1), np.zeros(1)
+
+    def _force(self, force) -> ImpulsiveSmooth:
+        """Z f + S tau, for derivatives in the sense of distributions."""
+        system, n = self.system, self._links
+        total = system.force
+        if force is not None:
+            total = total + (force if isinstance(force, ImpulsiveSmooth) else step(system._vector(force, "force")))
+        maps = np.zeros((3, len(self.names), system.size))
+        for link in range(n):
+            Z, S = self._gear(link)
+            maps[: len(Z), link, link] = Z
+            for motor, (place, _) in enumerate(system.flexible_joints):
+                if place == link:
+                    maps[: len(S), link, n + motor] = S
+        first = total.distribution_derivative()
+        return total.mapped(maps[0]) + first.mapped(maps[1]) + first.distribution_derivative().mapped(maps[2])
+
+    def _initial(self, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """q and its derivatives up to the third, lambda and its first, as the motion without force has them; shape (q, r)."""
+        a, multipliers = self._free_motion(x, v)
+        jerk, rates = self._free_motion(v, a)
+        n, nothing = self._links, np.zeros_like(multipliers)
+        rows = [(x, multipliers), (v, rates), (a, nothing), (jerk, nothing)]
+        degree = self.polynomial_matrix.degree
+        return np.array([np.concatenate([motion[:n], held]) for motion, held in rows])[:degree]
+
+    def _free_motion(self, x: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """x'' and lambda from M x'' - J^T lambda = -C x' - K x, J x'' = 0."""
+        system, J = self.system, self.system.constraint_matrix
+        matrix = np.block([[system.mass, -J.T], [J, np.zeros((len(J), len(J)))]])
+        load = np.concatenate([-system.damping @ v - system.stiffness @ x, np.zeros(len(J))])
+        scale = np.abs(matrix).max(axis=1)
+        if not scale.all():
+            raise self._undetermined()
+        found = np.linalg.lstsq(matrix / scale[:, None], load / scale, rcond=None)
+        if found[2] < len(matrix) or not np.isfinite(found[0]).all() or found[3][-1] < noise_of(found[3][0], len(matrix)):
+            raise self._undetermined()
+        return found[0][: system.size], found[0][system.size :]
+
+    def _undetermined(self) -> InputError:
+        return InputError(
+            "without_motors: the masses and motor inertias do not determine the accelerations, so that values of higher derivatives "
+            "at the start are not known; solve the doubled system, or give every motor and link an inertia"
+        )
