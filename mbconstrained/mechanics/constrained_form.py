@@ -53,12 +53,17 @@ class ConstrainedForm:
 
 
 def constrained_form(
-    motion: Sequence[np.ndarray | ElementMatrix], independent: IndependentRows, names: Sequence[str], orders: Sequence[int]
+    motion: Sequence[np.ndarray | ElementMatrix],
+    uncertainty: Sequence[np.ndarray],
+    independent: IndependentRows,
+    names: Sequence[str],
+    orders: Sequence[int],
 ) -> ConstrainedForm:
     """Stack the projected equations of motion and the constraint rows.
 
     Args:
         motion: K, C, M, the coefficients of s^0, s^1, s^2, each of shape (n, n), assembled or as elements.
+        uncertainty: by how much their entries may be wrong beyond rounding, each of shape (n, n).
         independent: the constraint rows and their null space.
         names: of the n coordinates.
         orders: for each row the derivative that it holds.
@@ -72,13 +77,12 @@ def constrained_form(
         )
     # assembled, the softest element would lose as many digits; where it cannot be helped the answer has to say so
     apart = is_worthwhile(spread, 2 * len(names)) or spread > ASSEMBLED_SPREAD
-    coefficients = [
-        _stacked(matrix if apart else _assembled(matrix), V, A, np.asarray(orders, dtype=int) == power)
-        for power, matrix in enumerate(motion)
-    ]
+    held = [np.asarray(orders, dtype=int) == power for power in range(len(motion))]
+    coefficients = [_stacked(matrix if apart else _assembled(matrix), V, A, rows) for matrix, rows in zip(motion, held)]
+    doubt = [_stacked_uncertainty(matrix, extra, independent, rows) for matrix, extra, rows in zip(motion, uncertainty, held)]
     equations = [*_motion_names(independent.motions, names), *_row_names(independent.rows)]
     values = np.array([row.value for row in independent.rows])
-    return ConstrainedForm(V, A, values, PolynomialMatrix(coefficients, names, equations))
+    return ConstrainedForm(V, A, values, PolynomialMatrix(coefficients, names, equations, doubt))
 
 
 def _assembled(matrix: np.ndarray | ElementMatrix) -> np.ndarray:
@@ -92,6 +96,15 @@ def _stacked(matrix: np.ndarray | ElementMatrix, V, A, held) -> np.ndarray | Fac
         return np.vstack([_projected(V, matrix), rows])
     left = scipy.linalg.block_diag(_projected(V, matrix.directions.T), np.eye(len(rows)))
     return Factors(left, np.concatenate([matrix.constants, np.ones(len(rows))]), np.vstack([matrix.directions, rows]))
+
+
+def _stacked_uncertainty(matrix, uncertainty: np.ndarray, independent: IndependentRows, held) -> np.ndarray:
+    """The same of what entries may be wrong by: V is as uncertain as the rows, dV = -G^T dA V with A G^T = I."""
+    V, rows = np.abs(independent.null_space), independent.uncertainty
+    found = V.T @ uncertainty
+    if rows.any():
+        found += (np.abs(independent.left_inverse).T @ rows @ V).T @ np.abs(_assembled(matrix))
+    return np.vstack([found, rows * held[:, None]])
 
 
 def _projected(V, matrix) -> np.ndarray:

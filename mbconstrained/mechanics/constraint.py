@@ -30,6 +30,7 @@ class Constraint:
         names: one name per row; made by the system when not given.
         unit: unit of A x, "m" or "rad" ("1" for none), so that multipliers get theirs. When not given it is the
             one of the coordinates in the row, metres where both kinds meet (a radius turns angles into lengths).
+        uncertainty: by how much entries of A may be wrong, shape of the rows, where that is more than rounding.
 
     Raises:
         InputError: rows that are no matrix of finite real numbers, an unknown level, values that do not fit.
@@ -45,6 +46,7 @@ class Constraint:
         value=0.0,
         names: Sequence[str] | str | None = None,
         unit: str | None = None,
+        uncertainty=None,
     ):
         found = real_array(rows, "constraint rows")
         if found.ndim not in (1, 2):
@@ -61,6 +63,8 @@ class Constraint:
             names = (names,)
         self.names = None if names is None else names_of(names, len(self.rows), "constraint rows", "")
         self.unit = unit if unit is None else check_unit(unit, "unit of the constraint")
+        given = np.zeros(found.shape) if uncertainty is None else real_array(uncertainty, "constraint uncertainty", shape=found.shape)
+        self.uncertainty = np.abs(np.atleast_2d(given))
         self.rows.flags.writeable = self.values.flags.writeable = False
 
     def __repr__(self) -> str:
@@ -78,6 +82,7 @@ class ConstraintRow:
         level: "position", "velocity" or "acceleration".
         value: the right-hand side.
         unit: unit of a x, "m", "rad" or "1".
+        uncertainty: by how much entries of a may be wrong beyond rounding, shape (n,) or one number.
     """
 
     name: str
@@ -85,6 +90,7 @@ class ConstraintRow:
     level: Level
     value: float
     unit: str
+    uncertainty: np.ndarray | float = 0.0
 
     @property
     def order(self) -> int:
@@ -110,10 +116,10 @@ def constraint_rows(constraints: Sequence[Constraint], units: dict[str, str]) ->
                 f"constraint rows: found {constraint.rows.shape[1]} entries in a row; expected one for each of the "
                 f"{len(units)} coordinates ({', '.join(units)})"
             )
-        for place, (coefficients, value) in enumerate(zip(constraint.rows, constraint.values)):
+        for place, (coefficients, value, uncertainty) in enumerate(zip(constraint.rows, constraint.values, constraint.uncertainty)):
             name = constraint.names[place] if constraint.names else f"constraint {len(found) + 1}"
             unit = constraint.unit or _unit(coefficients, units)
-            found.append(ConstraintRow(name, coefficients, constraint.level, float(value), unit))
+            found.append(ConstraintRow(name, coefficients, constraint.level, float(value), unit, uncertainty))
     names_of([row.name for row in found], len(found), "constraint rows", "")
     return tuple(found)
 

@@ -28,6 +28,7 @@ class IndependentRows:
     Attributes:
         rows: the k independent rows, strongest level first.
         matrix: A, their coefficients, shape (k, n).
+        uncertainty: by how much they may be wrong beyond rounding, shape (k, n).
         null_space: V, a basis of null(A), shape (n, n - k).
         motions: the coordinate that each column of V is named for, None where it mixes them.
         left_inverse: G with G A^T = I, shape (k, n): turns a constraint force A^T lambda into lambda.
@@ -36,6 +37,7 @@ class IndependentRows:
 
     rows: tuple[ConstraintRow, ...]
     matrix: np.ndarray
+    uncertainty: np.ndarray
     null_space: np.ndarray
     motions: tuple[int | None, ...]
     left_inverse: np.ndarray
@@ -50,7 +52,8 @@ def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRow
     """
     rows = sorted(rows, key=lambda row: row.order)
     matrix = np.array([row.coefficients for row in rows]).reshape(len(rows), size)
-    reduction = reduce_rows(Noisy.rounded(matrix), _carried(rows))
+    uncertainty = np.array([row.uncertainty + np.zeros(size) for row in rows]).reshape(matrix.shape)
+    reduction = reduce_rows(Noisy(matrix, np.maximum(EPS * np.abs(matrix), uncertainty)), _carried(rows))
     notices = [_redundant(rows, place, rest) for place, rest in reduction.dependent.items()]
     notices += [
         _doubtful(rows[place], margin) for place, margin in zip(reduction.kept, reduction.margins) if margin < CLEAR_KEPT
@@ -60,7 +63,7 @@ def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRow
     left_inverse = np.zeros((len(kept), size))
     left_inverse[:, pivots] = np.linalg.inv(matrix[np.ix_(kept, pivots)]).T
     return IndependentRows(
-        tuple(rows[place] for place in kept), matrix[kept], null_space, motions, left_inverse, tuple(notices)
+        tuple(rows[place] for place in kept), matrix[kept], uncertainty[kept], null_space, motions, left_inverse, tuple(notices)
     )
 
 

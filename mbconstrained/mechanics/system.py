@@ -39,6 +39,8 @@ class MechanicalSystem:
         units: unit of each coordinate, "m" or "rad", by name or in order; "m" when not given.
         energy_parts: M and K as sums of named parts, by which the energy of modes is shared out; coordinate by coordinate
             when not given.
+        uncertainty: by how much entries of "mass", "damping", "stiffness" may be wrong, arrays (n, n) by these names, where
+            that is more than rounding: what is measured or computed is not known to the last digit.
 
     Raises:
         InputError: shapes that do not fit, entries that are not finite, names used twice.
@@ -64,6 +66,7 @@ class MechanicalSystem:
         static_force=None,
         units=None,
         energy_parts: EnergyParts | None = None,
+        uncertainty: Mapping | None = None,
     ):
         self.mass = _square(mass, "mass", None)
         self.damping = _square(damping, "damping", self.size)
@@ -73,6 +76,7 @@ class MechanicalSystem:
         self.names = names_of(names, self.size, "coordinates", "x")
         self.units = coordinate_units(units, self.names)
         self.energy_parts = self._parts(energy_parts)
+        self.uncertainty = self._uncertainty(uncertainty or {})
         self.constraints = (constraints,) if isinstance(constraints, Constraint) else tuple(constraints or ())
         self._independent = independent_rows(constraint_rows(self.constraints, self.units), self.size)
         self.static_force = self._vector(static_force, "static_force")
@@ -132,7 +136,7 @@ class MechanicalSystem:
         return self._form([0] * len(self.rows)) if held else self._constrained_form
 
     def _form(self, orders) -> ConstrainedForm:
-        return constrained_form(self.given, self._independent, self.names, orders)
+        return constrained_form(self.given, self.uncertainty, self._independent, self.names, orders)
 
     def polynomial_matrix(self) -> PolynomialMatrix:
         """A(s) of the constrained form, degree 2, size n."""
@@ -215,6 +219,15 @@ class MechanicalSystem:
             found = f"parts of {parts.size} coordinates" if isinstance(parts, EnergyParts) else f"a {type(parts).__name__}"
             raise InputError(f"energy_parts: found {found}; expected EnergyParts of {counted(self.size, 'coordinate')}")
         return parts
+
+    def _uncertainty(self, given: Mapping) -> tuple[np.ndarray, ...]:
+        """Of K, C and M."""
+        known, shape = ("stiffness", "damping", "mass"), (self.size, self.size)
+        for name in given:
+            if name not in known:
+                raise InputError(f"uncertainty: found {name!r}{nearest(str(name), known)}; expected {', '.join(known)}")
+        found = {name: real_array(value, f"uncertainty of the {name}", shape=shape) for name, value in given.items()}
+        return tuple(np.abs(found.get(name, np.zeros(shape))) for name in known)
 
     def _vector(self, value, what: str) -> np.ndarray:
         if value is None:

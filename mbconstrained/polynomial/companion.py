@@ -105,7 +105,10 @@ def scaled_companion(A: PolynomialMatrix, rank_tolerance: float | None = None, i
     else:
         by_factors = [factors is not None and not in_float64 for factors in A.factors]
         known = np.where([*by_factors, True][: len(exact)], 0.0, EPS)
-    return ScaledCompanion(Noisy(scaled, known[:, None, None] * magnitude(scaled)), scaling)
+    noise = known[:, None, None] * magnitude(scaled)
+    if rank_tolerance is None:
+        noise = np.maximum(noise, scaling.apply(_with_first_power(A.uncertainty)))
+    return ScaledCompanion(Noisy(scaled, noise), scaling)
 
 
 def _with_first_power(coefficients: np.ndarray) -> np.ndarray:
@@ -116,4 +119,7 @@ def _with_first_power(coefficients: np.ndarray) -> np.ndarray:
 def known_coefficient(A: PolynomialMatrix, power: int) -> Noisy:
     """A_power with what is uncertain about it: precise and exact where it is given by its factors."""
     factors = A.factors[power]
-    return Noisy.rounded(A.coefficients[power]) if factors is None else Noisy.exact(precise(factors.exact))
+    if factors is not None:
+        return Noisy.exact(precise(factors.exact))
+    rounded = Noisy.rounded(A.coefficients[power])
+    return Noisy(rounded.data, np.maximum(rounded.noise, A.uncertainty[power]))

@@ -25,6 +25,8 @@ class PolynomialMatrix:
             elements (``mb.ElementMatrix``). A_q may be singular or zero.
         coordinates: names of the r entries of x (x1, x2, ... when not given).
         equations: names of the r rows (equation 1, ... when not given).
+        uncertainty: by how much entries may be wrong, in their own units, shape (q + 1, r, r); where it is less than a unit in
+            the last place, or not given, entries are taken to be rounded. Rank decisions are made against it.
 
     Raises:
         InputError: not square, of different shapes, not finite or not real.
@@ -34,7 +36,13 @@ class PolynomialMatrix:
     (2, 1, [[0.0]])
     """
 
-    def __init__(self, coefficients: Iterable, coordinates: Sequence[str] | None = None, equations: Sequence[str] | None = None):
+    def __init__(
+        self,
+        coefficients: Iterable,
+        coordinates: Sequence[str] | None = None,
+        equations: Sequence[str] | None = None,
+        uncertainty=None,
+    ):
         if not isinstance(coefficients, Iterable):
             raise InputError(f"coefficients: found {coefficients!r}; expected a list of square matrices [A_0, A_1, ...]")
         given = [_factors_of(matrix) for matrix in coefficients]
@@ -49,6 +57,10 @@ class PolynomialMatrix:
                 raise InputError(f"A_{power} has shape {matrix.shape}, but A_0 has {matrices[0].shape}; all must agree")
         self.coefficients = np.array(matrices)
         self.coefficients.flags.writeable = False
+        self.uncertainty = np.zeros(self.coefficients.shape)
+        if uncertainty is not None:
+            self.uncertainty += np.abs(real_array(uncertainty, "uncertainty", shape=self.coefficients.shape))
+        self.uncertainty.flags.writeable = False
         self._pairs: dict[float | None, JordanPairs] = {}
         self.coordinates = names_of(coordinates, self.size, "coordinates", "x")
         self.equations = names_of(equations, self.size, "equations", "equation ")
@@ -88,7 +100,7 @@ class PolynomialMatrix:
     def dual(self) -> PolynomialMatrix:
         """s^q A(1/s), the coefficients in reverse (Moysis et al., Eq. 11): its zeros at 0 are those of A at infinity."""
         given = [self.coefficients[power] if factors is None else factors for power, factors in enumerate(self.factors)]
-        return PolynomialMatrix(given[::-1], self.coordinates, self.equations)
+        return PolynomialMatrix(given[::-1], self.coordinates, self.equations, self.uncertainty[::-1])
 
     @property
     def is_regular(self) -> bool:

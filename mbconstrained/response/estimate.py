@@ -81,10 +81,10 @@ def moved_responses(x: Response) -> tuple[Response, ...]:
 def _moved_matrix(A: PolynomialMatrix, random) -> PolynomialMatrix:
     """A coefficient that is known by its factors has its values moved, not the entries that they add up to."""
     coefficients = [
-        _moved(matrix, random) if factors is None else replace(factors, values=_moved(factors.values, random))
-        for matrix, factors in zip(A.coefficients, A.factors)
+        _moved(matrix, random, uncertainty) if factors is None else replace(factors, values=_moved(factors.values, random))
+        for matrix, factors, uncertainty in zip(A.coefficients, A.factors, A.uncertainty)
     ]
-    return PolynomialMatrix(coefficients, A.coordinates, A.equations)
+    return PolynomialMatrix(coefficients, A.coordinates, A.equations, A.uncertainty)
 
 
 def _moved_force(force: ImpulsiveSmooth, random) -> ImpulsiveSmooth:
@@ -97,5 +97,7 @@ def _all_moved(arrays, random) -> tuple[np.ndarray, ...]:
     return tuple(_moved(array, random) for array in arrays)
 
 
-def _moved(array, random) -> np.ndarray:
-    return array * (1 + PROBE_SIZE * EPS * random.choice(MOVES, size=np.shape(array)))
+def _moved(array, random, uncertainty=0.0) -> np.ndarray:
+    """Each entry that is not zero by a unit in the last place, or by its uncertainty where that is more."""
+    unit = np.maximum(EPS * np.abs(array), np.where(array != 0, uncertainty, 0.0))
+    return array + PROBE_SIZE * unit * random.choice(MOVES, size=np.shape(array))

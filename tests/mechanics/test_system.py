@@ -74,3 +74,26 @@ def test_forces_add_up():
     assert np.isclose(system.solve(force=mb.step([4.0]))(3.0)[0], 18.0)
     with pytest.raises(InputError, match="force: it has 2 rows"):
         system.solve(force=mb.step([1.0, 2.0]))
+
+
+def test_entries_within_their_uncertainty_are_no_stiffness():
+    # a free body whose stiffness is what is left of a sum that cancelled: 1e-13 N/m, known to 1e-12 N/m
+    known = MechanicalSystem([[1.0]], stiffness=[[1e-13]])
+    unknown = MechanicalSystem([[1.0]], stiffness=[[1e-13]], uncertainty={"stiffness": [[1e-12]]})
+    assert [mode.kind for mode in known.modes().zeros] == ["oscillation"]
+    assert [(mode.kind, mode.multiplicity) for mode in unknown.modes().zeros] == [("rigid body", 2)]
+
+
+def test_rows_within_their_uncertainty_are_dependent():
+    rows = [[1.0, 2.0, 0.0], [1.0, 2.0, 1e-14]]
+    told = MechanicalSystem(np.eye(3), constraints=[Constraint(rows, uncertainty=np.full((2, 3), 1e-14))])
+    assert len(told.rows) == 1 and len(MechanicalSystem(np.eye(3), constraints=[Constraint(rows)]).rows) == 2
+
+
+@pytest.mark.parametrize(
+    "uncertainty, word",
+    [({"mas": np.eye(1)}, 'did you mean "mass"'), ({"mass": np.eye(2)}, "expected shape 1 x 1"), ({"mass": [[np.nan]]}, "finite")],
+)
+def test_uncertainty_that_makes_no_sense_is_refused(uncertainty, word):
+    with pytest.raises(InputError, match=word):
+        MechanicalSystem([[1.0]], uncertainty=uncertainty)

@@ -15,7 +15,7 @@ from ...mechanics.system import MechanicalSystem
 from ...notices import Notice
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import zero
-from ...tolerances import noise_of
+from ...tolerances import EPS, noise_of
 from .equilibrium import null_space
 from .flexible_joint import FlexibleJoint
 from .point_motion import PointMotion
@@ -27,6 +27,10 @@ if TYPE_CHECKING:
 #: A stiffness matrix whose asymmetry along the motion, relative to its largest entry, is below this has a potential and is
 #: made symmetric: where there is a potential rounding and the equilibrium's residual leave 1e-12.
 SYMMETRIC = 1e-9
+
+
+#: Rounding of an entry that is computed through a chain of joints, relative to the largest of its kind.
+COMPUTED = 4 * EPS
 
 
 class LinearizedRobot(MechanicalSystem):
@@ -64,6 +68,7 @@ class LinearizedRobot(MechanicalSystem):
             names=names,
             units=(*robot.units, *(robot.units[i] for i, _ in self._flexible)),
             energy_parts=self._energy_parts(),
+            uncertainty=self._link_uncertainty(),
         )
         self.inputs = {str(name): self._input(value, f'input "{name}"') for name, value in _by_name(inputs, "inputs").items()}
         self.outputs = {str(name): self._row(value, f'output "{name}"') for name, value in _by_name(outputs, "outputs").items()}
@@ -131,8 +136,21 @@ class LinearizedRobot(MechanicalSystem):
     def _rows(self, level: Level) -> list[Constraint]:
         balance = self.posture.balance
         names, units = balance.load.row_names, balance.load.row_units
-        J = np.pad(_clean_rows(balance.jacobian, balance.sizes, units), ((0, 0), (0, len(self._flexible))))
-        return [Constraint(J[i], level=level, names=names[i], unit=units[i]) for i in self.posture.independent_rows]
+        motors = ((0, 0), (0, len(self._flexible)))
+        J, doubt = (np.pad(part, motors) for part in _clean_rows(balance.jacobian, balance.sizes, units))
+        return [
+            Constraint(J[i], level=level, names=names[i], unit=units[i], uncertainty=doubt[i])
+            for i in self.posture.independent_rows
+        ]
+
+    def _link_uncertainty(self) -> dict[str, np.ndarray]:
+        """By how much computed entries may be wrong: those of stiffness by the rounding of each of their parts."""
+        balance = self.posture.balance
+        sizes = np.outer(balance.sizes, balance.sizes)
+        parts = [_rounding(part, sizes) for part in (*balance.stiffnesses, *balance.geometric(self.posture.multipliers))]
+        damping = [_rounding(item.damping, sizes) for item in balance.elastic]
+        found = {"mass": _rounding(balance.mass, sizes), "stiffness": sum(parts), "damping": sum(damping) + np.zeros(sizes.shape)}
+        return {name: self._with_motors(part) for name, part in found.items()}
 
     def _row(self, value, what: str) -> np.ndarray:
         robot, row = self.posture.robot, np.zeros(self.size)
@@ -218,14 +236,19 @@ def _clean(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     return np.where(scaled > noise_of(scaled.max(initial=0.0), len(part)), part, 0.0)
 
 
-def _clean_rows(J: np.ndarray, sizes: np.ndarray, units: Sequence[str]) -> np.ndarray:
-    """The same for rows of loops, beside the largest entry of all rows of the same unit."""
-    found = J.copy()
+def _rounding(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """The rounding error of entries of a part: that of the largest, for entries are sums of such."""
+    largest = np.abs(part / sizes).max(initial=0.0)
+    return np.where(_clean(part, sizes) != 0, COMPUTED * largest * sizes, 0.0)
+
+
+def _clean_rows(J: np.ndarray, sizes: np.ndarray, units: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """The same for rows of loops, beside the largest entry of all rows of the same unit: rows, and their rounding."""
+    found, doubt = np.zeros_like(J), np.zeros_like(J)
     for unit in set(units):
         rows = np.array(units) == unit
-        scaled = np.abs(J[rows] / sizes)
-        found[rows] = np.where(scaled > noise_of(scaled.max(initial=0.0), J.shape[1]), J[rows], 0.0)
-    return found
+        found[rows], doubt[rows] = _clean(J[rows], sizes), _rounding(J[rows], sizes)
+    return found, doubt
 
 
 def _by_name(values, what: str) -> Mapping:
