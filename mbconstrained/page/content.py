@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..checks import names_of, real_array, whole_number
+from ..checks import counted, names_of, real_array, whole_number
 from ..errors import InputError
 from ..notices import Notice
 from .drawing import Drawing
@@ -45,6 +45,10 @@ class Animation:
         object.__setattr__(self, "names", names_of(self.names, len(values), "animation, names", "x"))
         if self.rates is not None:
             object.__setattr__(self, "rates", drawable(self.rates, "animation, rates", values.shape))
+        for body in self.drawing.bodies:
+            if body.path is not None and body.path.count not in (1, len(times)):
+                poses, expected = counted(body.path.count, "pose"), counted(len(times), "time")
+                raise InputError(f'body "{body.name[:60]}", path: found {poses} for {expected}; give one each, or one alone')
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,12 @@ Axes: x to the right, y away from the viewer, z up. A body is at
 
     rest + scale * sum_i moves[i] q_i          turned by the rotation vector  turn_scale * sum_i turns[i] q_i
 
-so a drawing says nothing about time: the values of the coordinates do.
+so a drawing says nothing about time: the values of the coordinates do. Where that is not how a body moves, as with the
+links of a robot, it has a path instead: its poses at the times of the animation.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, get_args
@@ -18,9 +18,11 @@ import numpy as np
 
 from ..checks import nearest, real_array, real_number, whole_number
 from ..errors import InputError
+from .parts import Part, checked_color
+from .path import Path
 
-Shape = Literal["box", "sphere", "disc", "gear", "ring", "mark", "rail", "ground"]
-LinkKind = Literal["spring", "damper", "rod", "torsion spring", "torsion damper", "belt"]
+Shape = Literal["box", "sphere", "disc", "gear", "ring", "mark", "rail", "ground", "base", "parts"]
+LinkKind = Literal["spring", "damper", "strut", "rod", "bushing", "loop", "torsion spring", "torsion damper", "belt"]
 Vector = tuple[float, float, float]
 
 SHAPES: tuple[str, ...] = get_args(Shape)
@@ -32,8 +34,10 @@ _USUAL_SIZE = {
     "mark": (0.12, 0.12, 0.12),
     "rail": (4.0, 0.12, 0.05),
     "ground": (0.2, 1.2, 1.4),
+    "base": (1.2, 1.2, 0.1),
+    "parts": (1.0, 1.0, 1.0),
 }
-_UNNAMED = ("mark", "rail", "ground")
+_UNNAMED = ("mark", "rail", "ground", "base")
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,7 @@ class Body:
         name: differs from the other bodies' names.
         shape: "box" (a mass), "sphere" (a massless joint), "disc", "gear" or "ring" (an inertia, a toothed wheel, a wheel
             with teeth inside; its axis is y), "mark" (a point such as a pivot), "rail" (along which a body moves),
-            "ground" (a hatched wall).
+            "ground" (a hatched wall), "base" (a hatched plate that lies flat), "parts" (what its parts are).
         rest: place where all coordinates are zero, in drawing units.
         moves: coordinate name -> displacement in drawing units per unit of the coordinate.
         turns: coordinate name -> rotation vector in rad per unit of the coordinate; (0, -1, 0) is counter-clockwise.
@@ -53,6 +57,8 @@ class Body:
         label: text beside the body; None for its name, or nothing beside a mark, a rail or the ground.
         rest_turn: rotation vector in rad where all coordinates are zero.
         teeth: number of teeth of a gear or ring.
+        parts: solids of a body of the shape "parts"; its size is of no account then.
+        path: its poses at the times of the animation; rest, moves and turns are of no account then.
 
     >>> Body("cart", rest=(1, 0, 0), moves={"x1": (1, 0, 0)}).shape
     'box'
@@ -68,6 +74,8 @@ class Body:
     label: str | None = None
     rest_turn: Vector = (0.0, 0.0, 0.0)
     teeth: int = 24
+    parts: tuple[Part, ...] = ()
+    path: Path | None = None
 
     def __post_init__(self):
         where = f'body "{_short(self.name)}"'
@@ -82,8 +90,8 @@ class Body:
             object.__setattr__(self, attribute, _vectors(getattr(self, attribute), f"{where}, {attribute}"))
         if min(self.size) <= 0:
             raise InputError(f"{where}, size: found {min(self.size):g}; expected numbers greater than zero")
-        if self.color is not None and not re.fullmatch("#[0-9a-fA-F]{6}", str(self.color)):
-            raise InputError(f'{where}, color: found {_short(self.color)}; expected six hexadecimal digits such as "#4682b4"')
+        checked_color(self.color, f"{where}, color")
+        object.__setattr__(self, "parts", tuple(self.parts))
         whole_number(self.teeth, f"{where}, teeth", minimum=3)
 
 
@@ -93,13 +101,16 @@ class Link:
 
     Attributes:
         name: for messages.
-        kind: "spring", "damper", "rod", "torsion spring", "torsion damper" or "belt".
+        kind: "spring", "damper", "strut" (a spring around a damper), "rod", "bushing" (a soft block), "loop" (a ball on
+            the end's body in a socket on the start's, so that a gap is seen), "torsion spring", "torsion damper" or "belt".
         start, end: names of the bodies. Between wheels on one axis a torsion spring is a helix, otherwise a spiral from
             its start to the hub at its end.
         offset: shift of both ends across the link, so that links side by side do not overlap; an end that is shifted
             out of its body is joined to it by a post.
         end_offset: shift of the end where it differs from that of the start.
         over: for a belt, the name of the wheel that it runs over.
+        start_point, end_point: where it is fixed in the frames of the bodies, with which these points turn; None for the
+            side of the body that faces the other end, shifted by the offset, which does not turn.
     """
 
     name: str
@@ -109,6 +120,8 @@ class Link:
     offset: Vector = (0.0, 0.0, 0.0)
     end_offset: Vector | None = None
     over: str | None = None
+    start_point: Vector | None = None
+    end_point: Vector | None = None
 
     def __post_init__(self):
         where = f'link "{_short(self.name)}"'
@@ -116,6 +129,9 @@ class Link:
         object.__setattr__(self, "offset", _vector(self.offset, f"{where}, offset"))
         end_offset = self.offset if self.end_offset is None else _vector(self.end_offset, f"{where}, end_offset")
         object.__setattr__(self, "end_offset", end_offset)
+        for attribute in ("start_point", "end_point"):
+            if getattr(self, attribute) is not None:
+                object.__setattr__(self, attribute, _vector(getattr(self, attribute), f"{where}, {attribute}"))
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ..errors import InputError
-from .drawing import Body, Drawing, Link, Vector
+from .drawing import Body, Drawing
+from .figure_links import link_data, outermost_ends
 from .keyframes import KeyFrames
+from .meshes import Meshes, parts_data
+from .poses import Poses, body_poses
 from .viewer import SCENE_COMMANDS
 
 #: Blue, vermilion, green, orange, purple and sky blue of Okabe and Ito: told apart with any kind of colour vision.
@@ -17,23 +18,42 @@ PALETTE = ("#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9")
 #: A picture wider than this many drawing units shows nothing of its bodies, and its arithmetic would overflow.
 WIDEST = 1e12
 
-_COLORS = {"sphere": "#ffffff", "mark": "#3d4852", "rail": "#b8c2cc", "ground": "#d5dce2"}
-_UPWARDS = np.array([0.0, 0.0, 1.0])  # the way a rope leaves what hangs on it
+#: A picture is flat where one extent is less than this share of the others.
+_FLAT = 0.3
+
+_COLORS = {"sphere": "#ffffff", "mark": "#3d4852", "rail": "#b8c2cc", "ground": "#d5dce2", "base": "#d5dce2"}
 
 
-def figure_data(drawing: Drawing, frames: KeyFrames) -> dict:
+#: How long a drawing unit is in a drawing of parts: this share of its diagonal at the first key frame.
+UNIT = 1 / 8
+
+
+def figure_data(drawing: Drawing, *takes: KeyFrames) -> dict:
     """Bodies, links, bounds of the whole motion, point of view and magnification, as lists and dicts.
+
+    Bodies are in the lengths of the drawing, everything else in units that fit it: the thickness of a spring or the
+    room for a name is the same in the picture of a finger and of a crane. Without parts that unit is 1.
+
+    Args:
+        drawing: bodies and links.
+        takes: key frames of one motion, or of several that the page shows in turn in the same picture.
 
     Raises:
         InputError: the motion is so large that no body could be seen.
     """
-    places = {body.name: _places(drawing, body, frames) for body in drawing.bodies}
+    poses = {body.name: body_poses(drawing, takes, i) for i, body in enumerate(drawing.bodies)}
+    unit = _unit(drawing, poses)
+    _seen(poses, unit)
     posts = {body.name: [] for body in drawing.bodies}
-    links = [_link_data(link, drawing, places, posts) for link in drawing.links]
-    bounds = _bounds(drawing, places)
+    links = [link_data(link, drawing, poses, posts, unit) for link in drawing.links]
+    bounds = _bounds(drawing, poses, unit)
+    meshes = Meshes()
+    names = takes[0].names if takes else ()
     return {
-        "bodies": [_body_data(body, drawing, frames.names, posts[body.name]) for body in drawing.bodies],
+        "bodies": [_body_data(body, i, drawing, names, posts, meshes) for i, body in enumerate(drawing.bodies)],
+        "meshes": meshes.data,
         "links": links,
+        "unit": unit,
         "bounds": bounds,
         "view": _view(drawing, bounds),
         "magnification": {"scale": drawing.scale, "turn_scale": drawing.turn_scale},
@@ -41,18 +61,26 @@ def figure_data(drawing: Drawing, frames: KeyFrames) -> dict:
     }
 
 
-def _places(drawing: Drawing, body: Body, frames: KeyFrames) -> np.ndarray:
-    places = drawing.positions(body, frames.names, frames.values)
-    furthest = np.abs(places).max()
-    if furthest > WIDEST:
-        raise InputError(
-            f'drawing: body "{body.name[:60]}" is drawn up to {furthest:.3g} units away, where nothing of it can be seen; '
-            "give the drawing a smaller scale, or ask for earlier times"
-        )
-    return places
+def _unit(drawing: Drawing, poses: dict[str, Poses]) -> float:
+    if not any(body.shape == "parts" for body in drawing.bodies):
+        return 1.0
+    points = np.hstack([_corners(body, poses[body.name].first)[:, :, 0] for body in drawing.bodies])
+    reach = float(np.linalg.norm(np.ptp(points, axis=1))) if points.size else 0.0
+    return UNIT * reach or 1.0
 
 
-def _body_data(body: Body, drawing: Drawing, names: tuple[str, ...], posts: list) -> dict:
+def _seen(poses: dict[str, Poses], unit: float) -> None:
+    for name, pose in poses.items():
+        furthest = np.abs(pose.positions).max(initial=0.0) / unit
+        if furthest > WIDEST:
+            raise InputError(
+                f'drawing: body "{name[:60]}" is drawn up to {furthest:.3g} units away, where nothing of it can be seen; '
+                "give the drawing a smaller scale, or ask for earlier times"
+            )
+
+
+def _body_data(body: Body, number: int, drawing: Drawing, names: tuple[str, ...], posts: dict, meshes: Meshes) -> dict:
+    color = body.color or _COLORS.get(body.shape) or _usual_color(body, number, names)
     return {
         "name": body.name,
         "label": body.label,
@@ -60,16 +88,19 @@ def _body_data(body: Body, drawing: Drawing, names: tuple[str, ...], posts: list
         "rest": list(body.rest),
         "rest_turn": list(body.rest_turn),
         "size": list(body.size),
-        "color": body.color or _COLORS.get(body.shape) or _usual_color(body, names),
+        "color": color,
         "teeth": body.teeth,
         "moves": _terms(body.moves, names, drawing.scale),
         "turns": _terms(body.turns, names, drawing.turn_scale),
-        "posts": posts,
+        "posts": posts[body.name],
+        "parts": parts_data(body.parts, color, meshes),
     }
 
 
-def _usual_color(body: Body, names: tuple[str, ...]) -> str:
-    """The colour of the curve of the last coordinate that moves the body, a little lighter."""
+def _usual_color(body: Body, number: int, names: tuple[str, ...]) -> str:
+    """The colour of the curve of the last coordinate that moves the body, a little lighter; for parts, one in turn."""
+    if body.shape == "parts":
+        return _lighter(PALETTE[number % len(PALETTE)])
     own = [i for i, name in enumerate(names) if name in body.moves or name in body.turns]
     return _lighter(PALETTE[own[-1] % len(PALETTE)]) if own else "#9aa7b3"
 
@@ -83,53 +114,43 @@ def _terms(per_unit: dict, names: tuple[str, ...], scale: float) -> list[list[fl
     return [[names.index(name), *(scale * value for value in vector)] for name, vector in per_unit.items()]
 
 
-def _link_data(link: Link, drawing: Drawing, places: dict, posts: dict) -> dict:
-    index = {body.name: i for i, body in enumerate(drawing.bodies)}
-    start, end, over = (None if name is None else drawing.bodies[index[name]] for name in (link.start, link.end, link.over))
-    way = places[link.end] - places[link.start]
-    leaving, arriving = (way.mean(axis=1), -way.mean(axis=1)) if over is None else (_UPWARDS, _UPWARDS)
-    start_point = _attachment(start, link.offset, leaving, posts)
-    end_point = _attachment(end, link.end_offset, arriving, posts)
-    gap = way + np.subtract(end_point, start_point)[:, None]
-    lengths = np.linalg.norm(gap, axis=0)
-    return {
-        "kind": link.kind,
-        "start": index[link.start],
-        "end": index[link.end],
-        "over": None if over is None else index[link.over],
-        "start_point": start_point,
-        "end_point": end_point,
-        "mean": float(lengths.mean()),
-        "shortest": float(lengths.min()),
-        "longest": float(lengths.max()),
-        "coaxial": bool(np.argmax(np.abs(gap[:, 0])) == 1),
-        "radius": over.size[0] / 2 if over else 0.5,
-    }
+def _corners(body: Body, poses: Poses) -> np.ndarray:
+    """Corners of a box around the body, shape (3, k, T): turned with it where it consists of parts."""
+    if body.shape == "parts":
+        return poses.of_points(np.hstack([np.zeros((3, 1)), *(part.corners for part in body.parts)]))
+    half = np.array(body.size)[:, None, None] / 2
+    return poses.positions[:, None] + half * np.array([-1.0, 1.0])[:, None]
 
 
-def _attachment(body: Body, offset: Vector, towards: np.ndarray, posts: dict) -> list[float]:
-    """Where the link meets the body, relative to its middle: on the side that faces the other end, or on a post."""
-    point = np.array(offset)
-    if (np.abs(point) > np.array(body.size) / 2).any():
-        posts[body.name].append(point.tolist())
-        return point.tolist()
-    axis = int(np.argmax(np.abs(towards)))
-    if body.shape in ("box", "ground") or (body.shape in ("disc", "gear") and axis == 1):
-        point[axis] += math.copysign(body.size[axis] / 2, towards[axis])
-    return point.tolist()
-
-
-def _bounds(drawing: Drawing, places: dict) -> dict:
-    """The corners of a box around everything at all key frames."""
-    halves = {body.name: np.array(body.size)[:, None] / 2 for body in drawing.bodies}
-    points = [places[name] + sign * half for name, half in halves.items() for sign in (-1, 1)]
-    points += [places[link.start] + np.array(link.offset)[:, None] for link in drawing.links]
-    points += [places[link.end] + np.array(link.end_offset)[:, None] for link in drawing.links]
-    points = np.hstack(points) if points else np.array([[-0.5, 0.5]] * 3)
-    return {"low": points.min(axis=1).tolist(), "high": points.max(axis=1).tolist()}
+def _bounds(drawing: Drawing, poses: dict[str, Poses], unit: float) -> dict:
+    """The corners of a box around everything at all key frames, in drawing units."""
+    points = [_corners(body, poses[body.name]) for body in drawing.bodies]
+    for link in drawing.links:
+        points += [end[:, None] for end in outermost_ends(link, poses)]
+    points = [np.stack([ends.min(axis=(1, 2)), ends.max(axis=(1, 2))], axis=1) / unit for ends in points]
+    points = np.hstack(points or [np.zeros((3, 1))])
+    low, high = points.min(axis=1), points.max(axis=1)
+    room = 0.0 if (low < high).any() else 0.5  # around what is a point
+    return {"low": (low - room).tolist(), "high": (high + room).tolist()}
 
 
 def _view(drawing: Drawing, bounds: dict) -> dict:
+    if any(body.shape == "parts" for body in drawing.bodies):
+        return _view_of_parts(bounds)
+    return _view_of_shapes(drawing, bounds)
+
+
+def _view_of_parts(bounds: dict) -> dict:
+    """Across the plane in which it lies where it is flat, from a corner otherwise."""
+    width, depth, height = np.subtract(bounds["high"], bounds["low"])
+    if height < _FLAT * max(width, depth):
+        return {"yaw": 0.3, "pitch": 1.0}
+    if depth < _FLAT * width:
+        return {"yaw": 0.3, "pitch": 0.25}
+    return {"yaw": 1.25, "pitch": 0.25} if width < _FLAT * depth else {"yaw": 0.6, "pitch": 0.36}
+
+
+def _view_of_shapes(drawing: Drawing, bounds: dict) -> dict:
     """From the side and a little above: less from the side in front of a long chain, and where wheels stand behind each
     other so far round, to the left or right, that those behind come out from behind those in front."""
     places = np.array([body.rest for body in drawing.bodies] or [(0.0, 0.0, 0.0)])

@@ -15,6 +15,8 @@ from ..checks import nearest
 from ..errors import InputError
 from .content import Animation
 from .drawing import Drawing
+from .packing import packed
+from .path import Path
 
 #: Digits kept of each number: a relative rounding of 5e-13, and three quarters of the size of all 17.
 DIGITS = 12
@@ -22,16 +24,23 @@ DIGITS = 12
 #: More key frames than this make a page of tens of megabytes; then only every second, third ... time is kept.
 MOST_FRAMES = 4001
 
+#: More poses than this, of all bodies with paths together, do the same.
+MOST_POSES = 80_000
+
 
 @dataclass(frozen=True)
 class KeyFrames:
-    """Values (r, T) and rates (r, T) of named coordinates at times (T,); ``stride`` of the given times make one."""
+    """Values (r, T) and rates (r, T) of named coordinates at times (T,); ``stride`` of the given times make one.
+
+    ``paths`` has one path for each body of the drawing, with T poses or one, and None for a body without.
+    """
 
     names: tuple[str, ...]
     times: np.ndarray
     values: np.ndarray
     rates: np.ndarray
     stride: int = 1
+    paths: tuple[Path | None, ...] = ()
 
     def as_data(self) -> dict:
         """Plain lists for the page: a coordinate that never changes is one number with rate 0."""
@@ -41,7 +50,14 @@ class KeyFrames:
             "times": _numbers(self.times),
             "values": [_numbers(row) if moves else _numbers(row[:1])[0] for row, moves in zip(self.values, moving)],
             "rates": [_numbers(row) if moves else 0 for row, moves in zip(self.rates, moving)],
+            "paths": [None if path is None else _path_data(path) for path in self.paths],
         }
+
+    def as_packed(self) -> dict:
+        """The same in seven digits and without rates, which the page then estimates as ``slopes`` does."""
+        data = self.as_data()
+        rows = [packed(row) if (row != row[0]).any() else _numbers(row[:1])[0] for row in self.values]
+        return {"times": data["times"], "values": rows, "paths": data["paths"]}
 
 
 def key_frames(drawing: Drawing, names, times, values, rates=None) -> KeyFrames:
@@ -65,10 +81,17 @@ def key_frames(drawing: Drawing, names, times, values, rates=None) -> KeyFrames:
     for name in sorted(drawing.coordinates - set(motion.names)):
         raise InputError(f'drawing: "{name}" moves a body but is no coordinate{nearest(name, motion.names)}')
     rates = slopes(motion.times, motion.values) if rates is None else motion.rates
+    paths = [body.path for body in drawing.bodies]
     last = len(motion.times) - 1
-    stride = max(1, math.ceil(last / (MOST_FRAMES - 1)))
+    stride = max(1, math.ceil(last / (_most_frames(paths) - 1)))
     kept = np.unique([*range(0, last, stride), last])
-    return KeyFrames(motion.names, motion.times[kept], motion.values[:, kept], rates[:, kept], stride)
+    thinned = tuple(None if path is None else path.thinned(kept) for path in paths)
+    return KeyFrames(motion.names, motion.times[kept], motion.values[:, kept], rates[:, kept], stride, thinned)
+
+
+def _most_frames(paths: list[Path | None]) -> int:
+    moving = sum(path is not None and path.moves for path in paths)
+    return min(MOST_FRAMES, max(2, MOST_POSES // max(1, moving)))
 
 
 def slopes(times: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -98,6 +121,11 @@ def _derivative_weights(nodes: np.ndarray, at: np.ndarray) -> list[np.ndarray]:
         terms = [np.prod([at - nodes[:, i] for i in others if i != j], axis=0) for j in others]
         weights.append(sum(terms, np.zeros_like(at)) / scale)
     return weights
+
+
+def _path_data(path: Path) -> str:
+    """Positions, then quaternions, seven numbers to a pose."""
+    return packed(np.vstack([path.positions, path.quaternions]).T)
 
 
 def _numbers(array: np.ndarray) -> list[float]:

@@ -7,12 +7,13 @@ import re
 
 from ..notices import Notice
 from .content import PageContent, Plot, Table
+from .mode_content import ModesContent
 from .plots import plot_figure
 from .typeset import typeset
 from .viewer import viewer_licences
 
 
-def header(content: PageContent) -> str:
+def header(content: PageContent | ModesContent) -> str:
     """Title and source."""
     source = f"\n<p>{html.escape(content.source)}</p>" if content.source else ""
     return f"<header>\n<h1>{html.escape(content.title)}</h1>{source}\n</header>"
@@ -41,7 +42,7 @@ def _notice(notice: Notice) -> str:
 def table_section(table: Table) -> str:
     """A titled table; columns of numbers are set flush right."""
     columns = list(zip(*table.rows)) or [()] * len(table.columns)
-    kinds = [' class="number"' if column and all(map(_is_number, column)) else "" for column in columns]
+    kinds = [' class="number"' if column and all(map(is_number, column)) else "" for column in columns]
     head = "".join(f'<th scope="col"{kind}>{typeset(text)}</th>' for kind, text in zip(kinds, table.columns))
     rows = "".join(
         "<tr>" + "".join(f"<td{kind}>{typeset(cell)}</td>" for kind, cell in zip(kinds, row)) + "</tr>\n"
@@ -54,7 +55,8 @@ def table_section(table: Table) -> str:
     )
 
 
-def _is_number(cell: str) -> bool:
+def is_number(cell: str) -> bool:
+    """Whether a text starts like a number, or is a dash or nothing."""
     return re.match(r"[-+−]?(± ?)?\d|[-–—]?$", cell) is not None
 
 

@@ -14,26 +14,40 @@ _HINT = "drag to turn, drag with the right button to shift, turn the wheel with 
 def stage_section(animation: Animation, frames: KeyFrames) -> str:
     """The picture, its play button, time slider, clock and choice of speed."""
     start, end = float(frames.times[0]), float(frames.times[-1])
+    told = html.escape(_magnification(animation, frames))
+    controls = stage_controls(start, end, told, ("time in seconds", "s"), _speeds(end - start))
+    return f'<section class="motion">\n{controls}\n</section>'
+
+
+def stage_controls(start: float, end: float, told: str, time: tuple[str, str], speeds: str) -> str:
+    """The stage and what is below it.
+
+    Args:
+        start, end: of the time that runs.
+        told: what is said over the picture, HTML.
+        time: what it is that runs, and its unit.
+        speeds: options to choose from, HTML.
+    """
     fixed = " disabled" if end == start else ""
-    return f"""<section class="motion">
-<div id="stage"><div class="view" id="meshcat-pane" title="{_HINT}"></div><div class="labels"></div>
-<p class="magnification">{html.escape(_magnification(animation, frames))}</p>
+    return f"""<div id="stage"><div class="view" id="meshcat-pane" title="{_HINT}"></div><div class="labels"></div>
+<p class="magnification">{told}</p>
 <p class="missing">The 3-D view needs WebGL, which this browser does not offer.</p></div>
 <noscript><p class="note">The moving picture needs JavaScript.</p></noscript>
 <div class="controls">
 <button type="button" id="play" aria-pressed="false"{fixed}>Play</button>
-<input type="range" id="time" min="{start!r}" max="{end!r}" step="any" value="{start!r}" aria-label="time in seconds"{fixed}>
-<output id="clock" for="time">{start:g} s</output>
-<label>speed <select id="speed">{_speeds(end - start)}</select></label>
+<input type="range" id="time" min="{start!r}" max="{end!r}" step="any" value="{start!r}" aria-label="{time[0]}"{fixed}>
+<output id="clock" for="time">{start:g} {time[1]}</output>
+<label>speed <select id="speed">{speeds}</select></label>
 <button type="button" id="reset">Reset view</button>
-</div>
-</section>"""
+</div>"""
 
 
 def _magnification(animation: Animation, frames: KeyFrames) -> str:
     drawing = animation.drawing
     texts = []
-    if any(body.moves for body in drawing.bodies) and drawing.scale != 1:
+    if any(body.path and body.path.moves for body in drawing.bodies) and drawing.scale != 1:
+        texts.append(f"motion drawn {drawing.scale:g} × as large")
+    elif any(body.moves for body in drawing.bodies) and drawing.scale != 1:
         texts.append(f"displacements drawn {drawing.scale:g} × as large")
     if any(body.turns for body in drawing.bodies) and drawing.turn_scale != 1:
         texts.append(f"angles drawn {drawing.turn_scale:g} × as large")

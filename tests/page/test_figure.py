@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mbconstrained.errors import InputError
-from mbconstrained.page import Body, Drawing, Link, key_frames
+from mbconstrained.page import Body, Drawing, Link, Part, Path, key_frames
 from mbconstrained.page.figure import figure_data
 
 
@@ -75,3 +75,34 @@ def test_what_stands_behind_is_seen_beside(depth, yaw):
 def test_a_long_chain_is_seen_from_its_side():
     bodies = tuple(Body(f"b{i}", rest=(2.0 * i, 0, 0)) for i in range(50))
     assert figure(Drawing(bodies))["view"]["yaw"] < 0.02
+
+
+def test_an_end_that_is_fixed_in_its_body_turns_with_it():
+    path = Path(np.zeros((3, 2)), [[0, 0], [0, 0], [0, 0.5**0.5], [1, 0.5**0.5]])  # a quarter turn about z
+    bodies = (Body("a", "parts", parts=(Part("sphere", 1),), path=path), Body("b", rest=(0, 3, 0)))
+    link = Link("k", "spring", "a", "b", start_point=(1, 0, 0), end_point=(0, 0, 0))
+    data = figure(Drawing(bodies, (link,)), ("x",), [[0, 0]])
+    (found,) = data["links"]
+    assert (found["start_turns"], found["end_turns"]) == (True, True)
+    assert (found["longest"] * data["unit"], found["shortest"] * data["unit"]) == pytest.approx((10**0.5, 2.0))
+
+
+@pytest.mark.parametrize(
+    "size, yaw, pitch", [((4, 4, 0.2), 0.3, 1.0), ((4, 0.2, 4), 0.3, 0.25), ((0.2, 4, 4), 1.25, 0.25), ((4, 4, 4), 0.6, 0.36)]
+)
+def test_what_is_flat_is_seen_from_its_broad_side(size, yaw, pitch):
+    assert figure(Drawing((Body("b", "parts", parts=(Part("box", size),)),)))["view"] == {"yaw": yaw, "pitch": pitch}
+
+
+@pytest.mark.parametrize("parts", [(), (Part("box", (0, 0, 0)),), (Part("mesh"),)])
+def test_a_body_that_is_a_point_has_room_around_it(parts):
+    data = figure(Drawing((Body("b", "parts", rest=(1, 2, 3), parts=parts),)))
+    assert data["unit"] == 1
+    assert data["bounds"] == {"low": [0.5, 1.5, 2.5], "high": [1.5, 2.5, 3.5]}
+
+
+def test_a_path_too_far_away_to_be_seen_is_refused():
+    far = Path([[0, 1e15], [0, 0], [0, 0]], np.ones((4, 2)))
+    bodies = (Body("rocket", "parts", parts=(Part("sphere", 1),), path=far),)
+    with pytest.raises(InputError, match='body "rocket" is drawn up to .* units away'):
+        figure(Drawing(bodies), ("x",), [[0, 0]])

@@ -16,7 +16,7 @@ import pytest
 from mbconstrained.errors import MbconstrainedError
 from mbconstrained.notices import Notice
 from mbconstrained.page import Animation, Curve, Drawing, PageContent, Plot, Table, page_html
-from mbconstrained.page.html import script_json
+from mbconstrained.page.document import script_json
 from mbconstrained.page.viewer import viewer_script
 from tests.page.contents import HOSTILE, hostile_content, two_masses_content
 

@@ -1,11 +1,13 @@
 """Key frames: exact values, rates good enough that cubics between them lose nothing."""
 
+import base64
+
 import numpy as np
 import pytest
 
 from mbconstrained.errors import InputError
-from mbconstrained.page import Body, Drawing, key_frames
-from mbconstrained.page.keyframes import MOST_FRAMES, slopes
+from mbconstrained.page import Body, Drawing, Path, key_frames
+from mbconstrained.page.keyframes import MOST_FRAMES, MOST_POSES, slopes
 from tests.page.contents import two_masses
 
 EMPTY = Drawing(())
@@ -67,7 +69,7 @@ def test_numbers_keep_twelve_digits():
 
 def test_one_time_is_enough():
     frames = key_frames(EMPTY, ("x",), [2.0], [[7.0]])
-    assert frames.as_data() == {"names": ["x"], "times": [2.0], "values": [7.0], "rates": [0]}
+    assert frames.as_data() == {"names": ["x"], "times": [2.0], "values": [7.0], "rates": [0], "paths": []}
 
 
 def test_too_many_times_are_thinned_evenly_with_both_ends():
@@ -75,6 +77,48 @@ def test_too_many_times_are_thinned_evenly_with_both_ends():
     frames = key_frames(EMPTY, ("x",), times, np.sin(times / 100)[None])
     assert len(frames.times) <= MOST_FRAMES
     assert (frames.times[0], frames.times[-1], frames.stride) == (times[0], times[-1], 3)
+
+
+def still_and_moving(count):
+    moving = Path(np.array([np.arange(count), np.zeros(count), np.zeros(count)]), np.tile([[0], [0], [0], [1]], count))
+    still = Path([[1], [2], [3]], [[0], [0], [0], [1]])
+    return Drawing((Body("a", "parts", path=moving), Body("b", "parts", path=still), Body("c")))
+
+
+def test_a_path_that_rests_is_one_pose_and_a_body_without_one_has_none():
+    resting = Path(np.ones((3, 5)), np.ones((4, 5)))
+    drawing = Drawing((*still_and_moving(5).bodies, Body("d", "parts", path=resting)))
+    paths = key_frames(drawing, (), np.arange(5.0), np.zeros((0, 5))).paths
+    assert [path and path.count for path in paths] == [5, 1, None, 1]
+
+
+def test_paths_are_thinned_with_the_coordinates():
+    count = 2 * MOST_FRAMES + 7
+    frames = key_frames(still_and_moving(count), ("x",), np.arange(float(count)), np.zeros((1, count)))
+    assert frames.stride == 3
+    assert np.array_equal(frames.paths[0].positions[0], frames.times)
+
+
+def test_many_moving_bodies_have_fewer_key_frames_each():
+    one = still_and_moving(1001).bodies[0]
+    drawing = Drawing(tuple(Body(f"b{i}", "parts", path=one.path) for i in range(MOST_POSES // 300)))
+    frames = key_frames(drawing, (), np.arange(1001.0), np.zeros((0, 1001)))
+    assert len(frames.times) <= 301
+    assert (frames.times[0], frames.times[-1]) == (0, 1000)
+
+
+def test_packed_key_frames_are_the_same_numbers_in_single_precision():
+    frames = key_frames(still_and_moving(3), ("still", "moving"), [0, 1, 2], [[5, 5, 5], [0, 0.1, 0.4]])
+    data = frames.as_packed()
+    assert data["values"][0] == 5
+    assert np.array_equal(unpacked(data["values"][1]), np.float32([0, 0.1, 0.4]))
+    assert np.array_equal(unpacked(data["paths"][0]).reshape(3, 7)[:, 0], [0, 1, 2])
+    assert unpacked(data["paths"][1]).tolist() == [1, 2, 3, 0, 0, 0, 1]
+    assert data["paths"][2] is None
+
+
+def unpacked(text):
+    return np.frombuffer(base64.b64decode(text), "<f4")
 
 
 def test_a_drawing_that_moves_with_an_unknown_coordinate_is_refused():

@@ -82,7 +82,8 @@ class Wire {
 const ramp = (s, start, end) => Math.min(1, Math.max(0, (s - start) / (end - start)));
 
 class Spring {
-  constructor(reach) {
+  constructor(reach, radius = 0.13) {
+    this.radius = radius;
     this.turns = Math.round(Math.min(24, Math.max(6, 7 * reach.mean)));
     this.wire = new Wire(this.turns * 18, 0.026, "#5a6b7b");
     this.object = this.wire.object;
@@ -94,7 +95,7 @@ class Spring {
     this.wire.follow((s, point, normal) => {
       const coil = ramp(s, 0.06, 0.94);
       const angle = 2 * Math.PI * this.turns * coil;
-      const radius = 0.13 * Math.min(ramp(s, 0.04, 0.07), ramp(1 - s, 0.04, 0.07));
+      const radius = this.radius * Math.min(ramp(s, 0.04, 0.07), ramp(1 - s, 0.04, 0.07));
       const x = lead * ramp(s, 0, 0.06) + (length - 2 * lead) * coil + lead * ramp(s, 0.94, 1);
       normal.set(0, Math.cos(angle), Math.sin(angle));
       point.copy(normal).multiplyScalar(radius);
@@ -131,6 +132,63 @@ class Damper {
     stretch(this.parts.glass, this.lead, this.lead + this.cylinder);
     stretch(this.parts.piston, head - 0.03, head + 0.03);
     stretch(this.parts.rod, head, length);
+  }
+}
+
+// A spring around a damper, as in a suspension.
+class Strut {
+  constructor(reach) {
+    this.spring = new Spring(reach, 0.2);
+    this.damper = new Damper(reach);
+    this.object = group(this.spring.object, this.damper.object);
+  }
+
+  update(from, to) {
+    this.spring.update(from, to);
+    this.damper.update(from, to);
+  }
+}
+
+// What a solid body around it would hide is drawn over it.
+function overlay(geometry, color, opacity, order) {
+  const mesh = solid(geometry, color, { depthTest: false, transparent: true, opacity: opacity });
+  mesh.castShadow = false;
+  mesh.receiveShadow = false;
+  mesh.renderOrder = order;
+  return mesh;
+}
+
+// A joint that closes a loop: a ball on one body in a socket on the other, and a bar across any gap between them.
+class Loop {
+  constructor() {
+    this.socket = overlay(new THREE.SphereGeometry(0.12, 32, 20), "#ffffff", 0.55, 10);
+    this.gap = bar(0.02, "#d1344b");
+    this.ball = overlay(new THREE.SphereGeometry(0.065, 32, 20), ink, 1, 12);
+    this.object = group(this.socket, this.gap, this.ball);
+  }
+
+  update(from, to) {
+    const length = lay(this.object, from.position, to.position);
+    stretch(this.gap, 0, length);
+    this.ball.position.x = length;
+  }
+}
+
+// A soft block between two bodies: as long as their points are apart, and round where these coincide. A pale one is
+// drawn over what hides it.
+class Bushing {
+  constructor() {
+    const shape = new THREE.SphereGeometry(0.15, 32, 20);
+    this.block = group(solid(shape, "#e0a458"), overlay(shape, "#e0a458", 0.35, 10));
+    this.core = overlay(new THREE.SphereGeometry(0.05, 24, 16), ink, 0.8, 12);
+    this.object = group(this.block, this.core);
+  }
+
+  update(from, to) {
+    const length = lay(this.object, from.position, to.position);
+    this.block.position.x = length / 2;
+    this.block.scale.x = 1 + length / 0.3;
+    this.core.position.x = length;
   }
 }
 
@@ -237,7 +295,10 @@ class Belt {
 const kinds = {
   spring: Spring,
   damper: Damper,
+  strut: Strut,
   rod: Rod,
+  bushing: Bushing,
+  loop: Loop,
   "torsion spring": TorsionSpring,
   "torsion damper": TorsionDamper,
   belt: Belt,

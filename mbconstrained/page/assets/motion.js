@@ -1,12 +1,23 @@
-// The motion: each coordinate as a function of time, cubic between the key frames and exact on them.
+// The motion: each coordinate as a function of time, cubic between the key frames and exact on them; and the poses of
+// bodies that have paths, cubic too.
+
+// Numbers that were packed as base64.
+function unpack(text, Type) {
+  return new Type(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
+}
+
 class Motion {
+  // Per coordinate: its values at the key frames, or one number if it never changes; its rates, or 0. Per body: its
+  // poses, seven numbers each, or null.
   constructor(frames) {
     this.times = frames.times;
-    this.names = frames.names;
-    this.values = frames.values; // per coordinate: its values at the key frames, or one number if it never changes
-    this.rates = frames.rates; // per coordinate: its rates at the key frames, or 0
     this.start = this.times[0];
     this.end = this.times[this.times.length - 1];
+    this.windows = null;
+    this.names = frames.names;
+    this.values = frames.values.map((values) => (typeof values === "string" ? unpack(values, Float32Array) : values));
+    this.rates = frames.rates || this.values.map((values) => (typeof values === "number" ? 0 : this.slopes(values, 0, 1)));
+    this.paths = frames.paths.map((text) => text && this.path(unpack(text, Float32Array)));
   }
 
   clamp(time) {
@@ -34,26 +45,66 @@ class Motion {
   }
 
   // Cubic Hermite interpolation.
-  between(values, rates, key, time) {
+  between(values, rates, key, time, offset = 0, stride = 1) {
     const length = this.times[key + 1] - this.times[key];
     const s = (time - this.times[key]) / length;
     const r = 1 - s;
+    const [a, b] = [stride * key + offset, stride * (key + 1) + offset];
     return (
-      r * r * (1 + 2 * s) * values[key] +
-      s * s * (1 + 2 * r) * values[key + 1] +
-      length * s * r * (r * rates[key] - s * rates[key + 1])
+      r * r * (1 + 2 * s) * values[a] + s * s * (1 + 2 * r) * values[b] + length * s * r * (r * rates[key] - s * rates[key + 1])
     );
   }
-}
 
-// Where a body is and how it is turned when the coordinates have these values: both are linear in them.
-function poseOf(body, coordinates) {
-  const sum = (start, terms) => {
-    const total = start.slice();
-    for (const [i, ...perUnit] of terms) {
-      for (let axis = 0; axis < 3; axis++) total[axis] += coordinates[i] * perUnit[axis];
-    }
-    return total;
-  };
-  return { position: sum(body.rest, body.moves), turn: sum(body.rest_turn, body.turns) };
+  path(poses) {
+    if (poses.length === 7) return { still: Array.from(poses) };
+    return { poses: poses, rates: [0, 1, 2, 3, 4, 5, 6].map((row) => this.slopes(poses, row, 7)) };
+  }
+
+  // Place and unit quaternion of a body with a path.
+  poseOnPath(body, time) {
+    const { still, poses, rates } = this.paths[body];
+    const key = this.keyBefore(time);
+    const pose = still || rates.map((rate, row) => this.between(poses, rate, key, time, row, 7));
+    const length = Math.hypot(...pose.slice(3));
+    return { position: pose.slice(0, 3), quaternion: pose.slice(3).map((value) => value / length), angle: 0 };
+  }
+
+  // Derivatives at the key frames of the quartics through each five neighbours: of fourth order in their spacing.
+  slopes(values, offset, stride) {
+    this.windows = this.windows || this.times.map((_, key) => this.derivativeWeights(key));
+    return this.windows.map(({ first, weights }) =>
+      weights.reduce((sum, weight, k) => sum + weight * values[stride * (first + k) + offset], 0)
+    );
+  }
+
+  derivativeWeights(key) {
+    const width = Math.min(5, this.times.length);
+    const first = Math.min(Math.max(key - (width >> 1), 0), this.times.length - width);
+    const unit = (this.end - this.start) / (this.times.length - 1);
+    const nodes = Array.from({ length: width }, (_, k) => (this.times[first + k] - this.times[key]) / unit);
+    const product = (numbers) => numbers.reduce((total, number) => total * number, 1);
+    const weights = nodes.map((node, k) => {
+      const others = nodes.filter((_, j) => j !== k);
+      const terms = others.map((_, left) => product(others.filter((_, i) => i !== left).map((other) => -other)));
+      return terms.reduce((sum, term) => sum + term, 0) / product(others.map((other) => node - other)) / unit;
+    });
+    return { first: first, weights: weights };
+  }
+
+  // Where a body is and how it is turned: by its path, or both linear in the coordinates.
+  pose(body, number, coordinates, time) {
+    if (this.paths[number]) return this.poseOnPath(number, time);
+    const sum = (start, terms) => {
+      const total = start.slice();
+      for (const [i, ...perUnit] of terms) {
+        for (let axis = 0; axis < 3; axis++) total[axis] += coordinates[i] * perUnit[axis];
+      }
+      return total;
+    };
+    const turn = sum(body.rest_turn, body.turns);
+    const angle = Math.hypot(...turn);
+    const share = angle > 0 ? Math.sin(angle / 2) / angle : 0.5;
+    const quaternion = [...turn.map((value) => share * value), Math.cos(angle / 2)];
+    return { position: sum(body.rest, body.moves), quaternion: quaternion, angle: turn[1] };
+  }
 }

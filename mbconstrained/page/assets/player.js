@@ -1,8 +1,13 @@
-// The player: time, controls, the cursors of the plots, and the state that programs can read and set.
+// The player: time, controls, and the state that programs can read and set. What differs from page to page, it asks of
+// the page's own object, which the last script makes:
+//   page.rate       seconds of the motion for a second of the viewer at speed 1
+//   page.state()    what the state says besides time and places
+//   page.shown()    called after each change of time
+//   page.after(t)   where to go on when the motion has passed its end
+//   page.follow(fragment)  what the part of the address after the # asks for
 const data = JSON.parse(document.getElementById("motion-data").textContent);
-const motion = new Motion(data.frames);
 const control = (id) => document.getElementById(id);
-const player = { time: motion.start, playing: false, stage: null, errors: [] };
+const player = { time: 0, playing: false, motion: null, stage: null, errors: [] };
 
 window.addEventListener("error", (event) => report(event.message));
 window.addEventListener("unhandledrejection", (event) => report(String(event.reason)));
@@ -15,25 +20,23 @@ function report(message) {
 
 function state() {
   const coordinates = Object.create(null);
-  motion.at(player.time).forEach((value, i) => (coordinates[motion.names[i]] = value));
-  return {
+  if (player.motion) player.motion.at(player.time).forEach((value, i) => (coordinates[player.motion.names[i]] = value));
+  return Object.assign(page.state(), {
     time: player.time,
-    duration: motion.end - motion.start,
     playing: player.playing,
     coordinates: coordinates,
     nodes: player.stage ? player.stage.nodes() : {},
-    magnification: data.figure.magnification,
     errors: player.errors,
-  };
+  });
 }
 
 // Shows the state at a time; everything on the page that depends on the time is written before it returns.
 function show(time) {
-  player.time = motion.clamp(time);
-  if (player.stage) player.stage.show(motion.at(player.time));
+  player.time = player.motion.clamp(time);
+  if (player.stage) player.stage.show(player.motion, player.time);
   control("time").value = player.time;
-  control("clock").textContent = `${player.time.toFixed(data.decimals)} s`;
-  document.querySelectorAll("svg.plot").forEach(moveCursor);
+  control("clock").textContent = `${player.time.toFixed(data.decimals)} ${data.unit}`;
+  page.shown();
   publish();
 }
 
@@ -43,21 +46,13 @@ function publish() {
   document.body.dataset.state = JSON.stringify(state());
 }
 
-function moveCursor(plot) {
-  const { start, end, left, right } = plot.dataset;
-  const share = (player.time - start) / (end - start);
-  const cursor = plot.querySelector(".cursor");
-  cursor.setAttribute("transform", `translate(${(Number(left) + share * (right - left)).toFixed(2)} 0)`);
-  cursor.setAttribute("visibility", share >= 0 && share <= 1 ? "visible" : "hidden");
-}
-
 function seek(time) {
   if (!Number.isFinite(Number(time))) throw new RangeError(`seek: found ${time}; expected a time in seconds`);
   show(Number(time));
 }
 
 function play() {
-  player.playing = motion.end > motion.start;
+  player.playing = player.motion.end > player.motion.start;
   player.last = performance.now();
   publish();
 }
@@ -75,41 +70,29 @@ function toggle() {
 function frame(now) {
   requestAnimationFrame(frame);
   if (player.playing) {
-    const time = player.time + (Math.max(0, now - player.last) / 1000) * Number(control("speed").value);
+    const passed = Math.max(0, now - player.last) / 1000;
+    const time = player.time + passed * Number(control("speed").value) * page.rate;
     player.last = now;
-    show(time > motion.end ? motion.start : time);
+    show(time > player.motion.end ? page.after(time) : time);
   } else if (player.stage) {
     player.stage.drawIfNeeded();
   }
-}
-
-function followAddress() {
-  const asked = /^#t=(.+)$/.exec(location.hash);
-  if (!asked || !Number.isFinite(Number(asked[1]))) return;
-  pause();
-  seek(asked[1]);
-}
-
-function pick(plot, event) {
-  const { start, end, left, right } = plot.dataset;
-  const x = new DOMPoint(event.clientX, event.clientY).matrixTransform(plot.getScreenCTM().inverse()).x;
-  seek(Number(start) + ((x - left) / (right - left)) * (end - start));
 }
 
 function listen() {
   control("play").addEventListener("click", toggle);
   control("time").addEventListener("input", (event) => seek(event.target.value));
   control("reset").addEventListener("click", () => player.stage && player.stage.reset());
+  window.addEventListener("hashchange", () => page.follow(location.hash));
   document.addEventListener("keydown", (event) => {
     if (event.key !== " " || /^(BUTTON|SELECT|SUMMARY|A)$/.test(event.target.tagName)) return;
     event.preventDefault();
     toggle();
   });
-  window.addEventListener("hashchange", followAddress);
-  document.querySelectorAll("svg.plot").forEach((plot) => plot.addEventListener("click", (event) => pick(plot, event)));
 }
 
-function open() {
+function open(motion) {
+  player.motion = motion;
   try {
     player.stage = new Stage(control("stage"), data.figure);
   } catch (error) {
@@ -118,9 +101,8 @@ function open() {
   }
   listen();
   show(motion.start);
-  followAddress();
+  page.follow(location.hash);
   requestAnimationFrame(frame);
+  const viewer = player.stage && player.stage.viewer;
+  window.mbconstrained = { seek: seek, play: play, pause: pause, state: state, viewer: viewer };
 }
-
-open();
-window.mbconstrained = { seek: seek, play: play, pause: pause, state: state, viewer: player.stage && player.stage.viewer };

@@ -23,7 +23,7 @@ function at(object, x, y, z) {
 
 function group(...parts) {
   const whole = new THREE.Group();
-  whole.add(...parts);
+  if (parts.length) whole.add(...parts);
   return whole;
 }
 
@@ -124,8 +124,7 @@ const shapes = {
 };
 
 // Diagonal strokes over the front of the ground, cut at its border.
-function hatching(width, height, y) {
-  const pitch = 0.14;
+function hatching(width, height, y, pitch = 0.14) {
   const points = [];
   for (let offset = -(width + height) / 2 + pitch / 2; offset < (width + height) / 2; offset += pitch) {
     const low = Math.max(-width / 2, -height / 2 - offset); // the stroke is z = x + offset

@@ -10,9 +10,15 @@ class Stage {
     this.viewer = new window.MeshCat.Viewer(pane.querySelector(".view"), false);
     this.viewer.gui.domElement.remove();
     for (const command of figure.commands) this.viewer.handle_command(command);
-    this.bodies = figure.bodies.map((body, i) => this.place(["bodies", `body ${i}`], bodyObject(body)));
+    const parts = new Parts(figure.meshes);
+    const objects = figure.bodies.map((body) => bodyObject(body, parts, figure.unit));
+    this.boxes = objects.map((object, i) => (figure.bodies[i].shape === "parts" ? boxAround(object) : null));
+    this.bodies = objects.map((object, i) => this.place(["bodies", `body ${i}`], object));
+    this.viewer.scene_tree.find(["mbconstrained", "bodies"]).object.scale.setScalar(1 / figure.unit);
     this.links = figure.links.map((link, i) => this.hang(link, i));
     this.labels = figure.bodies.map((body) => this.label(body));
+    const named = figure.bodies.filter((body) => body.shape === "parts" && body.label);
+    pane.querySelector(".labels").classList.toggle("many", named.length > 8);
     this.light();
     this.camera = this.aim();
     this.viewer.set_3d_pane_size = () => this.fit(); // the viewer's own fills the window
@@ -121,24 +127,27 @@ class Stage {
     this.pane.addEventListener("wheel", stop, { capture: true });
   }
 
-  // Moves everything to where the coordinates say.
-  show(coordinates) {
-    const poses = this.figure.bodies.map((body) => poseOf(body, coordinates));
-    poses.forEach(({ position, turn }, i) => {
-      const axis = new THREE.Vector3(...turn);
-      const angle = axis.length();
+  // Moves everything to where it is at a time.
+  show(motion, time) {
+    const coordinates = motion.at(time);
+    const poses = this.figure.bodies.map((body, i) => motion.pose(body, i, coordinates, time));
+    poses.forEach(({ position, quaternion }, i) => {
       this.bodies[i].position.set(...position);
-      this.bodies[i].quaternion.setFromAxisAngle(angle > 0 ? axis.divideScalar(angle) : along(), angle);
-    });
-    const end = (i, point) => ({
-      position: new THREE.Vector3(...poses[i].position).add(new THREE.Vector3(...point)),
-      angle: poses[i].turn[1],
+      this.bodies[i].quaternion.set(...quaternion);
     });
     for (const link of this.links) {
-      const over = link.over === null ? null : end(link.over, [0, 0, 0]);
-      link.drawn.update(end(link.start, link.start_point), end(link.end, link.end_point), over);
+      const over = link.over === null ? null : this.end(poses[link.over], [0, 0, 0], false);
+      const [from, to] = [poses[link.start], poses[link.end]];
+      link.drawn.update(this.end(from, link.start_point, link.start_turns), this.end(to, link.end_point, link.end_turns), over);
     }
     this.draw();
+  }
+
+  // A link's end in drawing units, turned with the body where it is fixed in its frame.
+  end({ position, quaternion, angle }, point, turns) {
+    const place = new THREE.Vector3(...point);
+    if (turns) place.applyQuaternion(new THREE.Quaternion(...quaternion));
+    return { position: place.add(new THREE.Vector3(...position)).divideScalar(this.figure.unit), angle: angle };
   }
 
   draw() {
@@ -152,6 +161,7 @@ class Stage {
 
   // Above the middle of a body, in pixels, as high as its highest edge is seen.
   top(i) {
+    if (this.boxes[i]) return this.upon(i);
     const { shape, size } = this.figure.bodies[i];
     const middle = this.bodies[i].getWorldPosition(new THREE.Vector3()); // in axes with y up
     const seen = (x, y, z) => middle.clone().add(new THREE.Vector3(x, y, z)).project(this.camera);
@@ -164,18 +174,34 @@ class Stage {
     return [((x + 1) / 2) * width, ((1 - (y + face + Math.abs(away))) / 2) * height];
   }
 
+  // On the middle of the largest part of a body, or just above it where that is flat.
+  upon(i) {
+    const [width, height] = this.size;
+    const seen = this.boxes[i].map((corner) => this.bodies[i].localToWorld(corner.clone()).project(this.camera));
+    const [xs, ys] = [seen.map(({ x }) => ((x + 1) / 2) * width), seen.map(({ y }) => ((1 - y) / 2) * height)];
+    const middle = (numbers) => (Math.min(...numbers) + Math.max(...numbers)) / 2;
+    return [middle(xs), Math.max(Math.min(...ys), middle(ys) - 12)];
+  }
+
   // Puts the names a little above their bodies; a name that would cover another one is left out.
   write() {
     const taken = [];
-    this.labels.forEach((label, i) => {
-      const [x, top] = this.top(i);
+    for (const i of this.order()) {
+      const [label, [x, top]] = [this.labels[i], this.top(i)];
       const y = top - 4;
       label.style.transform = `translate(-50%, -100%) translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
       const box = { left: x - label.offsetWidth / 2, right: x + label.offsetWidth / 2, top: y - label.offsetHeight, bottom: y };
       const free = taken.every((b) => box.right < b.left || box.left > b.right || box.bottom < b.top || box.top > b.bottom);
       label.style.visibility = free ? "visible" : "hidden";
       if (free && label.textContent) taken.push(box);
-    });
+    }
+  }
+
+  // In which order names take their room: of bodies made of parts the nearest first, the others as they come.
+  order() {
+    const eye = this.camera.getWorldDirection(new THREE.Vector3());
+    const away = this.bodies.map((body, i) => (this.boxes[i] ? body.getWorldPosition(new THREE.Vector3()).dot(eye) : -Infinity));
+    return this.bodies.map((_, i) => i).sort((a, b) => (away[a] === away[b] ? a - b : away[a] - away[b]));
   }
 
   // What the viewer's scene tree says about each body.
@@ -194,13 +220,23 @@ class Stage {
   }
 }
 
-function bodyObject(body) {
+function bodyObject(body, parts, unit) {
+  if (body.shape === "parts") return group(...body.parts.map((part) => parts.object(part)));
   const whole = shapes[body.shape](body.size, body.color, body.teeth);
   for (const [x, y, z] of body.posts) {
-    const post = bar(0.04, ink);
+    const post = bar(0.04 * unit, ink);
     post.quaternion.setFromUnitVectors(along(), new THREE.Vector3(x, y, z).normalize());
     post.scale.x = Math.hypot(x, y, z);
     whole.add(post);
   }
   return whole;
+}
+
+// The corners of a box around the largest part of an object, in its own frame.
+function boxAround(object) {
+  const boxes = object.children.map((part) => new THREE.Box3().setFromObject(part));
+  const point = new THREE.Box3(new THREE.Vector3(), new THREE.Vector3());
+  const reach = ({ min, max }) => min.distanceTo(max);
+  const { min, max } = boxes.reduce((best, box) => (reach(box) > reach(best) ? box : best), point);
+  return [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => new THREE.Vector3(x, y, z))));
 }

@@ -2,3 +2,4 @@
 
 from .coordinates import coordinate_drawing
 from .lumped import lumped_drawing
+from .robot import robot_drawing

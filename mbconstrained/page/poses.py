@@ -1,0 +1,62 @@
+"""Where bodies are and how they are turned at key frames: by their paths, or by the coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .drawing import Body, Drawing
+from .keyframes import KeyFrames
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """Positions (3, T) and unit quaternions (4, T), x y z w."""
+
+    positions: np.ndarray
+    quaternions: np.ndarray
+
+    @property
+    def first(self) -> Poses:
+        """The first of them alone."""
+        return Poses(self.positions[:, :1], self.quaternions[:, :1])
+
+    def of_points(self, points: np.ndarray) -> np.ndarray:
+        """Where points (3, k) that are fixed in the body's frame are, shape (3, k, T)."""
+        return self.positions[:, None] + rotated(self.quaternions, np.asarray(points, dtype=float))
+
+
+def body_poses(drawing: Drawing, takes: tuple[KeyFrames, ...], number: int) -> Poses:
+    """All poses of the body of this number, one take after the other."""
+    each = [_poses(drawing, drawing.bodies[number], frames, number) for frames in takes]
+    return Poses(*(np.hstack(rows) for rows in zip(*each)))
+
+
+def _poses(drawing: Drawing, body: Body, frames: KeyFrames, number: int) -> tuple[np.ndarray, np.ndarray]:
+    path, count = frames.paths[number], len(frames.times)
+    if path is not None:
+        still = np.zeros(count, dtype=int) if path.count == 1 else slice(None)
+        return path.positions[:, still], path.quaternions[:, still]
+    turns = np.array(body.rest_turn)[:, None] + np.zeros((3, count))
+    for name, row in zip(frames.names, frames.values):
+        turns += drawing.turn_scale * np.outer(body.turns.get(name, (0.0, 0.0, 0.0)), row)
+    return drawing.positions(body, frames.names, frames.values), quaternions_of(turns)
+
+
+def quaternions_of(turns: np.ndarray) -> np.ndarray:
+    """Quaternions (4, T) of rotation vectors (3, T) in rad.
+
+    >>> quaternions_of(np.array([[0.0], [0.0], [np.pi]])).round(12).T
+    array([[0., 0., 1., 0.]])
+    """
+    angles = np.linalg.norm(turns, axis=0)
+    return np.vstack([turns * (np.sinc(angles / (2 * np.pi)) / 2), np.cos(angles / 2)])
+
+
+def rotated(quaternions: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Points (3, k) turned by unit quaternions (4, T), shape (3, k, T): p + 2 w (u x p) + 2 u x (u x p)."""
+    u, w = quaternions[:3, None, :], quaternions[3]
+    p = points[:, :, None] + np.zeros((1, 1, quaternions.shape[1]))
+    across = 2 * np.cross(u + np.zeros_like(p), p, axis=0)
+    return p + w * across + np.cross(u + np.zeros_like(p), across, axis=0)

@@ -1,0 +1,72 @@
+"""Pages of mode shapes that several tests look at."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbconstrained.notices import Notice
+from mbconstrained.page import Body, Drawing, Link, ModePicture, ModesContent, Path, cycle
+from tests.page.contents import HOSTILE
+from tests.page.robots import four_bar
+
+NAMES = ("x", "y")
+SHAPES = {"together": np.array([1.0, 1.0]), "apart": np.array([1.0, -1.0])}
+
+
+def two_bodies() -> Drawing:
+    """Two boxes with a spring between them."""
+    bodies = (Body("a", moves={"x": (1, 0, 0)}), Body("b", rest=(3, 0, 0), moves={"y": (1, 0, 0)}))
+    return Drawing(bodies, (Link("k", "spring", "a", "b"),), scale=0.5)
+
+
+def two_modes() -> ModesContent:
+    """Both shapes of two equal masses, and a drift that does not move."""
+    modes = [
+        ModePicture(
+            name,
+            (("frequency (Hz)", f"{i + 1}"), ("meaning", "oscillation")),
+            (("a", 0.5, None), ("b", 0.5, None), ("k", None, float(i))),
+            cycle(shape),
+            period=1 / (i + 1),
+            scale=1.2,
+        )
+        for i, (name, shape) in enumerate(SHAPES.items())
+    ]
+    modes.append(ModePicture("drift", (("meaning", "drift"),), note="It does not move: a row drifts."))
+    return ModesContent(
+        "Two", "made up", two_bodies(), NAMES, tuple(modes), (Notice("rank", "a notice"),), (("Coordinates", "2"),)
+    )
+
+
+def robot_modes() -> ModesContent:
+    """A mode of a four-bar by paths, and one that rests."""
+    swing = four_bar(np.linspace(0, 2 * np.pi / 1.3, 33))
+    paths = {body.name: body.path for body in swing.drawing.bodies if body.path is not None}
+    rest = four_bar([0.0]).drawing
+    modes = (ModePicture("swing", paths=paths, period=0.01, scale=0.05), ModePicture("rest", note="nothing moves"))
+    return ModesContent("Four-bar", "", rest, (), modes)
+
+
+def many_modes(count: int) -> ModesContent:
+    """As many as asked for."""
+    phase = np.exp(1j * np.arange(count))
+    modes = tuple(
+        ModePicture(f"mode {i + 1}", (("Hz", f"{i}"),), values=cycle([1, p]), period=1.0) for i, p in enumerate(phase)
+    )
+    return ModesContent("Many", "", two_bodies(), NAMES, modes)
+
+
+def hostile_modes() -> ModesContent:
+    """Texts that try to be more than texts, or are very long, in every place that takes one."""
+    long = "W" * 10_000
+    drawing = Drawing((Body(HOSTILE, moves={HOSTILE: (1, 0, 0)}), Body(long, rest=(2, 0, 0))), note=HOSTILE)
+    modes = tuple(
+        ModePicture(text, ((text, text),), ((text, 0.5, -0.5),), cycle([1.0]), period=1.0, note=text)
+        for text in (HOSTILE, long)
+    )
+    return ModesContent(HOSTILE + long, HOSTILE, drawing, (HOSTILE,), modes, (Notice("rank", HOSTILE),), ((HOSTILE, long),))
+
+
+def resting_path() -> Path:
+    """One pose."""
+    return Path(np.zeros((3, 1)), [[0], [0], [0], [1]])

@@ -1,0 +1,84 @@
+"""Modes: one cycle of each as key frames; what is refused."""
+
+import numpy as np
+import pytest
+
+from mbconstrained.errors import InputError
+from mbconstrained.page import Body, Drawing, ModePicture, ModesContent, Path, cycle
+from mbconstrained.page.mode_content import PHASES
+from tests.page.mode_pages import NAMES, robot_modes, two_bodies, two_modes
+
+
+def test_a_cycle_is_a_circle_in_the_plane_of_real_and_imaginary_part():
+    values = cycle([2.0, 1 - 1j])
+    phases = 2 * np.pi * np.linspace(0, 1, PHASES)
+    assert np.allclose(values, [2 * np.cos(phases), np.cos(phases) + np.sin(phases)], atol=1e-14)
+
+
+def test_a_cycle_ends_where_it_begins():
+    values = cycle(np.exp(1j * np.arange(5)))
+    assert np.array_equal(values[:, 0], values[:, -1])
+
+
+def test_frames_have_the_factor_of_the_mode_in_their_values():
+    content = two_modes()
+    frames = content.modes[0].frames(content.drawing, content.names)
+    assert (frames.times[0], frames.times[-1], len(frames.times)) == (0, 1, PHASES)
+    assert np.allclose(frames.values, 1.2 * content.modes[0].values)
+
+
+@pytest.mark.parametrize(
+    "mode",
+    [
+        ModePicture("m"),
+        ModePicture("m", values=np.full((2, 7), 3.0)),
+        ModePicture("m", values=cycle([1.0, 2.0]), scale=0),
+        ModePicture("m", paths={"a": Path(np.zeros((3, 9)), np.ones((4, 9)))}),
+    ],
+    ids=["nothing", "constant values", "scale 0", "path that rests"],
+)
+def test_a_mode_in_which_nothing_moves_is_one_key_frame(mode):
+    frames = mode.frames(two_bodies(), NAMES)
+    assert (frames.times.tolist(), frames.values.shape) == ([0], (2, 1))
+
+
+def test_paths_of_a_mode_replace_those_of_the_drawing():
+    content = robot_modes()
+    swing, rest = (mode.frames(content.drawing, content.names) for mode in content.modes)
+    assert (len(swing.times), len(rest.times)) == (33, 1)
+    assert [path and path.count for path in swing.paths] == [33, 33, 33, None, None, None]
+    assert all(path is None or path.count == 1 for path in rest.paths)
+
+
+def one(**given):
+    return lambda: ModePicture("m", **given)
+
+
+@pytest.mark.parametrize(
+    "make, message",
+    [
+        (one(values=[[0, np.nan]]), 'mode "m", values: the entry at .* is nan'),
+        (one(values=[1, 2]), 'mode "m", values: expected shape any x any, found 2'),
+        (one(values=[[1e300]]), 'mode "m", values: found 1e.300, which is too large to draw'),
+        (one(period=0), 'mode "m", period: found 0; expected a number greater than zero'),
+        (one(scale=np.inf), 'mode "m", scale: .* inf'),
+        (one(shares=[("k", np.nan, None)]), 'mode "m", share of "k": .* nan'),
+        (
+            lambda: ModesContent("t", "", Drawing(()), ("x",), (ModePicture("m", values=np.zeros((2, 3))),)),
+            "found 2 rows for 1 coordinate",
+        ),
+        (
+            lambda: ModesContent("t", "", Drawing((Body("arm"),)), (), (ModePicture("m", paths={"amr": None}),)),
+            'mode "m", paths: "amr" is no body of the drawing; did you mean "arm"',
+        ),
+        (
+            lambda: ModePicture("m", values=np.arange(4.0)[None], paths={"b": Path(np.eye(3), np.ones((4, 3)))}).frames(
+                Drawing((Body("b"),)), ("x",)
+            ),
+            'body "b", path: found 3 poses for 4 times',
+        ),
+    ],
+)
+def test_what_is_no_mode_is_refused(make, message):
+    with pytest.raises(InputError, match=message):
+        make()

@@ -1,0 +1,202 @@
+"""Bodies of parts with paths in a browser: they stand where the paths put them, and links follow."""
+
+import numpy as np
+import pytest
+
+from mbconstrained.page import Animation, Body, Drawing, Link, PageContent, Part, Path, write_page
+from tests.page.browser import Browser, needs_chromium
+from tests.page.robots import COUPLER, CRANK, four_bar, four_bar_angles, octahedron, turned
+
+pytestmark = needs_chromium
+TIMES = np.linspace(0, 6, 121)
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    browser = Browser(tmp_path_factory.mktemp("profile"))
+    yield browser
+    browser.close()
+
+
+def opened(browser, tmp_path, animation, fragment=""):
+    return browser.open(write_page(tmp_path / "page.html", PageContent("t", animation=animation)), fragment)
+
+
+def without_pictures(browser):
+    """Times of the script alone: the software renderer is slow."""
+    browser.evaluate("void (mbconstrained.viewer.render = () => {})")
+
+
+def complaints(browser):
+    return browser.messages + browser.state()["errors"]
+
+
+@pytest.mark.parametrize("size", [0.1, 3.0])
+def test_links_stand_where_the_mechanism_is_between_the_key_frames_too(browser, tmp_path, size):
+    opened(browser, tmp_path, four_bar(TIMES, size))
+    for time in (0.0, 0.02, 1.234, 3.0, 5.99, 6.0):
+        nodes = browser.evaluate(f"mbconstrained.seek({time}), mbconstrained.state()")["nodes"]
+        crank, coupler, _ = four_bar_angles([time])[:, 0]
+        place = size * CRANK * np.array([np.cos(crank), 0, np.sin(crank)])
+        assert nodes["coupler"]["position"] == pytest.approx(place, abs=3e-6 * size), time
+        assert nodes["coupler"]["quaternion"] == pytest.approx(turned((0, -1, 0), coupler)[:, 0], abs=3e-6), time
+        assert np.linalg.norm(nodes["coupler"]["quaternion"]) == pytest.approx(1, abs=1e-12)
+    assert complaints(browser) == []
+
+
+def test_the_error_between_key_frames_is_of_fourth_order(browser, tmp_path):
+    errors = []
+    for count in (31, 61):
+        opened(browser, tmp_path, four_bar(np.linspace(0, 6, count)))
+        without_pictures(browser)
+        times = np.linspace(1.0, 5.0, 41)
+        found = browser.evaluate(
+            f"{times.tolist()}.map(t => (mbconstrained.seek(t), mbconstrained.state().nodes.rocker.quaternion))"
+        )
+        known = turned((0, -1, 0), four_bar_angles(times)[2]).T
+        errors.append(np.abs(np.array(found) - known).max())
+    assert errors[1] < errors[0] / 10 < 1e-2
+
+
+def place_of_spring_end(name):
+    return f"""(() => {{
+        const spring = mbconstrained.viewer.scene_tree.find(["mbconstrained", "links", "{name}", "<object>"]).object;
+        spring.geometry.computeBoundingBox();
+        const unit = 1 / mbconstrained.viewer.scene_tree.find(["mbconstrained", "bodies"]).object.scale.x;
+        const end = new MeshCat.THREE.Vector3(spring.geometry.boundingBox.max.x, 0, 0);
+        return end.applyQuaternion(spring.quaternion).add(spring.position).multiplyScalar(unit).toArray();
+    }})()"""
+
+
+def test_a_spring_ends_at_its_point_on_the_body_that_turns(browser, tmp_path):
+    opened(browser, tmp_path, four_bar(TIMES, 0.1))
+    for time in (0.0, 2.7):
+        browser.evaluate(f"mbconstrained.seek({time})")
+        crank, coupler, _ = four_bar_angles([time])[:, 0]
+        middle = [
+            CRANK * np.cos(crank) + COUPLER / 2 * np.cos(coupler),
+            0,
+            CRANK * np.sin(crank) + COUPLER / 2 * np.sin(coupler),
+        ]
+        assert browser.evaluate(place_of_spring_end("link 1")) == pytest.approx(0.1 * np.array(middle), abs=2e-6)
+
+
+def test_every_part_is_within_the_picture_at_all_times_whatever_its_size(browser, tmp_path):
+    for size in (1e-2, 30.0):
+        opened(browser, tmp_path, four_bar(TIMES, size))
+        outermost = browser.evaluate("""(() => {
+            let most = 0;
+            for (let t = 0; t <= 6; t += 1) {
+                mbconstrained.seek(t);
+                const bodies = mbconstrained.viewer.scene_tree.find(["mbconstrained", "bodies"]).object;
+                bodies.traverse((object) => {
+                    if (!object.isMesh) return;
+                    const place = object.geometry.attributes.position;
+                    for (let i = 0; i < place.count; i++) {
+                        const seen = new MeshCat.THREE.Vector3().fromBufferAttribute(place, i).applyMatrix4(object.matrixWorld);
+                        seen.project(mbconstrained.viewer.camera);
+                        most = Math.max(most, Math.abs(seen.x), Math.abs(seen.y), Math.abs(seen.z));
+                    }
+                });
+            }
+            return most;
+        })()""")
+        assert 0.5 < outermost < 1
+
+
+def test_the_picture_moves(browser, tmp_path):
+    opened(browser, tmp_path, four_bar(TIMES))
+    pictures = [(browser.evaluate(f"mbconstrained.seek({time})"), browser.picture("#stage"))[1] for time in (0, 1.2, 0)]
+    assert pictures[0] != pictures[1]
+    assert pictures[0] == pictures[2]
+
+
+def still(*parts, name="b", **given):
+    return Body(name, "parts", parts=parts, path=Path(np.zeros((3, 1)), [[0], [0], [0], [1]]), **given)
+
+
+def test_a_mesh_is_the_mesh_and_two_bodies_share_it(browser, tmp_path):
+    vertices, faces = octahedron(0.2)
+    bodies = [still(Part("mesh", vertices=vertices, faces=faces), name=name) for name in "ab"]
+    opened(browser, tmp_path, Animation(Drawing(bodies), (), [0.0], np.zeros((0, 1))))
+    found = browser.evaluate("""(() => {
+        const meshes = [];
+        const bodies = mbconstrained.viewer.scene_tree.find(["mbconstrained", "bodies"]).object;
+        bodies.traverse((object) => object.isMesh && meshes.push(object.geometry));
+        const numbers = (name) => Array.from(meshes[0].attributes[name].array);
+        return { shared: meshes[0] === meshes[1], places: numbers("position"), normals: numbers("normal") };
+    })()""")
+    assert found["shared"] is True
+    places, normals = (np.reshape(found[key], (-1, 3, 3)) for key in ("places", "normals"))
+    assert sorted(map(tuple, np.unique(places.reshape(-1, 3), axis=0).round(6))) == sorted(map(tuple, vertices))
+    # faces of an octahedron are turned by 70 degrees to each other: sharp, so each corner has its face's own normal
+    assert np.allclose(normals, np.sign(places.sum(axis=1))[:, None] / 3**0.5, atol=1e-6)
+
+
+def test_shallow_edges_are_smooth(browser, tmp_path):
+    angles = np.arange(24) * 2 * np.pi / 24
+    ring = np.array([np.cos(angles), np.sin(angles), 0 * angles]).T
+    vertices = np.vstack([ring, ring + [0, 0, 1]])
+    faces = [face for i in range(24) for face in ((i, (i + 1) % 24, i + 24), ((i + 1) % 24, (i + 1) % 24 + 24, i + 24))]
+    opened(
+        browser,
+        tmp_path,
+        Animation(Drawing([still(Part("mesh", vertices=vertices, faces=faces))]), (), [0.0], np.zeros((0, 1))),
+    )
+    places, normals = browser.evaluate("""(() => {
+        let mesh;
+        mbconstrained.viewer.scene_tree.find(["mbconstrained", "bodies"]).object.traverse((o) => o.isMesh && (mesh = o.geometry));
+        return ["position", "normal"].map((name) => Array.from(mesh.attributes[name].array));
+    })()""")
+    radial = np.reshape(places, (-1, 3)) * [1, 1, 0]
+    assert (np.sum(radial * np.reshape(normals, (-1, 3)), axis=1) > 0.995).all()
+
+
+@pytest.mark.parametrize(
+    "parts, times",
+    [
+        ((), [0.5]),
+        ((Part("mesh"),), [0.0, 2.0]),
+        ((Part("box", (0, 0, 0)),), [0.5]),
+        ((Part("cylinder", (0, 1)), Part("sphere", 0), Part("box", (1, 1, 0))), [0.0, 2.0]),
+    ],
+    ids=["no parts", "a mesh without faces", "a box of no size", "solids without volume"],
+)
+def test_robots_with_little_to_show(browser, tmp_path, parts, times):
+    animation = Animation(Drawing([still(*parts)]), (), times, np.zeros((0, len(times))))
+    opened(browser, tmp_path, animation).wait(0.1)
+    browser.click("#play")
+    assert complaints(browser) == []
+    assert browser.state()["nodes"]["b"]["position"] == [0, 0, 0]
+
+
+def test_links_between_coinciding_points_are_drawn(browser, tmp_path):
+    bodies = [still(Part("box", (1, 1, 1)), name="a"), still(name="b")]
+    kinds = ("spring", "damper", "strut", "rod", "bushing", "loop")
+    links = [Link(kind, kind, "a", "b", start_point=(0, 0, 0.5), end_point=(0, 0, 0.5)) for kind in kinds]
+    opened(browser, tmp_path, Animation(Drawing(bodies, links), (), [0, 1], np.zeros((0, 2))), "#t=1").wait(0.1)
+    assert complaints(browser) == []
+
+
+def test_an_open_loop_shows_a_bar_across_its_gap(browser, tmp_path):
+    other = Body("b", "parts", path=Path([[0, 3], [0, 0], [0, 4]], [[0, 0], [0, 0], [0, 0], [1, 1]]))
+    link = Link("l", "loop", "a", "b", start_point=(0, 0, 0), end_point=(0, 0, 0))
+    animation = Animation(Drawing([still(Part("box", (1, 1, 1)), name="a"), other], (link,)), (), [0, 1], np.zeros((0, 2)))
+    opened(browser, tmp_path, animation)
+    gaps = [
+        browser.evaluate(f"""(() => {{
+            mbconstrained.seek({time});
+            const find = (...path) => mbconstrained.viewer.scene_tree.find(["mbconstrained", ...path]).object;
+            const bar = find("links", "link 0", "<object>").children.find((part) => part.scale.x !== 1);
+            return bar.scale.x / find("bodies").scale.x;
+        }})()""")
+        for time in (0, 1)
+    ]
+    assert gaps == pytest.approx([0, 5], abs=1e-5)
+
+
+def test_a_body_of_parts_can_be_moved_by_coordinates_too(browser, tmp_path):
+    body = Body("b", "parts", rest=(1, 0, 0), moves={"x": (0, 0, 1)}, parts=(Part("box", (0.1, 0.1, 0.1)),), label="</script>")
+    opened(browser, tmp_path, Animation(Drawing((body,)), ("x",), [0, 1], [[0, 0.5]]), "#t=1")
+    assert browser.state()["nodes"]["b"]["position"] == [1, 0, 0.5]
+    assert browser.evaluate("document.querySelector('.label').textContent") == "</script>"
