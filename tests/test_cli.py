@@ -92,6 +92,53 @@ def test_json_is_data_and_nothing_else(command, tmp_path):
     assert (code, err, json.loads(out)["exit_code"]) == (1, "", 1)
 
 
+def test_modes_lists_zeros_shares_and_shapes_and_writes_nothing(command, tmp_path):
+    code, out, err = command("modes", TWO_MASSES)
+    assert (code, err) == (0, "") and list(tmp_path.iterdir()) == []
+    for words in (
+        r"^  no\.  kind +zero \(1/s\) +Hz +rad/s +damping +times$",
+        r"^  1 +drift +0 +2$",
+        r"^  3 +oscillation +± 0\.723607 i +0\.115166 +0\.723607 +0 +1$",
+        r"^Mode 3: oscillation at 0\.115166 Hz, undamped$",
+        r"^  kinetic energy x1 72\.4 %, q2 72\.4 %, q1 -44\.7 %$",
+        r"^  shape +q2 1 m, x1 -0\.618 m, q1 -0\.618 m$",
+    ):
+        assert re.search(words, out, re.MULTILINE), words
+
+
+def test_modes_as_json_are_numbers(command):
+    code, out, err = command("modes", EXAMPLES / "pulled_joint.toml", "--json")
+    (mode,) = json.loads(out)["modes"]
+    assert (code, err) == (0, "")
+    assert mode["angular_frequency"] == pytest.approx(5.0)
+    assert mode["strain_shares"] == pytest.approx({"spring ground-joint": 0.25, "spring joint-load": 0.75})
+    assert mode["shape"] == {"real": pytest.approx([0.25, 1.0]), "imaginary": [0.0, 0.0]}
+
+
+def test_the_page_of_modes_stands_beside_that_of_the_run(command, tmp_path):
+    code, out, _ = command("modes", TWO_MASSES, "--page")
+    assert code == 0 and "results/two_masses/two_masses.modes.html" in out
+    assert [file.name for file in (tmp_path / "results" / "two_masses").iterdir()] == ["two_masses.modes.html"]
+    code, out, _ = command("modes", TWO_MASSES, "--page", "--out", "else/where", "--json")
+    assert code == 0 and json.loads(out)["files"] == ["else/where/two_masses.modes.html"]
+    assert (tmp_path / "else" / "where" / "two_masses.modes.html").exists()
+
+
+def test_modes_of_coefficients_have_no_page(command, tmp_path):
+    code, out, err = command("modes", EXAMPLES / "flexible_joint.toml")
+    assert code == 0 and "only the coefficients of A(s)" in out
+    code, out, err = command("modes", EXAMPLES / "flexible_joint.toml", "--page")
+    assert (code, out) == (1, "") and err.startswith("flexible_joint.toml: model.coefficients: ") and err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_modes_that_cannot_be_trusted_are_printed_and_are_three(command, monkeypatch):
+    doubt = Notice("rank", "a rank decision has no clear gap", doubtful=True)
+    monkeypatch.setattr("mbconstrained.scene.modes.pair_notices", lambda pairs: (doubt,))
+    code, out, _ = command("modes", TWO_MASSES)
+    assert code == 3 and "Mode 2: " in out and "warning (rank): a rank decision has no clear gap" in out
+
+
 def test_plan_lists_reasons_and_writes_nothing(command, tmp_path):
     code, out, _ = command("plan", TWO_MASSES)
     assert code == 0 and list(tmp_path.iterdir()) == []
@@ -128,6 +175,7 @@ def test_help_has_examples_and_exit_codes(command):
         (["rnu", TWO_MASSES], "Did you mean 'run'"),
         (["run", TWO_MASSES, "--jsn"], "--json"),
         (["run", TWO_MASSES, "another.toml"], "unexpected extra argument"),
+        (["modes", TWO_MASSES, "--out", "folder"], "give --page too"),
     ],
 )
 def test_a_wrong_command_line_is_two(command, arguments, words):
@@ -142,9 +190,11 @@ def test_results_that_cannot_be_written_are_two(command, tmp_path, place):
     assert (code, out) == (2, "")
     assert err.startswith("the results cannot be written: ") and err.count("\n") == 1
     assert (tmp_path / "taken").read_text() == "a file, not a folder"
+    code, out, err = command("modes", TWO_MASSES, "--page", "--out", place)
+    assert (code, out) == (2, "") and err.startswith("the results cannot be written: ")
 
 
-@pytest.mark.parametrize("work", ["run", "check", "plan"])
+@pytest.mark.parametrize("work", ["run", "modes", "check", "plan"])
 def test_a_data_file_that_cannot_be_read_is_one_and_about_the_scene(command, tmp_path, work):
     path = tmp_path / "scene.toml"
     path.write_text(f'[model]\nkind = "matrices"\nmass = "{"a" * 300}.csv"\n[time]\nend = 1\n')
@@ -266,18 +316,19 @@ def test_a_terminal_gets_tables_and_no_markup_is_interpreted(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(Path(TWO_MASSES).read_text("utf-8").replace('title = "Two masses', 'title = "[red]Two[/] masses'))
     master, slave = pty.openpty()
-    done, plan = process("check", path, stdout=slave), process("plan", path, stdout=slave)
+    done, plan, modes = (process(work, path, stdout=slave) for work in ("check", "plan", "modes"))
     os.close(slave)
     shown = os.read(master, 100_000).decode()
     os.close(master)
-    assert (done.returncode, done.stderr, plan.returncode, plan.stderr) == (0, "", 0, "")
+    assert [(each.returncode, each.stderr) for each in (done, plan, modes)] == [(0, "")] * 3
     assert "[red]Two[/] masses" in shown and "─" in shown
 
 
-def test_hostile_scene_in_a_process_of_its_own(tmp_path):
+@pytest.mark.parametrize("work", ["run", "modes"])
+def test_hostile_scene_in_a_process_of_its_own(tmp_path, work):
     path = tmp_path / "scene.toml"
     path.write_text('x = "' + "9**" * 300_000 + '"')
-    done = process("run", path, cwd=tmp_path)
+    done = process(work, path, cwd=tmp_path)
     assert done.returncode == 1
     assert done.stderr.startswith("scene.toml: ") and "Traceback" not in done.stderr and len(done.stderr) < 500
     assert [file.name for file in tmp_path.iterdir()] == ["scene.toml"]

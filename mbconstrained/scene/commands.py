@@ -1,4 +1,4 @@
-"""The commands run, plan and check. What is heavy is imported by the command that needs it."""
+"""The commands run, modes, plan and check. What is heavy is imported by the command that needs it."""
 
 from __future__ import annotations
 
@@ -23,6 +23,8 @@ EPILOG = """Examples:
   mbconstrained run examples/two_masses.toml     page, CSV and npz into results/two_masses/
   mbconstrained run bridge.toml --out work/b1    the same into another folder
   mbconstrained run bridge.toml --json           zeros, jumps, impulses, evidence for a program
+  mbconstrained modes bridge.toml                frequencies, damping, shapes, who has the energy
+  mbconstrained modes bridge.toml --page         the same with a page in which each mode moves
   mbconstrained plan bridge.toml                 what would be computed, what not, and why
   mbconstrained check bridge.toml                is the file right? nothing is solved or written
 
@@ -59,6 +61,33 @@ def run(scene: ScenePath, out: Out = "", json: Json = False) -> None:
             result = found.run(Path(out or Path("results") / found.name), progress)
         show_result(result, json)
         return FINE if result.is_trusted else NOT_TRUSTED
+
+    _answer(scene, json, work)
+
+
+@app.command(short_help="List the modes of a scene, with shapes and energies.")
+def modes(
+    scene: ScenePath,
+    page: Annotated[bool, typer.Option("--page", help="Write NAME.modes.html too, in which each mode moves.")] = False,
+    out: Out = "",
+    json: Json = False,
+) -> None:
+    """List the modes: frequencies, damping, what each means, who has its kinetic and strain energy, its shape.
+
+    No motion is solved for, so that neither a start nor forces matter; a page is written only with --page."""
+    from .printing import show_modes
+
+    if out and not page:
+        raise typer.BadParameter("only the page is written; give --page too", param_hint="--out")
+
+    def work(found: Scene) -> int:
+        from .modes import SceneModes
+
+        answer = SceneModes(found)
+        if page:
+            answer.write_page(Path(out or Path("results") / found.name))
+        show_modes(answer, json)
+        return FINE if answer.is_trusted else NOT_TRUSTED
 
     _answer(scene, json, work)
 

@@ -11,7 +11,7 @@ from .equations import Equations
 from .values import derivative_name
 
 ORDERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
-ENERGY_PARTS = {"energy": ("displacement", "velocity")}
+PARTS = {"energy": ("displacement", "velocity"), "output": ("displacement",)}  # curves that are made of others
 ENERGIES = ("kinetic", "strain", "static", "total")
 
 
@@ -20,7 +20,7 @@ class Curves:
     """Values of one kind over time.
 
     Attributes:
-        kind: "displacement", "velocity", "acceleration", "reaction" or "energy".
+        kind: "displacement", "velocity", "acceleration", "reaction", "energy" or "output".
         names, titles, units: of the rows; a title says what the row is, e.g. "angle".
         values: shape (rows, T).
     """
@@ -47,6 +47,12 @@ def reaction_curves(equations: Equations, motion, times: np.ndarray) -> Curves:
     titles = ("reaction",) * len(rows)
     units = tuple(force_unit(row.unit) for row in rows)
     return Curves("reaction", tuple(row.name for row in rows), titles, units, motion.reaction(times))
+
+
+def output_curves(equations: Equations, displacement: np.ndarray) -> Curves:
+    """The named outputs of a robot, as deviations from its posture."""
+    outputs = equations.robot_scene.outputs
+    return Curves("output", outputs.names, ("output",) * len(outputs.names), outputs.units, outputs.rows @ displacement)
 
 
 def energy_curves(motion, times: np.ndarray) -> Curves:

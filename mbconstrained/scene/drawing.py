@@ -14,6 +14,10 @@ if TYPE_CHECKING:
 
 def animation_of(result: Result) -> Animation:
     """The drawing with the motion of the coordinates."""
+    if result.scene.equations.robot_scene is not None:
+        from .robot_drawing import robot_animation
+
+        return robot_animation(result)
     coordinates = result.scene.equations.coordinates
     return Animation(_drawing(result), coordinates.names, result.times, result.values, result.curves("velocity").values)
 

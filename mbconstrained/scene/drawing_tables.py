@@ -11,8 +11,8 @@ from ..errors import InputError
 from .fields import Name, Number, Table, Text, Vector
 from .units import shown
 
-Shape = Literal["box", "sphere", "disc", "gear", "ring", "mark", "rail", "ground"]
-LinkKind = Literal["spring", "damper", "rod", "torsion spring", "torsion damper", "belt"]
+Shape = Literal["box", "sphere", "disc", "gear", "ring", "mark", "rail", "ground", "base"]
+LinkKind = Literal["spring", "damper", "strut", "rod", "bushing", "loop", "torsion spring", "torsion damper", "belt"]
 PlainVector = Annotated[list[Number], Field(min_length=3, max_length=3)]
 
 

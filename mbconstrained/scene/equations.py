@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +15,7 @@ from ..response import Response, solve
 from ..response.parts import start_of
 from ..signals import ImpulsiveSmooth, zero
 from .files import matrix_of
+from .following import following
 from .forces import force_of
 from .problems import at
 from .values import Coordinates, beyond_noise, constraint_value, initial_values
@@ -21,6 +23,8 @@ from .values import Coordinates, beyond_noise, constraint_value, initial_values
 if TYPE_CHECKING:
     from ..mechanics import MechanicalSystem
     from ..models.lumped import LumpedModel
+    from ..models.robot import Posture, Robot
+    from .robot import RobotScene
 
 
 @dataclass(frozen=True)
@@ -34,6 +38,7 @@ class Equations:
         force: on [0, inf), or None.
         system: mass, damping, stiffness and constraint rows; None where A(s) was given itself.
         model: the lumped model behind the system, or None.
+        robot_scene: the robot behind the system with its posture, inputs and outputs, or None.
     """
 
     coordinates: Coordinates
@@ -42,6 +47,17 @@ class Equations:
     force: ImpulsiveSmooth | None
     system: MechanicalSystem | None = None
     model: LumpedModel | None = None
+    robot_scene: RobotScene | None = None
+
+    @property
+    def robot(self) -> Robot | None:
+        """The robot behind the system, or None."""
+        return self.robot_scene and self.robot_scene.robot
+
+    @property
+    def posture(self) -> Posture | None:
+        """The equilibrium about which the robot moves, or None."""
+        return self.robot_scene and self.robot_scene.posture
 
     @property
     def right_hand_side(self) -> ImpulsiveSmooth:
@@ -68,14 +84,16 @@ class Equations:
         return self.system.solve(*self.initial, force=self.force)
 
 
-def equations_of(table, folder: Path, file_name: str) -> Equations:
-    """Assemble the equations of a scene.
+def equations_of(table, folder: Path, file_name: str, lap: Callable[[str], None] = lambda stage: None) -> Equations:
+    """Assemble the equations of a scene; of a robot's stages ``lap`` is told as each is done.
 
     Raises:
         SceneError: unknown names, values of the wrong kind, files that cannot be read, contradictory constraints.
     """
     if table.model.kind == "lumped":
         return _lumped(table, folder, file_name)
+    if table.model.kind == "robot":
+        return _robot(table, folder, file_name, lap)
     if table.model.coefficients is not None:
         return _coefficients(table, folder, file_name)
     return _matrices(table, folder, file_name)
@@ -89,6 +107,13 @@ def _lumped(table, folder: Path, file_name: str) -> Equations:
         system = model.assemble()
     coordinates = Coordinates(tuple(model.coordinates), tuple(model.units[name] for name in model.coordinates))
     return _mechanical(table, system, coordinates, folder, file_name, model)
+
+
+def _robot(table, folder: Path, file_name: str, lap) -> Equations:
+    from .robot import robot_scene
+
+    found = robot_scene(table.model, folder, file_name, lap)
+    return _mechanical(table, found.system, found.coordinates, folder, file_name, robot_scene=found)
 
 
 def _matrices(table, folder: Path, file_name: str) -> Equations:
@@ -112,12 +137,14 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
     return _mechanical(table, system, coordinates, folder, file_name)
 
 
-def _mechanical(table, system, coordinates, folder, file_name, model=None) -> Equations:
+def _mechanical(table, system, coordinates, folder, file_name, model=None, robot_scene=None) -> Equations:
     with at(file_name, "model"):
         polynomial_matrix = system.polynomial_matrix()
     initial = initial_values(table.initial, coordinates, 2, file_name)
-    force = force_of(table.force, coordinates, folder, file_name)
-    return Equations(coordinates, polynomial_matrix, initial, force, system, model)
+    if table.initial.follow:
+        initial = following(initial, table.initial, system, coordinates, file_name)
+    force = force_of(table.force, coordinates, folder, file_name, robot_scene and robot_scene.inputs)
+    return Equations(coordinates, polynomial_matrix, initial, force, system, model, robot_scene)
 
 
 def _coefficients(table, folder: Path, file_name: str) -> Equations:
@@ -128,6 +155,9 @@ def _coefficients(table, folder: Path, file_name: str) -> Equations:
     coordinates = _coordinates(table.model, len(matrices[0]), file_name)
     with at(file_name, "model.coefficients"):
         A = PolynomialMatrix(matrices, coordinates=coordinates.names)
+    if table.initial.follow:
+        with at(file_name, "initial.follow"):
+            raise InputError("equations given by coefficients have no constraint rows to follow; give all values")
     initial = initial_values(table.initial, coordinates, A.degree, file_name)
     return Equations(coordinates, A, initial, force_of(table.force, coordinates, folder, file_name))
 

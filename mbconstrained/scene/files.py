@@ -18,8 +18,17 @@ def data_file(folder: Path, name: str) -> Path:
         InputError: an absolute path, or one that leads out of the folder of the scene, also by a symbolic link.
     """
     rule = "data files must lie in the folder of the scene, or in a folder inside it"
-    if not name or "\n" in name:
-        raise InputError(f"found {shown(name)}; expected the name of a .npz, .mtx or .csv file")
+    return inside(folder, name, rule, "the name of a .npz, .mtx or .csv file")
+
+
+def inside(folder: Path, name: str, rule: str, expected: str) -> Path:
+    """The path of a file in a folder.
+
+    Raises:
+        InputError: an absolute path, or one that leads out of the folder, also by a symbolic link; it says the rule.
+    """
+    if not name or not name.isprintable():
+        raise InputError(f"found {shown(name)}; expected {expected}")
     if Path(name).is_absolute():
         raise InputError(f"found {shown(name)}, an absolute path; {rule}")
     folder = folder.resolve()

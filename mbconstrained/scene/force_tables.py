@@ -15,7 +15,7 @@ MOST_POWER = 20
 class ForceBase(Table):
     """What every force has."""
 
-    coordinate: Name = Field(description="The coordinate it acts on; for coefficients: the equation of that number.")
+    coordinate: Name = Field(description="The coordinate or the input it acts on; for coefficients: the equation of that number.")
     delay: Time = Field(0.0, description='It acts later by this, e.g. "2 s"; not negative.')
 
     @model_validator(mode="after")

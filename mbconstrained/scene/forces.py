@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from functools import reduce
 from operator import add
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,21 +18,33 @@ from .problems import at
 from .units import quantity
 from .values import FORCE_UNITS, Coordinates, with_time
 
+if TYPE_CHECKING:
+    from .robot import Spots
 
-def force_of(tables: Sequence, coordinates: Coordinates, folder: Path, file_name: str) -> signals.ImpulsiveSmooth | None:
-    """The sum of the [[force]] tables, or None when there are none."""
+
+def force_of(
+    tables: Sequence, coordinates: Coordinates, folder: Path, file_name: str, inputs: Spots | None = None
+) -> signals.ImpulsiveSmooth | None:
+    """The sum of the [[force]] tables, each on a coordinate or an input, or None when there are none."""
     forces = []
     for number, table in enumerate(tables, 1):
         with at(file_name, f"force[{number}]"):
-            row = np.zeros((len(coordinates.names), 1))
-            row[coordinates.number(table.coordinate)] = 1.0
-            forces.append(_signal(table, coordinates, folder).delayed(table.delay).mapped(row))
+            row, unit = _place(table.coordinate, coordinates, inputs)
+            forces.append(_signal(table, FORCE_UNITS.get(unit), folder).delayed(table.delay).mapped(row[:, None]))
     return reduce(add, forces) if forces else None
 
 
-def _signal(table, coordinates: Coordinates, folder: Path) -> signals.ImpulsiveSmooth:
-    """What acts on the coordinate, one row."""
-    unit = FORCE_UNITS.get(coordinates.units[coordinates.number(table.coordinate)])
+def _place(name: str, coordinates: Coordinates, inputs: Spots | None) -> tuple[np.ndarray, str]:
+    """How a force on a coordinate or input acts on all coordinates, and the unit of what it works along."""
+    if inputs is not None and name in inputs.names:
+        number = inputs.names.index(name)
+        return inputs.rows[number], inputs.units[number]
+    number = coordinates.number(name, *(inputs.names if inputs else ()))
+    return np.eye(len(coordinates.names))[number], coordinates.units[number]
+
+
+def _signal(table, unit: str | None, folder: Path) -> signals.ImpulsiveSmooth:
+    """What acts there, one row."""
     if table.kind == "sampled":
         return _record(table, unit, folder)
     time_power, make = _SIGNALS[table.kind]

@@ -29,6 +29,8 @@ def write_npz(path: Path, result: Result) -> None:
         arrays[kind] = result.curves(kind).values
     if "reaction" in result.kinds:
         arrays["constraints"] = np.array(result.curves("reaction").names)
+    if "output" in result.kinds:
+        arrays["outputs"] = np.array(result.curves("output").names)
     arrays |= {"initial": motion.initial, "jump": motion.jump}
     arrays["impulses"] = np.array(motion.impulses).reshape(len(motion.impulses), motion.jump.shape[1])
     if motion.events:

@@ -14,6 +14,7 @@ from .summary import as_json, blocks, plain_table
 from .tables import TextTable
 
 if TYPE_CHECKING:
+    from .modes import SceneModes
     from .plan import Plan, Stage
     from .result import Result
     from .scene import Scene
@@ -25,6 +26,16 @@ def show_result(result: Result, json: bool) -> None:
         _say_json(as_json(result))
     else:
         _say_blocks(blocks(result))
+
+
+def show_modes(modes: SceneModes, json: bool) -> None:
+    """The modes of a scene."""
+    from . import modes_summary
+
+    if json:
+        _say_json(modes_summary.as_json(modes))
+    else:
+        _say_blocks(modes_summary.blocks(modes))
 
 
 def show_plan(scene: Scene, json: bool) -> None:

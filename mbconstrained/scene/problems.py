@@ -11,23 +11,23 @@ from .units import shown
 
 MOST_PROBLEMS = 5  # in one message; the rest is counted
 KINDS = {
-    "model": '"lumped" or "matrices"',
+    "model": '"lumped", "matrices" or "robot"',
     "force": '"step", "ramp", "power", "impulse", "harmonic", "term", "pulse" or "sampled"',
 }
 
 
-def validated(data: dict, file_name: str):
-    """The tables of a scene, checked against the schema.
+def validated(data: dict, file_name: str, schema: type | None = None):
+    """The tables of a scene, checked against its schema, or those of another file.
 
     Raises:
         SceneError: with one line for every entry that is wrong.
     """
     from pydantic import ValidationError
 
-    from .schema import SceneFile
-
+    if schema is None:
+        from .schema import SceneFile as schema
     try:
-        return SceneFile.model_validate(data)
+        return schema.model_validate(data)
     except ValidationError as error:
         lines = [f"{place(problem['loc'], data)}: {_sentence(problem)}" for problem in error.errors()]
     raise SceneError(together(file_name, lines))
@@ -61,10 +61,11 @@ def place(location: tuple, data) -> str:
     >>> place(("model", "lumped", "mass", 1, "mass"), {"model": {"kind": "lumped", "mass": [{}, {"name": "cart"}]}})
     'model.mass[2].mass (of "cart")'
     """
-    text, owner = "", ""
+    text, owner, marked = "", "", None
     for part in location:
-        if isinstance(data, dict) and data.get("kind") == part and part not in data:
-            continue  # the schema's own mark for the kind of the table
+        if isinstance(data, dict) and data.get("kind") == part and data is not marked:
+            marked = data  # the schema's own mark for the kind of the table
+            continue
         text += f"[{part + 1}]" if isinstance(part, int) else f"{'.' if text else ''}{part}"
         data = _entry(data, part)
         if isinstance(part, int) and isinstance(data, dict) and isinstance(data.get("name"), str):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from pathlib import Path
+from typing import NamedTuple
 
 from ..checks import nearest
 from ..errors import SceneError
@@ -15,8 +16,22 @@ DEEPEST_NAME = 40  # parts of a dotted name; tomllib needs quadratic time for lo
 _DOTTED = re.compile(rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){{{DEEPEST_NAME}}}""")
 
 
-def read_text(path: Path) -> str:
-    """The text of a scene file.
+
+class FileKind(NamedTuple):
+    """What messages say of a kind of file: what it has at least, and what one is that is too large."""
+
+    least: str
+    large: str
+
+
+SCENE = FileKind(
+    "a scene has at least [model] and [time]",
+    "which is no scene; keep large matrices in .npz, .mtx or .csv files beside it",
+)
+
+
+def read_text(path: Path, kind: FileKind = SCENE) -> str:
+    """The text of a scene file, or of another file that is written like one.
 
     Raises:
         SceneError: no such file, a directory, unreadable, too large, empty, or not UTF-8.
@@ -24,11 +39,10 @@ def read_text(path: Path) -> str:
     content = _content(path)
     if len(content) > LARGEST_SCENE:
         raise SceneError(
-            f"{path.name}: the file has more than {LARGEST_SCENE:,} bytes, which is no scene; "
-            "keep large matrices in .npz, .mtx or .csv files beside it"
+            f"{path.name}: the file has more than {LARGEST_SCENE:,} bytes, {kind.large}"
         )
     if not content.strip():
-        raise SceneError(f"{path.name}: the file is empty; a scene has at least [model] and [time]")
+        raise SceneError(f"{path.name}: the file is empty; {kind.least}")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as problem:

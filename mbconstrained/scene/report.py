@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..page.content import Curve, PageContent, Plot, Table
 from .curves import ORDERS
+from .robot_report import robot_facts
 from .tables import notices_of, tables_of
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ def _facts(result: Result) -> tuple[tuple[str, str], ...]:
     named = ", ".join(f"{name} ({unit})" for name, unit in zip(coordinates.names, coordinates.units))
     left_out = ", ".join(stage.name for stage in result.plan.left_out)
     return (
+        *robot_facts(result.scene.equations.robot_scene),
         ("coordinates", named),
         ("degree of the equations", str(result.scene.equations.polynomial_matrix.degree)),
         ("finite zeros", str(sum(zero.count for zero in result.finite_pair.zeros))),

@@ -14,7 +14,7 @@ from ..notices import Notice
 from ..replacing import Replacements
 from ..response.estimate import error_estimate
 from ..tolerances import TRUST_LIMIT
-from .curves import ENERGY_PARTS, ORDERS, Curves, coordinate_curves, energy_curves, reaction_curves
+from .curves import ORDERS, PARTS, Curves, coordinate_curves, energy_curves, output_curves, reaction_curves
 from .happenings import with_units
 from .plan import Plan
 
@@ -74,7 +74,7 @@ class Result:
         return self.curves("displacement").values
 
     def curves(self, kind: str) -> Curves:
-        """Trajectories of a kind: displacement, velocity, acceleration, reaction or energy."""
+        """Trajectories of a kind: displacement, velocity, acceleration, reaction, energy or output."""
         if kind not in self._curves:
             self._curves[kind] = self._computed(kind)
         return self._curves[kind]
@@ -84,6 +84,8 @@ class Result:
             return coordinate_curves(self.scene.equations, self.motion, self.times, kind)
         if kind == "reaction":
             return reaction_curves(self.scene.equations, self.motion, self.times)
+        if kind == "output":
+            return output_curves(self.scene.equations, self.values)
         return energy_curves(self.motion, self.times)
 
     @property
@@ -106,8 +108,9 @@ class Result:
 
     @cached_property
     def error_estimates(self) -> dict[str, float]:
-        """The same for each kind of curve that the scene asks for; energies are made of displacements and velocities."""
-        kinds = dict.fromkeys(part for kind in self.kinds for part in ENERGY_PARTS.get(kind, (kind,)))
+        """The same for each kind of curve that the scene asks for; energies are made of displacements and velocities,
+        outputs of displacements."""
+        kinds = dict.fromkeys(part for kind in self.kinds for part in PARTS.get(kind, (kind,)))
         return {kind: error_estimate(self.motion, self.times, self._view(kind)) for kind in kinds}
 
     def _view(self, kind: str):

@@ -87,9 +87,11 @@ def read_scene(path: str | Path) -> Scene:
         clock.lap("units")
     table = validated(data, path.name)
     clock.lap("read the scene")
-    equations = equations_of(table, path.parent, path.name)
+    equations = equations_of(table, path.parent, path.name, clock.lap)
     _check_output(table.output, equations, path.name)
     _check_drawing(table.drawing, equations, path.name)
+    if equations.robot_scene and table.output.page and table.output.animation:
+        equations.robot_scene.data.check_meshes()
     clock.lap("assemble the model")
     equations.polynomial_matrix.jordan_pairs()
     clock.lap("scaling and staircase")
@@ -102,6 +104,8 @@ def _check_output(output, equations: Equations, file_name: str) -> None:
             equations.coordinates.number(name)
     system = equations.system
     with at(file_name, "output.plots"):
+        if "output" in output.plots and not (equations.robot_scene and equations.robot_scene.outputs.names):
+            raise InputError("found output, but no outputs are named; name them as [[model.output]] of a robot, or leave it out")
         if "energy" in output.plots and system is None:
             raise InputError("energy is known only where mass, damping and stiffness are given, not for coefficients")
         if "reaction" in output.plots and not (system and system.rows):
@@ -110,6 +114,9 @@ def _check_output(output, equations: Equations, file_name: str) -> None:
 
 def _check_drawing(drawing, equations: Equations, file_name: str) -> None:
     """Names in the drawing; it is drawn only when a page is made."""
+    if drawing and equations.robot and (drawing.body or drawing.link):
+        with at(file_name, "drawing"):
+            raise InputError("a robot is drawn from its URDF: leave out body and link; scale and note may stand here")
     bodies = [body.name for body in drawing.body] if drawing else []
     for number, body in enumerate(drawing.body if drawing else (), 1):
         with at(file_name, f'drawing.body[{number}] (of "{body.name}")'):

@@ -12,6 +12,7 @@ from .drawing_tables import DrawingTable
 from .force_tables import ForceTable
 from .lumped_tables import LumpedTable
 from .matrices_tables import MatricesTable
+from .robot_tables import RobotTable
 from .units import shown
 from .values import DERIVATIVES
 
@@ -42,8 +43,12 @@ class InitialTable(Table):
         None, description="Instead of the above: row i has the i-th derivatives of all coordinates."
     )
 
+    follow: bool = Field(False, description="true: what is left out follows from the constraint rows instead of being 0.")
+
     @model_validator(mode="after")
     def _one_form(self):
+        if self.follow and not all(isinstance(row, dict) for row in self.rows):
+            raise InputError("follow needs values by name, e.g. displacement = { x1 = 0.1 }: nothing is left out of an array")
         named = [key for key in DERIVATIVES if key in self.model_fields_set]
         if self.derivatives is not None and named:
             raise InputError(f"derivatives and {named[0]} say the same thing; give one of them")
@@ -71,7 +76,7 @@ class TimeTable(Table):
         return self
 
 
-Curve = Literal["displacement", "velocity", "acceleration", "reaction", "energy"]
+Curve = Literal["displacement", "velocity", "acceleration", "reaction", "energy", "output"]
 
 
 class OutputTable(Table):
@@ -98,7 +103,7 @@ class SceneFile(Table):
 
     title: Text = Field("", description="What the page is headed with; the name of the file when left out.")
     source: Text = Field("", description="Where the example or the data comes from.")
-    model: Annotated[LumpedTable | MatricesTable, Field(discriminator="kind")] = Field(description="The equations.")
+    model: Annotated[LumpedTable | MatricesTable | RobotTable, Field(discriminator="kind")] = Field(description="The equations.")
     initial: InitialTable = Field(InitialTable(), description="The values just before t = 0.")
     force: list[ForceTable] = Field([], description="Forces from t = 0 or from their delays on; entries on one coordinate add up.")
     time: TimeTable = Field(description="Where the answer is wanted.")

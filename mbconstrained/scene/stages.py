@@ -40,9 +40,15 @@ class Step:
     writes: bool = False
 
 
+def steps_of(scene: Scene) -> tuple[Step, ...]:
+    """The stages that are spoken of: those of a robot only where there is one."""
+    robot = ROBOT_STEPS if scene.equations.robot_scene else NO_ROBOT_STEPS
+    return (*FILE_STEPS, *robot, *STEPS)
+
+
 def plan_of(scene: Scene, *, writing: bool = True) -> Plan:
     """Decide every stage, run none."""
-    return Plan(tuple(_stage(step, scene, writing) for step in STEPS))
+    return Plan(tuple(_stage(step, scene, writing) for step in steps_of(scene)))
 
 
 def _stage(step: Step, scene: Scene, writing: bool) -> Stage:
@@ -56,7 +62,7 @@ def run_stages(scene: Scene, folder: Path | None, progress: Callable[[Stage], No
     result = Result(scene, plan_of(scene, writing=folder is not None), folder)
     stages = []
     with result.writing_together():
-        for step, stage in zip(STEPS, result.plan.stages):
+        for step, stage in zip(steps_of(scene), result.plan.stages):
             if stage.taken and step.work:
                 if progress:
                     progress(stage)
@@ -86,8 +92,10 @@ def _never(reason: str):
 
 
 def _units(scene) -> Decision:
-    if scene.unit_texts:
-        return True, f"{counted(scene.unit_texts, 'quantity', 'quantities')} with a unit"
+    found = scene.equations.robot_scene
+    texts = scene.unit_texts + (found.data.unit_texts if found else 0)
+    if texts:
+        return True, f"{counted(texts, 'quantity', 'quantities')} with a unit"
     return False, "all quantities are plain numbers in SI"
 
 
@@ -103,9 +111,12 @@ def _constraint_rows(scene) -> Decision:
     system = scene.equations.system
     if system is None:
         return False, "A_0, A_1, … are given: constraints are equations among the others"
-    removed = sum(notice.kind == "redundant" for notice in system.notices)
+    if scene.equations.robot:
+        removed = sum(len(loop.row_names) for loop in scene.equations.robot.loops) - len(system.rows)
+    else:
+        removed = sum(notice.kind == "redundant" for notice in system.notices)
     if not system.rows and not removed:
-        return False, "no constraint rows"
+        return False, "the robot has no loops: no rows are built" if scene.equations.robot else "no constraint rows"
     return True, f"{counted(len(system.rows) + removed, 'row')}, {removed} of them dependent"
 
 
@@ -115,6 +126,24 @@ def _constrained_form(scene) -> Decision:
         return False, "no constraint rows"
     levels = sorted({row.level for row in system.rows})
     return True, f"{counted(len(system.rows), 'independent row')} at {' and '.join(levels)} level"
+
+
+def _robot_model(scene) -> Decision:
+    found = scene.equations.robot_scene
+    return True, f"{found.data.place}: {counted(len(found.robot.bodies), 'link')}, {counted(len(found.robot.joints), 'joint')}"
+
+
+def _equilibrium(scene) -> Decision:
+    loops = scene.equations.robot.loops
+    return True, f"the motion is about a state of rest, with {counted(len(loops), 'closed loop') if loops else 'no loops to close'}"
+
+
+def _robot_meshes(scene) -> Decision:
+    meshes = scene.equations.robot_scene.data.names.meshes
+    if not meshes:
+        return False, "the robot is drawn from boxes, cylinders and spheres"
+    drawn, _ = _animation(scene)
+    return drawn, f"{counted(len(meshes), 'mesh', 'meshes')} to draw" if drawn else "meshes are read only where they are drawn"
 
 
 def _infinite_pair(scene) -> Decision:
@@ -166,9 +195,18 @@ def _wanted(kind: str):
     return decide
 
 
-STEPS = (
+FILE_STEPS = (
     Step("read the scene", _always("checked against the schema")),
     Step("units", _units),
+)
+ROBOT_STEPS = (
+    Step("robot model (pinocchio)", _robot_model),
+    Step("equilibrium", _equilibrium),
+    Step("robot meshes", _robot_meshes, writes=True),
+    Step("collision geometry", _never("it is never loaded")),
+)
+NO_ROBOT_STEPS = (Step("robot model (pinocchio)", _never("no robot in the scene")),)
+STEPS = (
     Step("assemble the model", _assembly),
     Step("dependent constraint rows", _constraint_rows),
     Step("constrained form", _constrained_form),
@@ -187,7 +225,6 @@ STEPS = (
     Step("page", _wanted("page"), methodcaller("write_page"), writes=True),
     Step("CSV", _wanted("csv"), methodcaller("write_csv"), writes=True),
     Step("npz", _wanted("npz"), methodcaller("write_npz"), writes=True),
-    Step("robot model (pinocchio)", _never("no robot in the scene")),
     Step("symbols (sympy)", _never("nothing symbolic is asked for")),
     Step("plots as images (matplotlib)", _never("the page draws its own")),
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .robot_report import posture_json
 from .tables import TextTable, notices_of, tables_of
 
 if TYPE_CHECKING:
@@ -55,6 +56,7 @@ def as_json(result: Result) -> dict:
     return {
         "title": scene.title,
         "source": scene.table.source,
+        **posture_json(scene.equations.robot_scene),
         "coordinates": [{"name": name, "unit": unit} for name, unit in zip(coordinates.names, coordinates.units)],
         "constraints": [
             {"name": row.name, "level": row.level, "value": row.value} for row in (result.system.rows if result.system else ())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -16,6 +15,8 @@ from ..response.events import Event
 from ..response.notices import counts
 from ..signals import Blow
 from .happenings import Impulse, folded, impulses_of, jumps_of, later_jumps_of, number, sized
+from .robot_report import posture_evidence, posture_tables
+from .text_table import TextTable
 
 if TYPE_CHECKING:
     from .result import Result
@@ -23,27 +24,11 @@ if TYPE_CHECKING:
 MOST_LATER_ROWS = 20  # of the jumps and impulses after t = 0 that are listed; JSON and npz have all
 
 
-@dataclass(frozen=True)
-class TextTable:
-    """A table of texts.
-
-    Attributes:
-        title: its heading.
-        columns: headings.
-        rows: texts, one for each column.
-        note: a sentence below, or an empty string.
-    """
-
-    title: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    note: str = ""
-
-
 def tables_of(result: Result) -> list[TextTable]:
-    """Constraints, zeros, jumps, impulses and evidence; those without rows are left out, but for the zeros."""
+    """Posture, constraints, zeros, jumps, impulses and evidence; those without rows are left out, but for the zeros."""
     at_zero = [jump_table(result), impulse_table(result)]
-    tables = [constraint_table(result), zero_table(result), *at_zero, later_table(result), evidence_table(result)]
+    posture = posture_tables(result.scene.equations.robot_scene)
+    tables = [*posture, constraint_table(result), zero_table(result), *at_zero, later_table(result), evidence_table(result)]
     return [table for table in tables if table.rows or table.title == "Zeros"]
 
 
@@ -160,4 +145,5 @@ def evidence_table(result: Result) -> TextTable:
         for kind, value in result.error_estimates.items()
     ]
     found = [(item.name, f"{item.value:.2g}", item.text) for item in result.motion.evidence]
-    return TextTable("Evidence", ("what", "value", "meaning"), (*estimates, *found))
+    posture = posture_evidence(result.scene.equations.robot_scene)
+    return TextTable("Evidence", ("what", "value", "meaning"), (*estimates, *found, *posture))

@@ -51,15 +51,16 @@ class Coordinates:
     names: tuple[str, ...]
     units: tuple[str, ...]
 
-    def number(self, name: str) -> int:
-        """The place of a coordinate.
+    def number(self, name: str, *others: str) -> int:
+        """The place of a coordinate; the others are names that could have stood there as well.
 
         Raises:
             InputError: no such coordinate.
         """
         if name not in self.names:
-            hint = nearest(name, self.names)
-            raise InputError(f"there is no coordinate {shown(name)}{hint}; the coordinates are {', '.join(self.names)}")
+            hint = nearest(name, (*self.names, *others))
+            inputs = f", the inputs {', '.join(others)}" if others else ""
+            raise InputError(f"there is no coordinate {shown(name)}{hint}; the coordinates are {', '.join(self.names)}{inputs}")
         return self.names.index(name)
 
     def derivative_unit(self, index: int, order: int) -> str:

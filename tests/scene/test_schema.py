@@ -10,27 +10,29 @@ from mbconstrained.scene.schema import SceneFile
 SCHEMA = SceneFile.model_json_schema()
 
 
-def tables():
-    yield "scene", SCHEMA
-    yield from SCHEMA["$defs"].items()
-
-
-def test_every_key_has_a_description_and_no_table_takes_unknown_keys():
-    for name, table in tables():
+def tables_are_closed_and_described(schema):
+    """Every key has a description, and no table takes unknown keys."""
+    for name, table in (("the file", schema), *schema["$defs"].items()):
         assert table["description"], name
         assert table["additionalProperties"] is False, name
         for key, entry in table["properties"].items():
             assert entry.get("description"), f"{name}.{key}"
 
 
-def test_schema_is_json_and_its_references_lead_somewhere():
-    text = json.dumps(SCHEMA)
+def references_lead_somewhere(schema):
+    """It is JSON, and what it refers to is there."""
+    text = json.dumps(schema)
     references = {part.split('"')[0] for part in text.split('"$ref": "')[1:]}
-    assert references and {reference.removeprefix("#/$defs/") for reference in references} <= set(SCHEMA["$defs"])
+    assert references and {reference.removeprefix("#/$defs/") for reference in references} <= set(schema["$defs"])
+
+
+def test_the_schema_of_scenes_is_complete():
+    tables_are_closed_and_described(SCHEMA)
+    references_lead_somewhere(SCHEMA)
 
 
 def test_drawing_knows_the_shapes_and_links_of_the_page():
-    assert get_args(drawing_tables.Shape) == SHAPES
+    assert (*get_args(drawing_tables.Shape), "parts") == SHAPES  # parts are made from a URDF, never written
     assert get_args(drawing_tables.LinkKind) == LINK_KINDS
 
 

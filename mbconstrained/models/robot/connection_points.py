@@ -20,7 +20,7 @@ class ConnectionPoints:
 
     Attributes:
         name: of the loop or spring.
-        kind: what it is; a "damper" is a spring without stiffness.
+        kind: what it is; a spring with a damper beside it is listed as each of the two.
         body1, point1, body2, point2: links, or "ground", with points in their frames (m), shape (3,).
     """
 
@@ -40,7 +40,10 @@ def connection_points(posture: Posture) -> tuple[ConnectionPoints, ...]:
         ends = [
             _in_link(posture, body, anchor) for body, anchor in ((connection.body1, item.first), (connection.body2, item.second))
         ]
-        found.append(ConnectionPoints(connection.name, _kind(connection), connection.body1, ends[0], connection.body2, ends[1]))
+        found += [
+            ConnectionPoints(connection.name, kind, connection.body1, ends[0], connection.body2, ends[1])
+            for kind in _kinds(connection)
+        ]
     return tuple(found)
 
 
@@ -50,9 +53,9 @@ def _in_link(posture: Posture, body: str, anchor: Anchor) -> np.ndarray:
     return link.rotation.T @ (anchor.point - link.point)
 
 
-def _kind(connection: Connection) -> str:
+def _kinds(connection: Connection) -> tuple[str, ...]:
     if isinstance(connection, Loop):
-        return "loop"
+        return ("loop",)
     if isinstance(connection, BodySpring):
-        return "spring" if connection.stiffness else "damper"
-    return "bushing"
+        return ("spring",) * bool(connection.stiffness or not connection.damping) + ("damper",) * bool(connection.damping)
+    return ("bushing",)

@@ -56,7 +56,8 @@ def loop_rows(balance: Balance) -> LoopRows:
     _check_regular(balance, (left[:, rank:] * weights[:, None]).T, right[rank:].T)
     order = scipy.linalg.qr(J.T, mode="economic", pivoting=True)[2] if J.size else np.arange(len(J))
     kept = tuple(sorted(order[:rank].tolist()))
-    notices = _redundant([names[row] for row in range(len(J)) if row not in kept])
+    empty = np.abs(J).max(axis=1, initial=0.0) <= RANK
+    notices = _redundant({names[row]: bool(empty[row]) for row in range(len(J)) if row not in kept})
     if rank and values[rank - 1] < DOUBTFUL_RANK * values[0]:
         text = (
             f"the rows of the loops are almost dependent (relative singular value {values[rank - 1] / values[0]:.1e}): "
@@ -92,12 +93,17 @@ def _second(balance: Balance, combination: np.ndarray) -> np.ndarray:
     return np.sum(balance.geometric(combination), axis=0) / np.outer(balance.sizes, balance.sizes)
 
 
-def _redundant(names: list[str]) -> list[Notice]:
-    if not names:
-        return []
-    rows, say, other = ("row", "says", "it") if len(names) == 1 else ("rows", "say", "them")
-    text = (
-        f"loop {rows} {', '.join(names)} {say} nothing new and {'was' if rows == 'row' else 'were'} left out: other rows imply "
-        f"{other}; multipliers of a motion are those of the rows that are left, those of the equilibrium have the least norm"
-    )
-    return [Notice("redundant", text)]
+def _redundant(rows: dict[str, bool]) -> list[Notice]:
+    """What to say of rows that are left out, by name; those that no coordinate enters (True) are kept by the joints alone."""
+    reasons = {
+        True: "the joints keep {it} by themselves",
+        False: "other rows imply {it}; multipliers of a motion are those of the rows that are left, those at rest have the least norm",
+    }
+    found = []
+    for empty, reason in reasons.items():
+        names = [name for name, is_empty in rows.items() if is_empty == empty]
+        if names:
+            one = len(names) == 1
+            told = f"loop row{'' if one else 's'} {', '.join(names)} say{'s' if one else ''} nothing new and {'was' if one else 'were'} left out"
+            found.append(Notice("redundant", f"{told}: {reason.format(it='it' if one else 'them')}"))
+    return found

@@ -1,0 +1,142 @@
+"""The modes of a scene: its zeros, and for a mechanical system the shapes with their energies. No motion is solved for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import SceneError
+from ..notices import Notice
+from ..replacing import replacing
+from ..response.notices import pair_notices
+from .plan import Plan
+from .result import Result
+from .tables import zero_table
+
+if TYPE_CHECKING:
+    from ..mechanics import EnergyShares, MechanicalSystem, Mode
+    from .scene import Scene
+
+
+@dataclass(frozen=True)
+class ModeLine:
+    """One line of the list of modes: a zero, or one of its shapes where it has any.
+
+    Attributes:
+        number: from 1 on, the order of the list.
+        cells: of the zero, as texts by column (``Modes.table``).
+        value, multiplicity: the zero in 1/s.
+        mode: its meaning; None where A(s) was given by coefficients.
+        place: which of the shapes of the zero this is, from 0; None where it has none.
+    """
+
+    number: int
+    cells: dict[str, str]
+    value: complex
+    multiplicity: int
+    mode: Mode | None = None
+    place: int | None = None
+
+    @property
+    def shape(self) -> np.ndarray | None:
+        """The shape, (n,), its largest entry 1."""
+        return None if self.place is None else self.mode.shapes[:, self.place]
+
+    @property
+    def shares(self) -> EnergyShares | None:
+        """The energies of the shape by part."""
+        return None if self.place is None else self.mode.shares[self.place]
+
+    @property
+    def shape_count(self) -> int:
+        """How many shapes the zero has."""
+        return self.mode.shapes.shape[1] if self.mode else 0
+
+    @property
+    def name(self) -> str:
+        """Its kind, and which of several shapes it is."""
+        return self.cells["kind"] + self._among
+
+    @property
+    def heading(self) -> str:
+        """What the line is about, with its number."""
+        return f"Mode {self.number}{self._among}: {self.cells['meaning']}"
+
+    @property
+    def _among(self) -> str:
+        return f" (shape {self.place + 1} of {self.shape_count})" if self.shape_count > 1 else ""
+
+
+class SceneModes:
+    """The modes of a scene.
+
+    Attributes:
+        scene: what was read.
+        files: what was written.
+    """
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self.files: list[Path] = []
+
+    @property
+    def system(self) -> MechanicalSystem | None:
+        """None where A(s) was given by coefficients: of those it is not known what they stand for."""
+        return self.scene.equations.system
+
+    @cached_property
+    def lines(self) -> tuple[ModeLine, ...]:
+        """One for each shape, and one for each zero that has none, in the order of the zeros."""
+        result = Result(self.scene, Plan(()))
+        table = zero_table(result)
+        cells = [dict(zip(table.columns, row)) for row in table.rows]
+        if self.system is None:
+            zeros = enumerate(zip(cells, result.finite_pair.zeros), 1)
+            return tuple(ModeLine(number, row, complex(zero.value), zero.multiplicity) for number, (row, zero) in zeros)
+        wanted = ((row, mode, place) for row, mode in zip(cells, result.modes.zeros) for place in _places(mode))
+        return tuple(
+            ModeLine(number, row, complex(mode.value), mode.multiplicity, mode, place)
+            for number, (row, mode, place) in enumerate(wanted, 1)
+        )
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """Growth, rows taken out, and what makes the modes doubtful."""
+        if self.system is None:
+            return pair_notices(self.scene.equations.polynomial_matrix.jordan_pairs())
+        return (*self.system.notices, *pair_notices(self.system.position_form().polynomial_matrix.jordan_pairs()))
+
+    @property
+    def is_trusted(self) -> bool:
+        """False where a notice says that the modes may be wrong."""
+        return not any(notice.doubtful for notice in self.notices)
+
+    def write_page(self, folder: Path) -> Path:
+        """Write NAME.modes.html, in which the modes move, into a folder.
+
+        Raises:
+            SceneError: the scene gives coefficients, of which there is nothing to draw.
+            OSError: it cannot be written.
+        """
+        if self.system is None:
+            raise SceneError(
+                f"{self.scene.path.name}: model.coefficients: a page of modes needs mass, damping and stiffness; leave out --page"
+            )
+        from ..page.modes_html import modes_html
+        from .modes_page import modes_content
+
+        text = modes_html(modes_content(self))
+        path = folder / f"{self.scene.name}.modes.html"
+        folder.mkdir(parents=True, exist_ok=True)
+        with replacing(path) as beside:
+            beside.write_bytes(text.encode("utf-8"))
+        self.files.append(path)
+        return path
+
+
+def _places(mode: Mode) -> list[int | None]:
+    return list(range(mode.shapes.shape[1])) or [None]

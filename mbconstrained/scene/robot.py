@@ -1,0 +1,135 @@
+"""From a scene of kind "robot" to its equations: the robot's file, an equilibrium, small motions about it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import InputError
+from .problems import at
+from .robot_file import RobotData, posing, robot_data, robot_of
+from .robot_values import PLACE, joint_values, point_motion
+from .units import shown
+from .values import Coordinates
+
+if TYPE_CHECKING:
+    from ..models.robot import Posture, Robot
+
+
+@dataclass(frozen=True)
+class Spots:
+    """Named inputs or outputs.
+
+    Attributes:
+        names, units: of each, "m" or "rad".
+        rows: shape (k, n): an output is its row times the coordinates, an input's force works along its row.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    rows: np.ndarray
+
+
+@dataclass(frozen=True)
+class RobotScene:
+    """A robot in its posture, as a system in small deviations from it.
+
+    Attributes:
+        data: what stands in its file.
+        robot, posture, system: of the models' floor.
+        inputs, outputs: by name.
+    """
+
+    data: RobotData
+    robot: Robot
+    posture: Posture
+    system: object
+    inputs: Spots
+    outputs: Spots
+
+    @property
+    def coordinates(self) -> Coordinates:
+        """Names and units of the deviations."""
+        names = tuple(self.system.names)
+        return Coordinates(names, tuple(self.system.units[name] for name in names))
+
+
+def robot_scene(model, folder: Path, file_name: str, lap: Callable[[str], None]) -> RobotScene:
+    """Read the robot, find its equilibrium and linearize it there.
+
+    Args:
+        model: the [model] table.
+        folder: of the scene.
+        file_name: of the scene, for messages.
+        lap: called with the name of each stage when it is done.
+
+    Raises:
+        SceneError: a file, a name, a unit that is wrong; no equilibrium near the guess.
+    """
+    with at(file_name, "model.robot"):
+        path = _robot_path(model.robot, folder)
+    data = robot_data(path)
+    with at(file_name, "model"):
+        data = replace(data, locked={**data.locked, **joint_values(model.locked, data.names, PLACE)})
+        arguments = _posture_arguments(data, posing(model, data.names, data.table.base == "free"))
+    robot = robot_of(data)
+    lap("robot model (pinocchio)")
+    with at(file_name, "model"):
+        posture = robot.equilibrium(**arguments)
+    lap("equilibrium")
+    inputs, outputs = (_motions(getattr(model, key), data, f"model.{key}", file_name) for key in ("input", "output"))
+    with at(file_name, "model"):
+        system = robot.linearize(posture, level=model.level, inputs=inputs, outputs=outputs)
+    spots = [_spots(getattr(model, key), getattr(system, f"{key}s"), data, system.size) for key in ("input", "output")]
+    _check_inputs(spots[0].names, system.names, file_name)
+    return RobotScene(data, robot, posture, system, *spots)
+
+
+def _robot_path(name: str, folder: Path) -> Path:
+    if not name or not name.isprintable() or Path(name).is_absolute():
+        raise InputError(f'found {shown(name)}; expected a folder relative to the scene, e.g. "../robots/four_bar"')
+    path = folder / name
+    if not path.exists():
+        raise InputError(f"found {shown(name)}; there is no such folder or file")
+    if path.is_dir() or path.suffix == ".toml":
+        return path
+    raise InputError(f"found {shown(name)}; expected the folder of a robot, or its robot.toml")
+
+
+def _posture_arguments(data: RobotData, own: dict) -> dict:
+    """The posture of the robot's file where the scene does not say otherwise."""
+    found = data.posture
+    merged = {key: {**found[key], **own[key]} for key in ("guess", "forces")}
+    return data.unlocked({**merged, "hold": own.get("hold", found["hold"])})
+
+
+def _motions(entries, data: RobotData, key: str, file_name: str) -> dict:
+    """Joint names and PointMotions by name."""
+    found = {}
+    for number, entry in enumerate(entries, 1):
+        with at(file_name, f"{key}[{number}] (of {shown(entry.name)})"):
+            if entry.name in found:
+                raise InputError("this name is used twice; names must differ")
+            if entry.joint is not None:
+                data.names.joint_unit(entry.joint)
+            found[entry.name] = point_motion(entry, data.names) if entry.joint is None else entry.joint
+    return found
+
+
+def _spots(entries, rows: dict, data: RobotData, size: int) -> Spots:
+    units = tuple(data.names.units[e.joint] if e.joint is not None else "rad" if e.turn else "m" for e in entries)
+    matrix = np.array([rows[entry.name] for entry in entries]).reshape(len(entries), size)
+    return Spots(tuple(entry.name for entry in entries), units, matrix)
+
+
+def _check_inputs(names, coordinates, file_name: str) -> None:
+    for number, name in enumerate(names, 1):
+        with at(file_name, f"model.input[{number}]"):
+            if name in coordinates:
+                raise InputError(f"{shown(name)} is the name of a coordinate, on which forces can act anyway; choose another")
+
+

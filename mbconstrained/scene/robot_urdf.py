@@ -1,0 +1,75 @@
+"""What a scene needs to know of a URDF before it is loaded: names, units, and where its meshes lie."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..checks import nearest
+from ..errors import InputError
+from .units import shown
+
+LARGEST_URDF = 5_000_000  # bytes; the URDF of a humanoid has a few hundred thousand
+MOST_LINKS = 2_000
+JOINT_UNITS = {"revolute": "rad", "continuous": "rad", "prismatic": "m"}
+
+
+@dataclass(frozen=True)
+class UrdfNames:
+    """What a URDF names.
+
+    Attributes:
+        path: the file.
+        links: their names.
+        units: of the joints with one degree of freedom, "rad" or "m", by name.
+        meshes: file names of the meshes that are drawn, as they stand in the URDF, each with its link.
+    """
+
+    path: Path
+    links: tuple[str, ...]
+    units: dict[str, str]
+    meshes: tuple[tuple[str, str], ...]
+
+    def joint_unit(self, name: str) -> str:
+        """The unit of a joint.
+
+        Raises:
+            InputError: no such joint.
+        """
+        if name not in self.units:
+            raise InputError(f"there is no joint {shown(name)}{nearest(name, self.units)}; the joints are {_some(self.units)}")
+        return self.units[name]
+
+    def check_body(self, name: str, *others: str) -> None:
+        """Raise an InputError where there is no such link."""
+        if name not in (*self.links, *others):
+            known = (*others, *self.links)
+            raise InputError(f"there is no body {shown(name)}{nearest(name, known)}; the bodies are {_some(known)}")
+
+
+def names_of_urdf(path: Path) -> UrdfNames:
+    """Look through a URDF. Collision geometry is not looked at.
+
+    Raises:
+        InputError: it cannot be read, is too large, or is no URDF.
+    """
+    from ..models.robot.urdf import checked_tree, read_urdf
+
+    if path.is_file() and path.stat().st_size > LARGEST_URDF:
+        raise InputError(f"{path.name} has more than {LARGEST_URDF:,} bytes, which is no URDF; keep meshes in files of their own")
+    if not path.is_file():
+        others = [other.name for other in path.parent.glob("*.urdf")] if path.parent.is_dir() else []
+        raise InputError(f"there is no file {shown(path.name)}{nearest(path.name, others)}")
+    text, _ = read_urdf(path)
+    if text.count("<link") > MOST_LINKS:
+        raise InputError(f"{path.name} has more than {MOST_LINKS:,} links; expected a robot")
+    root = checked_tree(text)
+    units = {joint.get("name").strip(): JOINT_UNITS.get(joint.get("type")) for joint in root.findall("joint")}
+    links = {link.get("name").strip(): link for link in root.findall("link")}
+    meshes = ((name, mesh.get("filename", "")) for name, link in links.items() for mesh in link.findall("visual/geometry/mesh"))
+    return UrdfNames(path, tuple(links), {name: unit for name, unit in units.items() if unit}, tuple(meshes))
+
+
+def _some(names) -> str:
+    names = list(names)
+    return ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")

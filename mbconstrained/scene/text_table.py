@@ -1,0 +1,22 @@
+"""Tables of texts, as the terminal and the page set them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """A table of texts.
+
+    Attributes:
+        title: its heading.
+        columns: headings.
+        rows: texts, one for each column.
+        note: a sentence below, or an empty string.
+    """
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    note: str = ""
