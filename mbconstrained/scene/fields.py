@@ -5,11 +5,18 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    WithJsonSchema,
+    model_validator,
+)
 
 from ..checks import nearest
 from ..errors import InputError
-from .units import KINDS, quoted, quantity, shown
+from .units import KINDS, quantity, quoted, shown
 
 LONGEST_TEXT = 2000
 _NAME = re.compile(r"[^\W\d][\w .'()-]{0,39}")

@@ -14,7 +14,15 @@ from ..notices import Notice
 from ..replacing import Replacements
 from ..response.estimate import error_estimate
 from ..tolerances import TRUST_LIMIT
-from .curves import ORDERS, PARTS, Curves, coordinate_curves, energy_curves, output_curves, reaction_curves
+from .curves import (
+    ORDERS,
+    PARTS,
+    Curves,
+    coordinate_curves,
+    energy_curves,
+    output_curves,
+    reaction_curves,
+)
 from .happenings import with_units
 from .plan import Plan
 

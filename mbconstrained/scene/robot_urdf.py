@@ -9,8 +9,6 @@ from ..checks import nearest
 from ..errors import InputError
 from .units import shown
 
-LARGEST_URDF = 5_000_000  # bytes; the URDF of a humanoid has a few hundred thousand
-MOST_LINKS = 2_000
 JOINT_UNITS = {"revolute": "rad", "continuous": "rad", "prismatic": "m"}
 
 
@@ -55,14 +53,10 @@ def names_of_urdf(path: Path) -> UrdfNames:
     """
     from ..models.robot.urdf import checked_tree, read_urdf
 
-    if path.is_file() and path.stat().st_size > LARGEST_URDF:
-        raise InputError(f"{path.name} has more than {LARGEST_URDF:,} bytes, which is no URDF; keep meshes in files of their own")
     if not path.is_file():
         others = [other.name for other in path.parent.glob("*.urdf")] if path.parent.is_dir() else []
         raise InputError(f"there is no file {shown(path.name)}{nearest(path.name, others)}")
     text, _ = read_urdf(path)
-    if text.count("<link") > MOST_LINKS:
-        raise InputError(f"{path.name} has more than {MOST_LINKS:,} links; expected a robot")
     root = checked_tree(text)
     units = {joint.get("name").strip(): JOINT_UNITS.get(joint.get("type")) for joint in root.findall("joint")}
     links = {link.get("name").strip(): link for link in root.findall("link")}

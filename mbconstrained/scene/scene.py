@@ -9,9 +9,9 @@ from pathlib import Path
 from ..checks import nearest
 from ..errors import InputError
 from .equations import Equations, equations_of
+from .plan import Plan
 from .problems import at, validated
 from .reading import parse, read_text
-from .plan import Plan
 from .result import Result
 from .stages import plan_of, run_stages
 from .units import count_texts, load_units

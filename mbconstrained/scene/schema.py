@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    WithJsonSchema,
+    field_validator,
+    model_validator,
+)
 
 from ..errors import InputError
-from .fields import Name, Quantity, Table, Text, Time
 from .drawing_tables import DrawingTable
+from .fields import Name, Quantity, Table, Text, Time
 from .force_tables import ForceTable
 from .lumped_tables import LumpedTable
 from .matrices_tables import MatricesTable

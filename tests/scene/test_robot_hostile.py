@@ -8,7 +8,7 @@ import pytest
 from mbconstrained.errors import MbconstrainedError, SceneError
 from mbconstrained.scene.reading import LARGEST_SCENE
 from mbconstrained.scene.robot_file import read_robot
-from mbconstrained.scene.robot_urdf import LARGEST_URDF, MOST_LINKS
+from mbconstrained.models.robot.urdf import LARGEST_URDF, MOST_LINKS
 from tests.scene.robots import SCENE, TOML, URDF, press
 from tests.scene.scenes import scene_of
 

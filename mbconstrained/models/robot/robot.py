@@ -19,8 +19,9 @@ from .mechanism import LinkFrames, check_connections, with_own_names
 from .point_motion import PointMotion
 from .posture import Posture
 from .posture_search import find_posture
+from .skeleton import skeleton
 from .tangent import Tangent
-from .tree import built_model, urdf_damping
+from .tree import built_model
 from .urdf import checked_tree, mimics_of, read_urdf
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ class Robot:
         if base not in ("fixed", "free"):
             raise InputError(f'base: found {base!r}{nearest(str(base), ("fixed", "free"))}; expected "fixed" or "free"')
         self.package_dirs = tuple(Path(folder) for folder in package_dirs)
-        self.model = built_model(text, base == "free", locked or {}, _gravity(gravity))
+        self.model = built_model(skeleton(self.description), base == "free", locked or {}, _gravity(gravity))
         self.tangent = Tangent(self.model, base == "free")
         self.link_frames = LinkFrames(self.model)
         self.couplings = couplings(mimics_of(self.description), self.tangent)
@@ -89,7 +90,7 @@ class Robot:
     def _set_joints(self, stiffness, rest, damping, flexible) -> None:
         self.joint_stiffness = self.tangent.vector(stiffness, "joint_stiffness", minimum=0.0)
         self.joint_rest = self.tangent.vector(rest, "joint_rest")
-        self.joint_damping = urdf_damping(self.model) + self.tangent.vector(damping, "joint_damping", minimum=0.0)
+        self.joint_damping = np.array(self.model.damping) + self.tangent.vector(damping, "joint_damping", minimum=0.0)
         self.flexible_joints = dict(flexible or {})
         for name, joint in self.flexible_joints.items():
             self.tangent.place(name, "flexible_joints")

@@ -11,7 +11,7 @@ from ...errors import InputError
 
 
 def built_model(text: str, free_base: bool, locked: Mapping[str, float], gravity: np.ndarray):
-    """The pinocchio model, locked joints taken out; its gravity set.
+    """The pinocchio model of a ``skeleton``, locked joints taken out; its gravity set.
 
     Raises:
         InputError: pinocchio cannot read the text, an unknown locked joint, masses without sense.
@@ -30,14 +30,6 @@ def built_model(text: str, free_base: bool, locked: Mapping[str, float], gravity
     model.gravity.linear = gravity
     model.gravity.angular = np.zeros(3)
     return model
-
-
-def urdf_damping(model) -> np.ndarray:
-    """The viscous damping of the joints in the URDF, shape (nv,)."""
-    damping = np.array(model.damping, dtype=float)
-    if not (np.isfinite(damping).all() and (damping >= 0).all()):
-        raise InputError("urdf: found a joint damping that is negative or no number; expected 0 or more")
-    return damping
 
 
 def _without(model, locked: Mapping[str, float]):

@@ -5,7 +5,6 @@ A URDF is data: nothing in it is run or fetched. Mesh files are not opened here 
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,8 +12,10 @@ from xml.etree import ElementTree
 
 from ...checks import nearest
 from ...errors import InputError
+from .urdf_numbers import number, short
 
-LARGEST_URDF = 20_000_000  # bytes; robots with hundreds of links have a few hundred thousand
+LARGEST_URDF = 5_000_000  # bytes; the URDF of a humanoid has a few hundred thousand
+MOST_LINKS = 2_000
 
 _JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
@@ -46,7 +47,7 @@ def read_urdf(source: str | Path) -> tuple[str, Path | None]:
 
 
 def checked_tree(text: str) -> ElementTree.Element:
-    """The element <robot>, once names, kinds of joints, masses and inertias are found to make sense.
+    """The element <robot>, once names and kinds of joints are found to make sense; of numbers see ``skeleton``.
 
     Raises:
         InputError: not XML, entities, no robot, names used twice, unknown links, loops, kinds of joints that do not exist.
@@ -58,15 +59,13 @@ def checked_tree(text: str) -> ElementTree.Element:
     except (ElementTree.ParseError, ValueError) as problem:
         raise InputError(f"urdf: not XML ({problem})") from None
     if root.tag != "robot":
-        raise InputError(f"urdf: found <{_short(root.tag)}>; expected <robot>")
+        raise InputError(f"urdf: found <{short(root.tag)}>; expected <robot>")
     links = _names(root, "link")
-    if not links:
-        raise InputError("urdf: found no <link>; a robot needs at least one")
+    if not 0 < len(links) <= MOST_LINKS:
+        raise InputError(f"urdf: found {len(links):,} links; expected from 1 to {MOST_LINKS:,}")
     _names(root, "joint")
-    children = [_check_joint(joint, links) for joint in root.findall("joint")]
+    children = [_check_joint(joint, set(links)) for joint in root.findall("joint")]
     _check_tree(children, links)
-    for link in root.findall("link"):
-        _check_inertial(link)
     return root
 
 
@@ -90,10 +89,10 @@ def mimics_of(root: ElementTree.Element) -> tuple[Mimic, ...]:
     for name, joint in joints.items():
         if (mimic := joint.find("mimic")) is None:
             continue
-        where, leader = f'urdf, joint "{_short(name)}", mimic', mimic.get("joint", "")
+        where, leader = f'urdf, joint "{short(name)}", mimic', mimic.get("joint", "")
         if leader not in joints or joints[leader].find("mimic") is not None:
-            raise InputError(f'{where}: found "{_short(leader)}"{nearest(leader, joints)}; expected a joint that follows no other')
-        numbers = [_number(mimic.get(key, usual), f"{where}, {key}") for key, usual in (("multiplier", "1"), ("offset", "0"))]
+            raise InputError(f'{where}: found "{short(leader)}"{nearest(leader, joints)}; expected a joint that follows no other')
+        numbers = [number(mimic.get(key, usual), f"{where}, {key}") for key, usual in (("multiplier", "1"), ("offset", "0"))]
         found.append(Mimic(str(name), leader, *numbers))
     return tuple(found)
 
@@ -104,22 +103,22 @@ def _names(root, tag: str) -> list[str]:
         if not name:
             raise InputError(f"urdf: found a <{tag}> without a name; give it one")
         if names.count(name) > 1:
-            raise InputError(f'urdf: two elements <{tag}> are named "{_short(name)}"; names must differ')
+            raise InputError(f'urdf: two elements <{tag}> are named "{short(name)}"; names must differ')
     return names
 
 
-def _check_joint(joint, links: list[str]) -> tuple[str, str]:
+def _check_joint(joint, links: set[str]) -> tuple[str, str]:
     """Parent and child of a joint."""
-    where = f'urdf, joint "{_short(joint.get("name"))}"'
+    where = f'urdf, joint "{short(joint.get("name"))}"'
     if joint.get("type") not in _JOINT_TYPES:
-        found = _short(joint.get("type"))
+        found = short(joint.get("type"))
         raise InputError(f'{where}: found the type "{found}"{nearest(found, _JOINT_TYPES)}; expected {", ".join(_JOINT_TYPES)}')
     ends = []
     for tag in ("parent", "child"):
         element = joint.find(tag)
         name = "" if element is None else element.get("link", "")
         if name not in links:
-            raise InputError(f'{where}: its {tag} is "{_short(name)}", which is no link{nearest(name, links)}')
+            raise InputError(f'{where}: its {tag} is "{short(name)}", which is no link{nearest(name, links)}')
         ends.append(name)
     return ends[0], ends[1]
 
@@ -129,39 +128,13 @@ def _check_tree(ends: list[tuple[str, str]], links: list[str]) -> None:
     children = [child for _, child in ends]
     if twice := next((name for name in children if children.count(name) > 1), None):
         raise InputError(
-            f'urdf: the link "{_short(twice)}" is the child of two joints; a URDF is a tree: keep one, and close the loop with mb.Loop'
+            f'urdf: the link "{short(twice)}" is the child of two joints; a URDF is a tree: keep one, and close the loop with mb.Loop'
         )
     roots = [name for name in links if name not in children]
     if len(roots) != 1:
-        names = ", ".join(f'"{_short(name)}"' for name in roots[:3])
+        names = ", ".join(f'"{short(name)}"' for name in roots[:3])
         raise InputError(
             f"urdf: {len(roots)} links have no parent ({names}); expected one, the base"
             if roots
             else "urdf: every link has a parent, so the joints go round in a circle; close loops with mb.Loop"
         )
-
-
-def _check_inertial(link) -> None:
-    where = f'urdf, link "{_short(link.get("name"))}"'
-    mass = link.find("inertial/mass")
-    if mass is not None and _number(mass.get("value"), f"{where}, mass") < 0:
-        raise InputError(f"{where}: found the mass {mass.get('value')}; expected 0 or more")
-    inertia = link.find("inertial/inertia")
-    for key, value in inertia.items() if inertia is not None else ():
-        if _number(value, f"{where}, inertia, {key}") < 0 and key in ("ixx", "iyy", "izz"):
-            raise InputError(f"{where}: found the moment of inertia {key} = {_short(value)}; expected 0 or more")
-
-
-def _number(text, where: str) -> float:
-    try:
-        number = float(text)
-    except (TypeError, ValueError):
-        number = math.nan
-    if not math.isfinite(number):
-        raise InputError(f"{where}: found {_short(text)!r}; expected a finite number")
-    return number
-
-
-def _short(text) -> str:
-    text = "".join(c if c.isprintable() else "?" for c in str(text))
-    return text if len(text) <= 60 else text[:57] + "..."

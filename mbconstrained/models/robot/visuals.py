@@ -11,6 +11,7 @@ import numpy as np
 
 from ...checks import nearest
 from ...errors import InputError
+from .urdf_numbers import numbers
 
 LARGEST_MESH = 50_000_000  # bytes; a page with it would be larger still
 
@@ -67,24 +68,26 @@ def _shape(geometry, where: str, folder, package_dirs):
     if geometry is None or len(geometry) == 0:
         raise InputError(f"{where}: found no geometry; expected a box, cylinder, sphere or mesh")
     shape = geometry[0]
-    keys = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}
+    keys = {
+        "box": {"size": 3},
+        "cylinder": {"radius": 1, "length": 1},
+        "sphere": {"radius": 1},
+        "capsule": {"radius": 1, "length": 1},
+    }
     if shape.tag == "mesh":
         return "mesh", (), _mesh(shape, where, folder, package_dirs)
     if shape.tag not in keys:
         raise InputError(f"{where}: found <{shape.tag}>{nearest(shape.tag, (*keys, 'mesh'))}; expected {', '.join(keys)} or mesh")
-    size = [number for key in keys[shape.tag] for number in _numbers(shape.get(key), f"{where}, {key}")]
-    if len(size) != (3 if shape.tag == "box" else len(keys[shape.tag])) or min(size) <= 0:
-        raise InputError(
-            f"{where}: found <{shape.tag}> of the size {size}; expected {', '.join(keys[shape.tag])} greater than zero"
-        )
+    counts = keys[shape.tag].items()
+    size = [value for key, count in counts for value in numbers(shape.get(key), count, f"{where}, {key}", minimum=0.0)]
+    if not all(size):
+        raise InputError(f"{where}: found <{shape.tag}> with a size of 0; expected {', '.join(keys[shape.tag])} greater than zero")
     return ("cylinder" if shape.tag == "capsule" else shape.tag), tuple(size), (None, None)
 
 
 def _mesh(shape, where: str, folder, package_dirs) -> tuple[np.ndarray, np.ndarray]:
     path = mesh_file(shape.get("filename", ""), where, folder, package_dirs)
-    scale = np.array(_numbers(shape.get("scale", "1 1 1"), f"{where}, scale"))
-    if len(scale) != 3:
-        raise InputError(f"{where}: scale: found {len(scale)} numbers; expected three")
+    scale = np.array(numbers(shape.get("scale", "1 1 1"), 3, f"{where}, scale"))
     import coal
 
     try:
@@ -97,27 +100,27 @@ def _mesh(shape, where: str, folder, package_dirs) -> tuple[np.ndarray, np.ndarr
 
 
 def mesh_file(name: str, where: str, folder: Path | None, package_dirs: tuple[Path, ...]) -> Path:
-    """The path of a mesh: in the folder of the URDF, or by package://NAME/... in a folder NAME of the package directories.
+    """The path of a mesh: in the folder of the URDF or a package directory, or by package://NAME/... in its folder NAME.
 
     Raises:
         InputError: any other place, also by a symbolic link; no such file, too large, another kind of file.
     """
-    rule = "mesh files lie in the folder of the URDF, or are named package://NAME/... with NAME in package_dirs"
+    rule = "mesh files lie in the folder of the URDF or in package_dirs, in which package://NAME/... is looked for, too"
     name = unquote(name)
     if name.startswith("package://"):
         package, _, rest = name.removeprefix("package://").partition("/")
         roots = [directory / package for directory in package_dirs if package and (directory / package).is_dir()]
         if not roots or package in (".", ".."):
             raise InputError(f'{where}: found the mesh of the package "{package}", which is in none of package_dirs; {rule}')
-        root, name = roots[0], rest
+        root, name, allowed = roots[0], rest, (roots[0],)
     elif folder is None:
         raise InputError(f"{where}: found the mesh {name[:60]!a}, but the URDF was given as a text; give its path, or package_dirs")
     else:
-        root = folder
+        root, allowed = folder, (folder, *package_dirs)
     if "://" in name or "\0" in name or not name or Path(name).is_absolute():
         raise InputError(f"{where}: found the mesh {name[:60]!a}; {rule}")
     path = (root / name).resolve()
-    if not path.is_relative_to(root.resolve()):
+    if not any(path.is_relative_to(place.resolve()) for place in allowed):
         raise InputError(f"{where}: the mesh {name[:60]!a} leads out of its folder; {rule}")
     if path.suffix.lower() not in MESH_ENDINGS:
         raise InputError(f"{where}: found the mesh {path.name[:60]!a}; expected a file that ends in {', '.join(MESH_ENDINGS)}")
@@ -133,9 +136,7 @@ def _placement(origin, where: str) -> np.ndarray:
 
     placement = np.eye(4)
     if origin is not None:
-        xyz, rpy = (_numbers(origin.get(key, "0 0 0"), f"{where}, {key}") for key in ("xyz", "rpy"))
-        if len(xyz) != 3 or len(rpy) != 3:
-            raise InputError(f"{where}, origin: expected three numbers in xyz and in rpy")
+        xyz, rpy = (numbers(origin.get(key, "0 0 0"), 3, f"{where}, {key}") for key in ("xyz", "rpy"))
         placement[:3, :3], placement[:3, 3] = pinocchio.rpy.rpyToMatrix(*rpy), xyz
     return placement
 
@@ -144,17 +145,4 @@ def _color(material) -> tuple[float, float, float, float] | None:
     color = material.find("color")
     if color is None:
         return None
-    rgba = _numbers(color.get("rgba", ""), "urdf, color")
-    if len(rgba) not in (3, 4):
-        raise InputError(f"urdf, color: found {len(rgba)} numbers; expected red, green, blue and opacity")
-    return tuple(min(1.0, max(0.0, part)) for part in (*rgba, 1.0)[:4])
-
-
-def _numbers(text, where: str) -> list[float]:
-    try:
-        numbers = [float(part) for part in str(text).split()]
-    except ValueError:
-        numbers = [np.nan]
-    if not np.isfinite(numbers).all() or not numbers:
-        raise InputError(f"{where}: found {str(text)[:60]!a}; expected numbers")
-    return numbers
+    return tuple(min(1.0, max(0.0, part)) for part in numbers(color.get("rgba", ""), 4, "urdf, color, rgba"))

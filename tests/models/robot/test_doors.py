@@ -30,7 +30,7 @@ def refused(text: str):
 BODIES = {
     "not XML": ('<robot name="x"><link', "not XML"),
     "something else": ("<sdf/>", "sdf.*<robot>"),
-    "no links": ('<robot name="x"/>', "no <link>"),
+    "no links": ('<robot name="x"/>', "(no <link>|0 links)"),
     "no joints": ('<robot name="x"><link name="a"/></robot>', "no joint that moves"),
     "only fixed joints": (swing(kind="fixed"), "no joint that moves"),
     "entities": ('<!DOCTYPE r [<!ENTITY a "aaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]><robot name="&b;"/>', "entity"),
@@ -55,6 +55,10 @@ BODIES = {
     "a moment of inertia below zero": (swing(link("bob", 1.0, (0, 0, 0), (1, -1, 1))), '"bob".*inertia'),
     "an inertia that is not finite": (swing(link("bob", 1.0, (0, 0, 0), (1, 1, np.inf))), '"bob".*inertia'),
     "an inertia that no body has": (swing(link("bob", 1.0, (0, 0, 0), (1, 1, 1, 3, 0, 0))), '"bob".*inertia'),
+    "a mass without inertia": (swing('<link name="bob"><inertial><mass value="1"/></inertial></link>'), '"bob".*inertia'),
+    "inertia without a mass": (swing(link("bob", 1.0, (0, 0, 0), (1, 1, 1)).replace('<mass value="1.0"/>', "")), '"bob".*mass'),
+    "a comma for a point": (swing().replace('xyz="0.0 0.0 0.0"', 'xyz="0,5 0 0"', 1), 'joint "swing".*0,5'),
+    "a place of two numbers": (swing().replace('xyz="0.0 0.0 0.0"', 'xyz="0.5 0"', 1), 'joint "swing".*0.5 0'),
     "damping below zero": (swing(damping=-2.0), "damping"),
     "something not filled in": (TEXT.replace('"0.6"', '"${mass}"', 1), '"crank".*mass'),
     "no text": ("", "urdf"),
@@ -234,6 +238,12 @@ def parallelogram(gravity):
     described = linkages.hanging_four_bar(p)
     described.options["gravity"] = gravity
     return described
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_joints_without_limits_have_none(kind):
+    robot = mb.Robot(swing(kind=kind).replace("<limit", "<no_limit"), gravity=PLANE)
+    assert robot.equilibrium({"swing": 20.0}, hold="all").joints == pytest.approx({"swing": 20.0})
 
 
 @pytest.mark.parametrize("gravity", [(9.81, 0, 0), (0, -9.81, 0), (0, 0, 0), (0, 0, -9.81)])
