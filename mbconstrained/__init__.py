@@ -13,13 +13,13 @@ from .errors import (
     SingularPolynomialMatrix,
 )
 from .jordan import FinitePair, InfinitePair, JordanPairs
-from .mechanics import Constraint, ElementMatrix, MechanicalSystem, Modes, Motion
+from .mechanics import Constraint, ElementMatrix, EnergyParts, MechanicalSystem, Modes, Motion
 from .models import LumpedModel
 from .models.robot import BodySpring, Bushing, FlexibleJoint, LinearizedRobot, Loop, PointMotion, Posture, Robot
 from .notices import Notice
 from .polynomial import PolynomialMatrix
 from .response import Admissibility, Event, Response, admissible, solve
-from .scene import read_scene
+from .scene import read_robot, read_scene
 from .signals import (
     Approximation,
     Blow,
@@ -47,6 +47,7 @@ __all__ = [
     "Constraint",
     "ContradictoryConstraints",
     "ElementMatrix",
+    "EnergyParts",
     "Event",
     "FinitePair",
     "FlexibleJoint",
@@ -79,6 +80,7 @@ __all__ = [
     "power",
     "pulse",
     "ramp",
+    "read_robot",
     "read_scene",
     "sampled",
     "solve",

@@ -137,7 +137,7 @@ def test_message(tmp_path, old, new, message):
 URDF_CASES = [
     ('type="continuous"', 'type="continous"', r'press/press\.urdf: urdf.*"continous".*did you mean "continuous"'),
     ('<child link="ram"/>', '<child link="rum"/>', r'urdf: .*its child is "rum", which is no link.*did you mean "ram"'),
-    ('<mass value="2"/>', '<mass value="-2"/>', r"urdf: .*mass -2"),
+    ('<mass value="2"/>', '<mass value="-2"/>', r"urdf, .*mass: found -2"),
     ("</robot>", "", r"urdf: .*not XML"),
     ('<robot name="press">', '<robt name="press">', r"urdf: .*"),
 ]

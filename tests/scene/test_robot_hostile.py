@@ -124,10 +124,10 @@ def test_entities_are_refused(tmp_path, declaration):
         ("", "not XML|no link|no element"),
         ("\0" * 100, "not XML"),
         ("<robot/>", "found no <link>"),
-        ("<robot>" + "<link name='a'>" * 20_000, "links"),
+        ("<robot>" + "<link name='a'>" * 20_000, "not XML"),
         ("<robot name='r'>" + "<a>" * 100_000 + "</a>" * 100_000 + "</robot>", "link"),
-        (URDF.replace("<robot", "<robot a='" + "x" * LARGEST_URDF + "'"), f"more than {LARGEST_URDF:,} bytes"),
-        (URDF.replace("</robot>", "".join(f'<link name="l{i}"/>' for i in range(100_000)) + "</robot>"), f"more than {MOST_LINKS:,} links"),
+        (URDF.replace("<robot", "<robot a='" + "x" * LARGEST_URDF + "'"), f"at most {LARGEST_URDF:,} are read"),
+        (URDF.replace("</robot>", "".join(f'<link name="l{i}"/>' for i in range(100_000)) + "</robot>"), f"at most {MOST_LINKS:,} are read"),
     ],
     ids=["empty", "zeros", "no link", "many open", "deep", "huge", "many links"],
 )

@@ -19,6 +19,7 @@ from .elastic import Elastic, elastic
 from .kinematics import Anchor, Kinematics
 from .mechanism import Attached
 from .point_motion import PointMotion
+from .tree import Tree
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,9 @@ class Load:
         joint_stiffness, joint_rest: by tangent coordinate, shape (nv,); only of joints with one degree of freedom.
         joint_force: constant forces and torques of the joints, shape (nv,).
         point_forces: directions of points, with the force or torque that works along each.
+        units: "m" or "rad" for each coordinate.
+        size: a length that is typical for the robot (m).
+        misfit: what rows of loops stay open by because the joints keep them so (m, rad), shape (m,) or 0.
     """
 
     loops: tuple[Attached, ...]
@@ -40,6 +44,19 @@ class Load:
     joint_rest: np.ndarray
     joint_force: np.ndarray
     point_forces: Mapping[PointMotion, tuple[Anchor, float]]
+    units: tuple[str, ...]
+    size: float
+    misfit: np.ndarray | float = 0.0
+
+    @property
+    def lengths(self) -> np.ndarray:
+        """What coordinates are measured in so that they compare: the robot's size (m) for ways, 1 for angles; shape (nv,)."""
+        return np.where(np.array(self.units) == "m", self.size, 1.0)
+
+    @property
+    def row_lengths(self) -> np.ndarray:
+        """The same for the rows of loops, shape (m,)."""
+        return np.where(np.array(self.row_units) == "m", self.size, 1.0)
 
     @property
     def row_names(self) -> tuple[str, ...]:
@@ -60,17 +77,15 @@ class Load:
 class Balance:
     """Forces and their derivatives by the nv tangent coordinates, in one configuration q."""
 
-    def __init__(self, model, load: Load, configuration: np.ndarray):
-        self.model, self.load = model, load
+    def __init__(self, tree: Tree, load: Load, configuration: np.ndarray):
+        self.tree, self.load = tree, load
         self.configuration = configuration
-        self.kinematics = Kinematics(model, configuration)
+        self.kinematics = Kinematics(tree, configuration)
 
     @cached_property
     def gravity(self) -> np.ndarray:
         """g, shape (nv,)."""
-        import pinocchio
-
-        return np.array(pinocchio.computeGeneralizedGravity(self.model, self.model.createData(), self.configuration))
+        return self.tree.gravity(self.configuration)
 
     @cached_property
     def forces(self) -> tuple[np.ndarray, ...]:
@@ -87,12 +102,10 @@ class Balance:
     @cached_property
     def stiffnesses(self) -> tuple[np.ndarray, ...]:
         """The derivatives of its terms, each of shape (nv, nv)."""
-        import pinocchio
-
-        gravity = pinocchio.computeGeneralizedGravityDerivatives(self.model, self.model.createData(), self.configuration)
         springs = [element.stiffness for element in self.elastic]
         applied = [-value * self._row_change(motion, anchor) for motion, (anchor, value) in self.load.point_forces.items()]
-        return (np.array(gravity), np.diag(self.load.joint_stiffness), *springs, *applied)
+        gravity = self.tree.gravity_stiffness(self.configuration)
+        return (gravity, np.diag(self.load.joint_stiffness), *springs, *applied)
 
     @cached_property
     def elastic(self) -> list[Elastic]:
@@ -105,15 +118,15 @@ class Balance:
 
     @cached_property
     def gaps(self) -> np.ndarray:
-        """phi, the rows of all loops and couplings (m, rad), shape (m,)."""
-        coupled = [item.gap(self.model, self.configuration) for item in self.load.couplings]
-        return np.concatenate([*(rows @ pose.value for rows, pose in self._poses), coupled])
+        """phi, the rows of all loops and couplings (m, rad), without the misfit, shape (m,)."""
+        coupled = [item.gap(self.tree.model, self.configuration) for item in self.load.couplings]
+        return np.concatenate([*(rows @ pose.value for rows, pose in self._poses), coupled]) - self.load.misfit
 
     @cached_property
     def jacobian(self) -> np.ndarray:
         """J = d phi / dq, shape (m, nv)."""
-        coupled = [item.row(self.model) for item in self.load.couplings]
-        return np.vstack([np.zeros((0, self.model.nv)), *(rows @ pose.jacobian for rows, pose in self._poses), *coupled])
+        coupled = [item.row(self.tree.model) for item in self.load.couplings]
+        return np.vstack([np.zeros((0, self.tree.model.nv)), *(rows @ pose.jacobian for rows, pose in self._poses), *coupled])
 
     def geometric(self, multipliers: np.ndarray) -> tuple[np.ndarray, ...]:
         """d(J^T lambda)/dq at constant lambda, a matrix (nv, nv) for each loop."""
@@ -130,9 +143,7 @@ class Balance:
     @cached_property
     def mass(self) -> np.ndarray:
         """M, shape (nv, nv), rotors not included."""
-        import pinocchio
-
-        return np.array(pinocchio.crba(self.model, self.model.createData(), self.configuration))
+        return self.tree.mass(self.configuration)
 
     @cached_property
     def sizes(self) -> np.ndarray:
@@ -163,8 +174,8 @@ class Balance:
     @cached_property
     def _stretch(self) -> np.ndarray:
         """How far each joint is from its rest, the short way round for one that turns without end, shape (nv,)."""
-        stretch = np.zeros(self.model.nv)
-        for joint in list(self.model.joints)[1:]:
+        stretch = np.zeros(self.tree.model.nv)
+        for joint in list(self.tree.model.joints)[1:]:
             if joint.nv == 1:
                 stretch[joint.idx_v] = joint_way(joint, self.configuration, self.load.joint_rest[joint.idx_v])
         return stretch

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from ...checks import real_number
+from ...errors import InputError
 from .tangent import Tangent
 from .urdf import Mimic
 
@@ -39,6 +42,23 @@ class Coupling:
         row[model.joints[self.follower].idx_v] = 1.0
         row[model.joints[self.leader].idx_v] -= self.multiplier
         return row
+
+
+def locked_values(locked, mimics: tuple[Mimic, ...]) -> dict[str, float]:
+    """Values of joints that do not move, with those of joints that follow them.
+
+    Raises:
+        InputError: not values by joint, or a joint that is locked although what it follows is not.
+    """
+    if locked is not None and not isinstance(locked, Mapping):
+        raise InputError(f'locked: found {type(locked).__name__}; expected values by joint, such as {{"j4": 0.3}}')
+    values = {name: real_number(value, f"locked: {name}") for name, value in (locked or {}).items()}
+    for mimic in mimics:
+        if mimic.leader in values:
+            values.setdefault(mimic.follower, mimic.multiplier * values[mimic.leader] + mimic.offset)
+        elif mimic.follower in values:
+            raise InputError(f'locked: "{mimic.follower}" follows "{mimic.leader}", which moves; lock that joint instead')
+    return values
 
 
 def couplings(mimics: tuple[Mimic, ...], tangent: Tangent) -> tuple[Coupling, ...]:

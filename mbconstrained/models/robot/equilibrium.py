@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...errors import InputError
-from .balance import Balance
+from .balance import Balance, Load
+from .tree import Tree
 
 #: A step is shortened so that no joint turns further than this (rad), and nothing moves further than this share of
 #: the robot's size: the linear equations know nothing of what lies beyond.
@@ -16,17 +16,23 @@ LARGEST_STEP = 0.5
 
 MOST_STEPS = 100
 
+#: Steps after which loops that do not come nearer will not close.
+MOST_FRUITLESS = 3
+
 #: A residual this small, relative to the forces that balance, is that of an equilibrium: Newton's method reaches
-#: 1e-13 where there is one, and stays above 1e-3 where there is none.
+#: 1e-13 where there is one, and stays above 1e-3 where there is none. Loops count as closed likewise.
 BALANCED = 1e-9
 
 #: Where hardly any force acts, the residual is measured against those that this share of the longest step would cause: no
 #: posture is known better than to rounding.
 LEAST_WAY = 1e-4
 
-#: Singular values below this share of the largest count as zero where a step, the multipliers or a rank are computed:
-#: a posture is known to about 1e-13.
-RANK = 1e-9
+#: Rows of loops count as dependent where what is new in them is below this share of the others: the axes of a URDF are often
+#: rounded to five or six digits (1.5708), and loops that are planar to that are meant to be planar.
+RANK = 1e-5
+
+#: A stiffness below this share of the largest is none: rounding.
+FLAT = 1e-13
 
 #: Downhill, a stiffness below this share of the largest counts as this: the length of such a step is bounded anyway.
 LEAST_STIFFNESS = 1e-6
@@ -37,27 +43,23 @@ class Search:
     """What is known while a posture is sought.
 
     Attributes:
-        balance_at: the balance of forces by configuration.
+        tree: the robot's joints.
+        load: what acts.
         free: which coordinates may move, shape (nv,).
-        size: of the robot (m).
-        reach: how far each coordinate may go in one step (m, rad), shape (nv,).
     """
 
-    balance_at: Callable[[np.ndarray], Balance]
+    tree: Tree
+    load: Load
     free: np.ndarray
-    size: float
-    reach: np.ndarray
+
+    def at(self, q: np.ndarray) -> Balance:
+        """The balance of forces in a configuration."""
+        return Balance(self.tree, self.load, q)
 
     def moved(self, balance: Balance, step: np.ndarray) -> Balance:
         """The balance at q (+) step, the step shortened where it is long."""
-        import pinocchio
-
-        furthest = np.abs(step / self.reach).max(initial=0.0)
-        return self.balance_at(pinocchio.integrate(balance.model, balance.configuration, step / max(1.0, furthest)))
-
-    def badness(self, state: Equilibrium) -> float:
-        """The residual or the gap relative to the size, whichever is larger."""
-        return max(state.residual, state.gap / self.size)
+        furthest = np.abs(step / (LARGEST_STEP * self.load.lengths)).max(initial=0.0)
+        return self.at(self.tree.moved(balance.configuration, step / max(1.0, furthest)))
 
 
 @dataclass(frozen=True)
@@ -67,8 +69,8 @@ class Equilibrium:
     Attributes:
         balance: of forces, there.
         multipliers: lambda of all rows of all loops, those of least norm, shape (m,).
-        residual: largest force that is left, relative to the largest that acts, each over sqrt(M_ii).
-        gap: largest opening of a loop (m, rad).
+        residual: largest force that is left, relative to the largest that acts (both times what coordinates are measured in).
+        gap: largest opening of a loop, in rad or relative to the robot's size.
     """
 
     balance: Balance
@@ -76,27 +78,36 @@ class Equilibrium:
     residual: float
     gap: float
 
+    @property
+    def badness(self) -> float:
+        """The residual or the gap, whichever is larger."""
+        return max(self.residual, self.gap)
 
-def closed(search: Search, q: np.ndarray, tolerance: float = 0.0) -> np.ndarray:
-    """The configuration with closed loops that Gauss-Newton steps reach from q, moving as little as possible.
+
+def closed(search: Search, q: np.ndarray, tolerance: float = 0.0) -> Balance:
+    """The balance where loops are closed as well as Gauss-Newton steps from q can, moving as little as possible.
 
     Args:
         search: which coordinates may move.
         q: shape (nq,).
-        tolerance: the opening of the loops, relative to the size of the robot, that is good enough.
+        tolerance: the opening of the loops, in rad or relative to the size of the robot, that is good enough.
     """
-    balance = search.balance_at(q)
-    best, least = q, np.inf
+    balance = best = search.at(q)
+    least, since = np.inf, 0
     for _ in range(MOST_STEPS):
-        gap = np.abs(balance.gaps).max(initial=0.0)
+        gap = opening(balance)
+        since = 0 if gap < least / 2 else since + 1
         if gap < least:
-            best, least = balance.configuration, gap
-        elif least <= BALANCED * search.size:
-            break
-        if gap <= tolerance * search.size:
+            best, least = balance, gap
+        if gap <= tolerance or since > MOST_FRUITLESS:
             break
         balance = search.moved(balance, _closing_step(balance, search.free))
     return best
+
+
+def opening(balance: Balance) -> float:
+    """The largest gap of a loop, in rad or relative to the size of the robot."""
+    return float(np.abs(balance.gaps / balance.load.row_lengths).max(initial=0.0))
 
 
 def equilibrium(search: Search, q: np.ndarray) -> Equilibrium:
@@ -105,11 +116,11 @@ def equilibrium(search: Search, q: np.ndarray) -> Equilibrium:
     Raises:
         InputError: there is none near q.
     """
-    start = _state(search, search.balance_at(q))
+    start = _state(search, search.at(q))
     found = _followed(search, start, _newton_step)
-    if search.badness(found) > BALANCED:  # near a saddle, or no stiffness where the force points
+    if found.badness > BALANCED:  # near a saddle, or no stiffness where the force points
         found = _followed(search, _followed(search, start, _downhill_step), _newton_step)
-    _check(found, search.size)
+    _check(found)
     return found
 
 
@@ -124,63 +135,68 @@ def _followed(search: Search, start: Equilibrium, step) -> Equilibrium:
     found, best, since = start, start, 0
     for _ in range(MOST_STEPS):
         found = _state(search, search.moved(found.balance, step(found, search.free)))
-        since = 0 if search.badness(found) < search.badness(best) else since + 1
+        since = 0 if found.badness < best.badness else since + 1
         best = best if since else found
-        if search.badness(best) == 0.0 or (since > 2 and search.badness(best) <= BALANCED):
+        if best.badness == 0.0 or (since > 2 and best.badness <= BALANCED):
             break
     return best
 
 
 def _state(search: Search, balance: Balance) -> Equilibrium:
     """Multipliers that balance the forces as well as any can, and what is left."""
-    free, scale = search.free, balance.sizes[search.free]
-    multipliers = _least_squares((balance.jacobian[:, free] / scale).T, balance.force[free] / scale)
-    held = balance.jacobian.T @ multipliers
-    left = (balance.force - held)[free] / scale
-    usual = [np.abs(K) @ (LEAST_WAY * search.reach) for K in balance.stiffnesses]
-    acting = max(np.abs(term[free] / scale).max(initial=0.0) for term in (*balance.forces, held, *usual))
+    free, lengths, row_lengths = search.free, balance.load.lengths[search.free], balance.load.row_lengths
+    J = balance.jacobian / row_lengths[:, None]
+    multipliers = _least_squares((J[:, free] * lengths).T, balance.force[free] * lengths)
+    held = J.T @ multipliers
+    left = (balance.force - held)[free] * lengths
+    usual = [np.abs(K) @ (LEAST_WAY * LARGEST_STEP * balance.load.lengths) for K in balance.stiffnesses]
+    acting = max(np.abs(term[free] * lengths).max(initial=0.0) for term in (*balance.forces, held, *usual))
     residual = np.abs(left).max(initial=0.0) / acting if acting else 0.0
-    return Equilibrium(balance, multipliers, float(residual), float(np.abs(balance.gaps).max(initial=0.0)))
+    return Equilibrium(balance, multipliers / row_lengths, float(residual), opening(balance))
 
 
 def _newton_step(state: Equilibrium, free: np.ndarray) -> np.ndarray:
-    """[K, -J^T; J, 0] [d; lambda] = [-force; -phi] in the sense of least squares, K with the stiffness of the loop forces.
+    """[K, -J^T; J, 0] [d; lambda] = [-force; -phi], K with the stiffness of the loop forces, by the null space of J.
 
-    Redundant rows and directions without stiffness do no harm.
+    Redundant rows and directions without stiffness do no harm: the shortest d is taken.
     """
-    balance = state.balance
-    K, J, scale = _scaled(state, free)
-    unit = np.abs(K).max(initial=0.0) or 1.0
-    matrix = np.block([[K / unit, -J.T], [J, np.zeros((len(J), len(J)))]])
-    load = np.concatenate([-balance.force[free] / scale / unit, -balance.gaps])
-    return _whole(_least_squares(matrix, load)[: len(scale)] / scale, free)
+    K, J, lengths = _scaled(state, free)
+    N, close = null_space(J), _closing_step(state.balance, free)[free] / lengths
+    left = N.T @ (_left(state)[free] * lengths + K @ close)
+    along = N @ np.linalg.lstsq(N.T @ K @ N, -left, rcond=FLAT)[0] if N.size else 0.0
+    return _whole((close + along) * lengths, free)
 
 
 def _downhill_step(state: Equilibrium, free: np.ndarray) -> np.ndarray:
     """Newton's step along the motion with every stiffness taken as positive, so that it lowers the energy, and to the loops."""
-    balance = state.balance
-    K, J, scale = _scaled(state, free)
+    K, J, lengths = _scaled(state, free)
     N = null_space(J)
-    left = N.T @ ((balance.force - balance.jacobian.T @ state.multipliers)[free] / scale)
+    left = N.T @ (_left(state)[free] * lengths)
     stiffness, ways = np.linalg.eigh(N.T @ (K + K.T) @ N / 2)
     stiffness = np.abs(stiffness)
     least = LEAST_STIFFNESS * (stiffness.max(initial=0.0) or np.abs(left).max(initial=0.0) or 1.0)
     along = N @ ways @ (-(ways.T @ left) / np.maximum(stiffness, least))
-    return _whole(along / scale, free) + _closing_step(balance, free)
+    return _whole(along * lengths, free) + _closing_step(state.balance, free)
+
+
+def _left(state: Equilibrium) -> np.ndarray:
+    """What of the forces the multipliers do not balance, shape (nv,)."""
+    return state.balance.force - state.balance.jacobian.T @ state.multipliers
 
 
 def _closing_step(balance: Balance, free: np.ndarray) -> np.ndarray:
     """J d = -phi, the shortest such d."""
-    scale = balance.sizes[free]
-    return _whole(_least_squares(balance.jacobian[:, free] / scale, -balance.gaps) / scale, free)
+    lengths, row_lengths = balance.load.lengths[free], balance.load.row_lengths
+    J = balance.jacobian[:, free] * lengths / row_lengths[:, None]
+    return _whole(_least_squares(J, -balance.gaps / row_lengths) * lengths, free)
 
 
 def _scaled(state: Equilibrium, free: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """K and J of the free coordinates, measured in units of 1 / sqrt(M_ii), and these sqrt(M_ii)."""
+    """K and J of the free coordinates in units that compare, and these units."""
     balance = state.balance
-    scale = balance.sizes[free]
-    K = balance.stiffness(state.multipliers)[np.ix_(free, free)] / np.outer(scale, scale)
-    return K, balance.jacobian[:, free] / scale, scale
+    lengths = balance.load.lengths[free]
+    K = balance.stiffness(state.multipliers)[np.ix_(free, free)] * np.outer(lengths, lengths)
+    return K, balance.jacobian[:, free] * lengths / balance.load.row_lengths[:, None], lengths
 
 
 def _whole(part: np.ndarray, free: np.ndarray) -> np.ndarray:
@@ -190,13 +206,14 @@ def _whole(part: np.ndarray, free: np.ndarray) -> np.ndarray:
     return step
 
 
-def _check(state: Equilibrium, size: float) -> None:
-    load = state.balance.load
-    if not state.gap <= BALANCED * size:
-        worst = int(np.abs(state.balance.gaps).argmax())
+def _check(state: Equilibrium) -> None:
+    load, balance = state.balance.load, state.balance
+    if not state.gap <= BALANCED:
+        worst = int(np.abs(balance.gaps / load.row_lengths).argmax())
         raise InputError(
-            f"equilibrium: the loops do not close near the guess: {load.row_names[worst]} stays open by {state.gap:.3g} "
-            f"{load.row_units[worst]}; give a guess that is nearer, or look at the lengths of the links and the joints that are held"
+            f"equilibrium: the loops do not close near the guess: {load.row_names[worst]} stays open by "
+            f"{abs(balance.gaps[worst]):.3g} {load.row_units[worst]}; give a guess that is nearer, or look at the lengths of the "
+            "links and the joints that are held"
         )
     if not state.residual <= BALANCED:
         raise InputError(

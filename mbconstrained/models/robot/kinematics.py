@@ -11,9 +11,10 @@ which is all that second derivatives of poses are made of.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
+
+from .tree import Tree
 
 
 @dataclass(frozen=True)
@@ -32,18 +33,12 @@ class Anchor:
 
 
 class Kinematics:
-    """Positions and velocities of the bodies of a pinocchio model in a configuration q."""
+    """Positions and velocities of the bodies of a tree in a configuration q."""
 
-    def __init__(self, model, configuration: np.ndarray):
-        import pinocchio
-
-        self.model = model
+    def __init__(self, tree: Tree, configuration: np.ndarray):
+        self.tree = tree
         self.configuration = configuration
-        data = model.createData()
-        columns = pinocchio.computeJointJacobians(model, data, configuration)
-        self.columns = np.array(columns).reshape(6, model.nv)  # of one joint pinocchio returns a vector
-        self.rotations = [np.array(pose.rotation) for pose in data.oMi]
-        self.origins = [np.array(pose.translation) for pose in data.oMi]
+        self.columns, self.rotations, self.origins = tree.placed(configuration)
 
     def frame(self, anchor: Anchor) -> tuple[np.ndarray, np.ndarray]:
         """Directions (3, 3) and origin (3,) of a frame as seen from the ground."""
@@ -52,7 +47,7 @@ class Kinematics:
 
     def velocity(self, joint: int) -> np.ndarray:
         """The columns of S that move a joint's body, zero for the others, shape (6, nv)."""
-        return self.columns * self._moving[joint]
+        return self.columns * self.tree.moving[joint]
 
     def of_point(self, joint: int, point: np.ndarray) -> np.ndarray:
         """Velocity of the body's point that is at a place in space, by rate of each coordinate, shape (3, nv)."""
@@ -64,20 +59,4 @@ class Kinematics:
         columns = self.velocity(joint)
         force, torque = np.cross(columns[3:], wrench[:3], axis=0), np.cross(columns[:3], wrench[:3], axis=0)
         torque += np.cross(columns[3:], wrench[3:], axis=0)
-        return -(columns[:3].T @ force + columns[3:].T @ torque) * self._carried
-
-    @cached_property
-    def _joint_of(self) -> np.ndarray:
-        """The joint of each tangent coordinate."""
-        return np.concatenate([[number] * joint.nv for number, joint in enumerate(self.model.joints) if number] or [[]]).astype(int)
-
-    @cached_property
-    def _moving(self) -> np.ndarray:
-        """Whether a coordinate moves a joint's body, shape (joints, nv)."""
-        supports = [set(support) for support in self.model.supports]
-        return np.array([[joint in support for joint in self._joint_of] for support in supports], bool).reshape(len(supports), -1)
-
-    @cached_property
-    def _carried(self) -> np.ndarray:
-        """Whether the axis of coordinate i moves with coordinate k, at [i, k]."""
-        return self._moving[self._joint_of]
+        return -(columns[:3].T @ force + columns[3:].T @ torque) * self.tree.carried

@@ -219,12 +219,11 @@ def _stiffness(posture: Posture, K: np.ndarray) -> tuple[np.ndarray, tuple[Notic
 
     At an equilibrium the derivative of a conservative force is symmetric; what is not lies across the motion.
     """
-    balance = posture.balance
-    sizes = np.outer(balance.sizes, balance.sizes)
-    along = null_space(balance.jacobian / balance.sizes)
-    scaled = along.T @ (K / sizes) @ along
+    balance, lengths = posture.balance, posture.balance.load.lengths
+    N = null_space(balance.jacobian[list(posture.independent_rows)] * lengths)
+    scaled = N.T @ (K * np.outer(lengths, lengths)) @ N
     skew = np.abs(scaled - scaled.T).max(initial=0.0)
-    if skew <= SYMMETRIC * np.abs(K / sizes).max(initial=0.0):
+    if skew <= SYMMETRIC * np.abs(K * np.outer(lengths, lengths)).max(initial=0.0):
         return (K + K.T) / 2, ()
     text = f"the stiffness matrix is not symmetric (by {skew / np.abs(scaled).max():.1e} of its largest entry)"
     return K, (Notice("left out", f"{text}: a torque that keeps its direction has no potential"),)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from ...checks import nearest
 from ...errors import InputError
 from ..element import GROUND
-from .connections import BodySpring, Bushing, Connection, Loop
+from .connections import BodySpring, Connection, Loop
 from .kinematics import Anchor, Kinematics
 from .point_motion import PointMotion
 from .relative_pose import RelativePose
@@ -137,23 +138,26 @@ def with_rest_length(attached: Attached, guess: Kinematics) -> Attached:
     return replace(attached, rest_length=length - slack)
 
 
-def check_connections(loops, springs, bodies: LinkFrames) -> None:
-    """Kinds, names and bodies of all loops and springs, before any configuration is known.
+def checked_connections(connections, kinds: tuple[type, ...], word: str, frames: LinkFrames) -> tuple[Connection, ...]:
+    """Loops or springs, each with a name of its own.
 
     Raises:
-        InputError: of which connection and why.
+        InputError: something else among them, or unknown bodies.
     """
-    for kinds, connections, word in (((Loop,), loops, "loops"), ((BodySpring, Bushing), springs, "springs")):
-        for connection in connections:
-            if not isinstance(connection, kinds):
-                wanted = " or ".join(f"mb.{kind.__name__}" for kind in kinds)
-                raise InputError(f"{word}: found {type(connection).__name__}; make each with {wanted}(...)")
-            for body in (connection.body1, connection.body2):
-                if body != GROUND:
-                    bodies.check(body, connection.label)
+    wanted = " or ".join(f"mb.{kind.__name__}" for kind in kinds)
+    if isinstance(connections, Connection) or not isinstance(connections, Iterable):
+        raise InputError(f"{word}: found {type(connections).__name__}; expected a list of {wanted}(...)")
+    connections = tuple(connections)
+    for connection in connections:
+        if not isinstance(connection, kinds):
+            raise InputError(f"{word}: found {type(connection).__name__}; make each with {wanted}(...)")
+        for body in (connection.body1, connection.body2):
+            if body != GROUND:
+                frames.check(body, connection.label)
+    return _with_own_names(connections)
 
 
-def with_own_names(connections) -> tuple[Connection, ...]:
+def _with_own_names(connections) -> tuple[Connection, ...]:
     """The connections, numbered where several have the same name."""
     names = [connection.name for connection in connections]
     found, seen = [], {}

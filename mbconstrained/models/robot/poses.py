@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...checks import real_array, real_number
-from .equilibrium import closed
-from .posture_search import search
+from .equilibrium import Search, closed
 
 if TYPE_CHECKING:
     from .posture import Posture
@@ -34,24 +33,19 @@ def link_poses(posture: Posture, displacements, scale: float = 1.0) -> dict[str,
         displacements: d, shape (n, T), rows beyond the links' coordinates (motors) are not looked at.
         scale: how much larger than true.
     """
-    import pinocchio
-
     robot, load = posture.robot, posture.balance.load
-    model, count = robot.model, len(robot.coordinates)
+    tree, count = robot.tree, len(robot.coordinates)
     d = real_array(displacements, "displacements", shape=(None, None))[:count] * real_number(scale, "scale")
-    data, everywhere = model.createData(), search(robot, load, np.ones(count, bool))
-    frames = {name: robot.link_frames.number(name) for name in robot.bodies}
-    positions = {name: np.empty((3, d.shape[1])) for name in frames}
-    quaternions = {name: np.empty((4, d.shape[1])) for name in frames}
+    everywhere = Search(tree, load, np.ones(count, bool))
+    numbers = [robot.link_frames.number(name) for name in robot.bodies]
+    positions, quaternions = np.empty((len(numbers), 3, d.shape[1])), np.empty((len(numbers), 4, d.shape[1]))
     for k, step in enumerate(d.T):
-        q = pinocchio.integrate(model, posture.configuration, step)
+        q = tree.moved(posture.configuration, step)
         if load.is_held:
-            q = closed(everywhere, q, tolerance=PICTURE)
-        pinocchio.framesForwardKinematics(model, data, q)
-        for name, number in frames.items():
-            positions[name][:, k] = data.oMf[number].translation
-            quaternions[name][:, k] = pinocchio.Quaternion(data.oMf[number].rotation).coeffs()
-    return {name: Poses(positions[name], _continuous(quaternions[name])) for name in frames}
+            q = closed(everywhere, q, tolerance=PICTURE).configuration
+        for body, (position, quaternion) in enumerate(tree.frames(q, numbers)):
+            positions[body, :, k], quaternions[body, :, k] = position, quaternion
+    return {name: Poses(positions[i], _continuous(quaternions[i])) for i, name in enumerate(robot.bodies)}
 
 
 #: Loops are closed for a picture when they are open by less than this share of the robot's size.

@@ -13,7 +13,7 @@ from ...checks import real_number
 from ...errors import InputError
 from ...notices import Notice
 from .balance import Balance, Load
-from .equilibrium import LARGEST_STEP, Equilibrium, Search, closed, equilibrium
+from .equilibrium import BALANCED, Equilibrium, Search, closed, equilibrium, opening
 from .kinematics import Kinematics
 from .mechanism import untwisted, with_rest_length
 from .point_motion import PointMotion
@@ -22,6 +22,9 @@ from .regularity import loop_rows
 
 if TYPE_CHECKING:
     from .robot import Robot
+
+#: Loops that stay open by less, in rad or relative to the robot's size, are closed for all that a URDF with five digits says.
+ROUNDED = 1e-5
 
 #: A joint may be this far beyond its limits (rad, m): rounding of a guess at the limit.
 AT_LIMIT = 1e-9
@@ -32,22 +35,15 @@ def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str
     start = robot.tangent.configuration(guess)
     free = ~_held(robot, hold)
     load = _untwisted(_load(robot, start, forces), robot, start)
-    q = closed(search(robot, load, free), start)
-    at_guess = Kinematics(robot.model, q)
-    load = replace(load, springs=tuple(with_rest_length(item, at_guess) for item in load.springs))
-    found = equilibrium(search(robot, load, free), q)
+    nearest = closed(Search(robot.tree, load, free), start)
+    load, misfit = _with_misfit(load, nearest)
+    load = replace(load, springs=tuple(with_rest_length(item, nearest.kinematics) for item in load.springs))
+    found = equilibrium(Search(robot.tree, load, free), nearest.configuration)
     if (here := _untwisted(load, robot, found.balance.configuration)) is not load:
-        found = equilibrium(search(robot, here, free), found.balance.configuration)
+        found = equilibrium(Search(robot.tree, here, free), found.balance.configuration)
     if outside := robot.tangent.outside_limits(found.balance.configuration, AT_LIMIT):
         raise InputError(f"equilibrium: {outside}; give another guess, or other limits in the URDF")
-    return _posture(robot, found, free)
-
-
-def search(robot: Robot, load: Load, free: np.ndarray) -> Search:
-    """For a posture under a load, with the coordinates that may move."""
-    size = _size(robot, load)
-    reach = np.where(np.array(robot.units) == "rad", LARGEST_STEP, LARGEST_STEP * size)
-    return Search(lambda q: Balance(robot.model, load, q), free, size, reach)
+    return _posture(robot, found, free, misfit)
 
 
 def _held(robot: Robot, hold) -> np.ndarray:
@@ -66,11 +62,13 @@ def _load(robot: Robot, start: np.ndarray, forces) -> Load:
     """What acts, the frames of loops and springs found at the guess."""
     if not isinstance(forces, Mapping):
         raise InputError(f'forces: found {type(forces).__name__}; expected numbers by joint, such as {{"j1": 2.0}}')
-    at_guess, bodies = Kinematics(robot.model, start), robot.link_frames
+    at_guess, bodies = Kinematics(robot.tree, start), robot.link_frames
     points = {key: value for key, value in forces.items() if isinstance(key, PointMotion)}
+    loops = tuple(bodies.attached(loop, at_guess) for loop in robot.loops)
+    springs = tuple(bodies.attached(spring, at_guess) for spring in robot.springs)
     return Load(
-        loops=tuple(bodies.attached(loop, at_guess) for loop in robot.loops),
-        springs=tuple(bodies.attached(spring, at_guess) for spring in robot.springs),
+        loops=loops,
+        springs=springs,
         couplings=robot.couplings,
         joint_stiffness=robot.joint_stiffness,
         joint_rest=robot.joint_rest,
@@ -78,25 +76,37 @@ def _load(robot: Robot, start: np.ndarray, forces) -> Load:
         point_forces={
             key: (bodies.point(key, "forces"), real_number(value, f"forces: on {key.body}")) for key, value in points.items()
         },
+        units=robot.units,
+        size=_size(robot, (*loops, *springs)),
     )
 
 
 def _untwisted(load: Load, robot: Robot, q: np.ndarray) -> Load:
     """The load with its hinges, if there are any, at angle 0 in a configuration."""
-    at = Kinematics(robot.model, q)
+    at = Kinematics(robot.tree, q)
     loops = tuple(untwisted(item, at) for item in load.loops)
     return load if all(map(operator.is_, loops, load.loops)) else replace(load, loops=loops)
 
 
-def _size(robot: Robot, load: Load) -> float:
+def _with_misfit(load: Load, nearest: Balance) -> tuple[Load, list[Notice]]:
+    """Loops that the joints keep open by no more than the rounding of a URDF are taken to be meant closed."""
+    if not BALANCED < opening(nearest) <= ROUNDED:
+        return load, []
+    worst = int(np.abs(nearest.gaps / load.row_lengths).argmax())
+    gap = f"{abs(nearest.gaps[worst]):.2g} {load.row_units[worst]}"
+    text = f"the joints keep the loop row {load.row_names[worst]} open by {gap}, as where axes in the URDF are rounded; it stays so"
+    return replace(load, misfit=nearest.gaps), [Notice("rank", text)]
+
+
+def _size(robot: Robot, connections) -> float:
     """A length that is typical for the robot (m)."""
-    anchors = [anchor for item in (*load.loops, *load.springs) for anchor in (item.first, item.second) if anchor.joint]
+    anchors = [anchor for item in connections for anchor in (item.first, item.second) if anchor.joint]
     places = [np.array(place.translation) for place in robot.model.jointPlacements] + [anchor.point for anchor in anchors]
     places += [np.array(inertia.lever) for inertia in robot.model.inertias]
     return float(max((np.linalg.norm(place) for place in places), default=0.0)) or 1.0
 
 
-def _posture(robot: Robot, found: Equilibrium, free: np.ndarray) -> Posture:
+def _posture(robot: Robot, found: Equilibrium, free: np.ndarray, misfit: list[Notice]) -> Posture:
     balance = found.balance
     rows = loop_rows(balance)
     left = balance.force - balance.jacobian.T @ found.multipliers
@@ -106,8 +116,8 @@ def _posture(robot: Robot, found: Equilibrium, free: np.ndarray) -> Posture:
         multipliers=found.multipliers,
         torques={robot.coordinates[i]: float(left[i]) for i in np.flatnonzero(~free)},
         residual=found.residual,
-        loop_error=found.gap,
-        notices=(*rows.notices, *_left_out(robot)),
+        loop_error=float(np.abs(balance.gaps).max(initial=0.0)),
+        notices=(*misfit, *rows.notices, *_left_out(robot)),
         balance=balance,
         independent_rows=rows.kept,
     )

@@ -22,12 +22,15 @@ from ...notices import Notice
 from .balance import Balance
 from .equilibrium import RANK
 
-#: Between this and RANK (relative singular values) a row is kept, and told to be almost dependent.
-DOUBTFUL_RANK = 1e-6
+#: Between RANK and this (relative singular values) rows are kept, and told to be almost dependent.
+DOUBTFUL_RANK = 1e-4
 
-#: The second derivative along the motion, relative to its largest entry before it is projected, above which a posture is
-#: singular. Rounding leaves 1e-14; where rows are dependent only to RANK it leaves that.
-SINGULAR = 1e-6
+#: Below this rows are dependent to rounding; between it and RANK to the rounding of what the URDF says, which is told.
+EXACT_RANK = 1e-10
+
+#: The second derivative along the motion, relative to that of single rows, above which a posture is singular. Rounded axes
+#: leave RANK.
+SINGULAR = 1e-4
 
 
 @dataclass(frozen=True)
@@ -44,41 +47,46 @@ class LoopRows:
 
 
 def loop_rows(balance: Balance) -> LoopRows:
-    """The rank of J in a closed configuration, columns over sqrt(M_ii), rows in m and rad each over their largest.
+    """The rank of J in a closed configuration, in coordinates and rows that compare.
 
     Raises:
         InputError: the posture is singular.
     """
-    weights, names = _row_weights(balance), balance.load.row_names
-    J = weights[:, None] * balance.jacobian / balance.sizes
+    load = balance.load
+    J = balance.jacobian * load.lengths / load.row_lengths[:, None]
     left, values, right = np.linalg.svd(J)
     rank = int((values > RANK * values[0]).sum()) if values.size and values[0] else 0
-    _check_regular(balance, (left[:, rank:] * weights[:, None]).T, right[rank:].T)
+    _check_regular(balance, left[:, rank:].T / load.row_lengths, right[rank:].T)
     order = scipy.linalg.qr(J.T, mode="economic", pivoting=True)[2] if J.size else np.arange(len(J))
     kept = tuple(sorted(order[:rank].tolist()))
     empty = np.abs(J).max(axis=1, initial=0.0) <= RANK
-    notices = _redundant({names[row]: bool(empty[row]) for row in range(len(J)) if row not in kept})
-    if rank and values[rank - 1] < DOUBTFUL_RANK * values[0]:
+    notices = _redundant({load.row_names[row]: bool(empty[row]) for row in range(len(J)) if row not in kept})
+    return LoopRows(kept, (*notices, *_narrow(values / (values.max(initial=0.0) or 1.0), rank)))
+
+
+def _narrow(values: np.ndarray, rank: int) -> list[Notice]:
+    """What to say where the rank is not clear, from relative singular values, descending."""
+    found = []
+    if rank < len(values) and values[rank] > EXACT_RANK:
         text = (
-            f"the rows of the loops are almost dependent (relative singular value {values[rank - 1] / values[0]:.1e}): "
-            "the posture is near a singular one; small forces may move the robot far"
+            f"rows of the loops that were left out are dependent to {values[rank]:.1e} only, as where axes in the URDF are rounded; "
+            "if this is meant, the robot is near a singular posture: choose another"
         )
-        notices.append(Notice("rank", text, doubtful=True))
-    return LoopRows(kept, tuple(notices))
-
-
-def _row_weights(balance: Balance) -> np.ndarray:
-    """One over the largest entry of all rows of the same unit, the columns of J over sqrt(M_ii); shape (m,)."""
-    J = np.abs(balance.jacobian / balance.sizes)
-    units = np.array(balance.load.row_units)
-    return np.array([1.0 / (J[units == unit].max(initial=0.0) or 1.0) for unit in units])
+        found.append(Notice("rank", text))
+    if rank and values[rank - 1] < DOUBTFUL_RANK:
+        text = (
+            f"the rows of the loops are almost dependent (relative singular value {values[rank - 1]:.1e}): the posture is near a "
+            "singular one, and small forces move the robot far"
+        )
+        found.append(Notice("rank", text, doubtful=True))
+    return found
 
 
 def _check_regular(balance: Balance, combinations: np.ndarray, motions: np.ndarray) -> None:
     """N^T (d(J^T m)/dq) N = 0 for every combination m of rows that is zero, shape (c, m)."""
     if not combinations.size or not motions.size:
         return
-    usual = max(np.abs(_second(balance, row)).max() for row in np.diag(_row_weights(balance)))
+    usual = max(np.abs(_second(balance, row)).max() for row in np.diag(1 / balance.load.row_lengths))
     for combination in combinations:
         if np.abs(motions.T @ _second(balance, combination) @ motions).max() > SINGULAR * usual:
             rows = [name for name, part in zip(balance.load.row_names, combination) if abs(part) > 0.1 * np.abs(combination).max()]
@@ -89,8 +97,9 @@ def _check_regular(balance: Balance, combinations: np.ndarray, motions: np.ndarr
 
 
 def _second(balance: Balance, combination: np.ndarray) -> np.ndarray:
-    """d(J^T m)/dq, rows and columns over sqrt(M_ii), shape (nv, nv)."""
-    return np.sum(balance.geometric(combination), axis=0) / np.outer(balance.sizes, balance.sizes)
+    """d(J^T m)/dq in coordinates that compare, shape (nv, nv)."""
+    lengths = balance.load.lengths
+    return np.sum(balance.geometric(combination), axis=0) * np.outer(lengths, lengths)
 
 
 def _redundant(rows: dict[str, bool]) -> list[Notice]:

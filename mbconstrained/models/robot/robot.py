@@ -12,16 +12,16 @@ from ...checks import nearest, real_array, real_number
 from ...errors import InputError
 from ...mechanics.constraint import Level
 from .connections import BodySpring, Bushing, Loop
-from .coupling import couplings
+from .coupling import couplings, locked_values
 from .flexible_joint import FlexibleJoint
 from .linearized import LinearizedRobot
-from .mechanism import LinkFrames, check_connections, with_own_names
+from .mechanism import LinkFrames, checked_connections
 from .point_motion import PointMotion
 from .posture import Posture
 from .posture_search import find_posture
 from .skeleton import skeleton
 from .tangent import Tangent
-from .tree import built_model
+from .tree import Tree, built_model
 from .urdf import checked_tree, mimics_of, read_urdf
 
 if TYPE_CHECKING:
@@ -79,12 +79,14 @@ class Robot:
         if base not in ("fixed", "free"):
             raise InputError(f'base: found {base!r}{nearest(str(base), ("fixed", "free"))}; expected "fixed" or "free"')
         self.package_dirs = tuple(Path(folder) for folder in package_dirs)
-        self.model = built_model(skeleton(self.description), base == "free", locked or {}, _gravity(gravity))
-        self.tangent = Tangent(self.model, base == "free")
+        mimics = mimics_of(self.description)
+        self.locked = locked_values(locked, mimics)
+        self.tree = Tree(built_model(skeleton(self.description), base == "free", self.locked, _gravity(gravity)))
+        self.tangent = Tangent(self.model, base == "free", tuple(self.locked))
         self.link_frames = LinkFrames(self.model)
-        self.couplings = couplings(mimics_of(self.description), self.tangent)
-        self.loops, self.springs = with_own_names(tuple(loops)), with_own_names(tuple(springs))
-        check_connections(self.loops, self.springs, self.link_frames)
+        self.couplings = couplings(mimics, self.tangent)
+        self.loops = checked_connections(loops, (Loop,), "loops", self.link_frames)
+        self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
         self._set_joints(joint_stiffness, joint_rest, joint_damping, flexible_joints)
 
     def _set_joints(self, stiffness, rest, damping, flexible) -> None:
@@ -96,6 +98,11 @@ class Robot:
             self.tangent.place(name, "flexible_joints")
             if not isinstance(joint, FlexibleJoint):
                 raise InputError(f"flexible_joints: {name}: found {type(joint).__name__}; make it with mb.FlexibleJoint(...)")
+
+    @property
+    def model(self):
+        """The pinocchio model."""
+        return self.tree.model
 
     @property
     def joints(self) -> tuple[str, ...]:

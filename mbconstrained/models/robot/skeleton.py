@@ -87,6 +87,8 @@ def _axis(joint: Element, where: str) -> list[float]:
     found = numbers("1 0 0" if axis is None else axis.get("xyz", ""), 3, f"{where}, axis")
     if not any(found):
         raise InputError(f"{where}, axis: found 0 0 0; expected a direction")
+    if joint.get("type") == "planar" and (any(found[:2]) or found[2] < 0):  # pinocchio does not look at it
+        raise InputError(f'{where}, axis: found {_text(found)}; expected "0 0 1" of a planar joint: turn its origin instead')
     return found
 
 

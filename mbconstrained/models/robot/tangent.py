@@ -23,12 +23,16 @@ _SUFFIXES = {1: ("",), 3: (" x", " y", " rz"), 6: (" x", " y", " z", " rx", " ry
 class Tangent:
     """Names of the joints of a pinocchio model and of their tangent coordinates."""
 
-    def __init__(self, model, free_base: bool):
+    def __init__(self, model, free_base: bool, locked: tuple[str, ...] = ()):
         self.model = model
+        self.locked = locked
         names = [str(name) for name in model.names]
         if free_base:
             names[1] = BASE
         self.joints = tuple(names[1:])
+        for name in self.joints:
+            if self.joints.count(name) > 1 or (name in self.coordinates and self.coordinates.count(name) > 1):
+                raise InputError(f'urdf: the joint "{name}" has the name of the free base or of one of its motions; choose another')
 
     @cached_property
     def coordinates(self) -> tuple[str, ...]:
@@ -45,8 +49,10 @@ class Tangent:
         if name in self.joints and name not in self.coordinates:
             several = ", ".join(c for c in self.coordinates if c.startswith(f"{name} "))
             raise InputError(f'{what}: "{name}" moves in several ways; name one of {several}')
-        if name not in self.coordinates:
-            raise InputError(f'{what}: there is no joint "{name}"{nearest(name, self.coordinates)}')
+        if name in self.locked:
+            raise InputError(f'{what}: the joint "{name}" is locked; leave it out, or do not lock it')
+        if name not in self.joints:
+            raise InputError(f'{what}: there is no joint "{name}"{nearest(name, self.joints)}')
         return self.coordinates.index(name)
 
     def vector(self, values: Mapping[str, float], what: str, **limits) -> np.ndarray:
@@ -69,7 +75,8 @@ class Tangent:
             return pinocchio.normalize(self.model, self._whole(values, what))
         for name, value in values.items():
             if name not in self.joints:
-                raise InputError(f'{what}: there is no joint "{name}"{nearest(name, self.joints)}')
+                locked = "; it is locked" if name in self.locked else nearest(name, self.joints)
+                raise InputError(f'{what}: there is no joint "{name}" that moves{locked}')
             joint = self.model.joints[self.joints.index(name) + 1]
             q[joint.idx_q : joint.idx_q + joint.nq] = _joint_configuration(joint, value, f"{what} of {name}")
         return q

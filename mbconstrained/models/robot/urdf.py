@@ -6,12 +6,14 @@ A URDF is data: nothing in it is run or fetched. Mesh files are not opened here 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
 from ...checks import nearest
 from ...errors import InputError
+from ..element import GROUND
 from .urdf_numbers import number, short
 
 LARGEST_URDF = 5_000_000  # bytes; the URDF of a humanoid has a few hundred thousand
@@ -60,9 +62,13 @@ def checked_tree(text: str) -> ElementTree.Element:
         raise InputError(f"urdf: not XML ({problem})") from None
     if root.tag != "robot":
         raise InputError(f"urdf: found <{short(root.tag)}>; expected <robot>")
+    if not root.findall("link"):
+        raise InputError("urdf: found no <link>; a robot needs at least one")
+    if (count := len(root.findall("link"))) > MOST_LINKS:
+        raise InputError(f"urdf: found {count:,} links; at most {MOST_LINKS:,} are read")
     links = _names(root, "link")
-    if not 0 < len(links) <= MOST_LINKS:
-        raise InputError(f"urdf: found {len(links):,} links; expected from 1 to {MOST_LINKS:,}")
+    if GROUND in links:
+        raise InputError(f'urdf: a link is named "{GROUND}", which here is what does not move; choose another name')
     _names(root, "joint")
     children = [_check_joint(joint, set(links)) for joint in root.findall("joint")]
     _check_tree(children, links)
@@ -98,11 +104,11 @@ def mimics_of(root: ElementTree.Element) -> tuple[Mimic, ...]:
 
 
 def _names(root, tag: str) -> list[str]:
-    names = [str(element.get("name", "")).strip() for element in root.findall(tag)]
-    for name in names:
-        if not name:
-            raise InputError(f"urdf: found a <{tag}> without a name; give it one")
-        if names.count(name) > 1:
+    names = [str(element.get("name", "")) for element in root.findall(tag)]
+    for name, count in Counter(names).items():
+        if not name or name != name.strip():
+            raise InputError(f'urdf: found a <{tag}> with the name "{short(name)}"; expected one that begins and ends with a letter')
+        if count > 1:
             raise InputError(f'urdf: two elements <{tag}> are named "{short(name)}"; names must differ')
     return names
 

@@ -283,7 +283,9 @@ def test_no_answer_is_made_up_near_a_flattened_parallelogram(near):
 
 def test_posture_near_a_singular_one_is_in_doubt():
     robot, _ = parallelogram((0, 0, 0))
-    posture = robot.equilibrium({"j1": 1e-7, "j2": -1e-7, "j3": np.pi + 1e-7}, hold=["j1"])
+    with pytest.raises(mb.InputError, match="posture is singular"):
+        robot.equilibrium({"j1": 1e-7, "j2": -1e-7, "j3": np.pi + 1e-7}, hold=["j1"])
+    posture = robot.equilibrium({"j1": 5e-5, "j2": -5e-5, "j3": np.pi + 5e-5}, hold=["j1"])
     assert [notice.kind for notice in posture.notices if notice.doubtful] == ["rank"]
 
 
