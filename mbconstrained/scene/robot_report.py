@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees
+from math import asin, atan2, degrees
 from typing import TYPE_CHECKING
 
 from .happenings import number, sized
@@ -13,7 +13,7 @@ from .text_table import TextTable
 if TYPE_CHECKING:
     from .robot import RobotScene
 
-#: Loop forces below this share of the largest are rounding and printed as 0.
+#: Loop forces below this share of the largest, and places below this share of 1 m or 1 rad, are rounding and printed as 0.
 ROUNDING = 1e-12
 
 
@@ -67,9 +67,22 @@ def _joint_table(found: RobotScene) -> TextTable:
 
 def _place(value, unit: str) -> str:
     if isinstance(value, Sequence):
-        position, quaternion = _vector(value[:3]), _vector(value[3:])
-        return f"{position} m, quaternion (x y z w) {quaternion}" if len(value) == 7 else _vector(value)
+        position = _vector(_cleaned(value[:3]))
+        return f"{position} m, roll, pitch, yaw {_vector(_cleaned(_angles(value[3:])))} rad" if len(value) == 7 else position
+    (value,) = _cleaned([value])
     return f"{sized(value, unit)} ({degrees(value):.4g}°)" if unit == "rad" else sized(value, unit)
+
+
+def _angles(quaternion) -> tuple[float, float, float]:
+    """Roll, pitch and yaw of a unit quaternion x, y, z, w, as a URDF writes rotations."""
+    x, y, z, w = quaternion
+    pitch = asin(max(-1.0, min(1.0, 2 * (w * y - x * z))))
+    return atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)), pitch, atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+def _cleaned(values) -> list[float]:
+    """Places in m or rad, those that are rounding as 0."""
+    return [value if abs(value) > ROUNDING * max(1.0, *map(abs, values)) else 0.0 for value in values]
 
 
 def _loop_table(found: RobotScene) -> TextTable:
