@@ -7,18 +7,29 @@ from .errors import (
     IllConditioned,
     InputError,
     MbconstrainedError,
+    MissingPackage,
+    NoNormalForm,
     NotUnique,
     Overflow,
     SceneError,
     SingularPolynomialMatrix,
 )
 from .jordan import FinitePair, InfinitePair, JordanPairs
-from .mechanics import Constraint, ElementMatrix, EnergyParts, MechanicalSystem, Modes, Motion
-from .models import LumpedModel
+from .mechanics import Constraint, ElementMatrix, EnergyParts, MechanicalSystem, Modes, Motion, NormalForm, mechanical_normal_form
+from .models import LumpedModel, StateSpace, StateSpaceResponse
 from .models.robot import BodySpring, Bushing, FlexibleJoint, LinearizedRobot, Loop, PointMotion, Posture, Robot
 from .notices import Notice
 from .polynomial import PolynomialMatrix
-from .response import Admissibility, Event, Response, admissible, solve
+from .response import (
+    Admissibility,
+    Event,
+    Response,
+    TransferFunctionResponse,
+    admissible,
+    matrix_fraction_response,
+    solve,
+    transfer_function_response,
+)
 from .scene import read_robot, read_scene
 from .signals import (
     Approximation,
@@ -61,8 +72,11 @@ __all__ = [
     "LumpedModel",
     "MbconstrainedError",
     "MechanicalSystem",
+    "MissingPackage",
     "Modes",
     "Motion",
+    "NoNormalForm",
+    "NormalForm",
     "NotUnique",
     "Notice",
     "Overflow",
@@ -73,10 +87,14 @@ __all__ = [
     "Robot",
     "SceneError",
     "SingularPolynomialMatrix",
+    "StateSpace",
+    "StateSpaceResponse",
+    "TransferFunctionResponse",
     "admissible",
     "approximated",
     "harmonic",
     "impulse",
+    "matrix_fraction_response",
     "power",
     "pulse",
     "ramp",
@@ -86,5 +104,6 @@ __all__ = [
     "solve",
     "step",
     "term",
+    "transfer_function_response",
     "zero",
 ]

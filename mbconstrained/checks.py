@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import difflib
+import importlib
 from collections.abc import Iterable
+from types import ModuleType
 
 import numpy as np
 
-from .errors import InputError
+from .errors import InputError, MissingPackage
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
@@ -18,6 +20,23 @@ def nearest(word: str, known: Iterable[str]) -> str:
     """
     match = difflib.get_close_matches(str(word), [str(k) for k in known], n=1, cutoff=0.6)
     return f'; did you mean "{match[0]}"?' if match else ""
+
+
+def optional_package(name: str, what_for: str) -> ModuleType:
+    """A package that only some users have, imported when it is asked for.
+
+    Raises:
+        MissingPackage: it is not installed.
+
+    >>> optional_package("math", "to_numbers").sqrt(4.0)
+    2.0
+    """
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError as problem:
+        if problem.name != name.split(".")[0]:
+            raise
+        raise MissingPackage(f"{what_for} needs the package {problem.name}, which is not installed; install it and try again") from None
 
 
 def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None) -> np.ndarray:

@@ -37,9 +37,39 @@ class NotUnique(MbconstrainedError, ValueError):
     """The acceleration is not determined: rank [M; A] < n (Udwadia and Phohomsiri's test)."""
 
 
+class NoNormalForm(MbconstrainedError, ValueError):
+    """No transformation of the states makes the system mechanical; the text says which condition fails, and by how much.
+
+    Attributes:
+        condition: "rank [B, A B]", "rank [A - lambda I, B]" or "descriptor", the one that fails.
+        rank, needed: the rank found, and the one needed.
+        eigenvalue: lambda in 1/s, where the second condition fails.
+        margin: how far the data is from a system that fails clearly, relative to A; what is near rounding counts as failing.
+        doubtful: True where rounding of the data may decide.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        condition: str = "",
+        rank: int = 0,
+        needed: int = 0,
+        eigenvalue: float | None = None,
+        margin: float = 0.0,
+        doubtful: bool = False,
+    ):
+        super().__init__(message)
+        self.condition, self.rank, self.needed = condition, rank, needed
+        self.eigenvalue, self.margin, self.doubtful = eigenvalue, margin, doubtful
+
+
 class Overflow(MbconstrainedError, OverflowError):
     """The answer grows beyond the range of float64; the text names the time from which on it does."""
 
 
 class IllConditioned(MbconstrainedError, ArithmeticError):
     """The data spans so many orders of magnitude that float64 arithmetic cannot give an answer."""
+
+
+class MissingPackage(MbconstrainedError, ImportError):
+    """A package that is needed only for what was asked for is not installed; the text names it."""

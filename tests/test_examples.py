@@ -10,6 +10,7 @@ import pytest
 from mbconstrained.scene import read_scene
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
+TESTS = ("test_examples.py", "test_robot_examples.py", "test_control_examples.py")
 SQRT5 = math.sqrt(5)
 
 
@@ -208,7 +209,7 @@ def test_flexible_joint_agrees_with_its_two_bodies():
 def test_every_example_is_in_the_index_and_has_a_test():
     names = {path.name for path in EXAMPLES.glob("*.toml")}
     assert set(re.findall(r"\((\w+\.toml)\)", (EXAMPLES / "README.md").read_text("utf-8"))) == names
-    tested = "".join((Path(__file__).parent / file).read_text("utf-8") for file in ("test_examples.py", "test_robot_examples.py"))
+    tested = "".join((Path(__file__).parent / file).read_text("utf-8") for file in TESTS)
     assert [name for name in sorted(names) if f'"{name.removesuffix(".toml")}"' not in tested] == []
 
 

@@ -1,5 +1,7 @@
-"""Ways to a mechanical system: lumped elements, matrices from files."""
+"""Ways to a system: lumped elements, matrices from files, state spaces of control engineering."""
 
 from .lumped import LumpedModel
+from .state_space import StateSpace
+from .state_space_response import StateSpaceResponse
 
-__all__ = ["LumpedModel"]
+__all__ = ["LumpedModel", "StateSpace", "StateSpaceResponse"]

@@ -89,6 +89,18 @@ class Response:
         order = whole_number(order, "order")
         return error_estimate(self, times, lambda x: x.derivative(order) if order else x.function)
 
+    def to_xarray(self, times):
+        """x at times (T,) as an xarray ``DataArray`` with names, units, jumps and impulses (``response.frames``)."""
+        from .frames import to_xarray
+
+        return to_xarray(self, times)
+
+    def to_pandas(self, times):
+        """x at times (T,) as a pandas ``DataFrame`` with names, units, jumps and impulses (``response.frames``)."""
+        from .frames import to_pandas
+
+        return to_pandas(self, times)
+
     @cached_property
     def moved(self) -> tuple[Response, ...]:
         """Answers to the same problem with its data moved by about a rounding error (see ``response.estimate``)."""

@@ -49,10 +49,10 @@ def reaction_curves(equations: Equations, motion, times: np.ndarray) -> Curves:
     return Curves("reaction", tuple(row.name for row in rows), titles, units, motion.reaction(times))
 
 
-def output_curves(equations: Equations, displacement: np.ndarray) -> Curves:
-    """The named outputs of a robot, as deviations from its posture."""
-    outputs = equations.robot_scene.outputs
-    return Curves("output", outputs.names, ("output",) * len(outputs.names), outputs.units, outputs.rows @ displacement)
+def output_curves(equations: Equations, times: np.ndarray, displacement: np.ndarray) -> Curves:
+    """The named outputs: of a robot as deviations from its posture, of a transfer function or state space as they are."""
+    outputs, values = equations.outputs, equations.output_values(times, displacement)
+    return Curves("output", outputs.names, ("output",) * len(outputs.names), outputs.units, values)
 
 
 def energy_curves(motion, times: np.ndarray) -> Curves:

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from ..mechanics import MechanicalSystem
     from ..models.lumped import LumpedModel
     from ..models.robot import Posture, Robot
-    from .robot import RobotScene
+    from .control import ControlScene
+    from .robot import RobotScene, Spots
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class Equations:
         system: mass, damping, stiffness and constraint rows; None where A(s) was given itself.
         model: the lumped model behind the system, or None.
         robot_scene: the robot behind the system with its posture, inputs and outputs, or None.
+        control: the transfer function or state space behind the equations with its inputs and outputs, or None.
     """
 
     coordinates: Coordinates
@@ -48,6 +50,31 @@ class Equations:
     system: MechanicalSystem | None = None
     model: LumpedModel | None = None
     robot_scene: RobotScene | None = None
+    control: ControlScene | None = None
+
+    @property
+    def coordinates_called(self) -> str:
+        """What the coordinates are to those who wrote the scene."""
+        if not self.has_outputs_among_coordinates:
+            return "coordinates"
+        return "output" if self.control.transfer_function else "states and outputs"
+
+    @property
+    def outputs(self) -> Spots | Coordinates | None:
+        """Names and units of what is read off the coordinates, or None."""
+        found = self.control or self.robot_scene
+        return found.outputs if found and found.outputs.names else None
+
+    @property
+    def has_outputs_among_coordinates(self) -> bool:
+        """Whether the outputs are solved for like coordinates."""
+        return self.control is not None and self.control.form is None
+
+    def output_values(self, times: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
+        """The outputs at times (T,), shape (q, T), from the coordinates there."""
+        if self.control is not None:
+            return self.control.output_values(times, coordinates)
+        return self.robot_scene.outputs.rows @ coordinates
 
     @property
     def robot(self) -> Robot | None:
@@ -79,9 +106,10 @@ class Equations:
 
     def solve(self) -> Response:
         """The answer: a Motion where there is a mechanical system, else a Response."""
-        if self.system is None:
-            return solve(self.polynomial_matrix, initial=self.initial, force=self.force)
-        return self.system.solve(*self.initial, force=self.force)
+        if self.system is not None:
+            return self.system.solve(*self.initial, force=self.force)
+        from_rest = self.control.transfer_function.response() if self.control and self.control.transfer_function else None
+        return from_rest or solve(self.polynomial_matrix, initial=self.initial, force=self.force)
 
 
 def equations_of(table, folder: Path, file_name: str, lap: Callable[[str], None] = lambda stage: None) -> Equations:
@@ -94,6 +122,10 @@ def equations_of(table, folder: Path, file_name: str, lap: Callable[[str], None]
         return _lumped(table, folder, file_name)
     if table.model.kind == "robot":
         return _robot(table, folder, file_name, lap)
+    if table.model.kind == "transfer-function":
+        return _transfer_function(table, folder, file_name)
+    if table.model.kind == "state-space":
+        return _state_space(table, folder, file_name, lap)
     if table.model.coefficients is not None:
         return _coefficients(table, folder, file_name)
     return _matrices(table, folder, file_name)
@@ -114,6 +146,37 @@ def _robot(table, folder: Path, file_name: str, lap) -> Equations:
 
     found = robot_scene(table.model, folder, file_name, lap)
     return _mechanical(table, found.system, found.coordinates, folder, file_name, robot_scene=found)
+
+
+def _transfer_function(table, folder: Path, file_name: str) -> Equations:
+    from .control_reading import transfer_function_scene
+
+    control = transfer_function_scene(table, folder, file_name)
+    found = control.transfer_function
+    initial = found.start if found.start is not None else np.zeros((found.polynomial_matrix.degree, 1))
+    return Equations(control.outputs, found.polynomial_matrix, initial, found.force, control=control)
+
+
+def _state_space(table, folder: Path, file_name: str, lap) -> Equations:
+    from ..models.state_space_response import force_with_outputs, start_with_outputs
+    from .control_reading import (
+        made_mechanical,
+        mechanical_model,
+        mechanical_start,
+        state_space_scene,
+    )
+
+    control = state_space_scene(table, folder, file_name)
+    if table.model.normal_form:
+        control = made_mechanical(control, file_name, lap)
+        system, coordinates = mechanical_model(control, table.model, file_name)
+        control, initial = mechanical_start(control, table.initial, coordinates, file_name)
+        force = control.form.force(control.input)
+        return Equations(coordinates, system.polynomial_matrix(), initial, force, system, control=control)
+    system = control.system
+    A, initial = system.polynomial_matrix_with_outputs(), start_with_outputs(system, control.start)
+    coordinates = Coordinates(A.coordinates, tuple(system.units[name] for name in A.coordinates))
+    return Equations(coordinates, A, initial, force_with_outputs(system, control.input), control=control)
 
 
 def _matrices(table, folder: Path, file_name: str) -> Equations:

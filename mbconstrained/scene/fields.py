@@ -16,7 +16,7 @@ from pydantic import (
 
 from ..checks import nearest
 from ..errors import InputError
-from .units import KINDS, quantity, quoted, shown
+from .units import KINDS, quantity, quoted, shown, unit_name
 
 LONGEST_TEXT = 2000
 _NAME = re.compile(r"[^\W\d][\w .'()-]{0,39}")
@@ -98,6 +98,7 @@ Quantity = Annotated[
     WithJsonSchema({"title": "a number in SI, or a text with a unit", "anyOf": [{"type": "number"}, {"type": "string"}]}),
 ]
 Name = Annotated[str, BeforeValidator(_name)]
+Unit = Annotated[str, BeforeValidator(unit_name)]
 Text = Annotated[str, BeforeValidator(_text)]
 Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
 Vector = Annotated[list[Length], Field(min_length=3, max_length=3)]

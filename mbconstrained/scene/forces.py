@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .. import signals
+from ..checks import nearest
 from ..errors import InputError
 from .files import record_of
 from .problems import at
-from .units import quantity
+from .units import quantity, shown
 from .values import FORCE_UNITS, Coordinates, with_time
 
 if TYPE_CHECKING:
@@ -32,6 +33,21 @@ def force_of(
             row, unit = _place(table.coordinate, coordinates, inputs)
             forces.append(_signal(table, FORCE_UNITS.get(unit), folder).delayed(table.delay).mapped(row[:, None]))
     return reduce(add, forces) if forces else None
+
+
+def input_of(tables: Sequence, inputs: Coordinates, folder: Path, file_name: str) -> signals.ImpulsiveSmooth | None:
+    """The same for the inputs of a transfer function or state space: a row for each, values in the units of the inputs."""
+    found = []
+    for number, table in enumerate(tables, 1):
+        with at(file_name, f"force[{number}]"):
+            if table.coordinate not in inputs.names:
+                known = f"the inputs are {', '.join(inputs.names)}" if inputs.names else "the model has none: give B"
+                hint = nearest(table.coordinate, inputs.names)
+                raise InputError(f"there is no input {shown(table.coordinate)}{hint}; {known}")
+            row = inputs.names.index(table.coordinate)
+            signal = _signal(table, inputs.units[row], folder).delayed(table.delay)
+            found.append(signal.mapped(np.eye(len(inputs.names))[:, row : row + 1]))
+    return reduce(add, found) if found else None
 
 
 def _place(name: str, coordinates: Coordinates, inputs: Spots | None) -> tuple[np.ndarray, str]:

@@ -119,12 +119,13 @@ class SceneModes:
         """Write NAME.modes.html, in which the modes move, into a folder.
 
         Raises:
-            SceneError: the scene gives coefficients, of which there is nothing to draw.
+            SceneError: the scene gives coefficients or states, of which there is nothing to draw.
             OSError: it cannot be written.
         """
         if self.system is None:
+            place = "model" if self.scene.equations.control else "model.coefficients"
             raise SceneError(
-                f"{self.scene.path.name}: model.coefficients: a page of modes needs mass, damping and stiffness; leave out --page"
+                f"{self.scene.path.name}: {place}: a page of modes needs mass, damping and stiffness; leave out --page"
             )
         from ..page.modes_html import modes_html
         from .modes_page import modes_content

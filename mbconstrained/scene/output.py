@@ -29,6 +29,8 @@ def write_npz(path: Path, result: Result) -> None:
         arrays[kind] = result.curves(kind).values
     if "reaction" in result.kinds:
         arrays["constraints"] = np.array(result.curves("reaction").names)
+    if result.scene.equations.has_outputs_among_coordinates:
+        arrays["outputs"] = np.array(result.scene.equations.control.outputs.names)
     if "output" in result.kinds:
         arrays["outputs"] = np.array(result.curves("output").names)
     arrays |= {"initial": motion.initial, "jump": motion.jump}

@@ -11,7 +11,7 @@ from .units import shown
 
 MOST_PROBLEMS = 5  # in one message; the rest is counted
 KINDS = {
-    "model": '"lumped", "matrices" or "robot"',
+    "model": '"lumped", "matrices", "robot", "state-space" or "transfer-function"',
     "force": '"step", "ramp", "power", "impulse", "harmonic", "term", "pulse" or "sampled"',
 }
 

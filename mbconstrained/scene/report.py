@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..page.content import Curve, PageContent, Plot, Table
+from .control_report import control_facts
 from .curves import ORDERS
 from .robot_report import robot_facts
+from .stages import is_animated
 from .tables import notices_of, tables_of
 
 if TYPE_CHECKING:
@@ -20,7 +22,7 @@ def page_content(result: Result) -> PageContent:
     return PageContent(
         title=scene.title,
         source=scene.table.source,
-        animation=result.animation if output.animation else None,
+        animation=result.animation if is_animated(scene) else None,
         plots=tuple(plot for kind in output.plots for plot in _plots(result, result.curves(kind))),
         tables=tuple(Table(table.title, table.columns, table.rows, table.note) for table in tables_of(result)),
         notices=notices_of(result),
@@ -35,17 +37,18 @@ def _plots(result: Result, curves: Curves) -> list[Plot]:
     groups: dict[tuple[str, str], list[Curve]] = {}
     for i in keep:
         groups.setdefault((curves.titles[i], curves.units[i]), []).append(Curve(curves.names[i], curves.values[i], i))
-    return [Plot(title, unit, result.times, tuple(drawn)) for (title, unit), drawn in groups.items()]
+    return [Plot(title, "" if unit == "1" else unit, result.times, tuple(drawn)) for (title, unit), drawn in groups.items()]
 
 
 def _facts(result: Result) -> tuple[tuple[str, str], ...]:
-    coordinates, time = result.scene.equations.coordinates, result.scene.table.time
-    named = ", ".join(f"{name} ({unit})" for name, unit in zip(coordinates.names, coordinates.units))
+    scene = result.scene
+    coordinates, time = scene.equations.coordinates, scene.table.time
     left_out = ", ".join(stage.name for stage in result.plan.left_out)
     return (
-        *robot_facts(result.scene.equations.robot_scene),
-        ("coordinates", named),
-        ("degree of the equations", str(result.scene.equations.polynomial_matrix.degree)),
+        *robot_facts(scene.equations.robot_scene),
+        *control_facts(scene.equations.control),
+        (scene.equations.coordinates_called, coordinates.listed),
+        ("degree of the equations", str(scene.equations.polynomial_matrix.degree)),
         ("finite zeros", str(sum(zero.count for zero in result.finite_pair.zeros))),
         ("time", f"0 to {time.end:g} s, {time.points} points, in closed form"),
         ("left out, since not needed", left_out),

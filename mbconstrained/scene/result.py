@@ -93,7 +93,7 @@ class Result:
         if kind == "reaction":
             return reaction_curves(self.scene.equations, self.motion, self.times)
         if kind == "output":
-            return output_curves(self.scene.equations, self.values)
+            return output_curves(self.scene.equations, self.times, self.values)
         return energy_curves(self.motion, self.times)
 
     @property
@@ -102,7 +102,8 @@ class Result:
         output = self.scene.table.output
         asked = ["displacement", *output.plots, *(["reaction"] if output.reactions else [])]
         rows = self.system is not None and self.system.rows
-        return [kind for kind in dict.fromkeys(asked) if kind != "reaction" or rows]
+        told = {"reaction": rows, "output": not self.scene.equations.has_outputs_among_coordinates}
+        return [kind for kind in dict.fromkeys(asked) if told.get(kind, True)]
 
     @cached_property
     def modes(self) -> Modes:
@@ -117,9 +118,12 @@ class Result:
     @cached_property
     def error_estimates(self) -> dict[str, float]:
         """The same for each kind of curve that the scene asks for; energies are made of displacements and velocities,
-        outputs of displacements."""
+        outputs of a robot of displacements."""
         kinds = dict.fromkeys(part for kind in self.kinds for part in PARTS.get(kind, (kind,)))
-        return {kind: error_estimate(self.motion, self.times, self._view(kind)) for kind in kinds}
+        found = {kind: error_estimate(self.motion, self.times, self._view(kind)) for kind in kinds}
+        if "output" in self.kinds and self.scene.equations.control:
+            found["output"] = self.scene.equations.control.response.output_error_estimate(self.times)
+        return found
 
     def _view(self, kind: str):
         if kind == "reaction":

@@ -104,8 +104,11 @@ def _check_output(output, equations: Equations, file_name: str) -> None:
             equations.coordinates.number(name)
     system = equations.system
     with at(file_name, "output.plots"):
-        if "output" in output.plots and not (equations.robot_scene and equations.robot_scene.outputs.names):
-            raise InputError("found output, but no outputs are named; name them as [[model.output]] of a robot, or leave it out")
+        if "output" in output.plots and equations.outputs is None:
+            raise InputError(
+                "found output, but no outputs are named; name them as [[model.output]] of a robot, give C of a state space, "
+                "or leave it out"
+            )
         if "energy" in output.plots and system is None:
             raise InputError("energy is known only where mass, damping and stiffness are given, not for coefficients")
         if "reaction" in output.plots and not (system and system.rows):

@@ -13,6 +13,7 @@ from pydantic import (
 )
 
 from ..errors import InputError
+from .control_tables import StateSpaceTable, TransferFunctionTable
 from .drawing_tables import DrawingTable
 from .fields import Name, Quantity, Table, Text, Time
 from .force_tables import ForceTable
@@ -21,6 +22,8 @@ from .matrices_tables import MatricesTable
 from .robot_tables import RobotTable
 from .units import shown
 from .values import DERIVATIVES
+
+CONTROL = ("transfer-function", "state-space")
 
 FEWEST_POINTS, MOST_POINTS = 2, 200_000
 
@@ -48,7 +51,7 @@ class InitialTable(Table):
     derivatives: list[list[Quantity]] | None = Field(
         None, description="Instead of the above: row i has the i-th derivatives of all coordinates."
     )
-
+    state: Values = Field({}, description='Of a state space, instead of all these: its states at 0-, e.g. { x1 = 0.1 }.')
     follow: bool = Field(False, description="true: what is left out follows from the constraint rows instead of being 0.")
 
     @model_validator(mode="after")
@@ -104,14 +107,36 @@ class OutputTable(Table):
         return names
 
 
+Model = Annotated[
+    LumpedTable | MatricesTable | RobotTable | TransferFunctionTable | StateSpaceTable, Field(discriminator="kind")
+]
+
+
 class SceneFile(Table):
     """A scene: a model, its start, the forces, the times and what is to be written."""
 
     title: Text = Field("", description="What the page is headed with; the name of the file when left out.")
     source: Text = Field("", description="Where the example or the data comes from.")
-    model: Annotated[LumpedTable | MatricesTable | RobotTable, Field(discriminator="kind")] = Field(description="The equations.")
+    model: Model = Field(description="The equations.")
     initial: InitialTable = Field(InitialTable(), description="The values just before t = 0.")
     force: list[ForceTable] = Field([], description="Forces from t = 0 or from their delays on; entries on one coordinate add up.")
     time: TimeTable = Field(description="Where the answer is wanted.")
     output: OutputTable = Field(OutputTable(), description="Which files are written, and what the page shows.")
     drawing: DrawingTable | None = Field(None, description="How the model is drawn; left out: a drawing is made for it.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _outputs_are_plotted(cls, data):
+        """Where nothing is said of what is plotted, that is the outputs of a transfer function or state space."""
+        model, output = (data.get(key, {}) for key in ("model", "output")) if isinstance(data, dict) else ({}, None)
+        if not (isinstance(model, dict) and isinstance(output, dict) and model.get("kind") in CONTROL) or "plots" in output:
+            return data
+        has_outputs = model["kind"] != "state-space" or "C" in model or "D" in model
+        plots = ["displacement"] * (not has_outputs or model.get("normal_form") is True) + ["output"] * has_outputs
+        return {**data, "output": {**output, "plots": plots}}
+
+    @model_validator(mode="after")
+    def _state_of_what(self):
+        if self.initial.state and self.model.kind not in CONTROL:
+            raise InputError('initial.state belongs to kind = "state-space"; give displacement and velocity')
+        return self

@@ -41,9 +41,10 @@ class Step:
 
 
 def steps_of(scene: Scene) -> tuple[Step, ...]:
-    """The stages that are spoken of: those of a robot only where there is one."""
+    """The stages that are spoken of: those of a robot or a state space only where there is one."""
     robot = ROBOT_STEPS if scene.equations.robot_scene else NO_ROBOT_STEPS
-    return (*FILE_STEPS, *robot, *STEPS)
+    control = CONTROL_STEPS if scene.table.model.kind == "state-space" else {}
+    return (*FILE_STEPS, *robot, *(each for step in STEPS for each in (step, *control.get(step.name, ()))))
 
 
 def plan_of(scene: Scene, *, writing: bool = True) -> Plan:
@@ -102,13 +103,51 @@ def _units(scene) -> Decision:
 def _assembly(scene) -> Decision:
     equations = scene.equations
     count, degree = len(equations.coordinates.names), equations.polynomial_matrix.degree
+    if equations.control is not None:
+        return True, _control_size(equations.control)
     if equations.model is not None:
         return True, f"{counted(len(equations.model.elements), 'element')}, {counted(count, 'coordinate')}"
     return True, f"{counted(count, 'coordinate')}, degree {degree}"
 
 
+def _control_size(control) -> str:
+    if control.transfer_function is not None:
+        b, a = control.transfer_function.fraction.numerator, control.transfer_function.fraction.denominator
+        return f"numerator of degree {max(len(b) - 1, 0)}, denominator of degree {len(a) - 1}"
+    counts = ((control.system.states, "state"), (control.inputs.names, "input"), (control.outputs.names, "output"))
+    return ", ".join(counted(len(names), what) for names, what in counts)
+
+
+def _normal_form(scene) -> Decision:
+    form = scene.equations.control.form
+    if form is None:
+        return False, "normal_form = false: the states are taken as they are"
+    return True, f"normal_form = true: {counted(form.size, 'displacement')} and as many velocities"
+
+
+def _transfer_functions(scene) -> Decision:
+    control = scene.equations.control
+    if not (control.inputs.names and control.outputs.names):
+        return False, "there are no inputs or no outputs"
+    if not control.looks_for_zeros:
+        return False, "many states or outputs: zeros take long; DC gains are told"
+    return True, "zeros, gain and DC gain from each input to each output"
+
+
+def _outputs(scene) -> Decision:
+    control = scene.equations.control
+    if not control.outputs.names:
+        return False, "there is no C"
+    if control.form is None:
+        return True, "C x + D u, solved for together with the states"
+    asked = "output" in scene.table.output.plots
+    return asked, "C x + D u, of the states that were given" if asked else "output is not among the plots"
+
+
 def _constraint_rows(scene) -> Decision:
     system = scene.equations.system
+    if scene.equations.control is not None:
+        return False, f"a {scene.table.model.kind.replace('-', ' ')} has no constraint rows"
     if system is None:
         return False, "A_0, A_1, … are given: constraints are equations among the others"
     if scene.equations.robot:
@@ -174,7 +213,8 @@ def _plotted(kind: str):
 
 def _modes(scene) -> Decision:
     if scene.equations.system is None:
-        return False, "no mechanical system: the zeros of A(s) are listed as they are"
+        listed = "the zeros of A(s)" if scene.equations.control is None else "the poles"
+        return False, f"no mechanical system: {listed} are listed as they are"
     return True, "tells oscillations, rigid bodies and drift apart"
 
 
@@ -184,7 +224,14 @@ def _animation(scene) -> Decision:
         return False, "no page"
     if not output.animation:
         return False, "animation = false"
+    if scene.equations.has_outputs_among_coordinates and scene.table.drawing is None:
+        return False, "states and outputs are no places: a [drawing] would say how they move"
     return True, "the model moves on the page, by displacements and velocities"
+
+
+def is_animated(scene: Scene) -> bool:
+    """Whether a page shows the model moving."""
+    return _animation(scene)[0]
 
 
 def _wanted(kind: str):
@@ -206,6 +253,11 @@ ROBOT_STEPS = (
     Step("collision geometry", _never("it is never loaded")),
 )
 NO_ROBOT_STEPS = (Step("robot model (pinocchio)", _never("no robot in the scene")),)
+CONTROL_STEPS = {  # the stage before: those of a state space that come next
+    "assemble the model": (Step("mechanical normal form", _normal_form),),
+    "displacements": (Step("outputs", _outputs, methodcaller("curves", "output")),),
+    "modes": (Step("transfer functions", _transfer_functions, attrgetter("scene.equations.control.transfers")),),
+}
 STEPS = (
     Step("assemble the model", _assembly),
     Step("dependent constraint rows", _constraint_rows),

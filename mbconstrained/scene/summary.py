@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .control_report import control_json
 from .robot_report import posture_json
 from .tables import TextTable, notices_of, tables_of
 
@@ -25,8 +26,9 @@ def heading(result: Result) -> str:
     """What was solved."""
     scene = result.scene
     coordinates = scene.equations.coordinates
-    named = ", ".join(f"{name} ({unit})" for name, unit in zip(coordinates.names, coordinates.units))
-    lines = [scene.title, scene.table.source, f"Coordinates: {named}; t from 0 to {scene.table.time.end:g} s"]
+    what = scene.equations.coordinates_called
+    end = scene.table.time.end
+    lines = [scene.title, scene.table.source, f"{what[0].upper()}{what[1:]}: {coordinates.listed}; t from 0 to {end:g} s"]
     return "\n".join(line for line in lines if line)
 
 
@@ -57,6 +59,7 @@ def as_json(result: Result) -> dict:
         "title": scene.title,
         "source": scene.table.source,
         **posture_json(scene.equations.robot_scene),
+        **control_json(scene.equations.control),
         "coordinates": [{"name": name, "unit": unit} for name, unit in zip(coordinates.names, coordinates.units)],
         "constraints": [
             {"name": row.name, "level": row.level, "value": row.value} for row in (result.system.rows if result.system else ())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from ..notices import Notice
 from ..response.events import Event
 from ..response.notices import counts
 from ..signals import Blow
+from .control_report import control_tables
 from .happenings import (
     Impulse,
     folded,
@@ -36,8 +38,9 @@ def tables_of(result: Result) -> list[TextTable]:
     """Posture, constraints, zeros, jumps, impulses and evidence; those without rows are left out, but for the zeros."""
     at_zero = [jump_table(result), impulse_table(result)]
     posture = posture_tables(result.scene.equations.robot_scene)
-    tables = [*posture, constraint_table(result), zero_table(result), *at_zero, later_table(result), evidence_table(result)]
-    return [table for table in tables if table.rows or table.title == "Zeros"]
+    before = [*posture, constraint_table(result), _zeros_or_poles(result), *control_tables(result.scene.equations.control)]
+    tables = [*before, *at_zero, later_table(result), evidence_table(result)]
+    return [table for table in tables if table.rows or table.title in ("Zeros", "Poles")]
 
 
 def notices_of(result: Result) -> tuple[Notice, ...]:
@@ -53,6 +56,14 @@ def constraint_table(result: Result) -> TextTable:
     note = "Rows held for velocities or accelerations keep what is wrong at the start: their zeros at 0 are drift."
     drifting = any(row.order for row in rows)
     return TextTable("Constraints", ("row", "held for", "value"), cells, note if drifting else "")
+
+
+def _zeros_or_poles(result: Result) -> TextTable:
+    """The zeros of A(s), which are the poles of a transfer function."""
+    table = zero_table(result)
+    if result.scene.equations.control is None or result.system:
+        return table
+    return replace(table, title="Poles", columns=tuple(column.replace("zero (", "pole (") for column in table.columns))
 
 
 def zero_table(result: Result) -> TextTable:
@@ -149,9 +160,15 @@ def _primes(order: int) -> str:
 def evidence_table(result: Result) -> TextTable:
     """What tells how far the answer can be trusted."""
     estimates = [
-        (f"error estimate: {kind}", f"{value:.2g}", "largest error over largest value, over all times")
+        (f"error estimate: {_estimated(result, kind)}", f"{value:.2g}", "largest error over largest value, over all times")
         for kind, value in result.error_estimates.items()
     ]
     found = [(item.name, f"{item.value:.2g}", item.text) for item in result.motion.evidence]
     posture = posture_evidence(result.scene.equations.robot_scene)
     return TextTable("Evidence", ("what", "value", "meaning"), (*estimates, *found, *posture))
+
+
+def _estimated(result: Result, kind: str) -> str:
+    """States and outputs are no displacements."""
+    equations = result.scene.equations
+    return equations.coordinates_called if kind == "displacement" and equations.has_outputs_among_coordinates else kind

@@ -91,6 +91,25 @@ def expected(unit: str) -> str:
     return f"{name}, e.g. {example}, or a number in {unit}"
 
 
+def unit_name(value) -> str:
+    """The name of a unit, written in one way; "1" for a plain number.
+
+    Raises:
+        InputError: no name of a unit.
+
+    >>> unit_name("N m"), unit_name("1")
+    ('N*m', '1')
+    """
+    text = _plain_unit(value.strip()) if isinstance(value, str) and len(value) <= LONGEST_QUANTITY else ""
+    if text in KINDS:
+        return text
+    if not _UNIT.fullmatch(text):
+        raise InputError(f'found {shown(value)}; expected a unit such as "m", "rad/s" or "V", or "1" for a plain number')
+    if unknown := _unknown_name(text):
+        raise InputError(f'found {shown(value)}, but there is no unit "{unknown}"{nearest(unknown, _COMMON_UNITS)}')
+    return text
+
+
 def shown(value, longest: int = 60) -> str:
     """A value as it is quoted in a message: texts in double quotes, control characters escaped, never long."""
     if isinstance(value, str):

@@ -63,6 +63,11 @@ class Coordinates:
             raise InputError(f"there is no coordinate {shown(name)}{hint}; the coordinates are {', '.join(self.names)}{inputs}")
         return self.names.index(name)
 
+    @property
+    def listed(self) -> str:
+        """All names with their units, but for the unit 1."""
+        return ", ".join(name if unit == "1" else f"{name} ({unit})" for name, unit in zip(self.names, self.units))
+
     def derivative_unit(self, index: int, order: int) -> str:
         """The unit of a derivative of a coordinate, e.g. m/s^2."""
         return with_time(self.units[index], -order)
@@ -79,6 +84,16 @@ def initial_values(table, coordinates: Coordinates, degree: int, file_name: str)
                 raise InputError(f"the equations have degree {degree}: they start from {_start_names(degree)}, nothing higher")
             result[order] = _row(row, coordinates, order)
     return result
+
+
+def state_values(given, states: Coordinates, file_name: str) -> np.ndarray:
+    """x(0-), shape (n,), from the state of the [initial] table."""
+    with at(file_name, "initial.state"):
+        for name in given if isinstance(given, dict) else ():
+            if name not in states.names:
+                hint = nearest(name, states.names)
+                raise InputError(f"there is no state {shown(name)}{hint}; the states are {', '.join(states.names)}")
+        return _row(given, states, 0) if given else np.zeros(len(states.names))
 
 
 def _start_names(degree: int) -> str:

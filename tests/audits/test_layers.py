@@ -9,8 +9,8 @@ import pytest
 
 from tests.audits.source import FILES, FLOORS, PACKAGE, imports, part, parts_imported, tree
 
-#: The one arrow that runs up, late and on purpose: A.structure() and A.jordan_pairs() are methods of A.
-UPWARDS = {("polynomial/matrix.py", "jordan")}
+#: The arrows that run up, late and on purpose: A.structure() and A.jordan_pairs() are methods of A, y.expression() is one of y.
+UPWARDS = {("polynomial/matrix.py", "jordan"), ("response/transfer/transfer_function.py", "exact")}
 
 #: The packages that only some scenes need: each is imported by its own folder alone.
 HEAVY = {

@@ -1,6 +1,7 @@
 """The modes of a scene: one line a shape, in 80 characters, as numbers, and as pictures that move sensibly."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, sce
 
 ALL = sorted(path.name for path in EXAMPLES.glob("*.toml"))
 ROBOTS = [name for name in ALL if 'kind = "robot"' in (EXAMPLES / name).read_text("utf-8")]
-OF_COEFFICIENTS = [name for name in ALL if "\ncoefficients = " in (EXAMPLES / name).read_text("utf-8")]
+OF_COEFFICIENTS = [name for name in ALL if re.search(r"^(coefficients|numerator|descriptor) = ", (EXAMPLES / name).read_text("utf-8"), re.MULTILINE)]
 
 RACK = """
 [model]

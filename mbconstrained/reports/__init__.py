@@ -1,0 +1,1 @@
+"""How accurate, and how fast? Reports that compare with what is known exactly and with other tools."""
