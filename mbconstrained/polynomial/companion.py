@@ -119,7 +119,5 @@ def _with_first_power(coefficients: np.ndarray) -> np.ndarray:
 def known_coefficient(A: PolynomialMatrix, power: int) -> Noisy:
     """A_power with what is uncertain about it: precise and exact where it is given by its factors."""
     factors = A.factors[power]
-    if factors is not None:
-        return Noisy.exact(precise(factors.exact))
-    rounded = Noisy.rounded(A.coefficients[power])
-    return Noisy(rounded.data, np.maximum(rounded.noise, A.uncertainty[power]))
+    known = Noisy.rounded(A.coefficients[power]) if factors is None else Noisy.exact(precise(factors.exact))
+    return Noisy(known.data, np.maximum(known.noise, A.uncertainty[power]))

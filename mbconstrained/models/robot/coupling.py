@@ -54,8 +54,8 @@ def locked_values(locked, mimics: tuple[Mimic, ...]) -> dict[str, float]:
         raise InputError(f'locked: found {type(locked).__name__}; expected values by joint, such as {{"j4": 0.3}}')
     values = {name: real_number(value, f"locked: {name}") for name, value in (locked or {}).items()}
     for mimic in mimics:
-        if mimic.leader in values:
-            values.setdefault(mimic.follower, mimic.multiplier * values[mimic.leader] + mimic.offset)
+        if mimic.leader in values or mimic.leader_is_fixed:
+            values.setdefault(mimic.follower, mimic.multiplier * values.get(mimic.leader, 0.0) + mimic.offset)
         elif mimic.follower in values:
             raise InputError(f'locked: "{mimic.follower}" follows "{mimic.leader}", which moves; lock that joint instead')
     return values

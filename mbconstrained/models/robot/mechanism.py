@@ -33,7 +33,7 @@ class Attached:
 
     def pose(self, kinematics: Kinematics) -> RelativePose:
         """phi in a configuration."""
-        return RelativePose(kinematics, self.first, self.second)
+        return RelativePose(kinematics, self.first, self.second, self.connection.turning)
 
 
 class LinkFrames:
@@ -114,7 +114,7 @@ def untwisted(attached: Attached, at: Kinematics) -> Attached:
     loop = attached.connection
     if not isinstance(loop, Loop) or loop.kind != "hinge":
         return attached
-    axis = np.array(loop.axis) / np.linalg.norm(loop.axis)
+    axis = np.array(loop.axis)
     R1, R2 = at.frame(attached.first)[0], at.frame(attached.second)[0]
     *v, w = pinocchio.Quaternion(R1.T @ R2).coeffs()
     back = pinocchio.exp3(-2 * np.arctan2(axis @ np.array(v), w) * axis)
@@ -158,11 +158,13 @@ def checked_connections(connections, kinds: tuple[type, ...], word: str, frames:
 
 
 def _with_own_names(connections) -> tuple[Connection, ...]:
-    """The connections, numbered where several have the same name."""
+    """The connections, those of the same name with numbers that make names which nothing else has."""
     names = [connection.name for connection in connections]
-    found, seen = [], {}
+    found, taken = [], set(names)
     for connection in connections:
-        seen[connection.name] = seen.get(connection.name, 0) + 1
-        several = names.count(connection.name) > 1
-        found.append(replace(connection, name=f"{connection.name} {seen[connection.name]}") if several else connection)
+        if names.count(connection.name) > 1:
+            numbered = (f"{connection.name} {number}" for number in range(1, 2 * len(names) + 1))
+            connection = replace(connection, name=next(name for name in numbered if name not in taken))
+            taken.add(connection.name)
+        found.append(connection)
     return tuple(found)

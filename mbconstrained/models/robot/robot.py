@@ -78,6 +78,8 @@ class Robot:
         self.name = str(name or self.description.get("name") or "robot")
         if base not in ("fixed", "free"):
             raise InputError(f'base: found {base!r}{nearest(str(base), ("fixed", "free"))}; expected "fixed" or "free"')
+        if isinstance(package_dirs, str) or not all(isinstance(folder, (str, Path)) for folder in package_dirs):
+            raise InputError(f"package_dirs: found {package_dirs!r}; expected a list of folders")
         self.package_dirs = tuple(Path(folder) for folder in package_dirs)
         mimics = mimics_of(self.description)
         self.locked = locked_values(locked, mimics)
@@ -92,7 +94,12 @@ class Robot:
     def _set_joints(self, stiffness, rest, damping, flexible) -> None:
         self.joint_stiffness = self.tangent.vector(stiffness, "joint_stiffness", minimum=0.0)
         self.joint_rest = self.tangent.vector(rest, "joint_rest")
+        for name in rest or ():
+            if not self.joint_stiffness[self.tangent.place(name, "joint_rest")]:
+                raise InputError(f"joint_rest: {name} has no joint_stiffness; give it one, or leave the rest out")
         self.joint_damping = np.array(self.model.damping) + self.tangent.vector(damping, "joint_damping", minimum=0.0)
+        if not isinstance(flexible or {}, Mapping):
+            raise InputError(f"flexible_joints: found {type(flexible).__name__}; expected mb.FlexibleJoint(...) by joint")
         self.flexible_joints = dict(flexible or {})
         for name, joint in self.flexible_joints.items():
             self.tangent.place(name, "flexible_joints")
