@@ -51,8 +51,9 @@ def reaction_curves(equations: Equations, motion, times: np.ndarray) -> Curves:
 
 def output_curves(equations: Equations, displacement: np.ndarray) -> Curves:
     """The named outputs of a robot, as deviations from its posture."""
-    outputs = equations.robot_scene.outputs
-    return Curves("output", outputs.names, ("output",) * len(outputs.names), outputs.units, outputs.rows @ displacement)
+    system = equations.robot_scene.system
+    names, units = tuple(system.outputs), tuple(system.output_units.values())
+    return Curves("output", names, ("output",) * len(names), units, system.output_matrix @ displacement)
 
 
 def energy_curves(motion, times: np.ndarray) -> Curves:

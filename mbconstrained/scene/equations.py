@@ -143,7 +143,7 @@ def _mechanical(table, system, coordinates, folder, file_name, model=None, robot
     initial = initial_values(table.initial, coordinates, 2, file_name)
     if table.initial.follow:
         initial = following(initial, table.initial, system, coordinates, file_name)
-    force = force_of(table.force, coordinates, folder, file_name, robot_scene and robot_scene.inputs)
+    force = force_of(table.force, coordinates, folder, file_name, robot_scene and robot_scene.system)
     return Equations(coordinates, polynomial_matrix, initial, force, system, model, robot_scene)
 
 

@@ -104,7 +104,7 @@ def _check_output(output, equations: Equations, file_name: str) -> None:
             equations.coordinates.number(name)
     system = equations.system
     with at(file_name, "output.plots"):
-        if "output" in output.plots and not (equations.robot_scene and equations.robot_scene.outputs.names):
+        if "output" in output.plots and not (equations.robot_scene and equations.robot_scene.system.outputs):
             raise InputError("found output, but no outputs are named; name them as [[model.output]] of a robot, or leave it out")
         if "energy" in output.plots and system is None:
             raise InputError("energy is known only where mass, damping and stiffness are given, not for coefficients")

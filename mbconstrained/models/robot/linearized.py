@@ -15,7 +15,7 @@ from ...mechanics.system import MechanicalSystem
 from ...notices import Notice
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import zero
-from ...tolerances import EPS, noise_of
+from ...tolerances import EPS, NOISE_SAFETY, noise_of
 from .equilibrium import rows_of
 from .flexible_joint import FlexibleJoint
 from .point_motion import PointMotion
@@ -53,12 +53,15 @@ class LinearizedRobot(MechanicalSystem):
         checked_level(level, "level")
         self._stiffness_parts = _stiffness_parts(posture)
         self._flexible = [(robot.coordinates.index(name), joint) for name, joint in robot.flexible_joints.items()]
-        link_stiffness, self._notices = _stiffness(posture, sum(part for _, part in self._stiffness_parts))
-        damping = np.diag(robot.joint_damping) + np.sum([item.damping for item in balance.elastic], axis=0)
+        K = sum(part for _, part in self._stiffness_parts)
+        K = np.where(np.abs(K) > NOISE_SAFETY * _stiffness_rounding(posture), K, 0.0)
+        link_stiffness, self._notices = _stiffness(posture, K)
+        sizes = np.outer(balance.sizes, balance.sizes)
+        damping = np.diag(robot.joint_damping) + sum(_clean(item.damping, sizes) for item in balance.elastic)
         motors = [joint for _, joint in self._flexible]
         names = (*robot.coordinates, *(f"{robot.coordinates[i]} motor" for i, _ in self._flexible))
         super().__init__(
-            mass=self._with_motors(balance.mass) + self._at_motors([motor.reflected_inertia for motor in motors]),
+            mass=self._with_motors(_clean(balance.mass, sizes)) + self._at_motors([motor.reflected_inertia for motor in motors]),
             damping=self._with_motors(damping)
             + self._gears([motor.damping for motor in motors])
             + self._at_motors([motor.derivative_gain for motor in motors]),
@@ -150,12 +153,11 @@ class LinearizedRobot(MechanicalSystem):
         ]
 
     def _link_uncertainty(self) -> dict[str, np.ndarray]:
-        """By how much computed entries may be wrong: those of stiffness by the rounding of each of their parts."""
+        """By how much computed entries may be wrong."""
         balance = self.posture.balance
         sizes = np.outer(balance.sizes, balance.sizes)
-        parts = [_rounding(part, sizes) for part in (*balance.stiffnesses, *balance.geometric(self.posture.multipliers))]
-        damping = [_rounding(item.damping, sizes) for item in balance.elastic]
-        found = {"mass": _rounding(balance.mass, sizes), "stiffness": sum(parts), "damping": sum(damping) + np.zeros(sizes.shape)}
+        damping = sum((_rounding(item.damping, sizes) for item in balance.elastic), np.zeros(sizes.shape))
+        found = {"mass": _rounding(balance.mass, sizes), "stiffness": _stiffness_rounding(self.posture), "damping": damping}
         return {name: self._with_motors(part) for name, part in found.items()}
 
     def _row(self, value, what: str) -> np.ndarray:
@@ -202,9 +204,9 @@ def _by_own_names(parts: list[tuple[str, np.ndarray]]) -> dict[str, np.ndarray]:
 
 
 def body_masses(posture: Posture) -> list[tuple[str, np.ndarray]]:
-    """What each body adds to M, shape (nv, nv), with the name of its first link: S_j^T I_j S_j."""
+    """What each body adds to M, shape (nv, nv), with the name of its heaviest link: S_j^T I_j S_j."""
     model, kinematics = posture.robot.model, posture.balance.kinematics
-    names = posture.robot.link_frames.first_links()
+    names = posture.robot.link_frames.heaviest_links()
     found = []
     for joint in range(1, model.njoints):
         inertia, R = model.inertias[joint], kinematics.rotations[joint]
@@ -226,6 +228,14 @@ def _stiffness_parts(posture: Posture) -> list[tuple[str, np.ndarray]]:
     parts = [(f"spring of {name}", np.diag(row)) for name, row, k in zip(robot.coordinates, joints, robot.joint_stiffness) if k]
     parts += [(item.connection.name, _clean(part, sizes)) for item, part in zip(balance.load.springs, springs)]
     return [*parts, ("gravity and forces", rest)]
+
+
+def _stiffness_rounding(posture: Posture) -> np.ndarray:
+    """Of the sum: the rounding of each part, and of the largest multiplier in every loop, for one equation gives them all."""
+    balance, load = posture.balance, posture.balance.load
+    sizes = np.outer(balance.sizes, balance.sizes)
+    largest = np.abs(posture.multipliers * load.row_lengths).max(initial=0.0) / load.row_lengths
+    return sum(_rounding(part, sizes) for part in (*balance.stiffnesses, *balance.geometric(largest)))
 
 
 def _stiffness(posture: Posture, K: np.ndarray) -> tuple[np.ndarray, tuple[Notice, ...]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,11 +37,12 @@ class Attached:
 
 
 class LinkFrames:
-    """The links of a pinocchio model, each fixed in one of its joints."""
+    """The links of a pinocchio model, each fixed in one of its joints; masses by link (kg)."""
 
-    def __init__(self, model):
+    def __init__(self, model, masses: Mapping[str, float]):
         import pinocchio
 
+        self._masses = masses
         frames = [(number, frame) for number, frame in enumerate(model.frames) if frame.type == pinocchio.FrameType.BODY]
         self._frames = {str(frame.name): frame for _, frame in frames}
         self._numbers = {str(frame.name): number for number, frame in frames}
@@ -55,11 +56,13 @@ class LinkFrames:
         """The number of a link's frame."""
         return self._numbers[body]
 
-    def first_links(self) -> dict[int, str]:
-        """The first link that moves with each joint, by the number of the joint."""
-        found = {}
+    def heaviest_links(self) -> dict[int, str]:
+        """Of the links that move with a joint the heaviest, by the number of the joint; the first of several."""
+        found: dict[int, str] = {}
         for body in self.names:
-            found.setdefault(self.link(body).joint, body)
+            joint = self.link(body).joint
+            if joint not in found or self._masses.get(body, 0.0) > self._masses.get(found[joint], 0.0):
+                found[joint] = body
         return found
 
     def link(self, body: str) -> Anchor:
@@ -89,6 +92,8 @@ class LinkFrames:
 
     def check(self, body: str, what: str) -> None:
         """Raise an InputError where there is no such link."""
+        if body == GROUND:
+            raise InputError(f'{what}: found "{GROUND}", which does not move; name a link')
         if body not in self._frames:
             raise InputError(f'{what}: there is no body "{body}"{nearest(body, (GROUND, *self.names))}')
 

@@ -12,7 +12,7 @@ from ...checks import real_number
 from ...errors import InputError
 from ...notices import Notice
 from .balance import Load
-from .equilibrium import CLOSED, Equilibrium, Search, closed, equilibrium
+from .equilibrium import CLOSED, LARGEST_STEP, Equilibrium, Search, closed, equilibrium
 from .kinematics import Kinematics
 from .mechanism import untwisted, with_rest_length
 from .point_motion import PointMotion
@@ -28,7 +28,7 @@ AT_LIMIT = 1e-9
 
 def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str) -> Posture:
     """See ``Robot.equilibrium``."""
-    start = robot.tangent.configuration(guess)
+    start = _following(robot, guess)
     free = ~_held(robot, hold)
     load = _untwisted(_load(robot, start, forces), robot, start)
     nearest = closed(Search(robot.tree, load, free), start)
@@ -38,7 +38,18 @@ def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str
         found = equilibrium(Search(robot.tree, here, free), found.balance.configuration)
     if outside := robot.tangent.outside_limits(found.balance.configuration, AT_LIMIT):
         raise InputError(f"equilibrium: {outside}; give another guess, or other limits in the URDF")
-    return _posture(robot, found, free)
+    return _posture(robot, found, free, start)
+
+
+def _following(robot: Robot, guess) -> np.ndarray:
+    """The guess as a configuration, in which joints that it does not name follow their leaders."""
+    start = robot.tangent.configuration(guess)
+    named = robot.joints if not isinstance(guess, Mapping) else guess
+    step = np.zeros(robot.model.nv)
+    for item in robot.couplings:
+        if robot.joints[item.follower - 1] not in named:
+            step[robot.model.joints[item.follower].idx_v] = -item.gap(robot.model, start)
+    return robot.tree.moved(start, step)
 
 
 def _held(robot: Robot, hold) -> np.ndarray:
@@ -100,7 +111,7 @@ def _size(robot: Robot, connections) -> float:
     return float(max(lengths, default=0.0)) or 1.0
 
 
-def _posture(robot: Robot, found: Equilibrium, free: np.ndarray) -> Posture:
+def _posture(robot: Robot, found: Equilibrium, free: np.ndarray, guess: np.ndarray) -> Posture:
     balance = found.balance
     rows = loop_rows(balance)
     left = balance.force - balance.jacobian.T @ found.multipliers
@@ -112,7 +123,7 @@ def _posture(robot: Robot, found: Equilibrium, free: np.ndarray) -> Posture:
         torques={robot.coordinates[i]: float(left[i]) for i in np.flatnonzero(~free)},
         residual=found.residual,
         loop_error=float(np.abs(balance.gaps).max(initial=0.0)),
-        notices=(*_misfit(found), *rows.notices, *(_SHARED if shared else ()), *_left_out(robot)),
+        notices=(*_far(robot, found, guess), *_misfit(found), *rows.notices, *(_SHARED if shared else ()), *_left_out(robot)),
         balance=balance,
         independent_rows=rows.kept,
     )
@@ -125,6 +136,20 @@ _SHARED = (
         "joints the rest; with other shares the stiffness would differ",
     ),
 )
+
+
+def _far(robot: Robot, found: Equilibrium, guess: np.ndarray) -> tuple[Notice, ...]:
+    """A posture that is no longer near the guess."""
+    load = found.balance.load
+    way = robot.tree.way(guess, found.balance.configuration)
+    furthest = int(np.abs(way / load.lengths).argmax())
+    if abs(way[furthest]) <= LARGEST_STEP * load.lengths[furthest]:
+        return ()
+    text = (
+        f"the posture found is not near the guess: {robot.coordinates[furthest]} is {abs(way[furthest]):.3g} {load.units[furthest]} "
+        "from it, perhaps by way of another assembly; see whether it is the one that is meant"
+    )
+    return (Notice("far", text),)
 
 
 def _misfit(found: Equilibrium) -> tuple[Notice, ...]:

@@ -38,6 +38,12 @@ def skeleton(robot: Element) -> str:
     return ElementTree.tostring(found, encoding="unicode")
 
 
+def link_masses(robot: Element) -> dict[str, float]:
+    """Masses by link (kg), of those that have one."""
+    found = {link.get("name"): link.find("inertial/mass") for link in robot.findall("link")}
+    return {name: number(mass.get("value"), "mass") for name, mass in found.items() if mass is not None}
+
+
 def _copy_inertial(link: Element, inertial: Element, where: str) -> None:
     mass, inertia = inertial.find("mass"), inertial.find("inertia")
     if mass is None or inertia is None:

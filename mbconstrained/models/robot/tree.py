@@ -74,6 +74,12 @@ class Tree:
 
         return pinocchio.integrate(self.model, q, step)
 
+    def way(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """The step from one configuration to another, in tangent coordinates."""
+        import pinocchio
+
+        return np.array(pinocchio.difference(self.model, start, end))
+
     def frames(self, q: np.ndarray, numbers: list[int]) -> list[tuple[np.ndarray, np.ndarray]]:
         """Positions (3,) and quaternions (4,) x y z w of the frames of these numbers."""
         import pinocchio

@@ -443,3 +443,36 @@ def test_limits_that_hold_a_joint_still_are_refused():
 def test_the_text_is_read_as_utf_8_whatever_it_declares():
     text = '<?xml version="1.0" encoding="latin-1"?>' + PENDULUM.replace("rod", "Stäb")
     assert "Stäb" in mb.Robot(text).bodies
+
+
+def test_a_posture_far_from_the_guess_is_told():
+    robot = mb.Robot(PENDULUM)
+    assert [notice.kind for notice in robot.equilibrium({"j1": 2.0}).notices] == ["far"]  # from near the top down
+    assert not robot.equilibrium({"j1": 0.3}).notices
+
+
+def test_impulse_on_a_floating_robot_with_a_loop_inside():
+    """Its mass matrix has entries that are rounding: they must not decide in which units the equations are solved."""
+    text = """<robot name="sat"><link name="hull"><inertial><origin xyz="0.1 0.2 -0.1"/><mass value="200"/>
+    <inertia ixx="30" iyy="60" izz="70" ixy="1" ixz="0" iyz="2"/></inertial></link>
+    <link name="arm1"><inertial><mass value="9"/><origin xyz="0.3 0 0"/><inertia ixx="0.1" iyy="0.4" izz="0.4" ixy="0" ixz="0" iyz="0"/>
+    </inertial></link><link name="arm2"><inertial><mass value="6"/><origin xyz="0.3 0 0"/>
+    <inertia ixx="0.1" iyy="0.3" izz="0.3" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <link name="panel"><inertial><mass value="2"/><origin xyz="0 -0.2 0"/><inertia ixx="0.2" iyy="0.1" izz="0.2" ixy="0" ixz="0" iyz="0"/>
+    </inertial></link>
+    <joint name="a1" type="revolute"><parent link="hull"/><child link="arm1"/><origin xyz="0.5 0.3 0.1" rpy="1.1 0.2 0.3"/><axis xyz="0 0 1"/></joint>
+    <joint name="a2" type="revolute"><parent link="arm1"/><child link="arm2"/><origin xyz="0.6 0 0"/><axis xyz="0 0 1"/></joint>
+    <joint name="a3" type="revolute"><parent link="hull"/><child link="panel"/><origin xyz="0.6 0.5 0.3" rpy="1.1 0.2 0.3"/><axis xyz="0 0 1"/></joint>
+    </robot>"""
+    bodies = mb.Robot(text, base="free", gravity=0)
+    (a, b), guess = ("arm2", "panel"), {"a1": 0.4, "a2": 0.3, "a3": 0.2}
+    loop = mb.Loop(a, (0.5, 0, 0), b, None)
+    robot = mb.Robot(text, loops=[loop], base="free", gravity=0, joint_stiffness={"a1": 50.0, "a2": 20.0}, joint_rest={"a1": 0.9, "a2": 0.1})
+    assert bodies.coordinates == robot.coordinates
+    system = robot.linearize(robot.equilibrium(guess))
+    push = np.array([float(name == "a1") for name in system.names])
+    N = linkages.null_space(system.constraint_matrix)
+    jump = N @ np.linalg.solve(N.T @ system.mass @ N, N.T @ push)
+    motion = system.solve(force=mb.impulse(push))
+    assert motion.jump[1] == pytest.approx(jump, rel=1e-9, abs=1e-12 * np.abs(jump).max())
+    assert motion.velocity(1e-6) == pytest.approx(jump, rel=1e-4, abs=1e-6)
