@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Kind = Literal["jump", "impulse", "redundant", "drift", "rigid body", "unstable", "rank", "accuracy", "offset", "left out"]
+Kind = Literal[
+    "jump", "impulse", "redundant", "drift", "rigid body", "unstable", "rank", "accuracy", "offset",
+    "left out", "unsymmetric", "far", "large motion",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)

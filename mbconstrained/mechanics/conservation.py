@@ -43,6 +43,8 @@ def _symmetric(matrix: np.ndarray) -> bool:
 
 
 def _positive(matrix: np.ndarray) -> bool:
-    """Positive semidefinite to within rounding."""
-    values = np.linalg.eigvalsh(matrix)
+    """Positive semidefinite to within rounding, each coordinate in units in which it counts as much as the others."""
+    size = np.sqrt(np.abs(np.diag(matrix)))
+    size[size == 0] = 1.0
+    values = np.linalg.eigvalsh(matrix / size / size[:, None])
     return bool(values[0] >= -noise_of(float(np.abs(values).max()), len(values)))

@@ -79,7 +79,9 @@ def constrained_form(
     apart = is_worthwhile(spread, 2 * len(names)) or spread > ASSEMBLED_SPREAD
     held = [np.asarray(orders, dtype=int) == power for power in range(len(motion))]
     coefficients = [_stacked(matrix if apart else _assembled(matrix), V, A, rows) for matrix, rows in zip(motion, held)]
-    doubt = [_stacked_uncertainty(matrix, extra, independent, rows) for matrix, extra, rows in zip(motion, uncertainty, held)]
+    doubt = None
+    if independent.uncertainty.any() or any(extra.any() for extra in uncertainty):
+        doubt = [_stacked_uncertainty(matrix, extra, independent, rows) for matrix, extra, rows in zip(motion, uncertainty, held)]
     equations = [*_motion_names(independent.motions, names), *_row_names(independent.rows)]
     values = np.array([row.value for row in independent.rows])
     return ConstrainedForm(V, A, values, PolynomialMatrix(coefficients, names, equations, doubt))

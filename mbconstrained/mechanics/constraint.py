@@ -63,7 +63,7 @@ class Constraint:
             names = (names,)
         self.names = None if names is None else names_of(names, len(self.rows), "constraint rows", "")
         self.unit = unit if unit is None else check_unit(unit, "unit of the constraint")
-        given = np.zeros(found.shape) if uncertainty is None else real_array(uncertainty, "constraint uncertainty", shape=found.shape)
+        given = 0.0 * found if uncertainty is None else real_array(uncertainty, "constraint uncertainty", shape=found.shape)
         self.uncertainty = np.abs(np.atleast_2d(given))
         self.rows.flags.writeable = self.values.flags.writeable = False
 

@@ -9,7 +9,7 @@ from .drawing import Body, Drawing
 from .figure_links import link_data, outermost_ends
 from .keyframes import KeyFrames
 from .meshes import Meshes, parts_data
-from .poses import Poses, body_poses
+from .poses import KeyPoses, body_poses
 from .viewer import SCENE_COMMANDS
 
 #: Blue, vermilion, green, orange, purple and sky blue of Okabe and Ito: told apart with any kind of colour vision.
@@ -61,7 +61,7 @@ def figure_data(drawing: Drawing, *takes: KeyFrames) -> dict:
     }
 
 
-def _unit(drawing: Drawing, poses: dict[str, Poses]) -> float:
+def _unit(drawing: Drawing, poses: dict[str, KeyPoses]) -> float:
     if not any(body.shape == "parts" for body in drawing.bodies):
         return 1.0
     points = np.hstack([_corners(body, poses[body.name].first)[:, :, 0] for body in drawing.bodies])
@@ -69,7 +69,7 @@ def _unit(drawing: Drawing, poses: dict[str, Poses]) -> float:
     return UNIT * reach or 1.0
 
 
-def _seen(poses: dict[str, Poses], unit: float) -> None:
+def _seen(poses: dict[str, KeyPoses], unit: float) -> None:
     for name, pose in poses.items():
         furthest = np.abs(pose.positions).max(initial=0.0) / unit
         if furthest > WIDEST:
@@ -114,7 +114,7 @@ def _terms(per_unit: dict, names: tuple[str, ...], scale: float) -> list[list[fl
     return [[names.index(name), *(scale * value for value in vector)] for name, vector in per_unit.items()]
 
 
-def _corners(body: Body, poses: Poses) -> np.ndarray:
+def _corners(body: Body, poses: KeyPoses) -> np.ndarray:
     """Corners of a box around the body, shape (3, k, T): turned with it where it consists of parts."""
     if body.shape == "parts":
         return poses.of_points(np.hstack([np.zeros((3, 1)), *(part.corners for part in body.parts)]))
@@ -122,7 +122,7 @@ def _corners(body: Body, poses: Poses) -> np.ndarray:
     return poses.positions[:, None] + half * np.array([-1.0, 1.0])[:, None]
 
 
-def _bounds(drawing: Drawing, poses: dict[str, Poses], unit: float) -> dict:
+def _bounds(drawing: Drawing, poses: dict[str, KeyPoses], unit: float) -> dict:
     """The corners of a box around everything at all key frames, in drawing units."""
     points = [_corners(body, poses[body.name]) for body in drawing.bodies]
     for link in drawing.links:

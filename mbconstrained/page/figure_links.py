@@ -7,12 +7,12 @@ import math
 import numpy as np
 
 from .drawing import Body, Drawing, Link, Vector
-from .poses import Poses
+from .poses import KeyPoses
 
 _UPWARDS = np.array([0.0, 0.0, 1.0])  # the way a rope leaves what hangs on it
 
 
-def link_data(link: Link, drawing: Drawing, poses: dict[str, Poses], posts: dict, unit: float) -> dict:
+def link_data(link: Link, drawing: Drawing, poses: dict[str, KeyPoses], posts: dict, unit: float) -> dict:
     """A link for the page; an end out of its body adds a post to those of the body."""
     index = {body.name: i for i, body in enumerate(drawing.bodies)}
     start, end, over = (None if name is None else drawing.bodies[index[name]] for name in (link.start, link.end, link.over))
@@ -40,12 +40,12 @@ def link_data(link: Link, drawing: Drawing, poses: dict[str, Poses], posts: dict
     }
 
 
-def outermost_ends(link: Link, poses: dict[str, Poses]) -> tuple[np.ndarray, np.ndarray]:
+def outermost_ends(link: Link, poses: dict[str, KeyPoses]) -> tuple[np.ndarray, np.ndarray]:
     """Where both ends are, each (3, T), as far as they shift the bounds: not brought to the sides of the bodies."""
     return _link_ends(link, poses, link.start_point or link.offset, link.end_point or link.end_offset)
 
 
-def _link_ends(link: Link, poses: dict[str, Poses], start_point, end_point) -> tuple[np.ndarray, np.ndarray]:
+def _link_ends(link: Link, poses: dict[str, KeyPoses], start_point, end_point) -> tuple[np.ndarray, np.ndarray]:
     """Where both ends are, each (3, T): turned with the body where they are fixed in its frame."""
     return (
         _end(poses[link.start], start_point, link.start_point is not None),
@@ -53,7 +53,7 @@ def _link_ends(link: Link, poses: dict[str, Poses], start_point, end_point) -> t
     )
 
 
-def _end(poses: Poses, point: Vector, turns: bool) -> np.ndarray:
+def _end(poses: KeyPoses, point: Vector, turns: bool) -> np.ndarray:
     column = np.array(point, dtype=float)[:, None]
     return poses.of_points(column)[:, 0] if turns else poses.positions + column
 

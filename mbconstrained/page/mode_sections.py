@@ -8,7 +8,6 @@ from .mode_content import ModePicture
 from .sections import is_number
 from .typeset import typeset
 
-
 #: Shares smaller than this are rounding, and shown as 0.
 ROUNDING = 1e-9
 

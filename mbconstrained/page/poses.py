@@ -11,26 +11,26 @@ from .keyframes import KeyFrames
 
 
 @dataclass(frozen=True, eq=False)
-class Poses:
-    """Positions (3, T) and unit quaternions (4, T), x y z w."""
+class KeyPoses:
+    """Positions (3, T) and unit quaternions (4, T), x y z w, at all key frames."""
 
     positions: np.ndarray
     quaternions: np.ndarray
 
     @property
-    def first(self) -> Poses:
+    def first(self) -> KeyPoses:
         """The first of them alone."""
-        return Poses(self.positions[:, :1], self.quaternions[:, :1])
+        return KeyPoses(self.positions[:, :1], self.quaternions[:, :1])
 
     def of_points(self, points: np.ndarray) -> np.ndarray:
         """Where points (3, k) that are fixed in the body's frame are, shape (3, k, T)."""
         return self.positions[:, None] + rotated(self.quaternions, np.asarray(points, dtype=float))
 
 
-def body_poses(drawing: Drawing, takes: tuple[KeyFrames, ...], number: int) -> Poses:
+def body_poses(drawing: Drawing, takes: tuple[KeyFrames, ...], number: int) -> KeyPoses:
     """All poses of the body of this number, one take after the other."""
     each = [_poses(drawing, drawing.bodies[number], frames, number) for frames in takes]
-    return Poses(*(np.hstack(rows) for rows in zip(*each)))
+    return KeyPoses(*(np.hstack(rows) for rows in zip(*each)))
 
 
 def _poses(drawing: Drawing, body: Body, frames: KeyFrames, number: int) -> tuple[np.ndarray, np.ndarray]:

@@ -98,7 +98,8 @@ def scaled_companion(A: PolynomialMatrix, rank_tolerance: float | None = None, i
     a rank tolerance is given, a difference of entries counts as zero if it is no larger than that part of them.
     """
     exact = _with_first_power(A.coefficients if in_float64 else precise(A.exact_coefficients))
-    scaling = joint_scaling(_with_first_power(A.coefficients))
+    told = np.abs(A.coefficients) > NOISE_SAFETY * A.uncertainty  # what may be nothing has no size to be scaled by
+    scaling = joint_scaling(_with_first_power(np.where(told, A.coefficients, 0.0)))
     scaled = scaling.apply(exact)
     if rank_tolerance is not None:
         known = np.full(len(exact), rank_tolerance / NOISE_SAFETY)
@@ -119,7 +120,5 @@ def _with_first_power(coefficients: np.ndarray) -> np.ndarray:
 def known_coefficient(A: PolynomialMatrix, power: int) -> Noisy:
     """A_power with what is uncertain about it: precise and exact where it is given by its factors."""
     factors = A.factors[power]
-    if factors is not None:
-        return Noisy.exact(precise(factors.exact))
-    rounded = Noisy.rounded(A.coefficients[power])
-    return Noisy(rounded.data, np.maximum(rounded.noise, A.uncertainty[power]))
+    known = Noisy.rounded(A.coefficients[power]) if factors is None else Noisy.exact(precise(factors.exact))
+    return Noisy(known.data, np.maximum(known.noise, A.uncertainty[power]))

@@ -98,6 +98,7 @@ def _all_moved(arrays, random) -> tuple[np.ndarray, ...]:
 
 
 def _moved(array, random, uncertainty=0.0) -> np.ndarray:
-    """Each entry that is not zero by a unit in the last place, or by its uncertainty where that is more."""
-    unit = np.maximum(EPS * np.abs(array), np.where(array != 0, uncertainty, 0.0))
-    return array + PROBE_SIZE * unit * random.choice(MOVES, size=np.shape(array))
+    """Each entry by a unit in the last place, or by its uncertainty where that is more; zeros stay."""
+    size = np.abs(array)
+    share = np.maximum(EPS, uncertainty / np.where(size > 0, size, np.inf))
+    return array * (1 + PROBE_SIZE * share * random.choice(MOVES, size=np.shape(array)))

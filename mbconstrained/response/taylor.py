@@ -17,7 +17,7 @@ import numpy as np
 from ..jordan.weierstrass import WeierstrassForm
 from ..linalg.noise import Noisy, stacked
 from ..signals.impulsive import ImpulsiveSmooth
-from ..tolerances import EPS
+from ..tolerances import EPS, NOISE_SAFETY
 from .forcing import scaled_data
 from .series import TERMS, Series, growth, span_of
 
@@ -137,12 +137,16 @@ def _beside(left: Noisy, right: Noisy) -> Noisy:
 
 
 def _kept(series: Series, initial, jump) -> Series:
-    """With the values at 0-, in place of the coefficients, that do not jump: they are known better."""
+    """With the values at 0-, in place of the coefficients, that do not jump: they are known better.
+
+    Where a coefficient says otherwise, by more than its noise, a jump was lost in the noise of another way to compute it.
+    """
     coefficients, noise = series.coefficients.copy(), series.noise.copy()
     for i, (values, changes) in enumerate(zip(initial, jump)):
         known = values * (series.span**i / factorial(i))
-        coefficients[:, i] = np.where(changes == 0, known, coefficients[:, i])
-        noise[:, i] = np.where(changes == 0, EPS * np.abs(known), noise[:, i])
+        stays = (changes == 0) & (np.abs(known - coefficients[:, i]) <= NOISE_SAFETY * (noise[:, i] + EPS * np.abs(known)))
+        coefficients[:, i] = np.where(stays, known, coefficients[:, i])
+        noise[:, i] = np.where(stays, EPS * np.abs(known), noise[:, i])
     return Series(series.span, coefficients, noise)
 
 

@@ -51,6 +51,6 @@ class DrawingTable(Table):
 
     body: list[BodyTable] = Field([], description="Bodies.")
     link: list[LinkTable] = Field([], description="Links.")
-    scale: Number = Field(1.0, description="By how much displacements are magnified.")
+    scale: Number = Field(1.0, description="By how much displacements are magnified; of a robot all motion in a run.")
     turn_scale: Number = Field(1.0, description="By how much angles are magnified.")
     note: Text = Field("", description="A sentence under the drawing.")

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..models.lumped import LumpedModel
     from ..models.robot import Posture, Robot
     from .control import ControlScene
-    from .robot import RobotScene, Spots
+    from .robot import RobotScene
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Equations:
         return "output" if self.control.transfer_function else "states and outputs"
 
     @property
-    def outputs(self) -> Spots | Coordinates | None:
+    def outputs(self) -> Coordinates | None:
         """Names and units of what is read off the coordinates, or None."""
         found = self.control or self.robot_scene
         return found.outputs if found and found.outputs.names else None
@@ -74,7 +74,7 @@ class Equations:
         """The outputs at times (T,), shape (q, T), from the coordinates there."""
         if self.control is not None:
             return self.control.output_values(times, coordinates)
-        return self.robot_scene.outputs.rows @ coordinates
+        return self.robot_scene.system.output_matrix @ coordinates
 
     @property
     def robot(self) -> Robot | None:
@@ -206,7 +206,7 @@ def _mechanical(table, system, coordinates, folder, file_name, model=None, robot
     initial = initial_values(table.initial, coordinates, 2, file_name)
     if table.initial.follow:
         initial = following(initial, table.initial, system, coordinates, file_name)
-    force = force_of(table.force, coordinates, folder, file_name, robot_scene and robot_scene.inputs)
+    force = force_of(table.force, coordinates, folder, file_name, robot_scene and robot_scene.system)
     return Equations(coordinates, polynomial_matrix, initial, force, system, model, robot_scene)
 
 

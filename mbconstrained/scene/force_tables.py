@@ -7,17 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from ..errors import InputError
-from .fields import (
-    Angle,
-    AngularVelocity,
-    Frequency,
-    Name,
-    Quantity,
-    Rate,
-    Table,
-    Text,
-    Time,
-)
+from .fields import Angle, AngularVelocity, Frequency, Name, Quantity, Rate, Table, Text, Time
 
 MOST_POWER = 20
 

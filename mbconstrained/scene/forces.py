@@ -20,17 +20,17 @@ from .units import quantity, shown
 from .values import FORCE_UNITS, Coordinates, with_time
 
 if TYPE_CHECKING:
-    from .robot import Spots
+    from ..models.robot import LinearizedRobot
 
 
 def force_of(
-    tables: Sequence, coordinates: Coordinates, folder: Path, file_name: str, inputs: Spots | None = None
+    tables: Sequence, coordinates: Coordinates, folder: Path, file_name: str, robot: LinearizedRobot | None = None
 ) -> signals.ImpulsiveSmooth | None:
-    """The sum of the [[force]] tables, each on a coordinate or an input, or None when there are none."""
+    """The sum of the [[force]] tables, each on a coordinate or an input of a robot, or None when there are none."""
     forces = []
     for number, table in enumerate(tables, 1):
         with at(file_name, f"force[{number}]"):
-            row, unit = _place(table.coordinate, coordinates, inputs)
+            row, unit = _place(table.coordinate, coordinates, robot)
             forces.append(_signal(table, FORCE_UNITS.get(unit), folder).delayed(table.delay).mapped(row[:, None]))
     return reduce(add, forces) if forces else None
 
@@ -50,12 +50,12 @@ def input_of(tables: Sequence, inputs: Coordinates, folder: Path, file_name: str
     return reduce(add, found) if found else None
 
 
-def _place(name: str, coordinates: Coordinates, inputs: Spots | None) -> tuple[np.ndarray, str]:
+def _place(name: str, coordinates: Coordinates, robot: LinearizedRobot | None) -> tuple[np.ndarray, str]:
     """How a force on a coordinate or input acts on all coordinates, and the unit of what it works along."""
-    if inputs is not None and name in inputs.names:
-        number = inputs.names.index(name)
-        return inputs.rows[number], inputs.units[number]
-    number = coordinates.number(name, *(inputs.names if inputs else ()))
+    inputs = robot.inputs if robot else {}
+    if name in inputs:
+        return inputs[name], robot.input_units[name]
+    number = coordinates.number(name, *inputs)
     return np.eye(len(coordinates.names))[number], coordinates.units[number]
 
 

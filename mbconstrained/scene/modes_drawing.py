@@ -10,7 +10,7 @@ import numpy as np
 
 from ..page.drawing import Drawing
 from ..page.layout import coordinate_drawing, lumped_drawing
-from ..page.layout.magnification import ABSOLUTE, NEIGHBOURS
+from ..page.layout.magnification import ABSOLUTE, NEIGHBOURS, WIDEST_ANGLE, two_digits
 from ..page.mode_content import cycle
 from ..page.path import Path
 from ..tolerances import noise_of
@@ -19,9 +19,6 @@ from .drawing import drawing_of
 if TYPE_CHECKING:
     from ..models.elements import Element
     from .scene import Scene
-
-#: Largest drawn angle, rad: further, a wheel is no longer seen to swing back and forth.
-TURN = 0.7
 
 LENGTHS = ("rest_length", "rest_angle", "distance", "value")
 
@@ -70,7 +67,8 @@ def _typical_values(shapes: Sequence[np.ndarray], units: Sequence[str]) -> np.nd
     turning = np.array([unit == "rad" for unit in units], dtype=bool)
     both = [shape for shape in shapes if min(_largest(shape[turning]), _largest(shape[~turning])) > noise_of(1.0, len(shape))]
     if both:
-        turned = sorted((TURN / _largest(shape[turning]) * shape for shape in both), key=lambda shape: _largest(shape[~turning]))
+        turned = [WIDEST_ANGLE / _largest(shape[turning]) * shape for shape in both]
+        turned.sort(key=lambda shape: _largest(shape[~turning]))
         return cycle(turned[(len(turned) - 1) // 2])  # at the largest angle drawn it moves neither far nor hardly
     return np.hstack([cycle(shape) for shape in shapes] or [np.zeros((len(units), 1))])
 
@@ -88,19 +86,9 @@ def amplitude(drawing: Drawing, names: Sequence[str], shape: np.ndarray) -> floa
     moves = {body.name: drawing.scale * _sum(body.moves, entries) for body in drawing.bodies}
     turns = [drawing.turn_scale * _sum(body.turns, entries) for body in drawing.bodies]
     between = [moves[link.end] - moves[link.start] for link in drawing.links]
-    limits = ((ABSOLUTE, moves.values()), (NEIGHBOURS, between), (TURN, turns))
+    limits = ((ABSOLUTE, moves.values()), (NEIGHBOURS, between), (WIDEST_ANGLE, turns))
     furthest = [(limit, max(map(np.linalg.norm, vectors), default=0.0)) for limit, vectors in limits]
     return two_digits(min((limit / size for limit, size in furthest if size), default=1.0))
-
-
-def two_digits(number: float) -> float:
-    """The next smaller number of two digits.
-
-    >>> two_digits(0.7), two_digits(1.2345e-7), two_digits(99.9)
-    (0.7, 1.2e-07, 99.0)
-    """
-    power = int(np.floor(np.log10(number))) - 1
-    return float(f"{np.floor(number / 10.0**power * (1 + noise_of(1.0))):g}e{power}")
 
 
 def _sum(vectors, entries: dict[str, complex]) -> np.ndarray:

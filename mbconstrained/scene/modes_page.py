@@ -13,7 +13,7 @@ from .robot_report import robot_facts
 
 if TYPE_CHECKING:
     from .modes import ModeLine, SceneModes
-    from .modes_robot import RobotPictures
+    from .modes_robot import RobotModes
 
 
 def modes_content(modes: SceneModes) -> ModesContent:
@@ -31,17 +31,17 @@ def modes_content(modes: SceneModes) -> ModesContent:
     )
 
 
-def _stage(modes: SceneModes) -> DrawnModes | RobotPictures:
+def _stage(modes: SceneModes) -> DrawnModes | RobotModes:
     equations = modes.scene.equations
-    if equations.robot is None:
+    if equations.robot_scene is None:
         return DrawnModes(modes.scene, [line.shape for line in modes.lines if line.shape is not None])
-    from .modes_robot import RobotPictures
+    from .modes_robot import RobotModes
 
     table = modes.scene.table.drawing
-    return RobotPictures(equations.posture, equations.coordinates.units, note=table.note if table else "")
+    return RobotModes(equations.robot_scene, note=table.note if table else "")
 
 
-def _picture(line: ModeLine, stage: DrawnModes | RobotPictures) -> ModePicture:
+def _picture(line: ModeLine, stage: DrawnModes | RobotModes) -> ModePicture:
     facts = tuple((label, text) for label, text in line.cells.items() if label not in ("kind", "meaning"))
     if line.shape is None:
         return ModePicture(line.name, facts, note=line.cells["meaning"])

@@ -14,17 +14,10 @@ from ..notices import Notice
 from ..replacing import Replacements
 from ..response.estimate import error_estimate
 from ..tolerances import TRUST_LIMIT
-from .curves import (
-    ORDERS,
-    PARTS,
-    Curves,
-    coordinate_curves,
-    energy_curves,
-    output_curves,
-    reaction_curves,
-)
+from .curves import ORDERS, PARTS, Curves, coordinate_curves, energy_curves, output_curves, reaction_curves
 from .happenings import with_units
 from .plan import Plan
+from .robot_notices import motion_notices
 
 if TYPE_CHECKING:
     from ..jordan.pairs import FinitePair, InfinitePair
@@ -139,7 +132,8 @@ class Result:
             f"the estimated relative error of the {kind} is {estimate:.2g}: the data do not determine it well enough"
             for kind, estimate in doubts
         ]
-        return (*notices, *(Notice("accuracy", text, doubtful=True) for text in texts))
+        robot = motion_notices(self.scene.equations.robot_scene, self.values)
+        return (*notices, *robot, *(Notice("accuracy", text, doubtful=True) for text in texts))
 
     @property
     def is_trusted(self) -> bool:

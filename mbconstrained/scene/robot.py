@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from ..errors import InputError
 from .problems import at
@@ -17,21 +15,7 @@ from .units import shown
 from .values import Coordinates
 
 if TYPE_CHECKING:
-    from ..models.robot import Posture, Robot
-
-
-@dataclass(frozen=True)
-class Spots:
-    """Named inputs or outputs.
-
-    Attributes:
-        names, units: of each, "m" or "rad".
-        rows: shape (k, n): an output is its row times the coordinates, an input's force works along its row.
-    """
-
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    rows: np.ndarray
+    from ..models.robot import LinearizedRobot, Posture, Robot
 
 
 @dataclass(frozen=True)
@@ -40,22 +24,24 @@ class RobotScene:
 
     Attributes:
         data: what stands in its file.
-        robot, posture, system: of the models' floor.
-        inputs, outputs: by name.
+        robot, posture, system: of the models' floor; the system knows inputs and outputs by name.
     """
 
     data: RobotData
     robot: Robot
     posture: Posture
-    system: object
-    inputs: Spots
-    outputs: Spots
+    system: LinearizedRobot
 
     @property
     def coordinates(self) -> Coordinates:
         """Names and units of the deviations."""
         names = tuple(self.system.names)
         return Coordinates(names, tuple(self.system.units[name] for name in names))
+
+    @property
+    def outputs(self) -> Coordinates:
+        """Names and units of what is asked for besides the coordinates."""
+        return Coordinates(tuple(self.system.outputs), tuple(self.system.output_units.values()))
 
 
 def robot_scene(model, folder: Path, file_name: str, lap: Callable[[str], None]) -> RobotScene:
@@ -74,7 +60,7 @@ def robot_scene(model, folder: Path, file_name: str, lap: Callable[[str], None])
         path = _robot_path(model.robot, folder)
     data = robot_data(path)
     with at(file_name, "model"):
-        data = replace(data, locked={**data.locked, **joint_values(model.locked, data.names, PLACE)})
+        data = data.with_locked(joint_values(model.locked, data.names, PLACE))
         arguments = _posture_arguments(data, posing(model, data.names, data.table.base == "free"))
     robot = robot_of(data)
     lap("robot model (pinocchio)")
@@ -84,9 +70,7 @@ def robot_scene(model, folder: Path, file_name: str, lap: Callable[[str], None])
     inputs, outputs = (_motions(getattr(model, key), data, f"model.{key}", file_name) for key in ("input", "output"))
     with at(file_name, "model"):
         system = robot.linearize(posture, level=model.level, inputs=inputs, outputs=outputs)
-    spots = [_spots(getattr(model, key), getattr(system, f"{key}s"), data, system.size) for key in ("input", "output")]
-    _check_inputs(spots[0].names, system.names, file_name)
-    return RobotScene(data, robot, posture, system, *spots)
+    return RobotScene(data, robot, posture, system)
 
 
 def _robot_path(name: str, folder: Path) -> Path:
@@ -118,18 +102,3 @@ def _motions(entries, data: RobotData, key: str, file_name: str) -> dict:
                 data.names.joint_unit(entry.joint)
             found[entry.name] = point_motion(entry, data.names) if entry.joint is None else entry.joint
     return found
-
-
-def _spots(entries, rows: dict, data: RobotData, size: int) -> Spots:
-    units = tuple(data.names.units[e.joint] if e.joint is not None else "rad" if e.turn else "m" for e in entries)
-    matrix = np.array([rows[entry.name] for entry in entries]).reshape(len(entries), size)
-    return Spots(tuple(entry.name for entry in entries), units, matrix)
-
-
-def _check_inputs(names, coordinates, file_name: str) -> None:
-    for number, name in enumerate(names, 1):
-        with at(file_name, f"model.input[{number}]"):
-            if name in coordinates:
-                raise InputError(f"{shown(name)} is the name of a coordinate, on which forces can act anyway; choose another")
-
-

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import InputError, SceneError
+from ..errors import InputError
 from .files import inside
 from .problems import at, validated
 from .reading import FileKind, parse, read_text
-from .robot_urdf import UrdfNames, names_of_urdf
+from .robot_urdf import UrdfNames, in_urdf, names_of_urdf
 from .robot_values import (
     DAMPING,
     FORCE,
@@ -44,7 +44,8 @@ class RobotData:
         table: its content.
         names: of the links and joints in its URDF.
         package_dirs: folders in which package://NAME/... is looked up.
-        locked: joints that are frozen, with their values in SI.
+        locks: joints that the files name as locked, with their values in SI.
+        locked: the same with those that follow them.
         unit_texts: how many quantities were written with a unit.
     """
 
@@ -52,7 +53,8 @@ class RobotData:
     table: RobotFile
     names: UrdfNames
     package_dirs: tuple[Path, ...]
-    locked: dict[str, float]
+    locks: dict[str, float] = field(default_factory=dict)
+    locked: dict[str, float] = field(default_factory=dict)
     unit_texts: int = 0
     _posture: dict = field(default_factory=dict, repr=False)
 
@@ -76,6 +78,17 @@ class RobotData:
         """Its licence."""
         return self.table.licence
 
+    def with_locked(self, locks: Mapping[str, float]) -> RobotData:
+        """The same with more joints frozen.
+
+        Raises:
+            InputError: a joint follows another, which moves.
+        """
+        from ..models.robot.coupling import locked_values
+
+        locks = {**self.locks, **locks}
+        return replace(self, locks=locks, locked=locked_values(locks, self.names.mimics))
+
     @property
     def posture(self) -> dict:
         """guess, forces and hold, in SI, without the locked joints: ``robot.equilibrium(**data.posture)``."""
@@ -93,6 +106,11 @@ class RobotData:
         """The file in messages."""
         return f"{self.name}/{self.path.name}"
 
+    @property
+    def urdf_place(self) -> str:
+        """The URDF in messages."""
+        return f"{self.name}/{self.names.path.name}"
+
     def check_meshes(self) -> None:
         """See that the meshes that are to be drawn are there; they are not opened.
 
@@ -101,10 +119,9 @@ class RobotData:
         """
         from ..models.robot.visuals import mesh_file
 
-        path = self.names.path
-        for link, mesh in self.names.meshes:
-            with at(self.name, path.name):
-                mesh_file(mesh, f"mesh of link {shown(link)}", path.parent, self.package_dirs)
+        with in_urdf(self.urdf_place):
+            for link, mesh in self.names.meshes:
+                mesh_file(mesh, f"mesh of link {shown(link)}", self.names.path.parent, self.package_dirs)
 
 
 def read_robot(path: str | Path, *, package_dirs: Sequence[str | Path] = (), locked: Mapping[str, float] | None = None):
@@ -124,7 +141,8 @@ def read_robot(path: str | Path, *, package_dirs: Sequence[str | Path] = (), loc
             found and what was expected.
     """
     data = robot_data(Path(path), package_dirs)
-    data = replace(data, locked={**data.locked, **(locked or {})})
+    with at(data.place, "the robot"):
+        data = data.with_locked(locked or {})
     return robot_of(data), data
 
 
@@ -143,14 +161,16 @@ def robot_data(path: Path, package_dirs: Sequence[str | Path] = ()) -> RobotData
     folder = path.parent.resolve()
     with at(place, "urdf"):
         urdf = inside(folder, table.urdf, "the URDF must lie in the robot's folder", 'the name of a file, e.g. "robot.urdf"')
-    names = _names_of(urdf, folder.name)
+    with in_urdf(f"{folder.name}/{urdf.name}"):
+        names = names_of_urdf(urdf)
     dirs = (*_package_dirs(table.package_dirs, folder, place), *(Path(place).resolve() for place in package_dirs))
     texts = count_texts({key: value for key, value in found.items() if key not in ("title", "source", "licence", "urdf")})
     with at(place, "locked"):
         locked = joint_values(table.locked, names, PLACE)
     with at(place, "posture"):
         posture = posing(table.posture, names, table.base == "free")
-    return RobotData(path, table, names, dirs, locked, texts, posture)
+    with at(place, "the robot"):
+        return RobotData(path, table, names, dirs, unit_texts=texts, _posture=posture).with_locked(locked)
 
 
 def robot_of(data: RobotData) -> Robot:
@@ -180,13 +200,6 @@ def posing(table, names: UrdfNames, free_base: bool) -> dict:
         with of("hold"):
             found["hold"] = held(table.hold, names)
     return found
-
-
-def _names_of(urdf: Path, folder: str) -> UrdfNames:
-    try:
-        return names_of_urdf(urdf)
-    except InputError as problem:
-        raise SceneError(f"{folder}/{urdf.name}: {problem}") from None
 
 
 def _package_dirs(dirs: Sequence[str], folder: Path, place: str) -> list[Path]:

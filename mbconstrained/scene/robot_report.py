@@ -13,7 +13,7 @@ from .text_table import TextTable
 if TYPE_CHECKING:
     from .robot import RobotScene
 
-#: Loop forces below this share of the largest, and places below this share of 1 m or 1 rad, are rounding and printed as 0.
+#: Loop forces below this share of the largest, and places and torques below this share of 1 in SI, are rounding and printed as 0.
 ROUNDING = 1e-12
 
 
@@ -27,7 +27,7 @@ def posture_evidence(found: RobotScene | None) -> list[tuple[str, str, str]]:
     if found is None:
         return []
     rows = [("equilibrium: residual", f"{found.posture.residual:.2g}", "largest force not balanced, over the largest that acts")]
-    if found.robot.loops:
+    if found.posture.balance.load.is_held:
         rows.append(("equilibrium: loops", f"{found.posture.loop_error:.2g}", "largest gap of a loop, in m or rad"))
     return rows
 
@@ -55,7 +55,7 @@ def posture_json(found: RobotScene | None) -> dict:
 
 
 def _joint_table(found: RobotScene) -> TextTable:
-    torques = found.posture.torques
+    torques = dict(zip(found.posture.torques, _cleaned(found.posture.torques.values())))
     columns = ("joint", "rests at", "held with") if torques else ("joint", "rests at")
     rows = []
     for name, value in found.posture.joints.items():
@@ -66,9 +66,14 @@ def _joint_table(found: RobotScene) -> TextTable:
 
 
 def _place(value, unit: str) -> str:
-    if isinstance(value, Sequence):
-        position = _vector(_cleaned(value[:3]))
-        return f"{position} m, roll, pitch, yaw {_vector(_cleaned(_angles(value[3:])))} rad" if len(value) == 7 else position
+    if not isinstance(value, Sequence):
+        return _single(value, unit)
+    if len(value) == 3:  # of a planar joint
+        return f"{_vector(_cleaned(value[:2]))} m, {_single(value[2], 'rad')}"
+    return f"{_vector(_cleaned(value[:3]))} m, roll, pitch, yaw {_vector(_cleaned(_angles(value[3:])))} rad"
+
+
+def _single(value: float, unit: str) -> str:
     (value,) = _cleaned([value])
     return f"{sized(value, unit)} ({degrees(value):.4g}°)" if unit == "rad" else sized(value, unit)
 
@@ -81,8 +86,9 @@ def _angles(quaternion) -> tuple[float, float, float]:
 
 
 def _cleaned(values) -> list[float]:
-    """Places in m or rad, those that are rounding as 0."""
-    return [value if abs(value) > ROUNDING * max(1.0, *map(abs, values)) else 0.0 for value in values]
+    """Places or torques, those that are rounding as 0."""
+    largest = max([1.0, *map(abs, values)])
+    return [value if abs(value) > ROUNDING * largest else 0.0 for value in values]
 
 
 def _loop_table(found: RobotScene) -> TextTable:

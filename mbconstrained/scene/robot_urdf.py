@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..checks import nearest
-from ..errors import InputError
+from ..errors import InputError, SceneError
 from .units import shown
+
+if TYPE_CHECKING:
+    from ..models.robot.urdf import Mimic
 
 JOINT_UNITS = {"revolute": "rad", "continuous": "rad", "prismatic": "m"}
 
@@ -20,12 +26,14 @@ class UrdfNames:
         path: the file.
         links: their names.
         units: of the joints with one degree of freedom, "rad" or "m", by name.
+        mimics: joints that follow others.
         meshes: file names of the meshes that are drawn, as they stand in the URDF, each with its link.
     """
 
     path: Path
     links: tuple[str, ...]
     units: dict[str, str]
+    mimics: tuple[Mimic, ...]
     meshes: tuple[tuple[str, str], ...]
 
     def joint_unit(self, name: str) -> str:
@@ -45,13 +53,24 @@ class UrdfNames:
             raise InputError(f"there is no body {shown(name)}{nearest(name, known)}; the bodies are {_some(known)}")
 
 
+@contextmanager
+def in_urdf(place: str) -> Iterator[None]:
+    """Put the place of the URDF in front of what is said about it."""
+    try:
+        yield
+    except SceneError:
+        raise
+    except InputError as problem:
+        raise SceneError(f"{place}: {problem}") from None
+
+
 def names_of_urdf(path: Path) -> UrdfNames:
     """Look through a URDF. Collision geometry is not looked at.
 
     Raises:
         InputError: it cannot be read, is too large, or is no URDF.
     """
-    from ..models.robot.urdf import checked_tree, read_urdf
+    from ..models.robot.urdf import checked_tree, mimics_of, read_urdf
 
     if not path.is_file():
         others = [other.name for other in path.parent.glob("*.urdf")] if path.parent.is_dir() else []
@@ -61,7 +80,7 @@ def names_of_urdf(path: Path) -> UrdfNames:
     units = {joint.get("name").strip(): JOINT_UNITS.get(joint.get("type")) for joint in root.findall("joint")}
     links = {link.get("name").strip(): link for link in root.findall("link")}
     meshes = ((name, mesh.get("filename", "")) for name, link in links.items() for mesh in link.findall("visual/geometry/mesh"))
-    return UrdfNames(path, tuple(links), {name: unit for name, unit in units.items() if unit}, tuple(meshes))
+    return UrdfNames(path, tuple(links), {name: unit for name, unit in units.items() if unit}, mimics_of(root), tuple(meshes))
 
 
 def _some(names) -> str:

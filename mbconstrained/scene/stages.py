@@ -151,7 +151,7 @@ def _constraint_rows(scene) -> Decision:
     if system is None:
         return False, "A_0, A_1, … are given: constraints are equations among the others"
     if scene.equations.robot:
-        removed = sum(len(loop.row_names) for loop in scene.equations.robot.loops) - len(system.rows)
+        removed = len(_load(scene).row_names) - len(system.rows)
     else:
         removed = sum(notice.kind == "redundant" for notice in system.notices)
     if not system.rows and not removed:
@@ -173,8 +173,21 @@ def _robot_model(scene) -> Decision:
 
 
 def _equilibrium(scene) -> Decision:
-    loops = scene.equations.robot.loops
-    return True, f"the motion is about a state of rest, with {counted(len(loops), 'closed loop') if loops else 'no loops to close'}"
+    load = _load(scene)
+    held = [
+        counted(len(rows), one, many)
+        for rows, one, many in (
+            (load.loops, "closed loop", "closed loops"),
+            (load.couplings, "joint that follows another", "joints that follow others"),
+        )
+        if rows
+    ]
+    return True, f"the motion is about a state of rest, with {' and '.join(held) or 'no loops to close'}"
+
+
+def _load(scene):
+    """What holds and loads the robot."""
+    return scene.equations.posture.balance.load
 
 
 def _robot_meshes(scene) -> Decision:

@@ -16,15 +16,7 @@ from ..response.events import Event
 from ..response.notices import counts
 from ..signals import Blow
 from .control_report import control_tables
-from .happenings import (
-    Impulse,
-    folded,
-    impulses_of,
-    jumps_of,
-    later_jumps_of,
-    number,
-    sized,
-)
+from .happenings import Impulse, folded, impulses_of, jumps_of, later_jumps_of, number, sized
 from .robot_report import posture_evidence, posture_tables
 from .text_table import TextTable
 

@@ -41,7 +41,10 @@ KINDS = {  # SI unit: (what it is called, an example)
     "1/s": ("a rate", '"-0.5 1/s"'),
 }
 
-_COMMON_UNITS = ["kg", "g", "t", "lb", "slug", "m", "mm", "cm", "um", "km", "in", "ft", "N", "kN", "mN", "MN", "Nm", "kNm", "Nmm", "Ns", "lbf", "kgf", "s", "ms", "us", "min", "h", "Hz", "kHz", "rpm", "rad", "deg", "rev", "J", "W", "Pa", "kPa", "MPa", "GPa", "bar"]
+_COMMON_UNITS = (
+    "kg g t lb slug m mm cm um km in ft N kN mN MN Nm kNm Nmm Ns lbf kgf s ms us min h Hz kHz rpm rad deg rev "
+    "J W Pa kPa MPa GPa bar"
+).split()
 
 #: Products that engineers write as one word; to pint, Nm is a fineness of yarn.
 _RUN_TOGETHER = ("Nm = newton * meter", "Nmm = newton * millimeter", "Ns = newton * second")

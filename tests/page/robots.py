@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbconstrained.page import Animation, Path
-from mbconstrained.page.layout import robot_drawing
+from mbconstrained.page.layout import parts_of, robot_drawing
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def four_bar(times, size: float = 1.0, **options) -> Animation:
         Tie("spring", "spring", "ground", (0.28 * size, 0, 0), "coupler", (COUPLER / 2 * size, 0, 0)),
         Tie("bush", "bushing", "crank", (CRANK * size, 0, 0), "coupler", (0, 0, 0)),
     ]
-    return Animation(robot_drawing(seen, poses, ties, **options), ("crank",), times, angles[:1])
+    return Animation(robot_drawing(parts_of(seen), poses, ties, **options), ("crank",), times, angles[:1])
 
 
 def shifted(shift) -> np.ndarray:

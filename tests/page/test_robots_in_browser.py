@@ -200,3 +200,47 @@ def test_a_body_of_parts_can_be_moved_by_coordinates_too(browser, tmp_path):
     opened(browser, tmp_path, Animation(Drawing((body,)), ("x",), [0, 1], [[0, 0.5]]), "#t=1")
     assert browser.state()["nodes"]["b"]["position"] == [1, 0, 0.5]
     assert browser.evaluate("document.querySelector('.label').textContent") == "</script>"
+
+
+def placed(name, place, size, **given):
+    return Body(name, "parts", parts=(Part("box", size, **given),), path=Path(np.array(place)[:, None], [[0], [0], [0], [1]]))
+
+
+def names_shown(browser):
+    return browser.evaluate(
+        "[...document.querySelectorAll('.label')].filter(l => l.style.visibility === 'visible').map(l => l.textContent).filter(Boolean)"
+    )
+
+
+def drag(browser, selector, across):
+    x, y, width, height = browser.box(selector)
+    for kind, shift in (("mousePressed", 0), ("mouseMoved", across / 2), ("mouseMoved", across), ("mouseReleased", across)):
+        place = {"x": x + width / 2 + shift, "y": y + height / 2, "buttons": 0 if kind == "mouseReleased" else 1}
+        browser.call("Input.dispatchMouseEvent", type=kind, button="left", clickCount=1, **place)
+
+
+def test_names_of_links_behind_others_are_left_out_until_the_view_is_turned(browser, tmp_path):
+    wall, small = placed("wall", (0, -0.5, 0), (2, 0.1, 2)), placed("small", (0, 0.5, 0), (0.1, 0.1, 0.1))
+    beside = placed("beside", (1.6, 0.5, 0), (0.1, 0.1, 0.1))
+    opened(browser, tmp_path, Animation(Drawing([wall, small, beside]), (), [0.0], np.zeros((0, 1))))
+    assert names_shown(browser) == ["wall", "beside"]
+    height = browser.box("#stage")[3]
+    drag(browser, "#stage", height / 2)  # a drag by the height of the picture is a whole turn
+    browser.wait(0.1)
+    assert "small" in names_shown(browser)
+    browser.click("#reset")
+    assert names_shown(browser) == ["wall", "beside"]
+    assert complaints(browser) == []
+
+
+@pytest.mark.parametrize(("x", "opacity"), [(0, 0.5), (-1.5, 1)], ids=["glass", "beside"])
+def test_names_behind_glass_or_beside_a_wall_are_shown(browser, tmp_path, x, opacity):
+    bodies = [placed("wall", (x, -0.5, 0), (2, 0.1, 2), opacity=opacity), placed("small", (0, 0.5, 0), (0.1, 0.1, 0.1))]
+    opened(browser, tmp_path, Animation(Drawing(bodies), (), [0.0], np.zeros((0, 1))))
+    assert "small" in names_shown(browser)
+
+
+def test_a_name_is_shown_where_a_part_of_its_link_is_seen(browser, tmp_path):
+    bodies = [placed("pole", (0, -0.5, 0), (0.2, 0.1, 2)), placed("beam", (0, 0.5, 0), (2, 0.1, 0.1))]
+    opened(browser, tmp_path, Animation(Drawing(bodies), (), [0.0], np.zeros((0, 1))))
+    assert "beam" in names_shown(browser)

@@ -8,9 +8,10 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.errors import SceneError
+from mbconstrained.page.layout.magnification import WIDEST_ANGLE
 from mbconstrained.page.mode_content import cycle
 from mbconstrained.scene.modes import SceneModes
-from mbconstrained.scene.modes_drawing import TURN, amplitude, mode_drawing
+from mbconstrained.scene.modes_drawing import amplitude, mode_drawing
 from mbconstrained.scene.modes_page import modes_content
 from mbconstrained.scene.modes_summary import WIDTH, as_json, blocks, shape_entries, share_entries
 from mbconstrained.scene.summary import plain_table
@@ -181,7 +182,7 @@ def drawn(modes):
 @pytest.mark.parametrize("example", [name for name in ALL if name not in ROBOTS + OF_COEFFICIENTS])
 def test_every_mode_is_seen_and_nothing_collides(example):
     for move, change, turn in drawn(SceneModes(mb.read_scene(EXAMPLES / example)))[1]:
-        assert move <= 2.4 + 1e-9 and change <= 0.8 + 1e-9 and turn <= TURN + 1e-9
+        assert move <= 2.4 + 1e-9 and change <= 0.8 + 1e-9 and turn <= WIDEST_ANGLE + 1e-9
         assert move > 0.3 or turn > 0.3
 
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from mbconstrained.scene import read_scene
-from mbconstrained.scene.robot_drawing import MOST_POSES, VISIBLE, drawing_of_robot
+from mbconstrained.scene.robot_drawing import MOST_POSES, drawing_of_robot
+from mbconstrained.scene.robot_picture import VISIBLE
 from tests.scene.robots import SCENE, TOML, press
 from tests.scene.scenes import EXAMPLES, scene_of
 

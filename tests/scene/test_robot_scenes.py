@@ -47,12 +47,12 @@ def test_inputs_push_points_and_outputs_see_them(tmp_path):
     force = '[[force]]\ncoordinate = "tip"\nkind = "step"\nvalue = "3 N"\n[[force]]\ncoordinate = "bend"\nkind = "step"\nvalue = "2 N*m"\n'
     scene = scene_of(tmp_path, SCENE.replace("[initial]", spots + force + "[initial]") + '[output]\nplots = ["output"]\n')
     arm = 0.2 * math.cos(scene.equations.posture["pivot"])  # height of the tip by angle
-    assert scene.equations.robot_scene.outputs.rows == pytest.approx(np.array([[arm, 0], [1, 0], [0, 1]]), abs=1e-14)
+    assert scene.equations.robot_scene.system.output_matrix == pytest.approx(np.array([[arm, 0], [1, 0], [0, 1]]), abs=1e-14)
     assert scene.equations.force(1.0) == pytest.approx([3 * arm + 2, 0])
     result = scene.run()
     outputs = result.curves("output")
     assert (outputs.names, outputs.units) == (("tip", "bend", "lift"), ("m", "rad", "m"))
-    assert outputs.values == pytest.approx(scene.equations.robot_scene.outputs.rows @ result.values)
+    assert outputs.values == pytest.approx(scene.equations.robot_scene.system.output_matrix @ result.values)
     head = result.write_csv(tmp_path / "a.csv").read_text().splitlines()[0]
     assert "tip output (m)" in head
     with np.load(result.write_npz(tmp_path / "a.npz")) as data:
@@ -70,6 +70,30 @@ def test_a_scene_may_have_another_posture(tmp_path):
     assert posture('forces = { pivot = "1 N*m" }')["pivot"] > usual["pivot"]
     lifted = posture('[[model.body_force]]\nbody = "ram"\nalong = [0, 0, 1]\nvalue = "5 N"')
     assert lifted["slide"] > usual["slide"]
+
+
+LIFT = '[[KEY.body_force]]\nbody = "ram"\nalong = [0, 0, 1]\nvalue = VALUE\n'
+
+
+def test_a_scene_is_merged_with_the_posture_of_the_file(tmp_path):
+    def lift(key, value):
+        return LIFT.replace("KEY", key).replace("VALUE", str(value))
+
+    press(tmp_path, TOML + 'forces = { pivot = "1 N*m", slide = "2 N" }\nhold = ["pivot"]\n' + lift("posture", 5))
+
+    def posture(model):
+        return scene_of(tmp_path, SCENE.replace("[initial]", f"{model}\n[initial]")).equations.posture
+
+    usual = posture("")
+    assert set(usual.torques) == {"pivot"} and usual["pivot"] == pytest.approx(math.radians(5))
+    moved = posture('guess = { pivot = "7 deg" }')  # joint by joint: that of the slide is kept, on which the tie's length depends
+    assert moved["pivot"] == pytest.approx(math.radians(7)) and set(moved.torques) == {"pivot"}
+    assert posture("hold = []").torques == {}
+    assert posture('forces = { slide = 0 }')["slide"] < usual["slide"] < posture('forces = { pivot = 0 }\n' + lift("model", 9))["slide"]
+    without = posture(lift("model", 0))
+    assert without["slide"] == pytest.approx(posture('forces = { slide = "-3 N" }')["slide"], abs=1e-12)  # 5 N less
+    both = posture(lift("model", 5).replace("[0, 0, 1]", "[0, 0, 1]\npoint = [0.1, 0, 0]"))
+    assert both["slide"] == pytest.approx(posture('forces = { slide = "7 N" }')["slide"], abs=1e-12)  # 5 N more
 
 
 def test_a_scene_may_lock_joints(tmp_path):
@@ -126,7 +150,7 @@ def test_meshes_are_read_only_where_they_are_drawn():
         ("[initial]", '[[model.output]]\nname = "p"\nbody = "crnk"\n[initial]', r'model\.output\[1\] .*no body "crnk"; did you mean "crank"'),
         ("[initial]", '[[model.output]]\nname = "p"\nbody = "crank"\nalong = [0, 0, 0]\n[initial]', r"model\.output\[1\] .*expected a direction"),
         ("[initial]", '[[model.input]]\nname = "p"\njoint = "pivot"\nturn = true\n[initial]', r"turn belongs to a body"),
-        ("[initial]", '[[model.input]]\nname = "slide"\njoint = "pivot"\n[initial]', r'model\.input\[1\]: "slide" is the name of a coordinate'),
+        ("[initial]", '[[model.input]]\nname = "slide"\njoint = "pivot"\n[initial]', r'model: input "slide": this is the name of a coordinate'),
         (
             "[initial]",
             '[[model.input]]\nname = "p"\njoint = "pivot"\n[[model.input]]\nname = "p"\njoint = "slide"\n[initial]',

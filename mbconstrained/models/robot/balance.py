@@ -34,7 +34,6 @@ class Load:
         point_forces: directions of points, with the force or torque that works along each.
         units: "m" or "rad" for each coordinate.
         size: a length that is typical for the robot (m).
-        misfit: what rows of loops stay open by because the joints keep them so (m, rad), shape (m,) or 0.
     """
 
     loops: tuple[Attached, ...]
@@ -46,7 +45,6 @@ class Load:
     point_forces: Mapping[PointMotion, tuple[Anchor, float]]
     units: tuple[str, ...]
     size: float
-    misfit: np.ndarray | float = 0.0
 
     @property
     def lengths(self) -> np.ndarray:
@@ -118,9 +116,9 @@ class Balance:
 
     @cached_property
     def gaps(self) -> np.ndarray:
-        """phi, the rows of all loops and couplings (m, rad), without the misfit, shape (m,)."""
+        """phi, the rows of all loops and couplings (m, rad), shape (m,)."""
         coupled = [item.gap(self.tree.model, self.configuration) for item in self.load.couplings]
-        return np.concatenate([*(rows @ pose.value for rows, pose in self._poses), coupled]) - self.load.misfit
+        return np.concatenate([*(rows @ pose.value for rows, pose in self._poses), coupled])
 
     @cached_property
     def jacobian(self) -> np.ndarray:

@@ -32,7 +32,7 @@ class Connection:
     Attributes:
         body1, body2: names of links, or "ground".
         point1, point2: origins of the frames in their links (m); point2 None: where the first frame lies at the guess
-            from which the equilibrium is sought, with the same directions.
+            from which the equilibrium is sought, with the same directions, before loops are closed.
         rotation1, rotation2: directions of the frames in their links: roll, pitch, yaw (rad) as in a URDF.
         name: for messages and results; made from the bodies when not given.
     """
@@ -48,11 +48,21 @@ class Connection:
     word = "connection"
 
     def __post_init__(self):
+        for key in ("body1", "body2"):
+            if not isinstance(getattr(self, key), str):
+                raise InputError(f'{self.word}: {key}: found {getattr(self, key)!r}; expected the name of a link, or "ground"')
         self._set("name", str(self.name) if self.name is not None else f"{self.body1}-{self.body2}")
         for key in ("point1", "rotation1", "rotation2", *(["point2"] if self.point2 is not None else [])):
             self._set_vector(key)
+        if self.point2 is None and any(self.rotation2):
+            raise InputError(f"{self.label}: found rotation2 without point2; give both, or neither")
         if self.body1 == self.body2:
             raise InputError(f'{self.label}: both ends are on "{self.body1}"; name two bodies')
+
+    @property
+    def turning(self) -> bool:
+        """Whether more than the points counts."""
+        return True
 
     @property
     def label(self) -> str:
@@ -76,7 +86,7 @@ class Loop(Connection):
     Attributes:
         kind: "point": the points coincide (3 rows); "rigid": the frames coincide (6 rows); "hinge": they coincide but for
             a turn about the axis (5 rows).
-        axis: of a hinge, in the frame on body1 and the same in that on body2.
+        axis: of a hinge, in the frame on body1 and the same in that on body2; of any length but zero.
 
     The multiplier of a row is the force (N) or torque (N m) on body2, against that on body1, in the frame on body1; torques
     of a hinge that turns are in the frame half-way between the two.
@@ -95,8 +105,16 @@ class Loop(Connection):
         if self.kind not in (kinds := ("point", "rigid", "hinge")):
             raise InputError(f"{self.label}: found the kind {self.kind!r}{nearest(self.kind, kinds)}; expected {', '.join(kinds)}")
         self._set_vector("axis")
-        if not any(self.axis):
+        largest = max(map(abs, self.axis))
+        if not largest:
             raise InputError(f"{self.label}: axis: found 0, 0, 0; expected a direction")
+        axis = np.array(self.axis) / largest
+        self._set("axis", tuple((axis / np.linalg.norm(axis)).tolist()))
+
+    @property
+    def turning(self) -> bool:
+        """Whether more than the points counts."""
+        return self.kind != "point"
 
     @property
     def rows(self) -> np.ndarray:
@@ -143,6 +161,11 @@ class BodySpring(Connection):
     damping: float = 0.0
 
     word = "spring"
+
+    @property
+    def turning(self) -> bool:
+        """Whether more than the points counts."""
+        return False
 
     def __post_init__(self):
         super().__post_init__()

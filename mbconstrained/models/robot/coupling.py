@@ -44,18 +44,27 @@ class Coupling:
         return row
 
 
+#: Two values of a joint are the same when they differ by less (rad, m, or relative where they are larger).
+SAME = 1e-9
+
+
 def locked_values(locked, mimics: tuple[Mimic, ...]) -> dict[str, float]:
     """Values of joints that do not move, with those of joints that follow them.
 
     Raises:
-        InputError: not values by joint, or a joint that is locked although what it follows is not.
+        InputError: not values by joint, a joint that is locked although what it follows is not, or at another value.
     """
     if locked is not None and not isinstance(locked, Mapping):
         raise InputError(f'locked: found {type(locked).__name__}; expected values by joint, such as {{"j4": 0.3}}')
     values = {name: real_number(value, f"locked: {name}") for name, value in (locked or {}).items()}
     for mimic in mimics:
-        if mimic.leader in values:
-            values.setdefault(mimic.follower, mimic.multiplier * values[mimic.leader] + mimic.offset)
+        if mimic.leader in values or mimic.leader_is_fixed:
+            follows = mimic.multiplier * values.get(mimic.leader, 0.0) + mimic.offset
+            if abs(values.setdefault(mimic.follower, follows) - follows) > SAME * max(1.0, abs(follows)):
+                raise InputError(
+                    f'locked: "{mimic.follower}" follows "{mimic.leader}" and is then at {follows:.6g}; found '
+                    f"{values[mimic.follower]:.6g}: leave it out"
+                )
         elif mimic.follower in values:
             raise InputError(f'locked: "{mimic.follower}" follows "{mimic.leader}", which moves; lock that joint instead')
     return values

@@ -32,8 +32,8 @@ def elastic(element: BodySpring | Bushing, pose: RelativePose, rest_length: floa
     Raises:
         InputError: a spring of no length, which has no direction.
     """
-    law = _spring if isinstance(element, BodySpring) else _bushing
-    slope, curvature, damping = law(element, pose.value, rest_length)
+    is_spring = isinstance(element, BodySpring)
+    slope, curvature, damping = _spring(element, pose.value, rest_length) if is_spring else _bushing(element, pose.value)
     J = pose.jacobian
     return Elastic(J.T @ slope, J.T @ curvature @ J + pose.hessian(slope), J.T @ damping @ J)
 
@@ -52,7 +52,7 @@ def _spring(spring: BodySpring, phi: np.ndarray, rest_length: float):
     return slope, curvature, damping
 
 
-def _bushing(bushing: Bushing, phi: np.ndarray, rest_length: float):
+def _bushing(bushing: Bushing, phi: np.ndarray):
     """U = phi^T K phi / 2."""
     K = np.array([*bushing.stiffness, *bushing.turning_stiffness])
     return K * phi, np.diag(K), np.diag([*bushing.damping, *bushing.turning_damping])

@@ -20,8 +20,12 @@ MOST_STEPS = 100
 MOST_FRUITLESS = 3
 
 #: A residual this small, relative to the forces that balance, is that of an equilibrium: Newton's method reaches
-#: 1e-13 where there is one, and stays above 1e-3 where there is none. Loops count as closed likewise.
+#: 1e-13 where there is one, and stays above 1e-3 where there is none.
 BALANCED = 1e-9
+
+#: Loops are closed when they are open by less, in rad or relative to the robot's size: near a singular posture a gap hides a
+#: posture that is off by its square root.
+CLOSED = 1e-12
 
 #: Where hardly any force acts, the residual is measured against those that this share of the longest step would cause: no
 #: posture is known better than to rounding.
@@ -30,6 +34,16 @@ LEAST_WAY = 1e-4
 #: Rows of loops count as dependent where what is new in them is below this share of the others: the axes of a URDF are often
 #: rounded to five or six digits (1.5708), and loops that are planar to that are meant to be planar.
 RANK = 1e-5
+
+#: Between RANK and this rows are kept, and told to be almost dependent.
+DOUBTFUL_RANK = 1e-4
+
+#: Below this rows are dependent to rounding; between it and RANK to the rounding of what the URDF says, which is told.
+EXACT_RANK = 1e-10
+
+#: Loops that the joints keep open by less, in rad or relative to the robot's size, are closed for all that a URDF with five
+#: digits says.
+ROUNDED = 1e-5
 
 #: A stiffness below this share of the largest is none: rounding.
 FLAT = 1e-13
@@ -63,51 +77,83 @@ class Search:
 
 
 @dataclass(frozen=True)
+class Rows:
+    """J of the free coordinates, in coordinates and rows that compare, as far as its rows say something new.
+
+    Attributes:
+        left, values, right: its singular vectors and values that count, shapes (m, r), (r,), (r, n).
+        motions: N, an orthonormal basis of its null space, shape (n, n - r).
+        narrowest: the smallest singular value that is not rounding, relative to the largest.
+    """
+
+    left: np.ndarray
+    values: np.ndarray
+    right: np.ndarray
+    motions: np.ndarray
+    narrowest: float
+
+    def shortest(self, gaps: np.ndarray) -> np.ndarray:
+        """The shortest d with J d = gaps, as far as any d can."""
+        return self.right.T @ (self.left.T @ gaps / self.values)
+
+    def multipliers(self, force: np.ndarray) -> np.ndarray:
+        """Those of least norm with J^T lambda = force, as far as any can."""
+        return self.left @ (self.right @ force / self.values)
+
+    def reached(self, gaps: np.ndarray) -> np.ndarray:
+        """The part of gaps that motions can close."""
+        return self.left @ (self.left.T @ gaps)
+
+
+def rows_of(J: np.ndarray) -> Rows:
+    """The rows of a matrix that say something new by more than RANK."""
+    left, values, right = np.linalg.svd(J)
+    largest = values.max(initial=0.0)
+    rank = int((values > RANK * largest).sum())
+    telling = values[values > EXACT_RANK * largest] / (largest or 1.0)
+    return Rows(left[:, :rank], values[:rank], right[:rank], right[rank:].T, float(telling.min(initial=1.0)))
+
+
+@dataclass(frozen=True)
 class Equilibrium:
     """An equilibrium, or a step on the way to one.
 
     Attributes:
         balance: of forces, there.
+        rows: of the loops.
         multipliers: lambda of all rows of all loops, those of least norm, shape (m,).
         residual: largest force that is left, relative to the largest that acts (both times what coordinates are measured in).
-        gap: largest opening of a loop, in rad or relative to the robot's size.
+        gap: largest opening of a loop that motions could close, in rad or relative to the robot's size.
+        misfit: largest opening of a loop, in the same units, those included that the joints keep open.
     """
 
     balance: Balance
+    rows: Rows
     multipliers: np.ndarray
     residual: float
     gap: float
+    misfit: float
 
     @property
     def badness(self) -> float:
-        """The residual or the gap, whichever is larger."""
-        return max(self.residual, self.gap)
+        """How far beyond what is allowed residual, gap and misfit are; at most 1 where it is an equilibrium."""
+        return max(self.residual / BALANCED, self.gap / CLOSED, self.misfit / ROUNDED if self.misfit > ROUNDED else 0.0)
 
 
-def closed(search: Search, q: np.ndarray, tolerance: float = 0.0) -> Balance:
-    """The balance where loops are closed as well as Gauss-Newton steps from q can, moving as little as possible.
-
-    Args:
-        search: which coordinates may move.
-        q: shape (nq,).
-        tolerance: the opening of the loops, in rad or relative to the size of the robot, that is good enough.
-    """
+def closed(search: Search, q: np.ndarray) -> Balance:
+    """The balance where loops are closed as well as Gauss-Newton steps from q can, moving as little as possible."""
     balance = best = search.at(q)
     least, since = np.inf, 0
     for _ in range(MOST_STEPS):
-        gap = opening(balance)
+        rows, gaps = _rows(balance, search.free), balance.gaps / balance.load.row_lengths
+        gap = np.abs(gaps).max(initial=0.0)
         since = 0 if gap < least / 2 else since + 1
         if gap < least:
             best, least = balance, gap
-        if gap <= tolerance or since > MOST_FRUITLESS:
+        if gap == 0.0 or since > MOST_FRUITLESS:
             break
-        balance = search.moved(balance, _closing_step(balance, search.free))
+        balance = search.moved(balance, _whole(-rows.shortest(gaps), balance.load, search.free))
     return best
-
-
-def opening(balance: Balance) -> float:
-    """The largest gap of a loop, in rad or relative to the size of the robot."""
-    return float(np.abs(balance.gaps / balance.load.row_lengths).max(initial=0.0))
 
 
 def equilibrium(search: Search, q: np.ndarray) -> Equilibrium:
@@ -118,16 +164,10 @@ def equilibrium(search: Search, q: np.ndarray) -> Equilibrium:
     """
     start = _state(search, search.at(q))
     found = _followed(search, start, _newton_step)
-    if found.badness > BALANCED:  # near a saddle, or no stiffness where the force points
+    if found.badness > 1.0:  # near a saddle, or no stiffness where the force points
         found = _followed(search, _followed(search, start, _downhill_step), _newton_step)
     _check(found)
     return found
-
-
-def null_space(J: np.ndarray) -> np.ndarray:
-    """An orthonormal basis N of null(J), one vector a column."""
-    _, values, right = np.linalg.svd(J)
-    return right[int((values > RANK * values.max(initial=0.0)).sum()) :].T
 
 
 def _followed(search: Search, start: Equilibrium, step) -> Equilibrium:
@@ -137,22 +177,29 @@ def _followed(search: Search, start: Equilibrium, step) -> Equilibrium:
         found = _state(search, search.moved(found.balance, step(found, search.free)))
         since = 0 if found.badness < best.badness else since + 1
         best = best if since else found
-        if best.badness == 0.0 or (since > 2 and best.badness <= BALANCED):
+        if best.badness == 0.0 or (since > 2 and best.badness <= 1.0):
             break
     return best
 
 
+def _rows(balance: Balance, free: np.ndarray) -> Rows:
+    load = balance.load
+    return rows_of(balance.jacobian[:, free] * load.lengths[free] / load.row_lengths[:, None])
+
+
 def _state(search: Search, balance: Balance) -> Equilibrium:
     """Multipliers that balance the forces as well as any can, and what is left."""
-    free, lengths, row_lengths = search.free, balance.load.lengths[search.free], balance.load.row_lengths
-    J = balance.jacobian / row_lengths[:, None]
-    multipliers = _least_squares((J[:, free] * lengths).T, balance.force[free] * lengths)
-    held = J.T @ multipliers
+    free, load = search.free, balance.load
+    lengths, rows = load.lengths[free], _rows(balance, free)
+    multipliers = rows.multipliers(balance.force[free] * lengths) / load.row_lengths
+    held = balance.jacobian.T @ multipliers
     left = (balance.force - held)[free] * lengths
-    usual = [np.abs(K) @ (LEAST_WAY * LARGEST_STEP * balance.load.lengths) for K in balance.stiffnesses]
+    usual = [np.abs(K) @ (LEAST_WAY * LARGEST_STEP * load.lengths) for K in balance.stiffnesses]
     acting = max(np.abs(term[free] * lengths).max(initial=0.0) for term in (*balance.forces, held, *usual))
     residual = np.abs(left).max(initial=0.0) / acting if acting else 0.0
-    return Equilibrium(balance, multipliers / row_lengths, float(residual), opening(balance))
+    gaps = balance.gaps / load.row_lengths
+    gap, misfit = (float(np.abs(part).max(initial=0.0)) for part in (rows.reached(gaps), gaps))
+    return Equilibrium(balance, rows, multipliers, float(residual), gap, misfit)
 
 
 def _newton_step(state: Equilibrium, free: np.ndarray) -> np.ndarray:
@@ -160,67 +207,56 @@ def _newton_step(state: Equilibrium, free: np.ndarray) -> np.ndarray:
 
     Redundant rows and directions without stiffness do no harm: the shortest d is taken.
     """
-    K, J, lengths = _scaled(state, free)
-    N, close = null_space(J), _closing_step(state.balance, free)[free] / lengths
-    left = N.T @ (_left(state)[free] * lengths + K @ close)
-    along = N @ np.linalg.lstsq(N.T @ K @ N, -left, rcond=FLAT)[0] if N.size else 0.0
-    return _whole((close + along) * lengths, free)
+    K, left, close = _linear(state, free)
+    N = state.rows.motions
+    along = N @ np.linalg.lstsq(N.T @ K @ N, -N.T @ (left + K @ close), rcond=FLAT)[0] if N.size else 0.0
+    return _whole(close + along, state.balance.load, free)
 
 
 def _downhill_step(state: Equilibrium, free: np.ndarray) -> np.ndarray:
     """Newton's step along the motion with every stiffness taken as positive, so that it lowers the energy, and to the loops."""
-    K, J, lengths = _scaled(state, free)
-    N = null_space(J)
-    left = N.T @ (_left(state)[free] * lengths)
+    K, left, close = _linear(state, free)
+    N = state.rows.motions
     stiffness, ways = np.linalg.eigh(N.T @ (K + K.T) @ N / 2)
-    stiffness = np.abs(stiffness)
-    least = LEAST_STIFFNESS * (stiffness.max(initial=0.0) or np.abs(left).max(initial=0.0) or 1.0)
-    along = N @ ways @ (-(ways.T @ left) / np.maximum(stiffness, least))
-    return _whole(along * lengths, free) + _closing_step(state.balance, free)
+    stiffness, along = np.abs(stiffness), ways.T @ N.T @ left
+    least = LEAST_STIFFNESS * (stiffness.max(initial=0.0) or np.abs(along).max(initial=0.0) or 1.0)
+    return _whole(close - N @ ways @ (along / np.maximum(stiffness, least)), state.balance.load, free)
 
 
-def _left(state: Equilibrium) -> np.ndarray:
-    """What of the forces the multipliers do not balance, shape (nv,)."""
-    return state.balance.force - state.balance.jacobian.T @ state.multipliers
-
-
-def _closing_step(balance: Balance, free: np.ndarray) -> np.ndarray:
-    """J d = -phi, the shortest such d."""
-    lengths, row_lengths = balance.load.lengths[free], balance.load.row_lengths
-    J = balance.jacobian[:, free] * lengths / row_lengths[:, None]
-    return _whole(_least_squares(J, -balance.gaps / row_lengths) * lengths, free)
-
-
-def _scaled(state: Equilibrium, free: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """K and J of the free coordinates in units that compare, and these units."""
-    balance = state.balance
-    lengths = balance.load.lengths[free]
+def _linear(state: Equilibrium, free: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of the free coordinates, in units that compare: K, the forces that are left, and the shortest way onto the loops."""
+    balance, load = state.balance, state.balance.load
+    lengths = load.lengths[free]
     K = balance.stiffness(state.multipliers)[np.ix_(free, free)] * np.outer(lengths, lengths)
-    return K, balance.jacobian[:, free] * lengths / balance.load.row_lengths[:, None], lengths
+    left = (balance.force - balance.jacobian.T @ state.multipliers)[free] * lengths
+    return K, left, -state.rows.shortest(balance.gaps / load.row_lengths)
 
 
-def _whole(part: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """A step of all coordinates from that of the free ones."""
+def _whole(part: np.ndarray, load: Load, free: np.ndarray) -> np.ndarray:
+    """A step of all coordinates (m, rad) from that of the free ones in units that compare."""
     step = np.zeros(len(free))
-    step[free] = part
+    step[free] = part * load.lengths[free]
     return step
 
 
 def _check(state: Equilibrium) -> None:
     load, balance = state.balance.load, state.balance
-    if not state.gap <= BALANCED:
+    singular = (
+        f"; near here the rows of the loops become dependent (relative singular value {state.rows.narrowest:.1e}): the posture is "
+        "singular, choose one away from it"
+        if state.rows.narrowest < DOUBTFUL_RANK
+        else ""
+    )
+    if state.gap > CLOSED or state.misfit > ROUNDED:
         worst = int(np.abs(balance.gaps / load.row_lengths).argmax())
+        advice = singular or "; give a guess that is nearer, or look at the lengths of the links and the joints that are held"
         raise InputError(
             f"equilibrium: the loops do not close near the guess: {load.row_names[worst]} stays open by "
-            f"{abs(balance.gaps[worst]):.3g} {load.row_units[worst]}; give a guess that is nearer, or look at the lengths of the "
-            "links and the joints that are held"
+            f"{abs(balance.gaps[worst]):.3g} {load.row_units[worst]}{advice}"
         )
     if not state.residual <= BALANCED:
+        advice = singular or "; give another guess, springs, forces, or joints to hold"
         raise InputError(
             f"equilibrium: there is none near the guess: {state.residual:.2g} of the largest force stays without balance after "
-            f"{MOST_STEPS} steps of Newton's method; give another guess, springs, forces, or joints to hold"
+            f"{MOST_STEPS} steps of Newton's method{advice}"
         )
-
-
-def _least_squares(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    return np.linalg.lstsq(matrix, right, rcond=RANK)[0] if matrix.size else np.zeros(matrix.shape[1])

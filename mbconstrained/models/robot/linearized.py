@@ -9,14 +9,14 @@ import numpy as np
 
 from ...checks import nearest
 from ...errors import InputError
-from ...mechanics.constraint import Constraint, Level
+from ...mechanics.constraint import Constraint, Level, checked_level
 from ...mechanics.energy_parts import EnergyParts
 from ...mechanics.system import MechanicalSystem
 from ...notices import Notice
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import zero
-from ...tolerances import EPS, noise_of
-from .equilibrium import null_space
+from ...tolerances import EPS, NOISE_SAFETY, noise_of
+from .equilibrium import rows_of
 from .flexible_joint import FlexibleJoint
 from .point_motion import PointMotion
 
@@ -44,20 +44,24 @@ class LinearizedRobot(MechanicalSystem):
         inputs: by name the distribution of a force over the coordinates, shape (n,): a joint's torque (of a flexible one the
             motor's), or a force or torque on a body.
         outputs: by name a row of C in y = C d, shape (n,): a joint's angle, or the motion of a point.
-        output_units: "m" or "rad" for each.
+        input_units, output_units: "m" or "rad" for each, along which a force in N or a torque in N m works.
     """
 
     def __init__(self, posture: Posture, level: Level, inputs: Mapping, outputs: Mapping):
         robot, balance = posture.robot, posture.balance
         self.posture = posture
+        checked_level(level, "level")
         self._stiffness_parts = _stiffness_parts(posture)
         self._flexible = [(robot.coordinates.index(name), joint) for name, joint in robot.flexible_joints.items()]
-        link_stiffness, self._notices = _stiffness(posture, sum(self._stiffness_parts.values()))
-        damping = np.diag(robot.joint_damping) + np.sum([item.damping for item in balance.elastic], axis=0)
+        K = sum(part for _, part in self._stiffness_parts)
+        K = np.where(np.abs(K) > NOISE_SAFETY * _stiffness_rounding(posture), K, 0.0)
+        link_stiffness, self._notices = _stiffness(posture, K)
+        sizes = np.outer(balance.sizes, balance.sizes)
+        damping = np.diag(robot.joint_damping) + sum(_clean(item.damping, sizes) for item in balance.elastic)
         motors = [joint for _, joint in self._flexible]
         names = (*robot.coordinates, *(f"{robot.coordinates[i]} motor" for i, _ in self._flexible))
         super().__init__(
-            mass=self._with_motors(balance.mass) + self._at_motors([motor.reflected_inertia for motor in motors]),
+            mass=self._with_motors(_clean(balance.mass, sizes)) + self._at_motors([motor.reflected_inertia for motor in motors]),
             damping=self._with_motors(damping)
             + self._gears([motor.damping for motor in motors])
             + self._at_motors([motor.derivative_gain for motor in motors]),
@@ -70,7 +74,12 @@ class LinearizedRobot(MechanicalSystem):
             energy_parts=self._energy_parts(),
             uncertainty=self._link_uncertainty(),
         )
-        self.inputs = {str(name): self._input(value, f'input "{name}"') for name, value in _by_name(inputs, "inputs").items()}
+        for name in _by_name(inputs, "inputs"):
+            if name in self.names:
+                raise InputError(
+                    f'input "{name}": this is the name of a coordinate, on which forces can act anyway; choose another'
+                )
+        self.inputs = {str(name): self._input(value, f'input "{name}"') for name, value in inputs.items()}
         self.outputs = {str(name): self._row(value, f'output "{name}"') for name, value in _by_name(outputs, "outputs").items()}
         self.output_units = {str(name): self._unit(value) for name, value in outputs.items()}
         self.input_units = {str(name): self._unit(value) for name, value in inputs.items()}
@@ -144,12 +153,11 @@ class LinearizedRobot(MechanicalSystem):
         ]
 
     def _link_uncertainty(self) -> dict[str, np.ndarray]:
-        """By how much computed entries may be wrong: those of stiffness by the rounding of each of their parts."""
+        """By how much computed entries may be wrong."""
         balance = self.posture.balance
         sizes = np.outer(balance.sizes, balance.sizes)
-        parts = [_rounding(part, sizes) for part in (*balance.stiffnesses, *balance.geometric(self.posture.multipliers))]
-        damping = [_rounding(item.damping, sizes) for item in balance.elastic]
-        found = {"mass": _rounding(balance.mass, sizes), "stiffness": sum(parts), "damping": sum(damping) + np.zeros(sizes.shape)}
+        damping = sum((_rounding(item.damping, sizes) for item in balance.elastic), np.zeros(sizes.shape))
+        found = {"mass": _rounding(balance.mass, sizes), "stiffness": _stiffness_rounding(self.posture), "damping": damping}
         return {name: self._with_motors(part) for name, part in found.items()}
 
     def _row(self, value, what: str) -> np.ndarray:
@@ -175,43 +183,59 @@ class LinearizedRobot(MechanicalSystem):
 
     def _energy_parts(self) -> EnergyParts:
         robot, count = self.posture.robot, len(self._flexible)
-        kinetic = {name: self._with_motors(part) for name, part in body_masses(self.posture).items()}
-        strain = {name: self._with_motors(part) for name, part in self._stiffness_parts.items()}
+        kinetic = [(name, self._with_motors(part)) for name, part in body_masses(self.posture)]
+        strain = [(name, self._with_motors(part)) for name, part in self._stiffness_parts]
         for place, (link, joint) in enumerate(self._flexible):
             only, name = np.eye(count)[place], robot.coordinates[link]
-            kinetic[f"{name} motor"] = self._at_motors(only * joint.reflected_inertia)
-            strain[f"gear of {name}"] = self._gears(only * joint.stiffness)
+            kinetic.append((f"{name} motor", self._at_motors(only * joint.reflected_inertia)))
+            strain.append((f"gear of {name}", self._gears(only * joint.stiffness)))
             if joint.proportional_gain:
-                strain[f"control of {name}"] = self._at_motors(only * joint.proportional_gain)
-        return EnergyParts(kinetic, strain)
+                strain.append((f"control of {name}", self._at_motors(only * joint.proportional_gain)))
+        return EnergyParts(_by_own_names(kinetic), _by_own_names(strain))
 
 
-def body_masses(posture: Posture) -> dict[str, np.ndarray]:
-    """What each body adds to M, shape (nv, nv), by the name of its first link: S_j^T I_j S_j."""
+def _by_own_names(parts: list[tuple[str, np.ndarray]]) -> dict[str, np.ndarray]:
+    """Names are those of links, springs and joints, which may coincide: then they are numbered, and nothing is lost."""
+    found: dict[str, np.ndarray] = {}
+    for name, part in parts:
+        own = (name, *(f"{name} ({number})" for number in range(2, len(parts) + 2)))
+        found[next(candidate for candidate in own if candidate not in found)] = part
+    return found
+
+
+def body_masses(posture: Posture) -> list[tuple[str, np.ndarray]]:
+    """What each body adds to M, shape (nv, nv), with the name of its heaviest link: S_j^T I_j S_j."""
     model, kinematics = posture.robot.model, posture.balance.kinematics
-    names = posture.robot.link_frames.first_links()
-    found = {}
+    names = posture.robot.link_frames.heaviest_links()
+    found = []
     for joint in range(1, model.njoints):
         inertia, R = model.inertias[joint], kinematics.rotations[joint]
         columns = kinematics.velocity(joint)
         centre = kinematics.origins[joint] + R @ np.array(inertia.lever)
         v, w = kinematics.of_point(joint, centre), R.T @ columns[3:]
-        found[names[joint]] = inertia.mass * v.T @ v + w.T @ np.array(inertia.inertia) @ w
+        found.append((names[joint], inertia.mass * v.T @ v + w.T @ np.array(inertia.inertia) @ w))
     return found
 
 
-def _stiffness_parts(posture: Posture) -> dict[str, np.ndarray]:
+def _stiffness_parts(posture: Posture) -> list[tuple[str, np.ndarray]]:
     """K by what causes it: the joints' springs, the springs between bodies, gravity and forces."""
     robot, balance = posture.robot, posture.balance
     gravity, joints, *others = balance.stiffnesses
     springs, applied = others[: len(balance.elastic)], others[len(balance.elastic) :]
     sizes = np.outer(balance.sizes, balance.sizes)
-    rest = sum(_clean(part, sizes) for part in (gravity, *applied)) - sum(
-        _clean(part, sizes) for part in balance.geometric(posture.multipliers)
-    )
-    parts = {f"spring of {name}": np.diag(row) for name, row, k in zip(robot.coordinates, joints, robot.joint_stiffness) if k}
-    parts |= {item.connection.name: _clean(part, sizes) for item, part in zip(balance.load.springs, springs)}
-    return {**parts, "gravity and forces": rest + np.zeros_like(gravity)}
+    rest = sum(_clean(part, sizes) for part in (gravity, *applied))
+    rest = rest - sum(_clean(part, sizes) for part in balance.geometric(posture.multipliers))
+    parts = [(f"spring of {name}", np.diag(row)) for name, row, k in zip(robot.coordinates, joints, robot.joint_stiffness) if k]
+    parts += [(item.connection.name, _clean(part, sizes)) for item, part in zip(balance.load.springs, springs)]
+    return [*parts, ("gravity and forces", rest)]
+
+
+def _stiffness_rounding(posture: Posture) -> np.ndarray:
+    """Of the sum: the rounding of each part, and of the largest multiplier in every loop, for one equation gives them all."""
+    balance, load = posture.balance, posture.balance.load
+    sizes = np.outer(balance.sizes, balance.sizes)
+    largest = np.abs(posture.multipliers * load.row_lengths).max(initial=0.0) / load.row_lengths
+    return sum(_rounding(part, sizes) for part in (*balance.stiffnesses, *balance.geometric(largest)))
 
 
 def _stiffness(posture: Posture, K: np.ndarray) -> tuple[np.ndarray, tuple[Notice, ...]]:
@@ -220,13 +244,14 @@ def _stiffness(posture: Posture, K: np.ndarray) -> tuple[np.ndarray, tuple[Notic
     At an equilibrium the derivative of a conservative force is symmetric; what is not lies across the motion.
     """
     balance, lengths = posture.balance, posture.balance.load.lengths
-    N = null_space(balance.jacobian[list(posture.independent_rows)] * lengths)
+    kept = list(posture.independent_rows)
+    N = rows_of(balance.jacobian[kept] * lengths / balance.load.row_lengths[kept, None]).motions
     scaled = N.T @ (K * np.outer(lengths, lengths)) @ N
     skew = np.abs(scaled - scaled.T).max(initial=0.0)
     if skew <= SYMMETRIC * np.abs(K * np.outer(lengths, lengths)).max(initial=0.0):
         return (K + K.T) / 2, ()
-    text = f"the stiffness matrix is not symmetric (by {skew / np.abs(scaled).max():.1e} of its largest entry)"
-    return K, (Notice("left out", f"{text}: a torque that keeps its direction has no potential"),)
+    text = f"the stiffness matrix is not symmetric (by {skew / np.abs(scaled).max():.1e} of its largest entry along the motion)"
+    return K, (Notice("unsymmetric", f"{text}: a torque that keeps its direction has no potential"),)
 
 
 def _clean(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,15 +33,16 @@ class Attached:
 
     def pose(self, kinematics: Kinematics) -> RelativePose:
         """phi in a configuration."""
-        return RelativePose(kinematics, self.first, self.second)
+        return RelativePose(kinematics, self.first, self.second, self.connection.turning)
 
 
 class LinkFrames:
-    """The links of a pinocchio model, each fixed in one of its joints."""
+    """The links of a pinocchio model, each fixed in one of its joints; masses by link (kg)."""
 
-    def __init__(self, model):
+    def __init__(self, model, masses: Mapping[str, float]):
         import pinocchio
 
+        self._masses = masses
         frames = [(number, frame) for number, frame in enumerate(model.frames) if frame.type == pinocchio.FrameType.BODY]
         self._frames = {str(frame.name): frame for _, frame in frames}
         self._numbers = {str(frame.name): number for number, frame in frames}
@@ -55,11 +56,13 @@ class LinkFrames:
         """The number of a link's frame."""
         return self._numbers[body]
 
-    def first_links(self) -> dict[int, str]:
-        """The first link that moves with each joint, by the number of the joint."""
-        found = {}
+    def heaviest_links(self) -> dict[int, str]:
+        """Of the links that move with a joint the heaviest, by the number of the joint; the first of several."""
+        found: dict[int, str] = {}
         for body in self.names:
-            found.setdefault(self.link(body).joint, body)
+            joint = self.link(body).joint
+            if joint not in found or self._masses.get(body, 0.0) > self._masses.get(found[joint], 0.0):
+                found[joint] = body
         return found
 
     def link(self, body: str) -> Anchor:
@@ -89,6 +92,8 @@ class LinkFrames:
 
     def check(self, body: str, what: str) -> None:
         """Raise an InputError where there is no such link."""
+        if body == GROUND:
+            raise InputError(f'{what}: found "{GROUND}", which does not move; name a link')
         if body not in self._frames:
             raise InputError(f'{what}: there is no body "{body}"{nearest(body, (GROUND, *self.names))}')
 
@@ -114,7 +119,7 @@ def untwisted(attached: Attached, at: Kinematics) -> Attached:
     loop = attached.connection
     if not isinstance(loop, Loop) or loop.kind != "hinge":
         return attached
-    axis = np.array(loop.axis) / np.linalg.norm(loop.axis)
+    axis = np.array(loop.axis)
     R1, R2 = at.frame(attached.first)[0], at.frame(attached.second)[0]
     *v, w = pinocchio.Quaternion(R1.T @ R2).coeffs()
     back = pinocchio.exp3(-2 * np.arctan2(axis @ np.array(v), w) * axis)
@@ -158,11 +163,13 @@ def checked_connections(connections, kinds: tuple[type, ...], word: str, frames:
 
 
 def _with_own_names(connections) -> tuple[Connection, ...]:
-    """The connections, numbered where several have the same name."""
+    """The connections, those of the same name with numbers that make names which nothing else has."""
     names = [connection.name for connection in connections]
-    found, seen = [], {}
+    found, taken = [], set(names)
     for connection in connections:
-        seen[connection.name] = seen.get(connection.name, 0) + 1
-        several = names.count(connection.name) > 1
-        found.append(replace(connection, name=f"{connection.name} {seen[connection.name]}") if several else connection)
+        if names.count(connection.name) > 1:
+            numbered = (f"{connection.name} {number}" for number in range(1, 2 * len(names) + 1))
+            connection = replace(connection, name=next(name for name in numbered if name not in taken))
+            taken.add(connection.name)
+        found.append(connection)
     return tuple(found)

@@ -34,6 +34,10 @@ class PointMotion:
     turn: bool = False
 
     def __post_init__(self):
+        if not isinstance(self.body, str):
+            raise InputError(f"point: found the body {self.body!r}; expected the name of a link")
+        if not isinstance(self.turn, bool):
+            raise InputError(f'point of "{self.body}": turn: found {self.turn!r}; expected True or False')
         where = f'point of "{self.body}"'
         point = real_array(self.point, f"{where}: point", shape=(3,))
         along = real_array(self.along, f"{where}: along", shape=(3,))

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...checks import real_array, real_number
-from .equilibrium import Search, closed
+from ...errors import InputError
+from .equilibrium import Search, closed, rows_of
 
 if TYPE_CHECKING:
     from .posture import Posture
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Poses:
-    """Positions (3, T) in m and unit quaternions (4, T) x y z w of a link, without jumps of sign."""
+    """Positions (3, T) in m and unit quaternions (4, T) x y z w of a link; both signs of a quaternion are the same rotation."""
 
     positions: np.ndarray
     quaternions: np.ndarray
@@ -33,27 +35,47 @@ def link_poses(posture: Posture, displacements, scale: float = 1.0) -> dict[str,
         displacements: d, shape (n, T), rows beyond the links' coordinates (motors) are not looked at.
         scale: how much larger than true.
     """
-    robot, load = posture.robot, posture.balance.load
-    tree, count = robot.tree, len(robot.coordinates)
-    d = real_array(displacements, "displacements", shape=(None, None))[:count] * real_number(scale, "scale")
-    everywhere = Search(tree, load, np.ones(count, bool))
+    robot, tree = posture.robot, posture.robot.tree
+    count = len(robot.coordinates)
+    d = real_array(displacements, "displacements", shape=(None, None))
+    if len(d) < count:
+        raise InputError(f"displacements: found {len(d)} rows; expected one for each of the {count} coordinates")
+    d = d[:count] * real_number(scale, "scale")
+    on_loops = _onto_loops(posture)
     numbers = [robot.link_frames.number(name) for name in robot.bodies]
     positions, quaternions = np.empty((len(numbers), 3, d.shape[1])), np.empty((len(numbers), 4, d.shape[1]))
     for k, step in enumerate(d.T):
-        q = tree.moved(posture.configuration, step)
-        if load.is_held:
-            q = closed(everywhere, q, tolerance=PICTURE).configuration
-        for body, (position, quaternion) in enumerate(tree.frames(q, numbers)):
+        frames = tree.frames(on_loops(tree.moved(posture.configuration, step)), numbers)
+        for body, (position, quaternion) in enumerate(frames):
             positions[body, :, k], quaternions[body, :, k] = position, quaternion
-    return {name: Poses(positions[i], _continuous(quaternions[i])) for i, name in enumerate(robot.bodies)}
+    return {name: Poses(positions[i], quaternions[i]) for i, name in enumerate(robot.bodies)}
 
 
-#: Loops are closed for a picture when they are open by less than this share of the robot's size.
-PICTURE = 1e-6
+#: Loops are closed for a picture when they are open by less than this, in rad or as a share of the robot's size.
+PICTURE = 1e-5
+
+#: Steps with the rows of the posture after which those of the place itself are taken.
+MOST_CHORDS = 6
 
 
-def _continuous(quaternions: np.ndarray) -> np.ndarray:
-    """Of the two quaternions for a rotation always the one nearer to that before."""
-    flips = np.sum(quaternions[:, 1:] * quaternions[:, :-1], axis=0) < 0
-    signs = np.cumprod(np.concatenate([[1.0], np.where(flips, -1.0, 1.0)]))
-    return quaternions * signs[: quaternions.shape[1]]
+def _onto_loops(posture: Posture) -> Callable[[np.ndarray], np.ndarray]:
+    """From a configuration near the posture to one with closed loops.
+
+    First by steps with the rows of the posture itself, which need no new derivatives, and where they fail, by Gauss-Newton's.
+    """
+    balance, load = posture.balance, posture.balance.load
+    if not load.is_held:
+        return lambda q: q
+    everywhere = Search(posture.robot.tree, load, np.ones(len(load.units), bool))
+    rows = rows_of(balance.jacobian * load.lengths / load.row_lengths[:, None])
+
+    def on_loops(q: np.ndarray) -> np.ndarray:
+        here = everywhere.at(q)
+        for _ in range(MOST_CHORDS):
+            gaps = here.gaps / load.row_lengths
+            if np.abs(gaps).max() <= PICTURE:
+                return here.configuration
+            here = everywhere.moved(here, -rows.shortest(gaps) * load.lengths)
+        return closed(everywhere, q).configuration
+
+    return on_loops

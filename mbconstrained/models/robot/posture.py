@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...checks import nearest
+from ...errors import InputError
 from ...notices import Notice
 from .balance import Balance
 from .mechanism import Attached
@@ -23,7 +25,8 @@ class Posture:
         robot: the robot.
         configuration: q, shape (nq,).
         joints: the same by joint: a number (rad, m), or the numbers of a body that moves in several ways.
-        multipliers: of the rows of all loops and of joints that follow others, those of least norm where rows depend on each other, shape (m,) (N, N m).
+        multipliers: of the rows of all loops and of joints that follow others, those of least norm where they are not determined
+            (torques over the size of the robot), shape (m,) (N, N m).
         reactions: the same by loop: force (N) and torque (N m) on its second body, in the frame on the first, shape (6,).
         torques: by held or flexible joint: what it needs to stay (N m, N).
         residual: largest force that is not balanced, relative to the largest that acts.
@@ -62,6 +65,8 @@ class Posture:
         return found
 
     def __getitem__(self, joint: str):
+        if joint not in self.joints:
+            raise InputError(f'posture: there is no joint "{joint}"{nearest(str(joint), self.joints)}')
         return self.joints[joint]
 
     def __repr__(self) -> str:

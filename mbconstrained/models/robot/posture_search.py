@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -12,8 +11,8 @@ import numpy as np
 from ...checks import real_number
 from ...errors import InputError
 from ...notices import Notice
-from .balance import Balance, Load
-from .equilibrium import BALANCED, Equilibrium, Search, closed, equilibrium, opening
+from .balance import Load
+from .equilibrium import CLOSED, LARGEST_STEP, Equilibrium, Search, closed, equilibrium
 from .kinematics import Kinematics
 from .mechanism import untwisted, with_rest_length
 from .point_motion import PointMotion
@@ -23,33 +22,42 @@ from .regularity import loop_rows
 if TYPE_CHECKING:
     from .robot import Robot
 
-#: Loops that stay open by less, in rad or relative to the robot's size, are closed for all that a URDF with five digits says.
-ROUNDED = 1e-5
-
 #: A joint may be this far beyond its limits (rad, m): rounding of a guess at the limit.
 AT_LIMIT = 1e-9
 
 
 def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str) -> Posture:
     """See ``Robot.equilibrium``."""
-    start = robot.tangent.configuration(guess)
+    start = _following(robot, guess)
     free = ~_held(robot, hold)
     load = _untwisted(_load(robot, start, forces), robot, start)
     nearest = closed(Search(robot.tree, load, free), start)
-    load, misfit = _with_misfit(load, nearest)
     load = replace(load, springs=tuple(with_rest_length(item, nearest.kinematics) for item in load.springs))
     found = equilibrium(Search(robot.tree, load, free), nearest.configuration)
     if (here := _untwisted(load, robot, found.balance.configuration)) is not load:
         found = equilibrium(Search(robot.tree, here, free), found.balance.configuration)
     if outside := robot.tangent.outside_limits(found.balance.configuration, AT_LIMIT):
         raise InputError(f"equilibrium: {outside}; give another guess, or other limits in the URDF")
-    return _posture(robot, found, free, misfit)
+    return _posture(robot, found, free, start)
+
+
+def _following(robot: Robot, guess) -> np.ndarray:
+    """The guess as a configuration, in which joints that it does not name follow their leaders."""
+    start = robot.tangent.configuration(guess)
+    named = robot.joints if not isinstance(guess, Mapping) else guess
+    step = np.zeros(robot.model.nv)
+    for item in robot.couplings:
+        if robot.joints[item.follower - 1] not in named:
+            step[robot.model.joints[item.follower].idx_v] = -item.gap(robot.model, start)
+    return robot.tree.moved(start, step)
 
 
 def _held(robot: Robot, hold) -> np.ndarray:
     """Which coordinates keep the guess."""
     if isinstance(hold, str) and hold != "all":
         hold = (hold,)
+    if not isinstance(hold, Iterable):
+        raise InputError(f'hold: found {hold!r}; expected names of joints, or "all"')
     followers = [robot.joints[item.follower - 1] for item in robot.couplings]
     single = [name for name in robot.joints if name in robot.coordinates and name not in followers]
     held = np.zeros(len(robot.coordinates), bool)
@@ -83,33 +91,31 @@ def _load(robot: Robot, start: np.ndarray, forces) -> Load:
 
 def _untwisted(load: Load, robot: Robot, q: np.ndarray) -> Load:
     """The load with its hinges, if there are any, at angle 0 in a configuration."""
+    if not any(item.connection.kind == "hinge" for item in load.loops):
+        return load
     at = Kinematics(robot.tree, q)
     loops = tuple(untwisted(item, at) for item in load.loops)
-    return load if all(map(operator.is_, loops, load.loops)) else replace(load, loops=loops)
-
-
-def _with_misfit(load: Load, nearest: Balance) -> tuple[Load, list[Notice]]:
-    """Loops that the joints keep open by no more than the rounding of a URDF are taken to be meant closed."""
-    if not BALANCED < opening(nearest) <= ROUNDED:
-        return load, []
-    worst = int(np.abs(nearest.gaps / load.row_lengths).argmax())
-    gap = f"{abs(nearest.gaps[worst]):.2g} {load.row_units[worst]}"
-    text = f"the joints keep the loop row {load.row_names[worst]} open by {gap}, as where axes in the URDF are rounded; it stays so"
-    return replace(load, misfit=nearest.gaps), [Notice("rank", text)]
+    return replace(load, loops=loops)
 
 
 def _size(robot: Robot, connections) -> float:
-    """A length that is typical for the robot (m)."""
-    anchors = [anchor for item in connections for anchor in (item.first, item.second) if anchor.joint]
-    places = [np.array(place.translation) for place in robot.model.jointPlacements] + [anchor.point for anchor in anchors]
-    places += [np.array(inertia.lever) for inertia in robot.model.inertias]
-    return float(max((np.linalg.norm(place) for place in places), default=0.0)) or 1.0
+    """A length that is typical for the robot (m), wherever it stands."""
+    model = robot.model
+    anchors = [anchor for item in connections for anchor in (item.first, item.second)]
+    places = [(int(model.parents[joint]), np.array(model.jointPlacements[joint].translation)) for joint in range(1, model.njoints)]
+    places += [(anchor.joint, anchor.point) for anchor in anchors]
+    on_ground = [place for joint, place in places if not joint]
+    centre = np.mean(on_ground, axis=0) if on_ground else np.zeros(3)
+    lengths = [np.linalg.norm(place if joint else place - centre) for joint, place in places]
+    lengths += [np.linalg.norm(inertia.lever) for inertia in list(model.inertias)[1:]]
+    return float(max(lengths, default=0.0)) or 1.0
 
 
-def _posture(robot: Robot, found: Equilibrium, free: np.ndarray, misfit: list[Notice]) -> Posture:
+def _posture(robot: Robot, found: Equilibrium, free: np.ndarray, guess: np.ndarray) -> Posture:
     balance = found.balance
     rows = loop_rows(balance)
     left = balance.force - balance.jacobian.T @ found.multipliers
+    shared = len(found.rows.values) < len(rows.kept)
     return Posture(
         robot=robot,
         configuration=balance.configuration,
@@ -117,10 +123,44 @@ def _posture(robot: Robot, found: Equilibrium, free: np.ndarray, misfit: list[No
         torques={robot.coordinates[i]: float(left[i]) for i in np.flatnonzero(~free)},
         residual=found.residual,
         loop_error=float(np.abs(balance.gaps).max(initial=0.0)),
-        notices=(*misfit, *rows.notices, *_left_out(robot)),
+        notices=(*_far(robot, found, guess), *_misfit(found), *rows.notices, *(_SHARED if shared else ()), *_left_out(robot)),
         balance=balance,
         independent_rows=rows.kept,
     )
+
+
+_SHARED = (
+    Notice(
+        "redundant",
+        "held joints and loops share their load in a way that statics does not determine: the loops take the least norm, the "
+        "joints the rest; with other shares the stiffness would differ",
+    ),
+)
+
+
+def _far(robot: Robot, found: Equilibrium, guess: np.ndarray) -> tuple[Notice, ...]:
+    """A posture that is no longer near the guess."""
+    load = found.balance.load
+    way = robot.tree.way(guess, found.balance.configuration)
+    furthest = int(np.abs(way / load.lengths).argmax())
+    if abs(way[furthest]) <= LARGEST_STEP * load.lengths[furthest]:
+        return ()
+    text = (
+        f"the posture found is not near the guess: {robot.coordinates[furthest]} is {abs(way[furthest]):.3g} {load.units[furthest]} "
+        "from it, perhaps by way of another assembly; see whether it is the one that is meant"
+    )
+    return (Notice("far", text),)
+
+
+def _misfit(found: Equilibrium) -> tuple[Notice, ...]:
+    """Loops that the joints keep open by no more than the rounding of a URDF."""
+    if found.misfit <= CLOSED:
+        return ()
+    balance, load = found.balance, found.balance.load
+    worst = int(np.abs(balance.gaps / load.row_lengths).argmax())
+    gap = f"{abs(balance.gaps[worst]):.2g} {load.row_units[worst]}"
+    text = f"the joints keep the loop row {load.row_names[worst]} open by {gap}, as where axes in the URDF are rounded; it stays so"
+    return (Notice("rank", text),)
 
 
 def _left_out(robot: Robot) -> tuple[Notice, ...]:

@@ -20,13 +20,7 @@ import scipy.linalg
 from ...errors import InputError
 from ...notices import Notice
 from .balance import Balance
-from .equilibrium import RANK
-
-#: Between RANK and this (relative singular values) rows are kept, and told to be almost dependent.
-DOUBTFUL_RANK = 1e-4
-
-#: Below this rows are dependent to rounding; between it and RANK to the rounding of what the URDF says, which is told.
-EXACT_RANK = 1e-10
+from .equilibrium import DOUBTFUL_RANK, EXACT_RANK, RANK, rows_of
 
 #: The second derivative along the motion, relative to that of single rows, above which a posture is singular. Rounded axes
 #: leave RANK.
@@ -55,7 +49,7 @@ def loop_rows(balance: Balance) -> LoopRows:
     load = balance.load
     J = balance.jacobian * load.lengths / load.row_lengths[:, None]
     left, values, right = np.linalg.svd(J)
-    rank = int((values > RANK * values[0]).sum()) if values.size and values[0] else 0
+    rank = len(rows_of(J).values)
     _check_regular(balance, left[:, rank:].T / load.row_lengths, right[rank:].T)
     order = scipy.linalg.qr(J.T, mode="economic", pivoting=True)[2] if J.size else np.arange(len(J))
     kept = tuple(sorted(order[:rank].tolist()))
@@ -69,8 +63,8 @@ def _narrow(values: np.ndarray, rank: int) -> list[Notice]:
     found = []
     if rank < len(values) and values[rank] > EXACT_RANK:
         text = (
-            f"rows of the loops that were left out are dependent to {values[rank]:.1e} only, as where axes in the URDF are rounded; "
-            "if this is meant, the robot is near a singular posture: choose another"
+            f"rows of the loops that were left out are dependent to {values[rank]:.1e} only, as where axes in the URDF are "
+            "rounded; if this is meant, the robot is near a singular posture: choose another"
         )
         found.append(Notice("rank", text))
     if rank and values[rank - 1] < DOUBTFUL_RANK:
@@ -89,7 +83,8 @@ def _check_regular(balance: Balance, combinations: np.ndarray, motions: np.ndarr
     usual = max(np.abs(_second(balance, row)).max() for row in np.diag(1 / balance.load.row_lengths))
     for combination in combinations:
         if np.abs(motions.T @ _second(balance, combination) @ motions).max() > SINGULAR * usual:
-            rows = [name for name, part in zip(balance.load.row_names, combination) if abs(part) > 0.1 * np.abs(combination).max()]
+            least = 0.1 * np.abs(combination).max()
+            rows = [name for name, part in zip(balance.load.row_names, combination) if abs(part) > least]
             raise InputError(
                 f"equilibrium: the posture is singular: a combination of the rows {', '.join(rows)} holds nothing here but does "
                 "in the neighbourhood, so that linear equations do not tell how the robot can move; choose a posture away from it"
@@ -106,13 +101,14 @@ def _redundant(rows: dict[str, bool]) -> list[Notice]:
     """What to say of rows that are left out, by name; those that no coordinate enters (True) are kept by the joints alone."""
     reasons = {
         True: "the joints keep {it} by themselves",
-        False: "other rows imply {it}; multipliers of a motion are those of the rows that are left, those at rest have the least norm",
+        False: "other rows imply {it}; multipliers of a motion are those of the rows left, those at rest have the least norm",
     }
     found = []
     for empty, reason in reasons.items():
         names = [name for name, is_empty in rows.items() if is_empty == empty]
         if names:
             one = len(names) == 1
-            told = f"loop row{'' if one else 's'} {', '.join(names)} say{'s' if one else ''} nothing new and {'was' if one else 'were'} left out"
+            word, say, was = ("row", "says", "was") if one else ("rows", "say", "were")
+            told = f"loop {word} {', '.join(names)} {say} nothing new and {was} left out"
             found.append(Notice("redundant", f"{told}: {reason.format(it='it' if one else 'them')}"))
     return found

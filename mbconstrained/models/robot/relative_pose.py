@@ -15,13 +15,16 @@ class RelativePose:
 
     The first derivative is exact off the surface phi = 0 as well, and the second is a symmetric function of the
     configuration: a force K phi or a multiplier of a row of phi has a potential.
+
+    Where only points count (turning False), the rotation vector is not computed: its rows are 0.
     """
 
-    def __init__(self, kinematics: Kinematics, first: Anchor, second: Anchor):
+    def __init__(self, kinematics: Kinematics, first: Anchor, second: Anchor, turning: bool = True):
+        self._turning = turning
         self._kinematics = kinematics
         self._first, self._second = first, second
         (self._R1, p1), (self._R2, self._p2) = kinematics.frame(first), kinematics.frame(second)
-        self.turn = rotation_vector(self._R1.T @ self._R2)
+        self.turn = rotation_vector(self._R1.T @ self._R2) if turning else np.zeros(3)
         self.value = np.concatenate([self._R1.T @ (self._p2 - p1), self.turn])
 
     @cached_property
@@ -29,7 +32,7 @@ class RelativePose:
         """d phi / dq, shape (6, nv)."""
         relative = self._relative
         shift = self._R1.T @ (relative[:3] + np.cross(relative[3:], self._p2, axis=0))
-        turn = inverse_right_jacobian(self.turn) @ self._R2.T @ relative[3:]
+        turn = inverse_right_jacobian(self.turn) @ self._R2.T @ relative[3:] if self._turning else np.zeros_like(shift)
         return np.vstack([shift, turn])
 
     def hessian(self, factors: np.ndarray) -> np.ndarray:

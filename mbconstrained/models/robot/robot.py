@@ -19,7 +19,7 @@ from .mechanism import LinkFrames, checked_connections
 from .point_motion import PointMotion
 from .posture import Posture
 from .posture_search import find_posture
-from .skeleton import skeleton
+from .skeleton import link_masses, skeleton
 from .tangent import Tangent
 from .tree import Tree, built_model
 from .urdf import checked_tree, mimics_of, read_urdf
@@ -39,7 +39,8 @@ class Robot:
         springs: between bodies, ``BodySpring`` and ``Bushing``.
         base: "fixed" to the ground, or "free".
         joint_stiffness, joint_rest, joint_damping: by joint with one degree of freedom: a spring (N m/rad, N/m) that is
-            relaxed at the rest (rad, m; 0 when not given), and a damper (N m s/rad, N s/m) in addition to the URDF's.
+            relaxed at the rest (rad, m; 0 when not given; of a continuous joint, which is known up to full turns, the short way
+            counts), and a damper (N m s/rad, N s/m) in addition to the URDF's.
         gravity: the acceleration of free fall (m/s^2), a vector or the number g for (0, 0, -g).
         locked: joints that do not move, with their values (rad, m).
         flexible_joints: by joint, ``FlexibleJoint``.
@@ -78,12 +79,14 @@ class Robot:
         self.name = str(name or self.description.get("name") or "robot")
         if base not in ("fixed", "free"):
             raise InputError(f'base: found {base!r}{nearest(str(base), ("fixed", "free"))}; expected "fixed" or "free"')
+        if isinstance(package_dirs, str) or not all(isinstance(folder, (str, Path)) for folder in package_dirs):
+            raise InputError(f"package_dirs: found {package_dirs!r}; expected a list of folders")
         self.package_dirs = tuple(Path(folder) for folder in package_dirs)
         mimics = mimics_of(self.description)
         self.locked = locked_values(locked, mimics)
         self.tree = Tree(built_model(skeleton(self.description), base == "free", self.locked, _gravity(gravity)))
         self.tangent = Tangent(self.model, base == "free", tuple(self.locked))
-        self.link_frames = LinkFrames(self.model)
+        self.link_frames = LinkFrames(self.model, link_masses(self.description))
         self.couplings = couplings(mimics, self.tangent)
         self.loops = checked_connections(loops, (Loop,), "loops", self.link_frames)
         self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
@@ -92,7 +95,12 @@ class Robot:
     def _set_joints(self, stiffness, rest, damping, flexible) -> None:
         self.joint_stiffness = self.tangent.vector(stiffness, "joint_stiffness", minimum=0.0)
         self.joint_rest = self.tangent.vector(rest, "joint_rest")
+        for name in rest or ():
+            if not self.joint_stiffness[self.tangent.place(name, "joint_rest")]:
+                raise InputError(f"joint_rest: {name} has no joint_stiffness; give it one, or leave the rest out")
         self.joint_damping = np.array(self.model.damping) + self.tangent.vector(damping, "joint_damping", minimum=0.0)
+        if not isinstance(flexible or {}, Mapping):
+            raise InputError(f"flexible_joints: found {type(flexible).__name__}; expected mb.FlexibleJoint(...) by joint")
         self.flexible_joints = dict(flexible or {})
         for name, joint in self.flexible_joints.items():
             self.tangent.place(name, "flexible_joints")
@@ -123,6 +131,11 @@ class Robot:
     def units(self) -> tuple[str, ...]:
         """ "m" or "rad" for each of them."""
         return self.tangent.units
+
+    @property
+    def limits(self) -> dict[str, tuple[float, float]]:
+        """Lower and upper limit (rad, m) by joint, of those that have any."""
+        return self.tangent.limits
 
     def equilibrium(
         self,

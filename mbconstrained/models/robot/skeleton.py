@@ -38,6 +38,12 @@ def skeleton(robot: Element) -> str:
     return ElementTree.tostring(found, encoding="unicode")
 
 
+def link_masses(robot: Element) -> dict[str, float]:
+    """Masses by link (kg), of those that have one."""
+    found = {link.get("name"): link.find("inertial/mass") for link in robot.findall("link")}
+    return {name: number(mass.get("value"), "mass") for name, mass in found.items() if mass is not None}
+
+
 def _copy_inertial(link: Element, inertial: Element, where: str) -> None:
     mass, inertia = inertial.find("mass"), inertial.find("inertia")
     if mass is None or inertia is None:
@@ -93,12 +99,13 @@ def _axis(joint: Element, where: str) -> list[float]:
 
 
 def _limits(joint: Element, where: str) -> dict[str, float]:
-    """Limits; those that are left out are 0, and a joint with equal limits has none."""
+    """Limits; those that are left out are 0, and a joint whose limits both are 0 has none."""
     limit = joint.find("limit")
     keys = ("lower", "upper", "effort", "velocity")
     found = {key: number("0" if limit is None else limit.get(key, "0"), f"{where}, limit, {key}") for key in keys}
-    if found["lower"] > found["upper"]:
-        raise InputError(f"{where}, limit: found lower {found['lower']:g} above upper {found['upper']:g}")
+    low, high = found["lower"], found["upper"]
+    if low > high or low == high != 0:
+        raise InputError(f"{where}, limit: found lower {low:g} and upper {high:g}; expected lower below upper, or lock the joint")
     return found
 
 

@@ -85,13 +85,23 @@ class Tangent:
         """The inverse: by joint a number, or the numbers of a body that moves in several ways."""
         return {name: _joint_value(joint, q[joint.idx_q : joint.idx_q + joint.nq]) for name, joint in self._each()}
 
+    @cached_property
+    def limits(self) -> dict[str, tuple[float, float]]:
+        """Lower and upper limit by joint, of those that have any."""
+        low, high = self.model.lowerPositionLimit, self.model.upperPositionLimit
+        return {
+            name: (float(low[joint.idx_q]), float(high[joint.idx_q]))
+            for name, joint in self._each()
+            if joint.nq == 1 and low[joint.idx_q] < high[joint.idx_q]
+        }
+
     def outside_limits(self, q: np.ndarray, tolerance: float) -> str:
         """A sentence on the first joint that is beyond its limits, or an empty text."""
-        model = self.model
-        for name, joint in self._each():
-            low, high, value = model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q], q[joint.idx_q]
-            if joint.nq == 1 and low < high and not low - tolerance <= value <= high + tolerance:
-                return f'joint "{name}" is at {value:.6g} {_units(joint)[0]}, beyond its limits {low:.6g} ... {high:.6g}'
+        values = self.values(q)
+        for name, (low, high) in self.limits.items():
+            if not low - tolerance <= values[name] <= high + tolerance:
+                unit = self.units[self.coordinates.index(name)]
+                return f'joint "{name}" is at {values[name]:.6g} {unit}, beyond its limits {low:.6g} ... {high:.6g}'
         return ""
 
     def _each(self):

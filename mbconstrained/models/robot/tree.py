@@ -74,6 +74,12 @@ class Tree:
 
         return pinocchio.integrate(self.model, q, step)
 
+    def way(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """The step from one configuration to another, in tangent coordinates."""
+        import pinocchio
+
+        return np.array(pinocchio.difference(self.model, start, end))
+
     def frames(self, q: np.ndarray, numbers: list[int]) -> list[tuple[np.ndarray, np.ndarray]]:
         """Positions (3,) and quaternions (4,) x y z w of the frames of these numbers."""
         import pinocchio
@@ -87,7 +93,7 @@ def built_model(text: str, free_base: bool, locked: Mapping[str, float], gravity
     """The pinocchio model of a ``skeleton``, locked joints taken out; its gravity set.
 
     Raises:
-        InputError: pinocchio cannot read the text, an unknown locked joint, masses without sense.
+        InputError: pinocchio cannot read the text, an unknown locked joint, or one locked beyond its limits.
     """
     import pinocchio
 
@@ -120,5 +126,8 @@ def _without(model, locked: Mapping[str, float]):
         joint = model.joints[numbers[-1]]
         if joint.nv != 1:
             raise InputError(f'locked: "{name}" moves in several ways; only joints with one degree of freedom can be locked')
+        low, high = model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q]
+        if joint.nq == 1 and low < high and not low <= value <= high:
+            raise InputError(f"locked: {name}: found {value:g}, beyond its limits {low:g} ... {high:g}")
         q[joint.idx_q : joint.idx_q + joint.nq] = value if joint.nq == 1 else (np.cos(value), np.sin(value))
     return pinocchio.buildReducedModel(model, numbers, q)

@@ -57,7 +57,7 @@ def checked_tree(text: str) -> ElementTree.Element:
     if re.search(r"<!(DOCTYPE|ENTITY)", text, re.IGNORECASE):
         raise InputError("urdf: found a document type or an entity; a URDF has none, take it out")
     try:
-        root = ElementTree.fromstring(text.encode())
+        root = ElementTree.fromstring(text.encode(), ElementTree.XMLParser(encoding="utf-8"))  # whatever it declares
     except (ElementTree.ParseError, ValueError) as problem:
         raise InputError(f"urdf: not XML ({problem})") from None
     if root.tag != "robot":
@@ -77,12 +77,13 @@ def checked_tree(text: str) -> ElementTree.Element:
 
 @dataclass(frozen=True)
 class Mimic:
-    """A joint that follows another: q_follower = multiplier q_leader + offset."""
+    """A joint that follows another: q_follower = multiplier q_leader + offset; a leader that is fixed stays at 0."""
 
     follower: str
     leader: str
     multiplier: float
     offset: float
+    leader_is_fixed: bool = False
 
 
 def mimics_of(root: ElementTree.Element) -> tuple[Mimic, ...]:
@@ -93,13 +94,16 @@ def mimics_of(root: ElementTree.Element) -> tuple[Mimic, ...]:
     """
     joints, found = {joint.get("name"): joint for joint in root.findall("joint")}, []
     for name, joint in joints.items():
-        if (mimic := joint.find("mimic")) is None:
+        if (mimic := joint.find("mimic")) is None or joint.get("type") == "fixed":
             continue
         where, leader = f'urdf, joint "{short(name)}", mimic', mimic.get("joint", "")
         if leader not in joints or joints[leader].find("mimic") is not None:
             raise InputError(f'{where}: found "{short(leader)}"{nearest(leader, joints)}; expected a joint that follows no other')
+        kinds = joint.get("type"), joints[leader].get("type")
+        if several := [kind for kind in kinds if kind in ("planar", "floating")]:
+            raise InputError(f"{where}: found a {several[0]} joint; only joints with one degree of freedom can follow or lead")
         numbers = [number(mimic.get(key, usual), f"{where}, {key}") for key, usual in (("multiplier", "1"), ("offset", "0"))]
-        found.append(Mimic(str(name), leader, *numbers))
+        found.append(Mimic(str(name), leader, *numbers, leader_is_fixed=kinds[1] == "fixed"))
     return tuple(found)
 
 
@@ -107,7 +111,9 @@ def _names(root, tag: str) -> list[str]:
     names = [str(element.get("name", "")) for element in root.findall(tag)]
     for name, count in Counter(names).items():
         if not name or name != name.strip():
-            raise InputError(f'urdf: found a <{tag}> with the name "{short(name)}"; expected one that begins and ends with a letter')
+            raise InputError(
+                f'urdf: found a <{tag}> with the name "{short(name)}"; expected one that begins and ends with a letter'
+            )
         if count > 1:
             raise InputError(f'urdf: two elements <{tag}> are named "{short(name)}"; names must differ')
     return names
@@ -130,17 +136,21 @@ def _check_joint(joint, links: set[str]) -> tuple[str, str]:
 
 
 def _check_tree(ends: list[tuple[str, str]], links: list[str]) -> None:
-    """Each link has at most one parent, and one of them has none."""
-    children = [child for _, child in ends]
-    if twice := next((name for name in children if children.count(name) > 1), None):
+    """From one link, the base, all others are reached, each by one way."""
+    twice = [child for child, count in Counter(child for _, child in ends).items() if count > 1]
+    if twice:
         raise InputError(
-            f'urdf: the link "{short(twice)}" is the child of two joints; a URDF is a tree: keep one, and close the loop with mb.Loop'
+            f'urdf: the link "{short(twice[0])}" is the child of two joints; a URDF is a tree: keep one, and close the loop with '
+            "mb.Loop"
         )
+    children = {child for _, child in ends}
     roots = [name for name in links if name not in children]
-    if len(roots) != 1:
+    if len(roots) > 1:
         names = ", ".join(f'"{short(name)}"' for name in roots[:3])
-        raise InputError(
-            f"urdf: {len(roots)} links have no parent ({names}); expected one, the base"
-            if roots
-            else "urdf: every link has a parent, so the joints go round in a circle; close loops with mb.Loop"
-        )
+        raise InputError(f"urdf: {len(roots)} links have no parent ({names}); expected one, the base")
+    reached = set(roots)
+    while more := {child for parent, child in ends if parent in reached} - reached:
+        reached |= more
+    if rest := [name for name in links if name not in reached]:
+        names = ", ".join(f'"{short(name)}"' for name in rest[:3])
+        raise InputError(f"urdf: the joints of {names} go round in a circle; a URDF is a tree: close loops with mb.Loop")

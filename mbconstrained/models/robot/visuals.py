@@ -52,18 +52,18 @@ def visuals_of(description: ElementTree.Element, folder: Path | None, package_di
         InputError: numbers that make no sense, mesh files outside these folders, or that cannot be read.
     """
     colors = {m.get("name"): _color(m) for m in description.findall("material")}
-    found = []
+    found, meshes = [], {}
     for link in description.findall("link"):
         for visual in link.findall("visual"):
             where = f'urdf, link "{link.get("name")}", visual'
             material = visual.find("material")
             color = None if material is None else _color(material) or colors.get(material.get("name"))
-            kind, size, mesh = _shape(visual.find("geometry"), where, folder, package_dirs)
+            kind, size, mesh = _shape(visual.find("geometry"), where, folder, package_dirs, meshes)
             found.append(Visual(str(link.get("name")), kind, size, _placement(visual.find("origin"), where), color, *mesh))
     return tuple(found)
 
 
-def _shape(geometry, where: str, folder, package_dirs):
+def _shape(geometry, where: str, folder, package_dirs, meshes: dict):
     """Kind, size, and vertices and faces of a mesh."""
     if geometry is None or len(geometry) == 0:
         raise InputError(f"{where}: found no geometry; expected a box, cylinder, sphere or mesh")
@@ -75,7 +75,7 @@ def _shape(geometry, where: str, folder, package_dirs):
         "capsule": {"radius": 1, "length": 1},
     }
     if shape.tag == "mesh":
-        return "mesh", (), _mesh(shape, where, folder, package_dirs)
+        return "mesh", (), _mesh(shape, where, folder, package_dirs, meshes)
     if shape.tag not in keys:
         raise InputError(f"{where}: found <{shape.tag}>{nearest(shape.tag, (*keys, 'mesh'))}; expected {', '.join(keys)} or mesh")
     counts = keys[shape.tag].items()
@@ -85,18 +85,29 @@ def _shape(geometry, where: str, folder, package_dirs):
     return ("cylinder" if shape.tag == "capsule" else shape.tag), tuple(size), (None, None)
 
 
-def _mesh(shape, where: str, folder, package_dirs) -> tuple[np.ndarray, np.ndarray]:
+def _mesh(shape, where: str, folder, package_dirs, meshes: dict) -> tuple[np.ndarray, np.ndarray]:
+    """Corners and triangles; a file that several links share is read once for each scale."""
     path = mesh_file(shape.get("filename", ""), where, folder, package_dirs)
-    scale = np.array(numbers(shape.get("scale", "1 1 1"), 3, f"{where}, scale"))
+    scale = tuple(numbers(shape.get("scale", "1 1 1"), 3, f"{where}, scale"))
+    if (path, scale) not in meshes:
+        meshes[path, scale] = _read_mesh(path, scale, where)
+    return meshes[path, scale]
+
+
+def _read_mesh(path: Path, scale, where: str) -> tuple[np.ndarray, np.ndarray]:
     import coal
 
     try:
-        mesh = coal.MeshLoader().load(str(path), scale)
-        faces = [mesh.tri_indices(i) for i in range(mesh.num_tris)]
-        return np.array(mesh.vertices()).reshape(-1, 3), np.array([[f[0], f[1], f[2]] for f in faces], int).reshape(-1, 3)
+        mesh = coal.MeshLoader().load(str(path), np.array(scale))
+        triangles = (mesh.tri_indices(i) for i in range(mesh.num_tris))  # which know their length, but not their end
+        faces = np.fromiter((triangle[k] for triangle in triangles for k in range(3)), int).reshape(-1, 3)
+        vertices = np.array(mesh.vertices()).reshape(-1, 3)
     except (ValueError, RuntimeError) as problem:
         reason = (str(problem).strip().splitlines() or ["unknown"])[-1][:120]
         raise InputError(f"{where}: the mesh file {path.name} cannot be read ({reason})") from None
+    if not np.isfinite(vertices).all():
+        raise InputError(f"{where}: the mesh file {path.name} has corners that are no finite numbers")
+    return vertices, faces
 
 
 def mesh_file(name: str, where: str, folder: Path | None, package_dirs: tuple[Path, ...]) -> Path:

@@ -126,6 +126,6 @@ class WithoutMotors:
 
     def _undetermined(self) -> InputError:
         return InputError(
-            "without_motors: the masses and motor inertias do not determine the accelerations, so that values of higher derivatives "
-            "at the start are not known; solve the doubled system, or give every motor and link an inertia"
+            "without_motors: the masses and motor inertias do not determine the accelerations, so that values of higher "
+            "derivatives at the start are not known; solve the doubled system, or give every motor and link an inertia"
         )

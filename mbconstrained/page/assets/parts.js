@@ -35,7 +35,8 @@ class Parts {
   outline(geometry, color) {
     if (!geometry.userData.edges) geometry.userData.edges = new THREE.EdgesGeometry(geometry, sharp);
     const tone = new THREE.Color(color).lerp(new THREE.Color(ink), 0.55);
-    return new THREE.LineSegments(geometry.userData.edges, new THREE.LineBasicMaterial({ color: tone, transparent: true, opacity: 0.7 }));
+    const thin = new THREE.LineBasicMaterial({ color: tone, transparent: true, opacity: 0.7 });
+    return new THREE.LineSegments(geometry.userData.edges, thin);
   }
 
   mesh(number) {

@@ -21,6 +21,8 @@ class Stage {
     pane.querySelector(".labels").classList.toggle("many", named.length > 8);
     this.light();
     this.camera = this.aim();
+    this.hidden = null; // found when it is first needed, and again when the view has been turned
+    this.viewer.controls.addEventListener("end", () => this.lookAgain());
     this.viewer.set_3d_pane_size = () => this.fit(); // the viewer's own fills the window
     this.fit();
     this.quietWheel();
@@ -94,6 +96,11 @@ class Stage {
   reset() {
     this.look(this.camera);
     this.fit();
+    this.lookAgain();
+  }
+
+  lookAgain() {
+    this.hidden = null;
     this.draw();
   }
 
@@ -183,8 +190,24 @@ class Stage {
     return [middle(xs), Math.max(Math.min(...ys), middle(ys) - 12)];
   }
 
-  // Puts the names a little above their bodies; a name that would cover another one is left out.
+  // Which bodies made of parts stand behind others: their names would be read as those of what hides them.
+  behind() {
+    const solids = this.bodies.map((body) => opaque(body));
+    const own = (i, { object }) => solids[i].includes(object);
+    const caster = new THREE.Raycaster();
+    const covered = (i, point) => {
+      const seen = point.clone().project(this.camera);
+      caster.setFromCamera(new THREE.Vector2(seen.x, seen.y), this.camera);
+      const [first] = caster.intersectObjects(solids.flat(), false);
+      return Boolean(first) && !own(i, first) && first.distance < caster.ray.origin.distanceTo(point);
+    };
+    const hidden = (i) => pointsAlong(this.boxes[i]).every((point) => covered(i, this.bodies[i].localToWorld(point)));
+    return this.figure.bodies.map(({ label }, i) => Boolean(this.boxes[i] && label) && hidden(i));
+  }
+
+  // Puts the names a little above their bodies; a name that would cover another one, or belongs to what is not seen, is left out.
   write() {
+    this.hidden = this.hidden || this.behind();
     const taken = [];
     for (const i of this.order()) {
       const [label, [x, top]] = [this.labels[i], this.top(i)];
@@ -192,8 +215,9 @@ class Stage {
       label.style.transform = `translate(-50%, -100%) translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
       const box = { left: x - label.offsetWidth / 2, right: x + label.offsetWidth / 2, top: y - label.offsetHeight, bottom: y };
       const free = taken.every((b) => box.right < b.left || box.left > b.right || box.bottom < b.top || box.top > b.bottom);
-      label.style.visibility = free ? "visible" : "hidden";
-      if (free && label.textContent) taken.push(box);
+      const shown = free && !this.hidden[i];
+      label.style.visibility = shown ? "visible" : "hidden";
+      if (shown && label.textContent) taken.push(box);
     }
   }
 
@@ -230,6 +254,25 @@ function bodyObject(body, parts, unit) {
     whole.add(post);
   }
   return whole;
+}
+
+// The meshes of an object through which nothing is seen.
+function opaque(object) {
+  const found = [];
+  object.traverse((part) => part.isMesh && !part.material.transparent && found.push(part));
+  return found;
+}
+
+// The middle of a box given by its corners, and two points on either side of it where the box is longest.
+function pointsAlong(corners) {
+  const [low, high] = [corners[0], corners[7]];
+  const size = high.clone().sub(low);
+  const axis = ["x", "y", "z"].reduce((best, name) => (size[name] > size[best] ? name : best));
+  return [-1, 0, 1].map((side) => {
+    const point = low.clone().add(high).multiplyScalar(0.5);
+    point[axis] += (side * size[axis]) / 3;
+    return point;
+  });
 }
 
 // The corners of a box around the largest part of an object, in its own frame.

@@ -2,4 +2,4 @@
 
 from .coordinates import coordinate_drawing
 from .lumped import lumped_drawing
-from .robot import robot_drawing
+from .robot import parts_of, robot_drawing

@@ -7,6 +7,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ...tolerances import noise_of
+
 #: Largest drawn change of distance between neighbours, in drawing units, about half of the gap between them.
 NEIGHBOURS = 0.8
 
@@ -15,6 +17,9 @@ ABSOLUTE = 2.4
 
 #: Angles smaller than this are drawn larger, rad.
 VISIBLE_ANGLE = 0.35
+
+#: Largest angle that a drawing is made to show, rad: further, a wheel is no longer seen to swing back and forth.
+WIDEST_ANGLE = 2 * VISIBLE_ANGLE
 
 #: Motion smaller than this is none.
 NONE = 1e-290
@@ -32,7 +37,17 @@ def displacement_scale(moves: dict[str, np.ndarray], pairs: Iterable[tuple[str, 
 def angle_scale(angles: Iterable[np.ndarray]) -> float:
     """Magnification for angles, arrays (T,): 1 unless all of them are too small to be seen."""
     largest = max(map(_peak, angles), default=0.0)
-    return 1.0 if largest < NONE or largest >= VISIBLE_ANGLE else _plain(2 * VISIBLE_ANGLE / largest)
+    return 1.0 if largest < NONE or largest >= VISIBLE_ANGLE else _plain(WIDEST_ANGLE / largest)
+
+
+def two_digits(number: float) -> float:
+    """The next smaller number of two digits.
+
+    >>> two_digits(0.7), two_digits(1.2345e-7), two_digits(99.9)
+    (0.7, 1.2e-07, 99.0)
+    """
+    power = int(np.floor(np.log10(number))) - 1
+    return float(f"{np.floor(number / 10.0**power * (1 + noise_of(1.0))):g}e{power}")
 
 
 def _peak(values: np.ndarray) -> float:

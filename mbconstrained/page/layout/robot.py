@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from ..drawing import Body, Drawing, Link
 from ..parts import Part
 from ..path import Path
-from ..poses import rotated
+from .robot_points import link_points, robot_size
 
 #: Shares of the robot's size: thickness of plates, least width of that at the root, width of those under fixed points, and
 #: radius of the ball that stands for a link without a shape.
@@ -19,17 +19,23 @@ _PLATE, _WIDTH, _PAD, _BALL = 0.012, 0.15, 0.06, 0.014
 #: How much wider than the root a plate under it is, and how much narrower one over it, which would hide it.
 _MARGIN, _COVER = 1.2, 0.6
 
-_LINK_KINDS = {"loop": "loop", "spring": "spring", "damper": "damper", "bushing": "bushing"}
+#: What is drawn besides the links begins with a blank, which no link's name does.
+BASE_PLATE, PAD = " base plate", " plate"
 
 
 def robot_drawing(
-    visuals: Iterable[Any], poses: Mapping[str, Any], connections: Iterable[Any] = (), *, scale=1.0, fixed=True, note=""
+    parts: Mapping[str, Sequence[Part]],
+    poses: Mapping[str, Any],
+    connections: Iterable[Any] = (),
+    *,
+    scale=1.0,
+    fixed=True,
+    note="",
 ) -> Drawing:
     """Every link of a robot as a body with a path.
 
     Args:
-        visuals: each with link, kind, size, placement, color (r, g, b, a from 0 to 1, or None), vertices and faces, as
-            ``Robot.visuals()`` gives them.
+        parts: of the links that are drawn, by name, as ``parts_of`` makes them.
         poses: by link name, the root first, positions (3, T) and quaternions (4, T), as ``Robot.poses()`` gives them.
         connections: each with name, kind ("loop", "spring", "damper" or "bushing"), body1, point1, body2 and point2, as
             ``Robot.connection_points()`` gives them; a spring and a damper between the same points become a strut.
@@ -37,20 +43,30 @@ def robot_drawing(
         fixed: whether the root stands on the ground; then a hatched plate is drawn under it.
         note: a sentence shown with the picture.
     """
-    parts = {name: [] for name in poses}
-    for visual in visuals:
-        parts.setdefault(visual.link, []).append(_part(visual))
     connections = tuple(connections)
     paths = {name: Path(pose.positions, pose.quaternions) for name, pose in poses.items()}
-    points = {name: _points(parts[name], path) for name, path in paths.items()}
-    size = _size(points)
-    _fill(parts, {end for row in connections for end in (row.body1, row.body2)}, size)
-    bodies = [_body(name, parts[name], path) for name, path in paths.items()]
+    points = link_points(parts, paths)
+    size = robot_size(points)
+    shown = _filled(parts, paths, {end for row in connections for end in (row.body1, row.body2)}, size)
+    bodies = [_body(name, shown[name], path) for name, path in paths.items()]
     bodies += [_plate(points, paths, size)] if fixed else []
     bodies += _pads(connections, size)
     if "ground" not in paths:
         bodies.append(Body("ground", "parts", label=""))
     return Drawing(bodies, tuple(_links(connections)), scale, note=note)
+
+
+def parts_of(visuals: Iterable[Any]) -> dict[str, list[Part]]:
+    """What links are drawn with, by name.
+
+    Args:
+        visuals: each with link, kind, size, placement, color (r, g, b, a from 0 to 1, or None), vertices and faces, as
+            ``Robot.visuals()`` gives them.
+    """
+    parts = {}
+    for visual in visuals:
+        parts.setdefault(visual.link, []).append(_part(visual))
+    return parts
 
 
 def _part(visual) -> Part:
@@ -60,27 +76,15 @@ def _part(visual) -> Part:
     return Part(visual.kind, size, visual.placement, color, opacity, visual.vertices, visual.faces)
 
 
-def _body(name: str, parts: list[Part], path: Path) -> Body:
+def _body(name: str, parts: Sequence[Part], path: Path) -> Body:
     return Body(name, "parts", parts=parts, path=path, label=None if parts else "")
 
 
-def _size(points: Mapping[str, np.ndarray]) -> float:
-    """Diagonal of a box around all points at the first time."""
-    first = np.hstack([block[:, :, 0] for block in points.values()] or [np.zeros((3, 1))])
-    return float(np.linalg.norm(np.ptp(first, axis=1))) or 1.0
-
-
-def _points(parts: list[Part], path: Path) -> np.ndarray:
-    corners = np.hstack([np.zeros((3, 1)), *(part.corners for part in parts)])
-    return path.positions[:, None] + rotated(path.quaternions, corners)
-
-
-def _fill(parts: dict[str, list[Part]], connected: set[str], size: float) -> None:
-    """A ball for a link without a shape, where something is tied to it or no link has a shape."""
+def _filled(parts: Mapping[str, Sequence[Part]], names: Iterable[str], connected: set[str], size: float) -> dict:
+    """The parts of all links: a ball for one without a shape, where something is tied to it or no link has a shape."""
     shapeless = not any(parts.values())
-    for name, own in parts.items():
-        if not own and (shapeless or name in connected):
-            own.append(Part("sphere", (_BALL * size,)))
+    ball = [Part("sphere", (_BALL * size,))]
+    return {name: parts.get(name) or (ball if shapeless or name in connected else []) for name in names}
 
 
 def _plate(points: Mapping[str, np.ndarray], paths: Mapping[str, Path], size: float) -> Body:
@@ -95,7 +99,7 @@ def _plate(points: Mapping[str, np.ndarray], paths: Mapping[str, Path], size: fl
     thickness = _PLATE * size
     level = high[2] + thickness / 2 if hangs else low[2] - thickness / 2
     middle = (low + high) / 2
-    return Body("base plate", "base", (middle[0], middle[1], level), size=(width, depth, thickness))
+    return Body(BASE_PLATE, "base", (middle[0], middle[1], level), size=(width, depth, thickness))
 
 
 def _pads(connections: tuple[Any, ...], size: float) -> list[Body]:
@@ -104,7 +108,7 @@ def _pads(connections: tuple[Any, ...], size: float) -> list[Body]:
     points = dict.fromkeys(_vector(point) for name, point in tied if name == "ground")
     width, thickness = _PAD * size, _PLATE * size
     places = [(x, y, z - thickness / 2) for x, y, z in points]
-    return [Body(f"plate {i}", "base", place, size=(width, width, thickness)) for i, place in enumerate(places, start=1)]
+    return [Body(f"{PAD} {i}", "base", place, size=(width, width, thickness)) for i, place in enumerate(places, start=1)]
 
 
 def _links(connections: tuple[Any, ...]) -> Iterable[Link]:
@@ -114,7 +118,7 @@ def _links(connections: tuple[Any, ...]) -> Iterable[Link]:
         between.setdefault((kind, row.body1, row.body2, _vector(row.point1), _vector(row.point2)), []).append(row)
     for (_, start, end, start_point, end_point), rows in between.items():
         kinds = {row.kind for row in rows}
-        kind = "strut" if kinds == {"spring", "damper"} else _LINK_KINDS[rows[0].kind]
+        kind = "strut" if kinds == {"spring", "damper"} else rows[0].kind
         yield Link(rows[0].name, kind, start, end, start_point=start_point, end_point=end_point)
 
 
