@@ -108,12 +108,17 @@ def _zeros_decoupled(form: TriangularForm) -> TriangularForm:
     for _ in range(m):
         X = back @ (X @ N - G)
     close = magnitude(X).max(axis=1) > DECOUPLING_LIMIT
-    close |= (magnitude(T) > 0) @ close  # rows of one block together
+    for _ in range(n):
+        more = close | ((magnitude(T) > 0) @ close)  # rows that reach those of a close motion stay with them
+        if (more == close).all():
+            break
+        close = more
     X = np.where(close[:, None], 0 * X, X)
+    kept = np.where(close[:, None], G + T @ X, 0 * G)  # rows of a block that stay coupled see those that do not
     left, right, T = form.left.copy(), form.right.copy(), form.T.copy()
     left[:n] = left[:n] - X @ left[n:]
     right[:, n:] = right[:, n:] + right[:, :n] @ X
-    T[:n, n:] = np.where(close[:, None], G, 0 * G)
+    T[:n, n:] = kept
     return replace(form, left=left, right=right, T=T)
 
 

@@ -151,7 +151,7 @@ def test_a_descriptor_form_has_the_normal_forms_of_its_explicit_form():
         assert np.allclose(np.poly(form.state_matrix), np.poly(explicit.state_matrix), rtol=1e-8, atol=1e-8)
 
 
-@pytest.mark.parametrize("n, p", [(2, 0), (2, 1), (4, 0), (6, 1), (6, 3), (12, 4), (40, 3), (200, 0), (200, 7), (200, 100)])
+@pytest.mark.parametrize("n, p", [(2, 0), (2, 1), (4, 0), (6, 1), (6, 3), (12, 4), (40, 3), (80, 40), (200, 7)])
 def test_identities_of_any_size(n, p):
     random = np.random.default_rng(n + p)
     A, B = random.standard_normal((n, n)), random.standard_normal((n, p))
@@ -166,7 +166,7 @@ def test_identities_of_any_size(n, p):
     assert np.abs(found - given).max(initial=0) <= 1e-15 * form.condition * n * max(1.0, np.abs(given).max(initial=0)) * 100
 
 
-@pytest.mark.parametrize("size, driven", [(1, 1), (3, 1), (5, 2), (8, 8), (20, 4), (100, 3)])
+@pytest.mark.parametrize("size, driven", [(1, 1), (3, 1), (5, 2), (8, 8), (20, 4), (50, 3)])
 @pytest.mark.parametrize("similarity", ["orthogonal", "general"])
 def test_recovery_of_a_lumped_model_from_a_random_similarity(size, driven, similarity):
     random = np.random.default_rng(size)

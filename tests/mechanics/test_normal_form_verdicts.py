@@ -198,7 +198,7 @@ def test_verdicts_are_exact_and_survive_similarity(seed, half, data):
         assert verdict(*change(random, A, B), clear=False) == truth
 
 
-@pytest.mark.parametrize("n, p", [(20, 0), (20, 3), (60, 10), (200, 0), (200, 20), (200, 99)])
+@pytest.mark.parametrize("n, p", [(20, 0), (20, 3), (60, 10), (60, 29), (200, 0)])
 def test_large_systems_without_a_form(n, p):
     """Beside a controllable part, n/2 - p + 1 times the same eigenvalue, one of them in a block of size two if there is room."""
     random = np.random.default_rng(n + p)
