@@ -11,6 +11,9 @@ import numpy as np
 
 from .errors import InputError, MissingPackage
 
+#: With what users install the packages for exchange with others: python-control, xarray and pandas.
+EXTRA = "mbconstrained[exchange]"
+
 
 def nearest(word: str, known: Iterable[str]) -> str:
     """The closest known name as a hint to append to a message, or an empty string.
@@ -36,7 +39,7 @@ def optional_package(name: str, what_for: str) -> ModuleType:
     except ModuleNotFoundError as problem:
         if problem.name != name.split(".")[0]:
             raise
-        raise MissingPackage(f"{what_for} needs the package {problem.name}, which is not installed; install it and try again") from None
+        raise MissingPackage(f"{what_for} needs the package {problem.name}, which is not installed: pip install '{EXTRA}'") from None
 
 
 def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None) -> np.ndarray:

@@ -72,4 +72,4 @@ class IllConditioned(MbconstrainedError, ArithmeticError):
 
 
 class MissingPackage(MbconstrainedError, ImportError):
-    """A package that is needed only for what was asked for is not installed; the text names it."""
+    """A package that is needed only for what was asked for is not installed; the text names it and says how to install it."""

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..linalg.staircase import GENERIC
+
 if TYPE_CHECKING:
     from .pairs import JordanPairs
 
@@ -49,7 +51,7 @@ def inverse_residual(pairs: JordanPairs) -> float:
     if not companion.size:
         return 0.0
     worst = 0.0
-    for s in (0.5 + 1.0j, 1.0 - 0.25j, -0.75 + 0.6j):
+    for s in GENERIC:  # at round numbers poles may lie exactly
         A = sum(matrix * s**power for power, matrix in enumerate(companion.coefficients))
         finite, N = np.linalg.solve(s * np.eye(len(form.T)) - form.T, form.B), form.nilpotent.data
         infinite = np.linalg.solve(np.eye(len(N)) - s * N, form.B2.data)

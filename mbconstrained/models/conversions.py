@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..checks import nearest, optional_package
+from ..checks import counted, nearest, optional_package
 from ..errors import InputError
 from .transfer import checked_single, roots_of
 
@@ -37,6 +37,8 @@ def state_space_of(system) -> StateSpace:
 
     _refuse_discrete(system)
     if _has(system, "A", "B", "C", "D"):
+        if not np.size(system.A):
+            return _static(np.asarray(system.D), _names(system, "inputs", "outputs"))
         return StateSpace(system.A, system.B, system.C, system.D, descriptor=getattr(system, "E", None), **_names(system))
     if _has(system, "num", "den"):
         return StateSpace.from_transfer_function(_plain(system.num), _plain(system.den), **_names(system, "inputs", "outputs"))
@@ -46,6 +48,14 @@ def state_space_of(system) -> StateSpace:
         f"found {type(system).__name__}; expected a StateSpace, TransferFunction or ZerosPolesGain of scipy.signal, or a "
         "StateSpace or TransferFunction of python-control"
     )
+
+
+def _static(D: np.ndarray, names) -> StateSpace:
+    """y = D u without any state: x = u, 0 = -x + u, y = D x."""
+    from .state_space import StateSpace
+
+    p = D.shape[-1] if D.ndim else 0
+    return StateSpace(-np.eye(p), np.eye(p), D, descriptor=np.zeros((p, p)), **names)
 
 
 def _has(system, *names: str) -> bool:
@@ -110,6 +120,11 @@ def to_control(system: StateSpace, form: str):
         MissingPackage: python-control is not installed.
     """
     _check_form(form, FORMS[:2])
+    if not system.inputs or (form == "transfer function" and not system.outputs):
+        raise InputError(
+            f"the system has {counted(len(system.inputs), 'input')} and {counted(len(system.outputs), 'output')}; expected at "
+            "least one input, and for a transfer function one output: give the state space B, and C"
+        )
     control = optional_package("control", "to_control")
     names = {"inputs": list(system.inputs), "outputs": list(system.outputs)}
     if form == "state space":

@@ -89,11 +89,14 @@ def _is_list(value) -> bool:
 def _entries(numerator, denominator) -> list[list[tuple]]:
     if not _is_matrix(numerator):
         raise InputError("numerator: found coefficients beside a matrix of denominators; give numerator[output][input]")
+    for table, what in ((numerator, "numerator"), (denominator, "denominator")):
+        if _is_matrix(table) and any(_is_list(row) and not len(row) for row in table):
+            raise InputError(f"{what}: found an empty list; expected a polynomial, or {what}[output][input]")
     if not _is_list(numerator[0][0]):  # one input, several outputs, as scipy.signal writes it
         numerator = [[row] for row in numerator]
     if not _is_matrix(denominator):
         denominator = [[denominator] * len(row) for row in numerator]
-    sizes = [[len(row) for row in table] for table in (numerator, denominator)]
+    sizes = [[len(row) if _is_list(row) else 0 for row in table] for table in (numerator, denominator)]
     if sizes[0] != sizes[1] or len(set(sizes[0])) != 1:
         raise InputError("numerator and denominator: expected a polynomial for every output and input in both; the sizes differ")
     return [list(zip(*rows)) for rows in zip(numerator, denominator)]
@@ -140,9 +143,7 @@ def _product(factors) -> np.ndarray:
 
 def _quadratics(roots, what: str) -> list[np.ndarray]:
     """Real factors of second order, and one of first order at the end where their number is odd."""
-    roots = np.atleast_1d(np.asarray(roots, dtype=complex))
-    if roots.ndim != 1 or not np.isfinite(roots).all():
-        raise InputError(f"{what}: expected a list of finite numbers")
+    roots = _complex_numbers(roots, what)
     upper, lower = (sorted(roots[sign * roots.imag > 0], key=lambda z: (z.real, abs(z.imag))) for sign in (1, -1))
     if len(upper) != len(lower) or not np.allclose(upper, np.conj(lower), rtol=CONJUGATE, atol=0):
         raise InputError(f"{what}: found complex numbers without their conjugates; a real system has them in pairs")
@@ -150,6 +151,17 @@ def _quadratics(roots, what: str) -> list[np.ndarray]:
     found = [np.array([1.0, -2 * z.real, abs(z) ** 2]) for z in upper]
     found += [np.array([1.0, -(a + b), a * b]) for a, b in zip(real[::2], real[1::2])]
     return found + ([np.array([1.0, -real[-1]])] if len(real) % 2 else [])
+
+
+def _complex_numbers(roots, what: str) -> np.ndarray:
+    try:
+        found = np.atleast_1d(np.asarray(roots, dtype=complex))
+        fits = np.asarray(roots).dtype.kind not in "US" and found.ndim == 1 and np.isfinite(found).all()
+    except (TypeError, ValueError, OverflowError):  # what numpy says of other things, uneven lists and numbers out of range
+        fits = False
+    if not fits:
+        raise InputError(f"{what}: expected a list of finite numbers, real or complex")
+    return found
 
 
 def _series(first: Matrices, second: Matrices) -> Matrices:

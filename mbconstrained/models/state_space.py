@@ -62,6 +62,7 @@ class StateSpace:
         self.E = _fixed(np.eye(n) if descriptor is None else _matrix(descriptor, "descriptor", (n, n)))
         self.states, self.inputs = names_of(states, n, "states", "x"), names_of(inputs, p, "inputs", "u")
         self.outputs = names_of(outputs, q, "outputs", "y")
+        names_of((*self.states, *self.outputs), n + q, "states and outputs", "x")  # they are solved for together
         self.units = _units(units, (*self.states, *self.inputs, *self.outputs))
 
     def __repr__(self) -> str:
@@ -73,9 +74,12 @@ class StateSpace:
 
         Raises:
             InputError: s is a pole.
+            SingularPolynomialMatrix: det (s E - A) = 0 for every s.
         """
         if not isinstance(s, Number) or not np.isfinite(s):
             raise InputError(f"s: found {s!r}; expected a finite number, real or complex")
+        if not self._is_regular:
+            self._pencil.jordan_pairs()  # raises, and says which rows and states
         try:
             return self.C @ np.linalg.solve(s * self.E - self.A, self.B) + self.D
         except np.linalg.LinAlgError:
@@ -92,6 +96,10 @@ class StateSpace:
     @cached_property
     def _pencil(self) -> PolynomialMatrix:
         return PolynomialMatrix([-self.A, self.E], self.states, [f"row {i + 1}" for i in range(len(self.A))])
+
+    @cached_property
+    def _is_regular(self) -> bool:
+        return not self.is_descriptor or self._pencil.is_regular
 
     @cached_property
     def _pencil_with_outputs(self) -> PolynomialMatrix:

@@ -14,11 +14,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..checks import counted
-from ..errors import InputError
+from ..notices import Notice
 from ..response import Event, Response, solve
 from ..response.estimate import error_estimate
-from ..response.solve import MAKERS
+from ..response.transfer.engine import checked_input
 from ..signals import BohlFunction, ImpulsiveSmooth, zero
 
 if TYPE_CHECKING:
@@ -40,6 +39,16 @@ class StateSpaceResponse(Response):
     system: StateSpace
     input: ImpulsiveSmooth
     rank_tolerance: float | None = None
+
+    def __repr__(self) -> str:
+        if not self.system.outputs:
+            return super().__repr__()
+        return type(self).__name__ + repr(self.together).removeprefix("Response")
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """Jumps, impulses, growth, doubtful decisions, of states and outputs."""
+        return self.together.notices if self.system.outputs else super().notices
 
     def output(self, times) -> np.ndarray:
         """The regular part of y at a time (-> (q,)) or at times (T,) (-> (q, T)); t = 0 means 0+."""
@@ -90,22 +99,10 @@ class StateSpaceResponse(Response):
 
 def state_space_response(system: StateSpace, start: np.ndarray, u, rank_tolerance: float | None) -> StateSpaceResponse:
     """Solve E x' = A x + B u from x(0-), shape (n,)."""
-    u = checked_input(u, len(system.inputs))
+    u = zero(len(system.inputs)) if u is None else checked_input(u, len(system.inputs), "input")
     response = solve(system.polynomial_matrix(), start[None, :], u.mapped(system.B), rank_tolerance)
     found = {field.name: getattr(response, field.name) for field in fields(response)}
     return StateSpaceResponse(**found, system=system, input=u, rank_tolerance=rank_tolerance)
-
-
-def checked_input(u, size: int) -> ImpulsiveSmooth:
-    """An input with so many rows, zero for None, or an InputError."""
-    if u is None:
-        return zero(size)
-    if not isinstance(u, ImpulsiveSmooth):
-        raise InputError(f"input: found {type(u).__name__}; make it with {MAKERS}")
-    if u.size != size:
-        there = f"there {'is' if size == 1 else 'are'} {counted(size, 'input')}"
-        raise InputError(f"input: it has {counted(u.size, 'row')}, but {there}")
-    return u
 
 
 def start_with_outputs(system: StateSpace, start: np.ndarray) -> np.ndarray:

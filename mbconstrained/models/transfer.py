@@ -101,11 +101,13 @@ class _Channel:
     input: int
 
     def __call__(self, s: complex) -> tuple[complex, float]:
-        """G(s), and the size of the terms that it is the sum of."""
+        """G(s), and the size of the terms that it is the sum of, in x = (s E - A)^-1 b too: so x may be wrong by the rounding
+        of these (Skeel 1979)."""
         system = self.system
-        states = np.linalg.solve(s * system.E - system.A, system.B[:, self.input])
-        c, d = system.C[self.output], system.D[self.output, self.input]
-        return c @ states + d, float(np.abs(c) @ np.abs(states) + abs(d))
+        pencil, c, d = s * system.E - system.A, system.C[self.output], system.D[self.output, self.input]
+        states = np.linalg.solve(pencil, system.B[:, self.input])
+        behind = np.abs(np.linalg.inv(pencil)) @ (np.abs(pencil) @ np.abs(states))
+        return c @ states + d, float(np.abs(c) @ behind + abs(d))
 
     def polynomial_matrix(self) -> PolynomialMatrix:
         """[[s E - A, -B], [C, D]] of the channel."""

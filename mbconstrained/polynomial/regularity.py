@@ -25,7 +25,8 @@ def singular_message(A: PolynomialMatrix) -> tuple[str, tuple[int, ...], tuple[i
     message = (
         "det A(s) is zero for every s, so the motion is not determined: the equations "
         f"{_quoted(A.equations, equations)} are dependent or empty, and the coordinates {_quoted(A.coordinates, coordinates)} "
-        "can move without any force. Attach what is free (a mass, spring, damper or constraint), or take out what is said twice."
+        "can move without any force. Attach what is free (by a mass, spring, damper or constraint; in a state space by an equation), "
+        "or take out what is said twice."
     )
     return message, tuple(map(int, equations)), tuple(map(int, coordinates))
 

@@ -46,6 +46,9 @@ def transfer_function_scene(table, folder: Path, file_name: str) -> ControlScene
         with at(file_name, "initial.state"):
             raise InputError("a transfer function has no states; give displacement, velocity, … or derivatives of its output")
     start = initial_values(table.initial, outputs, len(fraction.denominator) - 1, file_name)
+    if u is None and not start.any():
+        with at(file_name, "model"):
+            raise InputError('nothing acts: give gamma = 1 (a step), a [[force]] on the input, or a start of the output')
     found = TransferFunction(model.numerator, model.denominator, zero(1) if u is None else u, start if start.any() else None)
     return ControlScene(inputs, outputs, found)
 
@@ -98,16 +101,13 @@ def made_mechanical(control: ControlScene, file_name: str, lap: Callable[[str], 
 
 def mechanical_model(control: ControlScene, model, file_name: str) -> tuple[MechanicalSystem, Coordinates]:
     """The second-order system of the normal form, with names and units of its displacements."""
-    from ..mechanics import MechanicalSystem
-
     form, names = control.form, displacement_names(model, len(control.system.states))
     with at(file_name, "model.coordinates"):
         if len(names) != form.size:
             raise InputError(f"found {len(names)} names; expected {form.size}, half as many as states")
     units = {name: model.units.get(name, "m") for name in names}
-    doubt = {"stiffness": form.uncertainty[:, : form.size], "damping": form.uncertainty[:, form.size :]}
     with at(file_name, "model.units"):
-        system = MechanicalSystem(np.eye(form.size), form.damping, form.stiffness, names=names, units=units, uncertainty=doubt)
+        system = form.system(names, units)
     return system, Coordinates(names, tuple(units.values()))
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 MOST_CHANNELS = 16  # pairs of inputs and outputs that are listed; JSON has all
 MOST_ZEROS = 8  # of one channel that are listed
 
-HIDDEN, NOT_LOOKED_FOR, POLE_AT_ZERO = "hidden by rounding", "not looked for", "none: a pole at 0"
+HIDDEN, NOT_LOOKED_FOR, POLE_AT_ZERO, NOT_KNOWN = "hidden by rounding", "not looked for", "none: a pole at 0", "not known"
 
 
 def control_tables(found: ControlScene | None) -> list[TextTable]:
@@ -77,7 +77,7 @@ def _transfer_table(found: ControlScene) -> TextTable:
 
 def _cells(found: ControlScene, input: str, output: str, G: Transfer | None, unit: str) -> tuple[str, str, str]:
     dc = dc_gain(found, input, output, G)
-    told = POLE_AT_ZERO if dc is None else sized(dc, unit)
+    told = sized(dc, unit) if dc is not None else POLE_AT_ZERO if G is not None else NOT_KNOWN
     if G is None:
         return HIDDEN if found.looks_for_zeros else NOT_LOOKED_FOR, "", told
     return (_roots(G.zeros), number(G.gain), told) if G.gain else ("G(s) = 0", "0", "0")

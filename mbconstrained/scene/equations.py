@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import InputError
+from ..notices import Notice
 from ..polynomial import PolynomialMatrix
 from ..response import Response, solve
 from ..response.parts import start_of
@@ -64,6 +65,11 @@ class Equations:
         """Names and units of what is read off the coordinates, or None."""
         found = self.control or self.robot_scene
         return found.outputs if found and found.outputs.names else None
+
+    @property
+    def form_notices(self) -> tuple[Notice, ...]:
+        """What makes the mechanical normal form doubtful, where there is one."""
+        return self.control.form.notices if self.control and self.control.form else ()
 
     @property
     def has_outputs_among_coordinates(self) -> bool:

@@ -108,7 +108,8 @@ class SceneModes:
         """Growth, rows taken out, and what makes the modes doubtful."""
         if self.system is None:
             return pair_notices(self.scene.equations.polynomial_matrix.jordan_pairs())
-        return (*self.system.notices, *pair_notices(self.system.position_form().polynomial_matrix.jordan_pairs()))
+        made = self.scene.equations.form_notices
+        return (*made, *self.system.notices, *pair_notices(self.system.position_form().polynomial_matrix.jordan_pairs()))
 
     @property
     def is_trusted(self) -> bool:

@@ -133,7 +133,7 @@ class Result:
             for kind, estimate in doubts
         ]
         robot = motion_notices(self.scene.equations.robot_scene, self.values)
-        return (*notices, *robot, *(Notice("accuracy", text, doubtful=True) for text in texts))
+        return (*self.scene.equations.form_notices, *notices, *robot, *(Notice("accuracy", text, doubtful=True) for text in texts))
 
     @property
     def is_trusted(self) -> bool:

@@ -109,6 +109,8 @@ def _check_output(output, equations: Equations, file_name: str) -> None:
                 "found output, but no outputs are named; name them as [[model.output]] of a robot, give C of a state space, "
                 "or leave it out"
             )
+        if "energy" in output.plots and equations.control and equations.control.form:
+            raise InputError("found energy: the unit masses of a normal form are not those of the machine, whose energy is not known")
         if "energy" in output.plots and system is None:
             raise InputError("energy is known only where mass, damping and stiffness are given, not for coefficients")
         if "reaction" in output.plots and not (system and system.rows):

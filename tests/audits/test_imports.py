@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-HEAVY = ["pinocchio", "coal", "meshcat", "sympy", "matplotlib", "pydantic", "pint", "typer", "rich"]
+HEAVY = ["pinocchio", "coal", "meshcat", "sympy", "matplotlib", "pydantic", "pint", "typer", "rich", "control", "xarray", "pandas"]
 
 
 def loaded_by(statement: str) -> set[str]:
@@ -30,6 +30,12 @@ def test_the_mathematics_loads_nothing_heavy(statement):
     loaded = loaded_by(statement)
     assert "numpy" in loaded
     assert not loaded & set(HEAVY)
+
+
+def test_importing_leaves_out_the_parts_of_scipy_that_few_need():
+    script = "import mbconstrained, sys; print(*[name for name in ('scipy.optimize', 'scipy.signal') if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == ""
 
 
 def test_importing_has_no_side_effect_on_numpy():

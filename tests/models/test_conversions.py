@@ -52,8 +52,10 @@ def test_any_number_of_zeros_above_three_poles(zeros):
     agrees(StateSpace.from_zeros_poles_gain(zeros, poles, 2.0), lambda s: 2 * np.prod(s - np.array(zeros)) / np.prod(s - np.array(poles)))
 
 
-@pytest.mark.parametrize("roots", [[1j], [1j, 1j], [1 + 1j, 2 - 1j], [np.nan]])
-def test_roots_without_their_conjugates_are_refused(roots):
+@pytest.mark.parametrize(
+    "roots", [[1j], [1j, 1j], [1 + 1j, 2 - 1j], [np.nan], "ab", ["1"], None, [[1, 2], [3]], [[1.0]], {1.0}, [object()], [10**400]]
+)
+def test_what_is_no_list_of_numbers_with_their_conjugates_is_refused(roots):
     with pytest.raises(mb.InputError, match="zeros: "):
         factored_realization(roots, [-1.0, -2.0, -3.0], 1.0)
 
@@ -65,6 +67,10 @@ def test_roots_without_their_conjugates_are_refused(roots):
         ([1.0], [0.0, 0.0], "denominator: found zero"),
         (["a"], [1.0], "numerator: found 'a'; expected numbers"),
         ([[[1.0], [1.0]]], [[[1.0]]], "the sizes differ"),
+        ([[]], [[]], "numerator: found an empty list"),
+        ([[1.0], []], [1.0], "numerator: found an empty list"),
+        ([[1.0]], [[]], "denominator: found an empty list"),
+        ([[[1.0]], 2.0], [[[1.0]], [[1.0]]], "the sizes differ"),
         ([1.0], [[[1.0]]], "numerator: found coefficients beside a matrix of denominators"),
     ],
 )
@@ -173,6 +179,23 @@ def test_control_and_we_give_the_same_step_response():
     assert control.step_response(theirs, times).outputs == pytest.approx(ours, abs=1e-12)
 
 
+def test_static_systems_go_there_and_back():
+    control = pytest.importorskip("control")
+    D = [[2.0, 3.0], [0.0, -1.0], [5.0, 0.0]]
+    ours = StateSpace.from_control(control.ss([], [], [], D, inputs=["a", "b"], outputs=["p", "q", "r"]))
+    assert (ours.inputs, ours.outputs) == (("a", "b"), ("p", "q", "r")) and ours(0.7j).tolist() == D
+    assert ours.solve(input=mb.step([1.0, 10.0])).output(1.0).tolist() == [32.0, -10.0, 5.0]
+    assert StateSpace.from_control(ours.to_control())(3.0).tolist() == D
+    assert StateSpace.from_scipy(ours.to_scipy())(3.0).tolist() == D
+
+
+@pytest.mark.parametrize("given", [{"B": [[1.0]]}, {"C": [[1.0]]}, {}])
+def test_a_system_without_inputs_or_outputs_has_no_transfer_function(given):
+    pytest.importorskip("control")
+    with pytest.raises(mb.InputError, match="expected at least one input, and for a transfer function one output"):
+        StateSpace([[-1.0]], **given).to_control("transfer function")
+
+
 @pytest.mark.parametrize("step", [0.1, True, 1])
 def test_discrete_time_is_refused(step):
     control = pytest.importorskip("control")
@@ -195,8 +218,9 @@ def test_other_things_are_refused(other):
 
 def test_a_missing_package_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "control", None)
-    with pytest.raises(mb.MbconstrainedError, match="to_control needs the package control, which is not installed") as caught:
-        StateSpace([[-1.0]]).to_control()
+    text = r"to_control needs the package control, which is not installed: pip install 'mbconstrained\[exchange\]'"
+    with pytest.raises(mb.MbconstrainedError, match=text) as caught:
+        StateSpace([[-1.0]], [[1.0]]).to_control()
     assert isinstance(caught.value, ImportError)
 
 

@@ -153,6 +153,7 @@ def test_without_inputs_or_outputs():
         ({"A": [[1j]]}, r"A: complex numbers found"),
         ({"descriptor": [[1.0, 0.0]]}, r"descriptor: expected shape 1 x 1, found 1 x 2"),
         ({"states": ["a", "b"]}, r"states: 2 names given for 1"),
+        ({"states": ["v"], "outputs": ["v"]}, r'states and outputs: the name "v" is used twice'),
         ({"outputs": "y"}, r'outputs: found the text "y"; expected a list of names'),
         ({"units": {"y": "V"}}, r'units: there is no state, input or output "y"; did you mean "y1"\?'),
     ],
@@ -168,7 +169,7 @@ def test_errors_at_the_door(arguments, message):
         ({"initial": [1.0, 2.0]}, r"initial: expected shape 1, found 2"),
         ({"initial": {"x11": 1.0}}, r'initial: there is no state "x11"; did you mean "x1"\?'),
         ({"input": 1.0}, r"input: found float; make it with mb\.step"),
-        ({"input": mb.step([1.0, 2.0])}, r"input: it has 2 rows, but there is 1 input"),
+        ({"input": mb.step([1.0, 2.0])}, r"input: it has 2 rows; expected 1, one for each input"),
     ],
 )
 def test_errors_when_it_is_solved(arguments, message):
@@ -179,6 +180,27 @@ def test_errors_when_it_is_solved(arguments, message):
 def test_a_singular_pencil_is_refused():
     with pytest.raises(mb.SingularPolynomialMatrix):
         StateSpace([[0.0]], [[1.0]], descriptor=[[0.0]]).solve()
+
+
+@pytest.mark.parametrize("s", [0.0, 1.3, 0.1 + 0.7j, -1e6])
+def test_a_singular_pencil_has_no_transfer_function(s):
+    """det (s E - A) = (s - 2)(s + 1) - (-s - 1)(-s + 2) = 0; rounding makes some number of it at most s."""
+    system = StateSpace([[2, 1], [-2, -1]], [[1], [0]], [[1, 0]], descriptor=[[1, -1], [-1, 1]])
+    with pytest.raises(mb.SingularPolynomialMatrix, match='the equations "row 1", "row 2" are dependent'):
+        system(s)
+
+
+def test_notices_and_text_count_states_and_outputs():
+    # x' = -2 x + 2 u, y = x + 3 u with u = 2 + 5 delta: both jump, y has an impulse too.
+    x = StateSpace(**LAG, D=[[3.0]], states=["v"], outputs=["w"]).solve([1.0], mb.step([2.0]) + mb.impulse([5.0]))
+    assert [(n.kind, n.text[:2]) for n in x.notices if n.kind in ("jump", "impulse")] == [("jump", "v:"), ("jump", "w:"), ("impulse", "w:")]
+    assert str(x) == "StateSpaceResponse(2 coordinates: v, w; 2 jumps and 1 impulse at t = 0; 0 events later)"
+
+
+def test_without_outputs_the_notices_are_of_the_states():
+    x = StateSpace([[1.0]], [[1.0]]).solve(input=mb.impulse([1.0]))
+    assert [n.kind for n in x.notices] == ["jump", "unstable"]
+    assert str(x) == "StateSpaceResponse(1 coordinate: x1; 1 jump and 0 impulses at t = 0; 0 events later)"
 
 
 def test_the_error_estimate_of_the_outputs_covers_the_error():

@@ -44,6 +44,13 @@ def test_what_the_input_does_not_reach():
     assert found.numerator.tolist() == [0.0]
 
 
+def test_zero_is_told_from_rounding_of_the_states():
+    """(s E - A) x = B has x1 = 0: [[-2, s], [-s - 2, s]] (0, 1/s) = (1, 1); solving leaves a rounding of x1."""
+    found = StateSpace([[2, 0], [2, 0]], [[1], [1]], [[-1, 0]], descriptor=[[0, 1], [-1, 1]]).transfer()
+    assert (found.zeros, found.gain, found.dc_gain) == ((), 0.0, 0.0)
+    assert [zero.value for zero in found.poles] == [0] and found.poles[0].multiplicity == 2
+
+
 def test_more_zeros_than_poles():
     # y = u' + u/(s + 1)
     system = StateSpace([[1, 0, 0], [0, 1, 0], [0, 0, -1]], [[0], [1], [1]], [[-1, 0, 1]], descriptor=[[0, 1, 0], [0, 0, 0], [0, 0, 1]])

@@ -39,7 +39,7 @@ def test_example_47_has_the_coefficients_of_its_factors():
 
 def test_the_closed_form_has_all_digits(report):
     for gamma in (1, 2, 3):
-        (run,) = runs(report, "closed form", gamma)
+        (run,) = runs(report, "mbconstrained", gamma)
         assert max(map(abs, run.errors)) < 1e-13 and run.step is None and run.seconds > 0
 
 
@@ -72,9 +72,9 @@ def test_without_control_its_rows_are_left_out_and_told(monkeypatch):
     monkeypatch.setattr(simulators, "_has_control", lambda: False)
     told = []
     report = simulator_report(gammas=(3,), steps=(1.0,), progress=told.append)
-    assert [run.simulator for run in report.runs] == ["closed form", "scipy.signal.lsim"]
+    assert [run.simulator for run in report.runs] == ["mbconstrained", "scipy.signal.lsim"]
     assert str(report).endswith("control is not installed: it is left out")
-    assert told == ["I_3: closed form", "I_3: scipy.signal.lsim, step 1 s"]
+    assert told == ["I_3: mbconstrained", "I_3: scipy.signal.lsim, step 1 s"]
 
 
 def test_inputs_that_have_no_samples_are_refused():
@@ -86,4 +86,4 @@ def test_the_example_prints_the_table(monkeypatch, capsys):
     monkeypatch.setattr(simulators, "STEPS", (1.0,))
     monkeypatch.setattr(simulators.simulator_report, "__defaults__", ((2, 3), (1.0,), lambda text: None))
     runpy.run_path(str(Path(__file__).parents[2] / "examples" / "simulators.py"), run_name="__main__")
-    assert "closed form" in capsys.readouterr().out
+    assert "mbconstrained" in capsys.readouterr().out

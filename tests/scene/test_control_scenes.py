@@ -88,9 +88,10 @@ def test_values_of_the_output_before_zero(tmp_path):
     assert found.motion.jump[:, 0] == pytest.approx([0, 3])
 
 
-def test_a_fraction_without_input_rests(tmp_path):
+def test_a_fraction_on_which_nothing_acts_is_refused(tmp_path):
     text = FRACTION[: FRACTION.index("[[force]]")] + "[time]\nend = 2\npoints = 5\n"
-    assert not scene_of(tmp_path, text).run().values.any()
+    with pytest.raises(mb.SceneError, match="model: nothing acts: give gamma = 1"):
+        scene_of(tmp_path, text)
 
 
 def test_as_many_zeros_as_poles_and_more(tmp_path):
@@ -265,7 +266,7 @@ def test_message(tmp_path, base, old, new, message):
 @pytest.mark.parametrize("key", ["inputs", "outputs"])
 def test_names_of_states_inputs_and_outputs_differ(tmp_path, key):
     text = STATES.replace('units = { y1 = "m", x1 = "m", u1 = "N" }', f'{key} = ["x2"]')
-    with pytest.raises(mb.SceneError, match=r'model: the name "x2" is used twice; states, inputs, outputs and coordinates'):
+    with pytest.raises(mb.SceneError, match=r'model: .*the name "x2" is used twice'):
         scene_of(tmp_path, text)
 
 

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
-from scipy.optimize import minimize
 
 from ...tolerances import EPS, NOISE_SAFETY
 from .units import ScaledPencil
@@ -114,6 +113,8 @@ def _starts(found: Family, count: int) -> Iterator[np.ndarray]:
 
 def _improved(free, found: Family, steps: int, left=1.0, right=1.0) -> np.ndarray:
     """Quasi-Newton steps on the logarithm of |T| |T^-1| in the Frobenius norm; what is not better is not taken."""
+    from scipy.optimize import minimize  # costs half a second, which only those who ask for a normal form shall pay
+
     before = _condition(free.ravel(), found, left, right)[0]
     answer = minimize(_condition, free.ravel(), (found, left, right), method="L-BFGS-B", jac=True, options={"maxiter": steps})
     return answer.x.reshape(free.shape) if answer.fun < before else free

@@ -13,6 +13,7 @@ from ...jordan.evidence import Evidence
 from ...notices import Notice
 from ...signals.inputs import ImpulsiveSmooth, step
 from ...tolerances import EPS
+from ..energy_parts import EnergyParts
 from ..system import MechanicalSystem
 from .existence import Existence
 from .state_space import StateSpaceData
@@ -80,11 +81,15 @@ class NormalForm:
         """True for p = n/2: there is no other T."""
         return self.freedom == 0
 
-    def system(self, names: Sequence[str] | None = None) -> MechanicalSystem:
+    def system(self, names: Sequence[str] | None = None, units=None) -> MechanicalSystem:
         """The second-order model with mass I; its force is ``force(u)``.
+
+        Its coordinates are combinations of the machine's with unit masses: the energies of the model are not those of the
+        machine, and so modes share none out.
 
         Args:
             names: of the n/2 coordinates, q1, q2, ... when not given.
+            units: of each, "m", "rad" or "1", by name or in order; "1" when not given.
 
         >>> from mbconstrained import mechanical_normal_form
         >>> form = mechanical_normal_form([[0.0, 1.0], [-4.0, 0.0]], [[0.0], [1.0]])
@@ -93,7 +98,9 @@ class NormalForm:
         """
         names = [f"q{place + 1}" for place in range(self.size)] if names is None else names
         doubt = {"stiffness": self.uncertainty[:, : self.size], "damping": self.uncertainty[:, self.size :]}
-        return MechanicalSystem(np.eye(self.size), self.damping, self.stiffness, names=names, uncertainty=doubt)
+        units = ["1"] * self.size if units is None else units
+        matrices = np.eye(self.size), self.damping, self.stiffness
+        return MechanicalSystem(*matrices, names=names, units=units, uncertainty=doubt, energy_parts=EnergyParts({}, {}))
 
     def displacement_velocity(self, x0) -> tuple[np.ndarray, np.ndarray]:
         """q and q', each of shape (n/2,), of a state x, shape (n,): the start of ``system().solve`` for x(0-) = x0.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from functools import cached_property
@@ -11,7 +12,7 @@ import numpy as np
 from ...errors import InputError
 from ...notices import Notice
 from ...signals.impulsive import ImpulsiveSmooth
-from ...tolerances import EPS, PROBE_SIZE
+from ...tolerances import EPS, PROBE_SIZE, rounding_radius
 from ..estimate import MOVES, TRIALS, moved_responses
 from ..notices import response_notices
 from ..response import Response
@@ -20,7 +21,10 @@ from .closed_form import ClosedForm
 from .early import exact_start, with_exact_start
 from .engine import checked_input, scalar_force, scalar_matrix
 from .polynomials import ONE, Polynomial
-from .rational import RationalFunction, rational_function
+from .rational import RationalFunction, rational_function, shown
+
+#: With more impulses than this in its force a response is made from its values at 0+: Laurent coefficients take long.
+MOST_IMPULSES = 24
 
 
 @dataclass(frozen=True, repr=False)
@@ -128,7 +132,7 @@ class TransferFunctionResponse(Response):
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """What was left out of the coefficients, and all that a response tells."""
-        return (*self.fraction.notices, *response_notices(self))
+        return (*self.fraction.notices, *_growth_left_out(self.fraction), *response_notices(self))
 
     @cached_property
     def moved(self) -> tuple[Response, ...]:
@@ -182,12 +186,25 @@ def _response(fraction: RationalFunction, gamma) -> TransferFunctionResponse:
 
 
 def _from_exact_start(fraction: RationalFunction, gamma: int) -> Response:
-    """From rest to the values at 0+ is what the impulses of the force do; these values are known exactly."""
+    """What the impulses of the force do at 0 is known exactly; what is left of it in each mode comes from the impulses.
+
+    The values at 0+ are sums over all modes: those of fast ones would hide what slow ones have.
+    """
     A, force = scalar_matrix(fraction.denominator), scalar_force(fraction.numerator, gamma)
     jump, impulses, in_range = exact_start(fraction, gamma, A.degree)
-    x = solve(A, jump, ImpulsiveSmooth(force.smooth)) if in_range else solve(A, force=force)
+    many = len(force.impulses) > MOST_IMPULSES
+    x = solve(A, jump, ImpulsiveSmooth(force.smooth)) if many and in_range else solve(A, force=force)
     function = with_exact_start(x.function, fraction, gamma)
     return replace(x, initial=np.zeros_like(jump), force=force, function=function, jump=jump, impulses=impulses)
+
+
+def _growth_left_out(fraction: RationalFunction) -> Iterator[Notice]:
+    """What the system hides from a response from rest, and from its zeros, but not from its user."""
+    factor = fraction.common_factor
+    zeros = scalar_matrix(factor, fraction.rounded).structure().finite_zeros if len(factor) > 1 else ()
+    if any(zero.value.real > rounding_radius(zero.multiplicity) * abs(zero.value) for zero in zeros):
+        text = "has a zero in the right half plane: from any start but rest that motion grows"
+        yield Notice("unstable", f"the common factor {shown(factor)} {text}")
 
 
 def _checked_gamma(gamma) -> int | ImpulsiveSmooth:

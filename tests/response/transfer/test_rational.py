@@ -86,6 +86,16 @@ def test_a_common_factor_is_told_once_and_kept_in_what_was_given():
     assert notice.text == "numerator and denominator have the common factor s - 1: it does not act on a response from rest"
 
 
+@pytest.mark.parametrize(
+    ("factor", "grows"), [([1, -1], "s - 1"), ([1, -2, 5], "s^2 - 2 s + 5"), ([1, 1], ""), ([1, 0], ""), ([1, 0, 4], ""), ([1, 2, 1], "")]
+)
+def test_a_growing_common_factor_is_told(factor, grows):
+    y = mb.transfer_function_response(factor, np.polymul(factor, [1, 2]).tolist())
+    told = [n.text for n in y.notices if n.kind == "unstable"]
+    text = "has a zero in the right half plane: from any start but rest that motion grows"
+    assert told == ([f"the common factor {grows} {text}"] if grows else [])
+
+
 def test_decimals_have_the_common_factor_that_they_are_written_with():
     """(s - 0.1) in (s - 0.1)(s + 0.3): as binary numbers the coefficients have none."""
     y = mb.transfer_function_response([1, -0.1], [1, 0.2, -0.03])
@@ -103,3 +113,7 @@ def test_binary_numbers_have_the_common_factor_that_they_are():
 def test_polynomials_as_text():
     assert shown((Fraction(0), Fraction(-1), Fraction(0), Fraction(-3, 2))) == "-1.5 s^3 - s"
     assert shown(()) == "0" and shown((Fraction(1),)) == "1"
+
+
+def test_poles_at_round_numbers_have_notices_like_others():
+    assert mb.transfer_function_response([1], [1, -2, 5]).notices  # it grows; its poles are 1 +- 2 i
