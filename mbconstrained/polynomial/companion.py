@@ -98,8 +98,7 @@ def scaled_companion(A: PolynomialMatrix, rank_tolerance: float | None = None, i
     a rank tolerance is given, a difference of entries counts as zero if it is no larger than that part of them.
     """
     exact = _with_first_power(A.coefficients if in_float64 else precise(A.exact_coefficients))
-    told = np.abs(A.coefficients) > NOISE_SAFETY * A.uncertainty  # what may be nothing has no size to be scaled by
-    scaling = joint_scaling(_with_first_power(np.where(told, A.coefficients, 0.0)))
+    scaling = joint_scaling(_with_first_power(_telling(A)))
     scaled = scaling.apply(exact)
     if rank_tolerance is not None:
         known = np.full(len(exact), rank_tolerance / NOISE_SAFETY)
@@ -110,6 +109,17 @@ def scaled_companion(A: PolynomialMatrix, rank_tolerance: float | None = None, i
     if rank_tolerance is None:
         noise = np.maximum(noise, scaling.apply(_with_first_power(A.uncertainty)))
     return ScaledCompanion(Noisy(scaled, noise), scaling)
+
+
+def _telling(A: PolynomialMatrix) -> np.ndarray:
+    """The coefficients, without entries that may be nothing: they have no size to be scaled by.
+
+    Those are within their uncertainty, or a rounding of the largest of their row and of the largest of their column, in one
+    coefficient: what computed matrices have in place of zeros.
+    """
+    size = np.abs(A.coefficients)
+    rounding = EPS * np.minimum(size.max(axis=1, keepdims=True, initial=0.0), size.max(axis=2, keepdims=True, initial=0.0))
+    return np.where(size > np.maximum(NOISE_SAFETY * A.uncertainty, rounding), A.coefficients, 0.0)
 
 
 def _with_first_power(coefficients: np.ndarray) -> np.ndarray:

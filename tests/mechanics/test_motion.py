@@ -1,7 +1,11 @@
 """Motions against the values of the two examples of Moysis et al., and what holds for any motion."""
 
+import json
+import pathlib
+
 import numpy as np
 import pytest
+import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -174,3 +178,14 @@ def test_it_is_a_response():
     motion = two_masses().solve(START)
     assert isinstance(motion, mb.Response)
     assert motion.error_estimate([0.0, 50.0]) < 1e-10
+
+
+def test_rounding_in_place_of_zeros_does_not_choose_the_units():
+    """A free-floating body with a linkage: its computed mass matrix has 1e-16 where the exact one has 0."""
+    path = pathlib.Path(__file__).parents[1] / "oracles" / "rounding_for_zeros.json"
+    M, C, K, J, push = (np.array(matrix) for matrix in json.loads(path.read_text()).values())
+    N = scipy.linalg.null_space(J)
+    jump = N @ np.linalg.solve(N.T @ M @ N, N.T @ push)
+    motion = mb.MechanicalSystem(M, C, K, constraints=[mb.Constraint(J)]).solve(force=mb.impulse(push))
+    assert motion.jump[1] == pytest.approx(jump, rel=1e-9, abs=1e-13 * np.abs(jump).max())
+    assert motion.velocity(1e-6) == pytest.approx(jump, rel=1e-4, abs=1e-5)
