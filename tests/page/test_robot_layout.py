@@ -67,7 +67,10 @@ def test_a_spring_and_a_damper_between_the_same_points_are_a_strut():
 
 def test_a_link_without_a_shape_is_a_ball_where_something_is_tied_to_it_or_nothing_has_a_shape():
     poses = {"a": REST, "b": Path([[1], [0], [0]], [[0], [0], [0], [1]]), "c": REST}
-    count = lambda drawing: [len(body.parts) for body in drawing.bodies[:3]]  # noqa: E731
+
+    def count(drawing):
+        return [len(body.parts) for body in drawing.bodies[:3]]
+
     assert count(robot_drawing({}, poses)) == [1, 1, 1]
     assert count(robot_drawing(parts_of([Seen("a", "sphere", 1)]), poses, [Tie("l", "loop", "a", (0, 0, 0), "b", (0, 0, 0))])) == [
         1,

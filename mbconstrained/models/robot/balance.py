@@ -46,22 +46,22 @@ class Load:
     units: tuple[str, ...]
     size: float
 
-    @property
+    @cached_property
     def lengths(self) -> np.ndarray:
         """What coordinates are measured in so that they compare: the robot's size (m) for ways, 1 for angles; shape (nv,)."""
         return np.where(np.array(self.units) == "m", self.size, 1.0)
 
-    @property
+    @cached_property
     def row_lengths(self) -> np.ndarray:
         """The same for the rows of loops, shape (m,)."""
         return np.where(np.array(self.row_units) == "m", self.size, 1.0)
 
-    @property
+    @cached_property
     def row_names(self) -> tuple[str, ...]:
         """Names of the rows of all loops and couplings."""
         return (*(name for item in self.loops for name in item.connection.row_names), *(item.name for item in self.couplings))
 
-    @property
+    @cached_property
     def row_units(self) -> tuple[str, ...]:
         """ "m" or "rad" for each of them."""
         return (*(unit for item in self.loops for unit in item.connection.row_units), *(item.unit for item in self.couplings))
@@ -126,6 +126,22 @@ class Balance:
         coupled = [item.row(self.tree.model) for item in self.load.couplings]
         return np.vstack([np.zeros((0, self.tree.model.nv)), *(rows @ pose.jacobian for rows, pose in self._poses), *coupled])
 
+    @cached_property
+    def scaled_gaps(self) -> np.ndarray:
+        """phi in rad or relative to the robot's size, so that rows compare, shape (m,)."""
+        return self.gaps / self.load.row_lengths
+
+    @cached_property
+    def scaled_jacobian(self) -> np.ndarray:
+        """J in coordinates and rows that compare, shape (m, nv)."""
+        return self.jacobian * self.load.lengths / self.load.row_lengths[:, None]
+
+    @property
+    def widest_gap(self) -> tuple[str, float, str]:
+        """Name of the row that is furthest open, by how much (m, rad), and the unit."""
+        worst = int(np.abs(self.scaled_gaps).argmax())
+        return self.load.row_names[worst], abs(self.gaps[worst]), self.load.row_units[worst]
+
     def geometric(self, multipliers: np.ndarray) -> tuple[np.ndarray, ...]:
         """d(J^T lambda)/dq at constant lambda, a matrix (nv, nv) for each loop."""
         parts, start = [], 0
@@ -149,6 +165,11 @@ class Balance:
         diagonal = np.sqrt(np.diag(self.mass))
         least = diagonal[diagonal > 0].min(initial=np.inf)
         return np.where(diagonal > 0, diagonal, least if np.isfinite(least) else 1.0)
+
+    @cached_property
+    def entry_sizes(self) -> np.ndarray:
+        """sqrt(M_ii M_jj): what entries of M, D and K are measured by so that they compare, shape (nv, nv)."""
+        return np.outer(self.sizes, self.sizes)
 
     def row(self, motion: PointMotion, anchor: Anchor) -> np.ndarray:
         """The rate of a point's motion by that of each coordinate, shape (nv,)."""

@@ -82,15 +82,27 @@ class Rows:
 
     Attributes:
         left, values, right: its singular vectors and values that count, shapes (m, r), (r,), (r, n).
+        combinations: orthonormal combinations of rows that say nothing, one a column, shape (m, m - r).
         motions: N, an orthonormal basis of its null space, shape (n, n - r).
-        narrowest: the smallest singular value that is not rounding, relative to the largest.
+        relative: all singular values over the largest, descending.
     """
 
     left: np.ndarray
     values: np.ndarray
     right: np.ndarray
+    combinations: np.ndarray
     motions: np.ndarray
-    narrowest: float
+    relative: np.ndarray
+
+    @property
+    def rank(self) -> int:
+        """r, how many rows say something new."""
+        return len(self.values)
+
+    @property
+    def narrowest(self) -> float:
+        """The smallest relative singular value that is not rounding, 1 where there is none."""
+        return float(self.relative[self.relative > EXACT_RANK].min(initial=1.0))
 
     def shortest(self, gaps: np.ndarray) -> np.ndarray:
         """The shortest d with J d = gaps, as far as any d can."""
@@ -108,10 +120,9 @@ class Rows:
 def rows_of(J: np.ndarray) -> Rows:
     """The rows of a matrix that say something new by more than RANK."""
     left, values, right = np.linalg.svd(J)
-    largest = values.max(initial=0.0)
-    rank = int((values > RANK * largest).sum())
-    telling = values[values > EXACT_RANK * largest] / (largest or 1.0)
-    return Rows(left[:, :rank], values[:rank], right[:rank], right[rank:].T, float(telling.min(initial=1.0)))
+    relative = values / (values.max(initial=0.0) or 1.0)
+    rank = int((relative > RANK).sum())
+    return Rows(left[:, :rank], values[:rank], right[:rank], left[:, rank:], right[rank:].T, relative)
 
 
 @dataclass(frozen=True)
@@ -145,14 +156,14 @@ def closed(search: Search, q: np.ndarray) -> Balance:
     balance = best = search.at(q)
     least, since = np.inf, 0
     for _ in range(MOST_STEPS):
-        rows, gaps = _rows(balance, search.free), balance.gaps / balance.load.row_lengths
-        gap = np.abs(gaps).max(initial=0.0)
+        gap = np.abs(balance.scaled_gaps).max(initial=0.0)
         since = 0 if gap < least / 2 else since + 1
         if gap < least:
             best, least = balance, gap
         if gap == 0.0 or since > MOST_FRUITLESS:
             break
-        balance = search.moved(balance, _whole(-rows.shortest(gaps), balance.load, search.free))
+        shortest = rows_of(balance.scaled_jacobian[:, search.free]).shortest(balance.scaled_gaps)
+        balance = search.moved(balance, _whole(-shortest, balance.load, search.free))
     return best
 
 
@@ -182,22 +193,17 @@ def _followed(search: Search, start: Equilibrium, step) -> Equilibrium:
     return best
 
 
-def _rows(balance: Balance, free: np.ndarray) -> Rows:
-    load = balance.load
-    return rows_of(balance.jacobian[:, free] * load.lengths[free] / load.row_lengths[:, None])
-
-
 def _state(search: Search, balance: Balance) -> Equilibrium:
     """Multipliers that balance the forces as well as any can, and what is left."""
     free, load = search.free, balance.load
-    lengths, rows = load.lengths[free], _rows(balance, free)
+    lengths, rows = load.lengths[free], rows_of(balance.scaled_jacobian[:, free])
     multipliers = rows.multipliers(balance.force[free] * lengths) / load.row_lengths
     held = balance.jacobian.T @ multipliers
     left = (balance.force - held)[free] * lengths
     usual = [np.abs(K) @ (LEAST_WAY * LARGEST_STEP * load.lengths) for K in balance.stiffnesses]
     acting = max(np.abs(term[free] * lengths).max(initial=0.0) for term in (*balance.forces, held, *usual))
     residual = np.abs(left).max(initial=0.0) / acting if acting else 0.0
-    gaps = balance.gaps / load.row_lengths
+    gaps = balance.scaled_gaps
     gap, misfit = (float(np.abs(part).max(initial=0.0)) for part in (rows.reached(gaps), gaps))
     return Equilibrium(balance, rows, multipliers, float(residual), gap, misfit)
 
@@ -229,7 +235,7 @@ def _linear(state: Equilibrium, free: np.ndarray) -> tuple[np.ndarray, np.ndarra
     lengths = load.lengths[free]
     K = balance.stiffness(state.multipliers)[np.ix_(free, free)] * np.outer(lengths, lengths)
     left = (balance.force - balance.jacobian.T @ state.multipliers)[free] * lengths
-    return K, left, -state.rows.shortest(balance.gaps / load.row_lengths)
+    return K, left, -state.rows.shortest(balance.scaled_gaps)
 
 
 def _whole(part: np.ndarray, load: Load, free: np.ndarray) -> np.ndarray:
@@ -240,7 +246,6 @@ def _whole(part: np.ndarray, load: Load, free: np.ndarray) -> np.ndarray:
 
 
 def _check(state: Equilibrium) -> None:
-    load, balance = state.balance.load, state.balance
     singular = (
         f"; near here the rows of the loops become dependent (relative singular value {state.rows.narrowest:.1e}): the posture is "
         "singular, choose one away from it"
@@ -248,12 +253,9 @@ def _check(state: Equilibrium) -> None:
         else ""
     )
     if state.gap > CLOSED or state.misfit > ROUNDED:
-        worst = int(np.abs(balance.gaps / load.row_lengths).argmax())
+        row, gap, unit = state.balance.widest_gap
         advice = singular or "; give a guess that is nearer, or look at the lengths of the links and the joints that are held"
-        raise InputError(
-            f"equilibrium: the loops do not close near the guess: {load.row_names[worst]} stays open by "
-            f"{abs(balance.gaps[worst]):.3g} {load.row_units[worst]}{advice}"
-        )
+        raise InputError(f"equilibrium: the loops do not close near the guess: {row} stays open by {gap:.3g} {unit}{advice}")
     if not state.residual <= BALANCED:
         advice = singular or "; give another guess, springs, forces, or joints to hold"
         raise InputError(

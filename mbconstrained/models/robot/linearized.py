@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 #: made symmetric: where there is a potential rounding and the equilibrium's residual leave 1e-12.
 SYMMETRIC = 1e-9
 
-
 #: Rounding of an entry that is computed through a chain of joints, relative to the largest of its kind.
 COMPUTED = 4 * EPS
 
@@ -53,10 +52,9 @@ class LinearizedRobot(MechanicalSystem):
         checked_level(level, "level")
         self._stiffness_parts = _stiffness_parts(posture)
         self._flexible = [(robot.coordinates.index(name), joint) for name, joint in robot.flexible_joints.items()]
-        K = sum(part for _, part in self._stiffness_parts)
-        K = np.where(np.abs(K) > NOISE_SAFETY * _stiffness_rounding(posture), K, 0.0)
-        link_stiffness, self._notices = _stiffness(posture, K)
-        sizes = np.outer(balance.sizes, balance.sizes)
+        K, rounding = sum(part for _, part in self._stiffness_parts), _stiffness_rounding(posture)
+        link_stiffness, self._notices = _stiffness(posture, np.where(np.abs(K) > NOISE_SAFETY * rounding, K, 0.0))
+        sizes = balance.entry_sizes
         damping = np.diag(robot.joint_damping) + sum(_clean(item.damping, sizes) for item in balance.elastic)
         motors = [joint for _, joint in self._flexible]
         names = (*robot.coordinates, *(f"{robot.coordinates[i]} motor" for i, _ in self._flexible))
@@ -72,7 +70,11 @@ class LinearizedRobot(MechanicalSystem):
             names=names,
             units=(*robot.units, *(robot.units[i] for i, _ in self._flexible)),
             energy_parts=self._energy_parts(),
-            uncertainty=self._link_uncertainty(),
+            uncertainty={
+                "mass": self._with_motors(_rounding(balance.mass, sizes)),
+                "damping": self._with_motors(sum((_rounding(item.damping, sizes) for item in balance.elastic), 0.0 * sizes)),
+                "stiffness": self._with_motors(rounding),
+            },
         )
         for name in _by_name(inputs, "inputs"):
             if name in self.names:
@@ -152,14 +154,6 @@ class LinearizedRobot(MechanicalSystem):
             for i in self.posture.independent_rows
         ]
 
-    def _link_uncertainty(self) -> dict[str, np.ndarray]:
-        """By how much computed entries may be wrong."""
-        balance = self.posture.balance
-        sizes = np.outer(balance.sizes, balance.sizes)
-        damping = sum((_rounding(item.damping, sizes) for item in balance.elastic), np.zeros(sizes.shape))
-        found = {"mass": _rounding(balance.mass, sizes), "stiffness": _stiffness_rounding(self.posture), "damping": damping}
-        return {name: self._with_motors(part) for name, part in found.items()}
-
     def _row(self, value, what: str) -> np.ndarray:
         robot, row = self.posture.robot, np.zeros(self.size)
         if isinstance(value, PointMotion):
@@ -222,7 +216,7 @@ def _stiffness_parts(posture: Posture) -> list[tuple[str, np.ndarray]]:
     robot, balance = posture.robot, posture.balance
     gravity, joints, *others = balance.stiffnesses
     springs, applied = others[: len(balance.elastic)], others[len(balance.elastic) :]
-    sizes = np.outer(balance.sizes, balance.sizes)
+    sizes = balance.entry_sizes
     rest = sum(_clean(part, sizes) for part in (gravity, *applied))
     rest = rest - sum(_clean(part, sizes) for part in balance.geometric(posture.multipliers))
     parts = [(f"spring of {name}", np.diag(row)) for name, row, k in zip(robot.coordinates, joints, robot.joint_stiffness) if k]
@@ -233,7 +227,7 @@ def _stiffness_parts(posture: Posture) -> list[tuple[str, np.ndarray]]:
 def _stiffness_rounding(posture: Posture) -> np.ndarray:
     """Of the sum: the rounding of each part, and of the largest multiplier in every loop, for one equation gives them all."""
     balance, load = posture.balance, posture.balance.load
-    sizes = np.outer(balance.sizes, balance.sizes)
+    sizes = balance.entry_sizes
     largest = np.abs(posture.multipliers * load.row_lengths).max(initial=0.0) / load.row_lengths
     return sum(_rounding(part, sizes) for part in (*balance.stiffnesses, *balance.geometric(largest)))
 
@@ -244,13 +238,13 @@ def _stiffness(posture: Posture, K: np.ndarray) -> tuple[np.ndarray, tuple[Notic
     At an equilibrium the derivative of a conservative force is symmetric; what is not lies across the motion.
     """
     balance, lengths = posture.balance, posture.balance.load.lengths
-    kept = list(posture.independent_rows)
-    N = rows_of(balance.jacobian[kept] * lengths / balance.load.row_lengths[kept, None]).motions
-    scaled = N.T @ (K * np.outer(lengths, lengths)) @ N
-    skew = np.abs(scaled - scaled.T).max(initial=0.0)
-    if skew <= SYMMETRIC * np.abs(K * np.outer(lengths, lengths)).max(initial=0.0):
+    N = rows_of(balance.scaled_jacobian[list(posture.independent_rows)]).motions
+    scaled = K * np.outer(lengths, lengths)
+    along = N.T @ scaled @ N
+    skew = np.abs(along - along.T).max(initial=0.0)
+    if skew <= SYMMETRIC * np.abs(scaled).max(initial=0.0):
         return (K + K.T) / 2, ()
-    text = f"the stiffness matrix is not symmetric (by {skew / np.abs(scaled).max():.1e} of its largest entry along the motion)"
+    text = f"the stiffness matrix is not symmetric (by {skew / np.abs(along).max():.1e} of its largest entry along the motion)"
     return K, (Notice("unsymmetric", f"{text}: a torque that keeps its direction has no potential"),)
 
 

@@ -67,15 +67,14 @@ def _onto_loops(posture: Posture) -> Callable[[np.ndarray], np.ndarray]:
     if not load.is_held:
         return lambda q: q
     everywhere = Search(posture.robot.tree, load, np.ones(len(load.units), bool))
-    rows = rows_of(balance.jacobian * load.lengths / load.row_lengths[:, None])
+    rows = rows_of(balance.scaled_jacobian)
 
     def on_loops(q: np.ndarray) -> np.ndarray:
         here = everywhere.at(q)
         for _ in range(MOST_CHORDS):
-            gaps = here.gaps / load.row_lengths
-            if np.abs(gaps).max() <= PICTURE:
+            if np.abs(here.scaled_gaps).max() <= PICTURE:
                 return here.configuration
-            here = everywhere.moved(here, -rows.shortest(gaps) * load.lengths)
+            here = everywhere.moved(here, -rows.shortest(here.scaled_gaps) * load.lengths)
         return closed(everywhere, q).configuration
 
     return on_loops

@@ -115,7 +115,7 @@ def _posture(robot: Robot, found: Equilibrium, free: np.ndarray, guess: np.ndarr
     balance = found.balance
     rows = loop_rows(balance)
     left = balance.force - balance.jacobian.T @ found.multipliers
-    shared = len(found.rows.values) < len(rows.kept)
+    shared = found.rows.rank < len(rows.kept)
     return Posture(
         robot=robot,
         configuration=balance.configuration,
@@ -156,10 +156,8 @@ def _misfit(found: Equilibrium) -> tuple[Notice, ...]:
     """Loops that the joints keep open by no more than the rounding of a URDF."""
     if found.misfit <= CLOSED:
         return ()
-    balance, load = found.balance, found.balance.load
-    worst = int(np.abs(balance.gaps / load.row_lengths).argmax())
-    gap = f"{abs(balance.gaps[worst]):.2g} {load.row_units[worst]}"
-    text = f"the joints keep the loop row {load.row_names[worst]} open by {gap}, as where axes in the URDF are rounded; it stays so"
+    row, gap, unit = found.balance.widest_gap
+    text = f"the joints keep the loop row {row} open by {gap:.2g} {unit}, as where axes in the URDF are rounded; it stays so"
     return (Notice("rank", text),)
 
 

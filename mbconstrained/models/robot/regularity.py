@@ -20,7 +20,7 @@ import scipy.linalg
 from ...errors import InputError
 from ...notices import Notice
 from .balance import Balance
-from .equilibrium import DOUBTFUL_RANK, EXACT_RANK, RANK, rows_of
+from .equilibrium import DOUBTFUL_RANK, EXACT_RANK, RANK, Rows, rows_of
 
 #: The second derivative along the motion, relative to that of single rows, above which a posture is singular. Rounded axes
 #: leave RANK.
@@ -47,20 +47,19 @@ def loop_rows(balance: Balance) -> LoopRows:
         InputError: the posture is singular.
     """
     load = balance.load
-    J = balance.jacobian * load.lengths / load.row_lengths[:, None]
-    left, values, right = np.linalg.svd(J)
-    rank = len(rows_of(J).values)
-    _check_regular(balance, left[:, rank:].T / load.row_lengths, right[rank:].T)
+    J = balance.scaled_jacobian
+    rows = rows_of(J)
+    _check_regular(balance, rows.combinations.T / load.row_lengths, rows.motions)
     order = scipy.linalg.qr(J.T, mode="economic", pivoting=True)[2] if J.size else np.arange(len(J))
-    kept = tuple(sorted(order[:rank].tolist()))
+    kept = tuple(sorted(order[: rows.rank].tolist()))
     empty = np.abs(J).max(axis=1, initial=0.0) <= RANK
     notices = _redundant({load.row_names[row]: bool(empty[row]) for row in range(len(J)) if row not in kept})
-    return LoopRows(kept, (*notices, *_narrow(values / (values.max(initial=0.0) or 1.0), rank)))
+    return LoopRows(kept, (*notices, *_narrow(rows)))
 
 
-def _narrow(values: np.ndarray, rank: int) -> list[Notice]:
-    """What to say where the rank is not clear, from relative singular values, descending."""
-    found = []
+def _narrow(rows: Rows) -> list[Notice]:
+    """What to say where the rank is not clear."""
+    found, values, rank = [], rows.relative, rows.rank
     if rank < len(values) and values[rank] > EXACT_RANK:
         text = (
             f"rows of the loops that were left out are dependent to {values[rank]:.1e} only, as where axes in the URDF are "
