@@ -14,13 +14,6 @@ pytestmark = needs_chromium
 
 
 @pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    browser = Browser(tmp_path_factory.mktemp("profile"))
-    yield browser
-    browser.close()
-
-
-@pytest.fixture(scope="module")
 def page(tmp_path_factory):
     return write_page(tmp_path_factory.mktemp("pages") / "two masses.html", two_masses_content())
 

@@ -4,19 +4,12 @@ import numpy as np
 import pytest
 
 from mbconstrained.page import modes_html
-from tests.page.browser import Browser, needs_chromium
+from tests.page.browser import needs_chromium
 from tests.page.contents import HOSTILE
 from tests.page.mode_pages import hostile_modes, many_modes, robot_modes, two_modes
 from tests.page.robots import CRANK, four_bar_angles
 
 pytestmark = needs_chromium
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    browser = Browser(tmp_path_factory.mktemp("profile"))
-    yield browser
-    browser.close()
 
 
 @pytest.fixture(scope="module")

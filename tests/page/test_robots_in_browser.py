@@ -4,18 +4,11 @@ import numpy as np
 import pytest
 
 from mbconstrained.page import Animation, Body, Drawing, Link, PageContent, Part, Path, write_page
-from tests.page.browser import Browser, needs_chromium
+from tests.page.browser import needs_chromium
 from tests.page.robots import COUPLER, CRANK, four_bar, four_bar_angles, octahedron, turned
 
 pytestmark = needs_chromium
 TIMES = np.linspace(0, 6, 121)
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    browser = Browser(tmp_path_factory.mktemp("profile"))
-    yield browser
-    browser.close()
 
 
 def opened(browser, tmp_path, animation, fragment=""):
