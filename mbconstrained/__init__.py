@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 from .errors import (
     ContradictoryConstraints,
     IllConditioned,
@@ -48,6 +50,26 @@ from .signals import (
     zero,
 )
 
+#: Names that bring sympy or python-flint with them: they are imported when they are first asked for.
+_LATE = {
+    "Enclosure": "exact.enclosure",
+    "ExactResponse": "exact.enclosure",
+    "SymbolicPolynomialMatrix": "exact.symbolic",
+    "SymbolicResponse": "exact.symbolic",
+    "solve_symbolically": "exact.symbolic",
+}
+
+
+def __getattr__(name: str):
+    if name not in _LATE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f".{_LATE[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_LATE})
+
+
 __all__ = [
     "Admissibility",
     "Approximation",
@@ -58,8 +80,10 @@ __all__ = [
     "Constraint",
     "ContradictoryConstraints",
     "ElementMatrix",
+    "Enclosure",
     "EnergyParts",
     "Event",
+    "ExactResponse",
     "FinitePair",
     "FlexibleJoint",
     "IllConditioned",
@@ -89,6 +113,8 @@ __all__ = [
     "SingularPolynomialMatrix",
     "StateSpace",
     "StateSpaceResponse",
+    "SymbolicPolynomialMatrix",
+    "SymbolicResponse",
     "TransferFunctionResponse",
     "admissible",
     "approximated",
@@ -102,6 +128,7 @@ __all__ = [
     "read_scene",
     "sampled",
     "solve",
+    "solve_symbolically",
     "step",
     "term",
     "transfer_function_response",

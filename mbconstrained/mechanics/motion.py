@@ -20,6 +20,7 @@ from .energy import Energy, energy_of
 from .reaction import later_reaction_impulses, reaction_function, reaction_impulses
 
 if TYPE_CHECKING:
+    from ..exact.enclosure import Enclosure, ExactResponse
     from .system import MechanicalSystem
 
 Quantity = Literal["displacement", "velocity", "acceleration", "reaction"]
@@ -82,6 +83,40 @@ class Motion(Response):
     def energy(self, times) -> Energy:
         """Kinetic, strain and static energy at a time or at times (T,), in J."""
         return energy_of(self.system, self(times), self.velocity(times))
+
+    @cached_property
+    def exact(self) -> ExactResponse:
+        """The exact motion of the system as it was given, n rows; its null space is not rounded, there is none."""
+        from .exact_motion import exact_motion
+
+        return exact_motion(self)
+
+    @cached_property
+    def exact_reaction(self) -> ExactResponse:
+        """The exact multipliers lambda, one row per row of ``system.rows``."""
+        from .exact_motion import exact_motion
+
+        return exact_motion(self, reactions=True)
+
+    def enclose(self, times, digits: int = 15, *, of: Quantity = "displacement", order: int = 0) -> Enclosure:
+        """Intervals that are sure to contain a quantity of the motion, as ``Response.enclose``.
+
+        Args:
+            times: in s, a number or shape (T,).
+            digits: of each value, relative to itself.
+            of: displacement, velocity, acceleration or reaction.
+            order: of a derivative of it, if any.
+
+        Raises:
+            InputError, SingularPolynomialMatrix, Overflow: as ``Response.enclose``; another word for a quantity.
+        """
+        order = whole_number(order, "order")
+        if of == "reaction":
+            return self.exact_reaction.enclose(times, digits, order=order)
+        orders = {"displacement": 0, "velocity": 1, "acceleration": 2}
+        if of not in orders:
+            raise InputError(f"of: found {of!r}{nearest(str(of), (*orders, 'reaction'))}; expected {', '.join(orders)} or reaction")
+        return super().enclose(times, digits, order=orders[of] + order)
 
     def error_estimate(self, times, of: Quantity = "displacement", *, order: int = 0) -> float:
         """Estimate of max |error| / max |value| over the times, of displacement, velocity, acceleration or reaction.

@@ -13,6 +13,7 @@ from ..errors import IllConditioned, InputError
 from .factors import Factors
 
 if TYPE_CHECKING:
+    from ..exact.rational import ExactJordanPairs
     from ..jordan.pairs import JordanPairs
     from .structure import Structure
 
@@ -61,7 +62,7 @@ class PolynomialMatrix:
         if uncertainty is not None:
             self.uncertainty += np.abs(real_array(uncertainty, "uncertainty", shape=self.coefficients.shape))
         self.uncertainty.flags.writeable = False
-        self._pairs: dict[float | None, JordanPairs] = {}
+        self._pairs: dict[float | str | None, JordanPairs | ExactJordanPairs] = {}
         self.coordinates = names_of(coordinates, self.size, "coordinates", "x")
         self.equations = names_of(equations, self.size, "equations", "equation ")
 
@@ -116,21 +117,35 @@ class PolynomialMatrix:
             return True
         return True
 
-    def structure(self, rank_tolerance: float | None = None) -> Structure:
-        """Finite zeros with multiplicities, pole and zero orders q_i at infinity, infinite elementary divisors."""
-        return self.jordan_pairs(rank_tolerance).structure
+    def structure(self, rank_tolerance: float | None = None, *, exact: bool = False) -> Structure:
+        """Finite zeros with multiplicities, pole and zero orders q_i at infinity, infinite elementary divisors.
 
-    def jordan_pairs(self, rank_tolerance: float | None = None) -> JordanPairs:
+        Args:
+            rank_tolerance, exact: see ``jordan_pairs``. Of exact=True an ``ExactStructure``: also the determinant, the
+                elementary divisors over the rationals and the Smith form.
+
+        >>> A = PolynomialMatrix([[[1.0, 0.0], [0.0, 1.0]], [[2.0, 1.0], [0.0, 0.0]], [[1.0, 0.0], [0.0, 0.0]]])
+        >>> A.structure().infinite_divisors, A.structure(exact=True).finite_zeros[0].partial_multiplicities
+        ((0, 2), (2,))
+        """
+        return self.jordan_pairs(rank_tolerance, exact=exact).structure
+
+    def jordan_pairs(self, rank_tolerance: float | None = None, *, exact: bool = False) -> JordanPairs | ExactJordanPairs:
         """The finite pair (C, J, B) and the infinite pair (C, J, B), see ``mbconstrained.jordan``.
 
         Args:
             rank_tolerance: a difference of entries counts as zero if it is no larger than this part of them; None for the
                 rounding noise of float64 (of what is known exactly, by its elements, nothing is lost).
+            exact: True for true Jordan chains and pairs in Fractions, every entry of A(s) taken as the exact number that it is,
+                see ``mbconstrained.exact.rational``.
 
         Raises:
             SingularPolynomialMatrix: det A(s) = 0 for every s.
             IllConditioned: float64 cannot tell the structure of A(s).
+            InputError: exact arithmetic and a tolerance are asked for together.
         """
+        if exact:
+            return self._exact_pairs(rank_tolerance)
         if rank_tolerance is not None:
             rank_tolerance = real_number(rank_tolerance, "rank_tolerance", minimum=0.0)
         if rank_tolerance not in self._pairs:
@@ -138,6 +153,17 @@ class PolynomialMatrix:
 
             self._pairs[rank_tolerance] = jordan_pairs(self, rank_tolerance)
         return self._pairs[rank_tolerance]
+
+    def _exact_pairs(self, rank_tolerance) -> ExactJordanPairs:
+        if rank_tolerance is not None:
+            raise InputError(
+                f"rank_tolerance: found {rank_tolerance!r} with exact=True, where nothing is rounded; give one or the other"
+            )
+        if "exact" not in self._pairs:
+            from ..exact.rational import exact_jordan_pairs
+
+            self._pairs["exact"] = exact_jordan_pairs(self)
+        return self._pairs["exact"]
 
 
 def _factors_of(matrix):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..linalg.staircase import GENERIC
@@ -21,14 +23,23 @@ def singular_message(A: PolynomialMatrix) -> tuple[str, tuple[int, ...], tuple[i
         null[-1] = True  # singular at every s: the least one belongs to it
         involved_rows |= _support(u[:, null])
         involved_columns |= _support(vh[null].conj().T)
-    equations, coordinates = np.flatnonzero(involved_rows), np.flatnonzero(involved_columns)
-    message = (
+    equations, coordinates = (tuple(map(int, np.flatnonzero(side))) for side in (involved_rows, involved_columns))
+    return singular_sentence(A, equations, coordinates), equations, coordinates
+
+
+def singular_sentence(A, equations: Sequence[int], coordinates: Sequence[int]) -> str:
+    """What is wrong with equations that depend on each other, and with coordinates that are free, and what to do.
+
+    Args:
+        A: what has names for ``equations`` and ``coordinates``.
+        equations, coordinates: the places of those that are involved.
+    """
+    return (
         "det A(s) is zero for every s, so the motion is not determined: the equations "
         f"{_quoted(A.equations, equations)} are dependent or empty, and the coordinates {_quoted(A.coordinates, coordinates)} "
         "can move without any force. Attach what is free (by a mass, spring, damper or constraint; in a state space by an equation), "
         "or take out what is said twice."
     )
-    return message, tuple(map(int, equations)), tuple(map(int, coordinates))
 
 
 def _support(vectors) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +17,9 @@ from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from ..tolerances import noise_of
 from .events import Event
+
+if TYPE_CHECKING:
+    from ..exact.enclosure import Enclosure, ExactResponse
 
 #: So many coordinates are named where a response is shown in one line.
 MOST_NAMES = 6
@@ -88,6 +92,42 @@ class Response:
 
         order = whole_number(order, "order")
         return error_estimate(self, times, lambda x: x.derivative(order) if order else x.function)
+
+    @cached_property
+    def exact(self) -> ExactResponse:
+        """The exact answer to the same data, floats taken as the exact numbers that they are: impulses, values at 0+, intervals."""
+        from ..exact.enclosure import exact_response
+
+        return exact_response(self.polynomial_matrix, self.initial, self.force)
+
+    def enclose(self, times, digits: int = 15, *, order: int = 0) -> Enclosure:
+        """Intervals that are sure to contain x(t), or a derivative of it, for the data taken exactly (``exact.enclosure``).
+
+        X(s) is found over the rationals and summed over its certified poles in ball arithmetic, with more bits until each value
+        has its digits; nothing of the numeric answer enters.
+
+        Args:
+            times: in s, a number or shape (T,).
+            digits: of each value, relative to itself.
+            order: of the derivative.
+
+        Returns:
+            An ``Enclosure``: .lower, .upper (decimal strings, shape of x(t)), .contains(values), .error_bounds(values).
+
+        Raises:
+            InputError: times that are negative or not finite, digits or an order that are no whole numbers in range.
+            SingularPolynomialMatrix: taken exactly, the data determine no motion.
+            Overflow: values beyond 1e100000.
+
+        >>> A = PolynomialMatrix([[[1.0]], [[1.0]]])  # x' = -x
+        >>> from mbconstrained.response import solve
+        >>> box = solve(A, initial=[[1.0]]).enclose(1.0, digits=20)
+        >>> print(box.lower[0], box.upper[0])
+        0.36787944117144232159552 0.36787944117144232159553
+        """
+        from ..exact.enclosure import structure_notices
+
+        return self.exact.enclose(times, digits, order=order).with_notices(structure_notices(self, self.exact))
 
     def to_xarray(self, times):
         """x at times (T,) as an xarray ``DataArray`` with names, units, jumps and impulses (``response.frames``)."""

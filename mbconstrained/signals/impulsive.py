@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from ..checks import counted, real_array, real_number
 from ..errors import InputError
 from ..notices import Notice
 from .bohl import BohlFunction
+from .origins import Origin, StatesOrigin
 from .restarts import later_times
 
 
@@ -36,12 +37,14 @@ class ImpulsiveSmooth:
         impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta.
         later: the Dirac impulses after t = 0, by ascending time.
         notices: what is worth knowing about it, such as how well it approximates what was asked for.
+        origins: what it was made of, before any rounding, as far as that is known; see ``made_of``.
     """
 
     smooth: BohlFunction
     impulses: tuple[np.ndarray, ...] = ()
     later: tuple[Blow, ...] = ()
     notices: tuple[Notice, ...] = ()
+    origins: tuple[Origin, ...] = field(default=(), compare=False, kw_only=True)
 
     def __repr__(self) -> str:
         told = [counted(self.size, "row"), f"smooth part of {counted(len(self.smooth.coefficients.T), 'state')}"]
@@ -57,6 +60,13 @@ class ImpulsiveSmooth:
     def is_zero(self) -> bool:
         """Whether nothing acts at any time."""
         return self.smooth.is_zero and not self.impulses and not self.later
+
+    @property
+    def made_of(self) -> tuple[Origin, ...]:
+        """What it was made of; where that is not known, what it is."""
+        if self.origins or self.is_zero:
+            return self.origins
+        return (Origin(StatesOrigin(self.smooth, self.impulses, self.later)),)
 
     @property
     def knots(self) -> np.ndarray:
@@ -103,12 +113,13 @@ class ImpulsiveSmooth:
             return self
         blows = [self.impulses] * bool(self.impulses) + [blow.impulses for blow in self.later]
         later = tuple(Blow(float(time), blow) for time, blow in zip(later_times(self._blow_times, delay), blows))
-        return ImpulsiveSmooth(self.smooth.delayed(delay), (), later, self.notices)
+        origins = tuple(origin.delayed(delay) for origin in self.made_of)
+        return ImpulsiveSmooth(self.smooth.delayed(delay), (), later, self.notices, origins=origins)
 
     def mapped(self, matrix) -> ImpulsiveSmooth:
         """matrix @ f, matrix of shape (p, r)."""
         matrix = real_array(matrix, "matrix", shape=(None, self.size))
-        return self._changed(self.smooth.mapped(matrix), lambda impulse: matrix @ impulse)
+        return self._changed(self.smooth.mapped(matrix), lambda impulse: matrix @ impulse, matrix)
 
     def __add__(self, other: ImpulsiveSmooth) -> ImpulsiveSmooth:
         if not isinstance(other, ImpulsiveSmooth):
@@ -117,14 +128,15 @@ class ImpulsiveSmooth:
             raise InputError(f"inputs of different sizes cannot be added: {self.size} and {other.size} rows")
         notices = dict.fromkeys((*self.notices, *other.notices))
         impulses, later = _sum(self.impulses, other.impulses), _joined([*self.later, *other.later])
-        return ImpulsiveSmooth(self.smooth + other.smooth, impulses, later, tuple(notices))
+        origins = (*self.made_of, *other.made_of)
+        return ImpulsiveSmooth(self.smooth + other.smooth, impulses, later, tuple(notices), origins=origins)
 
     def __radd__(self, other) -> ImpulsiveSmooth:
         """0 + f, so that sum() of inputs works."""
         return self if isinstance(other, (int, float)) and other == 0 else NotImplemented
 
     def __mul__(self, factor: float) -> ImpulsiveSmooth:
-        return self._changed(self.smooth * factor, lambda impulse: impulse * factor)
+        return self._changed(self.smooth * factor, lambda impulse: impulse * factor, factor)
 
     __rmul__ = __mul__
 
@@ -139,9 +151,10 @@ class ImpulsiveSmooth:
         """The times of the Dirac impulses."""
         return np.array([0.0] * bool(self.impulses) + [blow.time for blow in self.later])
 
-    def _changed(self, smooth, change) -> ImpulsiveSmooth:
+    def _changed(self, smooth, change, factor) -> ImpulsiveSmooth:
         later = tuple(Blow(blow.time, tuple(map(change, blow.impulses))) for blow in self.later)
-        return ImpulsiveSmooth(smooth, tuple(map(change, self.impulses)), later, self.notices)
+        origins = tuple(origin.multiplied(factor) for origin in self.made_of)
+        return ImpulsiveSmooth(smooth, tuple(map(change, self.impulses)), later, self.notices, origins=origins)
 
 
 def _joined(blows: Sequence[Blow]) -> tuple[Blow, ...]:

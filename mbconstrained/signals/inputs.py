@@ -11,9 +11,9 @@ import numpy as np
 
 from ..checks import real_array, real_number, whole_number
 from ..errors import InputError
-from ..tolerances import EPS
 from .bohl import BohlFunction
 from .impulsive import ImpulsiveSmooth
+from .origins import ImpulseOrigin, Origin, TermOrigin, beyond_noise
 
 #: The largest n with (n - 1)! in the range of float64.
 LARGEST_FACTORIAL = 171
@@ -38,11 +38,12 @@ def term(vector, *, power: int = 0, rate: float = 0.0, angular_frequency: float 
     power = whole_number(power, "power")
     rate, phase = real_number(rate, "rate"), real_number(phase, "phase")
     frequency = real_number(angular_frequency, "angular_frequency")
-    cosine, sine = (_known(turned, phase) for turned in (math.cos(phase), math.sin(phase)))
+    cosine, sine = (beyond_noise(turned, phase) for turned in (math.cos(phase), math.sin(phase)))
+    origin = Origin(TermOrigin(vector, power, rate, frequency, phase))
     if frequency == 0:
-        return _chain(vector[:, None] * cosine, np.array([[rate]]), power)
+        return _chain(vector[:, None] * cosine, np.array([[rate]]), power, origin)
     turn = np.array([[rate, -frequency], [frequency, rate]])
-    return _chain(np.multiply.outer(vector, [cosine, -sine]), turn, power)
+    return _chain(np.multiply.outer(vector, [cosine, -sine]), turn, power, origin)
 
 
 def step(vector) -> ImpulsiveSmooth:
@@ -72,8 +73,9 @@ def power(vector, gamma: int) -> ImpulsiveSmooth:
         return impulse(vector, order=-int(gamma))
     if gamma > LARGEST_FACTORIAL:
         raise InputError(f"gamma: found {gamma}; (gamma - 1)! leaves the range of float64 beyond {LARGEST_FACTORIAL}")
-    vector = _vector(vector)
-    return _chain(vector[:, None] / math.factorial(gamma - 1), np.zeros((1, 1)), int(gamma) - 1)
+    vector, divisor = _vector(vector), math.factorial(gamma - 1)
+    origin = Origin(TermOrigin(vector, power=int(gamma) - 1, divisor=divisor))
+    return _chain(vector[:, None] / divisor, np.zeros((1, 1)), int(gamma) - 1, origin)
 
 
 def impulse(vector, order: int = 0) -> ImpulsiveSmooth:
@@ -81,20 +83,12 @@ def impulse(vector, order: int = 0) -> ImpulsiveSmooth:
     vector = _vector(vector)
     order = whole_number(order, "order")
     zeros = tuple(np.zeros_like(vector) for _ in range(order))
-    return ImpulsiveSmooth(zero(len(vector)).smooth, (*zeros, vector))
+    return ImpulsiveSmooth(zero(len(vector)).smooth, (*zeros, vector), origins=(Origin(ImpulseOrigin(vector, order)),))
 
 
 def harmonic(vector, *, angular_frequency: float, phase: float = 0.0) -> ImpulsiveSmooth:
     """v cos(w t + p) for t >= 0, w in rad/s, p in rad."""
     return term(vector, angular_frequency=angular_frequency, phase=phase)
-
-
-def _known(value: float, phase: float) -> float:
-    """The cosine or sine of a phase, zero where it is not more than the rounding of the phase.
-
-    With the phase -pi/2 a harmonic is a sine: it does not jump at its start.
-    """
-    return 0.0 if abs(value) <= EPS * abs(phase) else value
 
 
 def _vector(value) -> np.ndarray:
@@ -103,7 +97,7 @@ def _vector(value) -> np.ndarray:
     return real_array(value, "vector", shape=(None,))
 
 
-def _chain(coefficients, diagonal, power) -> ImpulsiveSmooth:
+def _chain(coefficients, diagonal, power, origin) -> ImpulsiveSmooth:
     """The function whose states are (u t)^j e^{diagonal t}, j = power .. 0, read off the highest one.
 
     The highest power comes first: the generator is then upper (quasi-)triangular, like a real Schur form. The unit u
@@ -116,7 +110,7 @@ def _chain(coefficients, diagonal, power) -> ImpulsiveSmooth:
     start[-size] = 1.0
     rows = np.zeros((len(coefficients), size * (power + 1)))
     rows[:, :size] = coefficients / unit**power
-    return ImpulsiveSmooth(BohlFunction(rows, (generator,), start))
+    return ImpulsiveSmooth(BohlFunction(rows, (generator,), start), origins=(origin,))
 
 
 def _rate_unit(diagonal, power) -> float:

@@ -10,6 +10,7 @@ from ..tolerances import noise_of
 from .bohl import BohlFunction
 from .impulsive import ImpulsiveSmooth
 from .inputs import step
+from .origins import Origin, RecordOrigin
 from .restarts import Restarts
 
 #: A linear piece has two states, its value and its slope.
@@ -63,7 +64,7 @@ def sampled(times, values) -> ImpulsiveSmooth:
     right[:, -1] = 0.0
     start = _from_zero(Restarts(knots, _alternating(right, slopes), _alternating(jumps, changes)))
     rows = np.kron(np.eye(len(values)), [1.0, 0.0])
-    return ImpulsiveSmooth(BohlFunction(rows, (LINEAR,) * len(values), start))
+    return ImpulsiveSmooth(BohlFunction(rows, (LINEAR,) * len(values), start), origins=(Origin(RecordOrigin(times, values)),))
 
 
 def _rows(values, count: int) -> np.ndarray:

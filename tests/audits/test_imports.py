@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-HEAVY = ["pinocchio", "coal", "meshcat", "sympy", "matplotlib", "pydantic", "pint", "typer", "rich", "control", "xarray", "pandas"]
+HEAVY = ["pinocchio", "coal", "meshcat", "sympy", "flint", "matplotlib", "pydantic", "pint", "typer", "rich", "control", "xarray", "pandas"]
 
 
 def loaded_by(statement: str) -> set[str]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,6 +23,9 @@ from .early import exact_start, with_exact_start
 from .engine import checked_input, scalar_force, scalar_matrix
 from .polynomials import ONE, Polynomial
 from .rational import RationalFunction, rational_function, shown
+
+if TYPE_CHECKING:
+    from ...exact.enclosure import ExactResponse
 
 #: With more impulses than this in its force a response is made from its values at 0+: Laurent coefficients take long.
 MOST_IMPULSES = 24
@@ -128,6 +132,13 @@ class TransferFunctionResponse(Response):
 
         fraction = self.fraction.written_reduced
         return time_expression(fraction.numerator, fraction.denominator, self._gamma("an expression is made for"), t)
+
+    @cached_property
+    def exact(self) -> ExactResponse:
+        """The exact answer, b and a taken as they are, less what they have in common."""
+        from ...exact.enclosure import exact_fraction_response
+
+        return exact_fraction_response(self.fraction.reduced.numerator, self.fraction.reduced.denominator, self.gamma)
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:

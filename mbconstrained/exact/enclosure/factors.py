@@ -1,0 +1,70 @@
+"""Real factors of inputs: rational ones, and those that are known as balls of any precision, such as the cosine of a phase."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import flint
+
+from ...signals.origins import beyond_noise
+from ..rational.arithmetic import rational
+
+
+@dataclass(frozen=True)
+class Turned:
+    """amount times the cosine or the sine of a phase other than 0, which is no rational number."""
+
+    amount: flint.fmpq
+    phase: flint.fmpq
+    sine: bool
+
+    def __mul__(self, factor: flint.fmpq) -> Turned:
+        return Turned(self.amount * factor, self.phase, self.sine)
+
+    def ball(self) -> flint.arb:
+        """At the working precision."""
+        phase = flint.arb(self.phase)
+        return flint.arb(self.amount) * (phase.sin() if self.sine else phase.cos())
+
+
+@dataclass(frozen=True)
+class Carried:
+    """amount times one entry of e^{J t} v: what the states of a piece have become at its end."""
+
+    amount: flint.fmpq
+    generator: tuple[tuple[flint.fmpq, ...], ...]
+    start: tuple[flint.fmpq, ...]
+    time: flint.fmpq
+    entry: int
+
+    def __mul__(self, factor: flint.fmpq) -> Carried:
+        return Carried(self.amount * factor, self.generator, self.start, self.time, self.entry)
+
+    def ball(self) -> flint.arb:
+        """At the working precision."""
+        moved = flint.arb_mat([[flint.arb(entry * self.time) for entry in row] for row in self.generator]).exp()
+        return flint.arb(self.amount) * sum((moved[self.entry, k] * flint.arb(v) for k, v in enumerate(self.start)), flint.arb(0))
+
+
+Factor = flint.fmpq | Turned | Carried
+
+
+def ball(factor: Factor) -> flint.arb:
+    """A ball that contains it, at the working precision."""
+    return flint.arb(factor) if isinstance(factor, flint.fmpq) else factor.ball()
+
+
+def turned(phase: float) -> Sequence[Factor]:
+    """cos p and sin p; a phase that is a quarter turn to rounding is meant as one (``signals.origins``)."""
+    found = []
+    for sine, value in enumerate((math.cos(phase), math.sin(phase))):
+        other = math.cos(phase) if sine else math.sin(phase)
+        if beyond_noise(value, phase) == 0:
+            found.append(flint.fmpq(0))
+        elif beyond_noise(other, phase) == 0:
+            found.append(flint.fmpq(round(value)))
+        else:
+            found.append(Turned(flint.fmpq(1), rational(phase), bool(sine)))
+    return found

@@ -1,0 +1,205 @@
+"""Impulses, values at 0+ and intervals against rational arithmetic and mpmath, which share nothing with them."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import mbconstrained as mb
+from tests.oracles import exact
+
+whole = st.integers(-3, 3)
+
+
+@st.composite
+def problems(draw):
+    """A(s) = U diag(d_i) V with whole numbers, a start, a force with an impulse: singular A_q and impulses are common."""
+    r, q = draw(st.integers(1, 3)), draw(st.integers(1, 3))
+    A = [np.array(draw(st.lists(st.lists(whole, min_size=r, max_size=r), min_size=r, max_size=r)), float) for _ in range(q + 1)]
+    if draw(st.booleans()):
+        A[-1][0] = 0
+    initial = np.array(draw(st.lists(st.lists(whole, min_size=r, max_size=r), min_size=q, max_size=q)), float)
+    power, rate, w = draw(st.integers(0, 2)), draw(st.sampled_from([0.0, -1.0, 0.5])), draw(st.sampled_from([0.0, 1.0, 2.0]))
+    vector = np.array(draw(st.lists(whole, min_size=r, max_size=r)), float)
+    blow = np.array(draw(st.lists(whole, min_size=r, max_size=r)), float)
+    return A, initial, (vector, power, rate, w), blow
+
+
+@given(problems())
+def test_impulses_and_values_at_0_are_those_of_rational_arithmetic(problem):
+    A, initial, (vector, power, rate, w), blow = problem
+    R = exact.rational(A)
+    if not exact.determinant(R):
+        return
+    force = mb.term(vector, power=power, rate=rate, angular_frequency=w) + mb.impulse(blow)
+    x = mb.solve(mb.PolynomialMatrix(A), initial, force).exact
+    terms = [([Fraction(v) for v in vector], power, Fraction(rate), Fraction(w), "cos")]
+    start = [[Fraction(v) for v in row] for row in initial]
+    truth = exact.ExactResponse(R, start, terms, [[Fraction(v) for v in blow]], count=12)
+    assert [list(impulse) for impulse in x.impulses] == truth.impulses
+    assert x.start.tolist() == truth.derivatives[: len(initial)]
+    assert x.jump.tolist() == [[a - b for a, b in zip(*rows)] for rows in zip(truth.derivatives, start)]
+    for order in range(8):
+        box = x.enclose(0.0, order=order)
+        assert box.contains(np.array(truth.derivatives[order], dtype=object))
+
+
+OSCILLATOR = mb.PolynomialMatrix([[[4.0]], [[0.0]], [[1.0]]])
+
+
+def enclosed(x, times, values) -> bool:
+    """Whether mpmath's values, good to 40 digits, lie between bounds of 30."""
+    strings = np.array([[mpmath.nstr(v, 45) for v in values]], dtype=object)
+    return bool(x.enclose(times, 30).contains(strings))
+
+
+def test_resonance_at_a_double_zero():
+    """x'' + 4 x = cos 2t from rest: x = t sin(2t) / 4."""
+    times = [0.0, 1e-9, 0.5, 3.0, 1e4]
+    x = mb.solve(OSCILLATOR, force=mb.harmonic([1.0], angular_frequency=2.0))
+    with mpmath.workdps(50):
+        assert enclosed(x, times, [mpmath.mpf(t) * mpmath.sin(2 * mpmath.mpf(t)) / 4 for t in times])
+
+
+@pytest.mark.parametrize("phase", [0.3, -2.5, 7.0])
+def test_a_phase_is_the_number_that_was_given(phase):
+    """x'' + 4 x = cos(t + p) from rest, the cosine of p never rounded."""
+    times = [0.0, 0.5, 100.0]
+    x = mb.solve(OSCILLATOR, force=mb.harmonic([1.0], angular_frequency=1.0, phase=phase))
+    with mpmath.workdps(50):
+        p = mpmath.mpf(phase)
+        values = [(mpmath.cos(t + p) - mpmath.cos(p) * mpmath.cos(2 * t) + mpmath.sin(p) * mpmath.sin(2 * t) / 2) / 3 for t in map(mpmath.mpf, times)]
+        assert enclosed(x, times, values)
+
+
+@pytest.mark.parametrize(("turns", "cosine", "sine"), [(-1, 0, -1), (1, 0, 1), (2, -1, 0), (-2, -1, 0), (0, 1, 0)])
+def test_quarter_turns_are_meant(turns, cosine, sine):
+    """x = f: the value at 0+ is rational, and x' too."""
+    x = mb.solve(mb.PolynomialMatrix([[[1.0]]]), force=mb.harmonic([1.0], angular_frequency=3.0, phase=turns * np.pi / 2))
+    assert x.enclose(0.0).contains([cosine]) and x.enclose(0.0, order=1).contains([-3 * sine])
+
+
+def test_with_a_phase_impulses_are_intervals():
+    """[[0, 1], [1, -s]] x = [f, 0] has x2 = f, x1 = f', which has the impulse f(0+) = cos p; p = 0.25 is a float."""
+    A = mb.PolynomialMatrix([[[0.0, 1.0], [1.0, 0.0]], [[0.0, 0.0], [0.0, -1.0]]])
+    x = mb.solve(A, force=mb.harmonic([1.0, 0.0], angular_frequency=1.0, phase=0.25))
+    with pytest.raises(mb.InputError, match="enclose_impulses"):
+        x.exact.impulses
+    (box,) = x.exact.enclose_impulses(20)
+    with mpmath.workdps(40):
+        assert box.contains([mpmath.nstr(mpmath.cos(mpmath.mpf(1) / 4), 35), "0"])
+
+
+def test_powers_are_divided_by_factorials_exactly():
+    """x = I_5 = t^4 / 24 at t = 1."""
+    x = mb.solve(mb.PolynomialMatrix([[[1.0]]]), force=mb.power([1.0], 5))
+    low, high = (Fraction(bound[0]) for bound in (x.enclose(1.0, 30).lower, x.enclose(1.0, 30).upper))
+    assert low <= Fraction(1, 24) <= high < low + Fraction(1, 10**30)
+
+
+def test_a_pulse_is_two_steps():
+    """x' + x = 1 on [1, 3): e^-(t-3) - e^-(t-1) after it."""
+    x = mb.solve(mb.PolynomialMatrix([[[1.0]], [[1.0]]]), force=mb.pulse([1.0], start=1.0, duration=2.0))
+    times = [0.5, 1.0, 2.5, 3.0, 9.0]
+    with mpmath.workdps(50):
+        e = mpmath.exp
+        values = [0, 0, 1 - e(-1.5), 1 - e(-2), e(-6) - e(-8)]
+        assert enclosed(x, times, [mpmath.mpf(1) * v for v in values])
+
+
+def test_a_record_is_linear_between_its_samples():
+    """x = f, its samples no sums of powers of two; zero after the last, exactly."""
+    f = mb.sampled([0.1, 0.3, 0.3, 0.7], [[1.0, 2.0, -1.0, 0.1]])
+    x = mb.solve(mb.PolynomialMatrix([[[1.0]]]), force=f)
+    F = Fraction
+    middle = F(1) + (F(0.2) - F(0.1)) / (F(0.3) - F(0.1))
+    assert x.enclose([0.0, 0.1, 0.2, 0.3, 0.9]).contains(np.array([[0, 1, middle, -1, 0]], dtype=object))
+    assert x.enclose(0.9).lower[0] == "0" == x.enclose(0.9).upper[0]
+
+
+def test_a_record_under_an_oscillator_is_its_restart():
+    """From sample to sample by the exact solution of x'' + 4 x = a + b t with mpmath."""
+    times, values = [0.0, 0.7, 1.9, 2.2], [0.5, -1.25, 3.0, 0.0]
+    x = mb.solve(OSCILLATOR, [[1.0], [0.0]], mb.sampled(times, [values]))
+    with mpmath.workdps(50):
+        state = mpmath.matrix([1, 0])
+        for (t0, v0), (t1, v1) in zip(zip(times, values), zip(times[1:], values[1:])):
+            h, slope = mpmath.mpf(t1) - mpmath.mpf(t0), (mpmath.mpf(v1) - v0) / (mpmath.mpf(t1) - t0)
+            c, s = mpmath.cos(2 * h), mpmath.sin(2 * h)
+            free = mpmath.matrix([state[0] - mpmath.mpf(v0) / 4, state[1] - slope / 4])
+            state = mpmath.matrix([free[0] * c + free[1] * s / 2 + mpmath.mpf(v1) / 4, -2 * free[0] * s + free[1] * c + slope / 4])
+        assert enclosed(x, [times[-1]], [state[0]])
+
+
+def test_an_approximated_force_is_the_polynomials_that_it_became():
+    """x = f: between its knots the polynomial whose float coefficients the states are, to the last digit of float64."""
+    f = mb.approximated(lambda t: np.abs(np.sin(3 * t)), 2.0)
+    x = mb.solve(mb.PolynomialMatrix([[[1.0]]]), force=f)
+    times = np.linspace(0.0, 2.5, 41)
+    assert x.enclose(times).error_bounds(f(times)).max() < 4e-15
+
+
+def test_delays_of_mapped_sums_are_those_of_the_numeric_engine():
+    force = (2.0 * (mb.step([1.0]) + mb.harmonic([1.0], angular_frequency=2.0)).delayed(0.3)).mapped([[0.5], [1.5]]).delayed(0.4)
+    x = mb.solve(mb.PolynomialMatrix([4 * np.eye(2), 0.1 * np.eye(2), np.eye(2)]), force=force)
+    times = np.array([0.0, 0.69, 0.7, 0.71, 2.0, 50.0])
+    assert x.enclose(times).error_bounds(x(times)).max() < 1e-13
+    assert x.events == () and x.enclose(0.69).contains([0, 0])
+
+
+def test_derivatives_belong_together():
+    """A(d/dt) x = f holds for the bounds: 4 x + x'' - f contains 0."""
+    x = mb.solve(OSCILLATOR, [[1.0], [2.0]], mb.term([1.0], power=1, rate=-0.5, angular_frequency=2.0))
+    boxes = [x.enclose(1.25, 25, order=k) for k in (0, 2)]
+    with mpmath.workdps(40):
+        t = mpmath.mpf(1.25)
+        force = t * mpmath.exp(-t / 2) * mpmath.cos(2 * t)
+        low = 4 * mpmath.mpf(boxes[0].lower[0]) + mpmath.mpf(boxes[1].lower[0]) - force
+        high = 4 * mpmath.mpf(boxes[0].upper[0]) + mpmath.mpf(boxes[1].upper[0]) - force
+        assert low <= 0 <= high and high - low < 1e-22
+
+
+def test_a_value_that_is_zero_has_an_interval_about_zero():
+    """x' = -1 from 1 is zero at 1, by rational arithmetic; sin 2t at t near pi/2 is not, and has its digits."""
+    drift = mb.solve(mb.PolynomialMatrix([[[0.0]], [[1.0]]]), [[1.0]], mb.step([-1.0]))
+    assert drift.enclose(1.0).lower[0] == "0" == drift.enclose(1.0).upper[0]
+    x = mb.solve(OSCILLATOR, [[0.0], [2.0]])
+    with mpmath.workdps(60):
+        assert enclosed(x, [np.pi / 2], [mpmath.sin(2 * mpmath.mpf(np.pi / 2))])
+    A = mb.PolynomialMatrix([[[1.0, 0.0], [1.0, -1.0]], [[1.0, 0.0], [0.0, 0.0]]])  # x1' + x1 = 0, x2 = x1
+    box = mb.solve(A, [[1.0, 0.0]]).enclose(2.0)
+    assert box.lower[0] == box.lower[1] and box.upper[0] == box.upper[1]
+
+
+def test_growth_beyond_what_can_be_written_is_told():
+    x = mb.solve(mb.PolynomialMatrix([[[-1.0]], [[1.0]]]), [[1.0]])
+    with pytest.raises(mb.Overflow, match="right half plane"):
+        x.enclose(1e9)
+    box = x.enclose(1e5, 20)
+    assert box.lower[0].endswith("E+43429")
+    decay = mb.solve(mb.PolynomialMatrix([[[1.0]], [[1.0]]]), [[1.0]]).enclose(1e9)
+    assert (decay.lower[0], decay.upper[0]) == ("0", "1E-100000")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [(([-1.0],), "time"), (([np.nan],), "time"), ((1.0, 0), "digits"), ((1.0, 10**6), "digits"), ((1.0, 2.5), "digits"), (([[1.0]],), "time")],
+)
+def test_questions_that_make_no_sense_are_refused(arguments, message):
+    with pytest.raises(mb.InputError, match=message):
+        mb.solve(OSCILLATOR, [[1.0], [0.0]]).enclose(*arguments)
+
+
+def test_shapes_are_those_of_x():
+    x = mb.solve(mb.PolynomialMatrix([np.eye(2), np.eye(2)]), [[1.0, 2.0]])
+    for times in (0.5, [0.5], [], [0.5, 1.0, 2.0]):
+        assert x.enclose(times).lower.shape == x(times).shape == x.enclose(times).error_bounds(x(times)).shape
+    with pytest.raises(mb.InputError, match="shape"):
+        x.enclose(0.5).contains([1.0])
+    with pytest.raises(mb.InputError, match="finite"):
+        x.enclose(0.5).contains([np.nan, 1.0])

@@ -1,0 +1,204 @@
+"""The exact structure against minors, published values and cases whose multiplicities are known."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import combinations, pairwise
+
+import flint
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from tests.exact.rational.products import MATRICES, known, larger_product
+from tests.oracles import exact
+from tests.oracles.models import massless_joints, rigid_link, two_masses, two_masses_with_multiplier
+from tests.oracles.referee import NAMES, case
+from tests.oracles.smith import partial_multiplicities
+
+everywhere = pytest.mark.parametrize("name", MATRICES)
+
+#: Cases whose answer belongs to the entries as they are; the others were rotated, and belong to entries before rounding.
+AS_GIVEN = [name for name in NAMES if not name.startswith("rot_")]
+
+
+def fractions(*numbers) -> tuple[Fraction, ...]:
+    return tuple(Fraction(number) for number in numbers)
+
+
+def polynomial(coefficients) -> flint.fmpq_poly:
+    return flint.fmpq_poly([flint.fmpq(c.numerator, c.denominator) for c in coefficients])
+
+
+@everywhere
+def test_determinant_is_that_of_gauss_and_newton(name):
+    assert list(known(name).structure.determinant) == exact.determinant(known(name).A.tolist())
+
+
+@everywhere
+def test_smith_form_has_the_greatest_common_divisors_of_minors(name):
+    x, r = known(name), known(name).r
+    below = flint.fmpq_poly([1])
+    for size, invariant in enumerate(x.structure.smith_form, start=1):
+        choices = list(combinations(range(r), size))
+        minors = [polynomial(exact.minor(x.A.tolist(), rows, columns)) for rows in choices for columns in choices]
+        divisor = flint.fmpq_poly([0])
+        for minor in minors:
+            divisor = divisor.gcd(minor)
+        assert polynomial(invariant) == divisor / below / (divisor / below).leading_coefficient()
+        below = divisor
+
+
+@everywhere
+def test_invariant_polynomials_divide_each_other(name):
+    for p, following in pairwise(known(name).structure.smith_form):
+        assert not polynomial(following) % polynomial(p)
+
+
+@everywhere
+def test_elementary_divisors_are_irreducible_and_distinct(name):
+    divisors = [polynomial(divisor.polynomial) for divisor in known(name).structure.elementary_divisors]
+    assert all(p.leading_coefficient() == 1 and len(p.factor()[1]) == 1 and p.factor()[1][0][1] == 1 for p in divisors)
+    assert len({str(p) for p in divisors}) == len(divisors)
+
+
+@everywhere
+def test_degrees_add_up(name):
+    x = known(name)
+    structure = x.structure
+    assert x.n == sum(divisor.degree * sum(divisor.exponents) for divisor in structure.elementary_divisors)
+    assert x.n == sum(zero.count for zero in structure.finite_zeros)
+    assert x.n + sum(structure.infinite_divisors) == x.r * x.q
+    assert list(structure.at_infinity) == exact.orders_at_infinity(x.A.tolist())
+    assert structure.at_infinity[0] == x.q or not x.A[x.q].any()
+
+
+@everywhere
+def test_infinite_divisors_are_those_of_the_dual_at_zero(name):
+    x = known(name)
+    found = [d.exponents for d in x.matrix.dual.structure(exact=True).elementary_divisors if d.polynomial == (0, 1)]
+    assert sum(found, ()) == tuple(degree for degree in x.structure.infinite_divisors if degree)
+
+
+@everywhere
+def test_partial_multiplicities_of_gaussian_zeros(name):
+    x = known(name)
+    for zero in x.structure.finite_zeros:
+        if zero.multiplicity > 1 and (2 * zero.value.real).is_integer() and (2 * zero.value.imag).is_integer():
+            assert partial_multiplicities(x.A.tolist(), zero.value, zero.multiplicity) == list(zero.partial_multiplicities)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_elementary_divisors_of_a_larger_product(seed):
+    """U and V hide the diagonal, whose factors and exponents are known."""
+    A, exponents = larger_product(seed)
+    structure = mb.PolynomialMatrix(A).structure(exact=True)
+    assert {divisor.polynomial: divisor.exponents for divisor in structure.elementary_divisors} == exponents
+
+
+@everywhere
+def test_nothing_is_in_doubt(name):
+    assert known(name).structure.notices == ()
+
+
+@pytest.mark.parametrize("name", AS_GIVEN)
+def test_structure_of_the_cases_of_the_referee(name):
+    """Zeros agree to the last bit: both sides are the nearest float64 numbers."""
+    record = case(name).record
+    structure = mb.PolynomialMatrix(case(name).coefficients).structure(exact=True)
+    assert structure.finite_count == record["n"]
+    assert sorted(d for d in structure.infinite_divisors if d) == sorted(record["infinite_divisors"])
+    known_zeros = {(complex(float(z["re"]), float(z["im"])), z["mult"]) for z in record["eigenvalues"] if float(z["im"]) >= 0}
+    assert {(zero.value, zero.multiplicity) for zero in structure.finite_zeros} == known_zeros
+    partial = {complex(z["re"], z["im"]): tuple(z["partial"]) for z in record["partial_multiplicities"] if z["im"] >= 0}
+    multiple = {zero.value: zero.partial_multiplicities for zero in structure.finite_zeros if zero.multiplicity > 1}
+    assert multiple == partial
+
+
+@pytest.mark.parametrize(
+    "level, smith, infinite",
+    [
+        (0, fractions("1/25", 0, "3/5", 0, 1), (0, 0, 2)),
+        (1, fractions(0, "1/25", 0, "3/5", 0, 1), (0, 0, 1)),
+        (2, fractions(0, 0, "1/25", 0, "3/5", 0, 1), (0, 0, 0)),
+    ],
+)
+def test_two_masses(level, smith, infinite):
+    """Moysis et al., section 5.1, the constraint at each level."""
+    structure = mb.PolynomialMatrix(two_masses(level)).structure(exact=True)
+    assert structure.smith_form == ((1,), (1,), smith)
+    assert structure.infinite_divisors == infinite
+    frequencies = [zero.value for zero in structure.finite_zeros if zero.value]
+    assert frequencies == [0.27639320225002103036j, 0.72360679774997896964j]  # (5 -+ sqrt 5) / 10
+
+
+def test_two_masses_at_acceleration_level_have_one_chain_at_zero():
+    structure = mb.PolynomialMatrix(two_masses(2)).structure(exact=True)
+    assert structure.determinant == fractions(0, 0, -4, 0, -60, 0, -100)
+    assert [(d.polynomial, d.exponents) for d in structure.elementary_divisors] == [
+        (fractions(0, 1), (2,)),
+        (fractions("1/25", 0, "3/5", 0, 1), (1,)),
+    ]
+
+
+@pytest.mark.parametrize("level, orders", [(0, (2, 2, 0, 0)), (1, (2, 2, 1, 0)), (2, (2, 2, 2, 0))])
+def test_two_masses_with_multiplier_have_no_infinite_zeros(level, orders):
+    assert mb.PolynomialMatrix(two_masses_with_multiplier(level)).structure(exact=True).at_infinity == orders
+
+
+def test_massless_joints():
+    """Moysis et al., section 5.2."""
+    structure = mb.PolynomialMatrix(massless_joints()).structure(exact=True)
+    assert structure.determinant == fractions(0, 216, 288, 1080)
+    assert structure.smith_form == ((1,), (1,), fractions(0, "1/5", "4/15", 1))
+    assert (structure.at_infinity, structure.infinite_divisors, structure.infinite_chains) == ((2, 1, 0), (0, 1, 2), (1,))
+
+
+def test_rigid_link():
+    structure = mb.PolynomialMatrix(rigid_link()).structure(exact=True)
+    assert (structure.at_infinity, structure.infinite_divisors, structure.highest_impulse) == ((2, 2, -2), (0, 0, 4), 2)
+    assert structure.elementary_divisors[0].polynomial == fractions("1/2", 0, 1)
+
+
+@pytest.mark.parametrize(
+    "A", [[[[1, 2], [2, 4]]], [[[0, 0], [0, 0]], [[1, 0], [0, 0]]], [[[0.1, 0.3], [0.1, 0.3]], [[0.7, 0], [0.7, 0]]]]
+)
+def test_an_exact_determinant_of_zero_is_singular(A):
+    with pytest.raises(mb.SingularPolynomialMatrix, match="det A\\(s\\) is zero for every s"):
+        mb.PolynomialMatrix(A).jordan_pairs(exact=True)
+    with pytest.raises(mb.SingularPolynomialMatrix, match="equation 2"):
+        mb.PolynomialMatrix(A).structure(exact=True)
+
+
+def test_a_determinant_of_1e_300_is_regular():
+    structure = mb.PolynomialMatrix([[[1e-150, 0], [0, 1e-150]]]).structure(exact=True)
+    assert structure.determinant == (Fraction(1e-150) ** 2,)
+    nearly = mb.PolynomialMatrix([[[1, 1], [1, np.nextafter(1, 2)]], [[0, 0], [0, 0]], [[0, 0], [1, 1]]]).structure(exact=True)
+    assert nearly.determinant == (Fraction(2) ** -52,)
+    assert nearly.infinite_divisors == (0, 4)
+
+
+def test_elements_are_exact():
+    """1e16 + 1 is 1e16 as a float64 number, as a sum of its elements it is not."""
+    B = [[1.0, 0.0], [1.0, -1.0]]
+    K = mb.ElementMatrix(B, [1.0, 1e16])
+    assert mb.PolynomialMatrix([K]).structure(exact=True).determinant == (10**16,)
+
+
+def test_a_tolerance_is_refused():
+    A = mb.PolynomialMatrix([[[1.0]], [[1.0]]])
+    for ask in (A.structure, A.jordan_pairs):
+        with pytest.raises(mb.InputError, match="rank_tolerance: found 1e-09 with exact=True"):
+            ask(1e-9, exact=True)
+
+
+def test_pairs_are_computed_once():
+    A = mb.PolynomialMatrix([[[1.0]], [[1.0]]])
+    assert A.jordan_pairs(exact=True) is A.jordan_pairs(exact=True)
+    assert A.structure(exact=True) is A.jordan_pairs(exact=True).structure
+    assert A.jordan_pairs() is not A.jordan_pairs(exact=True)
+
+
+def test_a_matrix_without_rows():
+    structure = mb.PolynomialMatrix(np.zeros((1, 0, 0))).structure(exact=True)
+    assert (structure.determinant, structure.smith_form, structure.infinite_divisors) == ((1,), (), ())

@@ -1,0 +1,139 @@
+"""The parts that the exact structure is made of: pivots modulo primes, minors by interpolation, rounded roots, examples."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import pkgutil
+from fractions import Fraction
+from itertools import islice
+
+import flint
+import mpmath
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.exact import rational
+from mbconstrained.exact.rational import modular
+from mbconstrained.exact.rational.cramer import WholeMatrix
+from mbconstrained.exact.rational.local_smith import local_smith
+from mbconstrained.exact.rational.roots import enclosed_roots, rounded_roots
+from tests.exact.rational.products import MATRICES, known, product
+from tests.oracles import exact
+
+modules = [f"mbconstrained.exact.rational.{module.name}" for module in pkgutil.iter_modules(rational.__path__)]
+
+
+@pytest.mark.parametrize("name", modules)
+def test_examples_in_docstrings_are_true(name):
+    assert doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE).failed == 0
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_unlucky_primes_are_found_out(seed, monkeypatch):
+    """Beginning with 3 they often divide something that matters: the answer is the same."""
+    A = product(seed)
+    expected = mb.PolynomialMatrix(A).structure(exact=True)
+    monkeypatch.setattr(modular, "FIRST_NUMBER", 3)
+    assert mb.PolynomialMatrix(A).structure(exact=True) == expected
+
+
+def test_a_prime_that_lowers_a_rank_is_unlucky(monkeypatch):
+    """[[s, 3], [0, s]]: modulo 3 there are two chains of length 1 at 0, in truth there is one of length 2."""
+    A = [[[0, 3], [0, 0]], [[1, 0], [0, 1]]]
+    monkeypatch.setattr(modular, "FIRST_NUMBER", 3)
+    assert mb.PolynomialMatrix(A).structure(exact=True).elementary_divisors[0].exponents == (2,)
+
+
+def test_primes_have_roots():
+    p = flint.fmpz_poly([2, 0, 0, 1])
+    for prime, root in islice(modular.rooted_primes(p), 5):
+        assert flint.fmpz(prime).is_prime() and (root**3 + 2) % prime == 0
+
+
+@pytest.mark.parametrize("name", MATRICES)
+def test_root_polynomials_are_divided_by_their_power(name):
+    """p^k divides W Phi, and Psi W, for every block of every local Smith form."""
+    x = known(name)
+    W = WholeMatrix.of(rational.RationalMatrix.of(x.matrix))
+    for divisor in x.structure.elementary_divisors:
+        p = flint.fmpq_poly([flint.fmpq(c.numerator, c.denominator) for c in divisor.polynomial]).numer()
+        for block in local_smith(W, p, sum(divisor.exponents)):
+            power = flint.fmpq_poly(p) ** block.exponent
+            for vector in (*block.right, *(_transposed(row) for row in block.left)):
+                for entry in _product(W, vector):
+                    assert power.degree() < 1 or not entry % power
+
+
+class _transposed(list):
+    """A row vector, to be multiplied from the left."""
+
+
+def _product(W, vector):
+    zero = flint.fmpq_poly([0])
+    entries = [[flint.fmpq_poly([M[i, j] for M in W.coefficients]) for j in range(W.size)] for i in range(W.size)]
+    if isinstance(vector, _transposed):
+        entries = list(zip(*entries))
+    return [sum((a * b for a, b in zip(row, vector)), zero) for row in entries]
+
+
+@pytest.mark.parametrize("name", MATRICES)
+def test_part_gives_minors_and_the_adjugate(name):
+    x = known(name)
+    W = WholeMatrix.of(rational.RationalMatrix.of(x.matrix))
+    A = [[[Fraction(int(M[i, j])) for j in range(x.r)] for i in range(x.r)] for M in W.coefficients]
+    part = W.part(range(x.r), range(x.r))
+    assert _fractions(part.determinant) == exact.determinant(A)
+    adjugate = [[exact.trimmed(entry) for entry in row] for row in exact.adjugate(A)]
+    assert [[_fractions(entry) for entry in row] for row in part.left(range(x.r))] == adjugate
+
+
+def _fractions(p) -> list[Fraction]:
+    return [Fraction(int(c.p), int(c.q)) for c in p.coeffs()]
+
+
+@pytest.mark.parametrize(
+    "coefficients",
+    [
+        [-2, 0, 1],
+        [1, 1, 1],
+        [2, 0, 0, 1],
+        [1, 0, 3, 0, 1],
+        [5, 0, 2, 0, 1],
+        [-3, 10**6, 1],
+        [1, 10**9, 10**3, 7],
+        [10**40, 1, 0, 1],
+    ],
+)
+def test_roots_are_the_nearest_numbers(coefficients):
+    """Those of mpmath with 60 digits, rounded once."""
+    with mpmath.workdps(60):
+        roots = mpmath.polyroots(coefficients[::-1], maxsteps=500, extraprec=400)
+        cut = mpmath.mpf(10) ** -50
+        parts = [
+            (z.real if abs(z.real) > cut * abs(z) else mpmath.mpf(0), z.imag if abs(z.imag) > cut * abs(z) else mpmath.mpf(0))
+            for z in map(mpmath.mpc, roots)
+        ]
+        expected = {complex(float(mpmath.nstr(re, 40)), float(mpmath.nstr(im, 40))) for re, im in parts if im >= 0}
+    assert set(rounded_roots(flint.fmpz_poly(coefficients))) == expected
+
+
+def test_parts_that_are_zero_are_exactly_zero():
+    for coefficients in ([1, 0, 3, 0, 1], [2, 0, 1], [3, 0, 1, 0, 5, 0, 1]):
+        for root in enclosed_roots(flint.fmpz_poly(coefficients), 64):
+            assert root.real == 0 or not root.real.contains(0)
+            assert root.imag == 0 or not root.imag.contains(0)
+
+
+def test_a_root_between_two_neighbours_is_rounded_to_even():
+    """(s - c)^2 + 1 and (s - c)^2 - 2 shifted to the middle c of 1 and its successor."""
+    c = 1 + Fraction(1, 2**53)
+    p = flint.fmpz_poly([int(x * 2**106) for x in (c * c + 1, -2 * c, 1)])
+    assert rounded_roots(p) == (complex(1.0, 1.0),)
+
+
+def test_roots_beyond_the_range_of_float64_are_infinite():
+    assert rounded_roots(flint.fmpz_poly([10**400, 1])) == (complex(-np.inf),)
+    assert set(rounded_roots(flint.fmpz_poly([-(10**801), 0, 1]))) == {complex(-np.inf), complex(np.inf)}
+    assert rounded_roots(flint.fmpz_poly([1, 10**400])) == (0,)
