@@ -33,7 +33,7 @@ def finite_zeros(form: WeierstrassForm) -> tuple[FiniteZero, ...]:
     zeros = [replace(zero, value=complex(scale * zero.value)) for zero in told]
     if count := len(form.T) - form.nonzero_count:
         zeros.append(FiniteZero(0j, count, form.zero_divisors, all(decision.clear for decision in form.decisions)))
-    return _in_order(zeros)
+    return in_order(zeros)
 
 
 def _with_divisors(zero: FiniteZero, parts: ZeroParts) -> FiniteZero:
@@ -129,7 +129,7 @@ def _order(zero: FiniteZero):
     return abs(zero.value), zero.value.real, zero.value.imag
 
 
-def _in_order(zeros) -> tuple[FiniteZero, ...]:
+def in_order(zeros) -> tuple[FiniteZero, ...]:
     """By modulus, real and imaginary part; what agrees to rounding is equal, so that rounding cannot turn the order."""
     return tuple(
         zero

@@ -33,7 +33,9 @@ def main(count: int) -> None:
         error = max(box.error_bounds(values).max() / largest, 8 * EPS)
         estimate = max(x.error_estimate(times), 8 * EPS)
         found[kind].append((estimate / error, error, enclosed - solved, solved - begun, bool(box.notices), seed))
-    print(f"{'kind':18s} {'systems':>7s} {'low':>4s} {'high':>5s} {'least':>8s} {'most':>8s} {'median digits':>13s} {'least digits':>12s} {'exact/numeric time':>19s}")
+    print(
+        f"{'kind':18s} {'systems':>7s} {'low':>4s} {'high':>5s} {'least':>8s} {'most':>8s} {'median digits':>13s} {'least digits':>12s} {'exact/numeric time':>19s}"
+    )
     for kind, rows in [*found.items(), ("all", sum(found.values(), []))]:
         ratio, error, exact, numeric, told, seeds = map(np.array, zip(*rows))
         low, high = np.count_nonzero(ratio < 0.1), np.count_nonzero(ratio > 1e3)
@@ -43,7 +45,12 @@ def main(count: int) -> None:
             f"{digits.min():12.1f} {np.median(exact / numeric):19.2f}"
         )
         if kind != "all":
-            print("".join(f"    seed {s}: estimate / error {r:.2g}, error {e:.2g}\n" for r, e, s in zip(ratio, error, seeds) if r < 0.1), end="")
+            print(
+                "".join(
+                    f"    seed {s}: estimate / error {r:.2g}, error {e:.2g}\n" for r, e, s in zip(ratio, error, seeds) if r < 0.1
+                ),
+                end="",
+            )
 
 
 if __name__ == "__main__":

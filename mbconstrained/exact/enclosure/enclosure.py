@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
@@ -35,7 +36,9 @@ class Enclosure:
     @classmethod
     def of(cls, balls: Sequence, times: np.ndarray, digits: int) -> Enclosure:
         """Of balls (r,) or (r, T)."""
-        bounds = [[decimal_bounds(b, digits) for b in row] if isinstance(row, list) else decimal_bounds(row, digits) for row in balls]
+        bounds = [
+            [decimal_bounds(b, digits) for b in row] if isinstance(row, list) else decimal_bounds(row, digits) for row in balls
+        ]
         table = np.array(bounds, dtype=str).reshape(len(balls), *np.shape(times), 2)
         return cls(table[..., 0], table[..., 1], times, digits)
 
@@ -52,19 +55,24 @@ class Enclosure:
         """Whether every value lies between its bounds.
 
         Args:
-            values: of the same shape, floats (taken exactly), ints, Fractions, Decimals or decimal strings.
+            values: of the same shape: ints, Fractions, Decimals or decimal strings, exact numbers; or floats, each of which stands
+                for all numbers that round to it (half a unit in the last place to both sides).
 
         Raises:
             InputError: another shape, or what is no number.
         """
         low, high, found = _exact(self.lower), _exact(self.upper), self._checked(values)
-        return np.bool_(np.all((low <= found) & (found <= high)))
+        around = np.array([_rounding(value) for value in np.ravel(values)], dtype=object).reshape(found.shape)
+        return np.bool_(np.all((low <= found + around) & (found - around <= high)))
 
     def error_bounds(self, values) -> np.ndarray:
         """For each value what its error is at most, as floats, rounded up: a proof, where an estimate is an estimate.
 
         Args:
-            values: as for ``contains``.
+            values: of the same shape, floats taken as the exact numbers that they are.
+
+        Raises:
+            InputError: as ``contains``.
         """
         low, high, found = _exact(self.lower), _exact(self.upper), self._checked(values)
         bounds = np.maximum(found - low, high - found)
@@ -89,6 +97,11 @@ def _number(value) -> Fraction:
         return Fraction(Decimal(value)) if isinstance(value, str) else Fraction(value.item() if hasattr(value, "item") else value)
     except (ArithmeticError, TypeError, ValueError):
         raise InputError(f"values: found {value!r}; expected finite numbers, or decimal strings") from None
+
+
+def _rounding(value) -> Fraction:
+    """Half a unit in the last place of a float, nothing for other numbers."""
+    return Fraction(math.ulp(value)) / 2 if isinstance(value, float) and math.isfinite(value) else Fraction(0)
 
 
 def _rounded_up(value: Fraction) -> float:

@@ -21,6 +21,7 @@ from ..rational.matrix import RationalMatrix
 from .balls import bits_of, is_told
 from .enclosure import Enclosure
 from .factors import Factor, ball
+from .partial_fractions import Exponentials, PartialFractions
 from .rational_response import ZERO, RationalResponse
 from .shapes import ONE, S
 from .sources import Source, vector_of
@@ -185,28 +186,47 @@ class ExactResponse:
 
     def _values(self, times: Sequence[flint.fmpq], order: int) -> list[list[flint.arb]]:
         """Columns (r,) of balls, one for each time, at the working precision."""
-        exact = [[ZERO] * self.size for _ in times]
-        balls = [[flint.arb(0)] * self.size for _ in times]
+        columns, exponentials = [_Sum(self.size) for _ in times], Exponentials()
         for part in self._parts:
-            called = [(k, time - begin, factor) for k, time in enumerate(times) for begin, factor in part.calls if begin <= time]
-            for k, since, factor in called:
-                column = part.response.polynomial_part(order, since) if since else part.response.start(order)
-                if isinstance(factor, flint.fmpq):
-                    exact[k] = [a + b * factor for a, b in zip(exact[k], column)]
-                else:
-                    amount = ball(factor)
-                    balls[k] = [a + amount * flint.arb(b) for a, b in zip(balls[k], column)]
-            self._add_modes(part, order, [call for call in called if call[1]], balls)
-        return [[flint.arb(a) + b for a, b in zip(*columns)] for columns in zip(exact, balls)]
+            modes = part.response.partial_fractions().derivative(order)
+            calls = [(begin, factor, ball(factor)) for begin, factor in part.calls]
+            for column, time in zip(columns, times):
+                acting = [(time - begin, factor, amount) for begin, factor, amount in calls if begin <= time]
+                column.add_start(part.response, order, [call for call in acting if not call[0]])
+                column.add_later(part.response, order, modes, [call for call in acting if call[0]], exponentials)
+        return [column.total() for column in columns]
 
-    def _add_modes(self, part: Part, order: int, called, balls) -> None:
-        modes = part.response.partial_fractions().derivative(order)
-        if not (modes.poles and called):
-            return
-        values = modes.values([since for _, since, _ in called])
-        for place, (k, _, factor) in enumerate(called):
-            amount = ball(factor)
-            balls[k] = [entry + amount * values[row, place].real for row, entry in enumerate(balls[k])]
+
+class _Sum:
+    """x at one time: what is rational is added up exactly, so that what cancels leaves nothing, the rest in balls."""
+
+    def __init__(self, size: int):
+        self.exact, self.balls = [ZERO] * size, [flint.arb(0)] * size
+
+    def add_start(self, response: RationalResponse, order: int, calls) -> None:
+        """What has just begun: x^(order)(0+)."""
+        for _, factor, amount in calls:
+            start = response.start(order)
+            if isinstance(factor, flint.fmpq):
+                self.exact = [a + factor * b for a, b in zip(self.exact, start)]
+            else:
+                self.balls = [a + amount * b for a, b in zip(self.balls, start)]
+
+    def add_later(self, response: RationalResponse, order: int, modes: PartialFractions, calls, exponentials: Exponentials) -> None:
+        """What has begun before."""
+        known = [(since, factor) for since, factor, _ in calls if isinstance(factor, flint.fmpq)]
+        others = [(since, amount) for since, factor, amount in calls if not isinstance(factor, flint.fmpq)]
+        if known:
+            self.exact = [a + b for a, b in zip(self.exact, response.polynomial_part(order, known))]
+        if others:
+            self.balls = [a + b for a, b in zip(self.balls, response.polynomial_part(order, others))]
+        if calls and modes.poles:
+            added = modes.sum_of([(since, amount) for since, _, amount in calls], exponentials)
+            self.balls = [a + b for a, b in zip(self.balls, added)]
+
+    def total(self) -> list[flint.arb]:
+        """The two together."""
+        return [flint.arb(a) + b for a, b in zip(self.exact, self.balls)]
 
 
 def _is_immediate(source: Source) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import flint
 
@@ -44,8 +45,14 @@ class Carried:
 
     def ball(self) -> flint.arb:
         """At the working precision."""
-        moved = flint.arb_mat([[flint.arb(entry * self.time) for entry in row] for row in self.generator]).exp()
-        return flint.arb(self.amount) * sum((moved[self.entry, k] * flint.arb(v) for k, v in enumerate(self.start)), flint.arb(0))
+        return flint.arb(self.amount) * _carried(self.generator, self.start, self.time, flint.ctx.prec)[self.entry]
+
+
+@lru_cache(maxsize=4096)
+def _carried(generator, start, time, precision: int) -> list[flint.arb]:
+    """e^{J t} v at the working precision."""
+    moved = flint.arb_mat([[flint.arb(entry * time) for entry in row] for row in generator]).exp()
+    return (moved * flint.arb_mat([[flint.arb(value)] for value in start])).entries()
 
 
 Factor = flint.fmpq | Turned | Carried

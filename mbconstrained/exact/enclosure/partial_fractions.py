@@ -60,23 +60,31 @@ class PartialFractions:
             poles = [Pole(pole.value, pole.weight, _differentiated(pole)) for pole in poles]
         return PartialFractions(poles)
 
-    def values(self, times: Sequence[flint.fmpq]) -> flint.acb_mat:
-        """Shape (r, len(times)); the real part is meant."""
-        rows = [[] for _ in self.poles[0].columns[0]] if self.poles else []
-        functions = []
+    def sum_of(self, calls: Sequence[tuple[flint.fmpq, flint.arb]], exponentials: Exponentials) -> list[flint.arb]:
+        """The sum over calls (t, amount) of amount times the function at t, shape (r,)."""
+        total = [flint.arb(0)] * len(self.poles[0].columns[0]) if self.poles else []
         for pole in self.poles:
-            powers = [[_exponential(pole.value, time) * pole.weight for time in times]]
-            for j in range(1, len(pole.columns)):
-                powers.append([value * flint.arb(time / j) for value, time in zip(powers[-1], times)])
-            functions += powers
-            for column in pole.columns:
-                for row, entry in zip(rows, column):
-                    row.append(entry)
-        return flint.acb_mat(rows) * flint.acb_mat(functions)
+            weighted = [amount * exponentials.at(pole.value, time) for time, amount in calls]
+            for j, column in enumerate(pole.columns):
+                if j:
+                    weighted = [value * flint.arb(time / j) for value, (time, _) in zip(weighted, calls)]
+                whole = sum(weighted, flint.acb(0)) * pole.weight
+                total = [entry + (c * whole).real for entry, c in zip(total, column)]
+        return total
 
 
-def _exponential(root: flint.acb, time: flint.fmpq) -> flint.acb:
-    return (root * flint.arb(time)).exp()
+class Exponentials:
+    """e^{z t} at one working precision, each computed once."""
+
+    def __init__(self):
+        self._known: dict[tuple[int, flint.fmpq], flint.acb] = {}
+
+    def at(self, root: flint.acb, time: flint.fmpq) -> flint.acb:
+        """Of a root that ``PartialFractions`` holds: equal roots are one object there."""
+        key = id(root), time
+        if key not in self._known:
+            self._known[key] = (root * flint.arb(time)).exp()
+        return self._known[key]
 
 
 def _differentiated(pole: Pole) -> list[list[flint.acb]]:

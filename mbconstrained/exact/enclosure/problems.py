@@ -8,14 +8,13 @@ from fractions import Fraction
 import flint
 import numpy as np
 
-from ...errors import SingularPolynomialMatrix
 from ...notices import Notice
 from ...polynomial.matrix import PolynomialMatrix
-from ...polynomial.regularity import singular_message
 from ...response.response import Response
 from ...signals.impulsive import ImpulsiveSmooth
 from ..rational.arithmetic import polynomial
 from ..rational.matrix import RationalMatrix
+from ..rational.singular import regular_matrix
 from .exact_response import ExactResponse
 from .shapes import ONE, S, Shape
 from .sources import Source, sources_of
@@ -27,11 +26,7 @@ def exact_response(A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmo
     Raises:
         SingularPolynomialMatrix: det A(s) = 0 for every s, exactly.
     """
-    matrix = RationalMatrix.of(A)
-    if not matrix.determinant:
-        message, equations, coordinates = singular_message(A)
-        raise SingularPolynomialMatrix(message, equations, coordinates)
-    return ExactResponse(matrix, initial, sources_of(force))
+    return ExactResponse(regular_matrix(A), initial, sources_of(force))
 
 
 def exact_fraction_response(

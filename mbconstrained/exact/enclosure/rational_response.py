@@ -57,14 +57,18 @@ class RationalResponse:
             self._derivatives.append(found)
         return self._derivatives[order]
 
-    def polynomial_part(self, order: int, time: flint.fmpq) -> list[flint.fmpq]:
-        """What the zeros at s = 0 add to x^(order)(time): a polynomial in time, exactly."""
-        total = [ZERO] * self.size
-        weight = flint.fmpq(1)
+    def polynomial_part(self, order: int, calls: Sequence[tuple]) -> list:
+        """The sum over calls (t, factor) of factor times what the zeros at s = 0 add to x^(order)(t): a polynomial in t.
+
+        Exact for exact factors, balls for balls.
+        """
+        zero = calls[0][1] * 0
+        total, weighted = [zero] * self.size, [factor for _, factor in calls]
         for k, column in enumerate(self._at_zero[order:]):
             if k:
-                weight = weight * time / k
-            total = [entry + c * weight for entry, c in zip(total, column)]
+                weighted = [value * (time / k) for value, (time, _) in zip(weighted, calls)]
+            whole = sum(weighted, zero)
+            total = [entry + whole * c for entry, c in zip(total, column)]
         return total
 
     def partial_fractions(self) -> PartialFractions:

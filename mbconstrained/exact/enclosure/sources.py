@@ -105,16 +105,30 @@ def _of_states(origin: Origin) -> Iterator[Source]:
 
 
 def _pieces(shapes: Sequence[Shape], vector: Vector, block, knots, states) -> Iterator[Source]:
+    """At each knot the new states begin, and what has become of those before is taken away."""
     generator = tuple(vector_of(line) for line in block)
-    for piece, (begin, state) in enumerate(zip(knots, states)):
-        start = vector_of(state)
-        if not any(start):
-            continue
+    nothing = (flint.fmpq(0),) * len(generator)
+    before, since = nothing, knots[0]
+    for knot, state in zip(knots, map(vector_of, states)):
+        left = _carried(generator, before, knot - since)
         for entry, shape in enumerate(shapes):
-            yield Source(shape, vector, begin, start[entry])
-            if piece + 1 < len(knots):
-                end = knots[piece + 1]
-                yield Source(shape, vector, end, Carried(flint.fmpq(-1), generator, start, end - begin, entry))
+            if left is not None:
+                yield Source(shape, vector, knot, state[entry] - left[entry])
+            else:
+                yield Source(shape, vector, knot, state[entry])
+                yield Source(shape, vector, knot, Carried(flint.fmpq(-1), generator, before, knot - since, entry))
+        before, since = state, knot
+
+
+def _carried(generator, start: Vector, time: flint.fmpq) -> Vector | None:
+    """e^{J t} v where it is rational, because J is nilpotent or v is zero."""
+    total, power = start, start
+    for k in range(1, len(generator) + 1):
+        power = tuple(entry * time / k for entry in _product(generator, power))
+        if not any(power):
+            return total
+        total = tuple(a + b for a, b in zip(total, power))
+    return None
 
 
 def _states_shapes(block: np.ndarray) -> list[list[Shape]]:

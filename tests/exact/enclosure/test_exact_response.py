@@ -73,7 +73,10 @@ def test_a_phase_is_the_number_that_was_given(phase):
     x = mb.solve(OSCILLATOR, force=mb.harmonic([1.0], angular_frequency=1.0, phase=phase))
     with mpmath.workdps(50):
         p = mpmath.mpf(phase)
-        values = [(mpmath.cos(t + p) - mpmath.cos(p) * mpmath.cos(2 * t) + mpmath.sin(p) * mpmath.sin(2 * t) / 2) / 3 for t in map(mpmath.mpf, times)]
+        values = [
+            (mpmath.cos(t + p) - mpmath.cos(p) * mpmath.cos(2 * t) + mpmath.sin(p) * mpmath.sin(2 * t) / 2) / 3
+            for t in map(mpmath.mpf, times)
+        ]
         assert enclosed(x, times, values)
 
 
@@ -188,7 +191,14 @@ def test_growth_beyond_what_can_be_written_is_told():
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
-    [(([-1.0],), "time"), (([np.nan],), "time"), ((1.0, 0), "digits"), ((1.0, 10**6), "digits"), ((1.0, 2.5), "digits"), (([[1.0]],), "time")],
+    [
+        (([-1.0],), "time"),
+        (([np.nan],), "time"),
+        ((1.0, 0), "digits"),
+        ((1.0, 10**6), "digits"),
+        ((1.0, 2.5), "digits"),
+        (([[1.0]],), "time"),
+    ],
 )
 def test_questions_that_make_no_sense_are_refused(arguments, message):
     with pytest.raises(mb.InputError, match=message):
@@ -203,3 +213,12 @@ def test_shapes_are_those_of_x():
         x.enclose(0.5).contains([1.0])
     with pytest.raises(mb.InputError, match="finite"):
         x.enclose(0.5).contains([np.nan, 1.0])
+
+
+def test_a_float_stands_for_what_rounds_to_it():
+    """The nearest float of e^-1 is contained, its neighbours are not; the number that it is, taken exactly, is not either."""
+    box = mb.solve(mb.PolynomialMatrix([[[1.0]], [[1.0]]]), [[1.0]]).enclose([1.0], 25)
+    near = float(np.exp(-1.0))
+    assert box.contains([[near]]) and box.contains(np.array([[near]]))
+    assert not box.contains([[Fraction(near)]])
+    assert not box.contains([[np.nextafter(near, 1)]]) and not box.contains([[np.nextafter(near, 0)]])
