@@ -318,7 +318,7 @@ def test_a_terminal_gets_tables_and_no_markup_is_interpreted(tmp_path):
     master, slave = pty.openpty()
     done, plan, modes = (process(work, path, stdout=slave) for work in ("check", "plan", "modes"))
     os.close(slave)
-    shown = os.read(master, 100_000).decode()
+    shown = os.read(master, 100_000).decode(errors="ignore")  # what a terminal holds may end within a letter
     os.close(master)
     assert [(each.returncode, each.stderr) for each in (done, plan, modes)] == [(0, "")] * 3
     assert "[red]Two[/] masses" in shown and "─" in shown
@@ -342,3 +342,46 @@ def test_from_the_command_to_the_page_in_less_than_three_seconds(tmp_path):
         seconds.append(time.perf_counter() - start)
     assert min(seconds) < 3
     assert (tmp_path / "two_masses.html").stat().st_size <= 1.3e6
+
+
+FORMULA = str(EXAMPLES / "two_masses_formula.toml")
+
+
+def test_formula_prints_text(command):
+    code, out, err = command("formula", FORMULA)
+    assert (code, err) == (0, "")
+    assert "x1(t) = (2/5 + 12 sqrt(5)/25) cos(w1 t)" in out and "Default values: m = 10 kg, k = 2 N/m." in out
+
+
+@pytest.mark.parametrize(
+    ("kind", "says"),
+    [("latex", r"\begin{align*}"), ("python", "def x(t, m=10.0, k=2.0):"), ("c", "#include <math.h>"), ("json", '"parameters": {')],
+)
+def test_formula_prints_other_forms(command, kind, says):
+    code, out, err = command("formula", FORMULA, "--as", kind, "--coordinates", "x1, q2")
+    assert (code, err) == (0, "") and says in out and "q1" not in out.replace("of q1", "")
+
+
+def test_formula_with_numbers_and_into_a_file(command, tmp_path):
+    code, out, err = command("formula", FORMULA, "--numbers", "--digits", "4", "--out", "folder/x.txt")
+    assert (code, out, err) == (0, "", "")
+    assert "cos(0.2764 t)" in (tmp_path / "folder" / "x.txt").read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "says"),
+    [
+        ((FORMULA, "--coordinates", "q3"), 1, 'there is no coordinate "q3"; there are x1, q1, q2'),
+        ((str(EXAMPLES / "pendulum.toml"),), 1, "there is no formula with symbols for a robot"),
+        ((FORMULA, "--as", "pascal"), 2, "pascal"),
+        ((FORMULA, "--out", "/dev/null/x"), 2, "cannot be written"),
+    ],
+)
+def test_formula_says_what_is_wrong(command, arguments, code, says):
+    found, out, err = command("formula", *arguments)
+    assert found == code and says in err
+
+
+def test_formula_with_an_error_as_json(command):
+    code, out, _ = command("formula", str(EXAMPLES / "pendulum.toml"), "--json")
+    assert code == 1 and "robot" in json.loads(out)["error"]

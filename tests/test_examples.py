@@ -39,7 +39,7 @@ TWO_MASSES = np.array(
 FREQUENCIES = [(5 - SQRT5) / 10, (5 + SQRT5) / 10]  # rad/s, roots of s^4 + 3/5 s^2 + 1/25
 
 
-@pytest.mark.parametrize("name", ["two_masses", "two_masses_position"])
+@pytest.mark.parametrize("name", ["two_masses", "two_masses_position", "two_masses_formula"])
 def test_two_masses_follow_the_published_solution(name):
     result = run(name)
     times, states = TWO_MASSES[:, 0], TWO_MASSES[:, 1:4].T
@@ -77,7 +77,7 @@ def third_mass(t):
     return np.exp(-A * t) * (2 * np.cos(B * t) + 2 * A / B * np.sin(B * t))
 
 
-@pytest.mark.parametrize("name", ["massless_joints", "inconsistent_start"])
+@pytest.mark.parametrize("name", ["massless_joints", "massless_joints_formula", "inconsistent_start"])
 def test_massless_joints_follow_the_mass(name):
     result = run(name)
     u3 = third_mass(result.times)

@@ -122,11 +122,35 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Formulas:
+    """Formulas in MathML.
+
+    Attributes:
+        title: heading.
+        lines: elements <math>, made by this package: they are the only markup that a page takes as it is.
+        note: a sentence below, or an empty string.
+
+    Raises:
+        InputError: a line that is no element <math>.
+    """
+
+    title: str
+    lines: tuple[str, ...]
+    note: str = ""
+
+    def __post_init__(self):
+        for line in self.lines:
+            if not (line.startswith("<math") and line.endswith("</math>")) or "<script" in line.lower():
+                raise InputError(f"formula: found {line[:60]!r}; expected an element <math>")
+
+
+@dataclass(frozen=True)
 class PageContent:
     """Everything on one page; what is None or empty leaves no trace in the file.
 
     Attributes:
         title, source: heading of the page and the line under it (where the model is from).
+        formulas: in MathML, or None.
         facts: pairs of a label and a text for the end of the page, such as ("Coordinates", "3").
     """
 
@@ -137,6 +161,7 @@ class PageContent:
     tables: tuple[Table, ...] = ()
     notices: tuple[Notice, ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
+    formulas: Formulas | None = None
 
 
 def drawable(value, what: str, shape: tuple[int | None, ...]) -> np.ndarray:

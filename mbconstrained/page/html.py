@@ -6,7 +6,7 @@ from .content import Animation, PageContent
 from .document import document, motion_data, motion_scripts
 from .figure import figure_data
 from .keyframes import KeyFrames, key_frames
-from .sections import footer, header, notice_section, plot_figures, table_section
+from .sections import footer, formula_section, header, notice_section, plot_figures, table_section
 from .stage import decimals, stage_section
 
 
@@ -29,6 +29,7 @@ def page_html(content: PageContent) -> str:
         notice_section(content.notices),
         "" if frames is None else stage_section(content.animation, frames),
         plot_figures(content.plots),
+        formula_section(content.formulas),
         *(table_section(table) for table in content.tables),
         "</main>",
         footer(content.facts, with_viewer=frames is not None),

@@ -6,7 +6,7 @@ import html
 import re
 
 from ..notices import Notice
-from .content import PageContent, Plot, Table
+from .content import Formulas, PageContent, Plot, Table
 from .mode_content import ModesContent
 from .plots import plot_figure
 from .typeset import typeset
@@ -37,6 +37,15 @@ def notice_section(notices: tuple[Notice, ...]) -> str:
 def _notice(notice: Notice) -> str:
     kind, label = ("notice doubtful", "Warning") if notice.doubtful else ("notice", "Note")
     return f'<p class="{kind}"><b>{label} ({html.escape(notice.kind)}):</b> {typeset(notice.text)}</p>'
+
+
+def formula_section(formulas: Formulas | None) -> str:
+    """Formulas, each of them in a box of its own that scrolls where it is too wide."""
+    if formulas is None:
+        return ""
+    lines = "\n".join(f'<div class="formula">{line}</div>' for line in formulas.lines)
+    note = f'<p class="note">{typeset(formulas.note)}</p>' if formulas.note else ""
+    return f'<section class="formulas">\n<h2>{html.escape(formulas.title)}</h2>\n<div class="all-formulas">{lines}</div>{note}\n</section>'
 
 
 def table_section(table: Table) -> str:

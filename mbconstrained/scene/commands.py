@@ -1,8 +1,9 @@
-"""The commands run, modes, plan and check. What is heavy is imported by the command that needs it."""
+"""The commands run, modes, formula, plan and check. What is heavy is imported by the command that needs it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,8 +24,10 @@ EPILOG = """Examples:
   mbconstrained run examples/two_masses.toml     page, CSV and npz into results/two_masses/
   mbconstrained run bridge.toml --out work/b1    the same into another folder
   mbconstrained run bridge.toml --json           zeros, jumps, impulses, evidence for a program
+  mbconstrained run bridge.toml --certify        how many digits are proved by exact arithmetic
   mbconstrained modes bridge.toml                frequencies, damping, shapes, who has the energy
   mbconstrained modes bridge.toml --page         the same with a page in which each mode moves
+  mbconstrained formula bridge.toml --as python  the motion as a formula, here as a function of NumPy
   mbconstrained plan bridge.toml                 what would be computed, what not, and why
   mbconstrained check bridge.toml                is the file right? nothing is solved or written
 
@@ -52,11 +55,20 @@ def _group() -> None:
 
 
 @app.command(short_help="Solve a scene and write its page, CSV and npz.")
-def run(scene: ScenePath, out: Out = "", json: Json = False) -> None:
-    """Solve a scene, write page, CSV and npz, and print what an engineer wants to know."""
+def run(
+    scene: ScenePath,
+    out: Out = "",
+    certify: Annotated[bool, typer.Option("--certify", help="Prove digits of the answer by exact arithmetic.")] = False,
+    json: Json = False,
+) -> None:
+    """Solve a scene, write page, CSV and npz, and print what an engineer wants to know.
+
+    With --certify the answer is held against intervals that exact arithmetic proves to contain the true values, for the
+    coordinates named in [output] certify or coordinates, or for all; how many digits are proved is printed and stands on the page."""
     from .printing import show_result, stage_progress
 
     def work(found: Scene) -> int:
+        found = found.certified() if certify else found
         with stage_progress() as progress:
             result = found.run(Path(out or Path("results") / found.name), progress)
         show_result(result, json)
@@ -106,6 +118,35 @@ def check(scene: ScenePath, json: Json = False) -> None:
     from .printing import show_check
 
     _answer(scene, json, lambda found: show_check(found, json))
+
+
+class As(StrEnum):
+    """How a formula is written."""
+
+    TEXT, LATEX, PYTHON, C, JSON = "text", "latex", "python", "c", "json"
+
+
+@app.command(short_help="The formula of each coordinate, with parameters as symbols.")
+def formula(
+    scene: ScenePath,
+    kind: Annotated[As, typer.Option("--as", help="As what it is written.")] = As.TEXT,
+    numbers: Annotated[
+        bool, typer.Option("--numbers", help="Insert the default values of the parameters, write decimals.")
+    ] = False,
+    digits: Annotated[int, typer.Option("--digits", min=2, max=30, help="Of the decimals with --numbers.")] = 6,
+    coordinates: Annotated[str, typer.Option("--coordinates", metavar="A,B", help="Only these coordinates.")] = "",
+    out: Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")] = "",
+    seconds: Annotated[float, typer.Option("--seconds", min=1.0, help="Break off after so long.")] = 120.0,
+    json: Json = False,
+) -> None:
+    """Print the formula of each coordinate: text, LaTeX, a function of Python (NumPy) or C, or plain data (JSON).
+
+    The [parameters] of the scene are symbols in it; all other numbers are the decimals that they are written as."""
+    from .formula_command import show_formula
+
+    names = [name.strip() for name in coordinates.split(",") if name.strip()]
+    kind = As.JSON if json else kind
+    _answer(scene, kind is As.JSON, lambda found: show_formula(found, kind.value, numbers, digits, names, out, seconds))
 
 
 def _answer(path: str, json: bool, work: Callable[[Scene], int | None]) -> None:

@@ -48,7 +48,7 @@ def transfer_function_scene(table, folder: Path, file_name: str) -> ControlScene
     start = initial_values(table.initial, outputs, len(fraction.denominator) - 1, file_name)
     if u is None and not start.any():
         with at(file_name, "model"):
-            raise InputError('nothing acts: give gamma = 1 (a step), a [[force]] on the input, or a start of the output')
+            raise InputError("nothing acts: give gamma = 1 (a step), a [[force]] on the input, or a start of the output")
     found = TransferFunction(model.numerator, model.denominator, zero(1) if u is None else u, start if start.any() else None)
     return ControlScene(inputs, outputs, found)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,10 +16,12 @@ from ..polynomial import PolynomialMatrix
 from ..response import Response, solve
 from ..response.parts import start_of
 from ..signals import ImpulsiveSmooth, zero
+from .expressed import Expressed
 from .files import matrix_of
 from .following import following
 from .forces import force_of
 from .problems import at
+from .units import quantity
 from .values import Coordinates, beyond_noise, constraint_value, initial_values
 
 if TYPE_CHECKING:
@@ -27,6 +30,10 @@ if TYPE_CHECKING:
     from ..models.robot import Posture, Robot
     from .control import ControlScene
     from .robot import RobotScene
+
+
+#: What entries between coordinates in m are.
+ENTRY_UNITS = {"mass": "kg", "damping": "N*s/m", "stiffness": "N/m"}
 
 
 @dataclass(frozen=True)
@@ -194,6 +201,7 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
         with at(file_name, f"model.{key}"):
             matrices[key] = None if source is None else _square(matrix_of(source, folder))
     coordinates = _coordinates(table.model, len(matrices["mass"]), file_name)
+    _check_kinds(table.model, coordinates, file_name)
     constraints = []
     for number, row in enumerate(table.model.constraint, 1):
         with at(file_name, f"model.constraint[{number}]"):
@@ -204,6 +212,19 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
     with at(file_name, "model"):
         system = MechanicalSystem(**matrices, constraints=constraints, names=coordinates.names, units=units)
     return _mechanical(table, system, coordinates, folder, file_name)
+
+
+def _check_kinds(model, coordinates: Coordinates, file_name: str) -> None:
+    """Parameters in a mass matrix are masses, and so on, between coordinates in m; otherwise units mix."""
+    in_metres = [i for i, unit in enumerate(coordinates.units) if unit == "m"]
+    for key, unit in ENTRY_UNITS.items():
+        entries = getattr(model, key)
+        if not isinstance(entries, np.ndarray) or len(entries) != len(coordinates.names):
+            continue
+        for i, j in product(in_metres, in_metres):
+            if isinstance(entries[i, j], Expressed):
+                with at(file_name, f"model.{key}[{i + 1}][{j + 1}]"):
+                    quantity(entries[i, j], unit)
 
 
 def _mechanical(table, system, coordinates, folder, file_name, model=None, robot_scene=None) -> Equations:

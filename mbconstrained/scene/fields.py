@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, WithJsonSchema, model_validator
 
 from ..checks import nearest
 from ..errors import InputError
-from .units import KINDS, quantity, quoted, shown, unit_name
+from .dimensions import KINDS
+from .units import quantity, quoted, shown, unit_name
 
 LONGEST_TEXT = 2000
 _NAME = re.compile(r"[^\W\d][\w .'()-]{0,39}")
@@ -37,10 +38,11 @@ def quantity_field(unit: str):
     """The type of a key that holds a number in the SI unit or a text with a unit of the same kind."""
     name, example = KINDS[unit]
     schema = {
-        "title": f"{name} in {unit}, or a text with a unit such as {example}",
+        "title": f'{name} in {unit}, a text with a unit such as {example}, or an expression of parameters such as "=2*k"',
         "anyOf": [{"type": "number"}, {"type": "string"}],
     }
-    return Annotated[float, BeforeValidator(lambda value: quantity(value, unit)), WithJsonSchema(schema)]
+    # plain: what quantity gives is the value, an expression of parameters included, which pydantic would make a float
+    return Annotated[float, PlainValidator(lambda value: quantity(value, unit)), WithJsonSchema(schema)]
 
 
 Number = quantity_field("1")
@@ -88,7 +90,12 @@ def _text(value):
 Quantity = Annotated[
     Any,
     BeforeValidator(_number_or_text),
-    WithJsonSchema({"title": "a number in SI, or a text with a unit", "anyOf": [{"type": "number"}, {"type": "string"}]}),
+    WithJsonSchema(
+        {
+            "title": 'a number in SI, a text with a unit, or "=" and an expression of parameters',
+            "anyOf": [{"type": "number"}, {"type": "string"}],
+        }
+    ),
 ]
 Name = Annotated[str, BeforeValidator(_name)]
 Unit = Annotated[str, BeforeValidator(unit_name)]

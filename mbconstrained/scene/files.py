@@ -42,7 +42,12 @@ def inside(folder: Path, name: str, rule: str, expected: str) -> Path:
 
 
 def matrix_of(source, folder: Path) -> np.ndarray:
-    """A matrix written in the scene, or read from the file that the scene names."""
+    """A matrix written in the scene, its parameters at their default values, or read from the file that the scene names."""
+    return entries_of(source, folder).astype(float)
+
+
+def entries_of(source, folder: Path) -> np.ndarray:
+    """The same with the entries that are expressions of parameters as such."""
     if isinstance(source, np.ndarray):
         return source
     matrix = read_matrix(data_file(folder, source.file), source.array)

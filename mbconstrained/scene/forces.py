@@ -63,11 +63,20 @@ def _signal(table, unit: str | None, folder: Path) -> signals.ImpulsiveSmooth:
     """What acts there, one row."""
     if table.kind == "sampled":
         return _record(table, unit, folder)
-    time_power, make = _SIGNALS[table.kind]
-    return make(table, [_value(table.value, "value", unit, time_power(table))])
+    return _SIGNALS[table.kind][1](table, [amplitude_of(table, unit)])
 
 
-def _value(value, what: str, unit: str | None, time_power: int = 0) -> float:
+def amplitude_of(table, unit: str | None) -> float:
+    """The value of a force of any kind but "sampled", on what has this unit."""
+    return value_of(table.value, "value", unit, _SIGNALS[table.kind][0](table))
+
+
+def value_of(value, what: str, unit: str | None, time_power: int = 0) -> float:
+    """A force, times s^time_power.
+
+    Raises:
+        InputError: another kind of quantity; it says which one is wrong.
+    """
     try:
         return quantity(value, with_time(unit, time_power) if unit else "1")
     except InputError as problem:
@@ -76,7 +85,7 @@ def _value(value, what: str, unit: str | None, time_power: int = 0) -> float:
 
 def _record(table, unit: str | None, folder: Path) -> signals.ImpulsiveSmooth:
     if table.file is None:
-        values = [_value(value, f"values[{number}]", unit) for number, value in enumerate(table.values, 1)]
+        values = [value_of(value, f"values[{number}]", unit) for number, value in enumerate(table.values, 1)]
         return signals.sampled(table.times, [values])
     times, values = record_of(table, folder)
     try:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
 from ..models.lumped import LumpedModel
 from .problems import at
 from .units import quantity
@@ -17,16 +20,22 @@ def lumped_model(table, file_name: str) -> LumpedModel:
         SceneError: a name used twice, an unknown end, a value out of range; names the file and the entry.
     """
     model = LumpedModel()
-    keys = [key for key in table.order if key in _ADD]
-    for key in sorted(keys, key=lambda key: key not in BODIES):
-        for number, entry in enumerate(getattr(table, key), 1):
-            named = f' (of "{entry.name}")' if entry.name else ""
-            with at(file_name, f"model.{key}[{number}]{named}"):
-                _ADD[key](model, entry)
+    for key, number, entry in entries(table):
+        named = f' (of "{entry.name}")' if entry.name else ""
+        with at(file_name, f"model.{key}[{number}]{named}"):
+            _ADD[key](model, entry)
     if table.gravity is not None:
         with at(file_name, "model.gravity"):
             model.gravity(table.gravity)
     return model
+
+
+def entries(table) -> Iterator[tuple[str, int, Any]]:
+    """(key, number, entry) of all elements in the order in which the model has them: bodies first."""
+    keys = [key for key in table.order if key in _ADD]
+    for key in sorted(keys, key=lambda key: key not in BODIES):
+        for number, entry in enumerate(getattr(table, key), 1):
+            yield key, number, entry
 
 
 def _gear(model, entry):

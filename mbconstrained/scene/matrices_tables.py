@@ -31,13 +31,17 @@ def _matrix(value):
 
 
 def _numbers(value) -> np.ndarray:
+    """The entries as they are: floats, some of them perhaps expressions of parameters."""
     if not isinstance(value, list) or not value or not all(isinstance(row, list) for row in value):
         raise InputError(f"found {shown(value)}; expected rows of numbers, e.g. [[1, 0], [0, 1]], or the name of a file")
     lengths = {len(row) for row in value}
     if len(lengths) != 1:
         found = ", ".join(str(len(row)) for row in value[:6])
         raise InputError(f"found rows of {found} numbers; expected rows of equal length")
-    return np.array([[quantity(entry, "1") for entry in row] for row in value])
+    found = np.empty((len(value), len(value[0])), dtype=object)
+    for place in np.ndindex(found.shape):
+        found[place] = quantity(value[place[0]][place[1]], "1")
+    return found
 
 
 Matrix = Annotated[
@@ -45,9 +49,9 @@ Matrix = Annotated[
     BeforeValidator(_matrix),
     WithJsonSchema(
         {
-            "title": "rows of numbers in SI, or a file",
+            "title": 'rows of numbers in SI or expressions of parameters such as "=2*k", or a file',
             "anyOf": [
-                {"type": "array", "items": {"type": "array", "items": {"type": "number"}}},
+                {"type": "array", "items": {"type": "array", "items": {"anyOf": [{"type": "number"}, {"type": "string"}]}}},
                 {"type": "string"},
                 MatrixFile.model_json_schema(),
             ],

@@ -106,9 +106,10 @@ class SceneModes:
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """Growth, rows taken out, and what makes the modes doubtful."""
+        unused = self.scene.parameters.notices
         if self.system is None:
-            return pair_notices(self.scene.equations.polynomial_matrix.jordan_pairs())
-        made = self.scene.equations.form_notices
+            return (*unused, *pair_notices(self.scene.equations.polynomial_matrix.jordan_pairs()))
+        made = (*unused, *self.scene.equations.form_notices)
         return (*made, *self.system.notices, *pair_notices(self.system.position_form().polynomial_matrix.jordan_pairs()))
 
     @property

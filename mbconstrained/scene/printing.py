@@ -51,11 +51,12 @@ def show_check(scene: Scene, json: bool) -> None:
     """That a scene is right, and what it holds."""
     coordinates = scene.equations.coordinates.names
     taken = len(scene.plan().taken)
+    notices = [str(notice) for notice in scene.parameters.notices]
     if json:
-        _say_json({"title": scene.title, "coordinates": list(coordinates), "stages": taken})
+        _say_json({"title": scene.title, "coordinates": list(coordinates), "stages": taken, "notices": notices})
     else:
         holds = f"{counted(len(coordinates), 'coordinate')} ({', '.join(coordinates)}), {counted(taken, 'stage')} to run"
-        _say(f"{scene.path.name} is fine: {scene.title}\n{holds}")
+        _say("\n".join([f"{scene.path.name} is fine: {scene.title}", holds, *notices]))
 
 
 def show_error(message: str, json: bool, code: int) -> int:
@@ -65,6 +66,11 @@ def show_error(message: str, json: bool, code: int) -> int:
     else:
         print(message, file=sys.stderr)
     return code
+
+
+def show_text(text: str) -> None:
+    """A text as it is, as the only thing that is printed."""
+    _say(text)
 
 
 def plan_table(plan: Plan) -> TextTable:
@@ -77,13 +83,20 @@ def plan_table(plan: Plan) -> TextTable:
 @contextmanager
 def stage_progress() -> Iterator[Callable[[Stage], None] | None]:
     """A line that names the running stage, in a terminal only."""
+    with step_progress() as tell:
+        yield tell and (lambda stage: tell(stage.name))
+
+
+@contextmanager
+def step_progress() -> Iterator[Callable[[str], None] | None]:
+    """A line that says what is being done, in a terminal only."""
     if not sys.stderr.isatty():
         yield None
         return
     from rich.console import Console
 
     with Console(stderr=True).status("") as status:
-        yield lambda stage: status.update(stage.name)
+        yield status.update
 
 
 def _say_json(data: dict) -> None:

@@ -16,7 +16,6 @@ DEEPEST_NAME = 40  # parts of a dotted name; tomllib needs quadratic time for lo
 _DOTTED = re.compile(rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){{{DEEPEST_NAME}}}""")
 
 
-
 class FileKind(NamedTuple):
     """What messages say of a kind of file: what it has at least, and what one is that is too large."""
 
@@ -38,18 +37,14 @@ def read_text(path: Path, kind: FileKind = SCENE) -> str:
     """
     content = _content(path)
     if len(content) > LARGEST_SCENE:
-        raise SceneError(
-            f"{path.name}: the file has more than {LARGEST_SCENE:,} bytes, {kind.large}"
-        )
+        raise SceneError(f"{path.name}: the file has more than {LARGEST_SCENE:,} bytes, {kind.large}")
     if not content.strip():
         raise SceneError(f"{path.name}: the file is empty; {kind.least}")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
         line = content.count(b"\n", 0, problem.start) + 1
-        raise SceneError(
-            f"{path.name}: line {line} is not UTF-8 text; save the file with the encoding UTF-8"
-        ) from None
+        raise SceneError(f"{path.name}: line {line} is not UTF-8 text; save the file with the encoding UTF-8") from None
 
 
 def _content(path: Path) -> bytes:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..page.content import Curve, PageContent, Plot, Table
+from ..page.content import Curve, Formulas, PageContent, Plot, Table
 from .control_report import control_facts
 from .curves import ORDERS
 from .robot_report import robot_facts
@@ -26,8 +26,22 @@ def page_content(result: Result) -> PageContent:
         plots=tuple(plot for kind in output.plots for plot in _plots(result, result.curves(kind))),
         tables=tuple(Table(table.title, table.columns, table.rows, table.note) for table in tables_of(result)),
         notices=notices_of(result),
+        formulas=formulas_of(result),
         facts=_facts(result),
     )
+
+
+def formulas_of(result: Result) -> Formulas | None:
+    """What the page shows of the formula, if it was asked for and found."""
+    if not result.scene.table.output.formula or result.formula is None:
+        return None
+    from ..exact.formulas import mathml
+    from .formula import DIGITS, is_short, parameters_text
+
+    form = result.formula
+    digits = None if form.parameters or is_short(form) else DIGITS
+    notes = [parameters_text(form), "" if digits is None else f"Numbers to {digits} digits.", form.step_note]
+    return Formulas("Formula", mathml(form, digits=digits), " ".join(filter(None, notes)))
 
 
 def _plots(result: Result, curves: Curves) -> list[Plot]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import InputError
 from ..notices import Notice
 from ..replacing import Replacements
 from ..response.estimate import error_estimate
@@ -20,10 +21,12 @@ from .plan import Plan
 from .robot_notices import motion_notices
 
 if TYPE_CHECKING:
+    from ..exact.formulas import ClosedForm
     from ..jordan.pairs import FinitePair, InfinitePair
     from ..mechanics import MechanicalSystem, Modes
     from ..page.content import Animation
     from ..response import Response
+    from .certificate import Certificate
     from .scene import Scene
 
 
@@ -41,6 +44,7 @@ class Result:
         self.plan = plan
         self.folder = folder
         self.files: list[Path] = []
+        self.formula_notices: tuple[Notice, ...] = ()
         self._curves: dict[str, Curves] = {}
         self._together: Replacements | None = None
 
@@ -133,7 +137,10 @@ class Result:
             for kind, estimate in doubts
         ]
         robot = motion_notices(self.scene.equations.robot_scene, self.values)
-        return (*self.scene.equations.form_notices, *notices, *robot, *(Notice("accuracy", text, doubtful=True) for text in texts))
+        accuracy = (Notice("accuracy", text, doubtful=True) for text in texts)
+        proved = self.certificate.notices if self.certificate else ()
+        told = (*self.scene.parameters.notices, *self.formula_notices, *proved)
+        return (*told, *self.scene.equations.form_notices, *notices, *robot, *accuracy)
 
     @property
     def is_trusted(self) -> bool:
@@ -146,6 +153,28 @@ class Result:
         from .drawing import animation_of
 
         return animation_of(self)
+
+    @cached_property
+    def certificate(self) -> Certificate | None:
+        """How many digits are proved; None where that is not asked for."""
+        if not self.scene.table.output.certify:
+            return None
+        from .certificate import certificate_of
+
+        return certificate_of(self)
+
+    @cached_property
+    def formula(self) -> ClosedForm | None:
+        """The formula of each coordinate; None, with a notice, where there is none."""
+        from .formula import PAGE_SECONDS, formula_of
+
+        control = self.scene.equations.control
+        wanted = None if control and control.form else self.scene.table.output.coordinates  # of a normal form: its states
+        try:
+            return formula_of(self.scene, coordinates=wanted, seconds=PAGE_SECONDS)
+        except InputError as problem:
+            self.formula_notices = (Notice("left out", f"the formula is left out: {problem}"),)
+            return None
 
     def write_page(self, path: str | Path | None = None) -> Path:
         """Write the page; without a path into the folder of the run, named after the scene."""

@@ -31,7 +31,9 @@ def _large(found: RobotScene, furthest: np.ndarray) -> list[Notice]:
     if angles[most] <= SMALL:
         return []
     where = f"{found.robot.coordinates[most]} goes {sized(float(angles[most]), 'rad')} from the posture"
-    return [Notice("large motion", f"{where}: the equations are linear about it, and a robot that moves so far does not follow them")]
+    return [
+        Notice("large motion", f"{where}: the equations are linear about it, and a robot that moves so far does not follow them")
+    ]
 
 
 def _beyond_limits(found: RobotScene, lowest: np.ndarray, highest: np.ndarray) -> list[Notice]:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..checks import nearest
 from ..errors import InputError
+from .dimensions import load_units
 from .equations import Equations, equations_of
+from .parameters import Parameters, with_parameters
 from .plan import Plan
 from .problems import at, validated
 from .reading import parse, read_text
 from .result import Result
 from .stages import plan_of, run_stages
-from .units import count_texts, load_units
+from .units import count_texts
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,7 @@ class Scene:
         equations: the equations that it asks to be solved.
         unit_texts: how many quantities were written with a unit.
         seconds: what reading, loading pint and assembling took.
+        parameters: the named quantities, which everywhere else stand with their values.
     """
 
     path: Path
@@ -34,6 +37,7 @@ class Scene:
     equations: Equations
     unit_texts: int
     seconds: dict[str, float]
+    parameters: Parameters = Parameters()
 
     @property
     def name(self) -> str:
@@ -44,6 +48,12 @@ class Scene:
     def title(self) -> str:
         """The title in the file, or else the name."""
         return self.table.title or self.name
+
+    def certified(self) -> Scene:
+        """The same scene with certify = true, where it does not say itself what to certify."""
+        output = self.table.output
+        certify = output.certify or output.coordinates or True
+        return replace(self, table=self.table.model_copy(update={"output": output.model_copy(update={"certify": certify})}))
 
     def plan(self) -> Plan:
         """The stages that this scene needs and those it can do without, each with its reason."""
@@ -85,6 +95,7 @@ def read_scene(path: str | Path) -> Scene:
     if unit_texts:
         load_units()
         clock.lap("units")
+    data, parameters = with_parameters(data, path.name)
     table = validated(data, path.name)
     clock.lap("read the scene")
     equations = equations_of(table, path.parent, path.name, clock.lap)
@@ -95,13 +106,19 @@ def read_scene(path: str | Path) -> Scene:
     clock.lap("assemble the model")
     equations.polynomial_matrix.jordan_pairs()
     clock.lap("scaling and staircase")
-    return Scene(path, table, equations, unit_texts, clock.seconds)
+    return Scene(path, table, equations, unit_texts, clock.seconds, parameters)
 
 
 def _check_output(output, equations: Equations, file_name: str) -> None:
+    with at(file_name, "output.certify"):
+        for name in output.certify if isinstance(output.certify, list) else ():
+            equations.coordinates.number(name)
     with at(file_name, "output.coordinates"):
         for name in output.coordinates or ():
             equations.coordinates.number(name)
+    with at(file_name, "output.formula"):
+        if output.formula and equations.robot:
+            raise InputError("there is no formula with symbols for a robot; leave it out")
     system = equations.system
     with at(file_name, "output.plots"):
         if "output" in output.plots and equations.outputs is None:
@@ -110,7 +127,9 @@ def _check_output(output, equations: Equations, file_name: str) -> None:
                 "or leave it out"
             )
         if "energy" in output.plots and equations.control and equations.control.form:
-            raise InputError("found energy: the unit masses of a normal form are not those of the machine, whose energy is not known")
+            raise InputError(
+                "found energy: the unit masses of a normal form are not those of the machine, whose energy is not known"
+            )
         if "energy" in output.plots and system is None:
             raise InputError("energy is known only where mass, damping and stiffness are given, not for coefficients")
         if "reaction" in output.plots and not (system and system.rows):
@@ -149,5 +168,3 @@ class _Clock:
         now = time.perf_counter()
         self.seconds[name] = self.seconds.get(name, 0.0) + now - self._last
         self._last = now
-
-

@@ -35,6 +35,18 @@ Values = Annotated[
 ]
 
 
+Parameters = Annotated[  # their values are checked by ``with_parameters``, before the schema sees the scene
+    dict[str, Any],
+    WithJsonSchema(
+        {
+            "title": "quantities by name",
+            "type": "object",
+            "additionalProperties": {"anyOf": [{"type": "number"}, {"type": "string"}]},
+        }
+    ),
+]
+
+
 class InitialTable(Table):
     """The values just before t = 0; coordinates that are left out start at 0."""
 
@@ -45,7 +57,7 @@ class InitialTable(Table):
     derivatives: list[list[Quantity]] | None = Field(
         None, description="Instead of the above: row i has the i-th derivatives of all coordinates."
     )
-    state: Values = Field({}, description='Of a state space, instead of all these: its states at 0-, e.g. { x1 = 0.1 }.')
+    state: Values = Field({}, description="Of a state space, instead of all these: its states at 0-, e.g. { x1 = 0.1 }.")
     follow: bool = Field(False, description="true: what is left out follows from the constraint rows instead of being 0.")
 
     @model_validator(mode="after")
@@ -87,6 +99,10 @@ class OutputTable(Table):
 
     page: bool = Field(True, description="A static HTML page with animation, plots and tables.")
     animation: bool = Field(True, description="The moving model on the page.")
+    certify: bool | list[Name] = Field(
+        False, description="true: prove digits of the answer by exact arithmetic; or a list of the coordinates to do it for."
+    )
+    formula: bool = Field(False, description="The formula of each coordinate on the page, with the [parameters] as symbols.")
     plots: list[Curve] = Field(["displacement"], description="What the page plots.")
     coordinates: list[Name] | None = Field(None, description="Only these coordinates are plotted; left out: all.")
     reactions: bool = Field(False, description="Forces of the constraints in the CSV and npz files.")
@@ -101,9 +117,7 @@ class OutputTable(Table):
         return names
 
 
-Model = Annotated[
-    LumpedTable | MatricesTable | RobotTable | TransferFunctionTable | StateSpaceTable, Field(discriminator="kind")
-]
+Model = Annotated[LumpedTable | MatricesTable | RobotTable | TransferFunctionTable | StateSpaceTable, Field(discriminator="kind")]
 
 
 class SceneFile(Table):
@@ -111,6 +125,7 @@ class SceneFile(Table):
 
     title: Text = Field("", description="What the page is headed with; the name of the file when left out.")
     source: Text = Field("", description="Where the example or the data comes from.")
+    parameters: Parameters = Field({}, description='Quantities by name, e.g. m = "10 kg"; "=2*m" may stand wherever a number does.')
     model: Model = Field(description="The equations.")
     initial: InitialTable = Field(InitialTable(), description="The values just before t = 0.")
     force: list[ForceTable] = Field([], description="Forces from t = 0 or from their delays on; entries on one coordinate add up.")

@@ -247,6 +247,22 @@ def is_animated(scene: Scene) -> bool:
     return _animation(scene)[0]
 
 
+def _symbols(scene) -> Decision:
+    output, count = scene.table.output, len(scene.parameters.values)
+    if not output.formula:
+        return False, "nothing symbolic is asked for"
+    if not output.page:
+        return False, "no page to show the formula on"
+    return True, f"formula = true: {counted(count, 'parameter')} as symbols" if count else "formula = true: with exact numbers"
+
+
+def _certificate(scene) -> Decision:
+    certify = scene.table.output.certify
+    if not certify:
+        return False, "not asked for (--certify, or certify = true in [output])"
+    return True, "digits of every coordinate" if certify is True else f"digits of {', '.join(certify)}"
+
+
 def _wanted(kind: str):
     def decide(scene) -> Decision:
         wanted = getattr(scene.table.output, kind)
@@ -286,10 +302,11 @@ STEPS = (
     Step("energy", _plotted("energy"), methodcaller("curves", "energy")),
     Step("modes", _modes, attrgetter("modes")),
     Step("error estimate", _always("an answer carries its evidence"), attrgetter("error_estimate")),
+    Step("certificate (python-flint)", _certificate, attrgetter("certificate")),
+    Step("symbols (sympy)", _symbols, attrgetter("formula"), writes=True),
     Step("animation", _animation, attrgetter("animation"), writes=True),
     Step("page", _wanted("page"), methodcaller("write_page"), writes=True),
     Step("CSV", _wanted("csv"), methodcaller("write_csv"), writes=True),
     Step("npz", _wanted("npz"), methodcaller("write_npz"), writes=True),
-    Step("symbols (sympy)", _never("nothing symbolic is asked for")),
     Step("plots as images (matplotlib)", _never("the page draws its own")),
 )

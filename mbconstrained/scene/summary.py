@@ -81,6 +81,7 @@ def as_json(result: Result) -> dict:
         "error_estimate": _finite(result.error_estimate),
         "error_estimates": {kind: _finite(value) for kind, value in result.error_estimates.items()},
         "evidence": [{"name": item.name, "value": _finite(item.value), "text": item.text} for item in motion.evidence],
+        **({"certificate": result.certificate.as_json()} if result.certificate else {}),
         "notices": [{"kind": notice.kind, "text": notice.text, "doubtful": notice.doubtful} for notice in result.notices],
         "trusted": result.is_trusted,
         "plan": result.plan.as_json(),

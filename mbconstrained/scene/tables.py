@@ -27,11 +27,12 @@ MOST_LATER_ROWS = 20  # of the jumps and impulses after t = 0 that are listed; J
 
 
 def tables_of(result: Result) -> list[TextTable]:
-    """Posture, constraints, zeros, jumps, impulses and evidence; those without rows are left out, but for the zeros."""
+    """Posture, constraints, zeros, jumps, impulses, evidence, proved digits; those without rows are left out, but for the zeros."""
     at_zero = [jump_table(result), impulse_table(result)]
     posture = posture_tables(result.scene.equations.robot_scene)
     before = [*posture, constraint_table(result), _zeros_or_poles(result), *control_tables(result.scene.equations.control)]
-    tables = [*before, *at_zero, later_table(result), evidence_table(result)]
+    proved = [result.certificate.table] if result.certificate else []
+    tables = [*before, *at_zero, later_table(result), evidence_table(result), *proved]
     return [table for table in tables if table.rows or table.title in ("Zeros", "Poles")]
 
 

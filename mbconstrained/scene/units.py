@@ -7,58 +7,28 @@ numbers never pays for it.
 
 from __future__ import annotations
 
-import functools
 import math
 import re
-from typing import NamedTuple
 
 from ..checks import nearest
 from ..errors import InputError
+from .dimensions import KINDS, Dimension, advice, described, dimension, registry, same_kind, unit_named
+from .expressed import Expressed
 
 LONGEST_QUANTITY = 60  # characters; "-0.123456789012345678e-10 N*m*s/rad" has 36
 
-LEAST, LARGEST = 1e-100, 1e100  # in SI; squares of what lies between stay within the range of float64
+ANOTHER = "which is another kind of quantity"
 
-KINDS = {  # SI unit: (what it is called, an example)
-    "1": ("a plain number", "2"),
-    "kg": ("a mass", '"10 kg"'),
-    "kg*m^2": ("a moment of inertia", '"0.02 kg*m^2"'),
-    "m": ("a length", '"0.2 m"'),
-    "m/s": ("a velocity", '"0.5 m/s"'),
-    "m/s^2": ("an acceleration", '"-9.81 m/s^2"'),
-    "rad": ("an angle", '"30 deg"'),
-    "rad/s": ("an angular velocity", '"12 rad/s"'),
-    "rad/s^2": ("an angular acceleration", '"3 rad/s^2"'),
-    "N": ("a force", '"5 N"'),
-    "N*m": ("a torque", '"2 N*m"'),
-    "N/m": ("a stiffness", '"3 N/mm"'),
-    "N*m/rad": ("a torsional stiffness", '"20 N*m/rad"'),
-    "N*s/m": ("a damping coefficient", '"4 N*s/m"'),
-    "N*m*s/rad": ("a torsional damping coefficient", '"0.1 N*m*s/rad"'),
-    "N*s": ("an impulse", '"3 N*s"'),
-    "s": ("a time", '"50 s"'),
-    "Hz": ("a frequency", '"2 Hz"'),
-    "1/s": ("a rate", '"-0.5 1/s"'),
-}
+LEAST, LARGEST = 1e-100, 1e100  # in SI; squares of what lies between stay within the range of float64
 
 _COMMON_UNITS = (
     "kg g t lb slug m mm cm um km in ft N kN mN MN Nm kNm Nmm Ns lbf kgf s ms us min h Hz kHz rpm rad deg rev "
     "J W Pa kPa MPa GPa bar"
 ).split()
 
-#: Products that engineers write as one word; to pint, Nm is a fineness of yarn.
-_RUN_TOGETHER = ("Nm = newton * meter", "Nmm = newton * millimeter", "Ns = newton * second")
-
 _FACTOR = r"(?:[^\W\d_]+(?:\^-?[1-9])?|°)"
 _UNIT = re.compile(rf"(?:1(?=/)|{_FACTOR}(?:\*{_FACTOR})*)(?:/{_FACTOR})*")  # a product after a division is ambiguous
 _QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*)", re.ASCII)
-
-
-class Dimension(NamedTuple):
-    """A unit in the base units of pint: exponents without the radian, and the exponent of the radian."""
-
-    exponents: frozenset
-    radian: float
 
 
 def quantity(value, unit: str) -> float:
@@ -75,11 +45,47 @@ def quantity(value, unit: str) -> float:
     Raises:
         InputError: not a finite number, not a number with a unit, unknown unit, or a unit of another kind.
     """
+    if isinstance(value, Expressed):
+        return _checked(value, unit)
     if isinstance(value, str) and unit != "1":
         return _finite(_from_text(value, unit), value, unit)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise InputError(f"found {shown(value)}; expected {expected(unit)}")
     return _finite(value, value, unit)
+
+
+def any_quantity(value) -> tuple[float, Dimension | None]:
+    """A quantity of any kind in SI, and its kind: None for a plain number, which may be anything in SI.
+
+    Raises:
+        InputError: as ``quantity``.
+
+    >>> any_quantity(2)
+    (2.0, None)
+    """
+    if not isinstance(value, str):
+        return quantity(value, "1"), None
+    number, unit = _split(value, 'a quantity, e.g. 2.0 or "10 kg"')
+    _check_known(value, unit, 'a quantity, e.g. "10 kg"')
+    try:
+        if (0 * unit_named(unit)).to_base_units().magnitude:
+            raise ValueError("its zero is not that of SI")
+        return _finite((float(number) * unit_named(unit)).to_base_units().magnitude, value, "1"), dimension(unit)
+    except (TypeError, ValueError):  # what pint says of degrees Celsius and of decibels
+        raise InputError(f"found {shown(value)}; expected a unit that is a multiple of one of SI") from None
+
+
+def in_range(number, text: str) -> float:
+    """The value of an expression as a float.
+
+    Raises:
+        InputError: it is not 0 and not of a size that machines have.
+    """
+    try:
+        return _finite(number, text, "1")
+    except InputError:
+        size = "of a size beyond 1e308" if abs(number) > LARGEST**3 else f"{float(number):g}"
+        raise InputError(f"found {shown(text)}, which is {size}; expected 0 or a size between {LEAST:g} and {LARGEST:g}") from None
 
 
 def expected(unit: str) -> str:
@@ -115,8 +121,8 @@ def unit_name(value) -> str:
 
 def shown(value, longest: int = 60) -> str:
     """A value as it is quoted in a message: texts in double quotes, control characters escaped, never long."""
-    if isinstance(value, str):
-        text = quoted(value[: longest + 1])
+    if isinstance(value, (str, Expressed)):
+        text = quoted((value.text if isinstance(value, Expressed) else value)[: longest + 1])
     elif isinstance(value, bool):
         text = str(value).lower()
     elif isinstance(value, dict):
@@ -147,24 +153,38 @@ def _finite(number, value, unit: str) -> float:
     return number
 
 
+def _checked(value: Expressed, unit: str) -> Expressed:
+    """An expression of parameters whose kind, as far as it is known, is that of the unit."""
+    if unit != "1" and value.dimension is not None and not same_kind(value.dimension, unit):
+        found = described(value.dimension, ANOTHER)
+        named = "; a number in an expression has no unit: give what has one a name in [parameters]"
+        hint = advice(value.dimension, unit) or ("" if value.dimension.exponents else named)
+        raise InputError(f"found {shown(value)}, {found}; expected {expected(unit)}{hint}")
+    return value
+
+
 def _from_text(text: str, unit: str) -> float:
-    number, found_unit = _split(text, unit)
-    if unknown := _unknown_name(found_unit):
+    number, found_unit = _split(text, expected(unit))
+    _check_known(text, found_unit, expected(unit))
+    found = dimension(found_unit)
+    if not same_kind(found, unit):
+        raise InputError(f"found {shown(text)}, {described(found, ANOTHER)}; expected {expected(unit)}{advice(found, unit)}")
+    return float(registry().convert(float(number), unit_named(found_unit), unit_named(unit)))
+
+
+def _check_known(text: str, unit: str, wanted: str) -> None:
+    if unknown := _unknown_name(unit):
         same_letters = [name for name in _COMMON_UNITS if name.lower() == unknown.lower()]
         hint = nearest(unknown, _COMMON_UNITS) if not same_letters else f'; did you mean "{same_letters[0]}"?'
-        raise InputError(f'found {shown(text)}, but there is no unit "{unknown}"{hint}; expected {expected(unit)}')
-    found = _dimension(found_unit)
-    if not _same_kind(found, unit):
-        raise InputError(f"found {shown(text)}, {_describe(found)}; expected {expected(unit)}{_advice(found, unit)}")
-    return float(_registry().convert(float(number), _unit(found_unit), _unit(unit)))
+        raise InputError(f'found {shown(text)}, but there is no unit "{unknown}"{hint}; expected {wanted}')
 
 
-def _split(text: str, unit: str) -> tuple[str, str]:
+def _split(text: str, wanted: str) -> tuple[str, str]:
     match = _QUANTITY.fullmatch(text.strip()) if len(text) <= LONGEST_QUANTITY else None
     found_unit = _plain_unit(match[2]) if match else ""
     if not _UNIT.fullmatch(found_unit):
         raise InputError(
-            f"found {shown(text)}; expected {expected(unit)}; "
+            f"found {shown(text)}; expected {wanted}; "
             "write one number, then a unit made of names, *, / and ^, such as N*s/m or kg*m^2"
         )
     return match[1], found_unit
@@ -185,53 +205,5 @@ def count_texts(data) -> int:
     return sum(map(count_texts, data)) if isinstance(data, list) else 0
 
 
-def load_units() -> None:
-    """Import pint and read its definitions of units."""
-    _registry()
-
-
-@functools.cache
-def _registry():
-    import pint
-
-    registry = pint.UnitRegistry(on_redefinition="ignore")
-    for definition in _RUN_TOGETHER:
-        registry.define(definition)
-    return registry
-
-
 def _unknown_name(unit: str) -> str | None:
-    return next((name for name in re.findall(r"[^\W\d_]+", unit) if name not in _registry()), None)
-
-
-@functools.cache
-def _unit(text: str):
-    """A pint unit from a text that fits the pattern above and has only known names."""
-    return _registry().parse_units(text)
-
-
-@functools.cache
-def _dimension(text: str) -> Dimension:
-    root = (1 * _unit(text)).to_root_units()
-    exponents = dict(root.unit_items())
-    radian = exponents.pop("radian", 0)
-    return Dimension(frozenset(exponents.items()), radian)
-
-
-def _same_kind(found: Dimension, unit: str) -> bool:
-    """Equal dimensions; N*m/rad may also be written N*m, as is common for torsion springs."""
-    wanted = _dimension(unit)
-    return found.exponents == wanted.exponents and found.radian in ((wanted.radian, 0) if wanted.radian < 0 else (wanted.radian,))
-
-
-def _describe(found: Dimension) -> str:
-    name = next((name for unit, (name, _) in KINDS.items() if unit != "1" and _dimension(unit) == found), None)
-    return name or "which is another kind of quantity"
-
-
-def _advice(found: Dimension, unit: str) -> str:
-    if unit == "rad/s" and found == _dimension("Hz"):
-        return "; a frequency in Hz is 2 pi times an angular frequency in rad/s: say which one is meant"
-    if unit == "Hz" and found == _dimension("rad/s"):
-        return "; an angular frequency in rad/s or rpm is 2 pi times a frequency: say which one is meant"
-    return ""
+    return next((name for name in re.findall(r"[^\W\d_]+", unit) if name not in registry()), None)

@@ -75,8 +75,13 @@ class Coordinates:
 
 def initial_values(table, coordinates: Coordinates, degree: int, file_name: str) -> np.ndarray:
     """x^(i)(0-) as row i, shape (degree, r), from the [initial] table."""
+    return initial_entries(table, coordinates, degree, file_name).astype(float)
+
+
+def initial_entries(table, coordinates: Coordinates, degree: int, file_name: str) -> np.ndarray:
+    """The same with the entries that are expressions of parameters as such."""
     rows = table.rows
-    result = np.zeros((degree, len(coordinates.names)))
+    result = np.full((degree, len(coordinates.names)), 0.0, dtype=object)
     for order, row in enumerate(rows):
         key = DERIVATIVES[order] if table.derivatives is None else f"derivatives[{order + 1}]"
         with at(file_name, f"initial.{key}"):
@@ -88,12 +93,17 @@ def initial_values(table, coordinates: Coordinates, degree: int, file_name: str)
 
 def state_values(given, states: Coordinates, file_name: str) -> np.ndarray:
     """x(0-), shape (n,), from the state of the [initial] table."""
+    return state_entries(given, states, file_name).astype(float)
+
+
+def state_entries(given, states: Coordinates, file_name: str) -> np.ndarray:
+    """The same with the entries that are expressions of parameters as such."""
     with at(file_name, "initial.state"):
         for name in given if isinstance(given, dict) else ():
             if name not in states.names:
                 hint = nearest(name, states.names)
                 raise InputError(f"there is no state {shown(name)}{hint}; the states are {', '.join(states.names)}")
-        return _row(given, states, 0) if given else np.zeros(len(states.names))
+        return _row(given or {}, states, 0)
 
 
 def _start_names(degree: int) -> str:
@@ -106,7 +116,7 @@ def _row(row: dict | list, coordinates: Coordinates, order: int) -> np.ndarray:
             names = ", ".join(coordinates.names)
             raise InputError(f"found {len(row)} values; expected {len(coordinates.names)}, one for each of {names}")
         row = dict(zip(coordinates.names, row))
-    values = np.zeros(len(coordinates.names))
+    values = np.full(len(coordinates.names), 0.0, dtype=object)
     for name, value in row.items():
         index = coordinates.number(name)
         try:

@@ -1,0 +1,184 @@
+"""The formula of an answer: an expression in t for each coordinate, with what the symbols in it stand for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import sympy
+
+from ...checks import names_of
+from ...errors import InputError
+
+#: Digits that values are computed with where a decision or an output needs numbers.
+DIGITS = 40
+
+#: Of the sum of its terms, a coefficient this small is the zero that exact arithmetic would have given.
+VANISHING = sympy.Float(10) ** -30
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A symbol with what it is called and its default value.
+
+    Attributes:
+        symbol: in the expressions.
+        name: as the user wrote it.
+        value: the default, an exact number; None where there is none.
+        unit: of SI, or an empty text.
+    """
+
+    symbol: sympy.Symbol
+    name: str
+    value: sympy.Expr | None = None
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Impulse:
+    """factor times the derivative of this order of Dirac's delta at a time, in a coordinate."""
+
+    name: str
+    order: int
+    factor: sympy.Expr
+    time: sympy.Expr = sympy.S.Zero
+
+
+@dataclass(frozen=True)
+class Jump:
+    """By how much the derivative of this order of a coordinate changes at t = 0."""
+
+    name: str
+    order: int
+    size: sympy.Expr
+
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """x(t) for t > 0, one expression for each coordinate; what the printers of this folder print.
+
+    Attributes:
+        names: of the r coordinates, as the user wrote them.
+        values: r expressions in the time.
+        time: the symbol t.
+        parameters: the other symbols.
+        impulses, jumps: what happens at t = 0, and impulses later.
+        admissible, continuous: equations in the values at 0- without which there are impulses, or jumps.
+        assumptions: expressions that must not vanish for the formula to hold.
+        positive: expressions that must be positive for the formula to be real in this form.
+        title: a line about where it comes from.
+    """
+
+    names: tuple[str, ...]
+    values: tuple[sympy.Expr, ...]
+    time: sympy.Symbol
+    parameters: tuple[Parameter, ...] = ()
+    impulses: tuple[Impulse, ...] = ()
+    jumps: tuple[Jump, ...] = ()
+    admissible: tuple[sympy.Eq, ...] = ()
+    continuous: tuple[sympy.Eq, ...] = ()
+    assumptions: tuple[sympy.Expr, ...] = ()
+    positive: tuple[sympy.Expr, ...] = ()
+    title: str = ""
+
+    @classmethod
+    def of(cls, x, names: Sequence[str] | None = None, parameters: Mapping[sympy.Symbol, object] | None = None) -> ClosedForm:
+        """The formula of a symbolic response.
+
+        Args:
+            x: a ``SymbolicResponse``, or a ClosedForm, which is returned as it is unless names or parameters are given.
+            names: of the coordinates; those of the response when not given.
+            parameters: default values by symbol, numbers.
+
+        Raises:
+            InputError: not as many names as coordinates, or a name used twice.
+        """
+        if isinstance(x, cls):
+            found = x
+        else:
+            found = cls(tuple(x.coordinates), tuple(x.regular), x.time, **_happenings(x))
+        found = replace(found, names=names_of(names if names is not None else found.names, len(found.values), "names", "x"))
+        given = parameters if parameters is not None else {p.symbol: p.value for p in found.parameters}
+        known = {p.symbol: p for p in found.parameters}
+        symbols = sorted(
+            found.symbols | set(given), key=lambda symbol: list(given).index(symbol) if symbol in given else len(given)
+        )
+        made = tuple(known.get(s) or Parameter(s, s.name, exact(given.get(s))) for s in _stable(symbols, given))
+        return replace(found, parameters=made)
+
+    @property
+    def symbols(self) -> set[sympy.Symbol]:
+        """All symbols but the time."""
+        return set().union(*(value.free_symbols for value in self.values)) - {self.time}
+
+    @property
+    def everything(self) -> tuple[sympy.Basic, ...]:
+        """All expressions and equations in it."""
+        parts = [*self.values, *(each.factor for each in self.impulses), *(each.time for each in self.impulses)]
+        parts += [each.size for each in self.jumps]
+        return tuple(map(sympy.sympify, (*parts, *self.admissible, *self.continuous, *self.assumptions)))
+
+    @property
+    def defaults(self) -> dict[sympy.Symbol, sympy.Expr]:
+        """Default values by symbol, of those that have one."""
+        return {p.symbol: p.value for p in self.parameters if p.value is not None}
+
+    @property
+    def step_note(self) -> str:
+        """What H is, where it is used."""
+        return "H(t) is the unit step: 0 before t = 0, 1 after." if any(v.has(sympy.Heaviside) for v in self.values) else ""
+
+    def at_defaults(self, expression: sympy.Expr) -> sympy.Expr:
+        """An expression with the default values put in, exactly."""
+        return expression.xreplace(self.defaults)
+
+    def only(self, names: Sequence[str]) -> ClosedForm:
+        """The same of some of the coordinates, in this order.
+
+        Raises:
+            InputError: no such coordinate.
+        """
+        if unknown := [name for name in names if name not in self.names]:
+            raise InputError(f'there is no coordinate "{unknown[0]}"; the coordinates are {", ".join(self.names)}')
+        values = tuple(self.values[self.names.index(name)] for name in names)
+        kept = {kind: tuple(each for each in getattr(self, kind) if each.name in names) for kind in ("impulses", "jumps")}
+        return replace(self, names=tuple(names), values=values, **kept)
+
+
+def exact(value) -> sympy.Expr | None:
+    """A number as an exact expression: floats are the decimals that they are written as.
+
+    >>> exact(0.1)
+    1/10
+    """
+    if value is None or isinstance(value, sympy.Expr):
+        return value
+    fraction = Fraction(repr(float(value))) if isinstance(value, float) else Fraction(value)
+    return sympy.Rational(fraction.numerator, fraction.denominator)
+
+
+def _stable(symbols, given) -> list[sympy.Symbol]:
+    return [s for s in symbols if s in given] + sorted((s for s in symbols if s not in given), key=lambda s: s.name)
+
+
+def _happenings(x) -> dict:
+    """Impulses, jumps and conditions of a symbolic response."""
+    times = ((sympy.S.Zero, x.impulses), *x.later_impulses)
+    impulses = tuple(
+        Impulse(name, order, factor, time)
+        for time, rows in times
+        for order, row in enumerate(rows)
+        for name, factor in zip(x.coordinates, row)
+        if factor != 0
+    )
+    jumps = tuple(
+        Jump(name, order, size) for order in range(x.jump.rows) for name, size in zip(x.coordinates, x.jump.row(order)) if size != 0
+    )
+    return {
+        "impulses": impulses,
+        "jumps": jumps,
+        "admissible": tuple(x.admissible_conditions),
+        "continuous": tuple(x.continuity_conditions),
+        "assumptions": tuple(getattr(x, "assumptions", ())),
+    }

@@ -1,0 +1,233 @@
+"""An expression in t as a sum of terms, coefficient times function of time, with names for what is long in the functions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import sympy
+from sympy.functions.elementary.hyperbolic import HyperbolicFunction
+from sympy.functions.elementary.trigonometric import TrigonometricFunction
+
+from .closed_form import DIGITS, VANISHING, ClosedForm
+from .text_printer import LAST
+
+#: A rate of more operations gets a name of its own, and what is under a root.
+SHORT, LONG = 2, 8
+
+
+@dataclass(frozen=True)
+class Term:
+    """coefficient, free of t, times a product of powers of t, exponentials, cosines and the like."""
+
+    coefficient: sympy.Expr
+    function: sympy.Expr
+
+    @property
+    def expression(self) -> sympy.Expr:
+        """Both together."""
+        return self.coefficient * self.function
+
+
+@dataclass(frozen=True)
+class Shorthand:
+    """A name for a rate, an angular frequency or what is under a root."""
+
+    symbol: sympy.Symbol
+    value: sympy.Expr
+    full: sympy.Expr | None = None
+
+
+def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[Term]:
+    """The terms of a sum of products, those with the same function of time together, in order of appearance.
+
+    >>> t, k = sympy.symbols("t k")
+    >>> [(each.coefficient, each.function) for each in terms_of((k + 1) * (t + sympy.cos(k * t)) + 2 * t, t)]
+    [(k + 3, t), (k + 1, cos(k*t))]
+    """
+    found = [Term(coefficient, function) for function, coefficient in _split(expression, t).items() if coefficient != 0]
+    return [Term(part, each.function) for each in found for part in _parts(each)]
+
+
+def _parts(term: Term) -> tuple[sympy.Expr, ...]:
+    """A sum that stands for itself is as many terms."""
+    return sympy.Add.make_args(term.coefficient) if term.function == 1 else (term.coefficient,)
+
+
+def in_order(terms: list[Term], form: ClosedForm) -> list[Term]:
+    """Powers of t first, then by ascending frequency and rate with the default values, cosines before sines."""
+    return sorted(terms, key=lambda term: _rank(term.function, form))
+
+
+def _rank(function: sympy.Expr, form: ClosedForm) -> tuple:
+    parts = sorted(function.atoms(TrigonometricFunction, HyperbolicFunction, sympy.exp), key=sympy.default_sort_key)
+    turning = [part for part in parts if not isinstance(part, sympy.exp)]
+    sizes = [_size(form.at_defaults(_rate(part, LAST)[1])) for part in (*turning, *parts)]
+    steps = [_size(form.at_defaults(LAST - step.args[0])) for step in function.atoms(sympy.Heaviside)]
+    return (steps[:1], bool(parts), sizes[:1], any(isinstance(part, (sympy.sin, sympy.sinh)) for part in turning), _power(function))
+
+
+def _power(function: sympy.Expr) -> int:
+    """Of t as a factor."""
+    return int(sum(sympy.degree(factor, LAST) for factor in sympy.Mul.make_args(function) if factor.is_polynomial(LAST)))
+
+
+def _split(expression: sympy.Expr, t: sympy.Symbol) -> dict[sympy.Expr, sympy.Expr]:
+    """Coefficients by functions of time."""
+    if not expression.has(t):
+        return {sympy.S.One: expression}
+    if expression.is_Add:
+        return _sum(pair for part in expression.args for pair in _split(part, t).items())
+    if expression.is_Mul:
+        found = {sympy.S.One: sympy.S.One}
+        for part in expression.args:
+            found = _product(found, _split(part, t))
+        return found
+    if expression.is_Pow and expression.exp.is_Integer and expression.exp > 1 and expression.base.is_Add:
+        return _product(_split(expression.base, t), _split(expression.base ** (expression.exp - 1), t))
+    return {expression: sympy.S.One}
+
+
+def _product(one: dict, two: dict) -> dict:
+    return _sum((f * g, a * b) for f, a in one.items() for g, b in two.items())
+
+
+def _sum(pairs: Iterable[tuple[sympy.Expr, sympy.Expr]]) -> dict:
+    found: dict[sympy.Expr, list[sympy.Expr]] = {}
+    for function, coefficient in pairs:
+        found.setdefault(function, []).append(coefficient)
+    return {function: sympy.Add(*parts) for function, parts in found.items()}
+
+
+def in_numbers(terms: list[Term], form: ClosedForm, digits: int) -> list[Term]:
+    """The terms with default values put in and all numbers as decimals; what is zero by cancelling drops out."""
+    found = []
+    for term in terms:
+        coefficient = decimal(form.at_defaults(term.coefficient), digits)
+        if coefficient != 0:
+            found.append(Term(coefficient, _decimal_arguments(form.at_defaults(term.function), LAST, digits)))
+    return found
+
+
+def decimal(expression: sympy.Expr, digits: int) -> sympy.Expr:
+    """A number as a decimal of so many digits, a whole one as it is.
+
+    >>> decimal(sympy.sqrt(2), 5), decimal(sympy.Rational(1, 4), 5), decimal(sympy.sqrt(2) - sympy.sqrt(2), 5)
+    (1.4142, 0.25000, 0)
+    """
+    if not expression.is_number or expression.is_Integer:
+        return expression
+    value = expression.evalf(DIGITS)
+    if abs(value) < VANISHING:
+        size = sum(abs(part.evalf(DIGITS)) for part in sympy.Add.make_args(sympy.expand(expression)))
+        if abs(value) <= VANISHING * size or size == 0:
+            return sympy.S.Zero
+    return sympy.Float(value, digits)
+
+
+def _decimal_arguments(function: sympy.Expr, t: sympy.Symbol, digits: int) -> sympy.Expr:
+    """cos(sqrt(2) t) with sqrt(2) as a decimal; powers of t stay."""
+    inner = {part: _decimal_argument(part, t, digits) for part in function.atoms(sympy.Function, sympy.exp) if part.has(t)}
+    return function.xreplace(inner)
+
+
+def _decimal_argument(part: sympy.Expr, t: sympy.Symbol, digits: int) -> sympy.Expr:
+    argument = part.args[0]
+    slope, rest = argument.coeff(t), sympy.expand(argument - argument.coeff(t) * t)
+    if argument.is_Mul:
+        slope, rest = argument / t, sympy.S.Zero
+    return part.func(decimal(slope, digits) * t + decimal(rest, digits), *part.args[1:])
+
+
+def with_shorthands(rows: list[list[Term]], form: ClosedForm) -> tuple[list[list[Term]], list[Shorthand]]:
+    """The terms with names for what is long: w1, … in cosines and sines, a1, … in exponentials, d1, … under roots."""
+    names = _names({p.name for p in form.parameters} | {p.symbol.name for p in form.parameters} | set(form.names))
+    radicands = _radicands(rows, names)
+    short = {base: each.symbol for base, each in radicands.items()}
+    rows = [[Term(_put(term.coefficient, short), _put(term.function, short)) for term in row] for row in rows]
+    rows = [[Term(_shared(term.coefficient), term.function) for term in row] for row in rows]
+    long = {symbol: base for base, symbol in short.items()}
+    rates: dict[sympy.Expr, str] = {}
+    for part in (part for row in rows for term in row for part in sympy.preorder_traversal(term.function)):
+        kind, rate = _rate(part, LAST)
+        if kind and rate.count_ops() > SHORT:
+            rates.setdefault(rate, kind)
+    ordered = sorted(rates.items(), key=lambda item: _size(form.at_defaults(item[0].xreplace(long))))
+    made = {rate: Shorthand(sympy.Symbol(next(names[kind]), positive=True), rate) for rate, kind in ordered}
+    rows = [[Term(_put(term.coefficient, made), _in_function(term.function, made, LAST)) for term in row] for row in rows]
+    return rows, [*made.values(), *radicands.values()]
+
+
+def _shared(coefficient: sympy.Expr) -> sympy.Expr:
+    """A long sum with what its parts share in front."""
+    return sympy.factor_terms(coefficient) if coefficient.is_Add and coefficient.count_ops() > LONG else coefficient
+
+
+def _radicands(rows: list[list[Term]], names: dict) -> dict[sympy.Expr, Shorthand]:
+    """What is long under square roots, by itself."""
+    parts = [part for row in rows for term in row for part in (term.coefficient, term.function)]
+    roots = sorted(set().union(*(part.atoms(sympy.Pow) for part in parts)), key=sympy.default_sort_key)
+    bases = [root.base for root in roots if root.exp.is_Rational and root.exp.q == 2 and not root.base.has(LAST)]
+    short: dict[sympy.Expr, sympy.Symbol] = {}
+    found: dict[sympy.Expr, Shorthand] = {}
+    for base in sorted(dict.fromkeys(bases), key=lambda base: base.count_ops()):  # those inside others first
+        if base.free_symbols and base.is_Add and _weight(base, parts) > LONG:
+            symbol = sympy.Symbol(next(names["d"]), positive=True)
+            found[base] = Shorthand(symbol, base.xreplace(short), base)
+            short[base] = symbol
+    return found
+
+
+def _weight(base: sympy.Expr, parts: list[sympy.Expr]) -> int:
+    """Operations that are written for it, and again each time but the first two."""
+    often = sum(part.count(lambda each: each.is_Pow and each.base == base) for part in parts)
+    return base.count_ops() * max(1, often - 2)
+
+
+def _rate(part: sympy.Expr, t: sympy.Symbol) -> tuple[str, sympy.Expr]:
+    """Whether a function of rate times t, and which: "w" or "a", or an empty text."""
+    if not isinstance(part, (sympy.exp, TrigonometricFunction, HyperbolicFunction)) or not part.has(t):
+        return "", sympy.S.Zero
+    rate = sympy.expand_mul(part.args[0]).coeff(t) if part.args[0].is_Add else part.args[0] / t
+    if rate.could_extract_minus_sign():
+        rate = -rate
+    return "a" if isinstance(part, sympy.exp) else "w", rate
+
+
+def _in_function(function: sympy.Expr, made: dict, t: sympy.Symbol) -> sympy.Expr:
+    inner = {}
+    for part in sympy.preorder_traversal(function):
+        kind, rate = _rate(part, t)
+        if kind and rate in made:
+            inside = part.args[0]
+            named = _times(part, rate, made, t) if inside.is_Mul else inside.xreplace({rate: made[rate].symbol})
+            inner[part] = part.func(named)
+    return function.xreplace(inner)
+
+
+def _times(part: sympy.Expr, rate: sympy.Expr, made: dict, t: sympy.Symbol) -> sympy.Expr:
+    """symbol times t, with the sign that the rate has there."""
+    return (1 if part.args[0] / t == rate else -1) * made[rate].symbol * t
+
+
+def _put(expression: sympy.Expr, made: dict) -> sympy.Expr:
+    """An expression with names for what has one."""
+    return expression.xreplace({value: getattr(each, "symbol", each) for value, each in made.items()})
+
+
+def _size(value: sympy.Expr) -> float:
+    try:
+        return float(abs(sympy.N(value, 15)))
+    except TypeError:
+        return 0.0
+
+
+def _names(taken: set[str]) -> dict:
+    def counted(letter):
+        number = 1
+        while True:
+            if f"{letter}{number}" not in taken:
+                yield f"{letter}{number}"
+            number += 1
+
+    return {letter: counted(letter) for letter in "wad"}
