@@ -12,8 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import IllConditioned
 from ..tolerances import EPS
 from .precise import is_precise, power_of_two
+
+#: Factors stay within 2^(+-this), where they and their inverses are normal numbers.
+LARGEST_EXPONENT = 1000.0
 
 #: Rounds of alternating row and column scaling; each at least halves the spread that is left.
 EQUILIBRATION_ROUNDS = 6
@@ -93,6 +97,11 @@ def _log_fit(coefficients):
 
 
 def _power_of_two(exponents):
+    if np.abs(exponents).max(initial=0.0) > LARGEST_EXPONENT:
+        raise IllConditioned(
+            "the entries of A(s) are so far apart that no unit of time keeps its zeros within the range of float64; "
+            "choose other units, or look for an entry that is wrong by hundreds of orders of magnitude"
+        )
     return np.exp2(np.round(exponents))
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..exact.enclosure import ExactResponse, sources_of
-from ..exact.rational import RationalMatrix
+from ..exact.rational import RationalMatrix, regular
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.inputs import step
 
@@ -20,7 +20,11 @@ if TYPE_CHECKING:
 
 
 def exact_motion(motion: Motion, *, reactions: bool = False) -> ExactResponse:
-    """x of the motion, n rows, or its multipliers, k rows."""
+    """x of the motion, n rows, or its multipliers, k rows.
+
+    Raises:
+        SingularPolynomialMatrix: taken exactly, the data determine no motion.
+    """
     n, k = motion.system.size, len(motion.system.rows)
     rows = range(n, n + k) if reactions else range(n)
     start = np.hstack([motion.initial, np.zeros((len(motion.initial), k))])
@@ -28,7 +32,13 @@ def exact_motion(motion: Motion, *, reactions: bool = False) -> ExactResponse:
     values = np.array([row.value for row in motion.system.rows])
     if values.any():
         force = force + step(np.append(np.zeros(n), values))
-    return ExactResponse(RationalMatrix(_multiplier_form(motion.system)), start, sources_of(force), rows)
+    return ExactResponse(_regular_form(motion.system), start, sources_of(force), rows)
+
+
+def _regular_form(system) -> RationalMatrix:
+    equations = [*(f"motion of {name}" for name in system.names), *(f"constraint {row.name}" for row in system.rows)]
+    coordinates = [*system.names, *(f"force of {row.name}" for row in system.rows)]
+    return regular(RationalMatrix(_multiplier_form(system)), equations, coordinates)
 
 
 def _multiplier_form(system) -> list[list[list]]:

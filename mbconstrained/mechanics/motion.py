@@ -93,7 +93,7 @@ class Motion(Response):
 
     @cached_property
     def exact_reaction(self) -> ExactResponse:
-        """The exact multipliers lambda, one row per row of ``system.rows``."""
+        """The exact multipliers lambda, one row per row of ``system.rows``; they have no values at 0- and so no jump."""
         from .exact_motion import exact_motion
 
         return exact_motion(self, reactions=True)
@@ -111,10 +111,10 @@ class Motion(Response):
             InputError, SingularPolynomialMatrix, Overflow: as ``Response.enclose``; another word for a quantity.
         """
         order = whole_number(order, "order")
-        if of == "reaction":
+        if isinstance(of, str) and of == "reaction":
             return self.exact_reaction.enclose(times, digits, order=order)
         orders = {"displacement": 0, "velocity": 1, "acceleration": 2}
-        if of not in orders:
+        if not isinstance(of, str) or of not in orders:
             raise InputError(f"of: found {of!r}{nearest(str(of), (*orders, 'reaction'))}; expected {', '.join(orders)} or reaction")
         return super().enclose(times, digits, order=orders[of] + order)
 

@@ -24,21 +24,15 @@ def singular_message(A: PolynomialMatrix) -> tuple[str, tuple[int, ...], tuple[i
         involved_rows |= _support(u[:, null])
         involved_columns |= _support(vh[null].conj().T)
     equations, coordinates = (tuple(map(int, np.flatnonzero(side))) for side in (involved_rows, involved_columns))
-    return singular_sentence(A, equations, coordinates), equations, coordinates
+    return singular_sentence([A.equations[i] for i in equations], [A.coordinates[i] for i in coordinates]), equations, coordinates
 
 
-def singular_sentence(A, equations: Sequence[int], coordinates: Sequence[int]) -> str:
-    """What is wrong with equations that depend on each other, and with coordinates that are free, and what to do.
-
-    Args:
-        A: what has names for ``equations`` and ``coordinates``.
-        equations, coordinates: the places of those that are involved.
-    """
+def singular_sentence(equations: Sequence[str], coordinates: Sequence[str]) -> str:
+    """What is wrong with equations that depend on each other, and with coordinates that are free, and what to do."""
     return (
-        "det A(s) is zero for every s, so the motion is not determined: the equations "
-        f"{_quoted(A.equations, equations)} are dependent or empty, and the coordinates {_quoted(A.coordinates, coordinates)} "
-        "can move without any force. Attach what is free (by a mass, spring, damper or constraint; in a state space by an equation), "
-        "or take out what is said twice."
+        f"det A(s) is zero for every s, so the motion is not determined: the equations {_quoted(equations)} are dependent or empty, "
+        f"and the coordinates {_quoted(coordinates)} can move without any force. Attach what is free (by a mass, spring, damper or "
+        "constraint; in a state space by an equation), or take out what is said twice."
     )
 
 
@@ -47,5 +41,5 @@ def _support(vectors) -> np.ndarray:
     return size > EPS**0.5 * size.max(initial=0.0)
 
 
-def _quoted(names, indices) -> str:
-    return ", ".join(f'"{names[i]}"' for i in indices)
+def _quoted(names) -> str:
+    return ", ".join(f'"{name}"' for name in names)

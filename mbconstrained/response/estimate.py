@@ -90,7 +90,7 @@ def _moved_matrix(A: PolynomialMatrix, random) -> PolynomialMatrix:
 def _moved_force(force: ImpulsiveSmooth, random) -> ImpulsiveSmooth:
     smooth = replace(force.smooth, coefficients=_moved(force.smooth.coefficients, random))
     later = tuple(Blow(blow.time, _all_moved(blow.impulses, random)) for blow in force.later)
-    return replace(force, smooth=smooth, impulses=_all_moved(force.impulses, random), later=later, origins=())
+    return replace(force, smooth=smooth, impulses=_all_moved(force.impulses, random), later=later)
 
 
 def _all_moved(arrays, random) -> tuple[np.ndarray, ...]:

@@ -104,11 +104,13 @@ class Response:
         """Intervals that are sure to contain x(t), or a derivative of it, for the data taken exactly (``exact.enclosure``).
 
         X(s) is found over the rationals and summed over its certified poles in ball arithmetic, with more bits until each value
-        has its digits; nothing of the numeric answer enters.
+        has its digits; nothing of the numeric answer enters. The data are the entries of A(s), the values at 0- and the numbers
+        that the force was made with; a phase that is a quarter turn to rounding is meant as one, as in the answer itself.
 
         Args:
             times: in s, a number or shape (T,).
-            digits: of each value, relative to itself.
+            digits: of each value, relative to itself. A value that is zero, or cancels to thousands of bits, has a very narrow
+                interval about zero instead.
             order: of the derivative.
 
         Returns:

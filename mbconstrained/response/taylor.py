@@ -14,6 +14,7 @@ from math import factorial
 
 import numpy as np
 
+from ..errors import IllConditioned
 from ..jordan.weierstrass import WeierstrassForm
 from ..linalg.noise import Noisy, stacked
 from ..signals.impulsive import ImpulsiveSmooth
@@ -128,7 +129,13 @@ class _Equations:
 
 
 def _inverse(matrix: Noisy) -> Noisy:
-    inverse = np.linalg.inv(matrix.data)
+    try:
+        inverse = np.linalg.inv(matrix.data)
+    except np.linalg.LinAlgError:
+        raise IllConditioned(
+            "float64 finds a part of A(s) singular that the rank decisions kept; with rank_tolerance=0 nothing counts as rounding: "
+            "leave it out, or give a larger one"
+        ) from None
     return Noisy(inverse, np.abs(inverse) @ matrix.noise @ np.abs(inverse) + EPS * np.abs(inverse))
 
 

@@ -37,14 +37,14 @@ class ImpulsiveSmooth:
         impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta.
         later: the Dirac impulses after t = 0, by ascending time.
         notices: what is worth knowing about it, such as how well it approximates what was asked for.
-        origins: what it was made of, before any rounding, as far as that is known; see ``made_of``.
+        origins: what it was made of, before any rounding, as far as that is known (``coming_from``); see ``made_of``.
     """
 
     smooth: BohlFunction
     impulses: tuple[np.ndarray, ...] = ()
     later: tuple[Blow, ...] = ()
     notices: tuple[Notice, ...] = ()
-    origins: tuple[Origin, ...] = field(default=(), compare=False, kw_only=True)
+    origins: tuple[Origin, ...] = field(default=(), init=False, compare=False)
 
     def __repr__(self) -> str:
         told = [counted(self.size, "row"), f"smooth part of {counted(len(self.smooth.coefficients.T), 'state')}"]
@@ -60,6 +60,11 @@ class ImpulsiveSmooth:
     def is_zero(self) -> bool:
         """Whether nothing acts at any time."""
         return self.smooth.is_zero and not self.impulses and not self.later
+
+    def coming_from(self, *origins: Origin) -> ImpulsiveSmooth:
+        """The same, its origins known. What is made of other parts, by ``dataclasses.replace`` too, does not keep them."""
+        object.__setattr__(self, "origins", origins)
+        return self
 
     @property
     def made_of(self) -> tuple[Origin, ...]:
@@ -95,7 +100,8 @@ class ImpulsiveSmooth:
             if impulses:
                 found[time] = (*found.get(time, (np.zeros(self.size),)), *impulses)
         later = tuple(Blow(time, found[time]) for time in sorted(found) if time)
-        return ImpulsiveSmooth(self.smooth.derivative(), found.get(0.0, ()), later, self.notices)
+        derivative = ImpulsiveSmooth(self.smooth.derivative(), found.get(0.0, ()), later, self.notices)
+        return derivative.coming_from(*(origin.differentiated() for origin in self.made_of))
 
     def delayed(self, delay: float) -> ImpulsiveSmooth:
         """The input f(t - delay), zero before; delay >= 0 in s.
@@ -113,8 +119,8 @@ class ImpulsiveSmooth:
             return self
         blows = [self.impulses] * bool(self.impulses) + [blow.impulses for blow in self.later]
         later = tuple(Blow(float(time), blow) for time, blow in zip(later_times(self._blow_times, delay), blows))
-        origins = tuple(origin.delayed(delay) for origin in self.made_of)
-        return ImpulsiveSmooth(self.smooth.delayed(delay), (), later, self.notices, origins=origins)
+        found = ImpulsiveSmooth(self.smooth.delayed(delay), (), later, self.notices)
+        return found.coming_from(*(origin.delayed(delay) for origin in self.made_of))
 
     def mapped(self, matrix) -> ImpulsiveSmooth:
         """matrix @ f, matrix of shape (p, r)."""
@@ -128,8 +134,8 @@ class ImpulsiveSmooth:
             raise InputError(f"inputs of different sizes cannot be added: {self.size} and {other.size} rows")
         notices = dict.fromkeys((*self.notices, *other.notices))
         impulses, later = _sum(self.impulses, other.impulses), _joined([*self.later, *other.later])
-        origins = (*self.made_of, *other.made_of)
-        return ImpulsiveSmooth(self.smooth + other.smooth, impulses, later, tuple(notices), origins=origins)
+        total = ImpulsiveSmooth(self.smooth + other.smooth, impulses, later, tuple(notices))
+        return total.coming_from(*self.made_of, *other.made_of)
 
     def __radd__(self, other) -> ImpulsiveSmooth:
         """0 + f, so that sum() of inputs works."""
@@ -153,8 +159,8 @@ class ImpulsiveSmooth:
 
     def _changed(self, smooth, change, factor) -> ImpulsiveSmooth:
         later = tuple(Blow(blow.time, tuple(map(change, blow.impulses))) for blow in self.later)
-        origins = tuple(origin.multiplied(factor) for origin in self.made_of)
-        return ImpulsiveSmooth(smooth, tuple(map(change, self.impulses)), later, self.notices, origins=origins)
+        found = ImpulsiveSmooth(smooth, tuple(map(change, self.impulses)), later, self.notices)
+        return found.coming_from(*(origin.multiplied(factor) for origin in self.made_of))
 
 
 def _joined(blows: Sequence[Blow]) -> tuple[Blow, ...]:

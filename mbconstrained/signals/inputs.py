@@ -83,7 +83,7 @@ def impulse(vector, order: int = 0) -> ImpulsiveSmooth:
     vector = _vector(vector)
     order = whole_number(order, "order")
     zeros = tuple(np.zeros_like(vector) for _ in range(order))
-    return ImpulsiveSmooth(zero(len(vector)).smooth, (*zeros, vector), origins=(Origin(ImpulseOrigin(vector, order)),))
+    return ImpulsiveSmooth(zero(len(vector)).smooth, (*zeros, vector)).coming_from(Origin(ImpulseOrigin(vector, order)))
 
 
 def harmonic(vector, *, angular_frequency: float, phase: float = 0.0) -> ImpulsiveSmooth:
@@ -110,7 +110,7 @@ def _chain(coefficients, diagonal, power, origin) -> ImpulsiveSmooth:
     start[-size] = 1.0
     rows = np.zeros((len(coefficients), size * (power + 1)))
     rows[:, :size] = coefficients / unit**power
-    return ImpulsiveSmooth(BohlFunction(rows, (generator,), start), origins=(origin,))
+    return ImpulsiveSmooth(BohlFunction(rows, (generator,), start)).coming_from(origin)
 
 
 def _rate_unit(diagonal, power) -> float:

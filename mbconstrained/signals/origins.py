@@ -63,11 +63,13 @@ class Origin:
         data: what it was.
         maps: matrices (p, r) and factors that multiply it, in the order in which they do.
         delays: in s, in the order in which they were added; each sum is rounded to float64, as the knots of the input are.
+        derivatives: how often it was differentiated, in the sense of distributions.
     """
 
     data: TermOrigin | ImpulseOrigin | RecordOrigin | StatesOrigin
     maps: tuple[np.ndarray | float, ...] = ()
     delays: tuple[float, ...] = ()
+    derivatives: int = 0
 
     def multiplied(self, factor: np.ndarray | float) -> Origin:
         """Multiplied from the left."""
@@ -77,6 +79,10 @@ class Origin:
         """Later by so much."""
         return replace(self, delays=(*self.delays, delay))
 
+    def differentiated(self) -> Origin:
+        """Its derivative in the sense of distributions."""
+        return replace(self, derivatives=self.derivatives + 1)
+
     def time(self, start: float = 0.0) -> float:
         """When that happens which without delays happens at start."""
         for delay in self.delays:
@@ -84,9 +90,13 @@ class Origin:
         return start
 
 
+#: A larger phase, in rad, is so coarse that nobody can have meant a quarter turn by it.
+LARGEST_MEANT = 1e6
+
+
 def beyond_noise(value: float, phase: float) -> float:
     """The cosine or sine of a phase, zero where it is not more than the rounding of the phase.
 
     With the phase -pi/2 a harmonic is a sine: it does not jump at its start.
     """
-    return 0.0 if abs(value) <= EPS * abs(phase) else value
+    return 0.0 if abs(value) <= EPS * min(abs(phase), LARGEST_MEANT) else value

@@ -64,7 +64,8 @@ def sampled(times, values) -> ImpulsiveSmooth:
     right[:, -1] = 0.0
     start = _from_zero(Restarts(knots, _alternating(right, slopes), _alternating(jumps, changes)))
     rows = np.kron(np.eye(len(values)), [1.0, 0.0])
-    return ImpulsiveSmooth(BohlFunction(rows, (LINEAR,) * len(values), start), origins=(Origin(RecordOrigin(times, values)),))
+    record = ImpulsiveSmooth(BohlFunction(rows, (LINEAR,) * len(values), start))
+    return record.coming_from(Origin(RecordOrigin(times, values)))
 
 
 def _rows(values, count: int) -> np.ndarray:

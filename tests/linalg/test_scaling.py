@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import mbconstrained as mb
 from mbconstrained.linalg.scaling import equilibration, joint_scaling
 
 exponents = st.integers(-60, 60)
@@ -66,3 +67,10 @@ def test_equilibration_brings_row_maxima_within_a_factor_of_two_of_one():
     largest = (rows[:, None] * size * columns).max(axis=1)
     assert is_power_of_two(rows) and is_power_of_two(columns)
     assert (largest >= 0.5).all() and (largest <= 2).all()
+
+
+@pytest.mark.parametrize("entries", [(1e308, 1e-308), (1.0, 5e-324), (1e-308, 1e308)])
+def test_zeros_beyond_float64_are_told(entries):
+    """1e308 x + 1e-308 x' has the zero -1e616 1/s."""
+    with pytest.raises(mb.IllConditioned, match="no unit of time"):
+        mb.PolynomialMatrix([[[entry]] for entry in entries]).jordan_pairs()

@@ -57,3 +57,10 @@ def test_a_soft_spring_at_the_edge_of_float64_is_told():
     motion = system.solve(displacement=[1.0, 1.0])
     assert [notice for notice in motion.notices if notice.doubtful]
     assert motion.error_estimate(1.0) >= 0.1
+
+@pytest.mark.parametrize("direction", [[0.1, 0.7], [0.1, 0.7, 0.3]])
+def test_a_singular_system_that_trusts_every_bit_is_refused_in_words(direction):
+    """Elements of rank one: with rank_tolerance=0 the rounding of a scaled copy is kept as if it were data."""
+    M = mb.ElementMatrix([direction], [3.0])
+    with pytest.raises((mb.IllConditioned, mb.SingularPolynomialMatrix)):
+        mb.MechanicalSystem(M, stiffness=M).solve(np.ones(len(direction)), rank_tolerance=0.0)

@@ -7,6 +7,7 @@ from decimal import MAX_EMAX, MAX_PREC, MIN_EMIN, ROUND_CEILING, ROUND_FLOOR, Co
 import flint
 
 from ...errors import Overflow
+from ..rational.arithmetic import working_precision
 
 #: Digits beyond those asked for that the strings have.
 MORE_DIGITS = 3
@@ -34,7 +35,7 @@ def decimal_bounds(value: flint.arb, digits: int) -> tuple[str, str]:
     Raises:
         Overflow: it may be larger than any number that is written out.
     """
-    with flint.ctx.workprec(bits_of(digits) + GUARD_BITS):
+    with working_precision(bits_of(digits) + GUARD_BITS):
         return _bounds(value, digits)
 
 
@@ -42,7 +43,7 @@ def _bounds(value: flint.arb, digits: int) -> tuple[str, str]:
     largest = value.abs_upper()
     if not largest < flint.arb(10) ** LARGEST_POWER:
         raise Overflow(
-            f"a value may be larger than 1e{LARGEST_POWER}: a zero of A(s) lies far in the right half plane; ask for earlier times"
+            f"a value may be larger than 1e{LARGEST_POWER}: a zero of A(s) in the right half plane grows beyond; ask for earlier times"
         )
     if not largest.is_zero() and largest < flint.arb(10) ** -LARGEST_POWER:
         low, high = value.lower() < 0, value.upper() > 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
@@ -21,7 +20,8 @@ class Enclosure:
     """Lower and upper bounds of values, proved by ball arithmetic.
 
     Attributes:
-        lower, upper: decimal strings, of the shape of x(t): (r,) for a number t, (r, T) for times. ``astype(float)`` rounds them.
+        lower, upper: decimal strings, of the shape of x(t): (r,) for a number t, (r, T) for times. ``astype(float)`` rounds them to
+            the nearest floats, which are values but no bounds any more.
         times: t in s.
         digits: how many were asked for.
         notices: what is worth knowing about them.
@@ -61,8 +61,8 @@ class Enclosure:
         Raises:
             InputError: another shape, or what is no number.
         """
-        low, high, found = _exact(self.lower), _exact(self.upper), self._checked(values)
-        around = np.array([_rounding(value) for value in np.ravel(values)], dtype=object).reshape(found.shape)
+        given = self._shaped(values)
+        low, high, found, around = _exact(self.lower), _exact(self.upper), _exact(given), _each(_rounding, given)
         return np.bool_(np.all((low <= found + around) & (found - around <= high)))
 
     def error_bounds(self, values) -> np.ndarray:
@@ -74,21 +74,29 @@ class Enclosure:
         Raises:
             InputError: as ``contains``.
         """
-        low, high, found = _exact(self.lower), _exact(self.upper), self._checked(values)
+        low, high, found = _exact(self.lower), _exact(self.upper), _exact(self._shaped(values))
         bounds = np.maximum(found - low, high - found)
         return np.vectorize(_rounded_up, otypes=[float])(bounds) if bounds.size else np.zeros(bounds.shape)
 
-    def _checked(self, values) -> np.ndarray:
-        found = np.asarray(values)
+    def _shaped(self, values) -> np.ndarray:
+        """The values as they are, in an array."""
+        try:
+            found = np.array(values, dtype=object)
+        except ValueError:
+            raise InputError("values: the rows have different lengths; expected the shape of the bounds") from None
         if found.shape != self.lower.shape:
             raise InputError(f"values: found shape {found.shape}; expected {self.lower.shape}, that of the bounds")
-        return _exact(found)
+        return found
 
 
 def _exact(values: np.ndarray) -> np.ndarray:
+    return _each(_number, values)
+
+
+def _each(function, values: np.ndarray) -> np.ndarray:
     found = np.empty(values.shape, dtype=object)
     for place, value in np.ndenumerate(values):
-        found[place] = _number(value)
+        found[place] = function(value)
     return found
 
 
@@ -100,8 +108,8 @@ def _number(value) -> Fraction:
 
 
 def _rounding(value) -> Fraction:
-    """Half a unit in the last place of a float, nothing for other numbers."""
-    return Fraction(math.ulp(value)) / 2 if isinstance(value, float) and math.isfinite(value) else Fraction(0)
+    """Half a unit in the last place of a float of any size, nothing for other numbers."""
+    return Fraction(float(np.spacing(abs(value)))) / 2 if isinstance(value, (float, np.floating)) else Fraction(0)
 
 
 def _rounded_up(value: Fraction) -> float:

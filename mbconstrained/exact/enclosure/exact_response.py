@@ -15,12 +15,12 @@ import flint
 import numpy as np
 
 from ...checks import real_array, whole_number
-from ...errors import InputError
-from ..rational.arithmetic import fraction, rational
+from ...errors import InputError, SingularPolynomialMatrix
+from ..rational.arithmetic import fraction, rational, working_precision
 from ..rational.matrix import RationalMatrix
 from .balls import bits_of, is_told
 from .enclosure import Enclosure
-from .factors import Factor, ball
+from .factors import Factor, added, ball
 from .partial_fractions import Exponentials, PartialFractions
 from .rational_response import ZERO, RationalResponse
 from .shapes import ONE, S
@@ -48,6 +48,11 @@ class Part:
     response: RationalResponse
     calls: tuple[tuple[flint.fmpq, Factor], ...]
 
+    @property
+    def factors_at_0(self) -> list[Factor]:
+        """By how much it is called up at t = 0."""
+        return [factor for time, factor in self.calls if time == 0]
+
 
 class ExactResponse:
     """x with A(d/dt) x = f from values at 0-, all data taken as the exact numbers that they are.
@@ -57,11 +62,16 @@ class ExactResponse:
         initial: x^(i)(0-) as row i, q rows of r exact numbers.
         sources: f.
         rows: which of the r rows of x are asked for, all by default.
+
+    Raises:
+        SingularPolynomialMatrix: A(s) is not regular.
     """
 
     def __init__(self, matrix: RationalMatrix, initial: Sequence[Sequence], sources: Sequence[Source], rows: range | None = None):
         self.matrix, self.initial, self.sources = matrix, [vector_of(row) for row in initial], tuple(sources)
         self.rows = range(matrix.size) if rows is None else rows
+        if not matrix.determinant:
+            raise SingularPolynomialMatrix("det A(s) is zero for every s: the motion is not determined", (), ())
 
     @property
     def size(self) -> int:
@@ -75,7 +85,7 @@ class ExactResponse:
         Raises:
             InputError: a phase makes them irrational; ``enclose_impulses`` has them as intervals.
         """
-        if any(not isinstance(factor, flint.fmpq) for part in self._parts for time, factor in part.calls if time == 0):
+        if any(not isinstance(factor, flint.fmpq) for part in self._parts if part.response.impulses for factor in part.factors_at_0):
             raise InputError("impulses: with this phase they are no rational numbers; enclose_impulses gives them as intervals")
         return tuple(np.array([fraction(entry) for entry in impulse], dtype=object) for impulse in self._impulses(rational))
 
@@ -91,18 +101,18 @@ class ExactResponse:
 
     @cached_property
     def start(self) -> np.ndarray:
-        """x^(i)(0+) as row i, shape (q, r), Fractions.
+        """x^(i)(0+) as row i, shape (q, r), Fractions; of multipliers and outputs, which have no values at 0-, too.
 
         Raises:
             InputError: a phase makes them irrational; ``enclose`` at t = 0 has them as intervals.
         """
         total = [[ZERO] * self.size for _ in self.initial]
         for part in self._parts:
-            for factor in (factor for time, factor in part.calls if time == 0):
+            starts = [part.response.start(order) for order in range(len(total))]
+            for factor in part.factors_at_0 if any(map(any, starts)) else ():
                 if not isinstance(factor, flint.fmpq):
                     raise InputError("start: with this phase it is no rational number; enclose at t = 0 gives it as intervals")
-                for order, row in enumerate(total):
-                    total[order] = [a + b * factor for a, b in zip(row, part.response.start(order))]
+                total = [[a + b * factor for a, b in zip(*rows)] for rows in zip(total, starts)]
         return np.array([[fraction(entry) for entry in row] for row in total], dtype=object).reshape(len(total), self.size)
 
     @property
@@ -163,19 +173,19 @@ class ExactResponse:
     def _called(self) -> Iterator[Part]:
         """What acts later, or with an irrational factor: equal functions of time share their response."""
         groups: dict[tuple, list[Source]] = {}
-        for source in self.sources:
-            if not _is_immediate(source):
-                groups.setdefault((source.shape.key, source.vector), []).append(source)
+        for source in (source.normalized() for source in self.sources if not _is_immediate(source)):
+            groups.setdefault((source.shape.key, source.vector), []).append(source)
         for group in groups.values():
-            shape, calls = group[0].shape, tuple((source.time, source.factor) for source in group)
+            shape, calls = group[0].shape, added((source.time, source.factor) for source in group)
             b = [shape.numerator * entry for entry in group[0].vector]
-            yield Part(RationalResponse(self.matrix, b, shape.denominator, self.rows), calls)
+            if calls:
+                yield Part(RationalResponse(self.matrix, b, shape.denominator, self.rows), calls)
 
     def _impulses(self, number) -> list[list]:
         """Factors of delta, delta', ... at t = 0, made of numbers of one kind."""
         total: list[list] = []
         for part in self._parts:
-            for factor in (factor for time, factor in part.calls if time == 0):
+            for factor in part.factors_at_0:
                 for k, impulse in enumerate(part.response.impulses):
                     if k == len(total):
                         total.append([number(ZERO)] * self.size)
@@ -237,7 +247,7 @@ def _certain(compute, digits: int) -> list[list[flint.arb]]:
     """Computed with more and more bits until each value has its digits."""
     precision = bits_of(digits) + FIRST_BITS
     while True:
-        with flint.ctx.workprec(precision):
+        with working_precision(precision):
             columns = compute()
         entries = [entry for column in columns for entry in column]
         if all(is_told(entry, digits) for entry in entries):

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import flint
@@ -61,6 +61,24 @@ Factor = flint.fmpq | Turned | Carried
 def ball(factor: Factor) -> flint.arb:
     """A ball that contains it, at the working precision."""
     return flint.arb(factor) if isinstance(factor, flint.fmpq) else factor.ball()
+
+
+def added(calls: Iterable[tuple[flint.fmpq, Factor]]) -> tuple[tuple[flint.fmpq, Factor], ...]:
+    """Times and factors, equal kinds of factors at equal times added: what cancels exactly is gone."""
+    total: dict[tuple, Factor] = {}
+    for time, factor in calls:
+        key = time, None if isinstance(factor, flint.fmpq) else replace(factor, amount=flint.fmpq(1))
+        total[key] = factor if key not in total else _sum(total[key], factor)
+    return tuple((time, factor) for (time, _), factor in total.items() if _amount(factor))
+
+
+def _sum(one: Factor, two: Factor) -> Factor:
+    """Of one kind."""
+    return one + two if isinstance(one, flint.fmpq) else replace(one, amount=one.amount + two.amount)
+
+
+def _amount(factor: Factor) -> flint.fmpq:
+    return factor if isinstance(factor, flint.fmpq) else factor.amount
 
 
 def turned(phase: float) -> Sequence[Factor]:

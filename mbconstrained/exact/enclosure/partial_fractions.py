@@ -8,6 +8,8 @@ from functools import lru_cache
 
 import flint
 
+from ..rational.roots import enclosed_roots
+
 
 @dataclass(frozen=True)
 class Pole:
@@ -39,7 +41,7 @@ class PartialFractions:
         """At the working precision.
 
         Args:
-            factors: whole polynomials with simple roots other than 0, and to what power each divides D.
+            factors: irreducible polynomials without the root 0, and to what power each divides D.
             denominator: D.
             numerators: N.
         """
@@ -47,9 +49,10 @@ class PartialFractions:
         for factor, power in factors:
             taylor = [_balls(p) for p in _taylor(denominator, 2 * power)[power:]]
             above = [[_balls(p) for p in _taylor(numerator, power)] for numerator in numerators]
+            vanishing = [_order(numerator, factor, power) for numerator in numerators]
             for root, weight in _roots(tuple(map(int, factor.coeffs())), flint.ctx.prec):
                 below = [p(root) for p in taylor]
-                rows = [_divided([p(root) for p in own], below) for own in above]
+                rows = [_divided(_known([p(root) for p in own], zeros), below) for own, zeros in zip(above, vanishing)]
                 found.append(Pole(root, weight, [[row[power - 1 - j] for row in rows] for j in range(power)]))
         return cls(found)
 
@@ -77,14 +80,14 @@ class Exponentials:
     """e^{z t} at one working precision, each computed once."""
 
     def __init__(self):
-        self._known: dict[tuple[int, flint.fmpq], flint.acb] = {}
+        self._known: dict[tuple[int, flint.fmpq], tuple[flint.acb, flint.acb]] = {}
 
     def at(self, root: flint.acb, time: flint.fmpq) -> flint.acb:
         """Of a root that ``PartialFractions`` holds: equal roots are one object there."""
         key = id(root), time
         if key not in self._known:
-            self._known[key] = (root * flint.arb(time)).exp()
-        return self._known[key]
+            self._known[key] = (root * flint.arb(time)).exp(), root  # the root is held: its id names no other
+        return self._known[key][0]
 
 
 def _differentiated(pole: Pole) -> list[list[flint.acb]]:
@@ -96,8 +99,21 @@ def _differentiated(pole: Pole) -> list[list[flint.acb]]:
 @lru_cache(maxsize=256)
 def _roots(coefficients: tuple[int, ...], precision: int) -> list[tuple[flint.acb, int]]:
     """Real roots and those above the real axis; FLINT certifies them, and real ones as real."""
-    found = [flint.acb(root) for root, _ in flint.fmpz_poly(list(coefficients)).complex_roots()]
+    found = enclosed_roots(flint.fmpz_poly(list(coefficients)), precision)
     return [(root, 1 if root.imag == 0 else 2) for root in found if root.imag == 0 or root.imag > 0]
+
+
+def _order(numerator: flint.fmpq_poly, factor: flint.fmpz_poly, most: int) -> int:
+    """How often an irreducible factor divides a numerator, at most so often: there is no more of it in X then."""
+    order, p = 0, flint.fmpq_poly(factor)
+    while order < most and not numerator % p:
+        numerator, order = numerator // p, order + 1
+    return order
+
+
+def _known(values: list[flint.acb], zeros: int) -> list[flint.acb]:
+    """The first Taylor coefficients are zero, not balls about zero: what grows with the root does not grow in this row."""
+    return [flint.acb(0)] * zeros + values[zeros:]
 
 
 def _taylor(p, count: int) -> list:

@@ -8,6 +8,7 @@ from fractions import Fraction
 import flint
 import numpy as np
 
+from ...checks import counted
 from ...notices import Notice
 from ...polynomial.matrix import PolynomialMatrix
 from ...response.response import Response
@@ -50,7 +51,7 @@ def structure_notices(x: Response, exact: ExactResponse) -> tuple[Notice, ...]:
     if taken == found:
         return ()
     text = (
-        f"taken exactly, the data have {found} finite zeros where the answer has {taken}: it takes differences of the size of "
+        f"taken exactly, the data have {counted(found, 'finite zero')} where the answer has {taken}: it takes differences of the size of "
         "rounding for zero; the bounds belong to the exact data, which move in another way"
     )
     return (Notice("rank", text, doubtful=True),)

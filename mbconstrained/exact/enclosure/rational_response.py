@@ -73,7 +73,7 @@ class RationalResponse:
 
     def partial_fractions(self) -> PartialFractions:
         """What the other zeros add, at the working precision."""
-        return PartialFractions.of(self._squarefree, self._whole_denominator, self._rests)
+        return PartialFractions.of(self._irreducible, self._whole_denominator, self._rests)
 
     @cached_property
     def _zero_order(self) -> int:
@@ -103,10 +103,10 @@ class RationalResponse:
         return [rest * unit for _, rest in self._divided]
 
     @cached_property
-    def _squarefree(self) -> list[tuple[flint.fmpz_poly, int]]:
-        """The denominator without powers of s as a product of powers of polynomials with simple roots."""
+    def _irreducible(self) -> list[tuple[flint.fmpz_poly, int]]:
+        """The denominator without powers of s as a product of powers of irreducible polynomials."""
         others = self._whole_denominator.right_shift(self._zero_order)
-        return [(factor, power) for factor, power in others.factor_squarefree()[1] if factor.degree() > 0]
+        return [(factor, power) for factor, power in others.factor()[1]]
 
 
 def _series(p: flint.fmpq_poly, length: int) -> list[flint.fmpq]:

@@ -20,6 +20,10 @@ class Shape:
     numerator: flint.fmpq_poly
     denominator: flint.fmpq_poly = field(default_factory=lambda: flint.fmpq_poly([1]))
 
+    def derivative(self, order: int) -> Shape:
+        """In the sense of distributions, jumps and impulses at t = 0 included."""
+        return Shape(self.numerator * S**order, self.denominator) if order else self
+
     @property
     def key(self) -> tuple:
         """Equal for equal transforms."""

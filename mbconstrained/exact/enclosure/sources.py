@@ -29,6 +29,11 @@ class Source:
     time: flint.fmpq
     factor: Factor
 
+    def normalized(self) -> Source:
+        """The same with a vector whose first entry that is not zero is one."""
+        first = next(entry for entry in self.vector if entry)
+        return replace(self, vector=tuple(entry / first for entry in self.vector), factor=self.factor * first)
+
     def mapped(self, matrix: Sequence[Sequence[flint.fmpq]]) -> Source:
         """matrix @ the source."""
         return replace(self, vector=_product(matrix, self.vector))
@@ -53,7 +58,7 @@ def _of_origin(origin: Origin) -> Iterator[Source]:
                 source = source.mapped([vector_of(row) for row in np.asarray(change)])
             else:
                 source = replace(source, factor=source.factor * rational(change))
-        yield source
+        yield replace(source, shape=source.shape.derivative(origin.derivatives))
 
 
 def _of_term(origin: Origin) -> Iterator[Source]:

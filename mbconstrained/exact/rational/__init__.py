@@ -4,4 +4,5 @@ from .blocks import ExactBlock
 from .chains import Chain
 from .matrix import RationalMatrix
 from .pairs import ExactFinitePair, ExactJordanPairs, exact_jordan_pairs
+from .singular import regular, regular_matrix
 from .structure import ElementaryDivisor, ExactStructure

@@ -2,20 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from fractions import Fraction
 from functools import reduce
 from math import lcm
-from numbers import Rational
+from numbers import Integral, Rational
+from threading import RLock
 
 import flint
 
 
+#: The working precision of FLINT belongs to the whole process.
+_PRECISION = RLock()
+
+
+@contextmanager
+def working_precision(bits: int) -> Iterator[None]:
+    """Balls are computed with so many bits inside, by one thread at a time; afterwards the precision is what it was."""
+    with _PRECISION, flint.ctx.workprec(bits):
+        yield
+
+
 def rational(number) -> flint.fmpq:
-    """The exact value of an int, a float, a Fraction or a number of FLINT."""
-    if isinstance(number, flint.fmpq):
-        return number
-    exact = number if isinstance(number, (int, Fraction)) else Fraction(float(number))
+    """The exact value of an int, a float, a Fraction, a Decimal or a number of FLINT."""
+    if isinstance(number, (flint.fmpq, flint.fmpz)):
+        return flint.fmpq(number)
+    exact = Fraction(int(number)) if isinstance(number, Integral) else Fraction(number)
     return flint.fmpq(exact.numerator, exact.denominator)
 
 

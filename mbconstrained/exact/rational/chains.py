@@ -9,7 +9,7 @@ import flint
 import numpy as np
 
 from ...checks import whole_number
-from .arithmetic import polynomial
+from .arithmetic import polynomial, working_precision
 from .roots import enclosed_roots
 
 #: Bits for a decimal digit.
@@ -55,7 +55,7 @@ class Chain:
 
 def _evaluated(rows, roots, precision: int) -> tuple[tuple[flint.acb, np.ndarray], ...]:
     """The vectors of polynomials at every root."""
-    with flint.ctx.workprec(precision):
+    with working_precision(precision):
         polynomials = [[flint.acb_poly(p) for p in vector] for vector in rows]
         return tuple((root, np.array([[p(root) for p in vector] for vector in polynomials], dtype=object)) for root in roots)
 

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import flint
 
-from .arithmetic import fraction
+from .arithmetic import fraction, working_precision
 
 #: In bits: where roots are computed first, and where a real or imaginary part that is still not told apart from the middle of
 #: two float64 neighbours is taken to be this middle.
@@ -38,7 +38,7 @@ def enclosed_roots(p: flint.fmpz_poly, precision: int) -> list[flint.acb]:
         precision: in bits.
     """
     even = p.degree() > 1 and not any(p[k] for k in range(1, p.degree() + 1, 2))
-    with flint.ctx.workprec(precision):
+    with working_precision(precision):
         if not even:
             return [root for root, _ in p.complex_roots()]
         squares = [root for root, _ in flint.fmpz_poly(p.coeffs()[::2]).complex_roots()]

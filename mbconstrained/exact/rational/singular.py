@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import flint
 
 from ...errors import SingularPolynomialMatrix
@@ -19,10 +21,19 @@ def regular_matrix(A: PolynomialMatrix) -> RationalMatrix:
     Raises:
         SingularPolynomialMatrix: det A(s) = 0 for every s, exactly; names the dependent equations and free coordinates.
     """
-    matrix = RationalMatrix.of(A)
+    return regular(RationalMatrix.of(A), A.equations, A.coordinates)
+
+
+def regular(matrix: RationalMatrix, equations: Sequence[str], coordinates: Sequence[str]) -> RationalMatrix:
+    """The matrix itself, whose rows and columns have these names.
+
+    Raises:
+        SingularPolynomialMatrix: as ``regular_matrix``.
+    """
     if not matrix.determinant:
-        equations, coordinates = _involved(matrix)
-        raise SingularPolynomialMatrix(singular_sentence(A, equations, coordinates), equations, coordinates)
+        rows, columns = _involved(matrix)
+        text = singular_sentence([equations[i] for i in rows], [coordinates[j] for j in columns])
+        raise SingularPolynomialMatrix(text, rows, columns)
     return matrix
 
 

@@ -23,7 +23,8 @@ def raise_singular(A: SymbolicPolynomialMatrix) -> NoReturn:
     matrix = A(A.variable)
     rows = DomainMatrix.from_list_sympy(A.size, A.size, matrix.tolist()).convert_to(field_of([*matrix, A.variable]))
     equations, coordinates = _involved(rows.transpose()), _involved(rows)
-    raise SingularPolynomialMatrix(singular_sentence(A, equations, coordinates), equations, coordinates)
+    text = singular_sentence([A.equations[i] for i in equations], [A.coordinates[i] for i in coordinates])
+    raise SingularPolynomialMatrix(text, equations, coordinates)
 
 
 def _involved(rows: DomainMatrix) -> tuple[int, ...]:

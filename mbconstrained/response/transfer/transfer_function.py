@@ -138,7 +138,10 @@ class TransferFunctionResponse(Response):
         """The exact answer, b and a taken as they are, less what they have in common."""
         from ...exact.enclosure import exact_fraction_response
 
-        return exact_fraction_response(self.fraction.reduced.numerator, self.fraction.reduced.denominator, self.gamma)
+        fraction, gamma = self.fraction.reduced, self.gamma
+        if not isinstance(gamma, ImpulsiveSmooth):
+            fraction, gamma = fraction.without_zero_poles(gamma)
+        return exact_fraction_response(fraction.numerator, fraction.denominator, gamma)
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:

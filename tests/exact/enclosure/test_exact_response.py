@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from fractions import Fraction
 
+import flint
 import mpmath
 import numpy as np
 import pytest
@@ -11,7 +14,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from tests.oracles import exact
+from mbconstrained.exact.enclosure import ExactResponse, Source
+from mbconstrained.exact.enclosure.factors import turned
+from mbconstrained.exact.enclosure.shapes import turning_powers
+from mbconstrained.exact.rational import RationalMatrix
+from tests.oracles import exact as oracle
 
 whole = st.integers(-3, 3)
 
@@ -33,14 +40,14 @@ def problems(draw):
 @given(problems())
 def test_impulses_and_values_at_0_are_those_of_rational_arithmetic(problem):
     A, initial, (vector, power, rate, w), blow = problem
-    R = exact.rational(A)
-    if not exact.determinant(R):
+    R = oracle.rational(A)
+    if not oracle.determinant(R):
         return
     force = mb.term(vector, power=power, rate=rate, angular_frequency=w) + mb.impulse(blow)
     x = mb.solve(mb.PolynomialMatrix(A), initial, force).exact
     terms = [([Fraction(v) for v in vector], power, Fraction(rate), Fraction(w), "cos")]
     start = [[Fraction(v) for v in row] for row in initial]
-    truth = exact.ExactResponse(R, start, terms, [[Fraction(v) for v in blow]], count=12)
+    truth = oracle.ExactResponse(R, start, terms, [[Fraction(v) for v in blow]], count=12)
     assert [list(impulse) for impulse in x.impulses] == truth.impulses
     assert x.start.tolist() == truth.derivatives[: len(initial)]
     assert x.jump.tolist() == [[a - b for a, b in zip(*rows)] for rows in zip(truth.derivatives, start)]
@@ -222,3 +229,95 @@ def test_a_float_stands_for_what_rounds_to_it():
     assert box.contains([[near]]) and box.contains(np.array([[near]]))
     assert not box.contains([[Fraction(near)]])
     assert not box.contains([[np.nextafter(near, 1)]]) and not box.contains([[np.nextafter(near, 0)]])
+
+
+def test_hundreds_of_frequencies_do_not_mix_up_their_modes():
+    """x' + x = sum of cos(w t + p), 300 frequencies: each mode belongs to its own root, however many there were before."""
+    phases = [(k / 8, 0.3 + k / 100) for k in range(1, 301)]
+    force = [Source(shape, (flint.fmpq(1),), flint.fmpq(0), factor) for w, p in phases for shape, factor in _harmonic(w, p)]
+    x = ExactResponse(RationalMatrix([[[1]], [[1]]]), [[0]], force)
+    times = [0.75, 2.0]
+    with mpmath.workdps(40):
+        values = [
+            sum(
+                (mpmath.cos(w * t + p) + w * mpmath.sin(w * t + p) - mpmath.exp(-t) * (mpmath.cos(p) + w * mpmath.sin(p))) / (1 + w * w)
+                for w, p in ((mpmath.mpf(w), mpmath.mpf(p)) for w, p in phases)
+            )
+            for t in map(mpmath.mpf, times)
+        ]
+        assert x.enclose(times, 20).contains([[mpmath.nstr(v, 35) for v in values]])
+
+
+def _harmonic(w, p):
+    cosine, sine = turning_powers(0, 0.0, w)
+    return (cosine, turned(p)[0]), (sine, turned(p)[1] * flint.fmpq(-1))
+
+
+def test_what_does_not_grow_keeps_its_digits_beside_what_does():
+    """x1' = -x1 beside x2'' = 2e6 x2: the residue of the growing mode in x1 is zero, not a ball."""
+    A = mb.PolynomialMatrix([np.diag([1.0, -2e6]), np.diag([1.0, 0.0]), np.diag([0.0, 1.0])])
+    box = mb.solve(A, [[1.0, 1.0], [0.0, 0.0]]).enclose(10.0, 25)
+    with mpmath.workdps(40):
+        assert box.contains([mpmath.nstr(mpmath.exp(-10), 35), mpmath.nstr(mpmath.cosh(10 * mpmath.sqrt(2000000)), 35)])
+
+
+@pytest.mark.parametrize(("b", "a", "gamma"), [([1], [1, 0], 1), ([1], [1, 1, 0], 1), ([1], [1, 1], -1), ([1], [1, 0, 0], -1)])
+def test_poles_at_0_are_no_other_structure(b, a, gamma):
+    y = mb.transfer_function_response(b, a, gamma)
+    assert y.enclose(1.0).notices == () and y.enclose(1.0).error_bounds(y(1.0)).max() < 1e-15
+    assert y.exact.start.shape == y.start.shape
+
+
+def test_derivatives_of_inputs_are_those_of_the_numbers_given():
+    """The derivative of t^4 / 4! is t^3 / 3!, though 1 / 4! is rounded in the input: by a fraction of matrices and of polynomials."""
+    one = mb.matrix_fraction_response([[[1.0]], [[1.0]]], [[[0.0]], [[1.0]]], mb.power([1.0], 5))
+    other = mb.transfer_function_response([1, 0], [1, 1], mb.power([1.0], 5))
+    assert one.enclose(1.0, 25).lower[0] == other.enclose(1.0, 25).lower[0]
+
+
+@pytest.mark.parametrize("phase", [3.3e15, 4200000000000004.0, 1e16, 1e8])
+def test_large_phases_are_no_quarter_turns(phase):
+    x = mb.solve(mb.PolynomialMatrix([[[1.0]]]), force=mb.harmonic([1.0], angular_frequency=0.0, phase=phase))
+    with mpmath.workdps(60):
+        assert enclosed(x, [0.0], [mpmath.cos(mpmath.mpf(phase))])
+    assert x(0.0)[0] == pytest.approx(np.cos(phase), abs=1e-15)
+
+
+def test_a_phase_that_does_not_reach_the_start_leaves_it_rational():
+    x = mb.solve(mb.PolynomialMatrix([[[1.0]], [[0.0]], [[1.0]]]), [[1.0], [0.0]], mb.harmonic([1.0], angular_frequency=2.0, phase=0.3))
+    assert x.exact.impulses == () and x.exact.start.tolist() == [[1], [0]] and not x.exact.jump.any()
+
+
+def test_irrational_factors_cancel_exactly():
+    h = mb.harmonic([1.0, 0.0], angular_frequency=2.0, phase=0.3)
+    A = mb.PolynomialMatrix([[[0.0, 1.0], [1.0, 0.0]], [[0.0, 0.0], [0.0, -1.0]]])
+    for force in (h - h, h + mb.harmonic([-1.0, 0.0], angular_frequency=2.0, phase=0.3)):
+        x = mb.solve(A, force=force).exact
+        assert x.enclose([0.0, 1.0]).contains(np.zeros((2, 2), dtype=int)) and x.enclose(1.0).lower.tolist() == ["0", "0"]
+        assert x.enclose_impulses() == ()
+
+
+def test_the_working_precision_is_nobody_elses():
+    """Threads take turns, and the precision is what it was."""
+    x, before = mb.solve(OSCILLATOR, [[1.0], [0.0]]), flint.ctx.prec
+    with ThreadPoolExecutor(5) as pool:
+        boxes = list(pool.map(lambda digits: x.enclose([0.5, 7.0], digits), [15, 300, 40, 120, 15, 60, 250] * 4))
+    assert flint.ctx.prec == before
+    assert all((exact(box.upper) - exact(box.lower) <= Fraction(1, 10**box.digits)).all() for box in boxes)
+
+
+def exact(strings):
+    return np.vectorize(Fraction, otypes=[object])(strings)
+
+
+def test_other_numbers_and_other_shapes():
+    box = mb.solve(mb.PolynomialMatrix([np.eye(2), np.eye(2)]), [[1.0, 2.0]]).enclose(0.0)
+    assert box.contains([1.0, "2"]) and box.contains(np.array([1.0, 2.0], dtype=np.float32)) and box.contains([1, Fraction(2)])
+    for wrong in ([0.1, [1]], [[1.0, 2.0]], ["a", 1]):
+        with pytest.raises(mb.InputError, match="values"):
+            box.contains(wrong)
+
+
+def test_changed_inputs_forget_where_they_came_from():
+    changed = replace(mb.step([1.0]), smooth=mb.step([2.0]).smooth)
+    assert mb.solve(mb.PolynomialMatrix([[[1.0]]]), force=changed).enclose(1.0).contains([2])

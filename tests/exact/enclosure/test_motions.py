@@ -72,3 +72,17 @@ def test_example_47(gamma):
 def test_a_growing_common_factor_leaves_the_exact_answer_too():
     y = mb.transfer_function_response([1, -3], [1, -2, -3])  # (s - 3) / ((s - 3)(s + 1))
     assert y.enclose(50.0).error_bounds(y(50.0)).max() < 1e-15
+
+
+def test_what_is_exactly_singular_is_named():
+    """Elements of rank one in three coordinates: rounding hides it from a numeric engine that is told to trust every bit."""
+    M = mb.ElementMatrix([[0.3, 0.7, 1.1]], [3.0])
+    motion = mb.MechanicalSystem(M, stiffness=M).solve(np.ones(3), rank_tolerance=0.0)
+    with pytest.raises(mb.SingularPolynomialMatrix, match='coordinates "x1", "x2", "x3"'):
+        motion.enclose(1.0)
+
+
+@pytest.mark.parametrize("of", [["velocity"], np.array(["velocity"]), None])
+def test_a_quantity_is_a_word(of):
+    with pytest.raises(mb.InputError, match="expected"):
+        mb.MechanicalSystem([[1.0]]).solve([1.0]).enclose(1.0, of=of)
