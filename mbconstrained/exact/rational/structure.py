@@ -10,13 +10,18 @@ import flint
 
 from ...jordan.zeros import in_order
 from ...polynomial.structure import FiniteZero, Structure
+from ...response.transfer.rational import shown
 from .arithmetic import fractions_of, polynomial
 from .local_smith import LocalBlock
 from .matrix import RationalMatrix
 from .roots import rounded_roots
 
 
-@dataclass(frozen=True)
+#: A longer polynomial is not written out where a divisor is shown.
+LONGEST_SHOWN = 60
+
+
+@dataclass(frozen=True, repr=False)
 class ElementaryDivisor:
     """The powers of one irreducible polynomial among the elementary divisors of A(s).
 
@@ -27,6 +32,11 @@ class ElementaryDivisor:
 
     polynomial: tuple[Fraction, ...]
     exponents: tuple[int, ...]
+
+    def __repr__(self) -> str:
+        """Its polynomial in s with rounded coefficients, or its degree where that is long."""
+        text = shown(self.polynomial)
+        return f"ElementaryDivisor({text if len(text) <= LONGEST_SHOWN else f'degree {self.degree}'}, exponents {self.exponents})"
 
     @property
     def degree(self) -> int:

@@ -202,3 +202,12 @@ def test_pairs_are_computed_once():
 def test_a_matrix_without_rows():
     structure = mb.PolynomialMatrix(np.zeros((1, 0, 0))).structure(exact=True)
     assert (structure.determinant, structure.smith_form, structure.infinite_divisors) == ((1,), (), ())
+
+
+def test_what_is_shown_is_short():
+    """However long the numbers are: the determinant of random floats has thousands of digits."""
+    random = np.random.default_rng(0)
+    A = mb.PolynomialMatrix(random.standard_normal((3, 8, 8)))
+    assert "degree 16, exponents (1,)" in repr(A.structure(exact=True)) and len(repr(A.structure(exact=True))) < 2500
+    one = mb.PolynomialMatrix([[[1.0]], [[0.0]], [[2.0]]]).structure(exact=True)
+    assert repr(one.elementary_divisors[0]) == "ElementaryDivisor(s^2 + 0.5, exponents (1,))"
