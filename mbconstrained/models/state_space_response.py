@@ -21,6 +21,7 @@ from ..response.transfer.engine import checked_input
 from ..signals import BohlFunction, ImpulsiveSmooth, zero
 
 if TYPE_CHECKING:
+    from ..exact.enclosure import Enclosure, ExactResponse
     from .state_space import StateSpace
 
 
@@ -91,6 +92,21 @@ class StateSpaceResponse(Response):
         n = len(self.system.states)
         found = [Event(event.time, event.jump[:, n:], _rows(event.impulses, n)) for event in self.together.events]
         return tuple(event for event in found if event.jump.any() or event.impulses)
+
+    @cached_property
+    def exact_output(self) -> ExactResponse:
+        """The exact answer of y, the data taken as the numbers that they are, q rows."""
+        from ..exact.enclosure import ExactResponse
+
+        whole, n = self.together.exact, len(self.system.states)
+        return ExactResponse(whole.matrix, whole.initial, whole.sources, range(n, whole.size))
+
+    def enclose_output(self, times, digits: int = 15, *, order: int = 0) -> Enclosure:
+        """Intervals that are sure to contain y, or a derivative of it, as ``enclose`` does for x."""
+        from ..exact.enclosure import structure_notices
+
+        found = self.exact_output.enclose(times, digits, order=order)
+        return found.with_notices(structure_notices(self.together, self.exact_output))
 
     def output_error_estimate(self, times) -> float:
         """Estimate of max |error| / max |y| over the times."""

@@ -86,3 +86,11 @@ def test_what_is_exactly_singular_is_named():
 def test_a_quantity_is_a_word(of):
     with pytest.raises(mb.InputError, match="expected"):
         mb.MechanicalSystem([[1.0]]).solve([1.0]).enclose(1.0, of=of)
+
+
+def test_outputs_of_a_state_space():
+    """E x' = A x + B u with a singular E: y has an impulse, which is exact, and values, which are enclosed."""
+    system = mb.StateSpace([[-1.0, 0.0], [0.0, 1.0]], [[1.0], [-1.0]], [[1.0, 1.0]], [[0.5]], descriptor=[[1.0, 0.0], [0.0, 0.0]])
+    answer = system.solve(input=mb.harmonic([1.0], angular_frequency=3.0) + mb.impulse([2.0]))
+    assert answer.enclose_output(TIMES).error_bounds(answer.output(TIMES)).max() < 1e-14
+    assert [list(map(float, impulse)) for impulse in answer.exact_output.impulses] == [list(i) for i in answer.output_impulses]
