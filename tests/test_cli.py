@@ -385,3 +385,29 @@ def test_formula_says_what_is_wrong(command, arguments, code, says):
 def test_formula_with_an_error_as_json(command):
     code, out, _ = command("formula", str(EXAMPLES / "pendulum.toml"), "--json")
     assert code == 1 and "robot" in json.loads(out)["error"]
+
+
+def test_a_formula_does_not_take_the_place_of_its_scene(command, tmp_path):
+    scene = tmp_path / "own.toml"
+    scene.write_text((EXAMPLES / "two_masses_formula.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    link = tmp_path / "link.toml"
+    link.symlink_to(scene)
+    for out in (scene, link):
+        code, _, problem = command("formula", str(scene), "--out", str(out))
+        assert code == 1 and "is the scene itself" in problem
+    assert "[parameters]" in scene.read_text(encoding="utf-8")
+
+
+def test_a_formula_follows_links_and_leaves_devices(command, tmp_path):
+    target, link = tmp_path / "target.txt", tmp_path / "link.txt"
+    target.write_text("before")
+    link.symlink_to(target)
+    assert command("formula", str(EXAMPLES / "two_masses_formula.toml"), "--out", str(link))[0] == 0
+    assert link.is_symlink() and "x1(t)" in target.read_text(encoding="utf-8")
+    assert command("formula", str(EXAMPLES / "two_masses_formula.toml"), "--out", os.devnull)[0] == 0
+    assert Path(os.devnull).is_char_device()
+
+
+@pytest.mark.parametrize("seconds", ["inf", "1e300", "nan", "0"])
+def test_a_limit_of_time_is_a_number_of_seconds(command, seconds):
+    assert command("formula", str(EXAMPLES / "two_masses_formula.toml"), "--seconds", seconds)[0] == 2

@@ -15,8 +15,10 @@ from ..tolerances import TRUST_LIMIT
 from .curves import ORDERS
 from .happenings import sized
 from .text_table import TextTable
+from .time_limit import OutOfTime, time_limit
 
 if TYPE_CHECKING:
+    from .equations import Equations
     from .result import Result
 
 #: At most so many of the times are certified, evenly chosen, the first and the last among them.
@@ -25,8 +27,11 @@ MOST_TIMES = 101
 #: A number times this does not become less when it is rounded to three digits.
 ROUNDED_UP = 1.005
 
-#: Exact determinants of more states (coordinates and multipliers times the degree) take minutes.
-MOST_STATES = 400
+#: Exact arithmetic with more states (coordinates and multipliers times the degree) takes minutes.
+MOST_STATES = 240
+
+#: After so many seconds it is broken off: page and data wait for it.
+SECONDS = 60.0
 
 
 @dataclass(frozen=True)
@@ -37,8 +42,7 @@ class Certified:
         name, kind, unit: of the curve.
         bound: its error is at most this at the certified times.
         largest: its largest value there.
-        scale: the largest value there of all curves of its kind and unit: what is nothing but rounding beside the others has no
-            digits of its own.
+        others: the largest value there of all curves of its kind and unit.
     """
 
     name: str
@@ -46,16 +50,19 @@ class Certified:
     unit: str
     bound: float
     largest: float
-    scale: float
+    others: float
 
     @property
     def relative(self) -> float:
-        """The bound relative to the scale."""
-        return 0.0 if self.bound == 0 else self.bound / self.scale if self.scale else math.inf
+        """The bound relative to the largest value; of what is nothing but rounding beside other curves, relative to these."""
+        if self.bound == 0:
+            return 0.0
+        scale = self.largest if self.bound <= TRUST_LIMIT * self.largest else self.others
+        return self.bound / scale if scale else math.inf
 
     @property
     def digits(self) -> str:
-        """How many digits are proved, relative to the scale."""
+        """How many digits are proved."""
         if self.relative == 0:
             return "all"
         return f"{max(math.floor(-math.log10(self.relative) * 10) / 10, 0.0):g}" if self.relative < math.inf else "0"
@@ -87,7 +94,7 @@ class Certificate:
         times = f"{self.count} times" if self.count == self.of else f"{self.count} of {self.of} times"
         note = (
             f"By exact rational and ball arithmetic at {times}, the data taken as the numbers that they are. "
-            "Digits are relative to the largest value of all of that kind and unit."
+            "Digits are relative to the largest value; where that is but rounding beside others of its kind and unit, to theirs."
         )
         cells = tuple((c.name, c.kind, c.digits, c.error_at_most, sized(c.largest, c.unit)) for c in self.curves)
         return TextTable("Proved digits", ("coordinate", "of its", "digits", "error at most", "largest value"), cells, note)
@@ -103,23 +110,29 @@ class Certificate:
 def certificate_of(result: Result) -> Certificate:
     """Certify the curves of a result: displacements, velocities, accelerations and reactions, as far as it has them."""
     chosen = np.unique(np.linspace(0, len(result.times) - 1, MOST_TIMES).round().astype(int))
-    if (states := _states(result)) > MOST_STATES:
-        text = f"nothing is certified: exact arithmetic with {states} states takes too long, {MOST_STATES} is the most"
-        return Certificate((), 0, len(result.times), (Notice("left out", text),))
+    if reason := too_large(result.scene.equations):
+        return _nothing(result, Notice("left out", f"nothing is certified: {reason}"))
     try:
-        found = [_certified(result, kind, chosen) for kind in result.kinds if kind in ORDERS or kind == "reaction"]
+        with time_limit(SECONDS):
+            found = [_certified(result, kind, chosen) for kind in result.kinds if kind in ORDERS or kind == "reaction"]
     except Overflow as problem:
-        notice = Notice("accuracy", f"nothing is certified: {problem}", doubtful=True)
-        return Certificate((), 0, len(result.times), (notice,))
+        return _nothing(result, Notice("accuracy", f"nothing is certified: {problem}", doubtful=True))
+    except OutOfTime:
+        return _nothing(result, Notice("left out", f"nothing is certified: exact arithmetic took more than {SECONDS:g} s"))
     curves = tuple(curve for curves, _ in found for curve in curves)
     told = dict.fromkeys(notice for _, notices in found for notice in notices)
     return Certificate(curves, len(chosen), len(result.times), (*told, *_wrong(curves)))
 
 
-def _states(result: Result) -> int:
-    rows = len(result.system.rows) if result.system else 0
-    A = result.scene.equations.polynomial_matrix
-    return (A.size + rows) * max(A.degree, 1)
+def too_large(equations: Equations) -> str:
+    """Why equations are not certified; an empty text where they are."""
+    rows, A = len(equations.system.rows) if equations.system else 0, equations.polynomial_matrix
+    states = (A.size + rows) * max(A.degree, 1)
+    return f"exact arithmetic with {states} states takes too long, {MOST_STATES} is the most" if states > MOST_STATES else ""
+
+
+def _nothing(result: Result, notice: Notice) -> Certificate:
+    return Certificate((), 0, len(result.times), (notice,))
 
 
 def _certified(result: Result, kind: str, chosen: np.ndarray) -> tuple[list[Certified], tuple[Notice, ...]]:

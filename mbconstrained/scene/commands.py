@@ -12,6 +12,8 @@ import typer
 if TYPE_CHECKING:
     from .scene import Scene
 
+LONGEST_WORK = 86400.0  # s, that anybody waits for a formula
+
 FINE, SCENE_WRONG, COMMAND_WRONG, NOT_TRUSTED = 0, 1, 2, 3
 
 HELP = """Closed-form motion of constrained mechanical systems, from a scene file to an animated page.
@@ -136,7 +138,7 @@ def formula(
     digits: Annotated[int, typer.Option("--digits", min=2, max=30, help="Of the decimals with --numbers.")] = 6,
     coordinates: Annotated[str, typer.Option("--coordinates", metavar="A,B", help="Only these coordinates.")] = "",
     out: Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")] = "",
-    seconds: Annotated[float, typer.Option("--seconds", min=1.0, help="Break off after so long.")] = 120.0,
+    seconds: Annotated[float, typer.Option("--seconds", min=1.0, max=LONGEST_WORK, help="Break off after so long.")] = 120.0,
     json: Json = False,
 ) -> None:
     """Print the formula of each coordinate: text, LaTeX, a function of Python (NumPy) or C, or plain data (JSON).

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..errors import InputError
 from .formula import formula_of, parameters_text, written
 from .printing import show_text, step_progress
 
@@ -27,7 +28,7 @@ def show_formula(scene: Scene, kind: str, numbers: bool, digits: int, coordinate
     if kind == "text":
         text = "\n\n".join(filter(None, [form.title, text, _notes(form, scene)]))
     if out:
-        _write(Path(out), text + "\n")
+        _write(Path(out), text + "\n", scene.path)
     else:
         show_text(text)
 
@@ -37,9 +38,15 @@ def _notes(form: ClosedForm, scene: Scene) -> str:
     return "\n".join(filter(None, [parameters_text(form), form.step_note, *notices]))
 
 
-def _write(path: Path, text: str) -> None:
+def _write(path: Path, text: str, scene: Path) -> None:
     from ..replacing import replacing
 
+    path = path.resolve()  # a link stays, the file that it leads to is replaced
+    if path.exists() and path.samefile(scene):
+        raise InputError(f"--out: {path.name} is the scene itself; give another file")
+    if path.exists() and not path.is_file():  # a terminal or another device is written to
+        path.write_text(text, encoding="utf-8")
+        return
     path.parent.mkdir(parents=True, exist_ok=True)
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8")

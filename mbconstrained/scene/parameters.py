@@ -19,7 +19,8 @@ from .units import any_quantity, in_range, shown
 
 MOST_PARAMETERS = 200
 TEXTS = ("title", "source", "note", "name", "file", "array")  # keys of texts, which no number can stand for
-RESERVED = {"t": "t is the time", "pi": "pi is the number 3.14159…"}
+BY_COORDINATE = ("displacement", "velocity", "rows", "moves", "turns")  # tables whose keys are names that somebody chose
+RESERVED = {"t": "t is the time", "pi": "pi is the number 3.14159…", "π": "π is the number 3.14159…"}
 _NAME = re.compile(r"[^\W\d_]\w{0,39}")
 _PI = {"pi": Measured(Fraction(math.pi), None, True)}
 
@@ -93,7 +94,7 @@ class _Substitution:
 
     def replaced(self, value, location: tuple):
         """The value with its expressions replaced."""
-        if location[-1] in TEXTS:
+        if location[-1] in TEXTS and not {*location[:-1]} & {*BY_COORDINATE}:
             return value
         if isinstance(value, dict):
             return {key: self.replaced(entry, (*location, key)) for key, entry in value.items()}

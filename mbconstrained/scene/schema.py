@@ -94,12 +94,18 @@ class TimeTable(Table):
 Curve = Literal["displacement", "velocity", "acceleration", "reaction", "energy", "output"]
 
 
+def _flag_or_names(value):
+    if not isinstance(value, bool | list):
+        raise InputError(f'found {shown(value)}; expected true, false or a list of coordinates, e.g. ["x1"]')
+    return value
+
+
 class OutputTable(Table):
     """What is written."""
 
     page: bool = Field(True, description="A static HTML page with animation, plots and tables.")
     animation: bool = Field(True, description="The moving model on the page.")
-    certify: bool | list[Name] = Field(
+    certify: Annotated[bool | list[Name], BeforeValidator(_flag_or_names)] = Field(
         False, description="true: prove digits of the answer by exact arithmetic; or a list of the coordinates to do it for."
     )
     formula: bool = Field(False, description="The formula of each coordinate on the page, with the [parameters] as symbols.")

@@ -260,6 +260,10 @@ def _certificate(scene) -> Decision:
     certify = scene.table.output.certify
     if not certify:
         return False, "not asked for (--certify, or certify = true in [output])"
+    from .certificate import too_large
+
+    if reason := too_large(scene.equations):
+        return False, reason
     return True, "digits of every coordinate" if certify is True else f"digits of {', '.join(certify)}"
 
 

@@ -61,6 +61,8 @@ def test_chosen_coordinates(tmp_path):
     assert {c.name for c in scene(tmp_path, 'coordinates = ["a"]\n').certified().run().certificate.curves} == {"a"}
     with pytest.raises(mb.SceneError, match=r"output.certify.*there is no coordinate"):
         scene(tmp_path, 'certify = ["c"]\n')
+    with pytest.raises(mb.SceneError, match=r"output.certify: found \"a\"; expected true, false or a list"):
+        scene(tmp_path, 'certify = "a"\n')
 
 
 def test_the_bound_is_that_of_the_values_that_are_written(tmp_path):
@@ -102,6 +104,15 @@ def test_too_many_states_are_left_out_with_a_reason(tmp_path, monkeypatch):
     result = scene(tmp_path, "certify = true\n").run()
     assert result.certificate.curves == () and "takes too long" in result.certificate.notices[0].text
     assert result.is_trusted
+    stage = next(stage for stage in result.plan.stages if stage.name.startswith("certificate"))
+    assert not stage.taken and "takes too long" in stage.reason
+
+
+def test_what_takes_too_long_is_broken_off(tmp_path, monkeypatch):
+    monkeypatch.setattr("mbconstrained.scene.certificate.SECONDS", 1e-4)
+    result = scene(tmp_path, "certify = true\n").run(tmp_path)
+    assert result.certificate.curves == () and "took more than" in result.certificate.notices[0].text
+    assert (tmp_path / "pair.html").exists()
 
 
 def test_digits_are_rounded_down_and_bounds_up():
@@ -109,6 +120,12 @@ def test_digits_are_rounded_down_and_bounds_up():
     assert one.digits == "8.9" and one.error_at_most == "1.24e-09 m"
     assert Certified("a", "displacement", "m", 0.0, 0.0, 0.0).digits == "all"
     assert Certified("a", "displacement", "m", 2.0, 1.0, 1.0).digits == "0"
+
+
+def test_digits_are_relative_to_the_curve_or_where_it_is_rounding_to_the_others():
+    """An error of 1e-16 in a value of 1 is 16 digits, beside one of 1e86 too; in a value of 1e-16 beside 1 it is no loss of digits."""
+    assert Certified("a", "displacement", "m", 1e-16, 1.0, 1e86).digits == "16"
+    assert Certified("a", "displacement", "m", 1e-16, 1e-16, 1.0).digits == "16"
 
 
 def test_from_the_command_line(tmp_path):

@@ -143,3 +143,33 @@ def test_editors_are_told_of_parameters_and_expressions():
     matrix = schema["$defs"]["MatricesTable"]["properties"]["mass"]
     assert {"type": "string"} in matrix["anyOf"][0]["items"]["items"]["anyOf"]
     assert "=2*k" in json.dumps(schema)
+
+
+def test_coordinates_may_be_called_like_texts(tmp_path):
+    """A title is a text, but a coordinate called title has a displacement, and a factor in a row."""
+    text = """
+[parameters]
+d = 0.5
+[model]
+kind = "matrices"
+coordinates = ["title", "source"]
+mass = [[1, 0], [0, 1]]
+[[model.constraint]]
+rows = { title = "=2*d", source = "=-2*d" }
+level = "position"
+value = 0
+[initial]
+displacement = { title = "=d", source = "=d" }
+[time]
+end = 1
+"""
+    scene = scene_of(tmp_path, text)
+    assert scene.equations.initial[0].tolist() == [0.5, 0.5]
+
+
+def test_pi_is_no_parameter_in_any_letters(tmp_path):
+    for name in ("pi", '"π"'):
+        path = tmp_path / "p.toml"
+        path.write_text(f"[parameters]\n{name} = 8.0\n" + MATRICES, encoding="utf-8")
+        with pytest.raises(SceneError, match="is the number 3.14159"):
+            read_scene(path)
