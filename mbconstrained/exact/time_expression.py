@@ -7,15 +7,19 @@ with ``DIGITS`` digits otherwise.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import numbers
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
 import sympy
 
 from ..errors import InputError
-from .symbolic.fields import element, exact_expression, expression_of, field_of
+from .symbolic.factoring import factors_of
+from .symbolic.fields import element, exact_expression, expression_of, field_of, symbols_of
+from .symbolic.matrix import S
 from .symbolic.modes import modes
-from .symbolic.principal_parts import S, delta, factors_of, principal_parts
+from .symbolic.names import as_positive, check_one_each, checked_time
+from .symbolic.principal_parts import delta, principal_parts
 
 
 def time_expression(
@@ -37,8 +41,8 @@ def time_expression(
         t: the symbol; None for a real one called t.
 
     Raises:
-        InputError: t is not a symbol, or is one of the coefficients'; a coefficient is not rational in its symbols; a(s) has
-            symbols and a factor without roots in closed form.
+        InputError: t is not a symbol, or is called like one of the coefficients'; a coefficient is not rational in its symbols;
+            a(s) = 0; gamma is not whole; a(s) has symbols and a factor without roots in closed form.
 
     >>> time_expression([Fraction(2)], [Fraction(2), Fraction(2), Fraction(1)], 0)
     2*exp(-t)*sin(t)
@@ -46,10 +50,21 @@ def time_expression(
     >>> time_expression([Fraction(1)], [k, Fraction(0), m], 0)
     sin(sqrt(k)*t/sqrt(m))/(sqrt(k)*sqrt(m))
     """
-    t = sympy.Symbol("t", real=True) if t is None else t
-    if not isinstance(t, sympy.Symbol):
-        raise InputError(f"t: found {t!r}; expected a sympy.Symbol, e.g. sympy.Symbol('t', real=True)")
-    b, a = _polynomials(numerator, denominator, t)
+    if isinstance(gamma, bool) or not isinstance(gamma, numbers.Integral):
+        raise InputError(f"gamma: found {gamma!r}; expected a whole number")
+    given = [_exact(numerator, "numerator"), _exact(denominator, "denominator")]
+    symbols = symbols_of(given[0] + given[1])
+    t = checked_time(t, symbols, "the coefficients'", "t")
+    check_one_each([*symbols, t])
+    names = as_positive(symbols)
+    found = _inverse(*_polynomials([[c.xreplace(names) for c in p] for p in given]), int(gamma), t)
+    return found.xreplace({positive: symbol for symbol, positive in names.items()})
+
+
+def _inverse(b: sympy.Poly, a: sympy.Poly, gamma: int, t: sympy.Symbol) -> sympy.Expr:
+    """The inverse transform of b(s) / (a(s) s^gamma)."""
+    if a.is_zero:
+        raise InputError("denominator: found a(s) = 0; expected a polynomial that is not zero")
     power = sympy.Poly(S ** abs(gamma), S, domain=a.domain)
     b, a = (b, a * power) if gamma > 0 else (b * power, a)
     factors, b = _cancelled(b, factors_of(a) if not b.is_zero else [], a.rep.to_list()[0])
@@ -63,13 +78,15 @@ def time_expression(
     return sympy.Add(*total)
 
 
-def _polynomials(numerator, denominator, t) -> list[sympy.Poly]:
+def _exact(coefficients, what: str) -> list[sympy.Expr]:
+    if isinstance(coefficients, str) or not isinstance(coefficients, Iterable):
+        raise InputError(f"{what}: found {coefficients!r}; expected a list of coefficients, the lowest power first")
+    return [exact_expression(c, what) for c in coefficients]
+
+
+def _polynomials(given: list[list[sympy.Expr]]) -> list[sympy.Poly]:
     """b and a over the smallest field with their coefficients."""
-    given = [[exact_expression(c, what) for c in p] for p, what in ((numerator, "numerator"), (denominator, "denominator"))]
-    everything = given[0] + given[1]
-    if any(t in c.free_symbols for c in everything):
-        raise InputError(f"t: the symbol {t} is also one of the coefficients'; give another one")
-    field = field_of(everything)
+    field = field_of(given[0] + given[1])
     elements = [[element(field, c, "coefficients") for c in reversed(p)] for p in given]
     return [sympy.Poly(p or [field.zero], S, domain=field) for p in elements]
 

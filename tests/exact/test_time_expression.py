@@ -122,12 +122,30 @@ def test_a_common_factor_cancels():
         (lambda: time_expression([1], [k, c, m1, m2], 0, t), "no roots in closed form; give some of its symbols"),
         (lambda: time_expression([1], [sympy.sqrt(k), 1], 0, t), "expected a rational function of symbols"),
         (lambda: time_expression([1], [t, 1], 0, t), "t: the symbol t is also one of the coefficients'"),
+        (lambda: time_expression([1], [sympy.Symbol("t"), 1], 0), "t: the symbol t is also one of the coefficients'"),
         (lambda: time_expression(["k"], [1], 0, t), "numerator: found 'k'"),
+        (lambda: time_expression(1, [1], 0, t), "numerator: found 1; expected a list"),
+        (lambda: time_expression([1], [0], 0, t), r"denominator: found a\(s\) = 0"),
+        (lambda: time_expression([1], [], 0, t), r"denominator: found a\(s\) = 0"),
+        (lambda: time_expression([1], [1, 1], 0.5, t), "gamma: found 0.5; expected a whole number"),
+        (lambda: time_expression([1], [s, 1], 0, t), 'the symbol "s" is the variable'),
+        (lambda: time_expression([1], [k + sympy.Symbol("k"), 1], 0, t), 'two symbols "k"'),
     ],
 )
 def test_what_cannot_be_done_is_said(ask, text):
     with pytest.raises(mb.InputError, match=text):
         ask()
+
+
+def test_pi_is_a_number():
+    f = sympy.Symbol("f", positive=True)
+    assert time_expression([2 * sympy.pi * f], [4 * sympy.pi**2 * f**2, 0, 1], 0, t) == sympy.sin(2 * sympy.pi * f * t)
+
+
+def test_symbols_without_assumptions_read_as_well():
+    plain, real = sympy.Symbol("k"), sympy.Symbol("m", real=True)
+    form, known = time_expression([1, 1], [plain, c, real], 1, t), time_expression([1, 1], [k, c, m], 1, t)
+    assert str(form) == str(known) and form.free_symbols == {plain, real, c, t}
 
 
 def test_numbers_are_as_before():

@@ -5,5 +5,6 @@ from .chains import Chain
 from .local_smith import LocalSmithForm
 from .matrix import SymbolicPolynomialMatrix
 from .pairs import SymbolicInfinitePair, SymbolicJordanPairs, SymbolicPair
-from .response import SymbolicResponse, initial_symbols, solve_symbolically
+from .response import SymbolicResponse, solve_symbolically
+from .sources import initial_symbols
 from .structure import ElementaryDivisor, SymbolicStructure, SymbolicZero

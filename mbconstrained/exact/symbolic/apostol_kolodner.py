@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import sympy
 
 from ...errors import InputError
-from .corollaries import closed_blocks, motion_of_blocks
-from .matrix import SymbolicPolynomialMatrix
-from .response import TIME, checked_initial
+from .corollaries import checked_start, closed_blocks, motion_of_blocks
+from .matrix import SymbolicPolynomialMatrix, checked_matrix
+from .names import TIME
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,8 @@ def apostol_kolodner_symbolically(A: SymbolicPolynomialMatrix, initial, time: sy
         time: the symbol t.
 
     Raises:
-        InputError: A(s) is not of this form, or a factor of its determinant has no roots in closed form.
+        InputError: A(s) is not of this form; a factor of its determinant has no roots in closed form; the time is called like
+            another symbol.
         SingularPolynomialMatrix: det A(s) = 0 for every s.
 
     >>> k, m = sympy.symbols("k m", positive=True)
@@ -53,10 +54,11 @@ def apostol_kolodner_symbolically(A: SymbolicPolynomialMatrix, initial, time: sy
     >>> x.regular
     Matrix([[cos(sqrt(k)*t/sqrt(m))]])
     """
-    q = A.degree
+    q = checked_matrix(A).degree
     if q < 1 or any(not matrix.is_zero_matrix for matrix in A.coefficients[1:-1]):
         raise InputError("A: expected A_q s^q - A_0 with q >= 1 and nothing between (any other form: solve_symbolically)")
-    X0, blocks, infinite = checked_initial(A, initial), closed_blocks(A), A.jordan_pairs().infinite
+    X0, time = checked_start(A, initial, time)
+    blocks, infinite = closed_blocks(A), A.jordan_pairs().infinite
     values, Aq, A0 = [X0[i, :].T for i in range(q)], A.coefficients[-1], -A.coefficients[0]
     starts = [_sum([block.J ** (q - 1 - i) * block.B * Aq * x for i, x in enumerate(values)], block.J.rows) for block in blocks]
     infinite_start = -_sum([infinite.J**i * infinite.B * A0 * x for i, x in enumerate(values)], infinite.J.rows)

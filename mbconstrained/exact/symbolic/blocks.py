@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import sympy
@@ -10,6 +10,7 @@ from sympy.polys.matrices import DomainMatrix
 
 from .chains import Chain
 from .decomposition import RootPolynomials
+from .factoring import described
 from .fields import expression_of
 from .radicals import Root
 
@@ -17,16 +18,16 @@ if TYPE_CHECKING:
     from .matrix import SymbolicPolynomialMatrix
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Block:
     """The part of the finite pair that belongs to one elementary divisor p^k, or to one of its zeros.
 
     Attributes:
-        kind: "jordan", of a zero in radicals; "real jordan", of a complex pair a +- i b, with [[a, b], [-b, a]] on the diagonal
-            (Moysis et al., Eq. 38). Where zeros have no short closed form, "rational", the hypercompanion block of p^k, or
+        kind: "jordan", of a zero that is known; "real jordan", of a complex pair a +- i b, with [[a, b], [-b, a]] on the diagonal
+            (Moysis et al., Eq. 38). Where symbols leave zeros no short closed form, "rational", the hypercompanion block of p^k, or
             "companion", the block companion matrix of all of A(s).
         polynomial, length: p and k.
-        zero: in radicals, of a pair the one above the real axis; None of the last two kinds.
+        zero: in radicals, or with 30 digits where there are no symbols, of a pair the one above the real axis; None of the last two kinds.
         C, J, B: its columns, square and rows.
     """
 
@@ -34,9 +35,12 @@ class Block:
     polynomial: sympy.Poly
     length: int
     zero: sympy.Expr | None
-    C: sympy.ImmutableMatrix = field(repr=False)
-    J: sympy.ImmutableMatrix = field(repr=False)
-    B: sympy.ImmutableMatrix = field(repr=False)
+    C: sympy.ImmutableMatrix
+    J: sympy.ImmutableMatrix
+    B: sympy.ImmutableMatrix
+
+    def __repr__(self) -> str:
+        return f"Block({self.kind}, {described(self.polynomial)}, length={self.length})"
 
 
 def jordan_block(chain: Chain, root: Root) -> Block:

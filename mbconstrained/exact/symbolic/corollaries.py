@@ -13,8 +13,9 @@ import sympy
 from ...errors import InputError
 from .blocks import Block
 from .exponentials import block_functions, exponential_of_jordan_block, exponential_of_real_jordan_block, functions_of_factors
-from .matrix import SymbolicPolynomialMatrix
-from .response import TIME, checked_initial
+from .given import checked_initial
+from .matrix import SymbolicPolynomialMatrix, checked_matrix
+from .names import TIME, check_one_each, checked_time
 
 
 def free_motion_by_jordan_blocks(A: SymbolicPolynomialMatrix, initial, time: sympy.Symbol = TIME) -> sympy.ImmutableMatrix:
@@ -32,13 +33,14 @@ def free_motion_by_jordan_blocks(A: SymbolicPolynomialMatrix, initial, time: sym
         x(t), t > 0, a matrix (r, 1).
 
     Raises:
-        InputError: a factor of det A without roots in closed form, or of shapes.
+        InputError: a factor of det A without roots in closed form; shapes; the time is called like another symbol.
 
     >>> k, m = sympy.symbols("k m", positive=True)
     >>> free_motion_by_jordan_blocks(SymbolicPolynomialMatrix([[[k]], [[0]], [[m]]]), [[1], [0]])
     Matrix([[cos(sqrt(k)*t/sqrt(m))]])
     """
-    X0, blocks = checked_initial(A, initial), closed_blocks(A)
+    X0, time = checked_start(A, initial, time)
+    blocks = closed_blocks(A)
     return motion_of_blocks(A, blocks, [start_of(A, block, X0) for block in blocks], time)
 
 
@@ -52,7 +54,8 @@ def free_motion_by_interpolation(A: SymbolicPolynomialMatrix, initial, time: sym
     >>> free_motion_by_interpolation(SymbolicPolynomialMatrix([[[0]], [[0]], [[1]]]), [[3], [4]])
     Matrix([[4*t + 3]])
     """
-    X0, pair = checked_initial(A, initial), A.jordan_pairs().rational
+    X0, time = checked_start(A, initial, time)
+    pair = A.jordan_pairs().rational
     divisors = [(divisor.polynomial, divisor.exponents[-1]) for divisor in A.structure().elementary_divisors]
     total = sympy.zeros(A.size, 1)
     if not divisors:
@@ -74,7 +77,8 @@ def free_motion_by_zeros(A: SymbolicPolynomialMatrix, initial, time: sympy.Symbo
     >>> free_motion_by_zeros(SymbolicPolynomialMatrix([[[a]], [[1]]]), [[2]])
     Matrix([[2*exp(-a*t)]])
     """
-    X0, blocks = checked_initial(A, initial), closed_blocks(A)
+    X0, time = checked_start(A, initial, time)
+    blocks = closed_blocks(A)
     exponents: dict[sympy.Expr, int] = {}
     for block in blocks:
         exponents[block.zero] = max(exponents.get(block.zero, 0), block.length)
@@ -83,6 +87,19 @@ def free_motion_by_zeros(A: SymbolicPolynomialMatrix, initial, time: sympy.Symbo
         term = _of_pair if block.kind == "real jordan" else _of_real_zero
         total += term(block, start_of(A, block, X0), exponents[block.zero], time)
     return total.as_immutable()
+
+
+def checked_start(A, initial, time) -> tuple[sympy.ImmutableMatrix, sympy.Symbol]:
+    """The values at 0-, shape (q, r), and the time, the name of which nothing else has.
+
+    Raises:
+        InputError: otherwise.
+    """
+    X0 = checked_initial(checked_matrix(A), initial)
+    others = {*A.symbols, *X0.free_symbols}
+    time = checked_time(time, others, "A or of the values at 0-")
+    check_one_each([*others, time])
+    return X0, time
 
 
 def closed_blocks(A: SymbolicPolynomialMatrix) -> tuple[Block, ...]:

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import sympy
 
-from .factoring import inverse_modulo
+from .factoring import described, inverse_modulo
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class RootPolynomials:
     """One term phi psi^T / p^length of the principal part of A(s)^-1 at the zeros of p.
 
@@ -33,6 +33,9 @@ class RootPolynomials:
     right: tuple[sympy.Poly, ...]
     left: tuple[sympy.Poly, ...]
     pivot: sympy.Poly
+
+    def __repr__(self) -> str:
+        return f"RootPolynomials({described(self.divisor)}, length={self.length})"
 
 
 def decompose(rows: list[list[sympy.Poly]], p: sympy.Poly, k: int) -> list[RootPolynomials]:

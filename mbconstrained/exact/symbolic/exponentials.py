@@ -12,9 +12,11 @@ import sympy
 
 from ...checks import whole_number
 from ...errors import InputError
+from .annihilators import check_annihilated, checked_expression, square_matrix, time_apart
 from .fields import field_of
+from .matrix import S
 from .modes import modes
-from .principal_parts import S, principal_parts
+from .principal_parts import principal_parts
 from .solution import functions_of
 
 
@@ -29,7 +31,7 @@ def exponential_of_jordan_block(zero, size: int, t: sympy.Expr) -> sympy.Immutab
         t: the time.
 
     Raises:
-        InputError: a size below 1.
+        InputError: a size below 1, or the zero depends on the time.
 
     >>> a, t = sympy.symbols("a t")
     >>> exponential_of_jordan_block(a, 2, t)
@@ -37,7 +39,8 @@ def exponential_of_jordan_block(zero, size: int, t: sympy.Expr) -> sympy.Immutab
     [exp(a*t), t*exp(a*t)],
     [       0,   exp(a*t)]])
     """
-    zero, size = _expression(zero), whole_number(size, "size", minimum=1)
+    zero, size = checked_expression(zero), whole_number(size, "size", minimum=1)
+    t = time_apart(t, [zero])
     return (sympy.exp(zero * t) * _shifts(size, t)).as_immutable()
 
 
@@ -48,7 +51,7 @@ def exponential_of_real_jordan_block(real, imaginary, size: int, t: sympy.Expr) 
     e^{D t} without its factor e^{a t}; the pair has multiplicity m_i in a block of size 2 m_i.
 
     Raises:
-        InputError: a size below 1.
+        InputError: a size below 1, or the zero depends on the time.
 
     >>> w, t = sympy.symbols("w t")
     >>> exponential_of_real_jordan_block(0, w, 1, t)
@@ -56,7 +59,8 @@ def exponential_of_real_jordan_block(real, imaginary, size: int, t: sympy.Expr) 
     [ cos(t*w), sin(t*w)],
     [-sin(t*w), cos(t*w)]])
     """
-    real, imaginary, size = _expression(real), _expression(imaginary), whole_number(size, "size", minimum=1)
+    real, imaginary, size = checked_expression(real), checked_expression(imaginary), whole_number(size, "size", minimum=1)
+    t = time_apart(t, [real, imaginary])
     c, s = sympy.cos(imaginary * t), sympy.sin(imaginary * t)
     return (sympy.exp(real * t) * sympy.kronecker_product(_shifts(size, t), sympy.Matrix([[c, s], [-s, c]]))).as_immutable()
 
@@ -74,7 +78,8 @@ def exponential_by_interpolation(J: sympy.MatrixBase, exponents: Mapping[sympy.E
         t: the time.
 
     Raises:
-        InputError: no zeros, an exponent that is no whole number of at least 1.
+        InputError: no zeros, an exponent that is no whole number of at least 1, J is not square, or the product of the
+            (J - zero I)^exponent is not 0: a zero is missing, or an exponent is too small.
 
     >>> t = sympy.Symbol("t")
     >>> exponential_by_interpolation(sympy.zeros(2, 2), {sympy.S.Zero: 1}, t)
@@ -82,7 +87,10 @@ def exponential_by_interpolation(J: sympy.MatrixBase, exponents: Mapping[sympy.E
     [1, 0],
     [0, 1]])
     """
+    J = square_matrix(J, "J")
     functions = interpolation_functions(exponents, t)
+    t = time_apart(t, J)
+    check_annihilated(J, {checked_expression(zero): exponent for zero, exponent in exponents.items()}, "J")
     total, power = sympy.zeros(*J.shape), sympy.eye(J.rows)
     for f in functions:
         total, power = total + power * f, power * J
@@ -97,7 +105,8 @@ def interpolation_functions(exponents: Mapping[sympy.Expr, int], t: sympy.Expr) 
     """
     if not isinstance(exponents, Mapping) or not exponents:
         raise InputError(f"exponents: found {exponents!r}; expected at least one zero, each with an exponent of at least 1")
-    names = {sympy.Dummy(f"zero{i}"): _expression(zero) for i, zero in enumerate(exponents)}
+    names = {sympy.Dummy(f"zero{i}"): checked_expression(zero) for i, zero in enumerate(exponents)}
+    t = time_apart(t, names.values())
     field = field_of(list(names))
     factors = [
         (sympy.Poly(S - name, S, domain=field), whole_number(exponent, "exponent", minimum=1))
@@ -134,7 +143,8 @@ def exponential_by_blocks(
         t: the time.
 
     Raises:
-        InputError: not one zero and exponent for each block, a zero twice.
+        InputError: not one zero and exponent for each block, a zero twice, a block that is not square or has
+            (J_i - zero I)^exponent other than 0.
 
     >>> t = sympy.Symbol("t")
     >>> exponential_by_blocks([sympy.Matrix([[0, 1], [0, 0]])], [sympy.S.Zero], [2], t)
@@ -142,13 +152,17 @@ def exponential_by_blocks(
     [1, t],
     [0, 1]])
     """
-    zeros = [_expression(zero) for zero in zeros]
+    if any(isinstance(each, str) or not isinstance(each, Sequence) for each in (blocks, zeros, exponents)):
+        raise InputError("blocks, zeros, exponents: expected three lists, with one entry each for each zero")
+    zeros = [checked_expression(zero) for zero in zeros]
     if not len(blocks) == len(zeros) == len(exponents) == len(set(zeros)):
         raise InputError(f"expected one zero and one exponent for each of {len(blocks)} blocks, each zero once")
-    parts = [
-        _of_zero(block, zero, whole_number(m, "exponent", minimum=1), t)
-        for block, zero, m in zip(blocks, zeros, exponents, strict=True)
-    ]
+    blocks = [square_matrix(block, "J_i") for block in blocks]
+    exponents = [whole_number(m, "exponent", minimum=1) for m in exponents]
+    t = time_apart(t, [*zeros, *(entry for block in blocks for entry in block)])
+    for block, zero, m in zip(blocks, zeros, exponents, strict=True):
+        check_annihilated(block, {zero: m}, "J_i")
+    parts = [_of_zero(block, zero, m, t) for block, zero, m in zip(blocks, zeros, exponents, strict=True)]
     return sympy.diag(*parts).as_immutable()
 
 
@@ -158,13 +172,6 @@ def block_functions(zero: sympy.Expr, exponent: int, t: sympy.Expr) -> list[symp
         sympy.Add(*((-zero) ** (n - j) * t**n / sympy.factorial(n - j) for n in range(j, exponent))) / sympy.factorial(j)
         for j in range(exponent)
     ]
-
-
-def _expression(zero) -> sympy.Expr:
-    try:
-        return sympy.sympify(zero, strict=True)
-    except sympy.SympifyError:
-        raise InputError(f"zeros: found {zero!r}; expected numbers or expressions") from None
 
 
 def _of_zero(block, zero, exponent, t) -> sympy.Matrix:

@@ -1,4 +1,4 @@
-"""The field of the entries: rational functions of the symbols, with rational or quadratic numbers in them.
+"""The field of the entries: rational functions of the symbols and of pi, with rational or quadratic numbers in them.
 
 What users write is turned into exact expressions here, once, at the door; from then on all arithmetic happens in the field,
 where equal things are equal without any simplification.
@@ -66,8 +66,29 @@ def symbols_of(expressions: Iterable[sympy.Expr]) -> tuple[sympy.Symbol, ...]:
     return tuple(sorted(found, key=lambda symbol: (symbol.name, str(symbol.assumptions0))))
 
 
+def generators_of(expressions: Iterable[sympy.Expr]) -> tuple[sympy.Expr, ...]:
+    """The symbols in them, and pi: being transcendental, it is one more as far as rational functions go.
+
+    >>> generators_of([2 * sympy.pi * sympy.Symbol("f")])
+    (f, pi)
+    """
+    expressions = list(expressions)
+    return (*symbols_of(expressions), *([sympy.pi] if any(e.has(sympy.pi) for e in expressions) else []))
+
+
+def check_positive(symbols: Iterable[sympy.Symbol]) -> None:
+    """Every symbol may stand for a positive number.
+
+    Raises:
+        InputError: one is declared otherwise.
+    """
+    for symbol in symbols:
+        if symbol.is_positive is False or not symbol.is_commutative:
+            raise InputError(f"symbol {symbol}: it is declared not to be positive; every symbol here stands for a positive number")
+
+
 def field_of(expressions: list[sympy.Expr]) -> Domain:
-    """The smallest of Q, Q(symbols) and the same with square roots of rationals that has all the expressions.
+    """The smallest of Q, Q(symbols, pi) and the same with square roots of rationals that has all the expressions.
 
     Raises:
         InputError: a symbol that cannot be positive, two of one name, or too many square roots.
@@ -75,19 +96,17 @@ def field_of(expressions: list[sympy.Expr]) -> Domain:
     >>> field_of([sympy.Symbol("k") / 2, sympy.Integer(3)])
     ZZ(k)
     """
-    symbols = symbols_of(expressions)
-    for one, other in pairwise(symbols):
-        if one.name == other.name:
+    generators = generators_of(expressions)
+    for one, other in pairwise(generators):
+        if str(one) == str(other):
             raise InputError(f'two different symbols are called "{one}" (declared with different assumptions); use one of them')
-    for symbol in symbols:
-        if symbol.is_positive is False or not symbol.is_commutative:
-            raise InputError(f"symbol {symbol}: it is declared not to be positive; every symbol here stands for a positive number")
+    check_positive(symbols_of(expressions))
     roots = sorted({root for e in expressions for root in e.atoms(sympy.Pow) if _is_square_root(root)}, key=sympy.default_sort_key)
     if len(roots) > MOST_ROOTS:
         found = f"{counted(len(roots), 'square root')}, {', '.join(map(str, roots))}"
         raise InputError(f"found {found}; expected {MOST_ROOTS} at most: write a symbol for each and put in its value afterwards")
-    numbers_field = sympy.QQ.algebraic_field(*roots) if roots else sympy.ZZ if symbols else sympy.QQ
-    return numbers_field.frac_field(*symbols) if symbols else numbers_field
+    numbers_field = sympy.QQ.algebraic_field(*roots) if roots else sympy.ZZ if generators else sympy.QQ
+    return numbers_field.frac_field(*generators) if generators else numbers_field
 
 
 def element(field: Domain, expression: sympy.Expr, what: str):
@@ -158,7 +177,7 @@ def _is_square_root(power: sympy.Pow) -> bool:
 def _is_rational_step(part) -> bool:
     if part.is_Pow:
         return bool(part.exp.is_Integer or _is_square_root(part))
-    return bool(part.is_Symbol or part.is_Rational or part.is_Add or part.is_Mul)
+    return bool(part.is_Symbol or part.is_Rational or part.is_Add or part.is_Mul or part is sympy.pi)
 
 
 def _shape(rows) -> str:

@@ -1,7 +1,11 @@
-"""The Laurent coefficients H_i of A(s)^-1 at infinity, by long division of adj A by det A."""
+"""Laurent coefficients at infinity by long division: H_i of A(s)^-1 = adj A / det A, and those of one quotient."""
 
 from __future__ import annotations
 
+import numbers
+from collections import deque
+from collections.abc import Iterator
+from itertools import count
 from typing import TYPE_CHECKING
 
 import sympy
@@ -14,20 +18,39 @@ if TYPE_CHECKING:
     from .matrix import SymbolicPolynomialMatrix
 
 
-class Laurent:
-    """A(s)^-1 = sum over i <= highest of H_i s^i near infinity (Moysis et al., Eq. 18).
+def series_at_infinity(numerator: sympy.Poly, denominator: sympy.Poly, lowest: int) -> dict[int, object]:
+    """{i: h_i} with numerator / denominator = sum of h_i s^i near infinity, i >= lowest, elements of the field."""
+    highest = numerator.degree() - denominator.degree() if numerator else lowest - 1
+    powers = range(highest, lowest - 1, -1)
+    return dict(zip(powers, _quotients(numerator, denominator, highest), strict=False))
 
-    With det A = sum of d_j s^j of degree n and adj A = sum of N_t s^t, d_n H_(t-n) = N_t - sum over j < n of d_j H_(t-j).
+
+def _quotients(numerator: sympy.Poly, denominator: sympy.Poly, highest: int) -> Iterator:
+    """h_i of numerator / denominator from i = highest down, h_i = 0 above: d_n h_i = b_(n+i) - sum over j < n of d_j h_(n+i-j)."""
+    leading, *lower = denominator.rep.to_list()
+    above, zero, scale = numerator.rep.to_dict(), denominator.domain.zero, denominator.domain.one / leading
+    known = deque([zero] * len(lower), maxlen=len(lower))  # h_(i+1), h_(i+2), ...
+    for power in count(highest, -1):
+        total = above.get((power + len(lower),), zero)
+        found = sum((-d * h for d, h in zip(lower, known) if d and h), total) * scale
+        known.appendleft(found)
+        yield found
+
+
+class Laurent:
+    """A(s)^-1 = sum over i <= highest of H_i s^i near infinity (Moysis et al., Eq. 18), by long division.
+
     Coefficients are computed from the highest down and kept.
     """
 
     def __init__(self, A: SymbolicPolynomialMatrix):
-        self.field, self.shape = A.field, (A.size, A.size)
-        *self._lower, leading = A.determinant.rep.to_list()[::-1]
-        self._scale = A.field.one / leading
-        self._numerators = [[entry.rep.to_dict() for entry in row] for row in A.adjugate]
-        self.highest = max(power for row in self._numerators for entry in row for (power,) in entry or {(0,)}) - len(self._lower)
+        self.field, self.shape, below = A.field, (A.size, A.size), A.determinant
+        self.highest = max(entry.degree() for row in A.adjugate for entry in row if not entry.is_zero) - below.degree()
+        self._entries = [_quotients(entry, below, self.highest) for row in A.adjugate for entry in row]
         self._known: list[DomainMatrix] = []
+
+    def __repr__(self) -> str:
+        return f"Laurent(size={self.shape[0]}, highest={self.highest})"
 
     def __call__(self, index: int) -> sympy.ImmutableMatrix:
         """H_i.
@@ -35,7 +58,7 @@ class Laurent:
         Raises:
             InputError: the index is not a whole number.
         """
-        if isinstance(index, bool) or not isinstance(index, (int, sympy.Integer)):
+        if isinstance(index, bool) or not isinstance(index, numbers.Integral):
             raise InputError(f"index: found {index!r}; expected a whole number")
         rows = self.elements(int(index)).to_list()
         return sympy.ImmutableMatrix([[expression_of(self.field, entry) for entry in row] for row in rows])
@@ -45,17 +68,9 @@ class Laurent:
         if index > self.highest:
             return DomainMatrix.zeros(self.shape, self.field).to_dense()
         while len(self._known) <= self.highest - index:
-            self._known.append(self._next(self.highest - len(self._known)))
+            entries, size = [next(entry) for entry in self._entries], self.shape[0]
+            self._known.append(DomainMatrix([entries[i : i + size] for i in range(0, size**2, size)], self.shape, self.field))
         return self._known[self.highest - index]
-
-    def _next(self, index: int) -> DomainMatrix:
-        n = len(self._lower)
-        zero = self.field.zero
-        total = DomainMatrix([[entry.get((index + n,), zero) for entry in row] for row in self._numerators], self.shape, self.field)
-        for j, d in enumerate(self._lower):
-            if d and index + n - j <= self.highest:
-                total -= self.elements(index + n - j) * d
-        return total * self._scale
 
 
 def jump_projector(A: SymbolicPolynomialMatrix, laurent: Laurent) -> sympy.ImmutableMatrix:

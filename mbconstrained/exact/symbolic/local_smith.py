@@ -9,7 +9,7 @@ import sympy
 
 from ...errors import InputError
 from .decomposition import RootPolynomials, decompose, valuation
-from .factoring import factors, inverse_modulo
+from .factoring import factors_of, inverse_modulo
 from .fields import element, exact_expression
 from .radicals import roots
 
@@ -38,7 +38,7 @@ def local_smith_form(A: SymbolicPolynomialMatrix, zero) -> LocalSmithForm:
     """See ``SymbolicPolynomialMatrix.local_smith_form``.
 
     Raises:
-        InputError: the zero is neither in the field of the entries nor one of the zeros in radicals.
+        InputError: the zero is neither in the field of the entries nor one of ``structure().finite_zeros``.
     """
     zero, p = _zero_of(A, zero)
     det, multiplicity = A.determinant, 0
@@ -53,7 +53,7 @@ def local_smith_form(A: SymbolicPolynomialMatrix, zero) -> LocalSmithForm:
 def _zero_of(A: SymbolicPolynomialMatrix, zero) -> tuple[sympy.Expr, sympy.Poly]:
     """The zero as an expression, and the irreducible polynomial over the field that has it."""
     if isinstance(zero, sympy.Expr):
-        for p, _ in factors(A.determinant):
+        for p, _ in factors_of(A.determinant):
             if any(zero in (root.value, root.real - sympy.I * root.imaginary) for root in roots(p) or ()):
                 return zero, p
     zero = exact_expression(zero, "zero")

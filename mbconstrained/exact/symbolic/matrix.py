@@ -14,7 +14,8 @@ from ...checks import names_of
 from ...errors import InputError
 from ...polynomial.matrix import PolynomialMatrix
 from .cofactors import adjugate_and_determinant
-from .fields import element, exact_expression, exact_rows, expression_of, field_of, polynomial_expression, symbols_of
+from .fields import element, exact_expression, exact_rows, expression_of, field_of, generators_of, polynomial_expression, symbols_of
+from .names import VARIABLE, as_positive
 from .singular import raise_singular
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from .structure import SymbolicStructure
 
 #: The variable of every A(s).
-S = sympy.Symbol("s")
+S = sympy.Symbol(VARIABLE)
 
 
 class SymbolicPolynomialMatrix:
@@ -34,7 +35,7 @@ class SymbolicPolynomialMatrix:
     Args:
         coefficients: A_0 ... A_q in ascending powers, each a square sympy matrix, array or nested lists; entries are
             expressions rational in symbols, ints, Fractions and floats, which are taken as the shortest decimals that they
-            are written as. Square roots of rationals are numbers too, up to two of them.
+            are written as. pi and square roots of rationals are numbers too, up to two of the latter.
         coordinates, equations: names as of ``PolynomialMatrix``.
 
     Raises:
@@ -67,7 +68,16 @@ class SymbolicPolynomialMatrix:
 
     @classmethod
     def of(cls, A: PolynomialMatrix) -> SymbolicPolynomialMatrix:
-        """The same matrix in exact rational numbers: its float64 entries are the rationals that they are."""
+        """The same matrix in exact rational numbers: its float64 entries are the rationals that they are.
+
+        Raises:
+            InputError: A is no ``PolynomialMatrix``.
+        """
+        if not isinstance(A, PolynomialMatrix):
+            raise InputError(
+                f"A: found an object of type {type(A).__name__}; expected a PolynomialMatrix (of a MechanicalSystem: its "
+                "polynomial_matrix(); lists of matrices: SymbolicPolynomialMatrix([A_0, A_1, ...]))"
+            )
         ratios = [[[_ratio(entry) for entry in row] for row in rows] for rows in A.exact_coefficients]
         return cls(ratios, A.coordinates, A.equations)
 
@@ -102,6 +112,13 @@ class SymbolicPolynomialMatrix:
     def __repr__(self) -> str:
         names = ", ".join(symbol.name for symbol in self.symbols)
         return f"SymbolicPolynomialMatrix(degree={self.degree}, size={self.size}, symbols=({names}))"
+
+    @cached_property
+    def with_positive_symbols(self) -> SymbolicPolynomialMatrix:
+        """The same, all symbols declared to be positive, which roots are written shorter with; itself where they are."""
+        names = as_positive(self.symbols)
+        matrices = (matrix.xreplace(names) for matrix in self.coefficients)
+        return SymbolicPolynomialMatrix(matrices, self.coordinates, self.equations) if names else self
 
     @cached_property
     def polynomials(self) -> list[list[sympy.Poly]]:
@@ -149,12 +166,15 @@ class SymbolicPolynomialMatrix:
         Raises:
             InputError: not r of them, or one is no polynomial in s.
         """
+        if isinstance(b, str) or not isinstance(b, Iterable):
+            raise InputError(f"b: found {b!r}; expected {self.size} expressions or Polys in s")
+        b = list(b)
         if len(b) != self.size:
             raise InputError(f"b: {len(b)} entries given, expected {self.size}")
         entries = [exact_expression(entry.as_expr() if isinstance(entry, sympy.Poly) else entry, "b") for entry in b]
-        extra = [symbol for symbol in symbols_of(entries) if symbol != S]
         known = [entry for matrix in self.coefficients for entry in matrix]
-        field = self.field if set(extra) <= set(self.symbols) else field_of([*known, *extra])
+        extra = [generator for generator in generators_of(entries) if generator != S]
+        field = self.field if set(extra) <= set(generators_of(known)) else field_of([*known, *extra])
         column = [_polynomial_in(field, entry, f"b[{i}]") for i, entry in enumerate(entries)]
         zero = sympy.Poly(0, S, domain=field)
         return [sum((p.set_domain(field) * c for p, c in zip(row, column) if not c.is_zero), zero) for row in self.adjugate]
@@ -191,6 +211,13 @@ class SymbolicPolynomialMatrix:
     def assumptions(self) -> tuple[sympy.Expr, ...]:
         """Expressions in the symbols that must not vanish for the structure to be what is said (those of the pairs: theirs)."""
         return self.structure().assumptions
+
+
+def checked_matrix(A) -> SymbolicPolynomialMatrix:
+    """A, which is a ``SymbolicPolynomialMatrix``, or an InputError."""
+    if not isinstance(A, SymbolicPolynomialMatrix):
+        raise InputError(f"A: found an object of type {type(A).__name__}; expected a SymbolicPolynomialMatrix (or its .of(A))")
+    return A
 
 
 def _elements(field: Domain, rows, what: str) -> list[list]:

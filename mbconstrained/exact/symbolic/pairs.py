@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,6 @@ from .chains import Chain, chain_of
 from .decomposition import RootPolynomials
 from .factoring import resultant
 from .laurent import Laurent, jump_projector
-from .radicals import roots
 from .structure import Local, SymbolicStructure, divided_by, structure_of
 
 if TYPE_CHECKING:
@@ -28,12 +27,12 @@ class SymbolicPair:
 
     Attributes:
         C, J, B: shapes (r, n), (n, n), (n, r), J block diagonal.
-        blocks: one for each elementary divisor and zero in radicals, or for each elementary divisor; each says of which kind it is.
+        blocks: one for each elementary divisor and zero, or for each elementary divisor; each says of which kind it is.
     """
 
-    C: sympy.ImmutableMatrix
-    J: sympy.ImmutableMatrix
-    B: sympy.ImmutableMatrix
+    C: sympy.ImmutableMatrix = field(repr=False)
+    J: sympy.ImmutableMatrix = field(repr=False)
+    B: sympy.ImmutableMatrix = field(repr=False)
     blocks: tuple[Block, ...]
 
 
@@ -47,9 +46,9 @@ class SymbolicInfinitePair:
         lengths: the sizes of the blocks.
     """
 
-    C: sympy.ImmutableMatrix
-    J: sympy.ImmutableMatrix
-    B: sympy.ImmutableMatrix
+    C: sympy.ImmutableMatrix = field(repr=False)
+    J: sympy.ImmutableMatrix = field(repr=False)
+    B: sympy.ImmutableMatrix = field(repr=False)
     lengths: tuple[int, ...]
 
 
@@ -75,6 +74,9 @@ class SymbolicJordanPairs:
         self.polynomial_matrix = A
         self.local = Local(A)
 
+    def __repr__(self) -> str:
+        return f"SymbolicJordanPairs({self.polynomial_matrix!r})"
+
     @cached_property
     def structure(self) -> SymbolicStructure:
         """Smith forms, elementary divisors and zeros."""
@@ -87,7 +89,7 @@ class SymbolicJordanPairs:
 
     @cached_property
     def finite(self) -> SymbolicPair:
-        """(C, J, B) with J in Jordan form where the zeros have a closed form (degrees 1, 2, and s^4 + b s^2 + c).
+        """(C, J, B) with J in Jordan form where the zeros have a closed form (degrees 1, 2, and s^4 + b s^2 + c), or are numbers.
 
         Complex pairs have real blocks (Eq. 38). Where it depends on the symbols whether two zeros are real, they have one
         column each, and their square root may be one of a negative number (Eq. 95). Elsewhere blocks are rational: a block
@@ -98,7 +100,7 @@ class SymbolicJordanPairs:
             return _pair(A.size, [companion_block(A, self.local.divisors[0][0])])
         for p, multiplicity in self.local.divisors:
             terms = self.local.terms(p, multiplicity)
-            found = roots(p)
+            found = self.local.roots(p)
             if found is None:
                 blocks += [rational_block(term) for term in terms]
             else:
@@ -144,7 +146,7 @@ class SymbolicJordanPairs:
         if len(self.local.divisors) != 1:
             return False
         A, (p, multiplicity) = self.polynomial_matrix, self.local.divisors[0]
-        return multiplicity == 1 and p.degree() == A.size * A.degree and roots(p) is None
+        return multiplicity == 1 and p.degree() == A.size * A.degree and self.local.roots(p) is None
 
     @property
     def _terms(self) -> list[RootPolynomials]:

@@ -7,6 +7,9 @@ import sympy
 from .signs import sign, square_root
 from .surds import Surd
 
+#: Which square root is taken first: a real one, one that is imaginary for certain, one that depends on the symbols.
+ORDER = {1: 0, -1: 1, None: 2}
+
 
 def quadratic_factors(q: sympy.Poly) -> tuple[Surd, Surd] | None:
     """(a, b) with q = (s^2 + a s + b) times its conjugate, real where it can be; None where there is none.
@@ -28,9 +31,7 @@ def quadratic_factors(q: sympy.Poly) -> tuple[Surd, Surd] | None:
     resolvent = sympy.Poly([field.one, 2 * p, p * p - 4 * last, -linear * linear], q.gen, domain=field)
     lines = [factor.rep.to_list() for factor, _ in resolvent.factor_list()[1] if factor.degree() == 1]
     found = [_quadratic(field, h, p, linear, last, -zeroth / first) for first, zeroth in lines]
-    real = [parts for parts in found if sign(field, parts[1].g) != -1]
-    choice = real or (found if field.is_FractionField else [])
-    return min(choice, key=lambda parts: (sign(field, parts[1].g) is None, bool(parts[0].v)), default=None)
+    return min(found, key=lambda parts: (ORDER[sign(field, parts[1].g)], bool(parts[0].v)), default=None)
 
 
 def _quadratic(field, h, p, linear, last, z) -> tuple[Surd, Surd]:
@@ -41,11 +42,3 @@ def _quadratic(field, h, p, linear, last, z) -> tuple[Surd, Surd]:
     if not z:
         return root.of(2 * h), root.of(h * h + p * half) + root * root.of(half)
     return root.of(2 * h) + root, root.of(h * h + (p + z) * half) + root * root.of(h - linear * half / z)
-
-
-def reduced(c: sympy.Poly, a: Surd, b: Surd) -> tuple[Surd, Surd]:
-    """(c_0, c_1) with c(x) = c_0 + c_1 x modulo x^2 + a x + b."""
-    even = odd = a.of(a.field.zero)
-    for factor in c.rep.to_list():
-        even, odd = a.of(factor) - odd * b, even - odd * a
-    return even, odd

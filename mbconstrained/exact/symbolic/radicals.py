@@ -1,19 +1,24 @@
-"""Zeros of irreducible polynomials in radicals, and the values of polynomials there.
+"""Zeros of irreducible polynomials, and the values of polynomials there: all that responses and Jordan forms know of zeros.
 
-Over the field K of the entries: degrees 1 and 2, s^4 + b s^2 + c (undamped systems of two degrees of freedom) and other products
-of two quadratics over K(sqrt(g)). Values are found in K(sqrt(g)) exactly and written down once: nothing is simplified afterwards.
+In radicals over the field K of the entries: degrees 1 and 2, s^4 + b s^2 + c (undamped systems of two degrees of freedom) and
+other products of two quadratics over K(sqrt(g)). Values are found in K(sqrt(g)) exactly and written down once: nothing is
+simplified afterwards. Other polynomials with numbers have zeros of 30 digits, others with symbols none.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import sympy
 
 from .compact import compact_expression, compact_root, factored
-from .quadratic_factors import quadratic_factors, reduced
-from .signs import root_expression, sign
+from .factoring import coefficients
+from .numerical_roots import numerical_roots, rounded, value_at
+from .quadratic_factors import quadratic_factors
+from .quadratics import Quadratic
+from .signs import root_expression, sign, sign_with_root
 from .surds import Surd
 
 #: Real and imaginary part of the value of a polynomial.
@@ -22,12 +27,12 @@ Parts = tuple[sympy.Expr, sympy.Expr]
 
 @dataclass(frozen=True)
 class Root:
-    """A zero of an irreducible polynomial p in radicals.
+    """A zero of an irreducible polynomial p.
 
     Attributes:
         real, imaginary: its parts; the imaginary one is 0 for a real zero, and of a complex pair this is the zero with the
-            positive one. Where it depends on the symbols whether zeros are real (under- or overdamped), ``imaginary`` is 0 and
-            a square root in ``real`` may be one of a negative number, as in Moysis et al., Eq. 95.
+            positive one, where the sign is seen. Where it depends on the symbols whether two zeros are real (under- or
+            overdamped), a square root in them may be one of a negative number, as in Moysis et al., Eq. 95.
         at: the parts of e(root) for a Poly e over the field.
     """
 
@@ -46,8 +51,12 @@ class Root:
         return self.imaginary != 0
 
 
-def roots(p: sympy.Poly) -> tuple[Root, ...] | None:
-    """The zeros of an irreducible monic p over the field, of each complex pair one; None where there is no short closed form.
+def roots(p: sympy.Poly, split: bool = True) -> tuple[Root, ...] | None:
+    """The zeros of an irreducible monic p over the field, of each complex pair one; None where there are symbols and no short closed form.
+
+    Args:
+        split: two zeros of which it depends on the symbols whether they are real: True: as two, with imaginary part 0; False: as
+            a pair. Either may have the square root of a negative number.
 
     >>> s, k, m = sympy.symbols("s k m")
     >>> p = sympy.Poly(s**4 + 3 * k / m * s**2 + k**2 / m**2, s, domain=sympy.ZZ.frac_field(k, m))
@@ -56,17 +65,19 @@ def roots(p: sympy.Poly) -> tuple[Root, ...] | None:
     """
     field = p.domain
     if p.degree() == 1:
-        return (_root(p, lambda e: (factored(field, _coefficients(e, 1)[0]), sympy.S.Zero)),)
+        return (_root(p, lambda e: (factored(field, coefficients(e, 1)[0]), sympy.S.Zero)),)
     if p.degree() == 2:
-        b, a = (Surd(field, c, field.zero, field.one) for c in _coefficients(p, 2))
-        return _of_quadratic(p, a, b)
-    return _of_quartic(p) if p.degree() == 4 else None
-
-
-def _coefficients(p: sympy.Poly, count: int) -> list:
-    """Those of p, lowest power first, elements of the field."""
-    found = p.rep.to_list()[::-1][:count]
-    return found + [p.domain.zero] * (count - len(found))
+        b, a = (Surd(field, c, field.zero, field.one) for c in coefficients(p, 2))
+        return _of_quadratic(p, Quadratic(a, b), split)
+    found = quadratic_factors(p) if p.degree() == 4 else None
+    if found is not None:
+        one = Quadratic(*found)
+        if sign(field, one.b.g) == -1:
+            return tuple(_of_complex_quadratic(p, one, way) for way in (1, -1))
+        return (*_of_quadratic(p, one, split), *_of_quadratic(p, one.conjugate, split))
+    if p.free_symbols_in_domain:  # pi is none
+        return None
+    return tuple(Root(*map(rounded, root), lambda e, root=root: value_at(root, e.rem(p))) for root in numerical_roots(p))
 
 
 def _root(p: sympy.Poly, parts: Callable[[sympy.Poly], Parts]) -> Root:
@@ -75,31 +86,30 @@ def _root(p: sympy.Poly, parts: Callable[[sympy.Poly], Parts]) -> Root:
     return Root(*parts(x.rem(p)), lambda e: parts(e.rem(p)))
 
 
-def _of_quadratic(p, a: Surd, b: Surd) -> tuple[Root, ...]:
-    """Of s^2 + a s + b: a complex pair where b - a^2/4 is positive, -a/2 +- sqrt(a^2/4 - b) elsewhere."""
-    middle = a * a.of(-a.field.one / a.field.convert(2))
-    square = b - middle * middle
-    if square.sign() == 1:
-        frequency = _root_of_difference(b, middle, 1)
+def _of_quadratic(p, quadratic: Quadratic, split: bool) -> tuple[Root, ...]:
+    """A complex pair where b - a^2/4 is positive, -a/2 +- sqrt(a^2/4 - b) elsewhere."""
+    known = quadratic.square.sign()
+    if known == 1 or (known is None and not split):
+        frequency = _root_of_difference(quadratic, 1)
 
         def parts(e) -> Parts:
-            even, odd = reduced(e, a, b)
-            return compact_expression(even + odd * middle), _multiple(odd, frequency, square)
+            even, *odd = quadratic.value(e)
+            return compact_expression(even), _multiple(*odd, frequency)
 
-        return (_root(p, parts),)
-    distance = _root_of_difference(b, middle, -1)
+        return (Root(compact_expression(quadratic.middle), frequency, lambda e: parts(e.rem(p))),)
+    middle, distance = compact_expression(quadratic.middle), _root_of_difference(quadratic, -1)
 
     def part(way: int, e) -> Parts:
-        even, odd = reduced(e, a, b)
-        return compact_expression(even + odd * middle) + way * _multiple(odd, distance, -square), sympy.S.Zero
+        even, odd, turned = quadratic.value(e.rem(p))
+        return compact_expression(even) + way * _multiple(odd, -turned, distance), sympy.S.Zero
 
-    return tuple(_root(p, lambda e, way=way: part(way, e)) for way in (-1, 1))
+    return tuple(Root(middle + way * distance, sympy.S.Zero, partial(part, way)) for way in (-1, 1))
 
 
-def _root_of_difference(b: Surd, middle: Surd, way: int) -> sympy.Expr:
+def _root_of_difference(quadratic: Quadratic, way: int) -> sympy.Expr:
     """The root of b - middle^2 (way 1) or of middle^2 - b (way -1), with a difference of factors under it where that is shorter."""
-    field = b.field
-    plain = compact_root((b - middle * middle) * b.of(field.convert(way)))
+    b, middle, field = quadratic.b, quadratic.middle, quadratic.b.field
+    plain = _number_in_front(compact_root(quadratic.square.times(field.convert(way))))
     if b.v or middle.v or not field.is_FractionField:
         return plain
     below = field.convert(field.denom(middle.u), field.get_ring())
@@ -107,15 +117,12 @@ def _root_of_difference(b: Surd, middle: Surd, way: int) -> sympy.Expr:
     return min(plain, sympy.sqrt(inside) / factored(field, below), key=sympy.count_ops)
 
 
-def _multiple(number: Surd, root: sympy.Expr, square: Surd) -> sympy.Expr:
-    """number times the root of the square, or number square / root where that is shorter."""
+def _multiple(number: Surd, turned: Surd, root: sympy.Expr) -> sympy.Expr:
+    """number times the root, or turned / root where that is shorter: turned is number times the square of the root."""
     if not number.u and not number.v:
         return sympy.S.Zero
-    return min(
-        _number_in_front(compact_expression(number) * root),
-        _number_in_front(compact_expression(number * square) / root),
-        key=sympy.count_ops,
-    )
+    forms = compact_expression(number) * root, compact_expression(turned) / root
+    return min(map(_number_in_front, forms), key=sympy.count_ops)
 
 
 def _number_in_front(product: sympy.Expr) -> sympy.Expr:
@@ -124,31 +131,22 @@ def _number_in_front(product: sympy.Expr) -> sympy.Expr:
     return sympy.expand(sympy.radsimp(number)) * rest
 
 
-def _of_quartic(p) -> tuple[Root, ...] | None:
-    """Of both quadratics over K(sqrt(g)), or of s^4 + b s^2 + c with two complex pairs a root of c apart."""
-    field = p.domain
-    c, odd, b, cubic = _coefficients(p, 4)
-    found = quadratic_factors(p)
-    if found is not None:
-        other = [Surd(field, part.u, -part.v, part.g) for part in found]
-        return (*_of_quadratic(p, *found), *_of_quadratic(p, *other))
-    if odd or cubic or sign(field, b * b / field.convert(4) - c) != -1:
-        return None
-    return tuple(_of_complex_square(p, way, b, c) for way in (-1, 1))
-
-
-def _of_complex_square(p, way: int, b, c) -> Root:
-    """s = way alpha + i beta, alpha^2 = (2 sqrt(c) - b)/4, beta^2 = (2 sqrt(c) + b)/4, where s^2 = -b/2 +- i sqrt(c - b^2/4)."""
-    field = p.domain
-    middle = -b / field.convert(2)
-    side = way * root_expression(field, c - middle * middle)
-    twice = 2 * root_expression(field, c)
-    alpha, beta = way * sympy.sqrt(twice - factored(field, b)) / 2, sympy.sqrt(twice + factored(field, b)) / 2
+def _of_complex_quadratic(p, quadratic: Quadratic, way: int) -> Root:
+    """x = middle + way (alpha + i beta), with sqrt(g) = i r and (alpha + i beta)^2 = -square; the conjugates are the other zeros."""
+    field, middle, square = p.domain, quadratic.middle, -quadratic.square
+    norm, r = square.u**2 - square.v**2 * square.g, root_expression(field, -square.g)
+    twice = 2 * root_expression(field, norm)
+    alpha = way * sympy.sqrt(twice + factored(field, square.u + square.u)) / 2
+    side = sign(field, square.v)
+    beta = factored(field, square.v) * r / (2 * alpha)
+    if side:
+        beta = way * side * sympy.sqrt(twice - factored(field, square.u + square.u)) / 2
+    longer = sign_with_root(field, 2 * middle.v**2 * middle.g - square.u, field.one, norm)  # of beta^2 - (middle.v r)^2
+    up = {1: way * side if side else 1, -1: sign(field, middle.v)}.get(longer) or 1
 
     def parts(e) -> Parts:
-        e0, e1, e2, e3 = _coefficients(e, 4)
-        even, odd = (factored(field, low + high * middle) for low, high in ((e0, e2), (e1, e3)))
-        up_even, up_odd = (factored(field, high) * side for high in (e2, e3))
-        return even + alpha * odd - beta * up_odd, up_even + beta * odd + alpha * up_odd
+        even, odd, _ = quadratic.value(e)
+        (e0, e1), (o0, o1) = ((factored(field, part.u), factored(field, part.v) * r) for part in (even, odd))
+        return e0 + o0 * alpha - o1 * beta, up * (e1 + o1 * alpha + o0 * beta)
 
     return _root(p, parts)

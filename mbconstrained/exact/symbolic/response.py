@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -11,19 +11,22 @@ import sympy
 from ...checks import whole_number
 from ...errors import InputError
 from .conditions import continuity_equations, impulse_equations
-from .fields import exact_expression
-from .matrix import SymbolicPolynomialMatrix
+from .fields import exact_expression, generators_of
+from .given import checked_force, checked_initial, time_of
+from .matrix import SymbolicPolynomialMatrix, checked_matrix
+from .names import as_positive
 from .principal_parts import delta
-from .solution import Solution, assumptions_of, solution_of
-from .sources import Source, field_with, force_sources, initial_sources, initial_symbols
-
-#: The time, where the user names none.
-TIME = sympy.Symbol("t", real=True)
+from .solution import Solution, assumptions_of, divisors_of, solution_of
+from .sources import Source, entries_with, field_with, force_sources, initial_sources
 
 
 @dataclass(frozen=True)
 class SymbolicResponse:
     """x(t), t > 0, and its impulses, as expressions.
+
+    Where the sign of a discriminant such as 4 k m - c^2 is open, cos(w t) and sin(w t)/w hold for both, but w may be the root of
+    a negative number (a function that ``sympy.lambdify`` makes of it needs complex numbers then: c=10+0j), and w = 0 is a limit
+    that putting in values gives as nan. ``at`` puts in values by solving again.
 
     Attributes:
         regular: x(t) for t > 0, without impulses, a matrix (r, 1); what starts later is in it with Heaviside(t - t0).
@@ -34,7 +37,8 @@ class SymbolicResponse:
         force: f as a matrix (r, 1).
         time: the symbol t.
         assumptions: expressions that are taken as not zero: where one vanishes, two zeros meet (resonance is one case), and x(t) is
-            the limit of the expression; where the leading coefficient of det A vanishes, A has another structure.
+            the limit of the expression; where the leading coefficient of det A vanishes, A has another structure. With what
+            the given expressions are divided by, and with start times of which it is not declared that they are positive.
         polynomial_matrix: A(s).
     """
 
@@ -73,6 +77,33 @@ class SymbolicResponse:
         order = whole_number(order, "order", minimum=0)
         return self.regular.diff(self.time, order).replace(sympy.DiracDelta, lambda *_: sympy.S.Zero) if order else self.regular
 
+    def at(self, values: Mapping[sympy.Symbol, object]) -> SymbolicResponse:
+        """The response for values of some of the symbols, or of all: they are put into A, start and force, which are solved again.
+
+        So it holds where zeros meet (the critical damping, resonance) and where A has another structure, too.
+
+        Args:
+            values: numbers of any sign, or expressions, by symbol.
+
+        Raises:
+            InputError: a key is none of the symbols, a value no number, or an entry infinite for it; as ``solve_symbolically``.
+            SingularPolynomialMatrix: det A(s) = 0 for every s with these values.
+
+        >>> m, c, k = sympy.symbols("m c k", positive=True)
+        >>> x = solve_symbolically(SymbolicPolynomialMatrix([[[k]], [[c]], [[m]]]), [[1], [0]])
+        >>> x.at({m: 1, c: 2, k: 1}).regular
+        Matrix([[t*exp(-t) + exp(-t)]])
+        """
+        A = self.polynomial_matrix
+        known = {*A.symbols, *self.initial.free_symbols, *self.force.free_symbols} - {self.time}
+        if not isinstance(values, Mapping) or not set(values) <= known:
+            names = ", ".join(sorted(symbol.name for symbol in known))
+            raise InputError(f"values: found {values!r}; expected a dictionary with values by symbol, of {names or 'none here'}")
+        put = {symbol: exact_expression(value, str(symbol)) for symbol, value in values.items()}
+        matrices = [matrix.xreplace(put) for matrix in A.coefficients]
+        changed = SymbolicPolynomialMatrix(matrices, A.coordinates, A.equations)
+        return solve_symbolically(changed, self.initial.xreplace(put), self.force.xreplace(put), self.time)
+
     @cached_property
     def admissible_conditions(self) -> tuple[sympy.Eq, ...]:
         """Equations in ``initial_symbols(A)`` that hold where there are no impulses at 0 (Moysis et al., Eq. 58, with f^(j)(0+))."""
@@ -98,11 +129,13 @@ def solve_symbolically(
         A: degree q, size r.
         initial: x^(i)(0-) as row i, shape (q, r), expressions or numbers; "symbols" for ``initial_symbols(A)``; None for zeros.
         force: r expressions in the time: sums and products of constants, t^k, exp, cos, sin, cosh, sinh,
-            Heaviside(t - t0) and DiracDelta(t - t0, k), with symbols as rates, frequencies, phases and times; None for zeros.
+            Heaviside(t - t0) and DiracDelta(t - t0, k), with symbols as rates, frequencies, phases and times, all taken as
+            positive; None for zeros.
         time: its symbol; None for the one called t in the force, or a real one.
 
     Raises:
-        InputError: shapes; a force of other functions; det A has a factor without roots in closed form.
+        InputError: shapes; a force of other functions, or of functions without the time; a parameter called like the time or
+            like a value at 0- (x1_0); det A has a factor without roots in closed form.
         SingularPolynomialMatrix: det A(s) = 0 for every s.
 
     >>> m, k, x0, v0 = sympy.symbols("m k x0 v0", positive=True)
@@ -110,10 +143,26 @@ def solve_symbolically(
     >>> x.regular[0]
     x0*cos(sqrt(k)*t/sqrt(m)) + sqrt(m)*v0*sin(sqrt(k)*t/sqrt(m))/sqrt(k)
     """
-    if not isinstance(A, SymbolicPolynomialMatrix):
-        raise InputError(f"A: found an object of type {type(A).__name__}; expected a SymbolicPolynomialMatrix (or its .of(A))")
-    X0, f = checked_initial(A, initial), _force(A, force)
-    time = _time(A, X0, f, time)
+    X0, f = checked_initial(checked_matrix(A), initial), checked_force(A, force)
+    time = time_of(A, X0, f, time)
+    sources = tuple(force_sources(A, f, time))
+    names = as_positive(generators_of(entries_with(A, sources)))
+    found = _found(A.with_positive_symbols, X0.xreplace(names), f.xreplace(names), time)
+    own = {positive: symbol for symbol, positive in names.items()}
+    later = [start for start in {source.start for source in sources} if not (start.is_positive or start == 0)]
+    return SymbolicResponse(
+        polynomial_matrix=A,
+        initial=X0,
+        force=f,
+        time=time,
+        force_sources=sources,
+        assumptions=(*(each.xreplace(own) for each in found.pop("assumptions")), *later),
+        **{name: _renamed(value, own) for name, value in found.items()},
+    )
+
+
+def _found(A, X0, f, time) -> dict[str, object]:
+    """What the response consists of; roots of symbols are written short only where these are declared to be positive."""
     sources = initial_sources(A, X0) + force_sources(A, f, time)
     K = field_with(A, sources)
     parts: dict[sympy.Expr, list[Source]] = {sympy.S.Zero: []}
@@ -121,75 +170,19 @@ def solve_symbolically(
         parts.setdefault(source.start, []).append(source)
     solutions = {start: solution_of(A, group, K, time) for start, group in parts.items()}
     now = solutions.pop(sympy.S.Zero)
-    return SymbolicResponse(
-        polynomial_matrix=A,
-        initial=X0,
-        force=f,
-        time=time,
-        regular=_added(now, solutions, time),
-        impulses=now.impulses,
-        later_impulses=tuple((t0, solution.impulses) for t0, solution in solutions.items() if solution.impulses),
-        start=now.start,
-        assumptions=assumptions_of(A, sources, K),
-        force_sources=tuple(force_sources(A, f, time)),
-    )
+    divisors = divisors_of([*X0, *f, *(entry for matrix in A.coefficients for entry in matrix)], time)
+    return {
+        "regular": _added(now, solutions, time),
+        "impulses": now.impulses,
+        "later_impulses": tuple((t0, solution.impulses) for t0, solution in solutions.items() if solution.impulses),
+        "start": now.start,
+        "assumptions": assumptions_of(A, sources, K, divisors),
+    }
 
 
-def checked_initial(A, initial) -> sympy.ImmutableMatrix:
-    """The values at 0- as exact expressions, shape (q, r)."""
-    if isinstance(initial, str):
-        if initial != "symbols":
-            raise InputError(f'initial: found {initial!r}; expected rows of values, "symbols" or None')
-        return initial_symbols(A)
-    if initial is None:
-        return sympy.zeros(A.degree, A.size).as_immutable()
-    rows = _listed(initial, "initial")
-    if len(rows) != A.degree or any(len(_listed(row, "initial")) != A.size for row in rows):
-        raise InputError(f"initial: expected {A.degree} rows of {A.size} values, row i the i-th derivatives at 0-")
-    return sympy.Matrix(A.degree, A.size, [exact_expression(value, "initial") for row in rows for value in row]).as_immutable()
-
-
-def _force(A, force) -> sympy.ImmutableMatrix:
-    """The force as exact expressions, shape (r, 1)."""
-    if force is None:
-        return sympy.zeros(A.size, 1).as_immutable()
-    rows = [row[0] if isinstance(row, list) and len(row) == 1 else row for row in _listed(force, "force")]
-    if len(rows) != A.size:
-        raise InputError(f"force: found {len(rows)} entries; expected {A.size}, one expression in the time for each equation")
-    return sympy.Matrix([exact_expression(value, "force") for value in rows]).as_immutable()
-
-
-def _listed(value, what) -> list:
-    found = value.tolist() if hasattr(value, "tolist") else value
-    if isinstance(found, str) or not isinstance(found, Sequence):
-        raise InputError(f"{what}: found {value!r}; expected a list or a matrix")
-    return list(found)
-
-
-def _time(A, initial, force, time) -> sympy.Symbol:
-    """The symbol of the time, which nothing but the force may have."""
-    if time is None:
-        found = [symbol for symbol in force.free_symbols if symbol.name == TIME.name]
-        time = found[0] if found else TIME
-    if not isinstance(time, sympy.Symbol):
-        raise InputError(f"time: found {time!r}; expected a sympy.Symbol")
-    others = {*A.symbols, *initial.free_symbols}
-    if time.name in {symbol.name for symbol in others}:
-        raise InputError(f"time: the symbol {time} is also one of A or of the values at 0-; name the time otherwise")
-    _check_names(A, [*others, *force.free_symbols, time])
-    return time
-
-
-def _check_names(A, symbols) -> None:
-    """One symbol for each name, and none that is called like the variable of A(s)."""
-    names: dict[str, sympy.Symbol] = {}
-    for symbol in symbols:
-        if symbol.name == A.variable.name:
-            raise InputError(f'the symbol "{symbol}" is the variable of A(s); name parameters of values and forces otherwise')
-        if names.setdefault(symbol.name, symbol) != symbol:
-            raise InputError(
-                f'found two symbols "{symbol}" of different assumptions; use the same one in A, values, force and time'
-            )
+def _renamed(value, names: Mapping):
+    """Matrices in tuples with other symbols."""
+    return tuple(_renamed(each, names) for each in value) if isinstance(value, tuple) else value.xreplace(names)
 
 
 def _added(now: Solution, later: dict[sympy.Expr, Solution], time) -> sympy.ImmutableMatrix:

@@ -102,6 +102,8 @@ def _sign_of_factor(p) -> int | None:
     signs = {_sign_of_number(p.ring.domain, c) for c in p.coeffs()}
     if len(signs) == 1:
         return signs.pop()
+    if (number := p.as_expr()).is_number:  # pi is one of the symbols of the ring
+        return 1 if number.is_positive else -1
     for symbol in p.ring.gens:
         if p.degree(symbol) == 2:
             zeroth, first, second = (_coefficient(p, symbol, power) for power in range(3))

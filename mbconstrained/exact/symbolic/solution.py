@@ -9,12 +9,15 @@ from itertools import combinations
 import sympy
 from sympy.polys.domains import Domain
 
+from ...errors import InputError
 from .assumptions import must_not_vanish
 from .compact import factored
-from .fields import element
+from .factoring import Factors, factors_of
+from .fields import element, field_of
+from .laurent import series_at_infinity
 from .matrix import SymbolicPolynomialMatrix
 from .modes import Mode, modes
-from .principal_parts import Factors, factors_of, principal_parts, series_at_infinity
+from .principal_parts import principal_parts
 from .sources import Source, amplitudes
 
 #: A linear combination of amplitudes.
@@ -98,8 +101,10 @@ def combined(field: Domain, combination: Combination) -> sympy.Expr:
     return sympy.Add(*(generator * factored(field, factor) for generator, factor in combination.items()))
 
 
-def assumptions_of(A: SymbolicPolynomialMatrix, sources: Iterable[Source], field: Domain) -> tuple[sympy.Expr, ...]:
-    """What must not vanish so that the factors stay what they are: leading coefficient, discriminants, resultants."""
+def assumptions_of(
+    A: SymbolicPolynomialMatrix, sources: Iterable[Source], field: Domain, divisors: Iterable[sympy.Expr] = ()
+) -> tuple[sympy.Expr, ...]:
+    """What must not vanish so that the factors stay what they are: leading coefficient, discriminants, resultants; and divisors."""
     determinant = A.determinant.set_domain(field)
     below = {source.denominator for source in sources if source.power}
     factors = {q for q, _ in factors_of(determinant)}.union(
@@ -109,7 +114,32 @@ def assumptions_of(A: SymbolicPolynomialMatrix, sources: Iterable[Source], field
     values = [determinant.rep.to_list()[0]]
     values += [q.rep.discriminant() for q in factors if q.degree() > 1]
     values += [p.rep.resultant(q.rep) for p, q in combinations(factors, 2)]
-    return must_not_vanish(field, values)
+    found = {each: None for each in must_not_vanish(field, values)}
+    for each in (part for divisor in divisors for part in _vanishing(divisor)):
+        if sympy.expand(-each) not in map(sympy.expand, found):
+            found[each] = None
+    return tuple(sorted(found, key=lambda e: (sympy.count_ops(e), str(e))))
+
+
+def divisors_of(expressions: Iterable[sympy.Expr], time: sympy.Symbol) -> list[sympy.Expr]:
+    """What is divided by in what the user gave.
+
+    >>> a, b, t = sympy.symbols("a b t")
+    >>> divisors_of([b * sympy.exp(-t / (a - b))], t)
+    [a - b]
+    """
+    powers = set().union(*(expression.atoms(sympy.Pow) for expression in expressions))
+    below = {power.base for power in powers if power.exp.could_extract_minus_sign() and not power.base.has(time)}
+    return sorted((base for base in below if base.free_symbols), key=sympy.default_sort_key)
+
+
+def _vanishing(divisor: sympy.Expr) -> tuple[sympy.Expr, ...]:
+    """The factors of it that positive symbols can make zero; itself where it is not rational in them."""
+    try:
+        field = field_of([divisor])
+        return must_not_vanish(field, [element(field, divisor, "divisor")])
+    except InputError:
+        return (divisor,)
 
 
 def _polynomial(field, expression, s) -> sympy.Poly:

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import sympy
 from sympy.polys.domains import Domain
 
+from ...errors import InputError
 from .compact import element_of
 from .fields import field_of
-from .matrix import SymbolicPolynomialMatrix
+from .matrix import SymbolicPolynomialMatrix, checked_matrix
+from .names import check_start_names, start_name
 from .transform import Term, terms_of, transform_of
 
 
@@ -37,12 +39,16 @@ class Source:
 def initial_symbols(A: SymbolicPolynomialMatrix) -> sympy.ImmutableMatrix:
     """Symbols for the values at 0-, shape (q, r): row i holds x^(i)(0-), named x1_0, x1_1, ... after the coordinates.
 
+    Raises:
+        InputError: a symbol of A is called like one of them.
+
     >>> initial_symbols(SymbolicPolynomialMatrix([[[1]], [[0]], [[1]]], coordinates=["u"]))
     Matrix([
     [u_0],
     [u_1]])
     """
-    names = [[f"{name}_{i}" for name in A.coordinates] for i in range(A.degree)]
+    check_start_names(checked_matrix(A).coordinates, A.degree, A.symbols)
+    names = [[start_name(name, i) for name in A.coordinates] for i in range(A.degree)]
     return sympy.Matrix(A.degree, A.size, lambda i, j: sympy.Symbol(names[i][j], real=True)).as_immutable()
 
 
@@ -59,13 +65,27 @@ def initial_sources(A: SymbolicPolynomialMatrix, initial: sympy.Matrix) -> list[
 
 
 def force_sources(A: SymbolicPolynomialMatrix, force: Iterable[sympy.Expr], time: sympy.Symbol) -> list[Source]:
-    """F(s) of a force, r expressions in time, one source for each amplitude of each term."""
+    """F(s) of a force, r expressions in time, one source for each amplitude of each term.
+
+    Raises:
+        InputError: a function of another kind, or a power of a constant, the rate of which is its logarithm.
+    """
     found = []
     for row, expression in enumerate(force):
+        _check_rates(expression, time)
         for given in terms_of(expression, time):
             for term in given.from_its_start():
                 found += _sources_of_term(A, row, term)
     return found
+
+
+def _check_rates(expression: sympy.Expr, time: sympy.Symbol) -> None:
+    for power in expression.atoms(sympy.Pow):
+        if power.exp.has(time) and not power.base.has(time):
+            raise InputError(
+                f"force: found {power}; expected exp(a*{time}) with a rational in the symbols: write a symbol a for "
+                f"log({power.base}) and put in its value afterwards"
+            )
 
 
 def _sources_of_term(A, row: int, term: Term) -> list[Source]:
@@ -87,9 +107,14 @@ def _sources_of_term(A, row: int, term: Term) -> list[Source]:
 
 def field_with(A: SymbolicPolynomialMatrix, sources: Iterable[Source]) -> Domain:
     """The field of A with the symbols and numbers of the rates and frequencies of the sources."""
+    return field_of(entries_with(A, sources))
+
+
+def entries_with(A: SymbolicPolynomialMatrix, sources: Iterable[Source]) -> list[sympy.Expr]:
+    """The entries of A, and the coefficients that the rates and frequencies of the sources make."""
     polynomials = {p for source in sources for p in (source.denominator, *source.numerator)}
     coefficients = [c for p in polynomials for c in sympy.Poly(p, A.variable).all_coeffs()]
-    return field_of([*(entry for matrix in A.coefficients for entry in matrix), *coefficients])
+    return [*(entry for matrix in A.coefficients for entry in matrix), *coefficients]
 
 
 def amplitudes(field: Domain, expression: sympy.Expr) -> dict[sympy.Expr, object]:

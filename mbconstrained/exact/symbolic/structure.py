@@ -1,4 +1,4 @@
-"""The structure of A(s) over its field: Smith form, elementary divisors, zeros in radicals, and what happens at infinity."""
+"""The structure of A(s) over its field: Smith form, elementary divisors, zeros, and what happens at infinity."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ import sympy
 
 from ...polynomial.structure import Structure
 from .assumptions import must_not_vanish
-from .factoring import constant, factors, resultant
+from .factoring import constant, described, factors_of, resultant
 from .local_smith import AtInfinity, at_infinity, root_polynomials
-from .radicals import roots
+from .radicals import Root, roots
 
 if TYPE_CHECKING:
     from .decomposition import RootPolynomials
     from .matrix import SymbolicPolynomialMatrix
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ElementaryDivisor:
     """The elementary divisors p^k of A(s) that belong to one irreducible polynomial p.
 
@@ -32,6 +32,9 @@ class ElementaryDivisor:
 
     polynomial: sympy.Poly
     exponents: tuple[int, ...]
+
+    def __repr__(self) -> str:
+        return f"ElementaryDivisor({described(self.polynomial)}, exponents {self.exponents})"
 
     @property
     def multiplicity(self) -> int:
@@ -44,7 +47,7 @@ class SymbolicZero:
     """A zero of A(s).
 
     Attributes:
-        value: in radicals, in 1/s; of a complex pair the one above the real axis stands for both.
+        value: in 1/s, in radicals, or with 30 digits where there are no symbols; of a complex pair the one above the real axis stands for both.
         multiplicity, partial_multiplicities: as of ``FiniteZero``.
         is_pair: True where it stands for two.
     """
@@ -67,7 +70,7 @@ class SymbolicStructure(Structure):
     Has the attributes of ``Structure``, and
 
     Attributes:
-        finite_zeros: those that have a closed form in radicals (factors of degree 1, 2 and s^4 + b s^2 + c).
+        finite_zeros: those of ``radicals.roots``: with symbols, of factors of degree 1, 2 and s^4 + b s^2 + c; of numbers all.
         elementary_divisors: all of the finite ones.
         invariant_polynomials: f_1 ... f_r, monic Polys in s, each divides the next (Eq. 5).
         assumptions: expressions in the symbols that must not vanish: the leading coefficient of det A(s), pivots, differences of
@@ -91,17 +94,24 @@ class Local:
     def __init__(self, A: SymbolicPolynomialMatrix):
         self.A = A
         self._terms: dict[sympy.Poly, list[RootPolynomials]] = {}
+        self._roots: dict[sympy.Poly, tuple[Root, ...] | None] = {}
 
     @cached_property
     def divisors(self) -> list[tuple[sympy.Poly, int]]:
         """The irreducible factors of det A(s) with their multiplicities."""
-        return factors(self.A.determinant)
+        return factors_of(self.A.determinant)
 
     def terms(self, p: sympy.Poly, multiplicity: int) -> list[RootPolynomials]:
         """The root polynomials at the zeros of p, the longest first."""
         if p not in self._terms:
             self._terms[p] = root_polynomials(self.A, p, multiplicity)
         return self._terms[p]
+
+    def roots(self, p: sympy.Poly) -> tuple[Root, ...] | None:
+        """The zeros of p; None where there are symbols and no closed form."""
+        if p not in self._roots:
+            self._roots[p] = roots(p)
+        return self._roots[p]
 
     @cached_property
     def infinity(self) -> AtInfinity:
@@ -120,7 +130,7 @@ def structure_of(local: Local) -> SymbolicStructure:
     return SymbolicStructure(
         size=A.size,
         degree=A.degree,
-        finite_zeros=tuple(_zeros(divisors)),
+        finite_zeros=tuple(_zeros(local, divisors)),
         infinite_divisors=tuple(sorted(A.degree - order for order in orders)),
         elementary_divisors=divisors,
         invariant_polynomials=tuple(_invariant_polynomials(A, divisors)),
@@ -128,9 +138,9 @@ def structure_of(local: Local) -> SymbolicStructure:
     )
 
 
-def _zeros(divisors) -> Iterable[SymbolicZero]:
+def _zeros(local, divisors) -> Iterable[SymbolicZero]:
     for divisor in divisors:
-        for root in roots(divisor.polynomial) or ():
+        for root in local.roots(divisor.polynomial) or ():
             yield SymbolicZero(root.value, divisor.multiplicity, divisor.exponents, root.is_pair)
 
 
@@ -148,7 +158,7 @@ def divided_by(local: Local) -> Iterable:
     yield A.determinant.rep.LC()
     for index, (p, count) in enumerate(several):
         yield from (resultant(p, other) for other, _ in several[:index])
-        if p.degree() > 1 and roots(p) is not None:
+        if p.degree() > 1 and local.roots(p) is not None:
             yield resultant(p, p.diff())
         if count > 1:
             yield from (resultant(p, term.pivot) for term in local.terms(p, count))

@@ -37,16 +37,18 @@ class Surd:
     def __neg__(self) -> Surd:
         return Surd(self.field, -self.u, -self.v, self.g)
 
+    @property
+    def conjugate(self) -> Surd:
+        """u - v sqrt(g)."""
+        return Surd(self.field, self.u, -self.v, self.g)
+
+    def times(self, factor) -> Surd:
+        """The product with an element of the field."""
+        return Surd(self.field, self.u * factor, self.v * factor, self.g)
+
     def of(self, u) -> Surd:
         """An element of the field as one of these numbers."""
         return Surd(self.field, u, self.field.zero, self.g)
-
-    def value(self, p: sympy.Poly) -> Surd:
-        """p of this number, by Horner's rule."""
-        total = self.of(self.field.zero)
-        for c in p.rep.to_list():
-            total = total * self + self.of(c)
-        return total
 
     def sign(self) -> int | None:
         """Its sign for all positive values of the symbols, None where it is not seen, or where the number may be complex."""

@@ -12,6 +12,7 @@ from functools import reduce
 import sympy
 
 from ...errors import InputError
+from .fields import check_positive
 
 #: What a force may be made of, for messages.
 EXPECTED = "expected sums and products of constants, t, exp, cos, sin, cosh, sinh, Heaviside(t - t0) and DiracDelta(t - t0, k)"
@@ -61,7 +62,7 @@ def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[Term]:
     [(1/2, 0), (1/2, 2)]
     """
     if not expression.has(t):
-        return [Term(expression)]
+        return [Term(_constant(expression, t))]
     if expression == t:
         return [Term(power=1)]
     if expression.is_Add:
@@ -71,6 +72,16 @@ def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[Term]:
     if expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
         return reduce(_product, [terms_of(expression.base, t)] * int(expression.exp))
     return _function(expression, t)
+
+
+def _constant(expression, t) -> sympy.Expr:
+    """What has no time in it, and no function of nothing but time."""
+    if odd := expression.atoms(sympy.Heaviside, sympy.DiracDelta):
+        found = min(odd, key=sympy.default_sort_key)
+        raise InputError(
+            f"force: found {found}, in which there is no {t}; if the time is called otherwise, pass time=... to say so"
+        )
+    return expression
 
 
 def _function(expression, t) -> list[Term]:
@@ -102,6 +113,7 @@ def _place(expression, t) -> tuple[sympy.Expr, sympy.Expr]:
     """(slope, time) where the argument of a step or an impulse is zero; the slope a number, the time known to lie before, at or after 0."""
     slope, constant = _linear(expression.args[0], expression, t)
     time = sympy.together(-constant / slope) if slope.is_number else None
+    check_positive(constant.free_symbols)
     if time is None or _sign(time) is None:
         raise InputError(
             f"force: found {expression}; expected its argument to be {t} - t0 with t0 >= 0, a number or a positive symbol"

@@ -1,10 +1,7 @@
-"""The parts that the exact structure is made of: pivots modulo primes, minors by interpolation, rounded roots, examples."""
+"""The parts that the exact structure is made of: pivots modulo primes, minors by interpolation, rounded roots."""
 
 from __future__ import annotations
 
-import doctest
-import importlib
-import pkgutil
 from fractions import Fraction
 from itertools import islice
 
@@ -14,21 +11,12 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.exact import rational
 from mbconstrained.exact.rational import modular
 from mbconstrained.exact.rational.cramer import WholeMatrix
 from mbconstrained.exact.rational.local_smith import local_smith
 from mbconstrained.exact.rational.roots import enclosed_roots, rounded_roots
 from tests.exact.rational.products import MATRICES, known, product
 from tests.oracles import exact
-
-modules = [f"mbconstrained.exact.rational.{module.name}" for module in pkgutil.iter_modules(rational.__path__)]
-
-
-@pytest.mark.parametrize("name", modules)
-def test_examples_in_docstrings_are_true(name):
-    assert doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE).failed == 0
-
 
 @pytest.mark.parametrize("seed", range(12))
 def test_unlucky_primes_are_found_out(seed, monkeypatch):

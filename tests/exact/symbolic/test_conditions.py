@@ -7,7 +7,8 @@ import sympy
 
 from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
 from mbconstrained.exact.symbolic.conditions import continuity_equations, impulse_equations
-from mbconstrained.exact.symbolic.response import initial_symbols, solve_symbolically
+from mbconstrained.exact.symbolic.response import solve_symbolically
+from mbconstrained.exact.symbolic.sources import initial_symbols
 from tests.exact.symbolic.models import (
     DAMPED,
     FREE_AND_DECAYING,

@@ -14,7 +14,8 @@ from mbconstrained.exact.symbolic.corollaries import (
     free_motion_by_jordan_blocks,
     free_motion_by_zeros,
 )
-from mbconstrained.exact.symbolic.response import initial_symbols, solve_symbolically
+from mbconstrained.exact.symbolic.response import solve_symbolically
+from mbconstrained.exact.symbolic.sources import initial_symbols
 from mbconstrained.response.apostol_kolodner import apostol_kolodner
 from tests.exact.symbolic.models import (
     DAMPED,
@@ -83,14 +84,19 @@ def test_the_motion_of_an_oscillator_is_written_at_once(formula):
     assert sympy.simplify(formula(OSCILLATOR, "symbols", t)[0] - known) == 0
 
 
-def test_without_closed_roots_the_interpolation_needs_none_either_in_numbers():
+@pytest.mark.parametrize("formula", [free_motion_by_interpolation, free_motion_by_jordan_blocks, free_motion_by_zeros])
+def test_numbers_without_closed_roots_have_decimal_ones(formula):
     A = SymbolicPolynomialMatrix([[[1]], [[3]], [[1]], [[1]]])
-    x = free_motion_by_interpolation(A, [[1], [0], [0]], t)
+    x = formula(A, [[1], [0], [0]], t)
     known = solve_symbolically(A, [[1], [0], [0]], time=t).regular
     assert abs(sympy.N((x - known)[0].subs(t, 2), 25)) < 1e-24
-    for formula in (free_motion_by_jordan_blocks, free_motion_by_zeros):
-        with pytest.raises(mb.InputError, match="no roots in closed form"):
-            formula(A, [[1], [0], [0]], t)
+
+
+@pytest.mark.parametrize("formula", [free_motion_by_jordan_blocks, free_motion_by_zeros])
+def test_symbols_without_closed_roots_have_no_jordan_form(formula):
+    A = SymbolicPolynomialMatrix([[[k]], [[c]], [[0]], [[m]]])
+    with pytest.raises(mb.InputError, match="no roots in closed form"):
+        formula(A, [[1], [0], [0]], t)
 
 
 @pytest.mark.parametrize("A", [OSCILLATOR, TWO_MASSES, RIGID_LINK, STEP_OF_A_DERIVATIVE], ids=lambda A: f"{A.size}x{A.degree}")
@@ -120,3 +126,30 @@ def test_the_sign_of_the_infinite_start():
 def test_other_forms_are_refused(A):
     with pytest.raises(mb.InputError, match="with q >= 1 and nothing between"):
         apostol_kolodner_symbolically(A, None)
+
+
+EVERY = [free_motion_by_jordan_blocks, free_motion_by_interpolation, free_motion_by_zeros, apostol_kolodner_symbolically]
+
+
+@pytest.mark.parametrize("real", [True, None])
+@pytest.mark.parametrize("formula", EVERY)
+def test_the_time_is_called_like_nothing_else(formula, real):
+    """e^{-t t} would be the motion of a rate that is called t."""
+    rate, other = sympy.Symbol("t", real=real), sympy.Symbol("tau", real=real)
+    with pytest.raises(mb.InputError, match="time: the symbol t is also one of A or of the values at 0-"):
+        formula(SymbolicPolynomialMatrix([[[rate]], [[1]]]), [[1]])
+    with pytest.raises(mb.InputError, match="time: the symbol tau is also one of A or of the values at 0-"):
+        formula(SymbolicPolynomialMatrix([[[k]], [[1]]]), [[other]], sympy.Symbol("tau"))
+    with pytest.raises(mb.InputError, match='the symbol "s" is the variable'):
+        formula(SymbolicPolynomialMatrix([[[k]], [[1]]]), [[1]], sympy.Symbol("s"))
+
+
+@pytest.mark.parametrize("formula", EVERY)
+def test_other_arguments_are_refused(formula):
+    with pytest.raises(mb.InputError, match="time: found 't'; expected a sympy.Symbol"):
+        formula(OSCILLATOR, [[1], [0]], "t")
+    with pytest.raises(mb.InputError, match="A: found an object of type PolynomialMatrix; expected a SymbolicPolynomialMatrix"):
+        formula(mb.PolynomialMatrix([[[1]], [[1]]]), [[1]])
+    parameter = SymbolicPolynomialMatrix([[[sympy.Symbol("x1_0", real=True)]], [[1]]])
+    with pytest.raises(mb.InputError, match="coordinate x1 and parameter x1_0"):
+        formula(parameter, "symbols")

@@ -107,6 +107,27 @@ def test_a_real_block_of_a_pair(size):
     assert all(abs(sympy.N(entry, 30)) < 1e-28 for entry in difference)
 
 
+@structures
+@pytest.mark.parametrize("wrong", ["exponent", "zero"])
+def test_zeros_and_exponents_that_are_not_those_of_the_matrix_are_refused(structure, wrong):
+    """A larger exponent is right (the terms beyond are zero), a smaller one or another zero gives another function."""
+    *rest, (zero, sizes) = sorted(structure, key=lambda pair: max(pair[1]))
+    if wrong == "exponent" and max(sizes) == 1:
+        return
+    taken = (zero, max(sizes) - 1) if wrong == "exponent" else (zero + 1, max(sizes))
+    J = sympy.diag(*collected(structure))
+    with pytest.raises(mb.InputError, match="is not 0; expected every zero of J"):
+        exponential_by_interpolation(J, dict([*((each, max(its)) for each, its in rest), taken]), t)
+    with pytest.raises(mb.InputError, match="is not 0; expected every zero of J_i"):
+        exponential_by_blocks(collected([(zero, sizes)]), [taken[0]], [taken[1]], t)
+
+
+def test_nested_lists_are_matrices():
+    known = exponential_by_interpolation(sympy.diag(1, 2), {1: 1, 2: 1}, t)
+    assert exponential_by_interpolation([[1, 0], [0, 2]], {1: 1, 2: 1}, t) == known == sympy.diag(sympy.exp(t), sympy.exp(2 * t))
+    assert exponential_by_blocks([[[1]], [[2]]], [1, 2], [1, 1], t) == known
+
+
 def test_two_times_multiply():
     one = exponential_of_jordan_block(a, 3, t) * exponential_of_jordan_block(a, 3, u)
     assert is_zero(one - exponential_of_jordan_block(a, 3, t + u))
@@ -121,6 +142,18 @@ def test_two_times_multiply():
         (lambda: exponential_by_interpolation(sympy.eye(2), {a: 0}, t), "exponent: found 0"),
         (lambda: exponential_by_blocks([sympy.eye(1)] * 2, [a, a], [1, 1], t), "each zero once"),
         (lambda: exponential_by_blocks([sympy.eye(1)], [a], [1, 2], t), "one zero and one exponent"),
+        (lambda: exponential_by_blocks(3, [a], [1], t), "expected three lists"),
+        (lambda: exponential_by_blocks([[[a, 1]]], [a], [1], t), r"J_i: found shape \(1, 2\)"),
+        (lambda: exponential_by_interpolation([[a, 0]], {a: 1}, t), r"J: found shape \(1, 2\)"),
+        (lambda: exponential_by_interpolation("J", {a: 1}, t), "J: found 'J'"),
+        (lambda: exponential_by_interpolation([[a]], {a: 1}, "t"), "t: found 't'"),
+        (lambda: exponential_by_blocks([[[a]]], [a], [1], "t"), "t: found 't'"),
+        (lambda: exponential_of_jordan_block(a, 1, "t"), "t: found 't'"),
+        (lambda: exponential_of_jordan_block(sympy.Symbol("t", real=True), 1, t), "t: the symbol t is also one of J"),
+        (lambda: exponential_of_real_jordan_block(a, t, 1, t), "t: the symbol t is also one of J"),
+        (lambda: exponential_by_interpolation([[a, t], [0, a]], {a: 2}, t), "t: the symbol t is also one of J"),
+        (lambda: exponential_by_blocks([[[t]]], [t], [1], t), "t: the symbol t is also one of J"),
+        (lambda: interpolation_functions({t: 1}, t), "t: the symbol t is also one of J"),
     ],
 )
 def test_what_is_asked_is_checked(ask, text):

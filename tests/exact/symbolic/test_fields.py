@@ -12,6 +12,7 @@ import sympy
 import mbconstrained as mb
 from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
 from mbconstrained.exact.symbolic.fields import element, exact_expression, expression_of, field_of
+from mbconstrained.exact.symbolic.signs import sign
 
 k, m = sympy.symbols("k m")
 
@@ -55,7 +56,9 @@ def test_entries_are_exact(given, expected):
         (sympy.sin(k), "sin\\(k\\)"),
         (1 + k * sympy.sqrt(m), "sqrt\\(m\\)"),
         (sympy.exp(k), "exp\\(k\\)"),
-        (sympy.pi * k, "pi"),
+        (sympy.sqrt(sympy.pi) * k, "sqrt\\(pi\\)"),
+        (sympy.E * k, "E"),
+        (sympy.pi * sympy.Symbol("pi"), 'two different symbols are called "pi"'),
         (2**k, "2\\*\\*k"),
         (sympy.Integer(2) ** sympy.Rational(1, 3), "2\\*\\*\\(1/3\\)"),
         (sympy.Function("f")(k), "f\\(k\\)"),
@@ -72,6 +75,20 @@ def test_entries_are_exact(given, expected):
 def test_other_entries_are_refused_with_what_was_found(entry, found):
     with pytest.raises(mb.InputError, match=found):
         SymbolicPolynomialMatrix([[[entry]]])
+
+
+def test_pi_is_one_more_symbol_of_the_field_and_none_of_the_matrix():
+    A = SymbolicPolynomialMatrix([[[4 * sympy.pi**2 * k]], [[1]]])
+    assert A.symbols == (k,) and A.field.symbols == (k, sympy.pi)
+    assert field_of([sympy.pi]).symbols == (sympy.pi,)
+    assert A.numerators([sympy.pi])[0].as_expr() == sympy.pi
+    assert SymbolicPolynomialMatrix([[[k]]]).numerators([sympy.pi])[0].as_expr() == sympy.pi
+
+
+def test_signs_of_numbers_with_pi_are_known():
+    K = field_of([sympy.pi, k])
+    signs = [sign(K, element(K, e, "x")) for e in (sympy.pi - 3, 22 - 7 * sympy.pi, (3 - sympy.pi) * k, sympy.pi - k)]
+    assert signs == [1, 1, -1, None]
 
 
 def test_fields_are_the_smallest():

@@ -95,7 +95,15 @@ def test_numerators_are_over_the_field_of_all_symbols():
 
 
 @pytest.mark.parametrize(
-    "b, message", [([1, 2], "b: 2 entries given, expected 1"), ([1 / s], "b\\[0\\]"), (["1"], "found '1'"), ([s**k], "s")]
+    "b, message",
+    [
+        ([1, 2], "b: 2 entries given, expected 1"),
+        ([1 / s], "b\\[0\\]"),
+        (["1"], "found '1'"),
+        ([s**k], "s"),
+        (3, "b: found 3; expected 1 expressions"),
+        ("1", "b: found '1'"),
+    ],
 )
 def test_other_right_hand_sides_are_refused(b, message):
     with pytest.raises(mb.InputError, match=message):
@@ -139,6 +147,24 @@ def test_numbers_of_a_numerical_matrix_are_the_rationals_they_are():
     assert A.coordinates == ("x",)
     assert A.symbols == ()
     assert A.field == sympy.QQ
+
+
+@pytest.mark.parametrize(
+    "given, name",
+    [
+        ([[1]], "list"),
+        (mb.MechanicalSystem(mass=[[1.0]], stiffness=[[2.0]]), "MechanicalSystem"),
+        (OSCILLATOR, "SymbolicPolynomialMatrix"),
+    ],
+)
+def test_only_numerical_matrices_are_taken_as_such(given, name):
+    with pytest.raises(mb.InputError, match=f"A: found an object of type {name}; expected a PolynomialMatrix"):
+        SymbolicPolynomialMatrix.of(given)
+
+
+@pytest.mark.parametrize("index", [-2, np.int64(-2), sympy.Integer(-2)])
+def test_laurent_takes_every_kind_of_whole_number(index):
+    assert OSCILLATOR.jordan_pairs().laurent(index)[0] == 1 / m
 
 
 @pytest.mark.parametrize("index", [1.0, True, "1", None])

@@ -8,7 +8,7 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbconstrained.exact.symbolic.factoring import factors, inverse_modulo
+from mbconstrained.exact.symbolic.factoring import factors_of, inverse_modulo
 from mbconstrained.exact.symbolic.fields import element, field_of
 from mbconstrained.exact.symbolic.radicals import roots
 from mbconstrained.exact.symbolic.signs import definite, root_expression, sign, sign_with_root, square_root
@@ -140,15 +140,58 @@ def close(one, two) -> bool:
     return abs(one - two) <= mpmath.mpf(10) ** -DIGITS * (1 + abs(two))
 
 
-@pytest.mark.parametrize("expression", [s**3 - a, s**3 - 2, s**6 + a * s**4 + b, s**4 + s + 1], ids=str)
-def test_no_short_closed_form(expression):
-    symbols = sympy.sympify(expression).free_symbols - {s}
-    assert roots(sympy.Poly(expression, s, domain=field_of([*symbols] or [sympy.Integer(1)]))) is None
+@pytest.mark.parametrize("expression", [s**3 - a, s**6 + a * s**4 + b, s**4 + a * s + 1], ids=str)
+@pytest.mark.parametrize("split", [True, False])
+def test_no_short_closed_form(expression, split):
+    assert roots(sympy.Poly(expression, s, domain=field_of([*expression.free_symbols - {s}])), split) is None
+
+
+def test_pairs_where_it_depends_on_the_symbols():
+    """As two zeros, or as one pair of which the imaginary part may be the root of a negative number."""
+    p = sympy.Poly(s**2 + a * s + b, s, domain=field_of([a, b]))
+    one, two = roots(p)
+    (pair,) = roots(p, split=False)
+    assert pair.is_pair and not one.is_pair and not two.is_pair
+    assert sympy.expand(pair.real - (one.real + two.real) / 2) == 0
+    assert sympy.expand(pair.imaginary**2 + (one.real - two.real) ** 2 / 4) == 0
+
+
+CERTAINLY_COMPLEX = [s**4 + a * s**2 + 3 * a**2, s**4 + 4 * s**3 + (6 + a) * s**2 + (4 + 2 * a) * s + 1 + a + 3 * a**2]
+
+
+@pytest.mark.parametrize("expression", CERTAINLY_COMPLEX, ids=str)
+@pytest.mark.parametrize("split", [True, False])
+def test_parts_are_real_where_no_zero_is(expression, split):
+    p = sympy.Poly(expression, s, domain=field_of([a]))
+    for root in roots(p, split):
+        assert root.is_pair
+        for part in (root.real, root.imaginary, *root.at(p.diff())):
+            assert sympy.im(at(part, {a: sympy.Rational(2, 7)})) == 0 and not part.has(sympy.I)
+
+
+@given(st.lists(st.integers(-4, 4), min_size=4, max_size=4))
+@settings(max_examples=30, deadline=None)
+def test_quartics_in_numbers(numbers):
+    """Real, complex, in radicals or as decimals: of each pair the zero above the real axis, and what a polynomial is there."""
+    p = sympy.Poly([1, *numbers], s, domain=sympy.QQ)
+    if not p.is_irreducible:
+        return
+    found, e = roots(p), sympy.Poly(5 * s**3 - s + 2, s, domain=sympy.QQ)
+    zeros = [at(root.value, {}) for root in found]
+    zeros += [mpmath.conj(zero) for zero, root in zip(zeros, found) if root.is_pair]
+    with mpmath.workdps(DIGITS):
+        exact = [mpmath.mpmathify(zero) for zero in p.nroots(n=DIGITS, maxsteps=500)]
+        assert len(zeros) == 4
+        for root, zero in zip(found, zeros):
+            assert min(abs(zero - other) for other in exact) < mpmath.mpf(10) ** -28
+            assert mpmath.im(zero) > 0 if root.is_pair else mpmath.im(zero) == 0
+            real, imaginary = (at(part, {}) for part in root.at(e))
+            assert abs(real + 1j * imaginary - (5 * zero**3 - zero + 2)) < mpmath.mpf(10) ** -26 * (1 + abs(zero) ** 3)
 
 
 def test_factors_over_the_field():
     p = sympy.Poly(sympy.expand(a * s**2 * (b * s - c) ** 2 * (s**2 + a) / d), s, domain=K)
-    assert [(factor.as_expr(), power) for factor, power in factors(p)] == [(s, 2), (s - c / b, 2), (s**2 + a, 1)]
+    assert [(factor.as_expr(), power) for factor, power in factors_of(p)] == [(s, 2), (s - c / b, 2), (s**2 + a, 1)]
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 
 import mbconstrained as mb
 from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.response import initial_symbols, solve_symbolically
-from tests.exact.symbolic.laplace import inverted
+from mbconstrained.exact.symbolic.response import solve_symbolically
+from mbconstrained.exact.symbolic.sources import initial_symbols
+from tests.exact.symbolic.laplace import at_infinity, inverted
 from tests.exact.symbolic.models import (
     DAMPED,
     FREE_AND_DECAYING,
@@ -118,11 +119,11 @@ def test_equations_89_and_90_with_the_matrices_of_the_paper_corrected():
     np.testing.assert_allclose(numbers(found, values), numbers(printed, values), rtol=1e-14)
 
 
-@pytest.mark.parametrize("A", MODELS, ids=names)
-@pytest.mark.parametrize("kind", ["free", "harmonic", "decaying", "step"])
-def test_values_are_those_of_the_inverted_transform(A, kind):
-    """With general values at 0-; the polynomial part of X, which has no value at t > 0, is taken off as the impulses say."""
-    r, q = A.size, A.degree
+KINDS = ["free", "harmonic", "decaying", "step"]
+
+
+def force_and_transform(kind, r):
+    """f(t) as expressions, and F(s) at VALUES as a function of mpmath numbers."""
     force = {
         "free": [sympy.S.Zero] * r,
         "harmonic": [F * sympy.cos(w * t + p)] + [sympy.S.Zero] * (r - 1),
@@ -142,8 +143,34 @@ def test_values_are_those_of_the_inverted_transform(A, kind):
         "decaying": lambda s: [0] * (r - 1) + [3 / (s + 2) ** 2],
         "step": lambda s: [1 / s] * r,
     }[kind]
+    return force, laplace
+
+
+@pytest.mark.parametrize("A", MODELS, ids=names)
+@pytest.mark.parametrize("kind", KINDS)
+def test_impulses_and_values_at_0_are_the_transform_s_at_infinity(A, kind):
+    """From general values at 0-, most of which make impulses or jumps where they can."""
+    force, laplace = force_and_transform(kind, A.size)
+    initial = sympy.Matrix(A.degree, A.size, lambda i, j: R(2 * i - j + 1, 3))
+    x = solve_symbolically(A, initial, force, t)
+    for power in range(A.degree + 1):
+        known = at_infinity(A.coefficients, VALUES, initial, laplace, power)
+        found = x.impulses[power] if power < len(x.impulses) else sympy.zeros(A.size, 1)
+        np.testing.assert_allclose(numbers(found, VALUES), [complex(e) for e in known], rtol=1e-14, atol=1e-25)
+    assert len(x.impulses) <= A.degree + 1 and (not x.impulses or any(x.impulses[-1]))
+    for i in range(A.degree):
+        known = at_infinity(A.coefficients, VALUES, initial, laplace, -1 - i)
+        np.testing.assert_allclose(numbers(x.start[i, :], VALUES), [complex(e) for e in known], rtol=1e-14, atol=1e-25)
+
+
+@pytest.mark.parametrize("A", MODELS, ids=names)
+@pytest.mark.parametrize("kind", KINDS)
+def test_values_are_those_of_the_inverted_transform(A, kind):
+    """From general values at 0-, changed where these would make impulses: Talbot needs X(s) -> 0 at infinity."""
+    r, q = A.size, A.degree
+    force, laplace = force_and_transform(kind, r)
     initial = sympy.Matrix(q, r, lambda i, j: R(2 * i - j + 1, 3))
-    if A in (RIGID_LINK, STEP_OF_A_DERIVATIVE):  # Talbot needs X(s) -> 0: a start without impulses
+    if A in (RIGID_LINK, STEP_OF_A_DERIVATIVE):
         conditions = solve_symbolically(A, None, force, t).admissible_conditions
         values = dict(zip(initial_symbols(A), initial))
         for condition in reversed(conditions):
@@ -346,6 +373,21 @@ def test_floats_are_the_decimals_that_they_are_written_as():
         (lambda: solve_symbolically(OSCILLATOR, None, [sympy.Symbol("s")]), 'the symbol "s" is the variable'),
         (lambda: solve_symbolically(OSCILLATOR, None, [t], k), "time: the symbol k is also one of A"),
         (lambda: solve_symbolically(OSCILLATOR, None, [sympy.cos(2 ** R(1, 3) * t)]), "expected a rational function"),
+        (
+            lambda: solve_symbolically(OSCILLATOR, [1, 0]),
+            r"expected 2 rows of 1 values, row i the i-th derivatives.*found \[1, 0\]",
+        ),
+        (lambda: solve_symbolically(OSCILLATOR, 1), "expected 2 rows of 1 values, row i the i-th derivatives.*found 1"),
+        (lambda: solve_symbolically(OSCILLATOR, None, F), "force: found F; expected a list of 1 sympy expression .*Heaviside"),
+        (lambda: solve_symbolically(OSCILLATOR, None, {"x1": F}), "force: found {'x1': F}; expected a list"),
+        (
+            lambda: solve_symbolically(OSCILLATOR, None, mb.step([1.0])),
+            "force: found .*mb.step and others like it are .* of mb.solve",
+        ),
+        (lambda: solve_symbolically(OSCILLATOR, None, [2**t]), r"force: found 2\*\*t; expected exp\(a\*t\) with a rational"),
+        (lambda: solve_symbolically(OSCILLATOR, None, [t], "t"), "time: found 't'; expected a sympy.Symbol"),
+        (lambda: solve_symbolically(mb.PolynomialMatrix([[[1]], [[1]]])), "A: found an object of type PolynomialMatrix"),
+        (lambda: initial_symbols(3), "A: found an object of type int"),
     ],
 )
 def test_what_cannot_be_done_is_said(ask, text):
@@ -360,3 +402,173 @@ def test_a_factor_without_closed_roots_is_named():
     numbers_only = SymbolicPolynomialMatrix([[[1]], [[3]], [[1]], [[1]]])
     x = solve_symbolically(numbers_only, [[1], [0], [0]])
     assert abs(sympy.N(x.regular[0].subs(x.time, 0), 30) - 1) < 1e-28
+
+
+@pytest.mark.parametrize(
+    ("coordinates", "name", "text"),
+    [
+        (None, "x1_0", "coordinate x1 and parameter x1_0: the value of x1 at 0-"),
+        (["u"], "u_1", "coordinate u and parameter u_1: derivative 1 of u at 0-"),
+    ],
+)
+@pytest.mark.parametrize("real", [True, None])
+def test_a_parameter_called_like_a_value_at_0_is_refused(coordinates, name, text, real):
+    """Else it would be taken for that value, or be printed like it."""
+    parameter = sympy.Symbol(name, real=real)
+    A = SymbolicPolynomialMatrix([[[parameter]], [[0]], [[1]]], coordinates)
+    for initial in ("symbols", None, [[1], [0]]):
+        with pytest.raises(mb.InputError, match=text):
+            solve_symbolically(A, initial)
+    fixed = SymbolicPolynomialMatrix([[[k]], [[0]], [[1]]], coordinates)
+    with pytest.raises(mb.InputError, match=text):
+        solve_symbolically(fixed, [[1], [0]], [F * parameter])
+    third = SymbolicPolynomialMatrix([[[sympy.Symbol("x1_2")]], [[0]], [[1]]])
+    assert third.symbols[0] in solve_symbolically(third, "symbols").regular.free_symbols
+
+
+def test_a_force_may_depend_on_the_value_at_0():
+    """A spring that is at rest where it starts: nothing moves."""
+    x10, x11 = initial_symbols(OSCILLATOR)
+    assert solve_symbolically(OSCILLATOR, [[x10], [0]], [k * x10], t).regular[0] == x10
+    assert solve_symbolically(OSCILLATOR, "symbols", [k * x10], t).start[1] == x11
+
+
+@pytest.mark.parametrize(
+    "force",
+    [sympy.Heaviside(w - 1), sympy.DiracDelta(w - 1), sympy.sin(w), F * sympy.exp(-w), sympy.cos(2 * w) ** 2, sympy.sinh(w)],
+)
+def test_a_force_of_another_time_is_refused(force):
+    with pytest.raises(mb.InputError, match=r"but no time t; if w is the time, pass time=w"):
+        solve_symbolically(OSCILLATOR, None, [force])
+    moving = solve_symbolically(OSCILLATOR, None, [force], w)
+    assert moving.time == w and w in moving.regular.free_symbols
+
+
+def test_a_constant_force_may_have_an_angle():
+    """m g sin(alpha), where the time is given; a step that does not depend on time is no force all the same."""
+    x = solve_symbolically(SymbolicPolynomialMatrix([[[0]], [[0]], [[m]]]), None, [m * sympy.sin(p)], t)
+    assert x.regular[0] == t**2 * sympy.sin(p) / 2
+    with pytest.raises(mb.InputError, match=r"found Heaviside\(w - 1\), in which there is no t"):
+        solve_symbolically(OSCILLATOR, None, [F * t * sympy.Heaviside(w - 1)], t)
+
+
+def test_start_times_are_positive():
+    early = sympy.Symbol("T", negative=True)
+    for force in (sympy.Heaviside(t - early), sympy.Heaviside(t + 2 * early), sympy.DiracDelta(t - early)):
+        with pytest.raises(mb.InputError, match="symbol T: it is declared not to be positive"):
+            solve_symbolically(OSCILLATOR, None, [force], t)
+    plain = sympy.Symbol("T")
+    assert solve_symbolically(OSCILLATOR, None, [sympy.Heaviside(t - plain)], t).assumptions == (plain,)
+    assert solve_symbolically(OSCILLATOR, None, [sympy.Heaviside(t - t0)], t).assumptions == ()
+
+
+def test_what_is_divided_by_is_assumed():
+    a, b = sympy.symbols("a b", positive=True)
+    decaying = SymbolicPolynomialMatrix([[[a]], [[1]]])
+    cases = [
+        solve_symbolically(SymbolicPolynomialMatrix([[[1 / (a - b)]], [[1]]]), [[1]]),
+        solve_symbolically(decaying, [[1 / (a - b)]]),
+        solve_symbolically(decaying, None, [F / (b - a)], t),
+        solve_symbolically(decaying, None, [sympy.exp(-t / (a + b)) / (a**2 - b**2) ** 2], t),
+        solve_symbolically(decaying, None, [F / sympy.sqrt(a - b)], t),
+    ]
+    assert all((a - b) in x.assumptions or (b - a) in x.assumptions for x in cases)
+    assert [len(x.assumptions) for x in cases] == [1, 1, 1, 2, 1]
+    assert solve_symbolically(decaying, None, [F / (1 - sympy.cos(b))], t).assumptions == (1 - sympy.cos(b),)
+    assert solve_symbolically(decaying, [[1 / (a + b)]], [F / a], t).assumptions == ()
+
+
+@pytest.mark.parametrize("damping", [0, R(1, 5), 2, 7], ids=["undamped", "oscillating", "critical", "overdamped"])
+def test_values_put_in_by_solving_again(damping):
+    """Critical damping, where the formula is 0/0, and resonance: exactly the response of numbers, and no root of a negative number."""
+    x = solve_symbolically(DAMPED, [[F], [-1]], [F * sympy.cos(w * t)], t)
+    values = {k: 1, c: damping, m: 1, F: -R(1, 2), w: 1}
+    found = x.at(values)
+    A = SymbolicPolynomialMatrix([[[1]], [[damping]], [[1]]])
+    known = solve_symbolically(A, [[-R(1, 2)], [-1]], [-sympy.cos(t) / 2], t)
+    assert found.regular == known.regular and found.start == known.start and found.time == t
+    assert found.regular.free_symbols == {t} and found.assumptions == ()
+    values_of = sympy.lambdify(t, found.regular[0])(np.array([0.5, 2.0]))
+    numeric = mb.solve(
+        mb.PolynomialMatrix([[[1]], [[float(damping)]], [[1]]]), [[-0.5], [-1]], mb.harmonic([-0.5], angular_frequency=1)
+    )
+    np.testing.assert_allclose(values_of, numeric([0.5, 2.0])[0], rtol=1e-12)
+
+
+def test_values_for_some_symbols_leave_the_others():
+    x = solve_symbolically(MASSLESS_JOINTS, "symbols")
+    found = x.at({k1: 2 * k2, c1: 0.5, initial_symbols(MASSLESS_JOINTS)[0]: -3})
+    assert found.polynomial_matrix.coordinates == ("u1", "u2", "u3") and found.initial[0] == -3
+    assert found.polynomial_matrix.coefficients[0][0, 0] == 3 * k2 and found.polynomial_matrix.coefficients[1][1, 1] == c2 + R(1, 2)
+    assert x.at({}).regular == x.regular
+
+
+@pytest.mark.parametrize(
+    ("values", "text"),
+    [
+        (3, "values: found 3; expected a dictionary with values by symbol, of c, k, m"),
+        ({"k": 1}, "values: found {'k': 1}"),
+        ({sympy.Symbol("k"): 1}, "values: found {k: 1}"),
+        ({t: 1}, "values: found {t: 1}"),
+        ({k: "1"}, "k: found '1'"),
+        ({m: sympy.nan}, "m: found nan"),
+    ],
+)
+def test_values_that_cannot_be_put_in(values, text):
+    x = solve_symbolically(DAMPED, [[1], [0]], time=t)
+    with pytest.raises(mb.InputError, match=text):
+        x.at(values)
+    with pytest.raises(mb.SingularPolynomialMatrix):
+        x.at({k: 0, c: 0, m: 0})
+    divided = solve_symbolically(SymbolicPolynomialMatrix([[[1 / (k - c)]], [[1]]]), [[1]])
+    with pytest.raises(mb.InputError, match="must be finite"):
+        divided.at({k: c})
+
+
+def test_pi_is_a_number_of_the_field():
+    """A frequency in Hz, and a stiffness of 4 pi^2 m f^2."""
+    f = sympy.Symbol("f", positive=True)
+    x = solve_symbolically(OSCILLATOR, None, [F * sympy.sin(2 * sympy.pi * f * t)], t)
+    other = solve_symbolically(OSCILLATOR, None, [F * sympy.sin(w * t)], t)
+    values = {**VALUES, w: 2 * sympy.pi * R(3, 7), f: R(3, 7), t: R(5, 4)}
+    assert numbers(x.regular, values) == pytest.approx(numbers(other.regular, values), rel=1e-14)
+    (assumed,) = x.assumptions
+    assert sympy.expand(assumed**2 - (k - 4 * sympy.pi**2 * f**2 * m) ** 2) == 0
+    A = SymbolicPolynomialMatrix([[[4 * sympy.pi**2 * m * f**2]], [[0]], [[m]]])
+    assert solve_symbolically(A, [[1], [0]], time=t).regular[0] == sympy.cos(2 * sympy.pi * f * t)
+    assert A.symbols == (f, m) and A.structure().finite_zeros[0].value == 2 * sympy.pi * sympy.I * f and A.assumptions == ()
+    resonant = solve_symbolically(A, None, [m * sympy.cos(2 * sympy.pi * f * t)], t)
+    assert sympy.simplify(resonant.regular[0] - t * sympy.sin(2 * sympy.pi * f * t) / (4 * sympy.pi * f)) == 0
+
+
+@pytest.mark.parametrize("damping, overdamped", [(sympy.pi, False), (7, True), (2 * sympy.pi, None)])
+def test_the_sign_of_a_number_with_pi_decides(damping, overdamped):
+    x = solve_symbolically(SymbolicPolynomialMatrix([[[sympy.pi**2]], [[damping]], [[1]]]), [[1], [2]], time=t)
+    assert x.assumptions == () and x.regular[0].has(sympy.cos) == (overdamped is False)
+    assert x.regular[0].has(t * sympy.exp(-sympy.pi * t)) == (overdamped is None)
+    numeric = mb.solve(mb.PolynomialMatrix([[[np.pi**2]], [[float(damping)]], [[1]]]), [[1], [2]])
+    assert numbers(x.regular, {t: R(4, 5)})[0] == pytest.approx(numeric(0.8)[0], rel=1e-7)
+
+
+def test_numbers_with_pi_and_without_closed_roots_are_decimals():
+    A = SymbolicPolynomialMatrix([[[1]], [[sympy.pi]], [[1]], [[3]]])
+    numeric = mb.solve(mb.PolynomialMatrix([[[1]], [[np.pi]], [[1]], [[3]]]), [[1], [0], [2]])
+    x = solve_symbolically(A, [[1], [0], [2]], time=t)
+    assert numbers(x.regular, {t: 2})[0] == pytest.approx(numeric(2.0)[0], rel=1e-9) and x.assumptions == ()
+
+
+def test_symbols_without_assumptions_read_as_well():
+    """Calculated with positive ones of the same names; the result has the user's."""
+    names = {symbol: sympy.Symbol(symbol.name) for symbol in (m, k, c, w, F)}
+    real = {**names, k: sympy.Symbol("k", real=True)}
+    for own in (names, real):
+        A = SymbolicPolynomialMatrix([matrix.xreplace(own) for matrix in DAMPED.coefficients])
+        wave = F * sympy.cos(w * t) * sympy.Heaviside(t - 2) + sympy.DiracDelta(t)
+        x, known = (solve_symbolically(*each) for each in ((A, "symbols", [wave.xreplace(own)], t), (DAMPED, "symbols", [wave], t)))
+        assert x.regular.free_symbols == {t, *own.values(), *initial_symbols(A)}
+        assert x.start == known.start.xreplace(own) and x.assumptions == tuple(each.xreplace(own) for each in known.assumptions)
+        assert str(x.regular) == str(known.regular)
+        assert x.polynomial_matrix is A and x.force == sympy.Matrix([wave.xreplace(own)])
+        assert str(x.later_impulses) == str(known.later_impulses) and x.impulses == known.impulses
+    plain = SymbolicPolynomialMatrix([[[names[k]]], [[0]], [[names[m]]]])
+    assert str(solve_symbolically(plain, [[1], [0]], time=t).regular[0]) == "cos(sqrt(k)*t/sqrt(m))"
