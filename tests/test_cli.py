@@ -411,3 +411,8 @@ def test_a_formula_follows_links_and_leaves_devices(command, tmp_path):
 @pytest.mark.parametrize("seconds", ["inf", "1e300", "nan", "0"])
 def test_a_limit_of_time_is_a_number_of_seconds(command, seconds):
     assert command("formula", str(EXAMPLES / "two_masses_formula.toml"), "--seconds", seconds)[0] == 2
+
+
+def test_digits_are_of_decimals(command):
+    code, _, problem = command("formula", str(EXAMPLES / "two_masses_formula.toml"), "--digits", "4")
+    assert code == 1 and "add --numbers" in problem

@@ -135,7 +135,7 @@ def formula(
     numbers: Annotated[
         bool, typer.Option("--numbers", help="Insert the default values of the parameters, write decimals.")
     ] = False,
-    digits: Annotated[int, typer.Option("--digits", min=2, max=30, help="Of the decimals with --numbers.")] = 6,
+    digits: Annotated[int | None, typer.Option("--digits", min=2, max=30, help="Of the decimals with --numbers; 6.")] = None,
     coordinates: Annotated[str, typer.Option("--coordinates", metavar="A,B", help="Only these coordinates.")] = "",
     out: Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")] = "",
     seconds: Annotated[float, typer.Option("--seconds", min=1.0, max=LONGEST_WORK, help="Break off after so long.")] = 120.0,

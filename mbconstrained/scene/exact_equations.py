@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,12 +31,14 @@ class ExactEquations:
         initial: x^(i)(0-) as row i.
         force: r expressions in t.
         shown: the coordinates whose formulas are wanted; others, as the input of a transfer function, only help.
+        implied: coordinates whose values at 0- follow from others, with the factors of these.
     """
 
     polynomial_matrix: SymbolicPolynomialMatrix
     initial: np.ndarray
     force: list[Any]
     shown: tuple[str, ...]
+    implied: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
 def exact_equations(scene: Scene, symbols: Symbols) -> ExactEquations:
@@ -125,7 +128,8 @@ def _state_space(scene: Scene, symbols: Symbols) -> ExactEquations:
     u = exact_force(scene.table.force, inputs, symbols, scene.path.parent, scene.path.name, inputs=True)
     force = list(np.vstack([B, D]) @ np.array(u, dtype=object)) if u else [symbols.of(0)] * (n + q)
     initial = np.concatenate([start, C @ start])[None]
-    return ExactEquations(SymbolicPolynomialMatrix([constant, leading], names), initial, force, names)
+    outputs = {name: dict(zip(system.states, row)) for name, row in zip(system.outputs, C)}
+    return ExactEquations(SymbolicPolynomialMatrix([constant, leading], names), initial, force, names, outputs)
 
 
 def _state_matrices(scene: Scene, symbols: Symbols) -> list[np.ndarray]:
@@ -158,4 +162,4 @@ def _transfer_function(scene: Scene, symbols: Symbols) -> ExactEquations:
     initial = symbols.all_of(np.zeros((len(matrices) - 1, 2)))
     given = initial_entries(scene.table.initial, control.outputs, len(a) - 1, scene.path.name)
     initial[: len(given), 0] = symbols.all_of(given[:, 0][: len(initial)])
-    return ExactEquations(SymbolicPolynomialMatrix(matrices, names), initial, [symbols.of(0), u], names[:1])
+    return ExactEquations(SymbolicPolynomialMatrix(matrices, names), initial, [symbols.of(0), u], names[:1], {names[1]: {}})

@@ -59,7 +59,7 @@ def _plain(value):
 def _frequency(table, symbols: Symbols) -> Any:
     if table.angular_frequency is not None:
         return symbols.of(table.angular_frequency)
-    return 2 * symbols.pi * symbols.of(table.frequency or 0)
+    return 2 * symbols.pi * symbols.of(0 if table.frequency is None else table.frequency)  # 0 may be the default of a parameter
 
 
 def _cosine(table, symbols: Symbols, signals) -> dict:

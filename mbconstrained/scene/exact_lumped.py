@@ -28,7 +28,7 @@ def exact_lumped(scene: Scene, symbols: Symbols) -> tuple[list[np.ndarray], list
     elements = _exact_elements(scene, symbols)
     factors = incidence_of(elements)
     K, C = (_integers(b.incidence).T @ (b.constants[:, None] * _integers(b.incidence)) for b in (factors.springs, factors.dampers))
-    gravity = symbols.of(table.gravity or 0)
+    gravity = symbols.of(0 if table.gravity is None else table.gravity)  # 0 may be the default of a parameter
     weights = {element.name: gravity * element.mass for element in elements if isinstance(element, Mass)}
     rest = _integers(factors.springs.incidence).T @ (factors.springs.constants * factors.springs.rest)
     static = rest + coordinate_row({name: weights.get(name, 0) for name in coordinates.names}, coordinates.names)

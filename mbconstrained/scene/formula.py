@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..checks import nearest
 from ..errors import InputError
@@ -82,54 +82,49 @@ def _solved(scene: Scene, numbers: bool, coordinates, progress: Progress) -> Clo
 
 def _formula(scene: Scene, numbers: bool, coordinates, progress: Progress) -> ClosedForm:
     from ..exact.formulas.closed_form import ClosedForm
+    from ..exact.formulas.implied import without_implied
     from ..exact.formulas.real_form import real_form
     from ..exact.formulas.symbols import Symbols
-    from ..exact.symbolic.response import solve_symbolically
+    from ..exact.symbolic import solve_symbolically
     from .exact_equations import exact_equations
 
     symbols = Symbols(scene.parameters.values, scene.parameters.units, numbers)
-    progress("equations with symbols")
-    equations = exact_equations(scene, symbols)
-    progress("formula of the motion")
-    x = solve_symbolically(equations.polynomial_matrix, equations.initial.tolist(), equations.force, symbols.time)
-    progress("conditions on the start")
-    form = ClosedForm.of(x).only(coordinates or equations.shown)
-    form = replace(form, title=" ".join(scene.title.split()), **_without_helpers(form, x, equations.shown))
+    try:
+        progress("equations with symbols")
+        equations = exact_equations(scene, symbols)
+        progress("formula of the motion")
+        x = solve_symbolically(equations.polynomial_matrix, equations.initial.tolist(), equations.force, symbols.time)
+        progress("conditions on the start")
+        form = ClosedForm.of(x).only(coordinates or equations.shown)
+        form = replace(form, title=" ".join(scene.title.split()), **without_implied(form, x, equations.implied))
+    except InputError as problem:
+        raise type(problem)(symbols.plain(str(problem))) from problem
     progress("signs with the default values")
     return real_form(symbols.finished(form))
-
-
-def _without_helpers(form: ClosedForm, x: Any, shown: Sequence[str]) -> dict:
-    """The conditions in the values that a user gives: those of the input of a transfer function are zero.
-
-    Where they cannot be met, since the input jumps, there is nothing to tell."""
-    helping = [name for name in x.coordinates if name not in shown]
-    found = {}
-    for kind in ("admissible", "continuous"):
-        equations = getattr(form, kind)
-        zeros = {s: 0 for each in equations for s in each.free_symbols if s.name.rpartition("_")[0] in helping}
-        left = [each.subs(zeros) for each in equations]
-        met = not any(each.is_Boolean and each.args == () and not each for each in left)
-        found[kind] = tuple(each for each in left if each.free_symbols) if met else ()
-    return found if helping else {}
 
 
 def _check_coordinates(scene: Scene, names: Sequence[str] | None) -> None:
     known = scene.equations.coordinates.names
     if scene.table.model.kind == "state-space":
         known = (*scene.equations.control.system.states, *scene.equations.control.system.outputs)
-    for name in names or ():
+    for place, name in enumerate(names or ()):
+        if name in names[:place]:
+            raise InputError(f'the coordinate "{name}" is asked for twice; name each once')
         if name not in known:
             raise InputError(f'there is no coordinate "{name}"{nearest(name, known)}; there are {", ".join(known)}')
 
 
-def _check_size(scene: Scene) -> None:
+def too_large(scene: Scene) -> str:
+    """Why no formula is looked for; an empty text where one is."""
     A = scene.equations.polynomial_matrix
-    if scene.equations.robot is None and A.size * A.degree > LARGEST:
-        raise InputError(
-            f"{A.size} coordinates with equations of degree {A.degree} are too many for formulas (at most {LARGEST} for both "
-            "multiplied); take a smaller model, or run the scene: its answer is evaluated at any time all the same"
-        )
+    if scene.equations.robot is not None or A.size * A.degree <= LARGEST:
+        return ""
+    return f"{A.size} coordinates with equations of degree {A.degree} are too many for formulas (at most {LARGEST} for both multiplied)"
+
+
+def _check_size(scene: Scene) -> None:
+    if reason := too_large(scene):
+        raise InputError(f"{reason}; take a smaller model, or run the scene: its answer is evaluated at any time all the same")
 
 
 def _advice(scene: Scene, numbers: bool) -> str:
@@ -147,10 +142,15 @@ def is_short(form: ClosedForm) -> bool:
 
 
 def parameters_text(form: ClosedForm) -> str:
-    """Default values: m = 10 kg, k = 2."""
+    """Default values: m = 10 kg, k = 2; and the signs that the formula relies on."""
     given = (f"{p.name} = {float(p.value):.12g} {p.unit}".strip() for p in form.parameters if p.value is not None)
     text = ", ".join(given)
-    return f"Default values: {text}." if text else ""
+    return f"Default values: {text}. {_signs(form)}" if text else ""
+
+
+def _signs(form: ClosedForm) -> str:
+    negative = ", ".join(p.name for p in form.parameters if p.symbol.is_negative)
+    return f"Parameters are taken as positive, {negative} as negative." if negative else "Parameters are taken as positive."
 
 
 def written(form: ClosedForm, kind: str, digits: int | None = None) -> str:

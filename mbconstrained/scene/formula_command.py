@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from .formula import formula_of, parameters_text, written
+from .formula import DIGITS, formula_of, parameters_text, written
 from .printing import show_text, step_progress
 
 if TYPE_CHECKING:
@@ -15,16 +15,20 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 
-def show_formula(scene: Scene, kind: str, numbers: bool, digits: int, coordinates: Sequence[str], out: str, seconds: float) -> None:
+def show_formula(
+    scene: Scene, kind: str, numbers: bool, digits: int | None, coordinates: Sequence[str], out: str, seconds: float
+) -> None:
     """The formula of a scene, printed or written into a file.
 
     Raises:
-        InputError: there is no such formula.
+        InputError: there is no such formula, digits without numbers.
         OSError: the file cannot be written.
     """
+    if digits is not None and not numbers:
+        raise InputError("--digits is of the decimals with --numbers; add --numbers")
     with step_progress() as progress:
         form = formula_of(scene, numbers=numbers, coordinates=coordinates or None, seconds=seconds, progress=progress)
-    text = written(form, kind, digits if numbers else None)
+    text = written(form, kind, (digits or DIGITS) if numbers else None)
     if kind == "text":
         text = "\n\n".join(filter(None, [form.title, text, _notes(form, scene)]))
     if out:

@@ -253,6 +253,10 @@ def _symbols(scene) -> Decision:
         return False, "nothing symbolic is asked for"
     if not output.page:
         return False, "no page to show the formula on"
+    from .formula import too_large
+
+    if reason := too_large(scene):
+        return False, reason
     return True, f"formula = true: {counted(count, 'parameter')} as symbols" if count else "formula = true: with exact numbers"
 
 

@@ -10,7 +10,7 @@ from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, sce
 
 from mbconstrained.errors import ContradictoryConstraints, InputError
 from mbconstrained.scene import read_scene
-from mbconstrained.scene.formula import formula_of, written
+from mbconstrained.scene.formula import formula_of, parameters_text, written
 from mbconstrained.scene.stages import plan_of
 from mbconstrained.scene.time_limit import OutOfTime, time_limit
 
@@ -122,6 +122,18 @@ def test_ties_and_forces_with_parameters(tmp_path, tie, force):
     assert agrees(scene_of(tmp_path, text), numbers=force == "sampled")
 
 
+ONE = """
+[model]
+kind = "matrices"
+coordinates = ["x"]
+mass = [["M"]]
+stiffness = [["K"]]
+[initial]
+displacement = { x = 1 }
+[time]
+end = 5
+"""
+
 SHAFTS = """
 [parameters]
 J = "0.2 kg*m^2"
@@ -199,6 +211,106 @@ def test_where_the_formula_does_not_hold_numbers_are_offered(tmp_path):
     assert agrees(scene, numbers=True)
 
 
+@pytest.mark.parametrize("one", ["s", "x_0", "p", "z", "I"])
+def test_names_of_parameters_mean_nothing_to_the_engine(tmp_path, one):
+    text = f"[parameters]\n{one} = 2.0\ns_ = 8.0\n" + ONE.replace("M", f"={one}").replace("K", "=s_")
+    scene = scene_of(tmp_path, text)
+    assert f"sqrt(s_/{one})" in written(formula_of(scene), "text") and agrees(scene)
+
+
+def test_errors_call_parameters_by_their_names(tmp_path):
+    rows = '[[model.constraint]]\nrows = { a = 1 }\nvalue = "=v"\n[[model.constraint]]\nrows = { a = 2 }\nvalue = "=v*v"\n[time]'
+    with pytest.raises(ContradictoryConstraints, match=r"asks for v\^2, .* value 2 v;"):
+        formula_of(scene_of(tmp_path, "[parameters]\nv = 2\n" + MATRICES.replace("[time]", rows)))
+
+
+RESONANT = """
+[[force]]
+coordinate = "x"
+kind = "harmonic"
+value = 1
+angular_frequency = "=w"
+"""
+
+
+def test_a_formula_that_is_not_finite_for_its_own_defaults_is_refused(tmp_path):
+    damped = ONE.replace("mass", 'damping = [["=c"]]\nmass').replace("[initial]", RESONANT + "[initial]")
+    text = damped.replace("M", "=m").replace("K", "=k")
+    scene = scene_of(tmp_path, "[parameters]\nm = 1\nk = 4\nc = 0\nw = 2\n" + text)
+    with pytest.raises(InputError, match=r"c\^2 w\^2 .* is 0, by which the formula divides; .*--numbers"):
+        formula_of(scene)
+    assert agrees(scene, numbers=True)
+    tiny = scene_of(tmp_path, "[parameters]\nm = 1e-20\nk = 5e-20\nc = 1e-21\nw = 1\n" + text)
+    assert agrees(tiny)
+
+
+def test_signs_that_the_formula_relies_on_are_told(tmp_path):
+    scene = scene_of(tmp_path, "[parameters]\nm = 1\ng = -2\n" + ONE.replace("M", "=m").replace("K", "=-g"))
+    said = "Default values: m = 1, g = -2. Parameters are taken as positive, g as negative."
+    assert parameters_text(formula_of(scene)) == said
+
+
+def test_a_massless_default_is_a_notice_on_the_page(tmp_path):
+    text = ONE.replace("mass", "damping = [[1]]\nmass").replace("M", "=m").replace("K", "=k")
+    scene = scene_of(tmp_path, "[parameters]\nm = 0.0\nk = 4\n" + text + "[output]\nformula = true\n")
+    result = scene.run(tmp_path / "results")
+    told = "the formula is left out: with the default values m is 0, by which the formula divides"
+    assert any(told in notice.text for notice in result.notices)
+
+
+TWO = """
+[model]
+kind = "matrices"
+coordinates = ["x", "y"]
+mass = [[1, 0], [0, 1]]
+stiffness = [["=k", 0], [0, 4]]
+[initial]
+displacement = { x = 1, y = 1 }
+[time]
+end = 5
+"""
+
+
+def test_assumptions_that_no_shown_coordinate_needs_are_not_made(tmp_path):
+    scene = scene_of(tmp_path, "[parameters]\nk = 4\n" + TWO)
+    assert formula_of(scene).assumptions == () and agrees(scene)
+    coupled = TWO.replace('"=k", 0], [0, 4', '"=k", 0], [-1, 4')
+    scene = scene_of(tmp_path, "[parameters]\nk = 4\n" + coupled)
+    assert formula_of(scene, coordinates=["x"]).assumptions == ()
+    with pytest.raises(InputError, match=r"with the default values k - 4 is 0, where the formula with symbols does not hold"):
+        formula_of(scene, coordinates=["y"])
+
+
+def test_parameters_that_are_0_stay_parameters(tmp_path):
+    text = FORCED.replace("TIE", "rigid_tie").replace("ARGUMENTS", 'distance = "=m/4"').replace('"FORCE"', '"step"\nvalue = 2')
+    scene = scene_of(tmp_path, text.replace('"-9.81 m/s^2"', "0").replace('"0.3 Hz"', "0"))
+    form, times = formula_of(scene), np.linspace(0.1, 6, 40)
+    assert {"g", "f"} <= {p.name for p in form.parameters} and agrees(scene)
+    other = scene_of(tmp_path, text.replace('"-9.81 m/s^2"', "3"))
+    values = {**{p.name: float(p.value) for p in form.parameters}, "g": 3.0, "f": 0.3}
+    assert difference(other, python_values(form, times, *values.values()), times) <= 1e-12
+
+
+def test_conditions_of_a_state_space_are_in_what_is_given(tmp_path):
+    text = """
+[parameters]
+a = 2
+b = 3
+[model]
+kind = "state-space"
+E = [[1, 0], [0, 0]]
+A = [["=-a", 0], [1, -1]]
+B = [[0], ["=b"]]
+C = [["=a", "=b"], [0, 1]]
+[initial]
+state = { x1 = 1 }
+[time]
+end = 3
+"""
+    form = formula_of(scene_of(tmp_path, text.replace("E = ", "descriptor = ")))
+    assert [str(each) for each in form.continuous] == ["Eq(x1_0, x2_0)"]
+
+
 def test_symbols_without_a_closed_form_are_told(tmp_path):
     chain = '[[model.mass]]\nname = "N"\nmass = "=m"\n[[model.spring]]\nbetween = ["B", "N"]\nstiffness = "=k*I"\n'
     parts = "".join(
@@ -234,6 +346,8 @@ def test_only_some_coordinates_and_none_that_are_not_there(tmp_path):
     assert formula_of(scene, coordinates=["b"]).names == ("b",)
     with pytest.raises(InputError, match='there is no coordinate "c"'):
         formula_of(scene, coordinates=["c"])
+    with pytest.raises(InputError, match='the coordinate "b" is asked for twice'):
+        formula_of(scene, coordinates=["b", "b"])
 
 
 def test_impulses_jumps_and_conditions_are_those_of_the_run():

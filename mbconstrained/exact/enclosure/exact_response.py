@@ -85,7 +85,9 @@ class ExactResponse:
         Raises:
             InputError: a phase makes them irrational; ``enclose_impulses`` has them as intervals.
         """
-        if any(not isinstance(factor, flint.fmpq) for part in self._parts if part.response.impulses for factor in part.factors_at_0):
+        if any(
+            not isinstance(factor, flint.fmpq) for part in self._parts if part.response.impulses for factor in part.factors_at_0
+        ):
             raise InputError("impulses: with this phase they are no rational numbers; enclose_impulses gives them as intervals")
         return tuple(np.array([fraction(entry) for entry in impulse], dtype=object) for impulse in self._impulses(rational))
 

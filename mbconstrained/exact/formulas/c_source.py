@@ -15,7 +15,10 @@ WIDTH = 100
 
 
 class _Printer(C99CodePrinter):
-    """Steps as conditions; all numbers as doubles."""
+    """Steps as conditions; all numbers as doubles, and none of the constants that are not in the standard (M_SQRT2)."""
+
+    def __init__(self):
+        super().__init__({"math_macros": {}})
 
     def _print_Heaviside(self, expr) -> str:
         return f"(({self._print(expr.args[0])}) >= 0.0 ? 1.0 : 0.0)"
@@ -26,7 +29,7 @@ class _Printer(C99CodePrinter):
     def _print_Exp1(self, expr) -> str:
         return "exp(1.0)"
 
-    def _print_Pi(self, expr) -> str:  # M_PI is not in the standard
+    def _print_Pi(self, expr) -> str:
         return repr(float(sympy.pi))
 
 

@@ -11,6 +11,7 @@ from sympy.polys.matrices import DomainMatrix
 
 from ...errors import ContradictoryConstraints
 from ..symbolic import SymbolicPolynomialMatrix
+from .text_printer import TextPrinter
 
 
 @dataclass(frozen=True)
@@ -80,9 +81,10 @@ def _independent(rows: Sequence[Row]) -> list[Row]:
             continue
         implied = sum((c * each.value for c, each in zip(combination, kept) if each.order == row.order), sympy.S.Zero)
         if sympy.simplify(row.value - implied) != 0:
+            tell = TextPrinter().doprint
             raise ContradictoryConstraints(
-                f'constraint "{row.name}" asks for {row.value}, but it follows from the rows before it with the value '
-                f"{sympy.simplify(implied)}; make the values agree or take one of the rows out"
+                f'constraint "{row.name}" asks for {tell(row.value)}, but it follows from the rows before it with the value '
+                f"{tell(sympy.simplify(implied))}; make the values agree or take one of the rows out"
             )
     return kept
 

@@ -53,6 +53,8 @@ C_KEYWORDS = frozenset(
         "fortran",
         "complex",
         "imaginary",
+        "unix",
+        "linux",
     ]
 )
 C_NAMES = frozenset(  # of math.h, which a variable would hide
@@ -115,8 +117,25 @@ C_NAMES = frozenset(  # of math.h, which a variable would hide
         "div",
         "abs",
         "labs",
+        "NAN",
+        "INFINITY",
+        "HUGE",
+        "HUGE_VAL",
+        "HUGE_VALF",
+        "HUGE_VALL",
+        "MATH_ERRNO",
+        "MATH_ERREXCEPT",
+        "OVERFLOW",
+        "UNDERFLOW",
+        "DOMAIN",
+        "SING",
+        "PLOSS",
+        "TLOSS",
+        "MAXFLOAT",
+        "X_TLOSS",
     ]
 )
+C_MACROS = re.compile(r"(M|FP)_[A-Z0-9_]+")  # M_E, M_PI, FP_NAN, … of math.h
 PYTHON_NAMES = frozenset(("np", "t", "x", "value", "values"))
 AMBIGUOUS = frozenset("lIO")  # which look like 1 and 0
 
@@ -188,7 +207,7 @@ def identifier(name: str) -> str:
     if not text or text[0].isdigit():
         text = f"v{text}"
     reserved = keyword.iskeyword(text) or keyword.issoftkeyword(text) or text in C_KEYWORDS | C_NAMES | PYTHON_NAMES | AMBIGUOUS
-    return f"{text}_" if reserved else text
+    return f"{text}_" if reserved or C_MACROS.fullmatch(text) else text
 
 
 def index_of(name: str) -> tuple[str, str]:
@@ -224,7 +243,15 @@ def latex_name(name: str) -> str:
         return f"\\{letter}"
     if len(name) == 1 and name.isascii() and name.isalpha():
         return name
-    return rf"\mathrm{{{''.join(_LATEX_SPECIAL.get(letter, letter) for letter in name)}}}"
+    return rf"\mathrm{{{''.join(map(_latex_letter, name))}}}"
+
+
+def _latex_letter(letter: str) -> str:
+    """A letter in math: Greek ones by their names, others beyond ASCII as text, which is what LaTeX knows them in."""
+    if letter.isascii():
+        return _LATEX_SPECIAL.get(letter, letter)
+    word = _plain_letters(letter)
+    return rf"\{word}{{}}" if word in _LATEX_GREEK else rf"\text{{{letter}}}"
 
 
 def _plain_letters(letter: str) -> str:

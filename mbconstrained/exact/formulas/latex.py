@@ -10,7 +10,7 @@ from .closed_form import ClosedForm
 from .identifiers import latex_name
 from .layout import Layout, is_long, laid_out, readable, signed, value_at_start
 from .terms import LAST, Term
-from .text_printer import joined_roots, short_decimal
+from .text_printer import joined_roots, short_decimal, time_first
 
 
 class FormulaPrinter(LatexPrinter):
@@ -18,7 +18,12 @@ class FormulaPrinter(LatexPrinter):
 
     def _print_Mul(self, expr) -> str:
         joined = joined_roots(expr)
-        return super()._print_Mul(joined) if joined.is_Mul else self._print(joined)
+        if joined.is_Mul or joined is expr:  # sympy prints a reciprocal by this, too
+            return super()._print_Mul(joined)
+        return self._print(joined)
+
+    def _as_ordered_terms(self, expr, order=None) -> list:
+        return time_first(super()._as_ordered_terms(expr, order))
 
     def _print_Float(self, number) -> str:
         mantissa, e, exponent = short_decimal(number).partition("e")

@@ -13,7 +13,7 @@ from .closed_form import ClosedForm
 from .identifiers import LETTERS, index_of
 from .layout import Layout, is_long, laid_out, readable, signed, value_at_start
 from .terms import LAST, Term
-from .text_printer import in_reading_order, joined_roots, short_decimal
+from .text_printer import in_reading_order, joined_roots, short_decimal, time_first
 
 
 class MarkupPrinter(MathMLPresentationPrinter):
@@ -40,7 +40,12 @@ class MarkupPrinter(MathMLPresentationPrinter):
 
     def _print_Mul(self, expr):
         joined = joined_roots(expr)
-        return super()._print_Mul(joined) if joined.is_Mul else self._print(joined)
+        if joined.is_Mul or joined is expr:  # sympy prints a reciprocal by this, too
+            return super()._print_Mul(joined)
+        return self._print(joined)
+
+    def _as_ordered_terms(self, expr, order=None) -> list:
+        return time_first(super()._as_ordered_terms(expr, order))
 
     def _print_Float(self, expr):
         mantissa, e, exponent = short_decimal(expr).partition("e")

@@ -12,23 +12,33 @@ import sympy
 
 from ...errors import InputError
 from .closed_form import DIGITS, ClosedForm
-from .terms import terms_of
+from .divisors import divisors, with_needed_assumptions
+from .plain_text import text_printer
+from .terms import decimal, terms_of
 
 ADVICE = "insert numbers for the symbols (mbconstrained formula --numbers), or give other default values"
+
+
+#: When the formula is looked at with the default values: any t > 0 does.
+SOME_TIME = sympy.Rational(7, 10)
+
+_INFINITE = (sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
 
 def real_form(form: ClosedForm) -> ClosedForm:
     """The same formula, free of roots of numbers that are negative with the default values, and what must stay positive.
 
     Raises:
-        InputError: with the default values an assumption fails, so that the formula does not hold for them, or a root is complex.
+        InputError: with the default values an assumption fails, so that the formula does not hold for them, or it is not
+            finite there, or a root is complex.
 
     >>> t, k, c = sympy.symbols("t k c", positive=True)
     >>> form = ClosedForm.of(ClosedForm(("x",), (sympy.cos(sympy.sqrt(k - c) * t),), t), parameters={k: 1, c: 2})
     >>> real_form(form).values, real_form(form).positive
     ((exp(t*sqrt(c - k))/2 + exp(-t*sqrt(c - k))/2,), (c - k,))
     """
-    _check_assumptions(form)
+    form = with_needed_assumptions(form)
+    _check_defaults(form)
     turned = _turned([*form.values, *(each.factor for each in form.impulses), *(each.size for each in form.jumps)], form)
     changed = replace(
         form,
@@ -40,14 +50,27 @@ def real_form(form: ClosedForm) -> ClosedForm:
     return replace(changed, values=tuple(_decaying(value, changed) for value in changed.values)) if turned else changed
 
 
-def _check_assumptions(form: ClosedForm) -> None:
+def _check_defaults(form: ClosedForm) -> None:
+    """Whether the formula holds and is finite with the default values, as far as all symbols have one."""
+    tell = text_printer(form).doprint
     for expression in form.assumptions:
-        value = form.at_defaults(expression)
-        if value.is_number and (value == 0 or abs(value.evalf(DIGITS)) < sympy.Float(10) ** -(DIGITS - 10)):
+        if _vanishes(form.at_defaults(expression)):
             raise InputError(
-                f"with the default values {expression} is 0, where the formula with symbols does not hold (zeros coincide, or the "
-                f"equations change their structure); {ADVICE}"
+                f"with the default values {tell(expression)} is 0, where the formula with symbols does not hold (zeros coincide, "
+                f"or the equations change their structure); {ADVICE}"
             )
+    for expression in divisors(form):
+        if _vanishes(form.at_defaults(expression)):
+            raise InputError(f"with the default values {tell(expression)} is 0, by which the formula divides; {ADVICE}")
+    later = {form.time: SOME_TIME}
+    numbers = [form.at_defaults(value).xreplace(later) for value in form.values]
+    numbers += [form.at_defaults(each) for each in (*(i.factor for i in form.impulses), *(j.size for j in form.jumps))]
+    if any(number.has(*_INFINITE) or number.evalf(DIGITS).has(*_INFINITE) for number in numbers):
+        raise InputError(f"with the default values the formula is not finite; {ADVICE}")
+
+
+def _vanishes(value: sympy.Expr) -> bool:
+    return decimal(value, DIGITS) == 0
 
 
 def _roots(expressions, form: ClosedForm) -> list[sympy.Pow]:

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import sympy
 
 from .closed_form import ClosedForm
+from .divisors import divisors
 from .identifiers import identifiers
 from .layout import Layout
 from .plain_text import impulse_text, jump_text, text_printer
+from .squares import with_square
 
 #: Whole numbers up to this are exact in a double.
 LARGEST_WHOLE = 2**53
@@ -41,7 +43,8 @@ def source_of(form: ClosedForm) -> Source:
     named = identifiers([p.name for p in form.parameters])
     symbols = {p.symbol: sympy.Symbol(named[p.name], real=True) for p in form.parameters}
     time = {form.time: sympy.Symbol("t", real=True)}
-    values = [_short(value).xreplace({**symbols, **time}) for value in form.values]
+    stable = {below: with_square(below) for below in divisors(form) if below.is_Add}
+    values = [_short(value.xreplace(stable)).xreplace({**symbols, **time}) for value in form.values]
     steps, reduced = sympy.cse(values, symbols=_fresh(set(named.values())), optimizations="basic", order="none")
     return Source(form, named, tuple(steps), tuple(reduced))
 

@@ -13,12 +13,16 @@ from .closed_form import ClosedForm, Parameter, exact
 #: Of pi, where it is a number among rational ones.
 PI_DIGITS = 45
 
+#: Ends the names that parameters have in the engine: no name of a user, nor s, t or a value at 0- (x1_0), ends with it.
+MARK = "·"
+
 
 class Symbols:
     """The symbols of named parameters, or their default values, and the way from entries to expressions.
 
-    To the engine all symbols are positive. A parameter whose default value is negative is minus one there, and pi, which
-    is no rational number, is a symbol; ``finished`` puts back what they stand for.
+    To the engine all symbols are positive, with names of their own, so that a parameter may be called s or x1_0. A parameter
+    whose default value is negative is minus one there, and pi, which is no rational number, is a symbol; ``finished`` puts
+    back what they stand for.
 
     Args:
         values: default values by name.
@@ -28,7 +32,9 @@ class Symbols:
     >>> from mbconstrained.scene.expressions import read_expression
     >>> symbols = Symbols({"k": 2.0, "g": -9.81})
     >>> symbols.of(0.1), symbols.expression(read_expression("2*k*g"))
-    (1/10, -2*g*k)
+    (1/10, -2*g·*k·)
+    >>> symbols.plain("k· is 0")
+    'k is 0'
     """
 
     def __init__(self, values: Mapping[str, float], units: Mapping[str, str] | None = None, numbers: bool = False):
@@ -47,12 +53,9 @@ class Symbols:
         if self.numbers:
             self._engine[name] = exact(value)
             return
-        inner = sympy.Symbol(f"{name}_" if name in ("s", "t") else name, positive=True)
-        if value < 0:
-            shown = sympy.Symbol(name, negative=True)
-            self._engine[name], self._back[inner] = -inner, -shown
-        else:
-            shown, self._engine[name] = inner, inner
+        inner = sympy.Symbol(f"{name}{MARK}", positive=True)
+        shown = sympy.Symbol(name, negative=True) if value < 0 else sympy.Symbol(name, positive=True)
+        self._engine[name], self._back[inner] = (-inner, -shown) if value < 0 else (inner, shown)
         self.parameters.append(Parameter(shown, name, exact(value), unit))
 
     def of(self, entry) -> sympy.Expr:
@@ -71,6 +74,11 @@ class Symbols:
         for place in np.ndindex(found.shape):
             found[place] = self.of(entries[place])
         return found
+
+    @staticmethod
+    def plain(text: str) -> str:
+        """A message of the engine with the names that the user gave."""
+        return text.replace(MARK, "")
 
     def finished(self, form: ClosedForm) -> ClosedForm:
         """The formula with what the symbols of the engine stand for, and the parameters that are left in it."""

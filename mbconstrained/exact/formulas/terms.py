@@ -103,10 +103,22 @@ def in_numbers(terms: list[Term], form: ClosedForm, digits: int) -> list[Term]:
     """The terms with default values put in and all numbers as decimals; what is zero by cancelling drops out."""
     found = []
     for term in terms:
-        coefficient = decimal(form.at_defaults(term.coefficient), digits)
+        constant, function = _split_exponentials(form.at_defaults(term.function), LAST)
+        coefficient = decimal(form.at_defaults(term.coefficient) * constant, digits)
         if coefficient != 0:
-            found.append(Term(coefficient, _decimal_arguments(form.at_defaults(term.function), LAST, digits)))
+            found.append(Term(coefficient, _decimal_arguments(function, LAST, digits)))
     return found
+
+
+def _split_exponentials(function: sympy.Expr, t: sympy.Symbol) -> tuple[sympy.Expr, sympy.Expr]:
+    """e^(r (t - T)) as e^(-r T), which belongs to the coefficient, and e^(r t)."""
+    constant, factors = sympy.S.One, []
+    for factor in sympy.Mul.make_args(function):
+        if isinstance(factor, sympy.exp) and (found := _linear(factor.args[0], t)):
+            slope, shift, offset = found
+            constant, factor = constant * sympy.exp(offset - slope * shift), sympy.exp(slope * t)
+        factors.append(factor)
+    return constant, sympy.Mul(*factors)
 
 
 def decimal(expression: sympy.Expr, digits: int) -> sympy.Expr:
@@ -132,11 +144,27 @@ def _decimal_arguments(function: sympy.Expr, t: sympy.Symbol, digits: int) -> sy
 
 
 def _decimal_argument(part: sympy.Expr, t: sympy.Symbol, digits: int) -> sympy.Expr:
-    argument = part.args[0]
-    slope, rest = argument.coeff(t), sympy.expand(argument - argument.coeff(t) * t)
-    if argument.is_Mul:
-        slope, rest = argument / t, sympy.S.Zero
-    return part.func(decimal(slope, digits) * t + decimal(rest, digits), *part.args[1:])
+    found = _linear(part.args[0], t)
+    if not found:
+        return part
+    slope, shift, offset = found
+    return part.func(decimal(slope, digits) * t + decimal(offset - slope * shift, digits), *part.args[1:])
+
+
+def _linear(argument: sympy.Expr, t: sympy.Symbol) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr] | None:
+    """r, T and c of r (t - T) + c, T where the argument is such a product, else c; None where it is not linear in t.
+
+    >>> w, T, t = sympy.symbols("w T t")
+    >>> _linear(w * (t - T), t), _linear(w * t - 1, t), _linear(t**2, t)
+    ((w, T, 0), (w, 0, -1), None)
+    """
+    factor, rest = argument.as_independent(t, as_Add=False) if argument.is_Mul else (sympy.S.One, argument)
+    total = sympy.expand_mul(rest)
+    slope = total.coeff(t)
+    offset = total - slope * t
+    if offset.has(t) or slope.has(t) or slope == 0:
+        return None
+    return (factor * slope, -offset / slope, sympy.S.Zero) if argument.is_Mul else (slope, sympy.S.Zero, offset)
 
 
 def with_shorthands(rows: list[list[Term]], form: ClosedForm) -> tuple[list[list[Term]], list[Shorthand]]:
@@ -188,9 +216,10 @@ def _rate(part: sympy.Expr, t: sympy.Symbol) -> tuple[str, sympy.Expr]:
     """Whether a function of rate times t, and which: "w" or "a", or an empty text."""
     if not isinstance(part, (sympy.exp, TrigonometricFunction, HyperbolicFunction)) or not part.has(t):
         return "", sympy.S.Zero
-    rate = sympy.expand_mul(part.args[0]).coeff(t) if part.args[0].is_Add else part.args[0] / t
-    if rate.could_extract_minus_sign():
-        rate = -rate
+    found = _linear(part.args[0], t)
+    if not found:
+        return "", sympy.S.Zero
+    rate = -found[0] if found[0].could_extract_minus_sign() else found[0]
     return "a" if isinstance(part, sympy.exp) else "w", rate
 
 
@@ -199,15 +228,10 @@ def _in_function(function: sympy.Expr, made: dict, t: sympy.Symbol) -> sympy.Exp
     for part in sympy.preorder_traversal(function):
         kind, rate = _rate(part, t)
         if kind and rate in made:
-            inside = part.args[0]
-            named = _times(part, rate, made, t) if inside.is_Mul else inside.xreplace({rate: made[rate].symbol})
-            inner[part] = part.func(named)
+            slope, shift, offset = _linear(part.args[0], t)
+            symbol = made[rate].symbol if slope == rate else -made[rate].symbol
+            inner[part] = part.func(symbol * (t - shift) + offset)
     return function.xreplace(inner)
-
-
-def _times(part: sympy.Expr, rate: sympy.Expr, made: dict, t: sympy.Symbol) -> sympy.Expr:
-    """symbol times t, with the sign that the rate has there."""
-    return (1 if part.args[0] / t == rate else -1) * made[rate].symbol * t
 
 
 def _put(expression: sympy.Expr, made: dict) -> sympy.Expr:

@@ -30,6 +30,9 @@ class TextPrinter(StrPrinter):
     def _print_Symbol(self, symbol) -> str:
         return self.names.get(symbol, symbol.name)
 
+    def _as_ordered_terms(self, expr, order=None) -> list[sympy.Expr]:
+        return time_first(super()._as_ordered_terms(expr, order))
+
     def _print_Mul(self, product) -> str:
         joined = joined_roots(product)
         if not joined.is_Mul:
@@ -90,6 +93,11 @@ def joined_roots(product: sympy.Expr) -> sympy.Expr:
     root = sympy.Pow(sympy.Mul(*above) / sympy.Mul(*below), sympy.S.Half, evaluate=False)
     rest = [part for part in product.args if part not in roots]
     return sympy.Mul(*rest, root, evaluate=False) if rest else root
+
+
+def time_first(terms) -> list[sympy.Expr]:
+    """t - T instead of -T + t, as what functions are of."""
+    return sorted(terms, key=lambda term: not term.has(LAST))
 
 
 def delta_name(order: int) -> str:

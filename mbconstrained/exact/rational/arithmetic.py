@@ -12,7 +12,6 @@ from threading import RLock
 
 import flint
 
-
 #: The working precision of FLINT belongs to the whole process.
 _PRECISION = RLock()
 

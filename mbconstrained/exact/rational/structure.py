@@ -16,7 +16,6 @@ from .local_smith import LocalBlock
 from .matrix import RationalMatrix
 from .roots import rounded_roots
 
-
 #: A longer polynomial is not written out where a divisor is shown.
 LONGEST_SHOWN = 60
 

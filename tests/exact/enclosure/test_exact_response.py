@@ -240,7 +240,8 @@ def test_hundreds_of_frequencies_do_not_mix_up_their_modes():
     with mpmath.workdps(40):
         values = [
             sum(
-                (mpmath.cos(w * t + p) + w * mpmath.sin(w * t + p) - mpmath.exp(-t) * (mpmath.cos(p) + w * mpmath.sin(p))) / (1 + w * w)
+                (mpmath.cos(w * t + p) + w * mpmath.sin(w * t + p) - mpmath.exp(-t) * (mpmath.cos(p) + w * mpmath.sin(p)))
+                / (1 + w * w)
                 for w, p in ((mpmath.mpf(w), mpmath.mpf(p)) for w, p in phases)
             )
             for t in map(mpmath.mpf, times)
@@ -284,7 +285,9 @@ def test_large_phases_are_no_quarter_turns(phase):
 
 
 def test_a_phase_that_does_not_reach_the_start_leaves_it_rational():
-    x = mb.solve(mb.PolynomialMatrix([[[1.0]], [[0.0]], [[1.0]]]), [[1.0], [0.0]], mb.harmonic([1.0], angular_frequency=2.0, phase=0.3))
+    x = mb.solve(
+        mb.PolynomialMatrix([[[1.0]], [[0.0]], [[1.0]]]), [[1.0], [0.0]], mb.harmonic([1.0], angular_frequency=2.0, phase=0.3)
+    )
     assert x.exact.impulses == () and x.exact.start.tolist() == [[1], [0]] and not x.exact.jump.any()
 
 

@@ -10,7 +10,7 @@ import sympy
 
 from mbconstrained.exact.formulas import ClosedForm, c_source, python_source
 from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.response import solve_symbolically
+from mbconstrained.exact.symbolic.response.response import solve_symbolically
 
 t = sympy.Symbol("t", real=True)
 m, k, c = sympy.symbols("m k c", positive=True)
@@ -37,7 +37,7 @@ def python_values(form: ClosedForm, times, *arguments) -> np.ndarray:
     return scope["x"](times, *arguments)
 
 
-def c_values(form: ClosedForm, times, folder: Path) -> np.ndarray:
+def c_values(form: ClosedForm, times, folder: Path, standard: str = "c99") -> np.ndarray:
     """What the C source computes with the default values."""
     count = len(form.values)
     call = "x_default(t, v)" if form.parameters else "x(t, v)"
@@ -54,7 +54,7 @@ int main(void)
 }}
 """
     (folder / "formula.c").write_text(c_source(form) + main, encoding="utf-8")
-    command = ["gcc", "-std=c99", "-O1", "-Wall", "-Wextra", "-pedantic", "-Werror", "formula.c", "-o", "formula", "-lm"]
+    command = ["gcc", f"-std={standard}", "-O1", "-Wall", "-Wextra", "-pedantic", "-Werror", "formula.c", "-o", "formula", "-lm"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     said = subprocess.run(

@@ -16,6 +16,7 @@ import mbconstrained as mb
 from mbconstrained.exact.formulas import ClosedForm, Impulse, c_source, python_source
 from mbconstrained.exact.formulas.identifiers import C_KEYWORDS, identifiers
 from mbconstrained.exact.formulas.real_form import real_form
+from mbconstrained.exact.formulas.squares import with_square
 from tests.exact.formulas.answers import HOSTILE, c_values, damped, hostile, python_values, t
 
 TIMES = np.linspace(0.01, 20, 50)
@@ -89,6 +90,26 @@ def test_steps_begin_at_their_times(tmp_path):
     assert python_values(form, times).tolist() == [[0.0, 2.0, 3.0]]
     if shutil.which("gcc"):
         assert c_values(form, times, tmp_path).tolist() == [[0.0, 2.0, 3.0]]
+
+
+@needs_gcc
+@pytest.mark.parametrize("standard", ["c99", "gnu99"])
+def test_c_compiles_whatever_the_headers_define(standard, tmp_path):
+    names = ("M_E", "M_PI", "NAN", "INFINITY", "HUGE_VAL", "linux", "unix", "FP_NAN", "OVERFLOW", "DOMAIN")
+    symbols = [sympy.Symbol(name, positive=True) for name in names]
+    value = sympy.sqrt(2) * sympy.exp(t) * sympy.log(2) / sympy.pi + sum(symbols)
+    form = ClosedForm.of(ClosedForm(("x",), (value,), t), parameters={symbol: 2 for symbol in symbols})
+    assert "M_SQRT2" not in c_source(form)
+    known = np.sqrt(2) * np.exp(TIMES) * np.log(2) / np.pi + 2 * len(names)
+    assert c_values(form, TIMES, tmp_path, standard)[0] == pytest.approx(known, rel=1e-14)
+
+
+def test_divisors_keep_their_digits_near_resonance():
+    k, m, c, w = sympy.symbols("k m c w", positive=True)
+    divisor = k**2 - 2 * k * m * w**2 + m**2 * w**4 + c**2 * w**2
+    form = ClosedForm.of(ClosedForm(("x",), (1 / divisor,), t), parameters={k: 3, m: 3, c: 1e-9, w: 1})
+    assert python_values(form, 1.0) == pytest.approx([1e18], rel=1e-14)
+    assert with_square(divisor).expand() == divisor
 
 
 def test_impulses_are_told_and_not_in_the_values():

@@ -18,6 +18,7 @@ from mbconstrained.exact.rational.roots import enclosed_roots, rounded_roots
 from tests.exact.rational.products import MATRICES, known, product
 from tests.oracles import exact
 
+
 @pytest.mark.parametrize("seed", range(12))
 def test_unlucky_primes_are_found_out(seed, monkeypatch):
     """Beginning with 3 they often divide something that matters: the answer is the same."""

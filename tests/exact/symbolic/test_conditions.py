@@ -6,9 +6,9 @@ import pytest
 import sympy
 
 from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.conditions import continuity_equations, impulse_equations
-from mbconstrained.exact.symbolic.response import solve_symbolically
-from mbconstrained.exact.symbolic.sources import initial_symbols
+from mbconstrained.exact.symbolic.response.conditions import continuity_equations, impulse_equations
+from mbconstrained.exact.symbolic.response.response import solve_symbolically
+from mbconstrained.exact.symbolic.response.sources import initial_symbols
 from tests.exact.symbolic.models import (
     DAMPED,
     FREE_AND_DECAYING,

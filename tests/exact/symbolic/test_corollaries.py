@@ -8,14 +8,14 @@ import sympy
 
 import mbconstrained as mb
 from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.apostol_kolodner import apostol_kolodner_symbolically
-from mbconstrained.exact.symbolic.corollaries import (
+from mbconstrained.exact.symbolic.published.apostol_kolodner import apostol_kolodner_symbolically
+from mbconstrained.exact.symbolic.published.corollaries import (
     free_motion_by_interpolation,
     free_motion_by_jordan_blocks,
     free_motion_by_zeros,
 )
-from mbconstrained.exact.symbolic.response import solve_symbolically
-from mbconstrained.exact.symbolic.sources import initial_symbols
+from mbconstrained.exact.symbolic.response.response import solve_symbolically
+from mbconstrained.exact.symbolic.response.sources import initial_symbols
 from mbconstrained.response.apostol_kolodner import apostol_kolodner
 from tests.exact.symbolic.models import (
     DAMPED,

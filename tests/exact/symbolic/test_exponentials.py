@@ -6,7 +6,7 @@ import pytest
 import sympy
 
 import mbconstrained as mb
-from mbconstrained.exact.symbolic.exponentials import (
+from mbconstrained.exact.symbolic.published.exponentials import (
     exponential_by_blocks,
     exponential_by_interpolation,
     exponential_of_jordan_block,

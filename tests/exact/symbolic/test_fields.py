@@ -11,8 +11,8 @@ import sympy
 
 import mbconstrained as mb
 from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.fields import element, exact_expression, expression_of, field_of
-from mbconstrained.exact.symbolic.signs import sign
+from mbconstrained.exact.symbolic.field.fields import element, exact_expression, expression_of, field_of
+from mbconstrained.exact.symbolic.field.signs import sign
 
 k, m = sympy.symbols("k m")
 

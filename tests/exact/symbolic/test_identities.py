@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 import sympy
 
-from mbconstrained.exact.symbolic.blocks import rational_block
+from mbconstrained.exact.symbolic.algebra.blocks import rational_block
 from tests.exact.symbolic.gallery import MODELS, coefficients_of, identity, over_field, powers, s, same, stacked
 
 every = pytest.mark.parametrize("A", MODELS.values(), ids=MODELS)

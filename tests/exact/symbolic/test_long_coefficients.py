@@ -6,10 +6,10 @@ import pytest
 import sympy
 
 from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix, solve_symbolically
-from mbconstrained.exact.symbolic.factoring import inverse_modulo
-from mbconstrained.exact.symbolic.fields import element, field_of
-from mbconstrained.exact.symbolic.laurent import series_at_infinity
-from mbconstrained.exact.symbolic.quadratics import combination
+from mbconstrained.exact.symbolic.algebra.laurent import series_at_infinity
+from mbconstrained.exact.symbolic.field.factoring import inverse_modulo
+from mbconstrained.exact.symbolic.field.fields import element, field_of
+from mbconstrained.exact.symbolic.field.quadratics import combination
 from tests.exact.symbolic.gallery import s
 from tests.exact.symbolic.models import c, c1, c2, k1, k2
 

@@ -8,11 +8,11 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbconstrained.exact.symbolic.factoring import factors_of, inverse_modulo
-from mbconstrained.exact.symbolic.fields import element, field_of
-from mbconstrained.exact.symbolic.radicals import roots
-from mbconstrained.exact.symbolic.signs import definite, root_expression, sign, sign_with_root, square_root
-from mbconstrained.exact.symbolic.surds import Surd
+from mbconstrained.exact.symbolic.field.factoring import factors_of, inverse_modulo
+from mbconstrained.exact.symbolic.field.fields import element, field_of
+from mbconstrained.exact.symbolic.field.radicals import roots
+from mbconstrained.exact.symbolic.field.signs import definite, root_expression, sign, sign_with_root, square_root
+from mbconstrained.exact.symbolic.field.surds import Surd
 from tests.exact.symbolic.gallery import s
 
 DIGITS = 40

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import mbconstrained as mb
 from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.response import solve_symbolically
-from mbconstrained.exact.symbolic.sources import initial_symbols
+from mbconstrained.exact.symbolic.response.response import solve_symbolically
+from mbconstrained.exact.symbolic.response.sources import initial_symbols
 from tests.exact.symbolic.laplace import at_infinity, inverted
 from tests.exact.symbolic.models import (
     DAMPED,

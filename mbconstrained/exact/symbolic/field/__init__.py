@@ -1,0 +1,1 @@
+"""Numbers with symbols: rational functions, their factors, signs and roots."""

@@ -1,0 +1,185 @@
+"""The field of the entries: rational functions of the symbols and of pi, with rational or quadratic numbers in them.
+
+What users write is turned into exact expressions here, once, at the door; from then on all arithmetic happens in the field,
+where equal things are equal without any simplification.
+"""
+
+from __future__ import annotations
+
+import numbers
+from collections.abc import Iterable
+from decimal import Decimal
+from fractions import Fraction
+from itertools import pairwise
+
+import sympy
+from sympy.polys.domains.domain import Domain
+from sympy.polys.polyerrors import CoercionFailed
+
+from ....checks import counted
+from ....errors import InputError
+
+#: Different square roots that one matrix may have: the primitive element of more of them takes long to find.
+MOST_ROOTS = 2
+
+#: Digits of a double: a sympy.Float of no more stands for a Python float.
+DOUBLE = 53
+
+
+def exact_expression(entry, what: str) -> sympy.Expr:
+    """An entry as an exact expression; floats are the shortest decimals that they are written as.
+
+    Raises:
+        InputError: text, not a number, not finite, not real, or nothing that can be calculated with.
+
+    >>> exact_expression(0.1, "A_0"), exact_expression(2 * sympy.Symbol("k"), "A_0")
+    (1/10, 2*k)
+    """
+    if isinstance(entry, sympy.Expr):
+        return _without_floats(entry, what)
+    if isinstance(entry, numbers.Rational) and not isinstance(entry, bool):
+        return sympy.Rational(int(entry.numerator), int(entry.denominator))
+    if isinstance(entry, (numbers.Real, Decimal)) and not isinstance(entry, bool):
+        return _decimal(entry, what)
+    found = repr(entry) if isinstance(entry, (str, bool, complex)) else f"an object of type {type(entry).__name__}"
+    raise InputError(f"{what}: found {found}; expected a number or an expression, a rational function of sympy symbols")
+
+
+def exact_rows(matrix, what: str) -> list[list[sympy.Expr]]:
+    """A square matrix, given as sympy matrix, array or nested lists, as rows of exact expressions.
+
+    Raises:
+        InputError: not a square matrix, or an entry is refused.
+    """
+    rows = matrix.tolist() if hasattr(matrix, "tolist") else matrix
+    if isinstance(rows, str) or not isinstance(rows, Iterable):
+        raise InputError(f"{what}: found {rows!r}; expected a square matrix")
+    rows = [list(row) if isinstance(row, Iterable) and not isinstance(row, str) else row for row in rows]
+    if not rows or any(not isinstance(row, list) or len(row) != len(rows) for row in rows):
+        raise InputError(f"{what}: found {_shape(rows)}; expected a square matrix")
+    return [[exact_expression(entry, f"{what} at ({i}, {j})") for j, entry in enumerate(row)] for i, row in enumerate(rows)]
+
+
+def symbols_of(expressions: Iterable[sympy.Expr]) -> tuple[sympy.Symbol, ...]:
+    """The symbols in them, sorted by name."""
+    found = set().union(*(e.free_symbols for e in expressions))
+    return tuple(sorted(found, key=lambda symbol: (symbol.name, str(symbol.assumptions0))))
+
+
+def generators_of(expressions: Iterable[sympy.Expr]) -> tuple[sympy.Expr, ...]:
+    """The symbols in them, and pi: being transcendental, it is one more as far as rational functions go.
+
+    >>> generators_of([2 * sympy.pi * sympy.Symbol("f")])
+    (f, pi)
+    """
+    expressions = list(expressions)
+    return (*symbols_of(expressions), *([sympy.pi] if any(e.has(sympy.pi) for e in expressions) else []))
+
+
+def check_positive(symbols: Iterable[sympy.Symbol]) -> None:
+    """Every symbol may stand for a positive number.
+
+    Raises:
+        InputError: one is declared otherwise.
+    """
+    for symbol in symbols:
+        if symbol.is_positive is False or not symbol.is_commutative:
+            raise InputError(f"symbol {symbol}: it is declared not to be positive; every symbol here stands for a positive number")
+
+
+def field_of(expressions: list[sympy.Expr]) -> Domain:
+    """The smallest of Q, Q(symbols, pi) and the same with square roots of rationals that has all the expressions.
+
+    Raises:
+        InputError: a symbol that cannot be positive, two of one name, or too many square roots.
+
+    >>> field_of([sympy.Symbol("k") / 2, sympy.Integer(3)])
+    ZZ(k)
+    """
+    generators = generators_of(expressions)
+    for one, other in pairwise(generators):
+        if str(one) == str(other):
+            raise InputError(f'two different symbols are called "{one}" (declared with different assumptions); use one of them')
+    check_positive(symbols_of(expressions))
+    roots = sorted({root for e in expressions for root in e.atoms(sympy.Pow) if _is_square_root(root)}, key=sympy.default_sort_key)
+    if len(roots) > MOST_ROOTS:
+        found = f"{counted(len(roots), 'square root')}, {', '.join(map(str, roots))}"
+        raise InputError(f"found {found}; expected {MOST_ROOTS} at most: write a symbol for each and put in its value afterwards")
+    numbers_field = sympy.QQ.algebraic_field(*roots) if roots else sympy.ZZ if generators else sympy.QQ
+    return numbers_field.frac_field(*generators) if generators else numbers_field
+
+
+def element(field: Domain, expression: sympy.Expr, what: str):
+    """An exact expression as an element of the field.
+
+    Raises:
+        InputError: it is no rational function, or its denominator is zero.
+    """
+    try:
+        return field.from_sympy(expression)
+    except (CoercionFailed, ValueError, NotImplementedError):
+        odd = next((part for part in sympy.preorder_traversal(expression) if not _is_rational_step(part)), expression)
+        raise InputError(
+            f"{what}: found {odd}; expected a rational function of symbols: write a symbol for it and put in its value afterwards"
+        ) from None
+    except ZeroDivisionError:
+        raise InputError(f"{what}: the denominator of {expression} is zero") from None
+
+
+def expression_of(field: Domain, value) -> sympy.Expr:
+    """An element as an expression, its numerator and denominator in factors.
+
+    >>> a, b = sympy.symbols("a b")
+    >>> K = field_of([a, b])
+    >>> expression_of(K, K.from_sympy(1 / (a * b + b)))
+    1/(b*(a + 1))
+    """
+    if not field.is_FractionField:
+        return field.to_sympy(value)
+    ring = field.get_ring()
+    above, below = (_factored(ring, part) for part in (field.numer(value), field.denom(value)))
+    return above / below
+
+
+def polynomial_expression(p: sympy.Poly) -> sympy.Expr:
+    """A Poly in s over the field as an expression, each coefficient in factors."""
+    terms = p.rep.to_dict().items()
+    return sympy.Add(*(expression_of(p.domain, c) * p.gen**power for (power,), c in terms))
+
+
+def _factored(ring, polynomial) -> sympy.Expr:
+    if polynomial == 0:
+        return sympy.S.Zero
+    constant, factors = polynomial.factor_list()
+    number = ring.domain.to_sympy(constant)
+    return sympy.Mul(number, *(ring.to_sympy(factor) ** power for factor, power in factors))
+
+
+def _decimal(number, what: str) -> sympy.Rational:
+    if not sympy.Float(number).is_finite:
+        raise InputError(f"{what}: found {number}; every entry must be a finite number")
+    fraction = Fraction(repr(float(number)) if not isinstance(number, Decimal) else number)
+    return sympy.Rational(fraction.numerator, fraction.denominator)
+
+
+def _without_floats(entry: sympy.Expr, what: str) -> sympy.Expr:
+    odd = entry.atoms(sympy.nan, sympy.oo, -sympy.oo, sympy.zoo, sympy.I)
+    if odd:
+        raise InputError(f"{what}: found {entry}; every entry must be finite and real")
+    floats = {f: _decimal(float(f) if f._prec <= DOUBLE else Decimal(str(f)), what) for f in entry.atoms(sympy.Float)}
+    return entry.xreplace(floats) if floats else entry
+
+
+def _is_square_root(power: sympy.Pow) -> bool:
+    return bool(power.base.is_Rational and power.base > 0 and power.exp.is_Rational and power.exp.q == 2)
+
+
+def _is_rational_step(part) -> bool:
+    if part.is_Pow:
+        return bool(part.exp.is_Integer or _is_square_root(part))
+    return bool(part.is_Symbol or part.is_Rational or part.is_Add or part.is_Mul or part is sympy.pi)
+
+
+def _shape(rows) -> str:
+    lengths = {len(row) if isinstance(row, list) else 0 for row in rows}
+    return f"{counted(len(rows), 'row')} of {' or '.join(str(n) for n in sorted(lengths))} entries" if rows else "no rows"

@@ -1,0 +1,1 @@
+"""The formulas of the papers as they stand there, corrected: views for study and comparison."""

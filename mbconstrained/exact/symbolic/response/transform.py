@@ -1,0 +1,237 @@
+"""Forces as expressions in time, taken apart into terms, and the Laplace transforms of the terms.
+
+A term is c t^k e^{a t} cos(w t + p) from a time t_0 on, or c delta^(l)(t - t_0). Sums, products and powers of constants, t,
+exp, cos, sin, cosh, sinh, Heaviside and DiracDelta are sums of such terms; nothing else is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import reduce
+
+import sympy
+
+from ....errors import InputError
+from ..field.fields import check_positive
+
+#: What a force may be made of, for messages.
+EXPECTED = "expected sums and products of constants, t, exp, cos, sin, cosh, sinh, Heaviside(t - t0) and DiracDelta(t - t0, k)"
+
+
+@dataclass(frozen=True)
+class Term:
+    """coefficient t^power e^{rate t} cos(frequency t + phase) for t > start, or coefficient delta^(impulse)(t - start)."""
+
+    coefficient: sympy.Expr = sympy.S.One
+    power: int = 0
+    rate: sympy.Expr = sympy.S.Zero
+    frequency: sympy.Expr = sympy.S.Zero
+    phase: sympy.Expr = sympy.S.Zero
+    start: sympy.Expr = sympy.S.Zero
+    impulse: int | None = None
+
+    @property
+    def is_constant(self) -> bool:
+        """The same at all times after 0."""
+        return self.impulse is None and not self.power and self.rate == self.frequency == self.start == 0
+
+    def scaled(self, factor: sympy.Expr) -> Term:
+        """The term times a constant."""
+        return replace(self, coefficient=self.coefficient * factor)
+
+    def from_its_start(self) -> list[Term]:
+        """The same as terms in the time since its start."""
+        t0 = self.start
+        if t0 == 0 or self.impulse is not None:
+            return [self]
+        moved = replace(self, coefficient=self.coefficient * sympy.exp(self.rate * t0), phase=self.phase + self.frequency * t0)
+        return [
+            replace(moved, coefficient=moved.coefficient * sympy.binomial(self.power, j) * t0 ** (self.power - j), power=j)
+            for j in range(self.power + 1)
+        ]
+
+
+def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[Term]:
+    """An expression in t as a sum of terms.
+
+    Raises:
+        InputError: a function that no term is made of; the text names it.
+
+    >>> t = sympy.Symbol("t")
+    >>> [(term.coefficient, term.frequency) for term in terms_of(sympy.cos(t) ** 2, t)]
+    [(1/2, 0), (1/2, 2)]
+    """
+    if not expression.has(t):
+        return [Term(_constant(expression, t))]
+    if expression == t:
+        return [Term(power=1)]
+    if expression.is_Add:
+        return [term for part in expression.args for term in terms_of(part, t)]
+    if expression.is_Mul:
+        return reduce(_product, (terms_of(part, t) for part in expression.args))
+    if expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
+        return reduce(_product, [terms_of(expression.base, t)] * int(expression.exp))
+    return _function(expression, t)
+
+
+def _constant(expression, t) -> sympy.Expr:
+    """What has no time in it, and no function of nothing but time."""
+    if odd := expression.atoms(sympy.Heaviside, sympy.DiracDelta):
+        found = min(odd, key=sympy.default_sort_key)
+        raise InputError(
+            f"force: found {found}, in which there is no {t}; if the time is called otherwise, pass time=... to say so"
+        )
+    return expression
+
+
+def _function(expression, t) -> list[Term]:
+    if isinstance(expression, sympy.exp) or (expression.is_Pow and not expression.base.has(t)):
+        base, exponent = expression.as_base_exp()
+        rate, constant = _linear(exponent * sympy.log(base), expression, t)
+        return [Term(sympy.exp(constant), rate=rate)]
+    if isinstance(expression, (sympy.cos, sympy.sin)):
+        frequency, phase = _linear(expression.args[0], expression, t)
+        return [Term(frequency=frequency, phase=phase - (sympy.pi / 2 if isinstance(expression, sympy.sin) else 0))]
+    if isinstance(expression, (sympy.cosh, sympy.sinh)):
+        return terms_of(sympy.expand(expression.rewrite(sympy.exp)), t)
+    if isinstance(expression, sympy.Heaviside):
+        return _step(expression, t)
+    if isinstance(expression, sympy.DiracDelta):
+        return _impulse(expression, t)
+    raise InputError(f"force: found {expression}; {EXPECTED}. Another function: approximate it, and use mb.solve")
+
+
+def _linear(argument, expression, t) -> tuple[sympy.Expr, sympy.Expr]:
+    """(a, b) of a t + b, real."""
+    slope = sympy.diff(argument, t)
+    if slope.has(t) or slope.has(sympy.I):
+        raise InputError(f"force: found {expression}; expected its argument to be a {t} + b with real a and b")
+    return slope, sympy.expand(argument - slope * t)
+
+
+def _place(expression, t) -> tuple[sympy.Expr, sympy.Expr]:
+    """(slope, time) where the argument of a step or an impulse is zero; the slope a number, the time known to lie before, at or after 0."""
+    slope, constant = _linear(expression.args[0], expression, t)
+    time = sympy.together(-constant / slope) if slope.is_number else None
+    check_positive(constant.free_symbols)
+    if time is None or _sign(time) is None:
+        raise InputError(
+            f"force: found {expression}; expected its argument to be {t} - t0 with t0 >= 0, a number or a positive symbol"
+        )
+    return slope, time
+
+
+def _sign(time) -> int | None:
+    """Symbols are positive."""
+    value = time.xreplace({symbol: sympy.Dummy(symbol.name, positive=True) for symbol in time.free_symbols})
+    return 0 if value.is_zero else 1 if value.is_positive else -1 if value.is_negative else None
+
+
+def _step(expression, t) -> list[Term]:
+    slope, time = _place(expression, t)
+    later = [Term(start=time)] if _sign(time) > 0 else [Term()]
+    if slope.is_positive:
+        return later
+    return [Term(), *(term.scaled(sympy.S.NegativeOne) for term in later)] if _sign(time) > 0 else []
+
+
+def _impulse(expression, t) -> list[Term]:
+    slope, time = _place(expression, t)
+    order = int(expression.args[1]) if len(expression.args) > 1 else 0
+    return [Term(1 / (abs(slope) * slope**order), start=time, impulse=order)] if _sign(time) >= 0 else []
+
+
+def _product(ones: list[Term], others: list[Term]) -> list[Term]:
+    return [term for one in ones for other in others for term in _times(one, other)]
+
+
+def _times(one: Term, other: Term) -> list[Term]:
+    if one.is_constant and not one.phase:
+        return [other.scaled(one.coefficient)]
+    if other.is_constant and not other.phase:
+        return [one.scaled(other.coefficient)]
+    if one.impulse is not None or other.impulse is not None:
+        raise InputError(
+            "force: found a DiracDelta times a function of time; expected its factor to be constant: write the value there"
+        )
+    both = replace(
+        one,
+        coefficient=one.coefficient * other.coefficient,
+        power=one.power + other.power,
+        rate=one.rate + other.rate,
+        start=_later(one.start, other.start),
+    )
+    if not (one.frequency or one.phase) or not (other.frequency or other.phase):
+        return [replace(both, frequency=one.frequency + other.frequency, phase=one.phase + other.phase)]
+    half = both.scaled(sympy.Rational(1, 2))
+    return [
+        replace(half, frequency=one.frequency - other.frequency, phase=one.phase - other.phase),
+        replace(half, frequency=one.frequency + other.frequency, phase=one.phase + other.phase),
+    ]
+
+
+def _later(one, other) -> sympy.Expr:
+    difference = _sign(sympy.expand(one - other))
+    if difference is None:
+        raise InputError(f"force: found a product of steps at {one} and {other}; expected it to be known which one is later")
+    return one if difference > 0 else other
+
+
+@dataclass(frozen=True)
+class Transform:
+    """The transform of a term from its start: sum of amplitude numerator(s) over ((s - rate)^2 + square)^power, or over (s - rate)^power.
+
+    Attributes:
+        parts: (amplitude, numerator as an expression in s) each.
+        denominator, power: as an expression in s with coefficients rational in symbols.
+    """
+
+    parts: tuple[tuple[sympy.Expr, sympy.Expr], ...]
+    denominator: sympy.Expr = sympy.S.One
+    power: int = 0
+
+
+def transform_of(term: Term, s: sympy.Symbol) -> Transform:
+    """The Laplace transform of a term that starts at 0.
+
+    With n = k + 1: k!/(s - a - i w)^n = k! ((s - a) + i w)^n / ((s - a)^2 + w^2)^n, so that w enters the denominator squared: the
+    frequency sqrt(k/m) meets the factor m s^2 + k of a determinant there. A rate a + r with r^2 rational is done the same way.
+
+    Raises:
+        InputError: neither the rate nor its square, or not the square of the frequency, is rational in the symbols.
+    """
+    if term.impulse is not None:
+        return Transform(((term.coefficient, s**term.impulse),))
+    n, factor = term.power + 1, term.coefficient * sympy.factorial(term.power)
+    rate, root = _rational_and_root(term.rate)
+    if root != 0 and term.frequency != 0:
+        raise InputError(
+            f"force: found the rate {term.rate} beside the frequency {term.frequency}; expected one without square roots"
+        )
+    if root == 0 and term.frequency == 0:
+        return Transform(((factor * sympy.cos(term.phase), sympy.S.One),), s - rate, n)
+    square = sympy.expand(term.frequency**2 - root**2)
+    even, odd = _binomial(s - rate, -square, n)
+    if root != 0:
+        return Transform(
+            ((factor * sympy.cos(term.phase), even), (factor * sympy.cos(term.phase) * root, odd)), (s - rate) ** 2 + square, n
+        )
+    turned = -factor * sympy.sin(term.phase) * term.frequency
+    return Transform(((factor * sympy.cos(term.phase), even), (turned, odd)), (s - rate) ** 2 + square, n)
+
+
+def _binomial(base, square, n) -> tuple[sympy.Expr, sympy.Expr]:
+    """(E, O) with (base + root)^n = E + root O, root^2 = square."""
+    parts = [sympy.binomial(n, j) * base ** (n - j) * square ** (j // 2) for j in range(n + 1)]
+    return sympy.Add(*parts[::2]), sympy.Add(*parts[1::2])
+
+
+def _rational_and_root(rate) -> tuple[sympy.Expr, sympy.Expr]:
+    rational, roots = [], []
+    for part in sympy.Add.make_args(sympy.expand(rate)):
+        (rational if part.is_rational_function() and part.is_algebraic_expr() and not _has_roots(part) else roots).append(part)
+    return sympy.Add(*rational), sympy.Add(*roots)
+
+
+def _has_roots(part) -> bool:
+    return any(not power.exp.is_Integer for power in part.atoms(sympy.Pow) if power.free_symbols)
