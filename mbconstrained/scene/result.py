@@ -44,7 +44,7 @@ class Result:
         self.plan = plan
         self.folder = folder
         self.files: list[Path] = []
-        self.formula_notices: tuple[Notice, ...] = ()
+        self.formula_problem = ""
         self._curves: dict[str, Curves] = {}
         self._together: Replacements | None = None
 
@@ -139,8 +139,18 @@ class Result:
         robot = motion_notices(self.scene.equations.robot_scene, self.values)
         accuracy = (Notice("accuracy", text, doubtful=True) for text in texts)
         proved = self.certificate.notices if self.certificate else ()
-        told = (*self.scene.parameters.notices, *self.formula_notices, *proved)
+        told = (*self.scene.parameters.notices, *self._without_formula(), *proved)
         return (*told, *self.scene.equations.form_notices, *notices, *robot, *accuracy)
+
+    def _without_formula(self) -> tuple[Notice, ...]:
+        """Why the page has no formula, where one was asked for."""
+        output = self.scene.table.output
+        if not (output.formula and output.page):
+            return ()
+        from .formula import too_large
+
+        reason = too_large(self.scene) or self.formula_problem
+        return (Notice("left out", f"the formula is left out: {reason}"),) if reason else ()
 
     @property
     def is_trusted(self) -> bool:
@@ -173,7 +183,7 @@ class Result:
         try:
             return formula_of(self.scene, coordinates=wanted, seconds=PAGE_SECONDS)
         except InputError as problem:
-            self.formula_notices = (Notice("left out", f"the formula is left out: {problem}"),)
+            self.formula_problem = str(problem)
             return None
 
     def write_page(self, path: str | Path | None = None) -> Path:
