@@ -107,3 +107,9 @@ def test_elements_are_written_in_factors():
     K = field_of([k, m])
     assert expression_of(K, element(K, 1 / (k**2 + 2 * k * m + m**2), "x")) == (k + m) ** -2
     assert expression_of(K, K.zero) == 0
+
+
+def test_numbers_in_front_and_below_are_one_number():
+    a, b = sympy.symbols("a b", positive=True)
+    K = field_of([a, b])
+    assert str(2 * expression_of(K, K.from_sympy(a / (2 * (a + b))))) == "a/(a + b)"

@@ -137,8 +137,8 @@ def expression_of(field: Domain, value) -> sympy.Expr:
     if not field.is_FractionField:
         return field.to_sympy(value)
     ring = field.get_ring()
-    above, below = (_factored(ring, part) for part in (field.numer(value), field.denom(value)))
-    return above / below
+    (front, above), (under, below) = (_factored(ring, part) for part in (field.numer(value), field.denom(value)))
+    return sympy.Mul(front / under, above, 1 / below)  # numbers together: 2 / (2 a + 2 b) would stay as it is
 
 
 def polynomial_expression(p: sympy.Poly) -> sympy.Expr:
@@ -147,12 +147,12 @@ def polynomial_expression(p: sympy.Poly) -> sympy.Expr:
     return sympy.Add(*(expression_of(p.domain, c) * p.gen**power for (power,), c in terms))
 
 
-def _factored(ring, polynomial) -> sympy.Expr:
+def _factored(ring, polynomial) -> tuple[sympy.Expr, sympy.Expr]:
+    """The number in front, and the product of the factors."""
     if polynomial == 0:
-        return sympy.S.Zero
+        return sympy.S.Zero, sympy.S.One
     constant, factors = polynomial.factor_list()
-    number = ring.domain.to_sympy(constant)
-    return sympy.Mul(number, *(ring.to_sympy(factor) ** power for factor, power in factors))
+    return ring.domain.to_sympy(constant), sympy.Mul(*(ring.to_sympy(factor) ** power for factor, power in factors))
 
 
 def _decimal(number, what: str) -> sympy.Rational:
