@@ -32,7 +32,7 @@ FIRST_BITS = 40
 #: Where so many bits do not give the digits, the value is zero or cancels to so many bits: its interval is as narrow as it is.
 MOST_BITS = 1 << 13
 
-#: More digits than this are not asked for by mistake only.
+#: Who asks for more digits has mistyped.
 MOST_DIGITS = 1000
 
 

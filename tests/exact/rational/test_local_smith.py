@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.exact.rational import modular
+from mbconstrained.exact.rational import RationalMatrix, modular
 from mbconstrained.exact.rational.cramer import WholeMatrix
 from mbconstrained.exact.rational.local_smith import local_smith
 from mbconstrained.exact.rational.roots import enclosed_roots, rounded_roots
@@ -45,7 +45,7 @@ def test_primes_have_roots():
 def test_root_polynomials_are_divided_by_their_power(name):
     """p^k divides W Phi, and Psi W, for every block of every local Smith form."""
     x = known(name)
-    W = WholeMatrix.of(rational.RationalMatrix.of(x.matrix))
+    W = WholeMatrix.of(RationalMatrix.of(x.matrix))
     for divisor in x.structure.elementary_divisors:
         p = flint.fmpq_poly([flint.fmpq(c.numerator, c.denominator) for c in divisor.polynomial]).numer()
         for block in local_smith(W, p, sum(divisor.exponents)):
@@ -70,7 +70,7 @@ def _product(W, vector):
 @pytest.mark.parametrize("name", MATRICES)
 def test_part_gives_minors_and_the_adjugate(name):
     x = known(name)
-    W = WholeMatrix.of(rational.RationalMatrix.of(x.matrix))
+    W = WholeMatrix.of(RationalMatrix.of(x.matrix))
     A = [[[Fraction(int(M[i, j])) for j in range(x.r)] for i in range(x.r)] for M in W.coefficients]
     part = W.part(range(x.r), range(x.r))
     assert _fractions(part.determinant) == exact.determinant(A)
