@@ -19,20 +19,19 @@ if TYPE_CHECKING:
     from .motion import Motion
 
 
-def exact_motion(motion: Motion, *, reactions: bool = False) -> ExactResponse:
-    """x of the motion, n rows, or its multipliers, k rows.
+def exact_motion(motion: Motion) -> ExactResponse:
+    """x of the motion, n rows; the k rows below them, which are not asked for, are its multipliers.
 
     Raises:
         SingularPolynomialMatrix: taken exactly, the data determine no motion.
     """
     n, k = motion.system.size, len(motion.system.rows)
-    rows = range(n, n + k) if reactions else range(n)
     start = np.hstack([motion.initial, np.zeros((len(motion.initial), k))])
     force = motion.applied.mapped(np.eye(n + k)[:, :n])
     values = np.array([row.value for row in motion.system.rows])
     if values.any():
         force = force + step(np.append(np.zeros(n), values))
-    return ExactResponse(_regular_form(motion.system), start, sources_of(force), rows)
+    return ExactResponse(_regular_form(motion.system), start, sources_of(force), range(n))
 
 
 def _regular_form(system) -> RationalMatrix:

@@ -94,9 +94,8 @@ class Motion(Response):
     @cached_property
     def exact_reaction(self) -> ExactResponse:
         """The exact multipliers lambda, one row per row of ``system.rows``; they have no values at 0- and so no jump."""
-        from .exact_motion import exact_motion
-
-        return exact_motion(self, reactions=True)
+        n = self.system.size
+        return self.exact.with_rows(range(n, n + len(self.system.rows)))
 
     def enclose(self, times, digits: int = 15, *, of: Quantity = "displacement", order: int = 0) -> Enclosure:
         """Intervals that are sure to contain a quantity of the motion, as ``Response.enclose``.

@@ -96,10 +96,8 @@ class StateSpaceResponse(Response):
     @cached_property
     def exact_output(self) -> ExactResponse:
         """The exact answer of y, the data taken as the numbers that they are, q rows."""
-        from ..exact.enclosure import ExactResponse
-
-        whole, n = self.together.exact, len(self.system.states)
-        return ExactResponse(whole.matrix, whole.initial, whole.sources, range(n, whole.size))
+        whole = self.together.exact
+        return whole.with_rows(range(len(self.system.states), whole.size))
 
     def enclose_output(self, times, digits: int = 15, *, order: int = 0) -> Enclosure:
         """Intervals that are sure to contain y, or a derivative of it, as ``enclose`` does for x."""

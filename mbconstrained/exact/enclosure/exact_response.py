@@ -78,6 +78,10 @@ class ExactResponse:
         """How many rows of x are asked for."""
         return len(self.rows)
 
+    def with_rows(self, rows: range) -> ExactResponse:
+        """The same answer with other rows of x asked for; det A(s) is not found again."""
+        return ExactResponse(self.matrix, self.initial, self.sources, rows)
+
     @cached_property
     def impulses(self) -> tuple[np.ndarray, ...]:
         """Arrays (r,) of Fractions; the k-th multiplies the k-th derivative of Dirac's delta at t = 0, none at the end is zero.

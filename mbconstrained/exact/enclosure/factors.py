@@ -83,9 +83,9 @@ def _amount(factor: Factor) -> flint.fmpq:
 
 def turned(phase: float) -> Sequence[Factor]:
     """cos p and sin p; a phase that is a quarter turn to rounding is meant as one (``signals.origins``)."""
-    found = []
-    for sine, value in enumerate((math.cos(phase), math.sin(phase))):
-        other = math.cos(phase) if sine else math.sin(phase)
+    found, values = [], (math.cos(phase), math.sin(phase))
+    for sine, value in enumerate(values):
+        other = values[1 - sine]
         if beyond_noise(value, phase) == 0:
             found.append(flint.fmpq(0))
         elif beyond_noise(other, phase) == 0:

@@ -10,20 +10,11 @@ from .closed_form import ClosedForm
 from .identifiers import latex_name
 from .layout import Layout, is_long, laid_out, readable, signed, value_at_start
 from .terms import LAST, Term
-from .text_printer import joined_roots, short_decimal, time_first
+from .text_printer import ReadableProducts, short_decimal
 
 
-class FormulaPrinter(LatexPrinter):
+class FormulaPrinter(ReadableProducts, LatexPrinter):
     """sympy's printer, with the names of parameters and without zeros at the end of decimals."""
-
-    def _print_Mul(self, expr) -> str:
-        joined = joined_roots(expr)
-        if joined.is_Mul or joined is expr:  # sympy prints a reciprocal by this, too
-            return super()._print_Mul(joined)
-        return self._print(joined)
-
-    def _as_ordered_terms(self, expr, order=None) -> list:
-        return time_first(super()._as_ordered_terms(expr, order))
 
     def _print_Float(self, number) -> str:
         mantissa, e, exponent = short_decimal(number).partition("e")

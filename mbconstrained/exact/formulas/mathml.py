@@ -13,10 +13,10 @@ from .closed_form import ClosedForm
 from .identifiers import LETTERS, index_of
 from .layout import Layout, is_long, laid_out, readable, signed, value_at_start
 from .terms import LAST, Term
-from .text_printer import in_reading_order, joined_roots, short_decimal, time_first
+from .text_printer import ReadableProducts, in_reading_order, joined_roots, short_decimal
 
 
-class MarkupPrinter(MathMLPresentationPrinter):
+class MarkupPrinter(ReadableProducts, MathMLPresentationPrinter):
     """sympy's printer with the names of parameters, escaped.
 
     Args:
@@ -37,15 +37,6 @@ class MarkupPrinter(MathMLPresentationPrinter):
             return self._raw(f"{derivative_markup(*self.starts[symbol])}{_START}")
         markup = name_markup(self.names.get(symbol, symbol.name))
         return self._raw(f"<mrow>{_GAP}{markup}{_GAP}</mrow>" if markup.startswith("<mi mathvariant") else markup)
-
-    def _print_Mul(self, expr):
-        joined = joined_roots(expr)
-        if joined.is_Mul or joined is expr:  # sympy prints a reciprocal by this, too
-            return super()._print_Mul(joined)
-        return self._print(joined)
-
-    def _as_ordered_terms(self, expr, order=None) -> list:
-        return time_first(super()._as_ordered_terms(expr, order))
 
     def _print_Float(self, expr):
         mantissa, e, exponent = short_decimal(expr).partition("e")

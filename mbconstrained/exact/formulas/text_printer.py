@@ -95,6 +95,19 @@ def joined_roots(product: sympy.Expr) -> sympy.Expr:
     return sympy.Mul(*rest, root, evaluate=False) if rest else root
 
 
+class ReadableProducts:
+    """For a printer of sympy: roots of one product joined, t before the offset of a delay."""
+
+    def _print_Mul(self, expr):
+        joined = joined_roots(expr)
+        if joined.is_Mul or joined is expr:  # sympy prints a reciprocal by this, too
+            return super()._print_Mul(joined)
+        return self._print(joined)
+
+    def _as_ordered_terms(self, expr, order=None) -> list:
+        return time_first(super()._as_ordered_terms(expr, order))
+
+
 def time_first(terms) -> list[sympy.Expr]:
     """t - T instead of -T + t, as what functions are of."""
     return sorted(terms, key=lambda term: not term.has(LAST))
