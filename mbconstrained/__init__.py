@@ -19,7 +19,6 @@ from .errors import (
 from .jordan import FinitePair, InfinitePair, JordanPairs
 from .mechanics import Constraint, ElementMatrix, EnergyParts, MechanicalSystem, Modes, Motion, NormalForm, mechanical_normal_form
 from .models import LumpedModel, StateSpace, StateSpaceResponse
-from .models.robot import BodySpring, Bushing, FlexibleJoint, LinearizedRobot, Loop, PointMotion, Posture, Robot
 from .notices import Notice
 from .polynomial import PolynomialMatrix
 from .response import (
@@ -50,13 +49,22 @@ from .signals import (
     zero,
 )
 
-#: Names that bring sympy or python-flint with them: they are imported when they are first asked for.
+#: Names of what most do without, imported when they are first asked for: exact answers bring sympy or python-flint, robots
+#: their own half of the models.
 _LATE = {
     "Enclosure": "exact.enclosure",
     "ExactResponse": "exact.enclosure",
     "SymbolicPolynomialMatrix": "exact.symbolic",
     "SymbolicResponse": "exact.symbolic",
     "solve_symbolically": "exact.symbolic",
+    "BodySpring": "models.robot",
+    "Bushing": "models.robot",
+    "FlexibleJoint": "models.robot",
+    "LinearizedRobot": "models.robot",
+    "Loop": "models.robot",
+    "PointMotion": "models.robot",
+    "Posture": "models.robot",
+    "Robot": "models.robot",
 }
 
 

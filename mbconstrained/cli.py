@@ -11,8 +11,10 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a terminal without Greek letters gets question marks
     try:
+        from .reports.commands import add_to
         from .scene.commands import app
 
+        add_to(app)
         app(prog_name="mbconstrained")
     except KeyboardInterrupt:  # while something is still being imported
         sys.exit(130)

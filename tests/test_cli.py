@@ -147,6 +147,32 @@ def test_plan_lists_reasons_and_writes_nothing(command, tmp_path):
     assert re.search(r"left out +robot model \(pinocchio\) +no robot in the scene", out)
 
 
+def test_plan_with_run_tells_what_each_stage_took_and_leaves_nothing(command, tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    code, out, _ = command("plan", TWO_MASSES, "--run")
+    assert code == 0 and list(tmp_path.iterdir()) == []
+    taken, left_out = out.split("\nLeft out\n")
+    for stage in ("read the scene", "units", "finite pair", "CSV", "npz", "page", "all"):
+        assert re.search(rf"^  {stage} +\d+\.\d +\d.* %", taken, re.MULTILINE), stage
+    assert re.search(r"constrained form +– .*\(in: assemble the model\)", taken)
+    assert re.search(r"infinite pair +A_2 is nonsingular", left_out)
+    code, out, _ = command("plan", TWO_MASSES, "--run", "--json")
+    data = json.loads(out)
+    assert code == 0 and data["trusted"] is True and data["totals"]["seconds"] > 0
+    stages = {stage["name"]: stage for stage in data["plan"]}
+    assert stages["page"]["seconds"] > 0 and stages["energy"]["seconds"] is None
+
+
+def test_plan_with_run_says_why_an_answer_is_not_trusted(command, monkeypatch):
+    doubt = Notice("rank", "a rank decision has no clear gap", doubtful=True)
+    monkeypatch.setattr(Result, "notices", (doubt,))
+    code, out, _ = command("plan", TWO_MASSES, "--run")
+    assert code == 3 and out.rstrip().endswith("warning (rank): a rank decision has no clear gap")
+    code, out, _ = command("plan", TWO_MASSES, "--run", "--json")
+    assert code == 3 and json.loads(out)["notices"][0]["kind"] == "rank"
+    assert command("plan", TWO_MASSES)[0] == 0
+
+
 def test_check_solves_and_writes_nothing(command, tmp_path):
     code, out, _ = command("check", TWO_MASSES)
     assert code == 0 and list(tmp_path.iterdir()) == []

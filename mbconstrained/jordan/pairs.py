@@ -11,8 +11,9 @@ import scipy.linalg
 from ..errors import IllConditioned, InputError, Overflow, SingularPolynomialMatrix
 from ..linalg.blocks import block_diagonalize, eigenvalues
 from ..linalg.precise import MOST_STATES, is_worthwhile, precise_arithmetic
+from ..linalg.rank import RankDecision
 from ..linalg.staircase import SingularPencil
-from ..polynomial.companion import scaled_companion
+from ..polynomial.companion import multiplicity_at_zero, scaled_companion
 from ..polynomial.matrix import PolynomialMatrix
 from ..polynomial.regularity import singular_message
 from ..polynomial.structure import FiniteZero, Structure
@@ -20,6 +21,9 @@ from .evidence import Evidence, pair_evidence
 from .minimal import minimal_nilpotent
 from .weierstrass import WeierstrassForm, weierstrass_form
 from .zeros import finite_zeros
+
+#: Of so many states the pairs of the data as they are written are computed in precise arithmetic: it takes half a second.
+MOST_AS_WRITTEN = 24
 
 #: The least normal number of float64.
 TINY = float(np.finfo(float).tiny)
@@ -129,6 +133,21 @@ class JordanPairs:
         return Structure(A.size, A.degree, self.finite.zeros, divisors)
 
     @cached_property
+    def as_written(self) -> JordanPairs | None:
+        """The pairs of the data taken exactly, as far as zeros at s = 0 go; None where nothing can have been lost there.
+
+        A stiffness of the size of rounding beside larger ones is that of a free body, or of one held softly: the data do not
+        tell. What was taken for zero at infinity stays so.
+        """
+        form, A, taken = self.form, self.polynomial_matrix, sum(self.form.zero_divisors)
+        if self.rank_tolerance is not None or not taken or not form.companion.known.noise.any():
+            return None
+        dropped = any(decision.largest_dropped for decision in form.decisions)  # the rounding of float64 itself, if not more
+        if multiplicity_at_zero(A) >= taken and not (dropped and form.companion.state_count <= MOST_AS_WRITTEN):
+            return None
+        return JordanPairs(A, _form_as_written(A, form), 0.0)
+
+    @cached_property
     def evidence(self) -> tuple[Evidence, ...]:
         """Residuals, conditions and gaps that tell how far the pairs can be trusted."""
         return pair_evidence(self)
@@ -163,6 +182,22 @@ def _form_in_enough_digits(A: PolynomialMatrix, rank_tolerance: float | None) ->
         if form is None:
             raise
         return form
+
+
+def _form_as_written(A: PolynomialMatrix, form: WeierstrassForm) -> WeierstrassForm:
+    """The decoupled pencil, zeros at s = 0 decided in precise arithmetic; where that takes long or fails, by _form_with_none."""
+    if form.companion.state_count > MOST_AS_WRITTEN:
+        return _form_with_none(A, form)
+    try:
+        with precise_arithmetic():
+            return weierstrass_form(scaled_companion(A, 0.0, in_float64=False), form.split.decisions)
+    except IllConditioned:
+        return _form_with_none(A, form)
+
+
+def _form_with_none(A: PolynomialMatrix, form: WeierstrassForm) -> WeierstrassForm:
+    """The decoupled pencil in float64, nothing counted as a zero at s = 0."""
+    return weierstrass_form(scaled_companion(A), [*form.split.decisions, RankDecision(len(form.T), np.inf, 0.0)])
 
 
 def _form_in_float64(A: PolynomialMatrix, rank_tolerance: float | None, refuse: bool) -> WeierstrassForm | None:

@@ -135,12 +135,14 @@ def weierstrass_form(companion: ScaledCompanion, decided: Sequence[RankDecision]
     Args:
         companion: the pencil.
         decided: the decisions of the form of the same pencil in float64, to be followed: what the data leave open is
-            decided once, and no digit is rounded away on the strength of it.
+            decided once, and no digit is rounded away on the strength of it. Where only those at infinity are given, those at
+            s = 0 are made afresh.
     """
-    (E, F), decisions = companion.pencil, None if decided is None else iter(decided)
-    split = companion.split if decisions is None else split_pencil(E, F, decisions)
+    (E, F), decisions = companion.pencil, iter(decided or ())
+    split = companion.split if decided is None else split_pencil(E, F, decisions)
     n = len(split.E11.data)
-    finite = triangular_form(split.E11, split.F11, decisions)
+    at_zero = tuple(decisions)
+    finite = triangular_form(split.E11, split.F11, iter(at_zero) if at_zero else None)
     left = columnwise(finite.left.T).T
     exact_T = finite.left @ split.F11.data @ finite.right if companion.is_precise else finite.T
     E12, F12 = left @ split.E12, left @ split.F12

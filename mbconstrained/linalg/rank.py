@@ -92,17 +92,22 @@ def compress_rows(
     weights = np.ones(columns) if weights is None else weights
     favour = np.ones(rows) if preferred is None else np.where(preferred, PREFERENCE, 1.0)
     pivots, nulls, decisions = [np.zeros(0, dtype=int)], [_zeros_like(matrix, (0, rows))], []
+    if decided is not None and decided.rank == rows:
+        return RowCompression(np.arange(rows), _zeros_like(matrix, (0, rows)), decided)
     if decided is not None:
         return RowCompression(*_eliminated(matrix, weights, favour, decided))
-    matrix = Noisy(matrix.cleaned(), matrix.noise)
-    for i, j in _components(matrix.data):
-        order, combinations, decision = _eliminated(matrix[np.ix_(i, j)], weights[j], favour[i])
+    cleaned = Noisy(matrix.cleaned(), matrix.noise)
+    for i, j in _components(cleaned.data):
+        order, combinations, decision = _eliminated(cleaned[np.ix_(i, j)], weights[j], favour[i])
         placed = _zeros_like(matrix, (len(combinations.data), rows))
         placed[:, i] = combinations
         pivots.append(i[order])
         nulls.append(placed)
         decisions.append(decision)
-    return RowCompression(np.concatenate(pivots), stacked(*nulls), _joined(decisions))
+    decision = _joined(decisions)
+    dropped = max(decision.largest_dropped, _largest_ratio(matrix[cleaned.data == 0]))
+    decision = _with_singular_values(replace(decision, largest_dropped=dropped), matrix)
+    return RowCompression(np.concatenate(pivots), stacked(*nulls), decision)
 
 
 def null_columns(
@@ -169,7 +174,7 @@ def _pivot(rest: Noisy, weights, at_any_rate: bool):
 
 
 def _with_singular_values(decision: RankDecision, matrix: Noisy) -> RankDecision:
-    if decision.clear:
+    if decision.clear or decision.singular_values:
         return decision
     rows, columns = equilibration(matrix.size)
     values = np.linalg.svd(rows[:, None] * rounded_to_float(matrix.data) * columns, compute_uv=False)
@@ -209,13 +214,18 @@ def _eliminate(work: Noisy, pivot: int, column: int, columns: int, clean: bool) 
     squared = rest.noise**2 + np.multiply.outer(times**2, top.noise**2) + np.multiply.outer(factor_noise**2, size**2)
     noise = np.sqrt(squared + rounds**2 * (rest.size**2 + magnitude(change) ** 2))
     data[:, column], noise[:, column] = data[:, column] * 0, 0.0
-    bound, left = NOISE_SAFETY * noise[:, :columns], magnitude(data[:, :columns])
-    small = left <= bound
-    ratios = left / np.where(bound > 0, bound, 1.0)
+    small = magnitude(data[:, :columns]) <= NOISE_SAFETY * noise[:, :columns]
+    dropped = _largest_ratio(Noisy(data[:, :columns][small], noise[:, :columns][small]))
     if clean:
         data[:, :columns][small] = data[:, :columns][small] * 0
     work[pivot + 1 + touched] = Noisy(data, noise)
-    return float(ratios[small].max(initial=0.0))
+    return dropped
+
+
+def _largest_ratio(dropped: Noisy) -> float:
+    """The largest of the values dropped, over the bound below which they count as zero."""
+    bound = NOISE_SAFETY * dropped.noise
+    return float((dropped.size / np.where(bound > 0, bound, 1.0)).max(initial=0.0))
 
 
 def _joined(decisions) -> RankDecision:

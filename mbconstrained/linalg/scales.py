@@ -9,6 +9,7 @@ forms). What is left is a smaller precise matrix with the slow zeros alone, and 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil, log
 
 import numpy as np
 import scipy.linalg
@@ -23,17 +24,18 @@ from .precise import DECOUPLED, magnitude, power_of_two, precise, rounded_to_flo
 #: twelve digits less the condition: enough for Newton steps to converge.
 SLOW = 1e-4
 
-#: Convergence is quadratic: three steps from 1e-8 to beyond what is wanted, some more where zeros have to be joined.
-MOST_STEPS = 12
-
 #: A step larger than this is no correction: its two blocks are kept together.
 LARGEST_STEP = 0.1
 
 #: Decoupling norm up to which float64 makes a start; what of it the answer cannot bear is joined again at the end.
 START_LIMIT = 1e8
 
-#: A step that has not become smaller than this part of the one before comes from zeros too close to be separated.
+#: A step that has not become smaller than this part of the one before comes from zeros too close to be separated. Most
+#: converge quadratically; of zeros 1e-14 apart float64 knows the distance to two digits, and a step gains no more.
 CONVERGING = 1e-2
+
+#: So many steps take the slowest of those that converge to what is wanted; as many again where zeros have to be joined.
+MOST_STEPS = 2 + ceil(log(DECOUPLED / LARGEST_STEP) / log(CONVERGING))
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,7 @@ def _refined(matrix, basis, parts) -> _Scale:
     parts = [part for part in parts if len(part)]
     identity, back = precise(np.eye(len(matrix))), precise(np.linalg.inv(rounded_to_float(basis)))
     before = LARGEST_STEP / CONVERGING
-    for _ in range(MOST_STEPS + len(parts)):
+    for _ in range(MOST_STEPS * len(parts)):
         defect = identity - back @ basis
         back = back + defect @ back  # leaves the square of the defect
         product = back @ matrix @ basis

@@ -46,6 +46,8 @@ class ConstrainedForm:
 
     def force(self, applied: ImpulsiveSmooth) -> ImpulsiveSmooth:
         """f with n rows -> [V^T f; b], b as a step: what stands on the right for t > 0."""
+        if not len(self.values):
+            return applied
         padding = np.zeros((len(self.values), self.null_space.shape[0]))
         held = np.concatenate([np.zeros(self.null_space.shape[1]), self.values])
         projected = applied.mapped(np.vstack([self.null_space.T, padding]))
@@ -91,8 +93,10 @@ def _assembled(matrix: np.ndarray | ElementMatrix) -> np.ndarray:
     return matrix.matrix if isinstance(matrix, ElementMatrix) else matrix
 
 
-def _stacked(matrix: np.ndarray | ElementMatrix, V, A, held) -> np.ndarray | Factors:
-    """[V^T matrix; the held rows of A], as factors where the matrix is given by its elements."""
+def _stacked(matrix: np.ndarray | ElementMatrix, V, A, held) -> np.ndarray | ElementMatrix | Factors:
+    """[V^T matrix; the held rows of A], as factors where the matrix is given by its elements; itself without rows, V = I."""
+    if not len(A):
+        return matrix
     rows = A * held[:, None]
     if not isinstance(matrix, ElementMatrix):
         return np.vstack([_projected(V, matrix), rows])

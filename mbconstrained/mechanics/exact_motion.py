@@ -6,6 +6,7 @@ as they are, and the multipliers come along.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -42,15 +43,22 @@ def _regular_form(system) -> RationalMatrix:
 
 def _multiplier_form(system) -> list[list[list]]:
     """Nested lists of exact numbers, for s^0, s^1, s^2."""
-    n, A = system.size, system.constraint_matrix.astype(object)
-    k = len(A)
+    exact = PolynomialMatrix(system.given).exact_coefficients
+    rows = system.constraint_matrix.astype(object)
+    return [matrix.tolist() for matrix in with_multipliers(exact, rows, [row.order for row in system.rows])]
+
+
+def with_multipliers(coefficients, rows: np.ndarray, orders: Sequence[int]) -> list[np.ndarray]:
+    """K, C and M, each of shape (n, n), with the rows, of shape (k, n), below, each in the matrix of its order, and beside K
+    the forces of the rows, -A^T."""
+    k, n = rows.shape
     found = []
-    for power, matrix in enumerate(PolynomialMatrix(system.given).exact_coefficients):
-        whole = np.zeros((n + k, n + k), dtype=object)
+    for power, matrix in enumerate(coefficients):
+        whole = np.zeros((n + k, n + k), dtype=rows.dtype)
         whole[:n, :n] = matrix
         if power == 0:
-            whole[:n, n:] = -A.T
-        held = [i for i, row in enumerate(system.rows) if row.order == power]
-        whole[[n + i for i in held], :n] = A[held]
-        found.append(whole.tolist())
+            whole[:n, n:] = -rows.T
+        held = [i for i, order in enumerate(orders) if order == power]
+        whole[[n + i for i in held], :n] = rows[held]
+        found.append(whole)
     return found

@@ -50,6 +50,8 @@ def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRow
     Raises:
         ContradictoryConstraints: a dependent row asks for another value than the rows that it depends on imply.
     """
+    if not rows:
+        return _nothing_held(size)
     rows = sorted(rows, key=lambda row: row.order)
     matrix = np.array([row.coefficients for row in rows]).reshape(len(rows), size)
     uncertainty = np.array([row.uncertainty + np.zeros(size) for row in rows]).reshape(matrix.shape)
@@ -65,6 +67,12 @@ def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRow
     return IndependentRows(
         tuple(rows[place] for place in kept), matrix[kept], uncertainty[kept], null_space, motions, left_inverse, tuple(notices)
     )
+
+
+def _nothing_held(size: int) -> IndependentRows:
+    """Without rows every coordinate is free."""
+    none = np.zeros((0, size))
+    return IndependentRows((), none, none, np.eye(size), tuple(range(size)), none, ())
 
 
 def _carried(rows) -> Noisy:

@@ -10,6 +10,7 @@ from ..checks import counted, names_of, real_array, whole_number
 from ..errors import InputError
 from ..notices import Notice
 from .drawing import Drawing
+from .still import checked_svg
 
 #: Numbers beyond this cannot be drawn: the arithmetic of axes and of interpolation would overflow.
 LARGEST = 1e290
@@ -102,6 +103,12 @@ class Plot:
 class Table:
     """A titled table of texts; a column in which every entry starts like a number is set flush right.
 
+    Attributes:
+        title: heading.
+        columns, rows: headings, and texts below them.
+        note: a sentence below, or an empty string.
+        folded: only the title is shown until it is clicked; on paper all of it.
+
     Raises:
         InputError: a row whose length is not the number of columns.
     """
@@ -110,6 +117,7 @@ class Table:
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     note: str = ""
+    folded: bool = False
 
     def __post_init__(self):
         object.__setattr__(self, "columns", tuple(str(column) for column in self.columns))
@@ -145,6 +153,29 @@ class Formulas:
 
 
 @dataclass(frozen=True)
+class Figure:
+    """A still picture, full width.
+
+    Attributes:
+        title: heading.
+        svg: one element <svg>, made by this package: shapes and texts, which refer to nothing outside it.
+        description: what the picture shows, for those who cannot see it.
+        note: a sentence below, or an empty string.
+
+    Raises:
+        InputError: anything else in the picture, such as a script, an image or an address.
+    """
+
+    title: str
+    svg: str
+    description: str
+    note: str = ""
+
+    def __post_init__(self):
+        checked_svg(self.svg, f'figure "{self.title[:60]}"')
+
+
+@dataclass(frozen=True)
 class PageContent:
     """Everything on one page; what is None or empty leaves no trace in the file.
 
@@ -152,6 +183,7 @@ class PageContent:
         title, source: heading of the page and the line under it (where the model is from).
         formulas: in MathML, or None.
         facts: pairs of a label and a text for the end of the page, such as ("Coordinates", "3").
+        figures: still pictures, right after the notices.
     """
 
     title: str
@@ -162,6 +194,7 @@ class PageContent:
     notices: tuple[Notice, ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
     formulas: Formulas | None = None
+    figures: tuple[Figure, ...] = ()
 
 
 def drawable(value, what: str, shape: tuple[int | None, ...]) -> np.ndarray:

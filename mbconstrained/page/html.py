@@ -1,4 +1,4 @@
-"""The page of a run: heading, notices, the moving picture, plots, tables and facts as one static HTML file."""
+"""The page of a run: heading, notices, still pictures, the moving picture, plots, tables and facts as one static HTML file."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from .content import Animation, PageContent
 from .document import document, motion_data, motion_scripts
 from .figure import figure_data
 from .keyframes import KeyFrames, key_frames
-from .sections import footer, formula_section, header, notice_section, plot_figures, table_section
+from .sections import footer, formula_section, header, notice_section, plot_figures, still_figure, table_section
 from .stage import decimals, stage_section
 
 
@@ -27,6 +27,7 @@ def page_html(content: PageContent) -> str:
         header(content),
         "<main>",
         notice_section(content.notices),
+        *(still_figure(figure) for figure in content.figures),
         "" if frames is None else stage_section(content.animation, frames),
         plot_figures(content.plots),
         formula_section(content.formulas),

@@ -6,7 +6,7 @@ import html
 import re
 
 from ..notices import Notice
-from .content import Formulas, PageContent, Plot, Table
+from .content import Figure, Formulas, PageContent, Plot, Table
 from .mode_content import ModesContent
 from .plots import plot_figure
 from .typeset import typeset
@@ -39,6 +39,14 @@ def _notice(notice: Notice) -> str:
     return f'<p class="{kind}"><b>{label} ({html.escape(notice.kind)}):</b> {typeset(notice.text)}</p>'
 
 
+def still_figure(figure: Figure) -> str:
+    """One <figure> over the whole width; where the window is narrow the picture scrolls, so that it stays readable."""
+    spoken = f'<svg role="img" aria-label="{html.escape(figure.description)}"'
+    svg = figure.svg.strip().replace("<svg", spoken, 1)
+    note = f'\n<p class="note">{typeset(figure.note)}</p>' if figure.note else ""
+    return f'<figure class="still">\n<h2>{html.escape(figure.title)}</h2>\n<div class="scroll">{svg}</div>{note}\n</figure>'
+
+
 def formula_section(formulas: Formulas | None) -> str:
     """Formulas, each of them in a box of its own that scrolls where it is too wide."""
     if formulas is None:
@@ -49,19 +57,22 @@ def formula_section(formulas: Formulas | None) -> str:
 
 
 def table_section(table: Table) -> str:
-    """A titled table; columns of numbers are set flush right."""
+    """A titled table; columns of numbers are set flush right. A folded one shows its title only."""
+    title = f"<h2>{html.escape(table.title)}</h2>"
+    if table.folded:
+        return f"<section>\n<details><summary>{title}</summary>\n{_table(table)}\n</details>\n</section>"
+    return f"<section>\n{title}\n{_table(table)}\n</section>"
+
+
+def _table(table: Table) -> str:
     columns = list(zip(*table.rows)) or [()] * len(table.columns)
     kinds = [' class="number"' if column and all(map(is_number, column)) else "" for column in columns]
     head = "".join(f'<th scope="col"{kind}>{typeset(text)}</th>' for kind, text in zip(kinds, table.columns))
     rows = "".join(
-        "<tr>" + "".join(f"<td{kind}>{typeset(cell)}</td>" for kind, cell in zip(kinds, row)) + "</tr>\n"
-        for row in table.rows
+        "<tr>" + "".join(f"<td{kind}>{typeset(cell)}</td>" for kind, cell in zip(kinds, row)) + "</tr>\n" for row in table.rows
     )
     note = f'<p class="note">{typeset(table.note)}</p>' if table.note else ""
-    return (
-        f'<section>\n<h2>{html.escape(table.title)}</h2>\n<div class="scroll"><table>\n'
-        f"<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>{note}\n</section>"
-    )
+    return f'<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>{note}'
 
 
 def is_number(cell: str) -> bool:

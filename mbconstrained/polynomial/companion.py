@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..linalg.modular import chains_at_zero, remainders
 from ..linalg.noise import Noisy
 from ..linalg.precise import is_precise, magnitude, of_kind, precise
 from ..linalg.scaling import Scaling, joint_scaling
@@ -109,6 +110,13 @@ def scaled_companion(A: PolynomialMatrix, rank_tolerance: float | None = None, i
     if rank_tolerance is None:
         noise = np.maximum(noise, scaling.apply(_with_first_power(A.uncertainty)))
     return ScaledCompanion(Noisy(scaled, noise), scaling)
+
+
+def multiplicity_at_zero(A: PolynomialMatrix) -> int:
+    """How often s = 0 is a zero of det A(s), regular, its entries taken as the exact numbers that they are."""
+    known = _with_first_power(remainders(A.exact_coefficients)).astype(float)
+    E, F = ScaledCompanion(Noisy.exact(known), Scaling(1.0, np.ones(A.size), np.ones(A.size))).pencil
+    return chains_at_zero(E.data, F.data)
 
 
 def _telling(A: PolynomialMatrix) -> np.ndarray:

@@ -20,14 +20,15 @@ from ..linalg.recursion import recursion
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.restarts import Restarts
-from ..tolerances import DECOUPLING_LIMIT
 from .driven import Driven, driven_form
 from .events import Kicks
 from .forcing import power_of_two_of
 from .parts import Start
 
-#: Largest X, relative to D in the pencil's unit of time, with very many pieces: the digits that it costs add up.
-PIECE_LIMIT = 8.0
+#: A zero of A(s) and one of the force are separated where their distance is at least this part of the largest rate: the two
+#: motions that are told apart cancel until they have come apart, and only so long as nothing else has moved much the Taylor
+#: series takes their place. With very many pieces the digits that it costs add up.
+SEPARATION, SEPARATION_OF_PIECES = 32.0, 8.0
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth, ki
     free, driven = block_diagonalize(form.T), driven_form(form, force)
     n, time, knots, forcing = len(form.T), form.companion.scaling.time, force.knots, force.smooth.blocks
     finite, outer = block_slices(free.blocks), block_slices(forcing)
-    X, coupled = _separated(free, driven, finite, outer, max(PIECE_LIMIT, DECOUPLING_LIMIT / len(knots)))
+    X, coupled = _separated(free, driven, finite, outer, max(SEPARATION_OF_PIECES, SEPARATION / len(knots)) / _rate(free, driven))
     blocks = (*free.blocks, *(driven.generator[of, of] for of in outer), *(pair.block for pair in coupled))
     own_output = form.C @ free.basis
     inputs, gaps = force.smooth.with_knots(knots).restarts.states / driven.units[:, None], time * np.diff(knots)
@@ -80,6 +81,11 @@ def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth, ki
         states[:, 0] if len(knots) == 1 else Restarts(knots, states, jumps),
     )
     return function, max(free.coupling, float(np.abs(X).max(initial=0.0)))
+
+
+def _rate(free: BlockDiagonal, driven: Driven) -> float:
+    """The largest rate of the motion and of the force, 1 where there is none."""
+    return max((float(np.abs(block).max()) for block in (*free.blocks, driven.generator) if block.any()), default=1.0)
 
 
 def _separated(free: BlockDiagonal, driven: Driven, finite, outer, limit) -> tuple[np.ndarray, list[Coupled]]:

@@ -151,6 +151,13 @@ class Response:
         return moved_responses(self)
 
     @cached_property
+    def written(self) -> Response | None:
+        """The answer to the data as they are written, where some counted as zero at s = 0 (see ``response.estimate``)."""
+        from .estimate import written_response
+
+        return written_response(self)
+
+    @cached_property
     def evidence(self) -> tuple[Evidence, ...]:
         """Residuals, conditions and gaps that tell how far the answer can be trusted."""
         return self.pairs.evidence

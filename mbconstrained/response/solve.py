@@ -6,6 +6,7 @@ import numpy as np
 
 from ..checks import counted, real_array
 from ..errors import InputError
+from ..jordan.pairs import JordanPairs
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
@@ -49,7 +50,12 @@ def solve(
     q, r = checked_matrix(A).degree, A.size
     initial = np.zeros((q, r)) if initial is None else real_array(initial, "initial", shape=(q, r))
     force = checked_force(force, r)
-    pairs = A.jordan_pairs(rank_tolerance)
+    return solve_with(A.jordan_pairs(rank_tolerance), initial, force)
+
+
+def solve_with(pairs: JordanPairs, initial: np.ndarray, force: ImpulsiveSmooth) -> Response:
+    """The solution read off pairs that were made before, values at 0- of shape (q, r) and force given in full."""
+    A, q = pairs.polynomial_matrix, len(initial)
     start, kicks = start_of(pairs.form, initial, force), kicks_of(pairs.form, force, q)
     function, coupling = regular_part(pairs.form, start, force, kicks)
     function = with_series(function, taylor_series(pairs.form, initial, start.jump, force))

@@ -31,6 +31,10 @@ EPILOG = """Examples:
   mbconstrained modes bridge.toml --page         the same with a page in which each mode moves
   mbconstrained formula bridge.toml --as python  the motion as a formula, here as a function of NumPy
   mbconstrained plan bridge.toml                 what would be computed, what not, and why
+  mbconstrained plan bridge.toml --run           the same with the time and memory that each stage takes
+  mbconstrained accuracy bridge.toml             error against run time, beside what one would use instead
+  mbconstrained stability bridge.toml            digits right when masses, springs, ... are turned over decades
+  mbconstrained stability                        the same for a gallery of stiff and extreme systems
   mbconstrained check bridge.toml                is the file right? nothing is solved or written
 
 Exit codes:
@@ -76,7 +80,7 @@ def run(
         show_result(result, json)
         return FINE if result.is_trusted else NOT_TRUSTED
 
-    _answer(scene, json, work)
+    answer(scene, json, work)
 
 
 @app.command(short_help="List the modes of a scene, with shapes and energies.")
@@ -103,15 +107,36 @@ def modes(
         show_modes(answer, json)
         return FINE if answer.is_trusted else NOT_TRUSTED
 
-    _answer(scene, json, work)
+    answer(scene, json, work)
 
 
 @app.command(short_help="List what would be computed, what not, and why.")
-def plan(scene: ScenePath, json: Json = False) -> None:
-    """List the stages that a scene needs, and those that are left out, each with its reason."""
+def plan(
+    scene: ScenePath,
+    run: Annotated[
+        bool, typer.Option("--run", help="Run it too, into a temporary folder that is removed; tell what each stage took.")
+    ] = False,
+    json: Json = False,
+) -> None:
+    """List the stages that a scene needs, and those that are left out, each with its reason.
+
+    Nothing is solved or written, but with --run: then all is done as by the command run, files are written into a temporary
+    folder, so that writing counts too, and removed; each stage is listed with its time and memory. Exit codes are those of run."""
     from .printing import show_plan
 
-    _answer(scene, json, lambda found: show_plan(found, json))
+    answer(scene, json, lambda found: _measured(found, json) if run else show_plan(found, json))
+
+
+def _measured(scene: Scene, json: bool) -> int:
+    from tempfile import TemporaryDirectory
+
+    from .printing import show_costs, stage_progress
+
+    with TemporaryDirectory(prefix="mbconstrained-") as folder:
+        with stage_progress() as progress:
+            result = scene.run(folder, progress)
+        show_costs(result, json)
+    return FINE if result.is_trusted else NOT_TRUSTED
 
 
 @app.command(short_help="See whether a scene is right; solve nothing.")
@@ -119,7 +144,7 @@ def check(scene: ScenePath, json: Json = False) -> None:
     """Read a scene and see whether everything in it is right; solve nothing, write nothing."""
     from .printing import show_check
 
-    _answer(scene, json, lambda found: show_check(found, json))
+    answer(scene, json, lambda found: show_check(found, json))
 
 
 class As(StrEnum):
@@ -148,23 +173,28 @@ def formula(
 
     names = [name.strip() for name in coordinates.split(",") if name.strip()]
     kind = As.JSON if json else kind
-    _answer(scene, kind is As.JSON, lambda found: show_formula(found, kind.value, numbers, digits, names, out, seconds))
+    answer(scene, kind is As.JSON, lambda found: show_formula(found, kind.value, numbers, digits, names, out, seconds))
 
 
-def _answer(path: str, json: bool, work: Callable[[Scene], int | None]) -> None:
+def answer(path: str, json: bool, work: Callable[[Scene], int | None]) -> None:
     """Read the scene, do the work, and leave with the exit code that says how it went."""
+    leave(Path(path).name, json, lambda: work(_read(path)))
+
+
+def leave(name: str, json: bool, work: Callable[[], int | None]) -> None:
+    """Do the work on what has this name, and leave with the exit code that says how it went."""
     from ..errors import MbconstrainedError, SceneError
     from .printing import show_error
 
     try:
-        code = work(_read(path)) or FINE
+        code = work() or FINE
     except MbconstrainedError as problem:
-        named = str(problem) if isinstance(problem, SceneError) else f"{Path(path).name}: {problem}"
+        named = str(problem) if isinstance(problem, SceneError) else f"{name}: {problem}"
         code = show_error(named, json, SCENE_WRONG)
     except OSError as problem:
         code = show_error(f"the results cannot be written: {problem}", json, COMMAND_WRONG)
     except MemoryError:
-        code = show_error(f"{Path(path).name}: this needs more memory than there is; ask for fewer points", json, SCENE_WRONG)
+        code = show_error(f"{name}: this needs more memory than there is; ask for fewer points", json, SCENE_WRONG)
     raise typer.Exit(code)
 
 

@@ -10,12 +10,13 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from ..checks import counted
-from .summary import as_json, blocks, plain_table
+from .plan_tables import cost_table, left_out_table, plan_table
+from .summary import as_json, blocks, notices_json, plain_table
 from .tables import TextTable
 
 if TYPE_CHECKING:
     from .modes import SceneModes
-    from .plan import Plan, Stage
+    from .plan import Stage
     from .result import Result
     from .scene import Scene
 
@@ -23,9 +24,9 @@ if TYPE_CHECKING:
 def show_result(result: Result, json: bool) -> None:
     """The summary of a run."""
     if json:
-        _say_json(as_json(result))
+        say_json(as_json(result))
     else:
-        _say_blocks(blocks(result))
+        say_blocks(blocks(result))
 
 
 def show_modes(modes: SceneModes, json: bool) -> None:
@@ -33,18 +34,28 @@ def show_modes(modes: SceneModes, json: bool) -> None:
     from . import modes_summary
 
     if json:
-        _say_json(modes_summary.as_json(modes))
+        say_json(modes_summary.as_json(modes))
     else:
-        _say_blocks(modes_summary.blocks(modes))
+        say_blocks(modes_summary.blocks(modes))
 
 
 def show_plan(scene: Scene, json: bool) -> None:
     """The stages of a scene."""
     plan = scene.plan()
     if json:
-        _say_json({"title": scene.title, "plan": plan.as_json()})
+        say_json({"title": scene.title, "plan": plan.as_json()})
     else:
-        _say_blocks([scene.title, plan_table(plan)])
+        say_blocks([scene.title, plan_table(plan)])
+
+
+def show_costs(result: Result, json: bool) -> None:
+    """The stages of a scene that was run, with what each took."""
+    plan, doubts = result.plan, [notice for notice in result.notices if notice.doubtful]
+    if json:
+        told = {"title": result.scene.title, "plan": plan.as_json(), "totals": plan.totals_as_json()}
+        say_json({**told, "notices": notices_json(doubts), "trusted": result.is_trusted})
+    else:
+        say_blocks([result.scene.title, cost_table(plan), left_out_table(plan), *map(str, doubts)])
 
 
 def show_check(scene: Scene, json: bool) -> None:
@@ -53,7 +64,7 @@ def show_check(scene: Scene, json: bool) -> None:
     taken = len(scene.plan().taken)
     notices = [str(notice) for notice in scene.parameters.notices]
     if json:
-        _say_json({"title": scene.title, "coordinates": list(coordinates), "stages": taken, "notices": notices})
+        say_json({"title": scene.title, "coordinates": list(coordinates), "stages": taken, "notices": notices})
     else:
         holds = f"{counted(len(coordinates), 'coordinate')} ({', '.join(coordinates)}), {counted(taken, 'stage')} to run"
         _say("\n".join([f"{scene.path.name} is fine: {scene.title}", holds, *notices]))
@@ -62,7 +73,7 @@ def show_check(scene: Scene, json: bool) -> None:
 def show_error(message: str, json: bool, code: int) -> int:
     """One message, as the only thing that is printed."""
     if json:
-        _say_json({"error": message, "exit_code": code})
+        say_json({"error": message, "exit_code": code})
     else:
         print(message, file=sys.stderr)
     return code
@@ -71,13 +82,6 @@ def show_error(message: str, json: bool, code: int) -> int:
 def show_text(text: str) -> None:
     """A text as it is, as the only thing that is printed."""
     _say(text)
-
-
-def plan_table(plan: Plan) -> TextTable:
-    """Taken stages first, in the order in which they run."""
-    rows = [("taken", stage.name, stage.reason) for stage in plan.taken]
-    rows += [("left out", stage.name, stage.reason) for stage in plan.left_out]
-    return TextTable("Plan", ("", "stage", "reason"), tuple(rows))
 
 
 @contextmanager
@@ -99,11 +103,13 @@ def step_progress() -> Iterator[Callable[[str], None] | None]:
         yield status.update
 
 
-def _say_json(data: dict) -> None:
+def say_json(data: dict) -> None:
+    """Plain data, as the only thing that is printed."""
     _say(json_format.dumps(data, indent=2, allow_nan=False))
 
 
-def _say_blocks(blocks: list[str | TextTable]) -> None:
+def say_blocks(blocks: list[str | TextTable]) -> None:
+    """Texts and tables one below the other."""
     if sys.stdout.isatty():
         _say_rich(blocks)
     else:

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 from ..page.content import Curve, Formulas, PageContent, Plot, Table
 from .control_report import control_facts
 from .curves import ORDERS
+from .output_decisions import is_animated
+from .plan_tables import page_table
 from .robot_report import robot_facts
-from .stages import is_animated
+from .stages import PAGE, plan_of
 from .tables import notices_of, tables_of
 
 if TYPE_CHECKING:
@@ -24,7 +26,7 @@ def page_content(result: Result) -> PageContent:
         source=scene.table.source,
         animation=result.animation if is_animated(scene) else None,
         plots=tuple(plot for kind in output.plots for plot in _plots(result, result.curves(kind))),
-        tables=tuple(Table(table.title, table.columns, table.rows, table.note) for table in tables_of(result)),
+        tables=(*(Table(table.title, table.columns, table.rows, table.note) for table in tables_of(result)), _plan(result)),
         notices=notices_of(result),
         formulas=formulas_of(result),
         facts=_facts(result),
@@ -54,10 +56,16 @@ def _plots(result: Result, curves: Curves) -> list[Plot]:
     return [Plot(title, "" if unit == "1" else unit, result.times, tuple(drawn)) for (title, unit), drawn in groups.items()]
 
 
+def _plan(result: Result) -> Table:
+    """The plan of a page that is written; one that is asked for afterwards belongs to a plan that wrote nothing."""
+    plan = result.plan if result.folder else plan_of(result.scene).with_costs(result.plan.costs)
+    table = page_table(plan, PAGE)
+    return Table(table.title, table.columns, table.rows, table.note, folded=True)
+
+
 def _facts(result: Result) -> tuple[tuple[str, str], ...]:
     scene = result.scene
     coordinates, time = scene.equations.coordinates, scene.table.time
-    left_out = ", ".join(stage.name for stage in result.plan.left_out)
     return (
         *robot_facts(scene.equations.robot_scene),
         *control_facts(scene.equations.control),
@@ -65,5 +73,4 @@ def _facts(result: Result) -> tuple[tuple[str, str], ...]:
         ("degree of the equations", str(scene.equations.polynomial_matrix.degree)),
         ("finite zeros", str(sum(zero.count for zero in result.finite_pair.zeros))),
         ("time", f"0 to {time.end:g} s, {time.points} points, in closed form"),
-        ("left out, since not needed", left_out),
     )

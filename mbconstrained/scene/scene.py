@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from .plan import Plan
 from .problems import at, validated
 from .reading import parse, read_text
 from .result import Result
+from .stage_costs import Cost, Costs
 from .stages import plan_of, run_stages
 from .units import count_texts
 
@@ -28,7 +28,7 @@ class Scene:
         table: what stands in it, checked and in SI.
         equations: the equations that it asks to be solved.
         unit_texts: how many quantities were written with a unit.
-        seconds: what reading, loading pint and assembling took.
+        costs: what the stages of reading, from the file to the staircase, took, by name.
         parameters: the named quantities, which everywhere else stand with their values.
     """
 
@@ -36,7 +36,7 @@ class Scene:
     table: object
     equations: Equations
     unit_texts: int
-    seconds: dict[str, float]
+    costs: dict[str, Cost]
     parameters: Parameters = Parameters()
 
     @property
@@ -52,15 +52,24 @@ class Scene:
     def certified(self) -> Scene:
         """The same scene with certify = true, where it does not say itself what to certify."""
         output = self.table.output
-        certify = output.certify or output.coordinates or True
-        return replace(self, table=self.table.model_copy(update={"output": output.model_copy(update={"certify": certify})}))
+        return self._with_output(certify=output.certify or output.coordinates or True)
+
+    def unwritten(self) -> Scene:
+        """The same scene without page, CSV and npz."""
+        return self._with_output(page=False, csv=False, npz=False)
+
+    def _with_output(self, **changes) -> Scene:
+        output = self.table.output.model_copy(update=changes)
+        return replace(self, table=self.table.model_copy(update={"output": output}))
 
     def plan(self) -> Plan:
         """The stages that this scene needs and those it can do without, each with its reason."""
         return plan_of(self)
 
     def run(self, folder: str | Path | None = None, progress=None) -> Result:
-        """Solve the scene by the stages of its plan.
+        """Solve the scene by the stages of its plan, each of which is measured.
+
+        On Linux the highest resident memory of the process, as the system keeps it, is set back at the start of each stage.
 
         Args:
             folder: where page, CSV and npz are written, as far as the scene asks for them; None: nowhere.
@@ -88,25 +97,25 @@ def read_scene(path: str | Path) -> Scene:
     'Two masses with a redundant coordinate'
     """
     path = Path(path)
-    clock = _Clock()
+    costs = Costs()
     data = parse(read_text(path), path.name)
     unit_texts = count_texts({key: data[key] for key in data if key not in ("title", "source")})
-    clock.lap("read the scene")
+    costs.lap("read the scene")
     if unit_texts:
         load_units()
-        clock.lap("units")
+        costs.lap("units")
     data, parameters = with_parameters(data, path.name)
     table = validated(data, path.name)
-    clock.lap("read the scene")
-    equations = equations_of(table, path.parent, path.name, clock.lap)
+    costs.lap("read the scene")
+    equations = equations_of(table, path.parent, path.name, costs.lap)
     _check_output(table.output, equations, path.name)
     _check_drawing(table.drawing, equations, path.name)
     if equations.robot_scene and table.output.page and table.output.animation:
         equations.robot_scene.data.check_meshes()
-    clock.lap("assemble the model")
+    costs.lap("assemble the model")
     equations.polynomial_matrix.jordan_pairs()
-    clock.lap("scaling and staircase")
-    return Scene(path, table, equations, unit_texts, clock.seconds, parameters)
+    costs.lap("scaling and staircase")
+    return Scene(path, table, equations, unit_texts, costs.by_name, parameters)
 
 
 def _check_output(output, equations: Equations, file_name: str) -> None:
@@ -155,16 +164,3 @@ def _check_drawing(drawing, equations: Equations, file_name: str) -> None:
             for name in filter(None, (link.start, link.end, link.over)):
                 if name not in bodies:
                     raise InputError(f'there is no body "{name}" in the drawing{nearest(name, bodies)}')
-
-
-class _Clock:
-    """Time by name."""
-
-    def __init__(self):
-        self.seconds: dict[str, float] = {}
-        self._last = time.perf_counter()
-
-    def lap(self, name: str) -> None:
-        now = time.perf_counter()
-        self.seconds[name] = self.seconds.get(name, 0.0) + now - self._last
-        self._last = now

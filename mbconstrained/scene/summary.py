@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from ..notices import Notice
 from .control_report import control_json
+from .plan_tables import totals
 from .robot_report import posture_json
 from .tables import TextTable, notices_of, tables_of
 
@@ -19,7 +22,7 @@ def summary(result: Result) -> str:
 
 def blocks(result: Result) -> list[str | TextTable]:
     """The parts of the summary: texts, and tables that a terminal may set in its own way."""
-    return [heading(result), *tables_of(result), *_notices(result), *_files(result)]
+    return [heading(result), *tables_of(result), *_notices(result), *_files(result), f"Plan: {totals(result.plan)}"]
 
 
 def heading(result: Result) -> str:
@@ -82,11 +85,17 @@ def as_json(result: Result) -> dict:
         "error_estimates": {kind: _finite(value) for kind, value in result.error_estimates.items()},
         "evidence": [{"name": item.name, "value": _finite(item.value), "text": item.text} for item in motion.evidence],
         **({"certificate": result.certificate.as_json()} if result.certificate else {}),
-        "notices": [{"kind": notice.kind, "text": notice.text, "doubtful": notice.doubtful} for notice in result.notices],
+        "notices": notices_json(result.notices),
         "trusted": result.is_trusted,
         "plan": result.plan.as_json(),
+        "totals": result.plan.totals_as_json(),
         "files": [str(path) for path in result.files],
     }
+
+
+def notices_json(notices: Iterable[Notice]) -> list[dict]:
+    """Notices as plain data."""
+    return [{"kind": notice.kind, "text": notice.text, "doubtful": notice.doubtful} for notice in notices]
 
 
 def _zeros(result: Result):

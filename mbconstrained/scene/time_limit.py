@@ -8,6 +8,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 
+#: An alarm that strikes in a finalizer, from which nothing can be raised, is lost: it is rung again after so many seconds.
+AGAIN = 1.0
+
+
 class OutOfTime(BaseException):
     """The time is over; no Exception, so that nothing in between takes it for a problem of its own."""
 
@@ -33,7 +37,7 @@ def time_limit(seconds: float) -> Iterator[None]:
         raise OutOfTime
 
     before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN)
     try:
         yield
     finally:

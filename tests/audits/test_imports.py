@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 HEAVY = ["pinocchio", "coal", "meshcat", "sympy", "flint", "matplotlib", "pydantic", "pint", "typer", "rich", "control", "xarray", "pandas"]
 
@@ -46,3 +49,32 @@ def test_importing_has_no_side_effect_on_numpy():
         "assert state == np.random.get_state()[1].tolist()"
     )
     subprocess.run([sys.executable, "-c", script], check=True, capture_output=True)
+
+
+@pytest.mark.parametrize(
+    ("command", "scene", "needed"),
+    [
+        ("check", "", {"pydantic", "typer"}),
+        ("plan", "", {"pydantic", "typer"}),
+        ("check", "two_masses", {"pydantic", "typer", "pint"}),
+        ("plan", "two_masses_formula", {"pydantic", "typer", "pint"}),
+        ("check", "pendulum", {"pydantic", "typer", "pint", "pinocchio", "coal"}),
+        ("plan", "pendulum", {"pydantic", "typer", "pint", "pinocchio", "coal"}),
+    ],
+)
+def test_check_and_plan_load_what_reading_the_scene_needs(tmp_path, command, scene, needed):
+    """No page, no symbols, no proofs, no plots; rich only in a terminal."""
+    path = EXAMPLES / f"{scene}.toml" if scene else tmp_path / "plain.toml"
+    if not scene:
+        path.write_text('[model]\nkind = "matrices"\nmass = [[1]]\nstiffness = [[1]]\n[time]\nend = 1\n', encoding="utf-8")
+    run = f"from mbconstrained import cli; sys.argv = ['mbconstrained', {command!r}, {str(path)!r}]"
+    silent = "import io\nout, sys.stdout = sys.stdout, io.StringIO()"
+    left = "try: cli.main()\nexcept SystemExit as left: assert not left.code\nsys.stdout = out"
+    assert loaded_by(f"{run}\n{silent}\n{left}") & set(HEAVY) == needed
+
+
+def test_importing_leaves_out_robots_pages_exact_answers_and_reports():
+    parts = ("models.robot", "page", "exact", "reports", "scene.schema")
+    script = f"import mbconstrained, sys; print(*[part for part in {parts} if 'mbconstrained.' + part in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == ""

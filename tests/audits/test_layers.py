@@ -28,7 +28,7 @@ HEAVY = {
     "matplotlib": {"page", "reports"},
     "pydantic": {"scene"},
     "pint": {"scene"},
-    "typer": {"cli", "scene"},
+    "typer": {"cli", "scene", "reports"},
     "rich": {"cli", "scene", "reports"},
 }
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mbconstrained.linalg.noise import Noisy
-from mbconstrained.linalg.rank import compress_rows, null_columns
+from mbconstrained.linalg.rank import RankDecision, compress_rows, null_columns
 
 
 def rank(matrix) -> int:
@@ -112,3 +112,16 @@ def test_independent_groups_do_not_hide_each_other():
     small, large = 1e-12 * np.array([[1.0, 2.0], [2.0, 4.0]]), 1e12 * np.array([[3.0, 1.0], [1.0, 5.0]])
     matrix = np.block([[small, np.zeros((2, 2))], [np.zeros((2, 2)), large]])
     assert rank(matrix) == 3
+
+
+def test_what_is_cleaned_away_before_the_elimination_is_told():
+    matrix = Noisy(np.array([[1.0, 0.0], [0.0, 8e-16]]), np.array([[1e-16, 0.0], [0.0, 1e-16]]))
+    decision = compress_rows(matrix).decision
+    assert decision.rank == 1 and decision.largest_dropped == 0.5
+    assert not decision.clear and len(decision.singular_values) == 2
+
+
+def test_all_rows_are_independent_where_that_was_decided():
+    decided = RankDecision(2, 1.0, 0.0)
+    found = compress_rows(Noisy.rounded(np.ones((2, 2))), decided=decided)
+    assert found.decision is decided and found.pivots.tolist() == [0, 1] and found.null.data.shape == (0, 2)

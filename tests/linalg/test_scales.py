@@ -87,3 +87,20 @@ def test_a_defective_zero_stays_one_block():
 def test_no_zeros():
     with precise_arithmetic():
         assert block_diagonal(precise(np.zeros((0, 0)))).blocks == ()
+
+
+def oscillators(coupling: float, detuning: int) -> np.ndarray:
+    """Two of frequency 4096, detuned by a few roundings, a weak spring between, exact; states (x, x')."""
+    k, more = Fraction(coupling), Fraction(detuning * EPS)
+    T = np.full((4, 4), Fraction(0), dtype=object)
+    T[:2, 2:] = np.vectorize(Fraction, otypes=[object])(np.eye(2))
+    T[2:, :2] = 4096**2 * np.array([[-1 - k, k], [k, -1 - k - more]])
+    return precise(T)
+
+
+@pytest.mark.parametrize("detuning", [-6, -3, -2, -1, 0, 1, 2, 3, 6])
+@pytest.mark.parametrize("coupling", [1e-12, 1e-13, 3e-14, 1e-14, 5e-15, 3e-15, 1e-15, 1e-16])
+def test_zeros_as_close_as_float64_can_just_tell_apart(coupling, detuning):
+    """Newton steps gain as many digits as float64 knows of the distance: two, where it is 1e-14."""
+    with precise_arithmetic():
+        check(oscillators(coupling, detuning))

@@ -7,6 +7,7 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.response.estimate import error_estimate, moved_responses
+from mbconstrained.tolerances import UNCLEAR_ERROR
 
 EPS = np.finfo(float).eps
 
@@ -85,3 +86,38 @@ def test_the_moved_problems_are_as_many_as_said_and_differ_by_a_rounding():
         assert np.allclose(other.polynomial_matrix.coefficients, x.polynomial_matrix.coefficients, rtol=3 * EPS, atol=0)
         assert np.allclose(other.initial, x.initial, rtol=3 * EPS, atol=0)
         assert np.allclose(other.force.impulses[0], 2.0, rtol=3 * EPS, atol=0)
+
+
+# what counted as rounding
+
+
+def pinned_pair(spring: float, mass) -> mb.PolynomialMatrix:
+    """Springs of 3 and 2 N/m to the ground, and a stiff one between, assembled."""
+    K = spring * np.array([[1.0, -1.0], [-1.0, 1.0]]) + np.diag([3.0, 2.0])
+    return mb.PolynomialMatrix([K, 0 * K, np.diag(mass)])
+
+
+@pytest.mark.parametrize("mass", [[1.0, 0.0], [1.0, 1.0]])
+@pytest.mark.parametrize("spring", [1e15, 3e15, 1e16])
+def test_springs_lost_beside_stiffer_ones_are_told(spring, mass):
+    """The float matrix still has the springs, or a part; the answer without them is another motion."""
+    x = mb.solve(pinned_pair(spring, mass), [[1.0, 1.0], [0.0, 0.0]])
+    assert x.error_estimate(np.linspace(0, 5, 11)) >= UNCLEAR_ERROR
+
+
+def free_pair(stiffness: float) -> mb.PolynomialMatrix:
+    turn = np.array([[0.8, -0.6], [0.6, 0.8]])
+    return mb.PolynomialMatrix([turn @ np.diag([0.0, stiffness]) @ turn.T, np.zeros((2, 2)), np.eye(2)])
+
+
+@pytest.mark.parametrize("stiffness", [1.0, 1e3, 1e6])
+def test_a_free_body_in_turned_coordinates_is_trusted(stiffness):
+    """What rounding left of its stiffness moves it by eps k t^2 / 2 at most."""
+    x = mb.solve(free_pair(stiffness), [[0.8, 0.6], [0.0, 0.0]])
+    assert x.error_estimate([1.0, 10.0]) <= 100 * EPS * stiffness * 10.0**2
+
+
+def test_a_free_body_as_it_is_written_is_known_to_the_last_digits():
+    spring = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    x = mb.solve(mb.PolynomialMatrix([1e16 * spring, 0 * spring, np.eye(2)]), [[1.0, 1.0], [0.0, 0.0]])
+    assert x.error_estimate([1.0, 10.0]) <= 20 * EPS

@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from tests.scene.robots import SCENE, press
 from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, scene_of
 
 from mbconstrained.mechanics import MechanicalSystem, Motion
@@ -51,7 +52,7 @@ def test_a_free_oscillator_needs_little(tmp_path):
         ("animation = false", "animation"),
         ("csv = false", "CSV"),
         ("npz = false", "npz"),
-        ('plots = ["velocity"]', "velocities"),
+        ("animation = false", "velocities"),
         ('plots = ["acceleration"]', "accelerations"),
         ('plots = ["energy"]', "energy"),
     ],
@@ -60,6 +61,32 @@ def test_output_decides(tmp_path, key, stage):
     default = stages(scene_of(tmp_path, OSCILLATOR))
     changed = stages(scene_of(tmp_path, OSCILLATOR + f"\n[output]\n{key}\n"))
     assert changed[stage] is not default[stage]
+
+
+def test_velocities_are_needed_by_plots_and_by_what_moves(tmp_path):
+    still = OSCILLATOR + "[output]\nanimation = false\n"
+    assert stages(scene_of(tmp_path, still.replace("[output]", '[output]\nplots = ["velocity"]')))["velocities"]
+    assert not stages(scene_of(tmp_path, still))["velocities"]
+    moving = scene_of(tmp_path, OSCILLATOR)
+    assert stages(moving)["velocities"]
+    assert "velocities" in {stage.name for stage in moving.run().plan.left_out}  # nothing is written that would move
+
+
+def test_outputs_of_a_robot_are_spoken_of(tmp_path):
+    press(tmp_path)
+    output = '[[model.output]]\nname = "angle"\njoint = "pivot"\n'
+    text = SCENE.replace("[initial]", f"{output}[initial]")
+    plotted = scene_of(tmp_path, text + '[output]\nplots = ["output"]\n')
+    found = {
+        scene: next(stage for stage in scene_of(tmp_path, scene).plan().stages if stage.name == "outputs")
+        for scene in (SCENE, text)
+    }
+    assert [(stage.taken, stage.reason) for stage in found.values()] == [
+        (False, "no outputs are named"),
+        (False, "output is not among the plots"),
+    ]
+    assert stages(plotted)["outputs"]
+    assert "outputs" not in stages(scene_of(tmp_path, MATRICES))
 
 
 def test_units_are_needed_only_for_texts_with_units(tmp_path):
@@ -138,7 +165,14 @@ def test_what_is_taken_is_called(tmp_path, monkeypatch):
     assert all(stage.seconds is None for stage in result.plan.left_out)
 
 
-PREPARED = ("read the scene", "units", "assemble the model", "dependent constraint rows", "constrained form", "scaling and staircase")
+PREPARED = (
+    "read the scene",
+    "units",
+    "assemble the model",
+    "dependent constraint rows",
+    "constrained form",
+    "scaling and staircase",
+)
 
 AUDIT = """
 import sys

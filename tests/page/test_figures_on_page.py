@@ -1,0 +1,179 @@
+"""Still pictures and folded tables on a page: where they stand, what they may hold, what a browser makes of them."""
+
+import html
+import re
+
+import pytest
+
+from mbconstrained.errors import InputError
+from mbconstrained.notices import Notice
+from mbconstrained.page import PageContent, Plot, Table, page_html, write_page
+from mbconstrained.page.content import Curve, Figure
+from mbconstrained.reports.figures import Picture
+from tests.page.browser import needs_chromium
+from tests.page.contents import HOSTILE
+
+PLAIN = '<svg viewBox="0 0 4 1"><path d="M0 0H4"/><text x="0" y="1">a &lt;script&gt; onload=x url(http:)</text></svg>'
+
+
+def content(**parts) -> PageContent:
+    return PageContent(
+        "Report",
+        notices=(Notice("rank", "a notice"),),
+        plots=(Plot("a plot", "m", [0, 1], (Curve("x", [0, 1]),)),),
+        **{"figures": (Figure("A picture", PLAIN, "A line.", "note in m/s^2"),), **parts},
+    )
+
+
+def picture(text: str = HOSTILE) -> Picture:
+    """A matplotlib picture with everything that its SVG may bring: markers, shades, dashes, clipping, hatches, texts."""
+
+    def draw(figure):
+        axes = figure.add_subplot()
+        axes.plot([0, 1], [0, 1], "o--", label=text.replace("\u2028", ""))
+        axes.fill_between([0, 1], [0, 1], alpha=0.3, hatch="//")
+        axes.set_title(text.replace("\u2028", ""))
+        axes.legend()
+
+    return Picture("From matplotlib", "A line from 0 to 1.", 3.0, draw)
+
+
+def test_pictures_stand_between_notices_and_plots():
+    page = page_html(content())
+    places = [page.index(part) for part in ("a notice", "<h2>A picture</h2>", "<path", "note in m/s²", "<h2>a plot</h2>")]
+    assert places == sorted(places)
+
+
+def test_the_description_is_the_name_of_the_picture_for_those_who_do_not_see_it():
+    page = page_html(content(figures=(Figure(HOSTILE, PLAIN, HOSTILE, HOSTILE),)))
+    assert f'<svg role="img" aria-label="{html.escape(HOSTILE)}" viewBox="0 0 4 1">' in page
+    assert f"<h2>{html.escape(HOSTILE)}</h2>" in page and "<script" not in page
+
+
+def test_a_page_with_pictures_has_no_script_and_its_policy_allows_none():
+    page = page_html(content(figures=(picture().on_page(),)))
+    assert "<script" not in page and "script-src 'none'" in page
+    assert page == page_html(content(figures=(picture().on_page(),)))
+
+
+@pytest.mark.parametrize(
+    "inside",
+    [
+        "<script>alert(1)</script>",
+        "<SCRIPT/>",
+        "<style>*{color:red}</style>",
+        '<image href="data:image/png;base64,AA"/>',
+        "<foreignObject/>",
+        "<a href='#x'/>",
+        "<title>t</title>",
+        "<animate/>",
+        "<p/>",
+        '<path onclick="alert(1)"/>',
+        '<path OnClick="alert(1)"/>',
+        '<use href="http://example.org/a.svg#b"/>',
+        '<use xmlns:x="http://www.w3.org/1999/xlink" x:href="other.svg#b"/>',
+        '<path style="fill: url(http://example.org/a.svg#b)"/>',
+        "<path style=\"fill: url( 'other.svg#b')\"/>",
+        '<path style="fill: URL(&#x22;//example.org#a&#x22;)"/>',
+        '<path fill="javascript:alert(1)"/>',
+    ],
+)
+def test_pictures_hold_shapes_and_texts_only(inside):
+    with pytest.raises(InputError, match=r'^figure "A", found|^figure "A": found .*; a picture (is made of|runs nothing)'):
+        Figure("A", f"<svg>{inside}</svg>", "")
+
+
+@pytest.mark.parametrize(
+    "svg",
+    [
+        "",
+        "text",
+        "<math></math>",
+        '<?xml version="1.0"?><svg/>',
+        "<!DOCTYPE svg><svg/>",
+        "<svg><!-- --></svg>",
+        "<svg><![CDATA[<script>]]></svg>",
+        "<svg></svg><script></script>",
+        "<svg><path></svg>",
+        "<svg>&nbsp;</svg>",
+    ],
+)
+def test_a_picture_is_one_element(svg):
+    with pytest.raises(InputError, match=r'^figure "A": (found|the picture is no XML)'):
+        Figure("A", svg, "")
+
+
+@pytest.mark.parametrize(
+    "inside", ['<use href="#a"/>', '<path style="clip-path: url(#a)" clip-path="url( \'#b\')"/>', "<text>url(http://a)</text>"]
+)
+def test_references_within_the_picture_are_fine(inside):
+    assert Figure("A", f"<svg>{inside}</svg>", "").svg == f"<svg>{inside}</svg>"
+
+
+def test_a_folded_table_shows_its_title_only():
+    table = Table("Plan <1>", ("stage",), (("solve",),), "a note", folded=True)
+    page = page_html(content(tables=(table,)))
+    inside = re.search(r"<details><summary><h2>Plan &lt;1&gt;</h2></summary>(.*?)</details>", page, re.DOTALL)[1]
+    assert "<td>solve</td>" in inside and "a note" in inside
+    assert "<details" not in page_html(content(tables=(Table("Plan", ("stage",), (("solve",),)),)))
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    table = Table("Plan", ("stage",), (("solve",),), "a note", folded=True)
+    figures = (picture().on_page(), picture("Another").on_page())
+    return write_page(tmp_path_factory.mktemp("pages") / "figures.html", content(tables=(table,), figures=figures))
+
+
+def sized(browser, width: int):
+    browser.call("Emulation.setDeviceMetricsOverride", width=width, height=800, deviceScaleFactor=1, mobile=False)
+
+
+@needs_chromium
+def test_nothing_is_blocked_or_asked_for(browser, page):
+    browser.open(page).wait(0.2)
+    assert (browser.messages, browser.requests, browser.dialogs) == ([], [page.as_uri()], [])
+    assert browser.evaluate("document.scripts.length") == 0
+    assert browser.evaluate("document.querySelectorAll('svg image, svg style, img').length") == 0
+
+
+@needs_chromium
+def test_the_browser_shows_the_texts_and_shapes_of_the_picture(browser, page):
+    browser.open(page)
+    shown = browser.evaluate("[...document.querySelectorAll('.still svg text')].map(text => text.textContent)")
+    assert shown.count(HOSTILE.replace("\u2028", "")) == 2
+    boxes = browser.evaluate(
+        "[...document.querySelectorAll('.still use, .still path')].filter(e => e.closest('defs') === null).map(e => e.getBBox().width + e.getBBox().height)"
+    )
+    assert len(boxes) > 20 and max(boxes) > 100
+    family, size = browser.evaluate("(s => [s.fontFamily, s.fontSize])(getComputedStyle(document.querySelector('.still text')))")
+    assert family.startswith("system-ui") and size == "8px"
+
+
+@needs_chromium
+@pytest.mark.parametrize("width", [1280, 900, 400])
+def test_pictures_take_the_width_and_scroll_where_it_is_narrow(browser, page, width):
+    sized(browser, width)
+    browser.open(page)
+    drawn, box = browser.evaluate(
+        "['svg', '.scroll'].map(kind => document.querySelector('.still ' + kind).getBoundingClientRect().width)"
+    )
+    assert drawn == pytest.approx(max(800, box), abs=1)
+    assert browser.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+@needs_chromium
+def test_a_folded_table_opens_by_a_click_and_on_paper(browser, page):
+    sized(browser, 1280)
+    browser.open(page)
+    visible = "document.querySelector('details td').checkVisibility()"
+    assert not browser.evaluate(visible)
+    browser.call("Emulation.setEmulatedMedia", media="print")
+    browser.wait(0.3)
+    assert browser.evaluate(visible)
+    assert browser.evaluate("document.querySelector('details').getBoundingClientRect().height") > 60
+    browser.call("Emulation.setEmulatedMedia", media="")
+    browser.wait(0.3)
+    assert not browser.evaluate(visible)
+    browser.click("summary")
+    assert browser.evaluate(visible)
