@@ -1,6 +1,14 @@
-"""One hypothesis profile for all tests: the same examples on every run, no time limit for a single one."""
+"""One hypothesis profile for all tests: the same examples on every run, no time limit for a single one.
+
+The tests run in several processes at once, each of which gets one thread for its linear algebra.
+"""
+
+import os
 
 from hypothesis import HealthCheck, settings
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when NumPy is first imported
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 settings.register_profile(
     "reproducible",
