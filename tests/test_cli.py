@@ -360,14 +360,17 @@ def test_hostile_scene_in_a_process_of_its_own(tmp_path, work):
     assert [file.name for file in tmp_path.iterdir()] == ["scene.toml"]
 
 
-def test_from_the_command_to_the_page_in_less_than_three_seconds(tmp_path):
-    seconds = []
-    while len(seconds) < 3 and min(seconds, default=3) >= 3:  # other work on the machine may slow one run down
-        start = time.perf_counter()
-        assert process("run", TWO_MASSES, "--out", tmp_path).returncode == 0
-        seconds.append(time.perf_counter() - start)
-    assert min(seconds) < 3
+def test_from_the_command_to_the_page_in_less_than_three_seconds_of_work(tmp_path):
+    before = processor_seconds()
+    assert process("run", TWO_MASSES, "--out", tmp_path).returncode == 0
+    assert processor_seconds() - before < 3  # of the processor: other work on the machine does not count
     assert (tmp_path / "two_masses.html").stat().st_size <= 1.3e6
+
+
+def processor_seconds() -> float:
+    """What all processes started from here have used."""
+    used = os.times()
+    return used.children_user + used.children_system
 
 
 FORMULA = str(EXAMPLES / "two_masses_formula.toml")

@@ -104,11 +104,13 @@ def _between(L, matrix, R) -> np.ndarray:
 def _chains(N, noise) -> tuple[tuple[int, ...], list[RankDecision]]:
     """Chain lengths of a matrix that is nilpotent to within its noise, ascending; their sum is less where it is not.
 
-    The null space of N is taken out, then that of what is left, and so on: each time one link of every chain.
+    The null space of N is taken out, then that of what is left, and so on: each time one link of every chain. A null space is
+    known to the noise over the smallest singular value kept, and turns what is left by as much.
     """
-    bound, links, decisions = NOISE_SAFETY * noise, [], []
+    links, decisions = [], []
     while len(N):
         values, rows = np.linalg.svd(N)[1:]
+        bound = NOISE_SAFETY * noise
         rank = int((values > bound).sum())
         smallest, largest = (values[rank - 1] if rank else np.inf), (values[rank] if rank < len(N) else 0.0)
         decisions.append(RankDecision(rank, float(smallest / bound), float(largest / bound)))
@@ -116,5 +118,6 @@ def _chains(N, noise) -> tuple[tuple[int, ...], list[RankDecision]]:
             break
         links.append(len(N) - rank)
         N = rows[:rank] @ N @ rows[:rank].conj().T
+        noise = noise * float(np.hypot(1.0, values[0] / smallest))
     longer = [*links[1:], 0]
     return tuple(k + 1 for k, link in enumerate(links) for _ in range(link - longer[k])), decisions
