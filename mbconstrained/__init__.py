@@ -65,6 +65,7 @@ _LATE = {
     "PointMotion": "models.robot",
     "Posture": "models.robot",
     "Robot": "models.robot",
+    "SparseSystem": "mechanics.sparse",
 }
 
 
@@ -119,6 +120,7 @@ __all__ = [
     "Robot",
     "SceneError",
     "SingularPolynomialMatrix",
+    "SparseSystem",
     "StateSpace",
     "StateSpaceResponse",
     "SymbolicPolynomialMatrix",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import importlib
+from collections import Counter
 from collections.abc import Iterable
 from types import ModuleType
 
@@ -118,7 +119,7 @@ def names_of(names, count: int, what: str, prefix: str) -> tuple[str, ...]:
     names = tuple(str(name) for name in names)
     if len(names) != count:
         raise InputError(f"{what}: {len(names)} names given for {count}; give one each")
-    repeated = sorted({name for name in names if names.count(name) > 1})
+    repeated = sorted(name for name, count in Counter(names).items() if count > 1)
     if repeated:
         raise InputError(f'{what}: the name "{repeated[0]}" is used twice; names must differ')
     return names

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 from scipy.linalg import lapack
-from scipy.sparse.csgraph import connected_components
 
 from ..tolerances import DECOUPLING_LIMIT
 
@@ -51,8 +51,16 @@ def block_slices(blocks: Sequence[np.ndarray]) -> list[slice]:
     >>> block_slices([np.eye(2), np.eye(1)])
     [slice(0, 2, None), slice(2, 3, None)]
     """
-    ends = np.cumsum([0, *map(len, blocks)]).tolist()
-    return [slice(begin, end) for begin, end in zip(ends, ends[1:])]
+    ends = list(accumulate(map(len, blocks)))
+    return list(map(slice, [0, *ends], ends))
+
+
+def block_matrix(blocks: Sequence[np.ndarray]) -> np.ndarray:
+    """diag(blocks) as one array."""
+    found = np.zeros((sum(map(len, blocks)),) * 2)
+    for block, at in zip(blocks, block_slices(blocks)):
+        found[at, at] = block
+    return found
 
 
 def coupled_rows(matrix: np.ndarray) -> list[np.ndarray]:
@@ -61,10 +69,31 @@ def coupled_rows(matrix: np.ndarray) -> list[np.ndarray]:
     >>> [rows.tolist() for rows in coupled_rows(np.array([[1.0, 0, 2], [0, 1, 0], [0, 0, 1]]))]
     [[0, 2], [1]]
     """
-    if not len(matrix):
-        return []
-    count, labels = connected_components(matrix != 0, directed=False)
-    return [np.flatnonzero(labels == label) for label in range(count)]
+    return [rows for rows, _ in coupled((matrix != 0) | np.eye(len(matrix), dtype=bool))]
+
+
+def coupled(pattern: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The connected components of a matrix of bools: rows that share columns, directly or through others, and these columns.
+
+    Rows without any are in none. Sets of columns are kept as the bits of whole numbers.
+
+    >>> [(rows.tolist(), columns.tolist()) for rows, columns in coupled(np.array([[0, 1, 1], [0, 0, 0], [1, 0, 0], [0, 0, 1]]) > 0)]
+    [([0, 3], [1, 2]), ([2], [0])]
+    """
+    found: list[tuple[int, list[int]]] = []
+    met = 0
+    for row, line in enumerate(np.packbits(pattern, axis=1)):
+        columns, rows = int.from_bytes(line.tobytes(), "big"), [row]
+        if columns & met:
+            touched = [group for group in found if group[0] & columns]
+            found = [group for group in found if not group[0] & columns]
+            for others, more in touched:
+                columns, rows = columns | others, rows + more
+        if columns:
+            found.append((columns, rows))
+        met |= columns
+    groups = sorted(sorted(rows) for _, rows in found)
+    return [(np.array(rows), pattern[rows].any(axis=0).nonzero()[0]) for rows in groups]
 
 
 def _block_diagonalize(triangle, limit) -> BlockDiagonal:
@@ -117,12 +146,9 @@ def _step(T, at) -> int:
 def eigenvalues(T: np.ndarray) -> np.ndarray:
     """Zeros of a quasi-triangular matrix in the order of its diagonal."""
     values = np.diag(T).astype(complex)
-    at = 0
-    while at < len(T):
-        if _step(T, at) == 2:
-            values[at : at + 2] = np.linalg.eigvals(T[at : at + 2, at : at + 2])
-            at += 1
-        at += 1
+    first = np.flatnonzero(np.diag(T, -1))
+    pairs = np.stack([first, first + 1], axis=1)
+    values[pairs] = np.linalg.eigvals(T[pairs[:, :, None], pairs[:, None, :]])
     return values
 
 

@@ -9,12 +9,13 @@ never handed to a Pade code: those lose digits on triangular matrices with close
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
 
 from ..errors import IllConditioned
-from .blocks import block_slices
+from .oscillations import MODERATE, Oscillations
 
 #: The Taylor polynomial of e^X of this degree is exact to rounding for |X| <= 1 (1/19! < 1e-17).
 TAYLOR_DEGREE = 18
@@ -35,52 +36,105 @@ TOO_FAR_APART = (
 )
 
 
-def block_states(blocks: Sequence[np.ndarray], start: np.ndarray, times: np.ndarray) -> np.ndarray:
+@dataclass(frozen=True, eq=False)
+class BlockGroups:
+    """Diagonal blocks sorted by size, so that all of a size are taken at once.
+
+    Attributes:
+        single, rates: the states of blocks of size one, and their rates.
+        first: the first state of each block of size two; these are mean I + rest with rest^2 = square I.
+        growth: of each block of size two the real part of its zeros, the larger one's where both are real.
+        larger: the others, with their places.
+    """
+
+    single: np.ndarray
+    rates: np.ndarray
+    first: np.ndarray
+    mean: np.ndarray
+    rest: np.ndarray
+    square: np.ndarray
+    growth: np.ndarray
+    larger: tuple[tuple[slice, np.ndarray], ...]
+
+    @staticmethod
+    def of(blocks: Sequence[np.ndarray]) -> BlockGroups:
+        """The groups of diag(blocks)."""
+        sizes = np.array([len(block) for block in blocks], dtype=int)
+        begins = np.cumsum(sizes) - sizes
+        rates = np.array([block[0, 0] for block in blocks if len(block) == 1])
+        stack = np.array([block for block in blocks if len(block) == 2]).reshape(-1, 2, 2)
+        mean = (stack[:, 0, 0] + stack[:, 1, 1]) / 2
+        rest = stack - mean[:, None, None] * np.eye(2)
+        square = rest[:, 0, 0] ** 2 + rest[:, 0, 1] * rest[:, 1, 0]
+        larger = tuple((slice(at, at + len(block)), block) for at, block in zip(begins.tolist(), blocks) if len(block) > 2)
+        determinant = stack[:, 0, 0] * stack[:, 1, 1] - stack[:, 0, 1] * stack[:, 1, 0]
+        growth = _larger_real_part(mean, square, determinant)
+        return BlockGroups(begins[sizes == 1], rates, begins[sizes == 2], mean, rest, square, growth, larger)
+
+    def oscillate(self, times: np.ndarray) -> np.ndarray:
+        """Which of the pairs oscillate, and do not grow out of range within these times."""
+        with np.errstate(over="ignore"):
+            return (self.square < 0) & (self.mean * times.max(initial=0.0) < MODERATE)
+
+
+def block_states(blocks: Sequence[np.ndarray] | BlockGroups, start: np.ndarray, times: np.ndarray) -> np.ndarray:
     """The states e^{J t} v, shape (n, T), for J = diag(blocks) and times (T,).
 
     Args:
         start: v, shape (n,), the same for all times, or (n, T), one for each time.
     """
+    groups = blocks if isinstance(blocks, BlockGroups) else BlockGroups.of(blocks)
     states = np.empty((len(start), len(times)))
     start = start[:, None] if start.ndim == 1 else start
-    places = block_slices(blocks)
-    begins = [at.start for at in places]
-    _one_by_one(blocks, begins, start, times, states)
-    _two_by_two(blocks, begins, start, times, states)
-    for block, at in zip(blocks, places):
-        if len(block) > 2:
-            started = np.broadcast_to(start[at].any(axis=0), times.shape)
-            own = np.broadcast_to(start[at], (len(block), len(times)))
-            states[at] = 0.0  # what does not start stays zero, however fast it would grow
-            states[at, started] = _cluster_states(block, own[:, started], times[started])
+    if groups.single.size:
+        states[groups.single] = _scaled(start[groups.single], np.multiply.outer(groups.rates, times))
+    _two_by_two(groups, start, times, states)
+    for at, block in groups.larger:
+        started = np.broadcast_to(start[at].any(axis=0), times.shape)
+        own = np.broadcast_to(start[at], (len(block), len(times)))
+        states[at] = 0.0  # what does not start stays zero, however fast it would grow
+        states[at, started] = _cluster_states(block, own[:, started], times[started])
     return states
 
 
-def _one_by_one(blocks, begins, start, times, states) -> None:
-    at = [begin for block, begin in zip(blocks, begins) if len(block) == 1]
-    if at:
-        rates = np.array([block[0, 0] for block in blocks if len(block) == 1])
-        states[at] = _scaled(start[at], np.multiply.outer(rates, times))
+def _two_by_two(groups: BlockGroups, start, times, states) -> None:
+    plain = groups.oscillate(times)
+    _oscillations(groups, np.flatnonzero(plain), start, times, states)
+    _any_pairs(groups, np.flatnonzero(~plain), start, times, states)
 
 
-def _two_by_two(blocks, begins, start, times, states) -> None:
-    at = np.array([begin for block, begin in zip(blocks, begins) if len(block) == 2], dtype=int)
-    if not at.size:
+def _oscillations(groups: BlockGroups, chosen, start, times, states) -> None:
+    """Pairs that oscillate and do not grow out of range."""
+    if not chosen.size:
         return
-    stack = np.array([block for block in blocks if len(block) == 2])
-    mean = (stack[:, 0, 0] + stack[:, 1, 1]) / 2
-    rest = stack - mean[:, None, None] * np.eye(2)
-    square = rest[:, 0, 0] ** 2 + rest[:, 0, 1] * rest[:, 1, 0]  # rest @ rest = square * identity
+    at, rest, w, every = groups.first[chosen], groups.rest[chosen], np.sqrt(-groups.square[chosen]), np.arange(len(chosen))
+    even, odd = np.split(Oscillations(groups.mean[chosen], w, every, every)(times), 2)
+    for row in (0, 1):
+        factors = rest[:, row] / w[:, None]
+        turned = factors[:, 0, None] * start[at] + factors[:, 1, None] * start[at + 1]
+        states[at + row] = start[at + row] * even + turned * odd
+
+
+def _any_pairs(groups: BlockGroups, chosen, start, times, states) -> None:
+    if not chosen.size:
+        return
+    at, rest = groups.first[chosen], groups.rest[chosen]
     pair = np.stack([start[at], start[at + 1]], axis=1)
     turned = np.einsum("bij,bjt->bit", rest, pair)
-    even, odd = _even_and_odd(square, times)
-    growth = np.multiply.outer(mean, times)
+    even, odd = _even_and_odd(groups.square[chosen], times)
+    growth = np.multiply.outer(groups.growth[chosen], times)
     for row in (0, 1):
-        states[at + row] = _scaled(pair[:, row] * even[0] + turned[:, row] * odd[0], growth + even[1])
+        states[at + row] = _scaled(pair[:, row] * even + turned[:, row] * odd, growth)
+
+
+def _larger_real_part(mean, square, determinant):
+    """mean + sqrt(square) where that is real, else mean: a slow decay beside a fast one must not be their difference."""
+    root = np.sqrt(np.maximum(square, 0.0))
+    return np.where((square > 0) & (mean < 0), determinant / np.where(mean < 0, mean - root, 1.0), mean + root)
 
 
 def _even_and_odd(square, times):
-    """cosh(d t) and sinh(d t)/d with d = sqrt(square), both divided by e^{exponent} so that they never overflow."""
+    """cosh(d t) and sinh(d t)/d with d = sqrt(square), both divided by e^{d t} where d is real so that they never overflow."""
     root = np.sqrt(np.abs(square))
     angle = np.multiply.outer(root, times)
     exponent = np.where((square > 0)[:, None], angle, 0.0)
@@ -90,7 +144,7 @@ def _even_and_odd(square, times):
     even = np.where(oscillating, np.cos(angle), (1 + decay) / 2)
     odd = np.where(oscillating, np.sin(angle), -np.expm1(-2 * exponent) / 2) / safe
     odd = np.where((root == 0)[:, None], times[None, :], odd)
-    return (even, exponent), (odd, exponent)
+    return even, odd
 
 
 def _scaled(values, exponents):

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..tolerances import EPS, NOISE_SAFETY
-from .precise import DECOUPLED, is_precise, magnitude, of_kind, rounded_to_float, unit
+from .precise import DECOUPLED, is_precise, magnitude, of_kind, precise, rounded_to_float, squared, unit
 
 
-@dataclass
+@dataclass(slots=True)
 class Noisy:
     """An array whose entries have errors of about ``noise`` (same shape, >= 0); those with noise zero are exact.
 
@@ -45,15 +45,20 @@ class Noisy:
 
     def __matmul__(self, other: Noisy) -> Noisy:
         left, right = of_kind(self.data, other.data), of_kind(other.data, self.data)
-        own, others = self.size, other.size
-        noise = own**2 @ other.noise**2 + self.noise**2 @ (others**2 + other.noise**2)
-        product = left @ right
-        return Noisy(product, np.sqrt(noise + (unit(product) * _rounding(own, others)) ** 2))
+        product = left.dot(right)  # less to do before it starts than @
+        if not (left.size and right.size):
+            return Noisy.exact(product)
+        own, others, noise, others_noise = squared(left), squared(right), self.noise**2, other.noise**2
+        total = own.dot(others_noise) + noise.dot(others + others_noise)
+        if left.shape[-1] > 1:  # a sum of one term rounds at most once, and that is part of the noise of its factors
+            several = np.sign(own).dot(np.sign(others)) > 1
+            total += several * (unit(product) ** 2 * own.dot(others))
+        return Noisy(product, np.sqrt(total))
 
     def __add__(self, other: Noisy) -> Noisy:
         data = of_kind(self.data, other.data) + of_kind(other.data, self.data)
-        rounds = (self.data != 0) & (other.data != 0)
-        return Noisy(data, np.sqrt(self.noise**2 + other.noise**2 + (unit(data) * rounds * magnitude(data)) ** 2))
+        rounding = (unit(data) * magnitude(data)) * ((self.data != 0) & (other.data != 0))
+        return Noisy(data, np.sqrt(self.noise**2 + other.noise**2 + rounding**2))
 
     def __neg__(self) -> Noisy:
         return Noisy(-self.data, self.noise)
@@ -70,7 +75,10 @@ class Noisy:
 
     def cleaned(self) -> np.ndarray:
         """The array, entries within their noise set to zero."""
-        return np.where(self.size <= NOISE_SAFETY * self.noise, self.data * 0, self.data)
+        small = self.size <= NOISE_SAFETY * self.noise
+        if is_precise(self.data):  # times one would round them
+            return np.where(small, self.data * 0, self.data)
+        return self.data * ~small
 
     def rounded_to_float(self) -> Noisy:
         """In float64, with the noise of that rounding."""
@@ -86,7 +94,9 @@ class Noisy:
 
 def stacked(*parts: Noisy) -> Noisy:
     """The parts, one below the other."""
-    data = [of_kind(part.data, max((part.data for part in parts), key=is_precise)) for part in parts]
+    data = [part.data for part in parts]
+    if any(map(is_precise, data)):
+        data = list(map(precise, data))
     return Noisy(np.concatenate(data), np.concatenate([part.noise for part in parts]))
 
 
@@ -95,8 +105,3 @@ def columnwise(matrix: np.ndarray) -> Noisy:
     noise = DECOUPLED if is_precise(matrix) else EPS
     return Noisy(matrix, noise * magnitude(matrix).max(axis=0, initial=0.0) + np.zeros(matrix.shape))
 
-
-def _rounding(left, right) -> np.ndarray:
-    """Rounding of left @ right in units of the arithmetic, from the magnitudes; a sum of one term rounds at most once."""
-    terms = (left != 0).astype(float) @ (right != 0).astype(float)
-    return np.where(terms > 1, np.sqrt(left**2 @ right**2), 0.0)

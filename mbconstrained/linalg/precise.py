@@ -51,7 +51,7 @@ def is_worthwhile(loss: float, states: int) -> bool:
 
 def is_precise(array: np.ndarray) -> bool:
     """True for an array of Decimals."""
-    return array.dtype == object
+    return array.dtype.kind == "O"
 
 
 def precise(array: np.ndarray) -> np.ndarray:
@@ -78,7 +78,17 @@ def rounded_to_float(array: np.ndarray) -> np.ndarray:
 
 def magnitude(array: np.ndarray) -> np.ndarray:
     """Absolute values in float64."""
-    return np.abs(array.astype(float))
+    return np.abs(floats(array))
+
+
+def floats(array: np.ndarray) -> np.ndarray:
+    """The nearest float64 numbers, the array itself where it has them."""
+    return array if array.dtype.kind == "f" else array.astype(float)
+
+
+def squared(array: np.ndarray) -> np.ndarray:
+    """Squares in float64."""
+    return floats(array) ** 2
 
 
 def unit(array: np.ndarray) -> float:

@@ -4,7 +4,7 @@ A matrix is reduced by Gauss's elimination with complete pivoting while the roun
 carried along. What is left when all remaining entries are no larger than their noise is zero, and the pivots
 so far are the rank. Elimination, not orthogonal factors: exact zeros and ratios of the data stay exact, and a
 small entry that is known accurately (a light mass) is not lost beside large ones. The connected components of the
-pattern of nonzeros are decided apart.
+pattern of nonzeros are decided apart, those of a single entry all at once.
 """
 
 from __future__ import annotations
@@ -13,12 +13,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import lapack
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from ..tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY
+from .blocks import coupled
 from .noise import Noisy, stacked
-from .precise import magnitude, of_kind, rounded_to_float, unit
+from .precise import magnitude, of_kind, rounded_to_float, squared, unit
 from .scaling import equilibration
 
 #: By how much a row that is to become a pivot may be smaller than others.
@@ -57,11 +56,13 @@ class RowCompression:
     Attributes:
         pivots: indices of k independent rows.
         null: combinations of rows that vanish, shape (m - k, m), with their noise.
+        copied: for each of them the row that it is, -1 for a true combination.
     """
 
     pivots: np.ndarray
     null: Noisy
     decision: RankDecision
+    copied: np.ndarray
 
     @property
     def left(self) -> Noisy:
@@ -71,7 +72,16 @@ class RowCompression:
 
     def apply(self, rows: Noisy) -> Noisy:
         """left @ rows, without multiplying by ones and zeros."""
-        return stacked(rows[self.pivots], self.null @ rows)
+        return stacked(rows[self.pivots], self.combined(rows))
+
+    def combined(self, rows: Noisy) -> Noisy:
+        """null @ rows."""
+        found, mixed = rows[self.copied], (self.copied < 0).nonzero()[0]
+        if mixed.size:
+            null = self.null[mixed]
+            used = null.size.any(axis=0) | null.noise.any(axis=0)
+            found[mixed] = null[:, used] @ rows[used]
+        return found
 
 
 def compress_rows(
@@ -91,23 +101,41 @@ def compress_rows(
     rows, columns = matrix.data.shape
     weights = np.ones(columns) if weights is None else weights
     favour = np.ones(rows) if preferred is None else np.where(preferred, PREFERENCE, 1.0)
-    pivots, nulls, decisions = [np.zeros(0, dtype=int)], [_zeros_like(matrix, (0, rows))], []
     if decided is not None and decided.rank == rows:
-        return RowCompression(np.arange(rows), _zeros_like(matrix, (0, rows)), decided)
+        return RowCompression(np.arange(rows), _zeros_like(matrix, (0, rows)), decided, np.zeros(0, dtype=int))
     if decided is not None:
-        return RowCompression(*_eliminated(matrix, weights, favour, decided))
+        found = _eliminated(matrix, weights, favour, decided)
+        return RowCompression(*found, np.full(rows - decided.rank, -1))
     cleaned = Noisy(matrix.cleaned(), matrix.noise)
-    for i, j in _components(cleaned.data):
-        order, combinations, decision = _eliminated(cleaned[np.ix_(i, j)], weights[j], favour[i])
-        placed = _zeros_like(matrix, (len(combinations.data), rows))
-        placed[:, i] = combinations
+    pattern = cleaned.data != 0
+    dropped = _largest_ratio(matrix[~pattern])
+    lone, margin = _lone(cleaned, pattern)
+    empty = (~pattern.any(axis=1)).nonzero()[0]
+    pattern[lone] = False
+    found = [(i, *_eliminated(cleaned[i[:, None], j], weights[j], favour[i])) for i, j in coupled(pattern)]
+    decision = _joined([RankDecision(len(lone), margin, dropped), *(decision for *_, decision in found)])
+    pivots, first = [lone], [lone]
+    for i, order, *_ in found:
         pivots.append(i[order])
-        nulls.append(placed)
-        decisions.append(decision)
-    decision = _joined(decisions)
-    dropped = max(decision.largest_dropped, _largest_ratio(matrix[cleaned.data == 0]))
-    decision = _with_singular_values(replace(decision, largest_dropped=dropped), matrix)
-    return RowCompression(np.concatenate(pivots), stacked(*nulls), decision)
+        first.append(np.full(len(order), i[0]))
+    in_order = np.argsort(np.concatenate(first), kind="stable")
+    null, copied = _null_rows(matrix, empty, found, rows - decision.rank)
+    return RowCompression(np.concatenate(pivots)[in_order], null, _with_singular_values(decision, matrix), copied)
+
+
+def _null_rows(matrix: Noisy, empty, found, count: int) -> tuple[Noisy, np.ndarray]:
+    """So many combinations of all rows that vanish: empty rows and those of the components, in the order of their first rows.
+
+    With them which of the rows are copied.
+    """
+    null, first, end = _zeros_like(matrix, (count, len(matrix.data))), [*empty], len(empty)
+    null.data[range(end), empty] = of_kind(np.ones(end), matrix.data)
+    for i, _, combinations, _ in found:
+        begin, end = end, end + len(combinations.data)
+        null[begin:end, i] = combinations
+        first += [i[0]] * (end - begin)
+    in_order = np.argsort(np.array(first, dtype=int), kind="stable")
+    return null[in_order], np.append(empty, np.full(count - len(empty), -1))[in_order]
 
 
 def null_columns(
@@ -115,26 +143,22 @@ def null_columns(
 ) -> RowCompression:
     """The same for the columns of S: S[:, pivots] are independent, and S @ null.T = 0; preferred ones become pivots if they can."""
     size = matrix.size.max(axis=1, initial=0.0)
-    weights = 1 / np.where(size > 0, size, 1.0)
-    return compress_rows(matrix.T, weights, preferred, decided)
+    return compress_rows(matrix.T, 1 / (size + (size == 0)), preferred, decided)
 
 
 def _zeros_like(matrix: Noisy, shape) -> Noisy:
     return Noisy.exact(of_kind(np.zeros(shape), matrix.data))
 
 
-def _components(matrix):
-    """Row and column indices of the connected groups; an empty row or column is a group with none of the other."""
-    rows, columns = matrix.shape
-    i, j = np.nonzero(matrix)
-    size = rows + columns
-    if not size:
-        return
-    graph = coo_array((np.ones(len(i)), (i, rows + j)), shape=(size, size))
-    count, labels = connected_components(graph, directed=False)
-    order = np.argsort(labels, kind="stable")
-    for members in np.split(order, np.cumsum(np.bincount(labels, minlength=count))[:-1]):
-        yield members[members < rows], members[members >= rows] - rows
+def _lone(matrix: Noisy, pattern) -> tuple[np.ndarray, float]:
+    """Rows whose one entry is the only one of its column and clearly above the noise, and how far the least of them is."""
+    i, j = (pattern & (pattern.sum(axis=1) == 1)[:, None] & (pattern.sum(axis=0) == 1)).nonzero()
+    if not i.size:
+        return i, np.inf
+    size, bound = magnitude(matrix.data[i, j]), NOISE_SAFETY * matrix.noise[i, j]
+    clear, exact = size >= CLEAR_KEPT * bound, bound == 0
+    ratios = size / np.where(exact, 1.0, bound)
+    return i[clear], float(ratios[clear & ~exact].min(initial=np.inf))
 
 
 def _eliminated(matrix: Noisy, weights, favour, decided=None) -> tuple[np.ndarray, Noisy, RankDecision]:
@@ -146,15 +170,16 @@ def _eliminated(matrix: Noisy, weights, favour, decided=None) -> tuple[np.ndarra
     if decided is None and (margin := _regular_by_far(matrix)) is not None:
         return np.arange(rows), Noisy.exact(np.zeros((0, rows))), RankDecision(rows, margin, 0.0)
     identity = of_kind(np.eye(rows), matrix.data)
-    work = Noisy(np.hstack([matrix.data, identity]), np.hstack([matrix.noise, np.zeros((rows, rows))]))
-    order, rank, kept, dropped = np.arange(rows), 0, np.inf, 0.0
+    work = Noisy(np.concatenate([matrix.data, identity], axis=1), np.concatenate([matrix.noise, np.zeros((rows, rows))], axis=1))
+    order, rank, kept, dropped, weights = np.arange(rows), 0, np.inf, 0.0, weights * favour[:, None]
     most = min(rows, columns) if decided is None else decided.rank
     while rank < most:
-        row, column = _pivot(work[rank:, :columns], weights * favour[order[rank:], None], at_any_rate=decided is not None)
+        row, column = _pivot(work[rank:, :columns], weights[order[rank:]], at_any_rate=decided is not None)
         if row is None:
             break
-        swap = [rank + row, rank]
-        order[swap], work[swap] = order[swap[::-1]], work[swap[::-1]]
+        if row:
+            swap, swapped = [rank + row, rank], [rank, rank + row]
+            order[swap], work[swap] = order[swapped], work[swapped]
         bound = NOISE_SAFETY * work.noise[rank, column]
         kept = min(kept, float(abs(work.data[rank, column])) / bound if bound else np.inf)
         dropped = max(dropped, _eliminate(work, rank, column, columns, clean=decided is None))
@@ -164,12 +189,14 @@ def _eliminated(matrix: Noisy, weights, favour, decided=None) -> tuple[np.ndarra
 
 
 def _pivot(rest: Noisy, weights, at_any_rate: bool):
-    """Row and column of the largest entry above the noise, or if there is none and must be one, of the one nearest to it."""
-    told = rest.size > NOISE_SAFETY * rest.noise
-    size = np.where(told, rest.size * weights, 0.0)
-    if at_any_rate and not told.any():
-        size = rest.size / np.where(rest.noise > 0, rest.noise, 1.0)
-    row, column = np.unravel_index(size.argmax(), size.shape)
+    """Row and column of the largest entry (the others were cleaned); or if there must be one, and none is above its noise, of
+    the one nearest to it.
+    """
+    size = rest.size * weights
+    if at_any_rate:
+        told = rest.size > NOISE_SAFETY * rest.noise
+        size = size * told if told.any() else rest.size / (rest.noise + (rest.noise == 0))
+    row, column = divmod(int(size.argmax()), size.shape[1])
     return (row, column) if size[row, column] else (None, None)
 
 
@@ -200,38 +227,38 @@ def _regular_by_far(matrix: Noisy) -> float | None:
 
 def _eliminate(work: Noisy, pivot: int, column: int, columns: int, clean: bool) -> float:
     """Subtract multiples of the pivot row from those below it; return the largest entry dropped as noise, over its bound."""
-    top, below = work[pivot], work[pivot + 1 :]
-    touched = np.flatnonzero(below.data[:, column])
+    touched = pivot + 1 + work.data[pivot + 1 :, column].nonzero()[0]
     if not touched.size:
         return 0.0
-    rest = below[touched]
-    factor = rest.data[:, column] / top.data[column]
-    times, size = magnitude(factor), top.size
-    factor_noise = np.hypot(rest.noise[:, column], times * top.noise[column]) / size[column]
-    change = np.multiply.outer(factor, top.data)
-    rounds = unit(change) * ((rest.data != 0) & (change != 0))
-    data = rest.data - change
-    squared = rest.noise**2 + np.multiply.outer(times**2, top.noise**2) + np.multiply.outer(factor_noise**2, size**2)
-    noise = np.sqrt(squared + rounds**2 * (rest.size**2 + magnitude(change) ** 2))
+    top, top_noise, rest, noise = work.data[pivot], work.noise[pivot], work.data[touched], work.noise[touched]
+    factor, size = rest[:, column, None] / top[column], magnitude(top)
+    change, times = factor * top, magnitude(factor)
+    factor_noise = np.hypot(noise[:, column, None], times * top_noise[column]) / size[column]
+    data, before, taken = rest - change, squared(rest), squared(change)
+    rounding = (np.minimum(before, taken) > 0) * (unit(change) ** 2 * (before + taken))
+    noise = np.sqrt(noise**2 + (times * top_noise) ** 2 + (factor_noise * size) ** 2 + rounding)
     data[:, column], noise[:, column] = data[:, column] * 0, 0.0
-    small = magnitude(data[:, :columns]) <= NOISE_SAFETY * noise[:, :columns]
-    dropped = _largest_ratio(Noisy(data[:, :columns][small], noise[:, :columns][small]))
+    own, own_noise = data[:, :columns], noise[:, :columns]
+    small = magnitude(own) <= NOISE_SAFETY * own_noise
+    dropped = _largest_ratio(Noisy(own[small], own_noise[small]))
     if clean:
-        data[:, :columns][small] = data[:, :columns][small] * 0
-    work[pivot + 1 + touched] = Noisy(data, noise)
+        own *= ~small
+    work.data[touched], work.noise[touched] = data, noise
     return dropped
 
 
 def _largest_ratio(dropped: Noisy) -> float:
     """The largest of the values dropped, over the bound below which they count as zero."""
+    if not np.count_nonzero(dropped.data):
+        return 0.0
     bound = NOISE_SAFETY * dropped.noise
-    return float((dropped.size / np.where(bound > 0, bound, 1.0)).max(initial=0.0))
+    return float((dropped.size / np.where(bound > 0, bound, 1.0)).max())
 
 
 def _joined(decisions) -> RankDecision:
     return RankDecision(
         sum(decision.rank for decision in decisions),
-        min((decision.smallest_kept for decision in decisions), default=np.inf),
-        max((decision.largest_dropped for decision in decisions), default=0.0),
+        min(decision.smallest_kept for decision in decisions),
+        max(decision.largest_dropped for decision in decisions),
         tuple(sorted((value for decision in decisions for value in decision.singular_values), reverse=True)),
     )

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from ..errors import IllConditioned
 from ..tolerances import EPS
@@ -21,6 +22,9 @@ LARGEST_EXPONENT = 1000.0
 
 #: Rounds of alternating row and column scaling; each at least halves the spread that is left.
 EQUILIBRATION_ROUNDS = 6
+
+#: Rounds of balancing a sparse matrix.
+BALANCING_ROUNDS = 12
 
 
 @dataclass(frozen=True)
@@ -77,6 +81,24 @@ def equilibration(size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return rows * final, columns
 
 
+def balanced_norm(generator: csr_array) -> float:
+    """The smaller one of the 1-norm and the maximum norm of a sparse matrix, its states in units that about balance it.
+
+    Each round brings rows and columns half way to one size, all at once (after Parlett and Reinsch 1969).
+
+    >>> round(balanced_norm(csr_array([[0.0, 1.0], [-1e12, 0.0]])) / 1e6, 3)
+    1.0
+    """
+    entries, n = generator.tocoo(), generator.shape[0]
+    size = np.abs(entries.data)
+    for _ in range(BALANCING_ROUNDS):
+        rows, columns = np.bincount(entries.row, size, n), np.bincount(entries.col, size, n)
+        both = (rows > 0) & (columns > 0)
+        units = np.where(both, rows, 1.0) ** 0.25 / np.where(both, columns, 1.0) ** 0.25
+        size = size * (units[entries.col] / units[entries.row])
+    return float(min(np.bincount(places, size, n).max(initial=0.0) for places in (entries.row, entries.col)))
+
+
 def _log_fit(coefficients):
     """Minimum-norm least-squares exponents (time, rows, columns) over the nonzero entries."""
     powers, i, j = np.nonzero(coefficients)
@@ -84,14 +106,12 @@ def _log_fit(coefficients):
     if not powers.size:
         return 0.0, np.zeros(r), np.zeros(r)
     logs = np.log2(np.abs(coefficients[powers, i, j]))
-    normal = np.zeros((1 + 2 * r, 1 + 2 * r))
-    right = np.zeros(1 + 2 * r)
-    places = np.stack([np.zeros_like(i), 1 + i, 1 + r + j])
-    weights = np.stack([powers.astype(float), np.ones(len(i)), np.ones(len(i))])
-    for a in range(3):
-        np.add.at(right, places[a], -weights[a] * logs)
-        for b in range(3):
-            np.add.at(normal, (places[a], places[b]), weights[a] * weights[b])
+    design = np.zeros((len(logs), 1 + 2 * r))
+    design[:, 0], places = powers, np.arange(len(logs))
+    design[places, 1 + i] = design[places, 1 + r + j] = 1.0
+    normal = design.T @ design  # whole numbers, and the sums in order: what is halfway between two powers stays so
+    places = np.concatenate([np.zeros_like(i), 1 + i, 1 + r + j])
+    right = np.bincount(places, np.concatenate([-powers * logs, -logs, -logs]), 1 + 2 * r)
     fit = np.linalg.lstsq(normal, right, rcond=None)[0]
     return fit[0], fit[1 : 1 + r], fit[1 + r :]
 
@@ -102,12 +122,12 @@ def _power_of_two(exponents):
             "the entries of A(s) are so far apart that no unit of time keeps its zeros within the range of float64; "
             "choose other units, or look for an entry that is wrong by hundreds of orders of magnitude"
         )
-    return np.exp2(np.round(exponents))
+    return np.exp2(np.rint(exponents))
 
 
 def _inverse_root(size):
-    return np.exp2(-np.round(np.log2(np.where(size > 0, size, 1.0)) / 2))
+    return np.exp2(-np.rint(np.log2(size + (size == 0)) / 2))
 
 
 def _inverse(size):
-    return np.exp2(-np.round(np.log2(np.where(size > 0, size, 1.0))))
+    return np.exp2(-np.rint(np.log2(size + (size == 0))))

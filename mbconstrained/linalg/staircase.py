@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-import scipy.linalg
+from scipy.linalg import lapack
 
 from ..errors import IllConditioned
 from ..tolerances import EPS, NOISE_SAFETY
@@ -59,34 +59,49 @@ class SplitPencil:
 
     def rounded_to_float(self) -> SplitPencil:
         """All parts in float64."""
+        if not is_precise(self.left.data):
+            return self
         parts = {field.name: getattr(self, field.name) for field in fields(self)}
         return replace(self, **{name: part.rounded_to_float() for name, part in parts.items() if isinstance(part, Noisy)})
 
 
 @dataclass
 class _Work:
-    """The pencil being transformed, left (s E_0 - F_0) right = s E - F; the active part is the leading one."""
+    """The pencil being transformed, left (s E_0 - F_0) right = s E - F; the active part is the leading one.
 
-    E: Noisy
-    F: Noisy
-    left: Noisy
+    E, F and left are kept side by side: they have their rows in common.
+    """
+
+    whole: Noisy
     right: Noisy
+
+    @property
+    def E(self) -> Noisy:
+        return self.whole[:, : len(self.right.data)]
+
+    @property
+    def F(self) -> Noisy:
+        return self.whole[:, len(self.right.data) : 2 * len(self.right.data)]
+
+    @property
+    def left(self) -> Noisy:
+        return self.whole[:, 2 * len(self.right.data) :]
 
     def rows(self, at: slice, matrix: Noisy) -> None:
         """Replace the rows ``at`` by matrix times them."""
-        for part in (self.E, self.F, self.left):
-            part[at] = matrix @ part[at]
+        self.whole[at] = matrix @ self.whole[at]
 
     def dependent_rows_last(self, at: slice, found: RowCompression) -> None:
         """Reorder and combine the rows ``at``: the independent ones first, then the combinations that vanish."""
-        for part in (self.E, self.F, self.left):
-            part[at] = found.apply(part[at])
+        self.whole[at] = found.apply(self.whole[at])
 
     def dependent_columns_first(self, at: slice, found: RowCompression) -> None:
         """Reorder and combine the columns ``at``: the combinations that vanish first, then the independent ones."""
-        for part in (self.E, self.F, self.right):
-            columns = part[:, at].T
-            part[:, at] = stacked(found.null @ columns, columns[found.pivots]).T
+        parts, size = (self.E, self.F, self.right), len(self.right.data)
+        columns = stacked(*(part[:, at] for part in parts)).T
+        turned = stacked(found.combined(columns), columns[found.pivots]).T
+        for place, part in enumerate(parts):
+            part[:, at] = turned[place * size : (place + 1) * size]
 
 
 #: Where a pencil is tried for regularity: generic numbers, so that no zero is hit by chance.
@@ -133,7 +148,7 @@ def split_pencil(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None = No
     """
     n = len(E.data)
     left, right = (Noisy.exact(of_kind(np.eye(n), E.data)) for _ in range(2))
-    work = _Work(E.copy(), F.copy(), left, right)
+    work = _Work(stacked(E.T, F.T, left.T).T, right)
     deficiencies, decisions = [], []
     while True:
         found = compress_rows(work.E[:n, :n], decided=_next(decided))
@@ -171,7 +186,7 @@ def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
     F22 = work.F.data[infinite, infinite]
     if len(F22):
         work.rows(infinite, _with_rounding(_triangular_inverse(F22)))
-    nilpotent = work.E[infinite, infinite]
+    nilpotent, above = work.E[infinite, infinite], ~np.tri(len(F22), dtype=bool)
     return SplitPencil(
         left=work.left,
         right=work.right,
@@ -179,14 +194,14 @@ def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
         F11=work.F[finite, finite],
         E12=work.E[finite, infinite],
         F12=work.F[finite, infinite],
-        nilpotent=Noisy(np.triu(nilpotent.cleaned(), 1), np.triu(nilpotent.noise, 1)),
+        nilpotent=Noisy(nilpotent.cleaned() * above, nilpotent.noise * above),
         deficiencies=deficiencies,
         decisions=decisions,
     )
 
 
 def _triangular_inverse(matrix: np.ndarray) -> np.ndarray:
-    return inverse(matrix) if is_precise(matrix) else scipy.linalg.solve_triangular(matrix, np.eye(len(matrix)))
+    return inverse(matrix) if is_precise(matrix) else lapack.dtrtrs(matrix, np.eye(len(matrix)))[0]
 
 
 def _with_rounding(matrix: np.ndarray) -> Noisy:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
+from scipy.linalg import lapack
 
 from ..errors import IllConditioned
 from ..tolerances import DECOUPLING_LIMIT
@@ -68,7 +69,7 @@ def triangular_form(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None =
     form = TriangularForm(
         left=np.vstack([rest.left @ split.left.data[:n] - coupling_E @ zero_rows, zero_rows]),
         right=np.hstack([split.right.data[:, :n] @ rest.right, zero_columns]),
-        T=np.block([[rest.T, coupling_F - coupling_E @ N], [of_kind(np.zeros((len(N), n)), N), N]]),
+        T=np.vstack([np.hstack([rest.T, coupling_F - coupling_E @ N]), np.hstack([of_kind(np.zeros((len(N), n)), N), N])]),
         nonzero_count=n,
         decisions=split.decisions,
         zero_divisors=split.infinite_divisors,
@@ -129,17 +130,30 @@ def _schur(E: np.ndarray, F: np.ndarray) -> TriangularForm:
         empty = np.zeros((0, 0))
         return TriangularForm(empty, empty, empty, 0)
     rows, columns = equilibration(np.maximum(np.abs(E), np.abs(F)))
-    S, P, Q, Z = scipy.linalg.qz(rows[:, None] * F * columns, rows[:, None] * E * columns, output="real")
+    S, P, Q, Z = _qz(rows[:, None] * F * columns, rows[:, None] * E * columns)
     if not np.diag(P).all():
         raise IllConditioned(
             "the zeros of A(s) differ by more orders of magnitude than float64 can hold; look for a mass, stiffness or "
             "ratio far out of proportion, or a wrong unit"
         )
-    T = scipy.linalg.solve_triangular(P, S)
-    left = scipy.linalg.solve_triangular(P, Q.T * rows)
+    divided = lapack.dtrtrs(P, np.concatenate([S, Q.T * rows], axis=1))[0]
+    T, left = divided[:, :n], divided[:, n:]
     right = columns[:, None] * Z
     _standardize(T, S, left, right)
     return TriangularForm(left, right, T, n)
+
+
+def _qz(F: np.ndarray, E: np.ndarray):
+    """S, P, Q, Z with Q^T F Z = S quasi-triangular and Q^T E Z = P triangular."""
+    room = int(lapack.dgges(_never, F, E, lwork=-1)[-2][0])
+    S, P, *_, Q, Z, _, failed = lapack.dgges(_never, F, E, lwork=room)
+    if failed:
+        raise IllConditioned("float64 finds no zeros of A(s): the QZ algorithm does not converge; choose other units")
+    return S, P, Q, Z
+
+
+def _never(*_) -> None:
+    """Which zeros to sort to the top."""
 
 
 def _standardize(T, S, left, right) -> None:
@@ -148,7 +162,7 @@ def _standardize(T, S, left, right) -> None:
     while at < len(T):
         if at + 1 < len(T) and S[at + 1, at] != 0:
             pair = slice(at, at + 2)
-            block, turn = scipy.linalg.schur(T[pair, pair], output="real")
+            block, *_, turn, _, _ = lapack.dgees(_never, T[pair, pair], sort_t=0)
             T[pair] = turn.T @ T[pair]
             T[:, pair] = T[:, pair] @ turn
             T[pair, pair] = block
@@ -156,6 +170,6 @@ def _standardize(T, S, left, right) -> None:
             right[:, pair] = right[:, pair] @ turn
             at += 1
         at += 1
-    keep = np.diag(T, -1).copy()
-    T[np.tril_indices(len(T), -1)] = 0.0
-    T[np.arange(1, len(T)), np.arange(len(T) - 1)] = np.where(np.diag(S, -1) != 0, keep, 0.0)
+    below = np.diag(T, -1) * (np.diag(S, -1) != 0)
+    T[np.tri(len(T), k=-1, dtype=bool)] = 0.0
+    T[np.arange(1, len(T)), np.arange(len(T) - 1)] = below

@@ -50,7 +50,8 @@ class ConstrainedForm:
             return applied
         padding = np.zeros((len(self.values), self.null_space.shape[0]))
         held = np.concatenate([np.zeros(self.null_space.shape[1]), self.values])
-        projected = applied.mapped(np.vstack([self.null_space.T, padding]))
+        nothing = applied.is_zero and not applied.origins
+        projected = applied if nothing else applied.mapped(np.vstack([self.null_space.T, padding]))
         return projected + step(held) if held.any() else projected
 
 
@@ -114,8 +115,15 @@ def _stacked_uncertainty(matrix, uncertainty: np.ndarray, independent: Independe
 
 
 def _projected(V, matrix) -> np.ndarray:
-    """V^T times the matrix; sums that cancel leave an exact zero, not the rounding of their terms."""
-    return (Noisy.rounded(V.T) @ Noisy.rounded(matrix)).cleaned()
+    """V^T times the matrix; sums that cancel leave an exact zero, not the rounding of their terms.
+
+    Coordinates that no row holds are free: their equations stay as they are.
+    """
+    alone = (np.count_nonzero(V, axis=0) == 1) & (V.max(axis=0, initial=0.0) == 1.0)
+    found = np.empty((V.shape[1], matrix.shape[1]))
+    found[alone] = matrix[V[:, alone].argmax(axis=0)]
+    found[~alone] = (Noisy.rounded(V[:, ~alone].T) @ Noisy.rounded(matrix)).cleaned()
+    return found
 
 
 def _motion_names(motions, names) -> list[str]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import scipy.sparse
 
 from ..checks import names_of, nearest, real_array
 from ..errors import InputError
@@ -22,7 +23,7 @@ class Constraint:
     """The rows A x^(level) = b of one constraint, b constant for t > 0.
 
     Args:
-        rows: A, shape (k, n), or (n,) for a single row.
+        rows: A, shape (k, n), or (n,) for a single row; kept sparse where it is ``scipy.sparse``.
         level: the derivative that is held: "position" A x = b, "velocity" A x' = b, or "acceleration" A x'' = b
             (the form of Udwadia and Phohomsiri 2006). The stronger level implies the weaker one with b = 0; a weaker
             level keeps what is wrong at the start, and adds drift zeros.
@@ -48,27 +49,29 @@ class Constraint:
         unit: str | None = None,
         uncertainty=None,
     ):
-        found = real_array(rows, "constraint rows")
+        found = _sparse_rows(rows) if scipy.sparse.issparse(rows) else real_array(rows, "constraint rows")
         if found.ndim not in (1, 2):
             raise InputError(f"constraint rows: expected one row or a matrix, found an array of shape {found.shape}")
-        self.rows = np.atleast_2d(found)
+        self.rows = found if scipy.sparse.issparse(found) else np.atleast_2d(found)
         self.level = checked_level(level, "constraint")
         values = real_array(value, "constraint value")
-        if values.ndim > 1 or (values.ndim == 1 and len(values) != len(self.rows)):
+        if values.ndim > 1 or (values.ndim == 1 and len(values) != self.rows.shape[0]):
             raise InputError(
-                f"constraint value: found shape {values.shape}; expected one number, or one for each of the {len(self.rows)} rows"
+                f"constraint value: found shape {values.shape}; expected one number, or one for each of the {self.rows.shape[0]} rows"
             )
-        self.values = np.array(np.broadcast_to(values, len(self.rows)))
+        self.values = np.array(np.broadcast_to(values, self.rows.shape[0]))
         if isinstance(names, str):
             names = (names,)
-        self.names = None if names is None else names_of(names, len(self.rows), "constraint rows", "")
+        self.names = None if names is None else names_of(names, self.rows.shape[0], "constraint rows", "")
         self.unit = unit if unit is None else check_unit(unit, "unit of the constraint")
         given = 0.0 * found if uncertainty is None else real_array(uncertainty, "constraint uncertainty", shape=found.shape)
-        self.uncertainty = np.abs(np.atleast_2d(given))
-        self.rows.flags.writeable = self.values.flags.writeable = False
+        self.uncertainty = abs(given) if scipy.sparse.issparse(given) else np.abs(np.atleast_2d(given))
+        self.values.flags.writeable = False
+        if not scipy.sparse.issparse(self.rows):
+            self.rows.flags.writeable = False
 
     def __repr__(self) -> str:
-        count = len(self.rows)
+        count = self.rows.shape[0]
         return f"Constraint({count} row{'s' if count != 1 else ''} at {self.level} level)"
 
 
@@ -116,7 +119,8 @@ def constraint_rows(constraints: Sequence[Constraint], units: dict[str, str]) ->
                 f"constraint rows: found {constraint.rows.shape[1]} entries in a row; expected one for each of the "
                 f"{len(units)} coordinates ({', '.join(units)})"
             )
-        for place, (coefficients, value, uncertainty) in enumerate(zip(constraint.rows, constraint.values, constraint.uncertainty)):
+        matrix, uncertain = (np.atleast_2d(real_array(part, "constraint rows")) for part in (constraint.rows, constraint.uncertainty))
+        for place, (coefficients, value, uncertainty) in enumerate(zip(matrix, constraint.values, uncertain)):
             name = constraint.names[place] if constraint.names else f"constraint {len(found) + 1}"
             unit = constraint.unit or _unit(coefficients, units)
             found.append(ConstraintRow(name, coefficients, constraint.level, float(value), unit, uncertainty))
@@ -129,3 +133,10 @@ def _unit(coefficients, units) -> str:
     if len(present) == 1:
         return present.pop()
     return "m" if "m" in present else "1"
+
+
+def _sparse_rows(rows) -> scipy.sparse.csr_array:
+    """Sparse rows of finite real numbers, as a matrix."""
+    found = scipy.sparse.csr_array(rows if rows.ndim == 2 else rows.reshape((1, -1)))
+    entries = real_array(found.data, "constraint rows")
+    return scipy.sparse.csr_array((entries, found.indices, found.indptr), shape=found.shape)

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
+from scipy.linalg import lapack
 
 from ..linalg.noise import Noisy
 from ..linalg.scaling import equilibration
@@ -46,10 +46,10 @@ class Reduction:
     def null_space(self) -> tuple[np.ndarray, tuple[int | None, ...]]:
         """V, shape (n, n - k), and the coordinate that each column is named for, None where it mixes them."""
         size, pivots = len(self.scale), list(self.pivots)
-        free = np.setdiff1d(np.arange(size), pivots)
+        free = np.delete(np.arange(size), pivots)
         solved = self.rows[:, free]
         if solved.size:
-            solved = scipy.linalg.solve_triangular(self.rows[:, pivots], solved)
+            solved = lapack.dtrtrs(self.rows[:, pivots], solved)[0]
         if np.abs(solved).max(initial=0.0) > NULL_SPACE_LIMIT:
             orthogonal = np.linalg.qr(self.rows.T, mode="complete")[0]
             return self.scale[:, None] * orthogonal[:, len(pivots) :], (None,) * len(free)
@@ -63,8 +63,8 @@ def reduce_rows(matrix: Noisy, carried: Noisy) -> Reduction:
     """Reduce the rows of a matrix (m, n) with noise, together with entries (m, p) that are carried along."""
     size = matrix.data.shape[1]
     scale = equilibration(np.abs(matrix.data))[1]
-    data = np.hstack([matrix.data * scale, carried.data])
-    noise = np.hstack([matrix.noise * scale, carried.noise])
+    data = np.concatenate([matrix.data * scale, carried.data], axis=1)
+    noise = np.concatenate([matrix.noise * scale, carried.noise], axis=1)
     reduced: list[tuple[Noisy, int]] = []
     kept, margins, dependent = [], [], {}
     for place in range(len(data)):

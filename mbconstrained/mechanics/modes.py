@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from ..checks import whole_number
 from ..polynomial.matrix import PolynomialMatrix
 from ..polynomial.structure import FiniteZero
 from ..tolerances import EPS, NOISE_SAFETY, rounding_radius
@@ -119,6 +120,15 @@ class Modes:
             mode.shapes[:, min(i, mode.shapes.shape[1] - 1)] for mode in self.oscillating for i in range(mode.multiplicity)
         ]
         return np.array(columns).T if columns else np.zeros((len(self.names), 0))
+
+    def lowest(self, count: int) -> Modes:
+        """The first zeros, as many as make ``count`` with their multiplicities; a pair counts once.
+
+        Raises:
+            InputError: a count below one.
+        """
+        before = np.cumsum([0, *(mode.multiplicity for mode in self.zeros)])
+        return replace(self, zeros=self.zeros[: np.searchsorted(before, whole_number(count, "count", minimum=1))])
 
     @property
     def drift(self) -> int:

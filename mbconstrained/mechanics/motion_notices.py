@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..notices import Notice
-from ..response.notices import first_and_count, pair_notices, sides
+from ..response.notices import first_and_count, sides
 from ..signals.impulsive import Blow
 from ..tolerances import noise_of
 from .units import force_unit, impulse_unit, rate_unit
@@ -33,7 +33,7 @@ def motion_notices(motion: Motion) -> tuple[Notice, ...]:
         *motion.force.notices,
         *_drift(motion),
         *_static_offsets(motion),
-        *pair_notices(motion.pairs),
+        *motion.solution.notices,
     )
 
 

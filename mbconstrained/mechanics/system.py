@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse
 
 from ..checks import counted, names_of, nearest, real_array, real_number
 from ..errors import InputError
@@ -25,6 +26,8 @@ from .units import coordinate_units
 
 class MechanicalSystem:
     """M x'' + C x' + K x = f + A^T lambda with the constraint rows A x^(level) = b (SI units, t in s).
+
+    Where a matrix is given as ``scipy.sparse``, a ``SparseSystem`` is made instead: the same words, for what is large.
 
     Args:
         mass: M, shape (n, n), possibly singular (kg, kg m^2). This one and the next two may be given as ``ElementMatrix``:
@@ -48,12 +51,19 @@ class MechanicalSystem:
 
     Attributes:
         given: K, C, M as they were given, each a matrix or its elements.
-        energy_parts: M and K as sums of named parts.
 
     >>> pair = MechanicalSystem(np.diag([1.0, 3.0]), constraints=[Constraint([1, -1])], names=["a", "b"])
     >>> pair.acceleration([0, 0], [0, 0], [8.0, 0.0])
     array([2., 2.])
     """
+
+    def __new__(cls, mass=None, damping=None, stiffness=None, *args, **options):
+        """A SparseSystem where one of the matrices is sparse."""
+        if cls is MechanicalSystem and any(map(scipy.sparse.issparse, (mass, damping, stiffness))):
+            from .sparse import SparseSystem
+
+            return SparseSystem(mass, damping, stiffness, *args, **options)
+        return super().__new__(cls)
 
     def __init__(
         self,
@@ -75,7 +85,7 @@ class MechanicalSystem:
         self.given = tuple(value if isinstance(value, ElementMatrix) else matrix for value, matrix in given)
         self.names = names_of(names, self.size, "coordinates", "x")
         self.units = coordinate_units(units, self.names)
-        self.energy_parts = self._parts(energy_parts)
+        self._named_parts = None if energy_parts is None else self._checked_parts(energy_parts)
         self.uncertainty = self._uncertainty(uncertainty or {})
         self.constraints = (constraints,) if isinstance(constraints, Constraint) else tuple(constraints or ())
         self._independent = independent_rows(constraint_rows(self.constraints, self.units), self.size)
@@ -91,6 +101,12 @@ class MechanicalSystem:
     def size(self) -> int:
         """The number n of coordinates."""
         return len(self.mass)
+
+    @cached_property
+    def energy_parts(self) -> EnergyParts:
+        """M and K as sums of named parts, those of the coordinates when not given."""
+        stiffness, _, mass = self.given
+        return self._named_parts or coordinate_parts(self.names, mass, stiffness)
 
     @property
     def rows(self) -> tuple[ConstraintRow, ...]:
@@ -163,9 +179,9 @@ class MechanicalSystem:
         start = np.array([self._vector(displacement, "displacement"), self._vector(velocity, "velocity")])
         return motion_of(self, start, self._applied(force), rank_tolerance)
 
-    def modes(self) -> Modes:
-        """The finite zeros of A(s), each with what it means: oscillation, decay, rigid body, drift ..."""
-        return modes_of(self)
+    def modes(self, count: int | None = None) -> Modes:
+        """The finite zeros of A(s), each with what it means: oscillation, decay, rigid body, drift ...; or the ``count`` lowest."""
+        return modes_of(self) if count is None else modes_of(self).lowest(count)
 
     def acceleration(self, displacement, velocity, force=None, time: float = 0.0) -> np.ndarray:
         """x'' at a given state, shape (n,), by the explicit formula of Udwadia and Phohomsiri (``mechanics.acceleration``).
@@ -211,10 +227,7 @@ class MechanicalSystem:
             raise InputError(f"{what}: it has {signal.size} rows; expected one for each of the {self.size} coordinates")
         return signal
 
-    def _parts(self, parts: EnergyParts | None) -> EnergyParts:
-        if parts is None:
-            stiffness, _, mass = self.given
-            return coordinate_parts(self.names, mass, stiffness)
+    def _checked_parts(self, parts: EnergyParts) -> EnergyParts:
         if not isinstance(parts, EnergyParts) or parts.size not in (self.size, None):
             found = f"parts of {parts.size} coordinates" if isinstance(parts, EnergyParts) else f"a {type(parts).__name__}"
             raise InputError(f"energy_parts: found {found}; expected EnergyParts of {counted(self.size, 'coordinate')}")

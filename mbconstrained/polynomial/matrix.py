@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from numbers import Number
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from .factors import Factors
 if TYPE_CHECKING:
     from ..exact.rational import ExactJordanPairs
     from ..jordan.pairs import JordanPairs
+    from .reduction import Reduction
     from .structure import Structure
 
 
@@ -102,6 +104,13 @@ class PolynomialMatrix:
         """s^q A(1/s), the coefficients in reverse (Moysis et al., Eq. 11): its zeros at 0 are those of A at infinity."""
         given = [self.coefficients[power] if factors is None else factors for power, factors in enumerate(self.factors)]
         return PolynomialMatrix(given[::-1], self.coordinates, self.equations, self.uncertainty[::-1])
+
+    @cached_property
+    def reduction(self) -> Reduction | None:
+        """Its reduction to first-order equations, None where its structure is not so plain (``polynomial.reduction``)."""
+        from .reduction import reduction_of
+
+        return reduction_of(self)
 
     @property
     def is_regular(self) -> bool:

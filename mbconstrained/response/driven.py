@@ -33,6 +33,8 @@ class Driven:
 def driven_form(form: WeierstrassForm, force: ImpulsiveSmooth) -> Driven:
     """Each term of the force measured by itself: a small one must not be lost beside a large one."""
     f = scaled_force(form, force)
+    if not len(f.start):
+        return Driven(np.zeros((len(form.T), 0)), f.generator, f.coefficients, f.units)
     size = power_of_two_of(f.coefficients)  # taken out and put back: squares of noise must not leave the range
     drive = size * (form.noisy_B @ Noisy.rounded(f.divided(size).coefficients)).cleaned()
     through = np.zeros_like(f.coefficients)

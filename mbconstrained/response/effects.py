@@ -11,13 +11,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..jordan.weierstrass import WeierstrassForm
-from ..linalg.noise import Noisy
+from ..linalg.noise import Noisy, stacked
 from .forcing import ScaledForce
 
 
 def driven_inconsistency(form: WeierstrassForm, f: ScaledForce, change: np.ndarray) -> Noisy:
     """sum N^i B2 C_f J_f^i change, for changes of the force's states of shape (m,) or (m, K)."""
     total, power = Noisy.exact(np.zeros((len(form.B2.data), *change.shape[1:]))), form.B2
+    if not (total.data.size and change.size):
+        return total
     for derivative in f.derivatives(len(form.split.deficiencies)):  # so many powers of N are not zero
         total = total + power @ (Noisy.rounded(derivative) @ Noisy.rounded(change))
         power = form.nilpotent @ power
@@ -35,14 +37,12 @@ def finite_kick(form: WeierstrassForm, impulses: Sequence[np.ndarray], count: in
 def jump_effect(form: WeierstrassForm, inconsistency: Noisy, impulses: Sequence[np.ndarray], q: int) -> np.ndarray:
     """Jumps of x^(i), i < q, shape (q, r, K): -Q_2 g, and H_(-i-l-1) g_l for each impulse delta^(l) of the force."""
     scaling, r = form.companion.scaling, form.companion.size
-    by_state = -form.infinite_columns @ inconsistency
-    rows = np.zeros((q, r, inconsistency.data.shape[1]))
-    for i in range(q):
-        total = by_state[i * r : (i + 1) * r]
-        for order, g in enumerate(impulses):
-            total = total + form.laurent(-i - order - 1) @ Noisy.rounded(g)
-        rows[i] = scaling.columns[:, None] * total.cleaned() * scaling.time ** float(i)
-    return rows
+    total = -form.infinite_columns[: q * r] @ inconsistency
+    for order, g in enumerate(impulses):
+        by_impulse = [form.laurent(-i - order - 1) @ Noisy.rounded(g) for i in range(q)]
+        total = total + stacked(*by_impulse) if q else total
+    jumps = total.cleaned().reshape(q, r, inconsistency.data.shape[1])
+    return scaling.columns[:, None] * jumps * scaling.time ** np.arange(float(q))[:, None, None]
 
 
 def impulse_effect(form: WeierstrassForm, inconsistency: Noisy, impulses: Sequence[np.ndarray]) -> list[np.ndarray]:

@@ -57,13 +57,12 @@ def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] 
     largest = np.abs(values).max(initial=0.0)
     if largest == 0:
         return EPS
-    form = x.pairs.form
     change = max(_largest_change(lambda: view(other)(times) - values, largest) for other in x.moved)
     written = 0.0 if x.written is None else _largest_change(lambda: view(x.written)(times) - values, largest)
     change = max(change, written if written > ROUNDED_FREE * largest else 0.0)
     phase = EPS / 2 * float(np.abs(times * view(x).derivative()(times)).max())  # zeros are known to half a unit at best
-    estimate = max((PRECISE_SAFETY if form.companion.is_precise else SAFETY) * change, phase) / largest
-    return max(estimate, LEAST if all(decision.clear for decision in form.decisions) else UNCLEAR_ERROR)
+    estimate = max((PRECISE_SAFETY if x.solution.is_precise else SAFETY) * change, phase) / largest
+    return max(estimate, LEAST if x.solution.structure_is_clear else UNCLEAR_ERROR)
 
 
 def _largest_change(changes: Callable[[], np.ndarray], largest: float) -> float:
@@ -82,7 +81,7 @@ def moved_responses(x: Response) -> tuple[Response, ...]:
     for seed in range(TRIALS):
         random = np.random.default_rng(seed)
         A = _moved_matrix(x.polynomial_matrix, random)
-        found.append(solve(A, _moved(x.initial, random), _moved_force(x.force, random), x.pairs.rank_tolerance))
+        found.append(solve(A, _moved(x.initial, random), _moved_force(x.force, random), x.solution.rank_tolerance))
     return tuple(found)
 
 
@@ -90,7 +89,7 @@ def written_response(x: Response) -> Response | None:
     """The answer to the problem of x with its data as they are written, where some of them counted as zero at s = 0."""
     from .solve import solve_with
 
-    as_written = x.pairs.as_written
+    as_written = x.solution.written
     return None if as_written is None else solve_with(as_written, x.initial, x.force)
 
 

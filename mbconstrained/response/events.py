@@ -67,6 +67,8 @@ def kicks_of(form: WeierstrassForm, force: ImpulsiveSmooth, q: int) -> Kicks:
         Overflow: one of them leaves the range of float64.
     """
     times = force.knots[1:]
+    if not len(times):
+        return Kicks(times, np.zeros((len(form.T), 0)), np.zeros((q, force.size, 0)), [])
     f = scaled_force(form, force)
     largest = power_of_two_of(f.coefficients)
     changes = force.smooth.with_knots(force.knots).restarts.jumps[:, 1:] / f.units[:, None]

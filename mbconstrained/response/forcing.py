@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import log2
 
 import numpy as np
 
 from ..jordan.weierstrass import WeierstrassForm
-from ..linalg.blocks import block_slices
+from ..linalg.blocks import block_matrix, block_slices
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.restarts import Restarts
@@ -48,7 +49,7 @@ def scaled_force(form: WeierstrassForm, force: ImpulsiveSmooth) -> ScaledForce:
     size = _units(smooth, scaling.time)
     return ScaledForce(
         scaling.rows[:, None] * smooth.coefficients * size,
-        smooth.generator / scaling.time * size / size[:, None],
+        block_matrix(smooth.blocks) / scaling.time * size / size[:, None],
         smooth.start_at_zero / size,
         scaled_impulses(form, force.impulses),
         size,
@@ -107,4 +108,4 @@ def scaled_data(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmoo
 def power_of_two_of(matrix) -> float:
     """A power of two near the largest entry, 1 where all are zero."""
     size = np.abs(matrix).max(initial=0.0)
-    return float(np.exp2(np.round(np.log2(size)))) if size > 0 else 1.0
+    return 2.0 ** round(log2(size)) if size > 0 else 1.0

@@ -28,7 +28,7 @@ DERIVATIVE_NAMES = ("value", "velocity", "acceleration", "jerk")
 
 def response_notices(x: Response) -> tuple[Notice, ...]:
     """Jumps, impulses, what the force says of itself, growth and doubtful rank decisions of a response."""
-    return (*_jumps(x), *_impulses(x), *_later(x), *x.force.notices, *pair_notices(x.pairs))
+    return (*_jumps(x), *_impulses(x), *_later(x), *x.force.notices, *x.solution.notices)
 
 
 def pair_notices(pairs) -> tuple[Notice, ...]:

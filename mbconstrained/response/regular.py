@@ -16,10 +16,10 @@ from scipy.linalg import lapack
 from ..jordan.weierstrass import WeierstrassForm
 from ..linalg.blocks import BlockDiagonal, block_diagonalize, block_slices
 from ..linalg.exponential import block_states
-from ..linalg.recursion import recursion
+from ..linalg.recursion import advance, shared_gaps
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
-from ..signals.restarts import Restarts
+from ..signals.restarts import FreeRestarts
 from .driven import Driven, driven_form
 from .events import Kicks
 from .forcing import power_of_two_of
@@ -29,6 +29,9 @@ from .parts import Start
 #: motions that are told apart cancel until they have come apart, and only so long as nothing else has moved much the Taylor
 #: series takes their place. With very many pieces the digits that it costs add up.
 SEPARATION, SEPARATION_OF_PIECES = 32.0, 8.0
+
+#: Gaps between knots are few where there are so many times more of them than lengths of them and states of the force.
+FEW_GAPS = 4
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,28 @@ class Coupled:
         return np.vstack([np.zeros((self.own.stop - self.own.start, inputs.shape[1])), inputs[self.of_force]])
 
 
+@dataclass(frozen=True)
+class FinitePart:
+    """The finite part of A(s) decoupled, what drives it, and what its states are at and after t = 0.
+
+    Attributes:
+        free: the decoupled blocks.
+        output: x from the states before they were decoupled, shape (r, n), dense or sparse.
+        driven: what the force does to them and to x.
+        start: the states at 0+, shape (n,).
+        kicks: what they gain at the later knots of the force, shape (n, K).
+        time, columns: the units of time and of x.
+    """
+
+    free: BlockDiagonal
+    output: np.ndarray
+    driven: Driven
+    start: np.ndarray
+    kicks: np.ndarray
+    time: float
+    columns: np.ndarray
+
+
 def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth, kicks: Kicks) -> tuple[BohlFunction, float]:
     """x(t) for t > 0 in the user's units and the largest decoupling entry.
 
@@ -58,27 +83,31 @@ def regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth, ki
         start: what happens at t = 0.
         kicks: what happens at the later knots.
     """
-    free, driven = block_diagonalize(form.T), driven_form(form, force)
-    n, time, knots, forcing = len(form.T), form.companion.scaling.time, force.knots, force.smooth.blocks
+    free, driven, scaling = block_diagonalize(form.T), driven_form(form, force), form.companion.scaling
+    return driven_motion(FinitePart(free, form.C, driven, start.finite, kicks.finite, scaling.time, scaling.columns), force)
+
+
+def driven_motion(part: FinitePart, force: ImpulsiveSmooth) -> tuple[BohlFunction, float]:
+    """The same of a finite part, however it was found."""
+    free, driven, n, time = part.free, part.driven, len(part.start), part.time
+    knots, forcing = force.knots, force.smooth.blocks
     finite, outer = block_slices(free.blocks), block_slices(forcing)
     X, coupled = _separated(free, driven, finite, outer, max(SEPARATION_OF_PIECES, SEPARATION / len(knots)) / _rate(free, driven))
     blocks = (*free.blocks, *(driven.generator[of, of] for of in outer), *(pair.block for pair in coupled))
-    own_output = form.C @ free.basis
-    inputs, gaps = force.smooth.with_knots(knots).restarts.states / driven.units[:, None], time * np.diff(knots)
-    caused = np.vstack([-X @ inputs, inputs, *(pair.start(inputs) for pair in coupled)])
-    with np.errstate(over="ignore", invalid="ignore"):  # told when the function is evaluated
-        gained = _finite_part(block_states(blocks, caused[:, :-1], gaps), X, coupled)
-        own = recursion(free.blocks, free.inverse @ start.finite, gained + free.inverse @ kicks.finite, gaps)
-        states = caused
-        states[:n] += own
-        before = np.hstack([np.zeros((len(states), 1)), block_states(blocks, states[:, :-1], gaps)])
-        jumps = states - before
+    own_output = part.output @ free.basis
+    inputs = force.smooth.with_knots(knots).restarts.states / driven.units[:, None]
+    states = _forced_states(inputs, X, coupled)
+    if len(knots) == 1:
+        states[:n, 0] += free.inverse @ part.start
+    else:
+        states[:n] += _own_states(part, blocks, inputs, time * shared_gaps(knots), X, coupled)
     outputs = [own_output, driven.through + own_output @ X]
     outputs += [_padded(pair.unit * own_output[:, pair.own], len(pair.block)) for pair in coupled]
+    scaled = tuple(time * block for block in blocks)
     function = BohlFunction(
-        form.companion.scaling.columns[:, None] * np.hstack(outputs),
-        tuple(time * block for block in blocks),
-        states[:, 0] if len(knots) == 1 else Restarts(knots, states, jumps),
+        part.columns[:, None] * np.hstack(outputs),
+        scaled,
+        states[:, 0] if len(knots) == 1 else FreeRestarts(knots, states, scaled),
     )
     return function, max(free.coupling, float(np.abs(X).max(initial=0.0)))
 
@@ -107,6 +136,40 @@ def _separated(free: BlockDiagonal, driven: Driven, finite, outer, limit) -> tup
 def _coupled(own, of_force, T, D, J) -> Coupled:
     unit = power_of_two_of(D) / power_of_two_of([np.abs(T).max(), np.abs(J).max()])
     return Coupled(own, of_force, np.block([[T, D / unit], [np.zeros((len(J), len(T))), J]]), unit)
+
+
+def _forced_states(inputs, X, coupled) -> np.ndarray:
+    """Those of all blocks from y = 0, for states (m, K) of the force."""
+    return np.vstack([-X @ inputs, inputs, *(pair.start(inputs) for pair in coupled)])
+
+
+def _own_states(part: FinitePart, blocks, inputs, gaps, X, coupled) -> np.ndarray:
+    """y in its block diagonal coordinates at every knot, shape (n, K + 1), for gaps (K,) and states (m, K + 1) of the force."""
+    states = np.empty((len(part.start), len(gaps) + 1))
+    states[:, 0] = part.free.inverse @ part.start
+    with np.errstate(over="ignore", invalid="ignore"):  # told when the function is evaluated
+        _gains_into(states[:, 1:], blocks, inputs[:, :-1], gaps, X, coupled)
+        struck = np.flatnonzero(part.kicks.any(axis=0))
+        states[:, 1 + struck] += part.free.inverse @ part.kicks[:, struck]
+        advance(part.free.blocks, states, gaps)
+    return states
+
+
+def _gains_into(found, blocks, inputs, gaps, X, coupled) -> None:
+    """What y becomes from zero within each gap, into an array (n, K), for states (m, K) of the force where it begins.
+
+    Where few gaps differ, by the matrix that takes the states of the force to it.
+    """
+    (n, m), (different, which) = X.shape, np.unique(gaps, return_inverse=True)
+    if len(different) * m * FEW_GAPS < len(gaps):
+        units = np.tile(_forced_states(np.eye(m), X, coupled), len(different))
+        taken = _finite_part(block_states(blocks, units, np.repeat(different, m)), X, coupled).reshape(n, len(different), m)
+        if np.isfinite(taken).all():
+            for gap in range(len(different)):
+                at = slice(None) if len(different) == 1 else which == gap
+                found[:, at] = taken[:, gap] @ inputs[:, at]
+            return
+    found[...] = _finite_part(block_states(blocks, _forced_states(inputs, X, coupled), gaps), X, coupled)
 
 
 def _finite_part(states, X, coupled) -> np.ndarray:

@@ -17,9 +17,11 @@ from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from ..tolerances import noise_of
 from .events import Event
+from .solution import PairSolution
 
 if TYPE_CHECKING:
     from ..exact.enclosure import Enclosure, ExactResponse
+    from .reduced import ReducedSolution
 
 #: So many coordinates are named where a response is shown in one line.
 MOST_NAMES = 6
@@ -36,22 +38,18 @@ class Response:
         polynomial_matrix: A(s).
         initial: x^(i)(0-) as row i, shape (q, r).
         force: f.
-        pairs: the Jordan pairs used.
-        function: the regular part as a Bohl function C e^{J t} v.
+        solution: how x was found, from the Jordan pairs or, a large plain problem, from reduced equations.
         jump: x^(i)(0+) - x^(i)(0-), shape (q, r); exactly zero where the start is consistent.
         impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta.
-        coupling: the largest entry of the transformation that separated the zeros.
         events: jumps and impulses after t = 0, where the force starts, stops, changes or strikes, by ascending time.
     """
 
     polynomial_matrix: PolynomialMatrix
     initial: np.ndarray
     force: ImpulsiveSmooth
-    pairs: JordanPairs
-    function: BohlFunction
+    solution: PairSolution | ReducedSolution
     jump: np.ndarray
     impulses: tuple[np.ndarray, ...]
-    coupling: float
     events: tuple[Event, ...] = field(default=(), kw_only=True)
 
     def __repr__(self) -> str:
@@ -71,6 +69,21 @@ class Response:
             Overflow: the answer leaves the range of float64 within the times asked for.
         """
         return self.function(times)
+
+    @property
+    def pairs(self) -> JordanPairs:
+        """The Jordan pairs of A(s)."""
+        return self.solution.pairs
+
+    @property
+    def function(self) -> BohlFunction:
+        """The regular part as a Bohl function C e^{J t} v."""
+        return self.solution.function
+
+    @property
+    def coupling(self) -> float:
+        """The largest entry of the transformation that separated the zeros."""
+        return self.solution.coupling
 
     def derivative(self, order: int = 1) -> BohlFunction:
         """The classical derivative x^(order) for t > 0, a function of the same kind."""
@@ -160,7 +173,7 @@ class Response:
     @cached_property
     def evidence(self) -> tuple[Evidence, ...]:
         """Residuals, conditions and gaps that tell how far the answer can be trusted."""
-        return self.pairs.evidence
+        return self.solution.evidence
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:

@@ -11,7 +11,7 @@ from it for rate t <= 1. Each row is left to the modal sum where the noise of it
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import ceil, exp, log
 
 import numpy as np
@@ -32,8 +32,11 @@ SQUARINGS = 10
 #: The range of float64 ends here.
 LARGEST = float(np.finfo(float).max)
 
-#: The two are compared at so many times per factor of two, over so many factors of two: that of the span to its rounding.
-PLACES, OCTAVES = 2, 52
+#: Where the two are compared, in spans: two times per factor of two, down to the rounding of the span.
+PLACES = 2.0 ** (-np.arange(2 * 52) / 2)
+
+#: Of these the ones up to rate t = 1.
+EARLY = slice(int((PLACES > 1 / REACH).sum()), None)
 
 
 @dataclass(frozen=True, repr=False)
@@ -98,8 +101,12 @@ class Series:
         return self.noise + EPS * np.abs(self.coefficients)
 
     def _powers(self, times):
-        orders = np.arange(self.coefficients.shape[1])
-        return np.power.outer(np.asarray(times, dtype=float) / self.span, orders).T
+        """t^0, t^1, ... by doubling, in units of the span, shape (K,) or (K, T)."""
+        first, count = np.asarray(times, dtype=float) / self.span, self.coefficients.shape[1]
+        powers = np.ones((1, *first.shape))
+        while len(powers) < count:
+            powers = np.concatenate([powers, powers * (powers[-1] * first)])
+        return powers[:count]
 
 
 @dataclass(frozen=True, repr=False)
@@ -118,18 +125,22 @@ class ResponseFunction(BohlFunction):
         times = np.asarray(times, dtype=float)
         if not times.size or times.min() >= self.series.span:
             return values
-        early = np.greater.outer(self.switch, times)
+        by_series, times = values.reshape(len(values), times.size), np.atleast_1d(times)  # the same numbers
+        some = np.flatnonzero(times < self.switch.max(initial=0.0))
+        early = times[some]
         with np.errstate(over="ignore", invalid="ignore"):  # a row whose series leaves the range is not evaluated by it
-            return np.where(early, self.series(np.minimum(times, self.series.span)), values)
+            by_series[:, some] = np.where(np.greater.outer(self.switch, early), self.series(early), by_series[:, some])
+        return values
 
     @cached_property
     def switch(self) -> np.ndarray:
         """Before which time each row is evaluated by its series, in s, shape (r,)."""
-        places = self.series.span * 2.0 ** (-np.arange(PLACES * OCTAVES) / PLACES)
-        early = places <= self.series.span / REACH
+        series, table = self.series, _powers_of_places(self.series.coefficients.shape[1])
+        places = series.span * PLACES
         with np.errstate(over="ignore", invalid="ignore"):  # what leaves the range is not taken: no comparison with it holds
-            noise, difference = self.series.noise_at(places), np.abs(self._values(places[early]) - self.series(places[early]))
-            error = (difference - NOISE_SAFETY * noise[:, early]).max(axis=1, initial=0.0)
+            noise, found = series._errors @ table, series.coefficients @ table[:, EARLY]
+            difference = np.abs(self._values(places[EARLY]) - found)
+            error = (difference - NOISE_SAFETY * noise[:, EARLY]).max(axis=1, initial=0.0)
         worse = ~(noise <= error[:, None])
         first_good = np.where(worse.all(axis=1), len(places), worse.argmin(axis=1))
         return np.append(places, 0.0)[first_good]
@@ -180,9 +191,9 @@ def series_of(function: BohlFunction, longest: float) -> Series:
 
 def growth(bounds: np.ndarray, begun: np.ndarray) -> tuple[float, int]:
     """Perron root of the states that are reached from those begun with, and the steps after which all of them are."""
-    steps = 0
-    while (more := begun | (bounds[:, begun] > 0).any(axis=1)).sum() > begun.sum():
-        begun, steps = more, steps + 1
+    pattern, steps, last = bounds > 0, 0, begun
+    while (last := pattern[:, last].any(axis=1) & ~begun).any():
+        begun, steps = begun | last, steps + 1
     return _perron_root(bounds[np.ix_(begun, begun)]), steps
 
 
@@ -193,13 +204,20 @@ def _perron_root(matrix: np.ndarray) -> float:
         size = min(matrix.sum(axis=1).max(initial=0.0), LARGEST)
         if size == 0:
             return 0.0
-        matrix, logarithm = (matrix / size) @ (matrix / size), 2 * (logarithm + log(size))
+        matrix, logarithm = matrix / size, 2 * (logarithm + log(size))
+        matrix = matrix.dot(matrix)
     return exp(min(logarithm / 2**SQUARINGS, log(LARGEST)))
 
 
 def span_of(rate: float, otherwise: float) -> float:
     """As far as the series may serve; a series that ends, with no growth at all, serves as far as one likes."""
     return REACH / rate if rate > 0 else otherwise
+
+
+@lru_cache
+def _powers_of_places(count: int) -> np.ndarray:
+    """PLACES^0, PLACES^1, ..., shape (count, T)."""
+    return np.power.outer(PLACES, np.arange(count)).T
 
 
 def _padded_sum(one, two) -> np.ndarray:

@@ -10,11 +10,14 @@ from ..jordan.pairs import JordanPairs
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
+from .cost import LEAST_STATES
 from .events import kicks_of
 from .parts import start_of
+from .reduced import reduced_solution
 from .regular import regular_part
 from .response import Response
 from .series import with_series
+from .solution import PairSolution
 from .taylor import taylor_series
 
 #: What makes a force.
@@ -50,6 +53,8 @@ def solve(
     q, r = checked_matrix(A).degree, A.size
     initial = np.zeros((q, r)) if initial is None else real_array(initial, "initial", shape=(q, r))
     force = checked_force(force, r)
+    if rank_tolerance is None and q * r >= LEAST_STATES and (found := reduced_solution(A, initial, force)) is not None:
+        return Response(A, initial, force, found, found.jump, found.impulses, events=found.events)
     return solve_with(A.jordan_pairs(rank_tolerance), initial, force)
 
 
@@ -59,7 +64,7 @@ def solve_with(pairs: JordanPairs, initial: np.ndarray, force: ImpulsiveSmooth) 
     start, kicks = start_of(pairs.form, initial, force), kicks_of(pairs.form, force, q)
     function, coupling = regular_part(pairs.form, start, force, kicks)
     function = with_series(function, taylor_series(pairs.form, initial, start.jump, force))
-    return Response(A, initial, force, pairs, function, start.jump, start.impulses, coupling, events=kicks.events)
+    return Response(A, initial, force, PairSolution(pairs, function, coupling), start.jump, start.impulses, events=kicks.events)
 
 
 def checked_matrix(A) -> PolynomialMatrix:

@@ -47,85 +47,93 @@ def _series(form: WeierstrassForm, stack, f, size, more) -> Series:
     """The same, all coefficients from the equations; as many more as are lost by derivatives."""
     equations = _Equations(form, f)
     state = equations.state_at_zero(form, stack, f)
-    rate, steps = growth(equations.bounds(), state.data != 0)
-    span, columns = span_of(rate, 1.0), []
-    for k in range(TERMS + steps + more):
-        columns.append(equations.output(state))
-        state = equations.derivative(state, span / (k + 1))
+    rate, steps = growth(np.abs(equations.slope.data), state.data != 0)
+    span = span_of(rate, 1.0)
+    outputs = _times(equations.output, _derivatives(equations.slope, state, span, TERMS + steps + more))
     units = size * form.companion.scaling.columns[:, None]
-    return Series(
-        span / form.companion.scaling.time,
-        units * np.stack([column.data for column in columns], axis=1),
-        units * np.stack([column.noise for column in columns], axis=1),
-    )
+    return Series(span / form.companion.scaling.time, units * outputs.data, units * outputs.noise)
 
 
-class _Map:
-    """A matrix with noise, applied to many vectors: ``Noisy`` products with all squares made once."""
+def _derivatives(slope: Noisy, state: Noisy, span: float, count: int) -> Noisy:
+    """w^(k) span^k / k! of w' = slope w as columns, shape (n, count); entries within their noise are zero.
 
-    def __init__(self, matrix: Noisy):
-        self.matrix, self.squares = matrix.data, matrix.data**2
-        self.errors = matrix.noise**2 + EPS**2 * self.squares
+    The noise is carried as the square of the bound that an entry has to exceed.
+    """
+    size, bound = len(state.data), NOISE_SAFETY**2
+    squares = slope.data**2
+    errors = slope.noise**2 + EPS**2 * squares
+    growing, data = np.concatenate([squares + errors, bound * errors], axis=1), slope.data
+    states, sources = np.empty((count, size)), np.empty((count, 2 * size))  # sources: bounds, then squares
+    states[0], sources[0, :size], sources[0, size:] = state.data, bound * state.noise**2, state.data**2
+    for k in range(1, count):
+        factor, found, source = span / k, states[k], sources[k]
+        limit, square = source[:size], source[size:]
+        data.dot(states[k - 1], found)
+        growing.dot(sources[k - 1], limit)
+        found *= factor
+        limit *= factor**2
+        np.multiply(found, found, square)
+        dropped = square < limit
+        found[dropped] = square[dropped] = 0.0
+    return Noisy(states.T, np.sqrt(sources[:, :size].T) / NOISE_SAFETY)
 
-    def __call__(self, vector: Noisy) -> Noisy:
-        """matrix @ vector, entries within their noise set to zero."""
-        squares = vector.noise**2
-        return _clean(Noisy(self.matrix @ vector.data, np.sqrt(self.squares @ squares + self.errors @ (vector.data**2 + squares))))
+
+def _times(matrix: Noisy, columns: Noisy) -> Noisy:
+    """matrix @ columns, entries within their noise set to zero; of each product one rounding."""
+    squares, noise = matrix.data**2, columns.noise**2
+    errors = matrix.noise**2 + EPS**2 * squares
+    return _clean(Noisy(matrix.data @ columns.data, np.sqrt(squares @ noise + errors @ (columns.data**2 + noise))))
 
 
 class _Equations:
-    """w1' = M w1 + D v, w2 = G v, v' = J v and x = output (w1, v) in scaled units, the force being C_f v."""
+    """w1' = M w1 + D v, w2 = G v, v' = J v in scaled units, the force being C_f v: slope and output of the states (w1, v)."""
 
     def __init__(self, form: WeierstrassForm, f):
-        split, r, self.count = form.split, form.companion.size, len(form.split.E11.data)
-        n, self.J = self.count, Noisy.rounded(f.generator)
+        split, r, n = form.split, form.companion.size, len(form.split.E11.data)
+        J = Noisy.rounded(f.generator)
         loads = split.left[:, form.companion.state_count - r :] @ Noisy.rounded(f.coefficients)
         G = power = -loads[n:]
         for _ in split.deficiencies[1:]:  # so many powers of N are not zero
-            power = split.nilpotent @ power @ self.J
+            power = split.nilpotent @ power @ J
             G = G + power
-        D = split.F12 @ _clean(G) + loads[:n] + -(split.E12 @ _clean(G) @ self.J)
+        G = _clean(G)
+        D = split.F12 @ G + loads[:n] + -(split.E12 @ G @ J)
         self.inverse = _inverse(split.E11)
         self.M = _clean(self.inverse @ split.F11)
-        self.slope, self.generator = _Map(_beside(self.M, _clean(self.inverse @ _clean(D)))), _Map(self.J)
-        self.output = _Map(_beside(split.right[:r, :n], split.right[:r, n:] @ _clean(G)))
+        below = Noisy.exact(np.zeros((len(J.data), n)))
+        self.slope = stacked(_beside(self.M, _clean(self.inverse @ _clean(D))), _beside(below, J))
+        self.output = _beside(split.right[:r, :n], split.right[:r, n:] @ G)
 
     def state_at_zero(self, form, stack, f) -> Noisy:
         """(w1, v) at 0+: the coefficient of 1/s of the transform of w, its polynomial part found from the top down."""
-        split, n, r = form.split, self.count, form.companion.size
-        loads, v = split.left[:, len(stack) - r :], Noisy.rounded(f.start)
-        given = {order: loads @ Noisy.rounded(g) for order, g in enumerate(f.impulses)}
-        own = split.left @ (Noisy.rounded(form.companion.E) @ Noisy.rounded(stack))
-        given[0] = own + given[0] if 0 in given else own
-        top = max(given) + len(split.deficiencies)
-        for order, derivative in enumerate(f.derivatives(len(split.deficiencies) + 1)):
-            given[-1 - order] = loads @ (Noisy.rounded(derivative) @ v)
-        nothing = Noisy.exact(np.zeros(len(stack)))
-        fast = {m: self._fast(split, given, m, nothing[n:]) for m in range(-1, top + 1)}
-        w = nothing[:n]
-        for m in range(top, -1, -1):
-            load = _clean(split.F12 @ fast[m] + -(split.E12 @ fast[m - 1]) + given.get(m, nothing)[:n])
-            w = _clean(self.M @ w + self.inverse @ load)
-        return stacked(w, v)
+        split, n, chains = form.split, len(form.split.E11.data), len(form.split.deficiencies)
+        given = self._given(form, stack, f)
+        slow, last = given[:n, chains + 1 :], given.data.shape[1]
+        powers = [given[n:, chains - i : last - i] for i in range(max(chains, 1))]  # from 1/s on, times s^i
+        total = powers.pop()
+        while powers:
+            total = split.nilpotent @ total + powers.pop()
+        fast = _clean(-total)
+        load = self.inverse @ _clean(split.F12 @ fast[:, 1:] + -(split.E12 @ fast[:, :-1]) + slow)
+        w = _clean(load[:, -1])
+        for m in range(load.data.shape[1] - 2, -1, -1):
+            w = _clean(self.M @ w + load[:, m])
+        return stacked(w, Noisy.rounded(f.start))
 
     @staticmethod
-    def _fast(split, given, order, nothing) -> Noisy:
-        """The coefficient of s^order of W2 = -(I + s N + s^2 N^2 + ...) times the given."""
-        total = nothing
-        for i in range(len(split.deficiencies) - 1, -1, -1):
-            part = given[order - i][len(split.E11.data) :] if order - i in given else nothing
-            total = split.nilpotent @ total + part
-        return _clean(-total)
-
-    def derivative(self, state, factor) -> Noisy:
-        """(w1', v') times the factor."""
-        slope = stacked(self.slope(state), self.generator(state[self.count :]))
-        return Noisy(factor * slope.data, factor * slope.noise)
-
-    def bounds(self) -> np.ndarray:
-        """Absolute values of the matrix that takes (w1, v) to its derivative."""
-        below = np.hstack([np.zeros((len(self.J.data), self.count)), self.J.data])
-        return np.abs(np.vstack([self.slope.matrix, below]))
+    def _given(form, stack, f) -> Noisy:
+        """The loads on w, a column for each power of s, from as many below 1/s as there are powers of N to as many above the last."""
+        loads, chains = form.split.left[:, len(stack) - form.companion.size :], len(form.split.deficiencies)
+        given = Noisy.exact(np.zeros((len(stack), 2 * chains + 1 + max(len(f.impulses), 1))))
+        if len(f.start):
+            derivatives = np.stack(f.derivatives(chains + 1)[::-1])
+            values = Noisy.rounded(derivatives) @ Noisy.rounded(f.start)
+            given[:, : chains + 1] = loads @ values.T
+        for order, impulse in enumerate(f.impulses, chains + 1):
+            given[:, order] = loads @ Noisy.rounded(impulse)
+        own = form.split.left @ (Noisy.rounded(form.companion.E) @ Noisy.rounded(stack))
+        given[:, chains + 1] = own + given[:, chains + 1]
+        return given
 
 
 def _inverse(matrix: Noisy) -> Noisy:
@@ -136,7 +144,8 @@ def _inverse(matrix: Noisy) -> Noisy:
             "float64 finds a part of A(s) singular that the rank decisions kept; with rank_tolerance=0 nothing counts as rounding: "
             "leave it out, or give a larger one"
         ) from None
-    return Noisy(inverse, np.abs(inverse) @ matrix.noise @ np.abs(inverse) + EPS * np.abs(inverse))
+    size = np.abs(inverse)
+    return Noisy(inverse, size @ matrix.noise @ size + EPS * size)
 
 
 def _beside(left: Noisy, right: Noisy) -> Noisy:
@@ -149,11 +158,13 @@ def _kept(series: Series, initial, jump) -> Series:
     Where a coefficient says otherwise, by more than its noise, a jump was lost in the noise of another way to compute it.
     """
     coefficients, noise = series.coefficients.copy(), series.noise.copy()
-    for i, (values, changes) in enumerate(zip(initial, jump)):
-        known = values * (series.span**i / factorial(i))
-        stays = (changes == 0) & (np.abs(known - coefficients[:, i]) <= NOISE_SAFETY * (noise[:, i] + EPS * np.abs(known)))
-        coefficients[:, i] = np.where(stays, known, coefficients[:, i])
-        noise[:, i] = np.where(stays, EPS * np.abs(known), noise[:, i])
+    first = slice(len(initial))
+    known = np.transpose([values * (series.span**i / factorial(i)) for i, values in enumerate(initial)])
+    if known.size:
+        rounding, found = EPS * np.abs(known), coefficients[:, first]
+        stays = (jump.T == 0) & (np.abs(known - found) <= NOISE_SAFETY * (noise[:, first] + rounding))
+        coefficients[:, first] = np.where(stays, known, found)
+        noise[:, first] = np.where(stays, rounding, noise[:, first])
     return Series(series.span, coefficients, noise)
 
 

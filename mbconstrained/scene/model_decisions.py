@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ..checks import counted
 
 if TYPE_CHECKING:
@@ -107,6 +109,16 @@ def infinite_pair(scene: Scene) -> Decision:
     if equations.is_free and equations.start_fits:
         return False, "no force and a start that fits: the infinite part stays zero"
     return True, f"A_{A.degree} is singular and {'the start does not fit' if equations.is_free else 'a force acts'}"
+
+
+def response(scene: Scene) -> Decision:
+    """The answer, and in which way its values are found."""
+    from ..response.reduced import way_to_evaluate
+
+    equations, time = scene.equations, scene.table.time
+    times = np.linspace(0.0, time.end, time.points)
+    way = way_to_evaluate(equations.polynomial_matrix, equations.initial, equations.right_hand_side, times)
+    return True, f"from the values at 0-, with jumps and impulses; values {way.reason}"
 
 
 def modes(scene: Scene) -> Decision:

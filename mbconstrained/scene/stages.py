@@ -71,7 +71,7 @@ STEPS = (
     Step("scaling and staircase", output.always("splits the finite from the infinite part by rank decisions")),
     Step("finite pair", output.always("the motion for t > 0"), attrgetter("finite_pair")),
     Step("infinite pair", model.infinite_pair, attrgetter("infinite_pair")),
-    Step("response", output.always("from the values at 0-, with jumps and impulses"), attrgetter("motion")),
+    Step("response", model.response, attrgetter("motion")),
     Step("displacements", output.always("the answer itself"), methodcaller("curves", "displacement")),
     Step("velocities", output.velocities, methodcaller("curves", "velocity")),
     Step("accelerations", output.plotted("acceleration"), methodcaller("curves", "acceleration")),

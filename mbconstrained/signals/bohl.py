@@ -6,6 +6,7 @@ Where it starts, stops or changes later, it is piecewise: the state e^{J t} v is
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -13,9 +14,13 @@ from scipy.linalg import block_diag
 from ..checks import counted, real_array, real_number, whole_number
 from ..errors import InputError, Overflow
 from ..linalg.blocks import block_slices
-from ..linalg.exponential import block_states
+from ..linalg.exponential import CHUNK_ENTRIES, BlockGroups, block_states
+from ..linalg.oscillations import Oscillations
 from .merging import Part, merged
 from .restarts import Restarts
+
+#: Of so many oscillations it pays to find out which cosines and sines there are.
+MANY_PAIRS = 12
 
 
 @dataclass(frozen=True, repr=False)
@@ -66,14 +71,68 @@ class BohlFunction:
         return values if times.ndim else values[:, 0]
 
     def _values(self, times) -> np.ndarray:
-        """C e^{J t} v, the size of C taken into v block by block: a tiny coefficient may outweigh a huge state."""
-        size = np.concatenate([np.ones(0), *(np.full(len(b), np.abs(c).max(initial=0.0)) for b, _, c in self._parts())])
+        """C e^{J t} v, so many times at once that memory stays near that of the answer."""
+        chunk = max(1, CHUNK_ENTRIES // max(self.coefficients.shape[1], 1))
+        if len(times) <= chunk:
+            return self._chunk(times)
+        values = np.empty((self.size, len(times)))
+        for begin in range(0, len(times), chunk):
+            values[:, begin : begin + chunk] = self._chunk(times[begin : begin + chunk])
+        return values
+
+    def _chunk(self, times) -> np.ndarray:
+        coefficients, size, groups = self._prepared
+        if isinstance(self.start, Restarts):
+            piece, since = self.start.located(times)
+            if not since.any():
+                return self._at_knots(piece)
+            return coefficients @ block_states(groups, self.start.states[:, piece] * size[:, None], since)
+        if self._turning is None or not groups.oscillate(times).all():
+            return coefficients @ block_states(groups, self.start * size, times)
+        folded, oscillations, others = self._turning
+        values = folded @ oscillations(times)
+        return values + others._values(times) if others.blocks else values
+
+    def _at_knots(self, piece) -> np.ndarray:
+        """C v where the states start anew."""
+        coefficients, states = self._used
+        in_order = piece[-1] - piece[0] == len(piece) - 1 and (np.diff(piece) == 1).all()
+        return coefficients @ states[:, slice(piece[0], piece[-1] + 1) if in_order else piece]
+
+    @cached_property
+    def _used(self) -> tuple[np.ndarray, np.ndarray]:
+        """C and the states without the last ones if they add nothing at the knots."""
+        used = np.flatnonzero(self.coefficients.any(axis=0) & self.start.states.any(axis=1))
+        count = used[-1] + 1 if used.size else 0
+        return self.coefficients[:, :count], self.start.states[:count]
+
+    @cached_property
+    def _prepared(self) -> tuple[np.ndarray, np.ndarray, BlockGroups]:
+        """C and v as they are multiplied: the size of C is taken into v block by block, as a tiny one may outweigh a huge state."""
+        size, each = np.abs(self.coefficients).max(axis=0, initial=0.0), [len(block) for block in self.blocks]
+        if len(size) and len(self.coefficients):
+            size = np.repeat(np.maximum.reduceat(size, np.cumsum([0, *each[:-1]])), each)
         size = np.where(size > 0, size, 1.0)
-        start, since = self.start, times
-        if isinstance(start, Restarts):
-            piece, since = start.located(times)
-            start = start.states[:, piece].T
-        return (self.coefficients / size) @ block_states(self.blocks, (start * size).T, since)
+        return self.coefficients / size, size, BlockGroups.of(self.blocks)
+
+    @cached_property
+    def _turning(self):
+        """Of a function with many oscillations: C e^{J t} v as D (cosines, sines), which of them there are, and the rest of C and J.
+
+        D has v in it: C (v cos w t + R v sin w t / w) for a block a I + R with R^2 = -w^2 I. A motion from rest has no sines.
+        """
+        coefficients, size, groups = self._prepared
+        if len(groups.first) < MANY_PAIRS or not (groups.square < 0).all():
+            return None
+        at, w, start = groups.first, np.sqrt(-groups.square), self.start * size
+        pairs = np.stack([start[at], start[at + 1]], axis=1)
+        turned = np.einsum("bij,bj->bi", groups.rest, pairs) / w[:, None]
+        C = np.stack([coefficients[:, at], coefficients[:, at + 1]], axis=2)
+        even, odd = (np.einsum("rbi,bi->rb", C, vectors) for vectors in (pairs, turned))
+        cosines, sines = (np.flatnonzero(part.any(axis=0)) for part in (even, odd))
+        rest = np.setdiff1d(np.arange(len(size)), [at, at + 1])
+        others = BohlFunction(coefficients[:, rest], tuple(block for block in self.blocks if len(block) != 2), start[rest])
+        return np.hstack([even[:, cosines], odd[:, sines]]), Oscillations(groups.mean, w, cosines, sines), others
 
     @property
     def is_zero(self) -> bool:

@@ -76,7 +76,8 @@ class ImpulsiveSmooth:
     @property
     def knots(self) -> np.ndarray:
         """The times in s at which something may start, stop or change, the first is 0."""
-        return np.union1d(self.smooth.restarts.knots, [blow.time for blow in self.later])
+        knots = self.smooth.restarts.knots
+        return np.union1d(knots, [blow.time for blow in self.later]) if self.later else knots
 
     def __call__(self, times) -> np.ndarray:
         """The regular part at a time (-> (r,)) or at times (T,) (-> (r, T)); t = 0 means 0+, a knot its right limit."""

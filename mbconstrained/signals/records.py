@@ -57,14 +57,15 @@ def sampled(times, values) -> ImpulsiveSmooth:
     values = _rows(values, len(times))
     first = _first_samples(times)
     last = np.append(first[1:], len(times)) - 1
-    knots, left, right = times[first], values[:, first], values[:, last]
+    acting = np.flatnonzero(values.any(axis=1))  # rows that stay zero need no states
+    knots, left, right = times[first], values[np.ix_(acting, first)], values[np.ix_(acting, last)]
     slopes, changes = _slopes(knots, left, right)
     jumps = right - left
     jumps[:, 0], jumps[:, -1] = right[:, 0], -left[:, -1]
     right[:, -1] = 0.0
     start = _from_zero(Restarts(knots, _alternating(right, slopes), _alternating(jumps, changes)))
-    rows = np.kron(np.eye(len(values)), [1.0, 0.0])
-    record = ImpulsiveSmooth(BohlFunction(rows, (LINEAR,) * len(values), start))
+    rows = np.kron(np.eye(len(values))[:, acting], [1.0, 0.0])
+    record = ImpulsiveSmooth(BohlFunction(rows, (LINEAR,) * len(acting), start))
     return record.coming_from(Origin(RecordOrigin(times, values)))
 
 

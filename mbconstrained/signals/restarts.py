@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -63,6 +64,27 @@ class Restarts:
         jumps, own = np.zeros_like(states), np.searchsorted(knots, self.knots)
         states[:, own], jumps[:, own] = self.states, self.jumps
         return Restarts(knots, states, jumps)
+
+
+class FreeRestarts(Restarts):
+    """Restarts of which the states alone are given; what changes at the knots is found when something asks for it.
+
+    Args:
+        knots, states: as of ``Restarts``; before t = 0 the state is zero.
+        blocks: those of J.
+    """
+
+    def __init__(self, knots: np.ndarray, states: np.ndarray, blocks: Sequence[np.ndarray]):
+        for name, value in (("knots", knots), ("states", states), ("blocks", blocks)):
+            object.__setattr__(self, name, value)
+
+    @cached_property
+    def jumps(self) -> np.ndarray:
+        """z(t_j+) - z(t_j-), shape (n, K)."""
+        jumps = self.states.copy()
+        with np.errstate(over="ignore", invalid="ignore"):  # told when the function is evaluated
+            jumps[:, 1:] -= block_states(self.blocks, self.states[:, :-1], np.diff(self.knots))
+        return jumps
 
 
 def later_times(times: np.ndarray, delay: float) -> np.ndarray:

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mbconstrained.linalg.noise import Noisy
+from mbconstrained.linalg.precise import precise, precise_arithmetic
 
 seeds = st.integers(0, 10**6)
 
@@ -69,3 +70,19 @@ def test_empty_products(shapes):
     product = Noisy.rounded(np.zeros(shapes[0])) @ Noisy.rounded(np.zeros(shapes[1]))
     assert product.data.shape == product.noise.shape == (shapes[0][0], shapes[1][1])
     assert not product.noise.any()
+
+
+def test_cleaning_rounds_nothing_away_outside_of_precise_arithmetic():
+    with precise_arithmetic():
+        third = precise(np.array([Fraction(1, 3), Fraction(1, 7)]))
+    kept = Noisy(third, np.array([0.0, 1.0])).cleaned()
+    assert kept[0] == third[0] and kept[1] == 0
+
+
+def test_a_product_with_one_term_in_each_sum_has_the_noise_of_its_factors_alone():
+    """A permutation with factors: one product each, whose rounding is part of what its factors are wrong by."""
+    left, right = Noisy.exact(np.array([[0.0, 3.0], [0.1, 0.0]])), Noisy.exact(np.array([[0.7, 0.0], [0.0, 0.3]]))
+    assert not (left @ right).noise.any()
+    assert (left @ Noisy.exact(np.ones((2, 1)))).noise.tolist() == [[0.0], [0.0]]
+    assert (Noisy.exact(np.ones((1, 2))) @ right).noise.tolist() == [[0.0, 0.0]]
+    assert (Noisy.exact(np.ones((1, 2))) @ Noisy.exact(np.full((2, 1), 0.1))).noise[0, 0] > 0

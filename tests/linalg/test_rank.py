@@ -125,3 +125,26 @@ def test_all_rows_are_independent_where_that_was_decided():
     decided = RankDecision(2, 1.0, 0.0)
     found = compress_rows(Noisy.rounded(np.ones((2, 2))), decided=decided)
     assert found.decision is decided and found.pivots.tolist() == [0, 1] and found.null.data.shape == (0, 2)
+
+
+@given(st.integers(1, 6), st.integers(1, 6), st.integers(0, 10**6))
+def test_entries_that_stand_alone_are_decided_as_in_any_other_company(rows, columns, seed):
+    """Sparse rows of small whole numbers: the rank of the exact matrix, independent pivot rows, combinations that vanish."""
+    random = np.random.default_rng(seed)
+    matrix = random.integers(-3, 4, (rows, columns)) * (random.random((rows, columns)) < 0.3) * 1.0
+    found, known = compress_rows(Noisy.rounded(matrix)), np.linalg.matrix_rank(matrix)
+    assert found.decision.rank == len(found.pivots) == known == np.linalg.matrix_rank(matrix[found.pivots])
+    assert np.abs(found.null.data @ matrix).max(initial=0.0) <= 1e-13
+    assert np.linalg.matrix_rank(found.left.data) == rows
+
+
+def test_a_lone_entry_near_its_noise_is_told():
+    matrix = Noisy(np.diag([1.0, 1.0]), np.diag([1e-16, 1e-3]))
+    decision = compress_rows(matrix).decision
+    assert decision.rank == 2 and decision.smallest_kept == pytest.approx(1 / 16e-3)
+    assert not decision.clear and decision.singular_values
+
+
+def test_a_lone_entry_far_above_its_noise_is_as_far_above_as_it_is():
+    matrix = Noisy(np.diag([1.0, -4.0, 2.0]), np.diag([0.0, 2.0**-20, 2.0**-30]))
+    assert compress_rows(matrix).decision == RankDecision(3, 4 * 2.0**20 / 16, 0.0)

@@ -208,8 +208,8 @@ def _from_exact_start(fraction: RationalFunction, gamma: int) -> Response:
     jump, impulses, in_range = exact_start(fraction, gamma, A.degree)
     many = len(force.impulses) > MOST_IMPULSES
     x = solve(A, jump, ImpulsiveSmooth(force.smooth)) if many and in_range else solve(A, force=force)
-    function = with_exact_start(x.function, fraction, gamma)
-    return replace(x, initial=np.zeros_like(jump), force=force, function=function, jump=jump, impulses=impulses)
+    solution = replace(x.solution, function=with_exact_start(x.function, fraction, gamma))
+    return replace(x, initial=np.zeros_like(jump), force=force, solution=solution, jump=jump, impulses=impulses)
 
 
 def _growth_left_out(fraction: RationalFunction) -> Iterator[Notice]:

@@ -1,0 +1,228 @@
+"""The modes of lowest frequency of M x'' + K x = 0 with A x = 0: found, set right, and counted.
+
+Shift-invert Lanczos from a shift just below the spectrum finds them. Sylvester's law says how many there are below a frequency
+in a gap: where some are missing, they are looked for outside of those found (Grimes, Lewis and Simon 1994). Small systems, or
+nearly all modes of a system, take a dense decomposition of the same shifted and inverted pencil instead.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+
+from ...tolerances import EPS, NOISE_SAFETY, noise_of
+from .factorization import Factorization
+from .lanczos import BLOCK, CONVERGED, first_values, largest_pairs
+from .matrices import times
+from .pencil import ReducedPencil
+
+#: Up to this size a dense decomposition is as fast.
+DENSE = 400
+
+#: Forces of a rigid body are this part of their terms, by rounding; those of an elastic chain of a million parts are more.
+RIGID = 64 * EPS
+
+#: So many more modes than asked for are found, so that there is a gap among them.
+GUARD = 4
+
+#: Frequencies closer than this, relative to the larger, are a group, in which no count is made.
+LEAST_GAP = EPS**0.5
+
+#: How often modes that the count misses are looked for.
+ROUNDS = 12
+
+#: Missing ones are looked for in blocks as wide as there are many, as they are copies of those found, but no wider than this.
+WIDEST = 48
+
+#: A shift this many times closer to zero than the first elastic mode costs digits, as rigid modes outweigh it; where it shall be.
+TOO_CLOSE, BETTER_SHIFT = 1e-3, 0.1
+
+#: How far below an estimate of the lowest growing mode, which lies above it, the shift is tried.
+MARGINS = (0.05, 0.5, 2.0)
+
+#: How often the shift is improved.
+MOST_SHIFTS = 4
+
+#: Blocks of the first look at the spectrum.
+FIRST_LOOK = 4
+
+
+@dataclass(frozen=True)
+class UndampedModes:
+    """K X = M X diag(values) on the free coordinates, ascending.
+
+    Attributes:
+        values: w^2 in 1/s^2, exactly zero for rigid bodies, negative for growth.
+        vectors: X, shape (r, m), X^T M X = I.
+        residuals, bounds: |K x - w^2 M x| and what rounding and the stopping rule explain of it, both relative to
+            the sum of the sizes of its terms.
+        shift, factors: K - shift M, below all values.
+        below: the w^2 up to which modes were counted; None where no count was to be had.
+        counted: how many lie below it.
+        found_below: how many of those found.
+        complete: whether the system has no other finite modes.
+    """
+
+    values: np.ndarray
+    vectors: np.ndarray
+    residuals: np.ndarray
+    bounds: np.ndarray
+    shift: float
+    factors: Factorization
+    below: float | None
+    counted: int | None
+    found_below: int
+    complete: bool
+
+
+def undamped_modes(pencil: ReducedPencil, count: int) -> UndampedModes:
+    """The ``count`` modes of lowest w^2, or all there are.
+
+    Raises:
+        InputError: there is no lowest w^2.
+        SingularPolynomialMatrix: neither mass nor stiffness holds some coordinates.
+    """
+    dense = pencil.size <= DENSE or 3 * count > pencil.size
+    shift, factors = _settled(pencil, *pencil.below_all())
+    if dense:
+        values, vectors, exhausted = _dense(pencil, shift, factors, count + GUARD)
+    else:
+        values, vectors, exhausted = _sought(pencil, shift, factors, count + GUARD, np.zeros((pencil.size, 0)))
+    for _ in range(ROUNDS):
+        below, inside = _boundary(values, shift, count, exhausted)
+        counted = _counted(pencil, values, below, inside, factors)
+        if counted is None or counted <= inside or dense:
+            break
+        missing = counted - inside
+        more, others, exhausted = _sought(pencil, shift, factors, missing + GUARD, vectors, max(BLOCK, min(missing, WIDEST)))
+        order = np.argsort(np.concatenate([values, more]), kind="stable")
+        values, vectors = np.concatenate([values, more])[order], np.asfortranarray(np.hstack([vectors, others])[:, order])
+    take = min(count, len(values))
+    complete = exhausted and take == len(values)
+    values, residuals, bounds = _evidence(pencil, values[:take], vectors[:, :take], shift)
+    return UndampedModes(
+        values, vectors[:, :take], residuals, bounds, shift, factors, below, counted, inside, complete
+    )
+
+
+def _settled(pencil: ReducedPencil, shift: float, factors: Factorization) -> tuple[float, Factorization]:
+    """A better shift: farther below zero where rigid bodies would outweigh all else, nearer to growing modes where there are any."""
+    for _ in range(MOST_SHIFTS):
+        values = first_values(factors.solve, pencil.mass, FIRST_LOOK)
+        values = values[values > 0]
+        found = shift + 1 / values
+        if not len(values):
+            break
+        if found[0] < -TOO_CLOSE * abs(shift) and found[0] - shift > 2 * BETTER_SHIFT * abs(found[0]):
+            candidates = [float(found[0] - margin * abs(found[0])) for margin in MARGINS]
+        elif values[-1] < values[0] * TOO_CLOSE and (elastic := found[found > abs(shift)]).size < len(found) and elastic.size:
+            candidates = [-BETTER_SHIFT * float(elastic[0])]
+        else:
+            break
+        for better in candidates:
+            closer = pencil.shifted(better)
+            if not closer.negative:
+                break
+        if closer.negative:
+            break
+        shift, factors = better, closer
+    return shift, factors
+
+
+def _sought(pencil: ReducedPencil, shift, factors, wanted, locked, block: int = BLOCK) -> tuple[np.ndarray, np.ndarray, bool]:
+    """Values, ascending, and vectors by Lanczos, outside of locked vectors."""
+    pairs = largest_pairs(factors.solve, pencil.mass, wanted, locked, block)
+    values, vectors = _purified(pencil, factors, pairs.values, pairs.vectors)
+    return shift + 1 / values, vectors, pairs.exhausted
+
+
+def _purified(pencil: ReducedPencil, factors, values, vectors) -> tuple[np.ndarray, np.ndarray]:
+    """The vectors multiplied once more by P^-1 M, which sets massless coordinates right, of norm 1 in M."""
+    kept = values > 0
+    values, vectors = values[kept], vectors[:, kept]
+    for begin in range(0, len(values), 8):
+        at = slice(begin, begin + 8)
+        vectors[:, at] = factors.solve(times(pencil.mass, vectors[:, at]))
+        vectors[:, at] /= (vectors[:, at] * times(pencil.mass, vectors[:, at])).sum(axis=0) ** 0.5
+    return values, vectors
+
+
+def _dense(pencil: ReducedPencil, shift, factors, wanted) -> tuple[np.ndarray, np.ndarray, bool]:
+    """The same by one dense decomposition; as many finite modes as M has rank."""
+    mass, shifted = pencil.mass.toarray(), (pencil.stiffness - shift * pencil.mass).toarray()
+    free = scipy.linalg.null_space(pencil.rows.toarray()) if pencil.rows.shape[0] else np.eye(pencil.size)
+    mass, shifted = free.T @ mass @ free, free.T @ shifted @ free
+    scale = 1 / np.maximum(np.diag(mass), EPS * np.diag(mass).max()) ** 0.5 if mass.any() else np.ones(len(mass))
+    weights = np.linalg.eigvalsh(mass * scale * scale[:, None])
+    finite = int((weights > noise_of(weights.max(), len(weights))).sum())
+    unit = 1 / np.diag(shifted) ** 0.5
+    values, turn = scipy.linalg.eigh(mass * unit * unit[:, None], shifted * unit * unit[:, None])
+    take = min(finite, wanted)
+    values, vectors = values[::-1][:take], free @ (unit[:, None] * turn[:, ::-1][:, :take])
+    positive, vectors = _purified(pencil, factors, values, np.asfortranarray(vectors))
+    return shift + 1 / positive, vectors, take == finite
+
+
+def _boundary(values, shift, count, exhausted) -> tuple[float | None, int]:
+    """A w^2 in a gap at or after the last mode asked for (before it where there is none), and how many found lie below."""
+    distance = values - shift
+    if not len(values):
+        return (0.0, 0) if exhausted else (None, 0)
+    if exhausted and len(values) <= count:
+        return float(shift + 2 * distance[-1]), len(values)
+    gaps = np.diff(distance) / distance[1:]
+    after = np.arange(min(count, len(gaps)) - 1, len(gaps))
+    at = after[gaps[after].argmax()] if len(after) else -1
+    if at < 0 or gaps[at] < LEAST_GAP:
+        clear = np.flatnonzero(gaps >= LEAST_GAP)
+        if not len(clear):
+            return None, 0
+        at = clear[-1]
+    return float(shift + distance[at : at + 2].mean()), int(at) + 1
+
+
+def _counted(pencil: ReducedPencil, values, below, inside, factors) -> int | None:
+    """How many modes lie below; another place in the same gap is tried where the pivots do not tell."""
+    if below is None or factors.negative is None:
+        return None
+    if not inside:
+        return factors.negative
+    lower = values[inside - 1]
+    for part in (1.0, 0.8, 1.2, 0.6):
+        found = pencil.shifted(float(lower + part * (below - lower))).negative
+        if found is not None:
+            return found
+    return None
+
+
+def _evidence(pencil: ReducedPencil, values, vectors, shift) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The values, zero for rigid bodies, relative residuals and bounds of them."""
+    values, residuals, bounds = values.copy(), np.zeros(len(values)), np.zeros(len(values))
+    stiffness, mass = abs(pencil.stiffness), abs(pencil.mass)
+    for i, x in enumerate(vectors.T):
+        held, weighed = balanced(pencil, pencil.stiffness @ x), balanced(pencil, pencil.mass @ x)
+        size = np.linalg.norm(stiffness @ np.abs(x))
+        inertia = np.linalg.norm(mass @ np.abs(x))
+        if _is_rigid(held, stiffness @ np.abs(x)):
+            values[i] = 0.0
+        whole = size + abs(values[i]) * inertia
+        unit = abs(values[i]) * np.linalg.norm(weighed) or whole or 1.0
+        residuals[i] = np.linalg.norm(held - values[i] * weighed) / unit
+        bounds[i] = (NOISE_SAFETY * EPS * whole + CONVERGED * (abs(values[i]) + abs(shift)) * inertia) / unit
+    return values, residuals, bounds
+
+
+def _is_rigid(held: np.ndarray, sizes: np.ndarray) -> bool:
+    """Whether forces are rounding of their terms, coordinate by coordinate: beside stiff parts soft ones still count."""
+    parts = np.abs(held[sizes > 0]) / sizes[sizes > 0]
+    return float(np.mean(parts**2) if parts.size else 0.0) ** 0.5 <= RIGID
+
+
+def balanced(pencil: ReducedPencil, forces: np.ndarray) -> np.ndarray:
+    """What is left of forces on the free coordinates when the long rows carry what they can."""
+    if not pencil.rows.shape[0]:
+        return forces
+    rows = pencil.rows
+    return forces - rows.T @ np.linalg.lstsq((rows @ rows.T).toarray(), rows @ forces, rcond=None)[0]
