@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import importlib
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from types import ModuleType
 
 import numpy as np
@@ -123,6 +123,27 @@ def names_of(names, count: int, what: str, prefix: str) -> tuple[str, ...]:
     if repeated:
         raise InputError(f'{what}: the name "{repeated[0]}" is used twice; names must differ')
     return names
+
+
+def places_of(chosen: Iterable, names: Sequence[str], what: str) -> list[int]:
+    """Where each one chosen, by its name or its number from 0, stands among the names, or an InputError.
+
+    >>> places_of(["b", 0], ["a", "b"], "coordinate")
+    [1, 0]
+    """
+    found = []
+    for one in chosen:
+        if isinstance(one, str):
+            if one not in names:
+                raise InputError(f'there is no {what} "{one}"{nearest(one, names)}')
+            found.append(names.index(one))
+        elif isinstance(one, bool) or not isinstance(one, (int, np.integer)) or not 0 <= one < len(names):
+            raise InputError(f"{what}: found {one!r}; expected a name, or a whole number from 0 to {len(names) - 1}")
+        else:
+            found.append(int(one))
+    if not found:
+        raise InputError(f"{what}: none was named; give one or several of {', '.join(names[:6])}{', ...' * (len(names) > 6)}")
+    return found
 
 
 def _fits(found: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:

@@ -13,6 +13,7 @@ from scipy.sparse import csr_array
 
 from ..tolerances import DECOUPLING_LIMIT
 from .blocks import BlockDiagonal, block_diagonalize
+from .threads import one_thread
 
 
 def decoupled(matrix: np.ndarray) -> BlockDiagonal:
@@ -35,7 +36,8 @@ def _by_clusters(matrix: np.ndarray) -> BlockDiagonal:
 
 
 def _by_eigenvectors(matrix: np.ndarray) -> BlockDiagonal | None:
-    values, vectors = scipy.linalg.eig(matrix)
+    with one_thread(len(matrix)):
+        values, vectors = scipy.linalg.eig(matrix)
     real, upper = np.flatnonzero(values.imag == 0), np.flatnonzero(values.imag > 0)
     pairs = vectors[:, upper]
     n, twos = len(matrix), np.empty((len(matrix), len(upper), 2))

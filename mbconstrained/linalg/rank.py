@@ -56,13 +56,11 @@ class RowCompression:
     Attributes:
         pivots: indices of k independent rows.
         null: combinations of rows that vanish, shape (m - k, m), with their noise.
-        copied: for each of them the row that it is, -1 for a true combination.
     """
 
     pivots: np.ndarray
     null: Noisy
     decision: RankDecision
-    copied: np.ndarray
 
     @property
     def left(self) -> Noisy:
@@ -76,12 +74,8 @@ class RowCompression:
 
     def combined(self, rows: Noisy) -> Noisy:
         """null @ rows."""
-        found, mixed = rows[self.copied], (self.copied < 0).nonzero()[0]
-        if mixed.size:
-            null = self.null[mixed]
-            used = null.size.any(axis=0) | null.noise.any(axis=0)
-            found[mixed] = null[:, used] @ rows[used]
-        return found
+        used = self.null.size.any(axis=0) | self.null.noise.any(axis=0)
+        return self.null[:, used] @ rows[used]
 
 
 def compress_rows(
@@ -102,10 +96,9 @@ def compress_rows(
     weights = np.ones(columns) if weights is None else weights
     favour = np.ones(rows) if preferred is None else np.where(preferred, PREFERENCE, 1.0)
     if decided is not None and decided.rank == rows:
-        return RowCompression(np.arange(rows), _zeros_like(matrix, (0, rows)), decided, np.zeros(0, dtype=int))
+        return RowCompression(np.arange(rows), _zeros_like(matrix, (0, rows)), decided)
     if decided is not None:
-        found = _eliminated(matrix, weights, favour, decided)
-        return RowCompression(*found, np.full(rows - decided.rank, -1))
+        return RowCompression(*_eliminated(matrix, weights, favour, decided))
     cleaned = Noisy(matrix.cleaned(), matrix.noise)
     pattern = cleaned.data != 0
     dropped = _largest_ratio(matrix[~pattern])
@@ -119,23 +112,19 @@ def compress_rows(
         pivots.append(i[order])
         first.append(np.full(len(order), i[0]))
     in_order = np.argsort(np.concatenate(first), kind="stable")
-    null, copied = _null_rows(matrix, empty, found, rows - decision.rank)
-    return RowCompression(np.concatenate(pivots)[in_order], null, _with_singular_values(decision, matrix), copied)
+    null = _null_rows(matrix, empty, found, rows - decision.rank)
+    return RowCompression(np.concatenate(pivots)[in_order], null, _with_singular_values(decision, matrix))
 
 
-def _null_rows(matrix: Noisy, empty, found, count: int) -> tuple[Noisy, np.ndarray]:
-    """So many combinations of all rows that vanish: empty rows and those of the components, in the order of their first rows.
-
-    With them which of the rows are copied.
-    """
+def _null_rows(matrix: Noisy, empty, found, count: int) -> Noisy:
+    """So many combinations of all rows that vanish: empty rows and those of the components, in the order of their first rows."""
     null, first, end = _zeros_like(matrix, (count, len(matrix.data))), [*empty], len(empty)
     null.data[range(end), empty] = of_kind(np.ones(end), matrix.data)
     for i, _, combinations, _ in found:
         begin, end = end, end + len(combinations.data)
         null[begin:end, i] = combinations
         first += [i[0]] * (end - begin)
-    in_order = np.argsort(np.array(first, dtype=int), kind="stable")
-    return null[in_order], np.append(empty, np.full(count - len(empty), -1))[in_order]
+    return null[np.argsort(first, kind="stable")] if count else null
 
 
 def null_columns(

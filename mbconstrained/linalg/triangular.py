@@ -25,6 +25,7 @@ from .rank import RankDecision
 from .scales import block_diagonal
 from .scaling import equilibration
 from .staircase import SingularPencil, split_pencil
+from .threads import one_thread
 
 
 @dataclass(frozen=True)
@@ -146,7 +147,8 @@ def _schur(E: np.ndarray, F: np.ndarray) -> TriangularForm:
 def _qz(F: np.ndarray, E: np.ndarray):
     """S, P, Q, Z with Q^T F Z = S quasi-triangular and Q^T E Z = P triangular."""
     room = int(lapack.dgges(_never, F, E, lwork=-1)[-2][0])
-    S, P, *_, Q, Z, _, failed = lapack.dgges(_never, F, E, lwork=room)
+    with one_thread(len(F)):
+        S, P, *_, Q, Z, _, failed = lapack.dgges(_never, F, E, lwork=room)
     if failed:
         raise IllConditioned("float64 finds no zeros of A(s): the QZ algorithm does not converge; choose other units")
     return S, P, Q, Z

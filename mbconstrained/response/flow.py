@@ -15,6 +15,7 @@ from scipy.sparse import csr_array
 
 from ..linalg.oscillations import even_step
 from ..checks import real_array, real_number, whole_number
+from ..linalg.exponential import CHUNK_ENTRIES
 from ..linalg.propagation import Propagator
 from ..linalg.scaling import balanced_norm
 from ..polynomial.reduction import Reduction
@@ -166,8 +167,9 @@ class FlowFunction(BohlFunction):
         if values is None:
             values = self.modal._values(times)
         early = np.flatnonzero((times * self.flow.rate <= 1) & (times < self.flow.force.knots[1:2].min(initial=np.inf)))
-        if early.size:
-            values[:, early] = self.flow.early(self.output, times[early])
+        width = max(1, CHUNK_ENTRIES // max(self.size, TERMS))
+        for part in (early[begin : begin + width] for begin in range(0, len(early), width)):
+            values[:, part] = self.flow.early(self.output, times[part])
         return values
 
     def derivative(self, order: int = 1) -> BohlFunction:
@@ -181,6 +183,10 @@ class FlowFunction(BohlFunction):
         """matrix @ y(t), matrix of shape (p, r)."""
         matrix = real_array(matrix, "matrix", shape=(None, self.size))
         return FlowFunction(self.flow, csr_array(csr_array(matrix) @ self.output))
+
+    def rows(self, indices) -> BohlFunction:
+        """Some of its rows, in this order."""
+        return FlowFunction(self.flow, self.output[np.asarray(indices, dtype=int)])
 
     def __mul__(self, factor: float) -> BohlFunction:
         return FlowFunction(self.flow, csr_array(self.output * real_number(factor, "factor")))

@@ -106,16 +106,22 @@ def reduced_solution(A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveS
         initial: x^(i)(0-) as row i, shape (q, r).
         force: f with r rows.
     """
-    reduction = A.reduction
-    if reduction is None or force.impulses or force.later or _is_stiff(reduction) or not _fits(reduction, initial, force):
+    reduction = reduction_for(A, force)
+    if reduction is None or not fitting(reduction, initial[..., None], force)[0]:
         return None
-    flow, output = _flow(reduction, initial, force)
-    at_zero = _derivatives(flow, output, flow.start_with_force[:, None], initial[..., None])
+    flow, output = flow_of(reduction, initial, force)
+    at_zero = derivatives_of(flow, output, flow.start_with_force[:, None], initial[..., None])
     events = _events(flow, output, len(initial)) if len(force.knots) > 1 else ()
     return ReducedSolution(A, FlowFunction(flow, output), at_zero[..., 0], events)
 
 
-def _flow(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> tuple[Flow, csr_array]:
+def reduction_for(A: PolynomialMatrix, force: ImpulsiveSmooth) -> Reduction | None:
+    """The reduction of A(s), None where it does not serve for a force."""
+    reduction = A.reduction
+    return None if reduction is None or force.impulses or force.later or _is_stiff(reduction) else reduction
+
+
+def flow_of(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> tuple[Flow, csr_array]:
     """The states with their start and the output that makes x of them."""
     smooth, start = force.smooth, reduction.state(initial)
     if not smooth.blocks:
@@ -139,14 +145,16 @@ def _events(flow: Flow, output: csr_array, orders: int) -> tuple[Event, ...]:
     return tuple(Event(float(knots[1 + k]), found[:, :, k].copy(), ()) for k in happens)
 
 
-def _derivatives(flow: Flow, output: csr_array, states: np.ndarray, less: np.ndarray) -> np.ndarray:
+def derivatives_of(flow: Flow, output: csr_array, states: np.ndarray, less: np.ndarray) -> np.ndarray:
     """x^(i) of states (n, K) less what is given, shape (q, r, K); zero where the difference is rounding."""
-    found, sizes, S = [], np.abs(states), flow.generator
+    found, sizes, S, reduction = [], np.abs(states), flow.generator, flow.reduction
+    Y, rows = reduction.Y, reduction.given[0][reduction.algebraic]
     for order, given in enumerate(less):
         if order:
             states, sizes = S @ states, abs(S) @ sizes
-        difference = output @ states - given
-        found.append(np.where(np.abs(difference) <= noise_of(abs(output) @ sizes + np.abs(given)), 0.0, difference))
+        difference, size = output @ states - given, np.abs(given)
+        size = abs(output) @ sizes + size + abs(Y) @ (abs(rows) @ size)  # the last: how far a start may be off that fits
+        found.append(np.where(np.abs(difference) <= noise_of(size, len(size)), 0.0, difference))
     return np.array(found).reshape(less.shape)
 
 
@@ -164,18 +172,23 @@ def _later_jumps(flow: Flow, output: csr_array, changes: np.ndarray, orders: int
     return found
 
 
-def _fits(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> bool:
-    """Whether what algebraic equations hold obeys them at 0-, with its velocity, and is not made to jump later."""
+def fitting(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> np.ndarray:
+    """Whether what algebraic equations hold obeys them at 0-, with its velocity, and is not made to jump later.
+
+    Args:
+        initial: S starts at once, shape (q, r, S).
+
+    Returns:
+        Shape (S,).
+    """
     smooth, held = force.smooth, reduction.algebraic[reduction.held]
     rows, columns = reduction.given[0][held], smooth.coefficients[held]
-    jumps = smooth.restarts.jumps[:, 1:]
+    start, jumps, found = smooth.start_at_zero[:, None], smooth.restarts.jumps[:, 1:], np.ones(initial.shape[2], dtype=bool)
     for values in initial:
-        asked = columns @ smooth.start_at_zero
-        noise = noise_of(abs(rows) @ np.abs(values) + np.abs(columns) @ np.abs(smooth.start_at_zero), len(values))
-        if (np.abs(rows @ values - asked) > noise).any() or (columns @ jumps).any():
-            return False
+        noise = noise_of(abs(rows) @ np.abs(values) + np.abs(columns) @ np.abs(start), len(values))
+        found &= (np.abs(rows @ values - columns @ start) <= noise).all(axis=0) & (not (columns @ jumps).any())
         columns = columns @ smooth.generator
-    return True
+    return found
 
 
 def _is_stiff(reduction: Reduction) -> bool:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..checks import counted, whole_number
+from ..checks import counted, places_of, whole_number
 from ..jordan.evidence import Evidence
 from ..jordan.pairs import JordanPairs
 from ..notices import Notice
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction
+from ..signals.chunks import Piece
 from ..signals.impulsive import ImpulsiveSmooth
 from ..tolerances import noise_of
 from .events import Event
@@ -88,6 +90,33 @@ class Response:
     def derivative(self, order: int = 1) -> BohlFunction:
         """The classical derivative x^(order) for t > 0, a function of the same kind."""
         return self.function.derivative(order)
+
+    def of(self, *coordinates: str | int) -> BohlFunction:
+        """The function of some coordinates only, by name or number from 0, a row for each: no other is computed.
+
+        Raises:
+            InputError: no such coordinate.
+
+        >>> from mbconstrained.response import solve
+        >>> A = PolynomialMatrix([[[1.0, 0.0], [0.0, 2.0]], [[1.0, 0.0], [0.0, 1.0]]], coordinates=["slow", "fast"])
+        >>> solve(A, initial=[[1.0, 3.0]]).of("fast")([0.0, 1.0]).round(3)
+        array([[3.   , 0.406]])
+        """
+        return self.function.rows(places_of(coordinates, self.polynomial_matrix.coordinates, "coordinate"))
+
+    def chunks(self, times, count: int | None = None) -> Iterator[Piece]:
+        """x at many times as pairs (times, values), in order and of bounded size, for answers larger than memory.
+
+        ``for part, values in x.chunks((0.0, 3600.0), count=10**8): ...`` makes even times piece by piece too.
+
+        Args:
+            times: shape (T,), in s; or the first and the last one, where a count is given.
+            count: how many even times there are.
+
+        Raises:
+            InputError: times or a count that are not such.
+        """
+        return self.function.chunks(times, count)
 
     @property
     def start(self) -> np.ndarray:

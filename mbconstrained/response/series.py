@@ -17,6 +17,7 @@ from math import ceil, exp, log
 import numpy as np
 
 from ..checks import counted, real_array, whole_number
+from ..linalg.exponential import CHUNK_ENTRIES
 from ..signals.bohl import BohlFunction
 from ..tolerances import EPS, NOISE_SAFETY
 
@@ -82,6 +83,10 @@ class Series:
         matrix = np.asarray(matrix, dtype=float)
         return Series(self.span, matrix @ self.coefficients, np.abs(matrix) @ self._errors)
 
+    def rows(self, indices) -> Series:
+        """Some of its rows, in this order."""
+        return Series(self.span, self.coefficients[indices], self.noise[indices])
+
     def within(self, span: float) -> Series:
         """The same series over a shorter span."""
         powers = (span / self.span) ** np.arange(self.coefficients.shape[1])
@@ -127,9 +132,11 @@ class ResponseFunction(BohlFunction):
             return values
         by_series, times = values.reshape(len(values), times.size), np.atleast_1d(times)  # the same numbers
         some = np.flatnonzero(times < self.switch.max(initial=0.0))
-        early = times[some]
-        with np.errstate(over="ignore", invalid="ignore"):  # a row whose series leaves the range is not evaluated by it
-            by_series[:, some] = np.where(np.greater.outer(self.switch, early), self.series(early), by_series[:, some])
+        width = max(1, CHUNK_ENTRIES // max(*self.series.coefficients.shape, 1))
+        for part in (some[begin : begin + width] for begin in range(0, len(some), width)):
+            early = times[part]
+            with np.errstate(over="ignore", invalid="ignore"):  # a row whose series leaves the range is not evaluated by it
+                by_series[:, part] = np.where(np.greater.outer(self.switch, early), self.series(early), by_series[:, part])
         return values
 
     @cached_property
@@ -153,6 +160,11 @@ class ResponseFunction(BohlFunction):
         """The function matrix @ f(t), matrix of shape (p, r)."""
         matrix = real_array(matrix, "matrix", shape=(None, self.size))
         return with_series(super().mapped(matrix), self.series.mapped(matrix))
+
+    def rows(self, indices) -> ResponseFunction:
+        """Some of its rows, in this order."""
+        indices = np.asarray(indices, dtype=int)
+        return with_series(super().rows(indices), self.series.rows(indices))
 
     def __add__(self, other: BohlFunction) -> ResponseFunction:
         if not isinstance(other, BohlFunction):

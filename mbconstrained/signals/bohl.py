@@ -5,6 +5,7 @@ Where it starts, stops or changes later, it is piecewise: the state e^{J t} v is
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,6 +17,7 @@ from ..errors import InputError, Overflow
 from ..linalg.blocks import block_slices
 from ..linalg.exponential import CHUNK_ENTRIES, BlockGroups, block_states
 from ..linalg.oscillations import Oscillations
+from .chunks import Piece, in_chunks
 from .merging import Part, merged
 from .restarts import Restarts
 
@@ -72,7 +74,7 @@ class BohlFunction:
 
     def _values(self, times) -> np.ndarray:
         """C e^{J t} v, so many times at once that memory stays near that of the answer."""
-        chunk = max(1, CHUNK_ENTRIES // max(self.coefficients.shape[1], 1))
+        chunk = max(1, CHUNK_ENTRIES // max(*self.coefficients.shape, 1))
         if len(times) <= chunk:
             return self._chunk(times)
         values = np.empty((self.size, len(times)))
@@ -84,7 +86,7 @@ class BohlFunction:
         coefficients, size, groups = self._prepared
         if isinstance(self.start, Restarts):
             piece, since = self.start.located(times)
-            if not since.any():
+            if len(times) and not since.any():
                 return self._at_knots(piece)
             return coefficients @ block_states(groups, self.start.states[:, piece] * size[:, None], since)
         if self._turning is None or not groups.oscillate(times).all():
@@ -167,6 +169,14 @@ class BohlFunction:
         """The function matrix @ f(t), matrix of shape (p, r)."""
         matrix = real_array(matrix, "matrix", shape=(None, self.size))
         return BohlFunction(matrix @ self.coefficients, self.blocks, self.start)
+
+    def rows(self, indices) -> BohlFunction:
+        """Some of its rows, in this order: what only they need is all that is computed."""
+        return BohlFunction(self.coefficients[np.asarray(indices, dtype=int)], self.blocks, self.start)
+
+    def chunks(self, times, count: int | None = None) -> Iterator[Piece]:
+        """f at many times as pairs (times, values), for answers larger than memory (``signals.chunks``)."""
+        return in_chunks(self, times, count)
 
     def delayed(self, delay: float) -> BohlFunction:
         """The function f(t - delay), zero for t < delay; delay >= 0 in s.

@@ -1,7 +1,7 @@
 """y' = B y + U z with z' = J z, from a new start wherever the force starts, stops or changes: y(t) as a Bohl function.
 
-As ``response.regular`` does for the whole system: with B Y - Y J = -U the force causes Y z and a free motion; where Y is large, near
-resonance, y and a copy of z are evaluated together instead.
+As ``response.regular`` does for the whole system: with B Y - Y J = -U the force causes Y z and a free motion; where Y is large,
+near resonance, y and a copy of z are evaluated together instead.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """What the force does to the modes that are not kept: X with M X J^2 + C X J + K X = D outside of the kept ones.
 
-For a force D e^{J t} v the left-out modes follow X e^{J t} v exactly, whatever their number, and beyond it move freely. A static force
-so has its full static deflection. This is the mode-acceleration method (Williams 1945), for every force in closed form.
+For a force D e^{J t} v the left-out modes follow X e^{J t} v exactly, whatever their number, and beyond it move freely. A static
+force so has its full static deflection. This is the mode-acceleration method (Williams 1945), for every force in closed form.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .quadratic import QuadraticPencil
 from .space import ModeSpace
 from .undamped import UndampedModes, balanced
 
-#: Solutions are refined until the residual is this small; after so many steps a force that the left-out modes cannot follow is told.
+#: Solutions are refined until the residual is this small; after so many steps a force that cannot be followed is told.
 SMALL, MOST_STEPS = EPS**0.75, 60
 
 
@@ -87,7 +87,7 @@ class LeftOut:
         if not s:  # the first steps of a Neumann series, with factors that are there
             factors = self.undamped.factors
             return lambda right: factors.solve(right.real) + 1j * factors.solve(right.imag)
-        for moved in (s, s * (1 + 4 * EPS)):
+        for moved in (s, s * (1 + EPS**0.5)):  # beside an eigenvalue to the last digit, refinement makes up for it
             if moved in self.known:
                 return self.known[moved].solve
             try:
@@ -95,7 +95,7 @@ class LeftOut:
             except IllConditioned:
                 continue
             return self.known[moved].solve
-        raise InputError(f"force: it is in exact resonance with an undamped mode at {abs(s):.6g} rad/s; ask for more modes with count")
+        raise InputError(f"force: it is in resonance with an undamped mode at {abs(s):.6g} rad/s; ask for more modes with count")
 
     def _outside(self, x: np.ndarray) -> np.ndarray:
         """x without the kept modes: rounding along them is large near resonance."""

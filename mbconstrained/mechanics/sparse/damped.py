@@ -8,6 +8,7 @@ s <- s - (v^T x) / (v^T P(s)^-1 P'(s) x) with v = P'(s) x, one sparse factorizat
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import scipy.linalg
@@ -116,7 +117,8 @@ def _projected(pencil: ReducedPencil, undamped: UndampedModes) -> list[_Pair]:
     """The pairs of the projected problem; rigid bodies without dampers stand apart, those with them have a zero at 0 exactly."""
     X, w2 = undamped.vectors, undamped.values
     forces = times(pencil.damping, X)
-    free = (w2 == 0) & (np.linalg.norm(forces, axis=0) <= NOISE_SAFETY * EPS * np.linalg.norm(times(abs(pencil.damping), np.abs(X)), axis=0))
+    sizes = np.linalg.norm(times(abs(pencil.damping), np.abs(X)), axis=0)
+    free = (w2 == 0) & (np.linalg.norm(forces, axis=0) <= NOISE_SAFETY * EPS * sizes)
     found = [_Pair(0j, x, resting=True, exact=True) for x in X.T[free]]
     found += [_Pair(0j, x, exact=True) for x in X.T[(w2 == 0) & ~free]]
     at_zero = int(((w2 == 0) & ~free).sum())
@@ -168,7 +170,7 @@ def _newton(quadratic: QuadraticPencil, pair: _Pair, gap: float) -> None:
 
 def _tell_apart(pencil: ReducedPencil, pairs: list[_Pair]) -> None:
     """Of neighbours with one zero and one shape the second has not converged to its own."""
-    for one, two in zip(pairs, pairs[1:]):
+    for one, two in pairwise(pairs):
         if not (one.exact or two.exact) and abs(one.value - two.value) <= EPS**0.5 * abs(two.value):
             overlap = np.vdot(one.vector, two.vector)
             if abs(overlap) >= SAME * np.linalg.norm(one.vector) * np.linalg.norm(two.vector):

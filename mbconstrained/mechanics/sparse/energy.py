@@ -1,7 +1,7 @@
 """The energy of what the kept modes do not carry: a free motion of the whole system, so that it never grows.
 
-x_rest = x - W a - X z solves M x'' + C x' + K x = 0 between the times at which the force changes, exactly, and there it gains the jump of
--X z. With x'^T C x' >= 0 its energy is at most that of its starts: sqrt(2 E) <= sum of sqrt(2 E_j), the energy norm being a norm.
+x_rest = x - W a - X z solves M x'' + C x' + K x = 0 between the times at which the force changes, exactly, and there it gains the
+jump of -X z. With x'^T C x' >= 0 its energy is at most that of its starts: sqrt(2 E) <= sum of sqrt(2 E_j), as this is a norm.
 """
 
 from __future__ import annotations

@@ -102,7 +102,7 @@ def _singular(matrix, describe) -> SingularPolynomialMatrix:
     loose = np.flatnonzero(pivots <= NOISE_SAFETY * added)
     named = describe(loose[:3]) if len(loose) else "some coordinates"
     return SingularPolynomialMatrix(
-        f"neither mass nor stiffness holds {named}{f' and {len(loose) - 3} more' if len(loose) > 3 else ''}: the motion is not "
-        "determined; give them mass or stiffness, or tie them by a constraint",
+        f"neither mass nor stiffness holds {named}{f' and {len(loose) - 3} more' if len(loose) > 3 else ''}: the modes are not "
+        "determined; give them mass or stiffness (a damper alone does not do), or tie them by a constraint",
         coordinates=tuple(map(int, loose)),
     )

@@ -27,7 +27,8 @@ def found_modes(system: SparseSystem, undamped: UndampedModes, count: int, dampe
     kinds = tuple("rigid body" if not value else "growth" if value < 0 else "oscillation" for value in w2)
     orthogonality = float(np.abs(X.T @ times(pencil.mass, X) - np.eye(X.shape[1])).max(initial=0.0))
     evidence = undamped.residuals, undamped.bounds
-    notices = (*_count_notices(undamped, count), *_residual_notices(evidence[0] > evidence[1]), *_rounding_notices(pencil, undamped))
+    beyond = _residual_notices(evidence[0] > evidence[1])
+    notices = (*_count_notices(undamped, count), *beyond, *_rounding_notices(pencil, undamped))
     return _modes(system, values, times(pencil.basis, X), kinds, evidence, undamped, orthogonality, notices)
 
 
@@ -50,8 +51,8 @@ def _modes(system, values, shapes, kinds, evidence, undamped: UndampedModes, ort
 def _damped(system: SparseSystem, undamped: UndampedModes, found: DampedModes, count: int) -> SparseModes:
     pencil, take = system.pencil, np.flatnonzero(found.converged)[:count]
     values, X = found.values[take], found.vectors[:, take]
-    slopes = np.array([pencil.damping @ x + 2 * s * (pencil.mass @ x) for s, x in zip(values, X.T)]).reshape(len(values), pencil.size)
-    own = (slopes * X.T).sum(axis=1)
+    slopes = times(pencil.damping, X) + times(pencil.mass, X) * (2 * values)
+    own = (slopes * X).sum(axis=0)
     wanted = np.where(values.imag != 0, 2j * values.imag, np.where(np.abs(own) > 0, own, 1.0))
     X = X * (wanted / np.where(own != 0, own, wanted)) ** 0.5
     kinds = tuple(_kind(value, resting) for value, resting in zip(values, found.resting[take]))
@@ -88,7 +89,8 @@ def _count_notices(undamped: UndampedModes, count: int):
     if undamped.counted is None:
         yield Notice("accuracy", "whether modes of low frequency are missing could not be counted", doubtful=True)
     elif undamped.counted != undamped.found_below:
-        text = f"{undamped.counted} modes lie below {max(undamped.below, 0.0) ** 0.5:.6g} rad/s, of which {undamped.found_below} were found"
+        limit = max(undamped.below, 0.0) ** 0.5
+        text = f"{undamped.counted} modes lie below {limit:.6g} rad/s, of which {undamped.found_below} were found"
         yield Notice("accuracy", text, doubtful=True)
     elif undamped.found_below < found:
         text = (
@@ -113,8 +115,9 @@ def _rounding_notices(pencil, undamped: UndampedModes):
     terms = EPS * (X * times(stiffness, X)).sum(axis=0)
     unsure = (undamped.values != 0) & (terms > TRUST_LIMIT * np.abs(undamped.values))
     if unsure.any():
+        found = in_words(int(unsure.sum()), "frequency", "frequencies")
         text = (
-            f"beside the stiffest parts {in_words(int(unsure.sum()), 'frequency', 'frequencies')} may be rounding of the entries of the "
-            "stiffness matrix, where stiff and soft are added; hold stiff links by constraints instead"
+            f"beside the stiffest parts {found} may be rounding of the entries of the stiffness matrix, where stiff and soft are "
+            "added; hold stiff links by constraints instead"
         )
         yield Notice("accuracy", text, doubtful=True)

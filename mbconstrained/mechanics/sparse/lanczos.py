@@ -25,6 +25,9 @@ CONVERGED = EPS**0.75
 #: The basis is restarted when it has this many vectors for each one wanted, and some more.
 BASIS_PER_VECTOR, BASIS_MORE = 3, 40
 
+#: Whether all is found is looked at after so many blocks.
+BETWEEN_LOOKS = 3
+
 #: After so many restarts what has been found is told.
 MOST_RESTARTS = 60
 
@@ -65,15 +68,25 @@ def first_values(apply: Callable, mass, steps: int) -> np.ndarray:
     for _ in range(steps):
         if not fresh.shape[1]:
             break
-        coupling, fresh = lanczos._expand(fresh)
+        fresh = lanczos._expand(fresh)[1]
     return lanczos._ritz(np.zeros((0, 0)))[0] if lanczos.count else np.zeros(0)
+
+
+def _product(mass) -> Callable:
+    """M x for columns x, quick where M is diagonal."""
+    entries = mass.tocoo()
+    if (entries.row == entries.col).all():
+        diagonal = mass.diagonal()[:, None]
+        return lambda columns: diagonal * columns
+    return lambda columns: times(mass, columns)
 
 
 class _Lanczos:
     """The basis Q with its projected matrix H = Q^T M P^-1 M Q."""
 
     def __init__(self, apply, mass, wanted, locked, block):
-        self.apply, self.mass, self.wanted, self.locked, self.block = apply, mass, wanted, locked, block
+        self.apply, self.wanted, self.locked, self.block = apply, wanted, locked, block
+        self.weighed = _product(mass)
         self.size = mass.shape[0]
         self.capacity = min(BASIS_PER_VECTOR * wanted + BASIS_MORE, self.size + block) + block
         self.basis = np.empty((self.size, self.capacity), order="F")
@@ -85,30 +98,34 @@ class _Lanczos:
     def run(self) -> RitzPairs:
         """Expand until enough pairs are found."""
         fresh, coupling = self._random(), np.zeros((0, 0))
-        restarts = 0
+        restarts, looks, exhausted = 0, 0, False
         while fresh.shape[1]:
             if self.count + fresh.shape[1] > self.capacity:
                 coupling = self._restart(coupling)
                 restarts += 1
             coupling, fresh = self._expand(fresh)
-            if self.count >= self.wanted and (self._all_found(coupling) or restarts > MOST_RESTARTS):
+            looks += 1
+            ready = self.count >= self.wanted and (looks % BETWEEN_LOOKS == 0 or not fresh.shape[1])
+            if restarts > MOST_RESTARTS or ready and self._all_found(coupling):
                 break
-            if not fresh.shape[1]:
+            if not fresh.shape[1]:  # all that the first block leads to: there may be more
                 fresh = self._random()
+        else:
+            exhausted = True
         if not self.count:
             return RitzPairs(np.zeros(0), np.zeros((self.size, 0)), np.zeros(0), True)
         values, turn, residuals = self._ritz(coupling)
         take = min(self.wanted, self.count)
         self._rotate(turn[:, :take])
         relative = residuals[:take] / np.where(values[:take] > 0, values[:take], 1.0)
-        return RitzPairs(values[:take], self.basis[:, :take].copy(order="F"), relative, not fresh.shape[1])
+        return RitzPairs(values[:take], self.basis[:, :take].copy(order="F"), relative, exhausted)
 
     def _expand(self, fresh) -> tuple[np.ndarray, np.ndarray]:
         """Take in a block; return what couples the next one to it, and the next one."""
         begin, end = self.count, self.count + fresh.shape[1]
         self.basis[:, begin:end] = fresh
         self.count = end
-        image = self.apply(times(self.mass, fresh))
+        image = self.apply(self.weighed(fresh))
         self.scale = max(self.scale, float(np.abs(self._norms(image)).max()))
         image, h = self._orthogonalized(image)
         self.projected[:end, begin:end] = h
@@ -125,7 +142,7 @@ class _Lanczos:
         """Twice is enough, and once for the older vectors, to which the recurrence leaves nothing but rounding."""
         total = np.zeros((self.count, image.shape[1]))
         for begin in (self.recent, 0):
-            weighed = times(self.mass, image)
+            weighed = self.weighed(image)
             if self.locked.shape[1]:
                 image = image - self.locked @ (self.locked.T @ weighed)
             Q = self.basis[:, begin : self.count]
@@ -138,7 +155,7 @@ class _Lanczos:
         """An M-orthonormal basis of the columns without what is rounding alone, and the columns in it."""
         coupling = np.eye(image.shape[1])
         for _ in range(2):
-            gram = image.T @ (times(self.mass, image))
+            gram = image.T @ (self.weighed(image))
             squares, turn = scipy.linalg.eigh((gram + gram.T) / 2)
             least = noise_of(self.scale, self.count) if coupling.shape[0] == image.shape[1] == len(squares) else 0.0
             kept = squares > max(least**2, NOISE_SAFETY * EPS * squares.max(initial=0.0))
@@ -151,7 +168,7 @@ class _Lanczos:
 
     def _random(self) -> np.ndarray:
         """A new block in the range of P^-1 M, M-orthogonal to all there is; no columns where nothing is left."""
-        start = self.apply(times(self.mass, self.generator.standard_normal((self.size, min(self.block, self.size)))))
+        start = self.apply(self.weighed(self.generator.standard_normal((self.size, min(self.block, self.size)))))
         norms = self._norms(start)
         self.scale = max(self.scale, float(norms.max()))
         self.recent = 0
@@ -159,7 +176,7 @@ class _Lanczos:
         return self._normalized(image)[0]
 
     def _norms(self, columns) -> np.ndarray:
-        return np.maximum((columns * (times(self.mass, columns))).sum(axis=0), 0.0) ** 0.5
+        return np.maximum((columns * (self.weighed(columns))).sum(axis=0), 0.0) ** 0.5
 
     def _ritz(self, coupling) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Values, descending, coordinates of the vectors in the basis, residuals."""

@@ -71,14 +71,20 @@ def symmetric(matrix: scipy.sparse.csc_array, what: str, names) -> scipy.sparse.
     largest, (row, column) = asymmetry(matrix)
     if largest:
         raise InputError(
-            f"{what}: its entries for {names[row]}, {names[column]} and {names[column]}, {names[row]} differ by {largest:.3g}; modes "
-            "of large sparse systems need symmetric mass and stiffness; a small system can be given as arrays instead"
+            f"{what}: its entries for {names[row]}, {names[column]} and {names[column]}, {names[row]} differ by {largest:.3g}; "
+            "large sparse systems need symmetric mass and stiffness; a small system can be given as arrays instead"
         )
     return scipy.sparse.csc_array((matrix + matrix.T) / 2)
 
 
+#: Up to so many rows one product with many columns at once is faster than one for each.
+FEW_ROWS = 5000
+
+
 def times(matrix, columns: np.ndarray) -> np.ndarray:
     """A sparse matrix times dense columns, one by one: SciPy's product with many at once is several times slower."""
+    if matrix.shape[0] <= FEW_ROWS:
+        return np.asfortranarray(matrix @ columns)
     found = np.empty((matrix.shape[0], columns.shape[1]), dtype=np.result_type(matrix.dtype, columns.dtype), order="F")
     for place, column in enumerate(columns.T):
         found[:, place] = matrix @ column

@@ -170,8 +170,8 @@ def _notices(rest: Remainder, space: ModeSpace, count: int):
     if rest.norm:
         when = "for all times" if rest.passive else "at t = 0; later it may grow, as damping or stiffness put energy in"
         text = (
-            f"what is not in these modes moves with an energy of at most {rest.norm**2 / 2:.3g} J, {rest.relative:.2g} of all in the "
-            f"energy norm, {when}; ask for more than {count} modes to have more of it"
+            f"what is not in these modes moves with an energy of at most {rest.norm**2 / 2:.3g} J, {rest.relative:.2g} of all in "
+            f"the energy norm, {when}; ask for more than {count} modes to have more of it"
         )
         yield Notice("left out", text, doubtful=not rest.passive)
 

@@ -146,12 +146,13 @@ def _independent(pencil: ReducedPencil, held: HeldRows, found: Elimination) -> R
     given = scipy.sparse.linalg.norm(held.matrix[found.kept], axis=1)
     scaled = scipy.sparse.csr_array(scipy.sparse.diags_array(1 / np.where(given > 0, given, 1.0)) @ pencil.rows)
     limit = NOISE_SAFETY * EPS * pencil.size**0.5
-    triangle, order = scipy.linalg.qr((scaled @ scaled.T).toarray(), mode="r", pivoting=True)
+    gram = (scaled @ scaled.T).toarray()
+    triangle, order = scipy.linalg.qr(gram, mode="r", pivoting=True)
     rank = int((np.abs(np.diag(triangle)) > limit * max(np.abs(triangle[0, 0]), 1.0)).sum()) if sizes.any() else 0
     kept, left = np.sort(order[:rank]), order[rank:]
     notices = list(pencil.notices)
     for place in left:
-        mixed = np.linalg.lstsq((scaled[kept] @ scaled[kept].T).toarray(), (scaled[kept] @ scaled[[place]].T).toarray()[:, 0], rcond=None)[0]
+        mixed = np.linalg.lstsq(gram[np.ix_(kept, kept)], gram[kept, place], rcond=None)[0]
         values = pencil.row_values / np.where(given > 0, given, 1.0)
         implied, name = mixed @ values[kept], held.names[found.kept[place]]
         if abs(values[place] - implied) > limit * np.abs(values).max():

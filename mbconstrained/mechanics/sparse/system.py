@@ -64,7 +64,8 @@ class SparseSystem:
     ):
         if given := [name for name, value in others.items() if value is not None]:
             known = ("mass", "damping", "stiffness", "constraints", "names", "force", "static_force")
-            raise InputError(f"{given[0]}: not known to a large sparse system{nearest(given[0], known)}; give arrays for it, or leave it out")
+            hint = nearest(given[0], known)
+            raise InputError(f"{given[0]}: not known to a large sparse system{hint}; give arrays for it, or leave it out")
         self.mass = sparse_matrix(mass, "mass")
         self.damping = sparse_matrix(damping, "damping", self.size)
         self.stiffness = sparse_matrix(stiffness, "stiffness", self.size)

@@ -11,9 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
+import scipy.sparse
 
+from ...errors import InputError
 from ...tolerances import EPS, NOISE_SAFETY, noise_of
-from .factorization import Factorization
+from .factorization import Factorization, factorize
 from .lanczos import BLOCK, CONVERGED, first_values, largest_pairs
 from .matrices import times
 from .pencil import ReducedPencil
@@ -24,11 +26,17 @@ DENSE = 400
 #: Forces of a rigid body are this part of their terms, by rounding; those of an elastic chain of a million parts are more.
 RIGID = 64 * EPS
 
+#: Each step takes nine tenths of what is elastic out of a rigid body's shape.
+RIGID_STEPS = 4
+
 #: So many more modes than asked for are found, so that there is a gap among them.
 GUARD = 4
 
 #: Frequencies closer than this, relative to the larger, are a group, in which no count is made.
 LEAST_GAP = EPS**0.5
+
+#: Rows that are turned at a time: no second array as large as all vectors.
+CHUNK = 8192
 
 #: How often modes that the count misses are looked for.
 ROUNDS = 12
@@ -36,7 +44,7 @@ ROUNDS = 12
 #: Missing ones are looked for in blocks as wide as there are many, as they are copies of those found, but no wider than this.
 WIDEST = 48
 
-#: A shift this many times closer to zero than the first elastic mode costs digits, as rigid modes outweigh it; where it shall be.
+#: A shift this many times closer to zero than the first elastic mode costs digits, as rigid modes outweigh it; its better place.
 TOO_CLOSE, BETTER_SHIFT = 1e-3, 0.1
 
 #: How far below an estimate of the lowest growing mode, which lies above it, the shift is tried.
@@ -84,6 +92,7 @@ def undamped_modes(pencil: ReducedPencil, count: int) -> UndampedModes:
         InputError: there is no lowest w^2.
         SingularPolynomialMatrix: neither mass nor stiffness holds some coordinates.
     """
+    _check_mass(pencil)
     dense = pencil.size <= DENSE or 3 * count > pencil.size
     shift, factors = _settled(pencil, *pencil.below_all())
     if dense:
@@ -101,14 +110,32 @@ def undamped_modes(pencil: ReducedPencil, count: int) -> UndampedModes:
         values, vectors = np.concatenate([values, more])[order], np.asfortranarray(np.hstack([vectors, others])[:, order])
     take = min(count, len(values))
     complete = exhausted and take == len(values)
-    values, residuals, bounds = _evidence(pencil, values[:take], vectors[:, :take], shift)
-    return UndampedModes(
-        values, vectors[:, :take], residuals, bounds, shift, factors, below, counted, inside, complete
-    )
+    vectors = np.asfortranarray(vectors[:, :take])
+    resting = np.abs(values[:take]) <= EPS**0.5 * abs(shift)
+    for _ in range(RIGID_STEPS * bool(resting.any())):
+        vectors[:, resting] = _purified(pencil, factors, np.ones(resting.sum()), np.asfortranarray(vectors[:, resting]))[1]
+    vectors = _orthonormal(pencil, vectors)
+    values, residuals, bounds = _evidence(pencil, values[:take], vectors, shift)
+    return UndampedModes(values, vectors, residuals, bounds, shift, factors, below, counted, inside, complete)
+
+
+def _check_mass(pencil: ReducedPencil) -> None:
+    """Refuse a mass matrix that has negative eigenvalues, beyond what rounding may have put there."""
+    diagonal, sizes = pencil.mass.diagonal(), abs(pencil.mass).sum(axis=0)
+    wrong = (diagonal < 0) | ((diagonal == 0) & (sizes > 0))
+    if not wrong.any() and not (sizes > diagonal * (2 + NOISE_SAFETY * EPS)).any():
+        return  # diagonally dominant
+    if not wrong.any():
+        lifted = pencil.mass + scipy.sparse.diags_array(EPS**0.5 * np.where(diagonal > 0, diagonal, diagonal.max(initial=0.0)))
+        none = scipy.sparse.csr_array((0, pencil.size))
+        if factorize(scipy.sparse.csc_array(lifted), none, pencil.described).negative in (0, None):
+            return
+    at = f" at {pencil.described(np.flatnonzero(wrong)[:1])}" if wrong.any() else ""
+    raise InputError(f"mass: it has negative eigenvalues{at}; a mass matrix has none, zero for coordinates without mass")
 
 
 def _settled(pencil: ReducedPencil, shift: float, factors: Factorization) -> tuple[float, Factorization]:
-    """A better shift: farther below zero where rigid bodies would outweigh all else, nearer to growing modes where there are any."""
+    """A better shift: farther below zero where rigid bodies would outweigh all else, nearer to growing modes if there are any."""
     for _ in range(MOST_SHIFTS):
         values = first_values(factors.solve, pencil.mass, FIRST_LOOK)
         values = values[values > 0]
@@ -165,6 +192,18 @@ def _dense(pencil: ReducedPencil, shift, factors, wanted) -> tuple[np.ndarray, n
     return shift + 1 / positive, vectors, take == finite
 
 
+def _orthonormal(pencil: ReducedPencil, vectors: np.ndarray) -> np.ndarray:
+    """In place M-orthonormal, each corrected by those of lower frequency only: these are known best."""
+    gram = vectors.T @ times(pencil.mass, vectors)
+    try:
+        turn = scipy.linalg.solve_triangular(scipy.linalg.cholesky((gram + gram.T) / 2), np.eye(len(gram)))
+    except scipy.linalg.LinAlgError:  # told by the orthogonality and the count
+        return vectors
+    for begin in range(0, len(vectors), CHUNK):
+        vectors[begin : begin + CHUNK] = vectors[begin : begin + CHUNK] @ turn
+    return vectors
+
+
 def _boundary(values, shift, count, exhausted) -> tuple[float | None, int]:
     """A w^2 in a gap at or after the last mode asked for (before it where there is none), and how many found lie below."""
     distance = values - shift
@@ -201,12 +240,16 @@ def _evidence(pencil: ReducedPencil, values, vectors, shift) -> tuple[np.ndarray
     """The values, zero for rigid bodies, relative residuals and bounds of them."""
     values, residuals, bounds = values.copy(), np.zeros(len(values)), np.zeros(len(values))
     stiffness, mass = abs(pencil.stiffness), abs(pencil.mass)
+    steepest = 1 / (values.min(initial=np.inf) - shift)
     for i, x in enumerate(vectors.T):
         held, weighed = balanced(pencil, pencil.stiffness @ x), balanced(pencil, pencil.mass @ x)
         size = np.linalg.norm(stiffness @ np.abs(x))
         inertia = np.linalg.norm(mass @ np.abs(x))
-        if _is_rigid(held, stiffness @ np.abs(x)):
+        terms = stiffness @ np.abs(x)
+        if _is_rigid(held, terms):
             values[i] = 0.0
+        elif np.abs(x) @ terms < steepest * (values[i] - shift) ** 2:  # high ones are known better by Rayleigh's quotient
+            values[i] = (x @ held) / (x @ weighed)
         whole = size + abs(values[i]) * inertia
         unit = abs(values[i]) * np.linalg.norm(weighed) or whole or 1.0
         residuals[i] = np.linalg.norm(held - values[i] * weighed) / unit

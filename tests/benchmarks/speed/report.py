@@ -52,9 +52,9 @@ class Row:
         rival = self.rival(part)
         return None if rival is None else getattr(self.ours, part).median / getattr(rival, part).median
 
-    def is_met(self, part: str) -> bool | None:
-        """Whether the ratio is as small as wanted; None where nothing is wanted or nothing can be compared."""
-        wanted, found = getattr(self.workload.target, part), self.ratio(part)
+    def is_met(self, part: str, name: str = "") -> bool | None:
+        """Whether the ratio to the rival, or a named peer, is as small as wanted; None where nothing is wanted or comparable."""
+        wanted, found = getattr(self.workload.target, part), self.beside(name, part) if name else self.ratio(part)
         if wanted is None or self.ours.failure and not wanted:
             return None
         return False if self.ours.failure else None if found is None else found <= wanted
@@ -69,10 +69,10 @@ class Row:
         lsim = self.error_of("lsim")
         return None if lsim is None else self.ours.error <= lsim
 
-    def beside(self, name: str) -> float | None:
-        """Our time of one run over that of a peer; None where one of them did not run or it is not as right."""
+    def beside(self, name: str, part: str) -> float | None:
+        """Our time over that of a peer; None where one of them did not run or it is not as right."""
         peer = None if self.ours.failure else next((peer for peer in self._as_right() if peer.name == name), None)
-        return None if peer is None else self.ours.one_run.median / peer.one_run.median
+        return None if peer is None else getattr(self.ours, part).median / getattr(peer, part).median
 
     def error_of(self, name: str) -> float | None:
         """Of a peer; None where it did not run."""
@@ -81,7 +81,7 @@ class Row:
     def as_json(self) -> dict:
         """As plain data."""
         target = self.workload.target
-        ratios = {part: {"ratio": self.ratio(part), "wanted": getattr(target, part), "met": self.is_met(part)} for part in PARTS}
+        ratios = {part: self._judged(part, getattr(target, part)) for part in PARTS}
         return {
             "key": self.workload.key,
             "name": self.workload.name,
@@ -92,30 +92,36 @@ class Row:
             "methods": [method.as_json() for method in self.methods],
         }
 
+    def _judged(self, part: str, wanted: float | None) -> dict:
+        beside = {"ratio_to_lsim": self.beside("lsim", part), "met_beside_lsim": self.is_met(part, "lsim")}
+        return {"ratio": self.ratio(part), "wanted": wanted, "met": self.is_met(part)} | beside
+
 
 PARTS = ("one_run", "further")
 
 
 def ratio_table(rows: list[Row]) -> str:
     """Markdown: times, one row for each workload."""
-    head = ["", "workload", "states", "one run", "fastest peer", "ratio", "wanted", "to lsim's"]
-    head += ["further", "fastest peer", "ratio", "wanted"]
+    head = ["", "workload", "states"]
+    for part in ("one run", "further"):
+        head += [part, "fastest peer", "ratio to it", "to lsim", "wanted"]
     return markdown(head, [_ratio_row(row) for row in rows])
 
 
 def _ratio_row(row: Row) -> list[str]:
     plain = [row.workload.key, row.workload.name, str(row.workload.states)]
     if row.ours.failure:
-        return [*plain, row.ours.failure, *[NOTHING] * 8]
-    one_run, further = (_ratio_cells(row, part) for part in PARTS)
-    return [*plain, *one_run, _told(row.beside("lsim"), shown_ratio), *further]
+        return [*plain, row.ours.failure, *[NOTHING] * 9]
+    return [*plain, *(cell for part in PARTS for cell in _ratio_cells(row, part))]
 
 
 def _ratio_cells(row: Row, part: str) -> list[str]:
     rival, wanted = row.rival(part), getattr(row.workload.target, part)
     peer = NOTHING if rival is None else f"{rival.name} {duration(getattr(rival, part).median)}"
     ratio = _told(row.ratio(part), shown_ratio)
-    return [duration(getattr(row.ours, part).median), peer, ratio, _wanted(wanted, row.is_met(part))]
+    to_lsim, signs = _told(row.beside("lsim", part), shown_ratio), [row.is_met(part)]
+    signs += [row.is_met(part, "lsim")] if to_lsim != NOTHING else []
+    return [duration(getattr(row.ours, part).median), peer, ratio, to_lsim, _wanted(wanted, *signs)]
 
 
 def error_table(rows: list[Row]) -> str:
@@ -142,8 +148,9 @@ def _error(value: float | None) -> str:
     return _told(value, "{:.1e}".format)
 
 
-def _wanted(wanted: float | None, met: bool | None) -> str:
-    return NOTHING if wanted is None else f"≤ {wanted:g} {_sign(met)}".strip()
+def _wanted(wanted: float | None, *met: bool | None) -> str:
+    """With a sign for the fastest peer, and one for lsim where that is known."""
+    return NOTHING if wanted is None else " ".join([f"≤ {wanted:g}", *filter(None, map(_sign, met))])
 
 
 def _sign(met: bool | None) -> str:

@@ -28,7 +28,7 @@ def membrane(n):
 
 
 def tied_chain(n, damped=False, walls=True):
-    """M, C, K and tie rows of n masses: every tenth is doubled and tied, beside every tenth is a massless joint (half of them damped)."""
+    """M, C, K and tie rows of n masses: every tenth is doubled and tied, beside every tenth is a massless joint."""
     extra = n // 10
     size = n + 2 * extra
     springs = {"left": [], "right": [], "k": [], "c": []}
@@ -56,11 +56,15 @@ def tied_chain(n, damped=False, walls=True):
         K = K + sp.diags_array(np.isin(np.arange(size), [0, n - 1]).astype(float))
     mass = np.zeros(size)
     mass[:n] = 1 + 0.1 * np.sin(np.arange(n))
-    rows = sp.csr_array(
-        (np.tile([1.0, -1.0], extra), (np.repeat(np.arange(extra), 2), np.column_stack([5 + 10 * np.arange(extra), n + np.arange(extra)]).ravel())),
-        shape=(extra, size),
-    )
+    rows = ties(5 + 10 * np.arange(extra), n + np.arange(extra), size)
     return sp.csc_array(sp.diags_array(mass)), sp.csc_array(C) if damped else None, sp.csc_array(K), rows
+
+
+def ties(one, other, size):
+    """Rows that hold pairs of coordinates together."""
+    count = len(one)
+    place = np.tile(np.arange(count), 2)
+    return sp.csr_array((np.repeat([1.0, -1.0], count), (place, np.concatenate([one, other]))), shape=(count, size))
 
 
 def start(M, K, rows, seed=0):

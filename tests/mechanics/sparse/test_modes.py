@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import mbconstrained as mb
 from mbconstrained.mechanics.sparse import undamped
-from tests.mechanics.sparse.models import dense, line, membrane, random_tied, ring, tied_chain
+from tests.mechanics.sparse.models import dense, line, membrane, random_tied, ring, tied_chain, ties
 
 
 @pytest.fixture(params=[undamped.DENSE, 0], ids=["dense", "lanczos"])
@@ -174,7 +174,7 @@ def test_negative_stiffness_grows():
 def test_stiff_links_that_drown_the_soft_ones_are_told():
     """1e12 beside 1: an entry's rounding is more than the lowest w^2. The same links as rows lose nothing."""
     n, at = 200, np.arange(0, 190, 10)
-    links = sp.csr_array((np.tile([1.0, -1.0], len(at)), (np.repeat(np.arange(len(at)), 2), np.column_stack([at, at + 1]).ravel())), shape=(len(at), n))
+    links = ties(at, at + 1, n)
     stiff = mb.SparseSystem(sp.eye_array(n), stiffness=line(n) + 1e12 * links.T @ links).modes(count=3)
     assert any(notice.doubtful and "rounding" in notice.text for notice in stiff.notices) and stiff.rigid == 0
     tied = mb.SparseSystem(sp.eye_array(n), stiffness=line(n), constraints=links).modes(count=3)

@@ -111,7 +111,7 @@ def test_rows_of_zeros():
 
 @pytest.mark.parametrize("seed", range(8))
 def test_elimination_gives_the_null_space(seed):
-    """A N = 0, A x_held = b, N of full rank, and as many columns as A leaves free; rows in chains, so that each is reduced by others."""
+    """A N = 0, A x_held = b, N of full rank with as many columns as A leaves free; rows in chains, reduced by one another."""
     random = np.random.default_rng(seed)
     k, n = 12, 20
     A = np.zeros((k, n))

@@ -1,0 +1,35 @@
+"""How many threads the linear algebra library uses: never more than the user lets it, one where more are in each other's way.
+
+The QR algorithm of LAPACK hands many small pieces of work to its threads and waits for each: with two threads it is at best a
+little faster than with one, and where the processor has other work too it is many times slower.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+
+#: Smaller problems are not handed to several threads by the library itself.
+SMALL = 64
+
+
+@cache
+def _libraries():
+    from threadpoolctl import ThreadpoolController  # looks through all libraries of the process once
+
+    return ThreadpoolController().select(user_api="blas")
+
+
+@contextmanager
+def one_thread(size: int) -> Iterator[None]:
+    """One thread within, for matrices of this size; the setting before is there again afterwards.
+
+    >>> with one_thread(100):
+    ...     pass
+    """
+    if size < SMALL or all(library.num_threads == 1 for library in _libraries().lib_controllers):
+        yield
+        return
+    with _libraries().limit(limits=1):
+        yield

@@ -1,0 +1,98 @@
+"""Damped cosines and sines at many times, against NumPy's one by one and against mpmath."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+
+from mbconstrained.linalg.oscillations import MANY, Oscillations, even_step
+
+PAIRS = 40
+
+
+def oscillations(growth, frequency) -> Oscillations:
+    every = np.arange(len(frequency))
+    return Oscillations(np.broadcast_to(growth, len(frequency)).astype(float), frequency, every, every)
+
+
+def direct(found: Oscillations, times) -> np.ndarray:
+    size = np.exp(np.multiply.outer(found.growth, times))
+    angle = np.multiply.outer(found.frequency, times)
+    return np.vstack([(size * np.cos(angle))[found.cosines], (size * np.sin(angle))[found.sines]])
+
+
+TIMES = {
+    "none": np.zeros(0),
+    "one": np.array([2.0]),
+    "two": np.array([0.5, 2.0]),
+    "even": np.linspace(0.0, 30.0, 1501),
+    "even from later": 17.0 + 0.02 * np.arange(1500),
+    "a square number": np.linspace(0.0, 30.0, 1600),
+    "uneven": np.sort(np.random.default_rng(0).uniform(0, 30, 1500)),
+    "descending": np.linspace(30.0, 0.0, 1501),
+    "all the same": np.full(1500, 3.0),
+}
+
+
+@pytest.mark.parametrize("name", TIMES)
+@pytest.mark.parametrize("growth", [0.0, -0.3, 0.2])
+def test_values_are_those_of_the_functions_themselves(name, growth):
+    found, times = oscillations(growth, np.random.default_rng(1).uniform(0.1, 9.0, PAIRS)), TIMES[name]
+    values, expected = found(times), direct(found, times)
+    assert values.shape == expected.shape
+    bound = 1e-15 * (1 + 9.0 * times) * np.exp(growth * times)
+    assert (np.abs(values - expected) <= bound).all()
+
+
+def test_only_those_that_are_asked_for():
+    found = Oscillations(np.zeros(3), np.array([1.0, 2.0, 3.0]), np.array([2]), np.array([0, 1]))
+    times = np.linspace(0, 5, MANY)
+    assert np.allclose(found(times), [np.cos(3 * times), np.sin(times), np.sin(2 * times)], rtol=0, atol=1e-14)
+    nothing = Oscillations(np.zeros(3), np.ones(3), np.zeros(0, int), np.zeros(0, int))
+    assert nothing(times).shape == (0, MANY)
+
+
+@pytest.mark.parametrize("first", [0.0, 1e4])
+def test_at_late_times_the_phase_is_as_right_as_that_of_a_product(first):
+    """Phases of 1e5 rad: w t is rounded, and so is a sum of two angles; not worse than four times the former."""
+    frequency = np.array([np.pi, np.sqrt(2.0), 7.1])
+    times = first + np.linspace(0.0, 2e4, 20_001)
+    shown = np.random.default_rng(2).integers(0, len(times), 60)
+    found = oscillations(0.0, frequency)(times)[:3, shown]
+    with mpmath.workdps(40):
+        exact = [[mpmath.cos(mpmath.mpf(w) * mpmath.mpf(t)) for t in times[shown]] for w in frequency]
+        errors, plain = (
+            np.array([[abs(float(mpmath.mpf(a) - b)) for a, b in zip(*rows)] for rows in zip(values, exact)])
+            for values in (found, np.cos(np.multiply.outer(frequency, times[shown])))
+        )
+    assert errors.max() <= 4 * plain.max()
+
+
+def test_a_sine_that_starts_small_keeps_its_digits():
+    found = oscillations(0.0, np.full(PAIRS, 1e-6))(np.linspace(0.0, 1e-3, 1000))
+    assert np.allclose(found[PAIRS:], np.sin(1e-6 * np.linspace(0.0, 1e-3, 1000)), rtol=1e-13, atol=0)
+
+
+@pytest.mark.parametrize("growth", [-1.0, -40.0])
+@pytest.mark.parametrize("count", [5, 5000])
+def test_what_has_decayed_is_zero_and_never_a_denormal_number(growth, count):
+    found = oscillations(growth, np.linspace(1.0, 5.0, PAIRS))(np.linspace(0.0, 3000.0, count))
+    assert np.isfinite(found).all()
+    assert not found[:, -1].any()
+    assert (np.abs(found[found != 0]) >= np.finfo(float).tiny).all()
+    assert (np.abs(found) < 1e-290).any()
+
+
+@pytest.mark.parametrize("count", [5, 5000])
+def test_growth_near_the_end_of_the_range(count):
+    times = np.linspace(0.0, 689.0, count)
+    pair = oscillations(1.0, np.full(PAIRS, 1e-3))
+    assert np.allclose(pair(times), direct(pair, times), rtol=1e-12, atol=0)
+
+
+def test_even_times_are_known():
+    assert even_step(np.linspace(3.0, 4.0, 1001)) == pytest.approx(1e-3)
+    assert even_step(np.arange(100) * 0.1) == pytest.approx(0.1)
+    for uneven in ([], [1.0], [1.0, 1.0], [2.0, 1.0], [0.0, 1.0, 2.0 + 1e-9], [0.0, 2.0, 1.0, 3.0]):
+        assert even_step(np.array(uneven)) is None

@@ -1,0 +1,123 @@
+"""e^{S k h} v by powers, against SciPy's exponential, sixty digits (mpmath) and closed forms."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+import scipy.linalg
+from scipy.sparse import csr_array
+
+from mbconstrained.linalg.propagation import SMALL, Propagator
+from mbconstrained.tolerances import EPS
+
+COUNTS = (1, 2, 31, 33, 1000)
+
+
+def chain(masses: int, damping: float = 0.0) -> np.ndarray:
+    """[[0, I], [-K, -c I]] of equal masses between two walls."""
+    K = 2 * np.eye(masses) - np.eye(masses, k=1) - np.eye(masses, k=-1)
+    return np.block([[np.zeros((masses, masses)), np.eye(masses)], [-K, -damping * np.eye(masses)]])
+
+
+def reference(S, step, start, places) -> np.ndarray:
+    """e^{S k h} v for the places k, by eigenvectors in sixty digits."""
+    with mpmath.workdps(60):
+        values, vectors = mpmath.eig(mpmath.matrix(S.tolist()))
+        weights = mpmath.lu_solve(vectors, mpmath.matrix(start.tolist()))
+        columns = []
+        for k in places:
+            turned = mpmath.matrix([w * mpmath.exp(value * mpmath.mpf(step) * k) for w, value in zip(weights, values)])
+            columns.append([float(mpmath.re(x)) for x in vectors * turned])
+    return np.array(columns).T
+
+
+@pytest.mark.parametrize("count", COUNTS)
+@pytest.mark.parametrize("starts", [None, 1, 3, 40])
+def test_values_are_those_of_the_exponential(count, starts):
+    random = np.random.default_rng(0)
+    S, output = chain(4, 0.02), random.normal(size=(3, 8))
+    start = random.normal(size=8 if starts is None else (8, starts))
+    found = Propagator(S, 0.3).values(output, start, count)
+    expected = np.moveaxis(np.array([output @ scipy.linalg.expm(S * 0.3 * k) @ start for k in range(count)]), 0, 1)
+    assert found.shape == expected.shape
+    assert np.abs(found - expected).max() <= 1e-13 * np.abs(expected).max() * count**0.5
+
+
+@pytest.mark.parametrize("count", COUNTS)
+def test_a_sparse_output_gives_what_a_full_one_does(count):
+    S, start, rows = chain(5), np.arange(10.0), np.eye(10)[[7, 2]]
+    full, sparse = (Propagator(S, 0.1).values(output, start, count) for output in (rows, csr_array(rows)))
+    assert np.array_equal(full, sparse)
+
+
+@pytest.mark.parametrize("step", [1e-9, 1e-3, 1.0, 40.0])
+def test_a_chain_against_sixty_digits(step):
+    S, start = chain(5, 0.01), np.random.default_rng(1).normal(size=10)
+    places = [0, 1, 30, 99]
+    found = Propagator(S, step).values(np.eye(10), start, 100)[:, places]
+    expected = reference(S, step, start, places)
+    assert np.abs(found - expected).max() <= 40 * EPS * (1 + 4 * 100 * step) * np.abs(expected).max()
+
+
+def test_a_slow_motion_beside_a_fast_one_keeps_its_digits():
+    """1e5 halvings of e^{S h} would take five digits of the slow one if it was stored beside the 1 of the fast one."""
+    fast, slow = -1e5, -1.0
+    S = np.array([[fast, 1.0], [0.0, slow]])
+    times = 0.5 * np.arange(40)
+    found = Propagator(S, 0.5).values(np.array([[0.0, 1.0]]), np.ones(2), 40)[0]
+    assert np.abs(found / np.exp(slow * times) - 1).max() <= 1e-13
+
+
+@pytest.mark.parametrize("rate", [-3.0, 3.0])
+def test_decay_and_growth(rate):
+    times = 0.25 * np.arange(200)
+    found = Propagator(np.array([[rate]]), 0.25).values(np.eye(1), np.ones(1), 200)[0]
+    assert np.abs(found / np.exp(rate * times) - 1).max() <= 1e-12
+
+
+def test_a_matrix_of_zeros_changes_nothing():
+    start = np.array([1.0, -2.0, 3.0])
+    found = Propagator(np.zeros((3, 3)), 1.0).values(np.eye(3), start, 50)
+    assert np.array_equal(found, np.repeat(start[:, None], 50, axis=1))
+
+
+def test_a_nilpotent_matrix_gives_polynomials():
+    times = 0.5 * np.arange(33)
+    found = Propagator(np.eye(4, k=1), 0.5).values(np.eye(4), np.array([0.0, 0.0, 0.0, 1.0]), 33)
+    expected = np.array([times**3 / 6, times**2 / 2, times, np.ones(33)])
+    assert np.allclose(found, expected, rtol=1e-13, atol=1e-15)
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e-3, 1e6])
+def test_other_units_of_the_states_give_the_same_digits(unit):
+    S, start = chain(6), np.random.default_rng(2).normal(size=12)
+    units = np.repeat([1.0, unit], 6)
+    other = S * units / units[:, None]
+    found = Propagator(other, 0.4).values(np.eye(12), start / units, 70) * units[:, None]
+    expected = Propagator(S, 0.4).values(np.eye(12), start, 70)
+    assert np.abs(found - expected).max() <= 1e-13 * np.abs(expected).max()
+
+
+def test_a_large_chain_in_any_order_of_its_states():
+    """Beyond SMALL states are put in order and products made in bands: e^{S t} against the modes of the chain, sines."""
+    masses, step, count = SMALL // 2 + 1, 0.5, 40
+    random = np.random.default_rng(3)
+    order = random.permutation(2 * masses)
+    S, start = chain(masses), random.normal(size=2 * masses)
+    found = Propagator(S[np.ix_(order, order)], step).values(np.eye(2 * masses)[:masses][:, order], start[order], count)
+    number = np.arange(1, masses + 1)
+    shapes = np.sqrt(2 / (masses + 1)) * np.sin(np.pi * np.outer(number, number) / (masses + 1))
+    w, times = 2 * np.sin(np.pi * number / (2 * (masses + 1))), step * np.arange(count)
+    x, v = shapes @ start[:masses], shapes @ start[masses:]
+    angle = np.outer(w, times)
+    expected = shapes @ (x[:, None] * np.cos(angle) + (v / w)[:, None] * np.sin(angle))
+    assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
+
+
+def test_powers_are_asked_for_in_any_order():
+    S, propagator = chain(3), Propagator(chain(3), 0.2)
+    for doublings in (3, 0, 2, 5):
+        back = np.argsort(propagator.order)
+        matrix = (propagator.units[:, None] * propagator.power(doublings)[0] / propagator.units)[np.ix_(back, back)]
+        assert np.allclose(matrix, scipy.linalg.expm(S * 0.2 * 2**doublings), rtol=0, atol=1e-14)

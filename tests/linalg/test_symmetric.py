@@ -1,0 +1,131 @@
+"""M x'' + C x' + K x = 0 decoupled by a symmetric eigenproblem: identities, closed forms, exponentials, mpmath."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+import scipy.linalg
+from scipy.sparse import csr_array
+
+from mbconstrained.linalg.blocks import block_matrix
+from mbconstrained.linalg.exponential import block_states
+from mbconstrained.linalg.symmetric import symmetric_modes
+from mbconstrained.tolerances import EPS
+
+
+def generator(M, C, K) -> np.ndarray:
+    size = len(M)
+    return np.block([[np.zeros((size, size)), np.eye(size)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+
+
+def modes(M, C, K):
+    return symmetric_modes(csr_array(M), csr_array(C), csr_array(K))
+
+
+def check(M, C, K) -> None:
+    """The identities, and e^{S t} of a start against SciPy."""
+    M, C, K = (np.asarray(matrix, dtype=float) for matrix in (M, C, K))
+    found, S = modes(M, C, K), generator(M, C, K)
+    assert np.allclose(found.inverse @ found.basis, np.eye(len(S)), rtol=0, atol=1e-12)
+    size = np.abs(found.basis).max() * np.abs(S).max()
+    assert np.abs(S @ found.basis - found.basis @ block_matrix(found.blocks)).max() <= 1e-13 * size * len(S)
+    start, times = np.random.default_rng(0).normal(size=len(S)), np.array([0.0, 0.1, 1.0, 7.0])
+    states = found.basis @ block_states(found.blocks, found.inverse @ start, times)
+    expected = np.array([scipy.linalg.expm(S * t) @ start for t in times]).T
+    assert np.abs(states - expected).max() <= 1e-12 * np.abs(expected).max()
+
+
+def chain(size: int) -> np.ndarray:
+    return 2 * np.eye(size) - np.eye(size, k=1) - np.eye(size, k=-1)
+
+
+def ring(size: int) -> np.ndarray:
+    return 2 * np.eye(size) - np.roll(np.eye(size), 1, 0) - np.roll(np.eye(size), -1, 0)
+
+
+def dense(size: int, seed: int = 0) -> np.ndarray:
+    root = np.random.default_rng(seed).normal(size=(size, size))
+    return root @ root.T + np.eye(size)
+
+
+ZERO = np.zeros((6, 6))
+CASES = {
+    "one mass": ([[2.0]], [[0.0]], [[3.0]]),
+    "one mass, negative stiffness": ([[2.0]], [[0.0]], [[-3.0]]),
+    "one free mass": ([[2.0]], [[0.0]], [[0.0]]),
+    "two": (np.diag([1.0, 3.0]), np.zeros((2, 2)), chain(2)),
+    "a chain": (np.eye(6), ZERO, chain(6)),
+    "a chain in another order": (np.eye(6), ZERO, chain(6)[np.ix_([3, 0, 5, 1, 4, 2], [3, 0, 5, 1, 4, 2])]),
+    "a ring, with repeated zeros": (np.eye(6), ZERO, ring(6) + np.eye(6)),
+    "not coupled": (np.diag(np.arange(1.0, 7.0)), ZERO, np.diag(np.arange(1.0, 7.0))),
+    "a full stiffness": (np.eye(6), ZERO, dense(6)),
+    "a full mass": (dense(6, 1), ZERO, dense(6)),
+    "negative stiffness": (np.eye(6), ZERO, chain(6) - 1.5 * np.eye(6)),
+    "a stiffness of zero": (np.diag([1.0, 2.0, 3.0]), np.zeros((3, 3)), np.diag([0.0, 4.0, 1.0])),
+    "a stiffness of zero, damped": (np.diag([1.0, 2.0, 3.0]), np.diag([1.0, 2.0, 3.0]), np.diag([0.0, 4.0, 1.0])),
+    "damped in proportion": (np.eye(6), 0.1 * chain(6) + 0.2 * np.eye(6), chain(6)),
+    "critically damped": (np.eye(3), np.diag([2.0, 4.0, 0.0]), np.diag([1.0, 4.0, 9.0])),
+    "overdamped": (np.eye(6), 30.0 * np.eye(6), chain(6)),
+    "negative damping": (np.eye(6), -0.1 * chain(6), chain(6)),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_modes_make_the_motion(name):
+    check(*CASES[name])
+
+
+def test_an_undamped_mode_has_a_block_of_pure_rotation():
+    (block,) = modes([[2.0]], [[0.0]], [[18.0]]).blocks
+    assert block == pytest.approx(np.array([[0.0, 3.0], [-3.0, 0.0]]))
+
+
+def test_damping_that_is_not_in_proportion_is_not_taken():
+    assert modes(np.eye(3), np.diag([1.0, 0.0, 0.0]), chain(3)) is None
+
+
+def test_weak_damping_of_a_heavy_part_is_seen_beside_a_light_and_stiff_one():
+    """Each coupling by dampers counts beside the modes that it couples: here 1e-3 beside 1e9."""
+    M, K = np.diag([1.0, 1.0, 1e-6]), np.diag([2.0, 2.0, 1e6])
+    K[0, 1] = K[1, 0] = -1.0
+    assert modes(M, np.diag([2e-3, 0.0, 1e3]), K) is None
+
+
+def test_a_mass_that_is_not_positive_definite_is_not_taken():
+    assert modes(np.array([[1.0, 2.0], [2.0, 1.0]]), np.zeros((2, 2)), chain(2)) is None
+
+
+@pytest.mark.parametrize("ratio", [1e4, 1e10])
+def test_slow_modes_beside_stiff_ones_keep_their_digits(ratio):
+    """Pairs of masses on stiff springs, joined by soft ones: eigenvalues of the matrix as it is, in fifty digits."""
+    springs = np.where(np.arange(9) % 2, ratio, 1.0)
+    K = np.diag(springs[:-1] + springs[1:]) - np.diag(springs[1:-1], 1) - np.diag(springs[1:-1], -1)
+    with mpmath.workdps(50):
+        exact = np.array([float(value) for value in mpmath.eigsy(mpmath.matrix(K.tolist()), eigvals_only=True)])
+    found = modes(np.eye(8), np.zeros((8, 8)), K)
+    rates = np.sort([block[0, 1] for block in found.blocks])
+    assert np.abs(rates**2 / np.sort(exact) - 1).max() <= 1e-13
+
+
+def test_a_slow_decay_of_an_overdamped_mode_keeps_its_digits():
+    """x'' + 1e6 x' + x = 0 from (1, 0): the slow zero is -1e-6 (1 + 1e-12 + 2e-24 ...)."""
+    found = modes([[1.0]], [[1e6]], [[1.0]])
+    times = np.array([1.0, 1e6, 3e6])
+    x = (found.basis @ block_states(found.blocks, found.inverse @ np.array([1.0, 0.0]), times))[0]
+    with mpmath.workdps(40):
+        root = mpmath.sqrt(mpmath.mpf(1e12) - 4)
+        slow, fast = (-mpmath.mpf(1e6) + root) / 2, (-mpmath.mpf(1e6) - root) / 2
+        exact = [float((slow * mpmath.exp(fast * t) - fast * mpmath.exp(slow * t)) / (slow - fast)) for t in times]
+    assert np.abs(x / exact - 1).max() <= 20 * EPS
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e9])
+def test_other_units_of_time_give_the_same_motion(unit):
+    M, C, K = dense(5, 1), 0.1 * dense(5), dense(5)
+    start, times = np.arange(1.0, 11.0), np.array([0.3, 2.0, 11.0])
+    scale = np.repeat([1.0, 1 / unit], 5)
+    found, other = modes(M, C, K), modes(M * unit**2, C * unit, K)
+    expected = found.basis @ block_states(found.blocks, found.inverse @ start, times)
+    states = other.basis @ block_states(other.blocks, other.inverse @ (start * scale), times * unit)
+    assert np.abs(states / scale[:, None] - expected).max() <= 1e-12 * np.abs(expected).max()
