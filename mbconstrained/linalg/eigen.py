@@ -1,8 +1,9 @@
 """A real matrix decoupled by its eigenvectors: blocks of size one and two, where its zeros stand apart.
 
 The eigenvectors x_i and the rows y_i of their inverse give each zero once more as y_i S x_i (Rayleigh's quotient), its error
-the square of theirs: rounding of the QR algorithm grows with the size of S, that of the quotient does not. The states are
-measured in units that balance S: how far eigenvectors stand apart would depend on the user's otherwise.
+the square of theirs: rounding of the QR algorithm grows with the size of S, that of the quotient with that of S x_i. The states are
+measured in units that balance S. How far a zero stands apart from the others tells the sum of |y_i| |x_i| over its states
+(its condition for small relative errors of S, after Skeel 1979), which no unit of theirs enters.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from scipy.sparse import csr_array
 
 from ..tolerances import DECOUPLING_LIMIT
 from .blocks import BlockDiagonal, block_diagonalize
+from .scaling import balancing_units
 from .threads import one_thread
 
 
@@ -24,7 +26,10 @@ def decoupled(matrix: np.ndarray) -> BlockDiagonal:
     >>> decoupled(np.array([[0.0, 1.0], [-4.0, 0.0]])).blocks[0].tolist()
     [[0.0, 2.0], [-2.0, 0.0]]
     """
-    balanced, (units, _) = scipy.linalg.matrix_balance(matrix, permute=False, separate=True)
+    if not len(matrix):
+        return BlockDiagonal(matrix, matrix, (), 0.0)
+    units = balancing_units(csr_array(matrix))
+    balanced = matrix * units / units[:, None]
     found = _by_eigenvectors(balanced) or _by_clusters(balanced)
     return BlockDiagonal(found.basis * units[:, None], found.inverse / units, found.blocks, found.coupling)
 
@@ -39,24 +44,32 @@ def _by_eigenvectors(matrix: np.ndarray) -> BlockDiagonal | None:
     with one_thread(len(matrix)):
         values, vectors = scipy.linalg.eig(matrix)
     real, upper = np.flatnonzero(values.imag == 0), np.flatnonzero(values.imag > 0)
-    pairs = vectors[:, upper]
-    n, twos = len(matrix), np.empty((len(matrix), len(upper), 2))
+    pairs, n, count = vectors[:, upper], len(matrix), len(upper)
+    twos = np.empty((n, count, 2))
     twos[:, :, 0], twos[:, :, 1] = pairs.real, pairs.imag
-    basis = np.hstack([vectors[:, real].real, twos.reshape(n, -1)])
+    basis = np.hstack([vectors[:, real].real, twos.reshape(n, 2 * count)])
     try:
         inverse = np.linalg.inv(basis)
     except np.linalg.LinAlgError:
         return None
-    projectors = np.linalg.norm(inverse, axis=1) * np.linalg.norm(basis, axis=0)
-    worst = float(projectors.max(initial=0.0))
+    worst = _worst_condition(basis, inverse, len(real))
     if not worst <= DECOUPLING_LIMIT:
         return None
     turned = csr_array(matrix) @ basis
     ones = np.einsum("ij,ji->i", inverse[: len(real)], turned[:, : len(real)])
-    count, after = len(upper), turned[:, len(real) :].reshape(n, -1, 2)
+    after = turned[:, len(real) :].reshape(n, count, 2)
     quotients = np.einsum("kin,nkj->kij", inverse[len(real) :].reshape(count, 2, n), after)
     a = (quotients[:, 0, 0] + quotients[:, 1, 1]) / 2
     b = (quotients[:, 0, 1] - quotients[:, 1, 0]) / 2
     blocks = [np.array([[value]]) for value in ones]
     blocks += list(np.stack([np.stack([a, b], axis=1), np.stack([-b, a], axis=1)], axis=1))
     return BlockDiagonal(basis, inverse, tuple(blocks), worst)
+
+
+def _worst_condition(basis, inverse, singles: int) -> float:
+    """The largest sum of |y_i| |x_i| for the zeros with real x, y, which come first, and for pairs of complex ones."""
+    n, pairs = len(basis), (len(basis) - singles) // 2
+    ones = np.einsum("ik,ki->k", np.abs(basis[:, :singles]), np.abs(inverse[:singles]))
+    right = np.linalg.norm(basis[:, singles:].reshape(n, pairs, 2), axis=2)
+    left = np.linalg.norm(inverse[singles:].reshape(pairs, 2, n), axis=1) / 2
+    return float(max(ones.max(initial=0.0), np.einsum("ik,ki->k", right, left).max(initial=0.0)))

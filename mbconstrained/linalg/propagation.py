@@ -9,7 +9,6 @@ neighbours only, all products stay those of band matrices (``linalg.bands``).
 
 from __future__ import annotations
 
-from functools import cached_property
 from math import ceil, log2
 
 import numpy as np
@@ -47,29 +46,19 @@ class Propagator:
         self.order = narrow_order(balanced) if len(balanced) >= SMALL else np.arange(len(balanced))
         self.units = units[self.order]
         self.step = step
-        self._scaled = balanced[np.ix_(self.order, self.order)] * step
-        self._powers: list[tuple[np.ndarray, int]] = []
+        self.first = _exponential(balanced[np.ix_(self.order, self.order)] * step)
+        self._jumps: tuple[int, np.ndarray, int] | None = None
 
-    @cached_property
-    def _first(self) -> tuple[np.ndarray, int]:
-        """e^{S h} and its bandwidth."""
-        size = min(np.abs(self._scaled).sum(axis=axis).max(initial=0.0) for axis in (0, 1))
-        halvings = max(0, ceil(log2(size / LARGEST))) if size > 0 else 0
-        change, band = _change(self._scaled / 2.0**halvings)
-        for _ in range(halvings):
-            square = banded_product(change, change, band, band)
-            square += change
-            square += change
-            change, band = _cleaned(square)
-        change[np.diag_indices(len(change))] += 1.0
-        return change, band
-
-    def power(self, doublings: int) -> tuple[np.ndarray, int]:
-        """e^{S h 2^doublings}, rows and columns in the order and units of this class, and its bandwidth."""
-        while len(self._powers) <= doublings:
-            matrix, band = self._powers[-1] if self._powers else self._first
-            self._powers.append(_cleaned(banded_product(matrix, matrix, band, band)) if self._powers else (matrix, band))
-        return self._powers[doublings]
+    def jump(self, doublings: int) -> tuple[np.ndarray, int]:
+        """e^{S h 2^doublings}, rows and columns in the order and units of this class, and its bandwidth; the last is kept."""
+        if doublings == 0:
+            return self.first
+        if self._jumps is None or self._jumps[0] != doublings:
+            matrix, band = self.first
+            for _ in range(doublings):
+                matrix, band = _cleaned(banded_product(matrix, matrix, band, band))
+            self._jumps = doublings, matrix, band
+        return self._jumps[1:]
 
     def values(self, output, start: np.ndarray, count: int) -> np.ndarray:
         """output @ e^{S k h} start for k = 0 ... count - 1.
@@ -81,10 +70,12 @@ class Propagator:
         states = (start.reshape(len(self.units), -1)[self.order].T / self.units).T
         starts, rows = states.shape[1], output[:, self.order] * self.units
         found, done = np.empty((output.shape[0], count * starts)), 0
-        for doublings in range(best_doublings(len(self.units), count, starts)):
-            matrix, band = self.power(doublings)
-            states = np.hstack([states, banded_product(matrix, states, band)])
-        matrix, band = self.power(int(log2(states.shape[1] // starts)))
+        doublings, (matrix, band) = best_doublings(len(self.units), count, starts), self.first
+        together = [states]
+        for _ in range(min(2**doublings, count) - 1):
+            together.append(banded_product(matrix, together[-1], band))
+        states = np.hstack(together)
+        matrix, band = self.jump(doublings)
         while done < found.shape[1]:
             together = [states]
             while sum(part.shape[1] for part in together) < min(CHUNK, found.shape[1] - done):
@@ -112,18 +103,34 @@ def use_cost(size: int, count: int, doublings: int, starts: int = 1) -> float:
     return doublings + count * starts / width * max(width, WIDTH) / max(size, 1)
 
 
+def _exponential(X: np.ndarray) -> tuple[np.ndarray, int]:
+    """e^X and its bandwidth."""
+    size = min(np.abs(X).sum(axis=axis).max(initial=0.0) for axis in (0, 1))
+    halvings = max(0, ceil(log2(size / LARGEST))) if size > 0 else 0
+    X /= 2.0**halvings
+    change, band = _change(X)
+    for _ in range(halvings):
+        square = banded_product(change, change, band, band)
+        square += change
+        square += change
+        change, band = _cleaned(square)
+    change[np.diag_indices(len(change))] += 1.0
+    return change, band
+
+
 def _change(X: np.ndarray) -> tuple[np.ndarray, int]:
     """e^X - I for |X| <= LARGEST, and its bandwidth."""
-    band, powers = _band(X), [np.zeros_like(X), X]
-    for k in range(2, ROOT + 1):
-        powers.append(banded_product(powers[k - 1], X, (k - 1) * band, band))
+    band, powers = _band(X), [X]
+    for k in range(1, ROOT):
+        powers.append(banded_product(powers[-1], X, k * band, band))
     factors = np.cumprod([1.0, *(1 / np.arange(1.0, DEGREE + 1))])
-    total, reached = factors[DEGREE] * powers[ROOT], ROOT * band
+    total, reached = factors[DEGREE] * powers[-1], ROOT * band
     for j in range(DEGREE // ROOT - 1, -1, -1):
-        total = total + sum(factors[ROOT * j + i] * powers[i] for i in range(1, ROOT))
+        for i in range(1, ROOT):
+            total += factors[ROOT * j + i] * powers[i - 1]
         if j:
             total[np.diag_indices(len(X))] += factors[ROOT * j]
-            total, reached = banded_product(powers[ROOT], total, ROOT * band, reached), reached + ROOT * band
+            total, reached = banded_product(powers[-1], total, ROOT * band, reached), reached + ROOT * band
     return _cleaned(total)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse
@@ -22,6 +23,9 @@ from .independence import independent_rows
 from .modes import Modes, modes_of
 from .motion import Motion, motion_of
 from .units import coordinate_units
+
+if TYPE_CHECKING:
+    from .motions import Motions
 
 
 class MechanicalSystem:
@@ -158,15 +162,19 @@ class MechanicalSystem:
         """A(s) of the constrained form, degree 2, size n."""
         return self.constrained_form().polynomial_matrix
 
-    def solve(self, displacement=None, velocity=None, force=None, rank_tolerance: float | None = None) -> Motion:
+    def solve(self, displacement=None, velocity=None, force=None, rank_tolerance: float | None = None) -> Motion | Motions:
         """The motion from any values at 0-, in closed form.
 
         Values that do not fit are not repaired: the motion tells the jumps and impulses that they cause.
 
         Args:
-            displacement, velocity: x and x' at 0-, shape (n,), or a mapping from names to numbers, zero for the others.
-            force: f in addition to the system's own, as an ImpulsiveSmooth with n rows or a constant vector.
+            displacement, velocity: x and x' at 0-, shape (n,), or a mapping from names to numbers, zero for the others. Of
+                shape (S, n): S motions at once; what is given only once is common to them.
+            force: f in addition to the system's own, as an ImpulsiveSmooth with n rows or a constant vector; or S of them.
             rank_tolerance: see ``mbconstrained.solve``.
+
+        Returns:
+            A ``Motion``; of S starts or forces ``Motions``, which are evaluated together.
 
         Raises:
             InputError: unknown names, shapes that do not fit.
@@ -176,6 +184,14 @@ class MechanicalSystem:
         >>> bool(np.isclose(spring.solve([1.0])(0.5)[0], np.cos(1.0)))
         True
         """
+        several_forces = _is_table(force) or (isinstance(force, (list, tuple)) and any(isinstance(f, ImpulsiveSmooth) for f in force))
+        if several_forces or _is_table(displacement) or _is_table(velocity):
+            from .motions import motions_of
+
+            given = list(force) if several_forces else [force]
+            applied = {id(one): self._applied(one) for one in given}
+            forces = [applied[id(one)] for one in given]
+            return motions_of(self, displacement, velocity, forces, rank_tolerance)
         start = np.array([self._vector(displacement, "displacement"), self._vector(velocity, "velocity")])
         return motion_of(self, start, self._applied(force), rank_tolerance)
 
@@ -240,7 +256,7 @@ class MechanicalSystem:
             if name not in known:
                 raise InputError(f"uncertainty: found {name!r}{nearest(str(name), known)}; expected {', '.join(known)}")
         found = {name: real_array(value, f"uncertainty of the {name}", shape=shape) for name, value in given.items()}
-        return tuple(np.abs(found.get(name, np.zeros(shape))) for name in known)
+        return tuple(np.abs(found[name]) if name in found else np.broadcast_to(0.0, shape) for name in known)
 
     def _vector(self, value, what: str) -> np.ndarray:
         if value is None:
@@ -253,6 +269,14 @@ class MechanicalSystem:
                 raise InputError(f'{what}: there is no coordinate "{name}"{nearest(name, self.names)}')
             vector[self.names.index(name)] = real_number(number, f"{what} of {name}")
         return vector
+
+
+def _is_table(value) -> bool:
+    """Whether it has a leading axis for several motions."""
+    try:
+        return np.ndim(value) == 2
+    except ValueError:  # rows of different lengths, which is told later
+        return False
 
 
 def _square(value, what: str, size: int | None) -> np.ndarray:

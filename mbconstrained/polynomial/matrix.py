@@ -60,10 +60,9 @@ class PolynomialMatrix:
                 raise InputError(f"A_{power} has shape {matrix.shape}, but A_0 has {matrices[0].shape}; all must agree")
         self.coefficients = np.array(matrices)
         self.coefficients.flags.writeable = False
-        self.uncertainty = np.zeros(self.coefficients.shape)
-        if uncertainty is not None:
-            self.uncertainty += np.abs(real_array(uncertainty, "uncertainty", shape=self.coefficients.shape))
-        self.uncertainty.flags.writeable = False
+        shape = self.coefficients.shape
+        given = np.zeros(1) if uncertainty is None else np.abs(real_array(uncertainty, "uncertainty", shape=shape))
+        self.uncertainty = np.broadcast_to(given, shape)  # of none there is one number in memory
         self._pairs: dict[float | str | None, JordanPairs | ExactJordanPairs] = {}
         self.coordinates = names_of(coordinates, self.size, "coordinates", "x")
         self.equations = names_of(equations, self.size, "equations", "equation ")

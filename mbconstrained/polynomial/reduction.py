@@ -107,6 +107,12 @@ class Reduction:
         return scipy.sparse.vstack([velocities, accelerations, rates], format="csr")
 
     @cached_property
+    def is_finite(self) -> bool:
+        """Whether S is in the range of float64."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            return bool(np.isfinite(self.generator.data).all())
+
+    @cached_property
     def is_symmetric(self) -> bool:
         """Whether S can be decoupled by a symmetric eigenproblem: all masses, no damping or one in proportion."""
         if len(self.first) or not all(_is_symmetric(matrix) for matrix in (self.M, self.C, self.K)):

@@ -1,7 +1,7 @@
 """What the ways to evaluate a large motion cost, in products of two matrices of the size of its states.
 
 Measured with OpenBLAS on machines of one to two cores: LAPACK's QR algorithm (geev) takes the time of 40 products for 2000 states
-and of 100 for 200, a symmetric eigenproblem of half the size about 3 to 10; powers of e^{S h} are counted (``linalg.propagation``).
+and of 100 for 200, a symmetric eigenproblem of half the size that of 2 and of 7; powers of e^{S h} are counted (``linalg.propagation``).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ LEAST_STATES = 48
 
 #: Of eigenvectors: for very many states, and more for few.
 GENERAL, GENERAL_SMALL = 40.0, 12000.0
-SYMMETRIC, SYMMETRIC_SMALL = 3.0, 1500.0
+SYMMETRIC, SYMMETRIC_SMALL = 1.5, 1000.0
 
 
 

@@ -13,9 +13,9 @@ import numpy as np
 import scipy.sparse
 from scipy.sparse import csr_array
 
-from ..linalg.oscillations import even_step
 from ..checks import real_array, real_number, whole_number
 from ..linalg.exponential import CHUNK_ENTRIES
+from ..linalg.oscillations import even_step
 from ..linalg.propagation import Propagator
 from ..linalg.scaling import balanced_norm
 from ..polynomial.reduction import Reduction
@@ -25,8 +25,9 @@ from .cost import decomposition_cost, stepping_cost
 from .driven import Driven
 from .regular import FinitePart, driven_motion
 
-#: Terms of the Taylor series for |S t| <= 1: 1/19! is below EPS.
-TERMS = 19
+#: The Taylor series serves for |S t| <= EARLY, with so many terms: 2^27/27! is far below EPS. After a start from rest sums of modes
+#: still cancel there, by as many digits as a force begins slowly.
+EARLY, TERMS = 2.0, 27
 
 #: Fewer times than these are not worth the powers of e^{S h}.
 FEW_TIMES = 32
@@ -109,15 +110,17 @@ class Flow:
 
     @cached_property
     def _powers(self) -> np.ndarray:
-        """(S / rate)^k z / k! at 0+ for k < TERMS, shape (n, TERMS)."""
+        """(S / rate)^k z / k! at 0+ for k = 0, 1, ... as columns."""
         columns = [self.start_with_force]
-        for k in range(1, TERMS):
-            columns.append(self.generator @ columns[-1] / (self.rate * k))
+        rate, longest = self.rate, max(map(len, self.force.smooth.blocks), default=0)  # a force may begin like a power of t
+        for k in range(1, TERMS + longest):
+            columns.append(self.generator @ columns[-1] / (rate * k))
         return np.array(columns).T
 
     def early(self, output: csr_array, times: np.ndarray) -> np.ndarray:
-        """output @ z for rate * t <= 1."""
-        return (output @ self._powers) @ np.power.outer(self.rate * times, np.arange(TERMS)).T
+        """output @ z for rate * t <= EARLY."""
+        powers = self._powers
+        return (output @ powers) @ np.power.outer(self.rate * times, np.arange(powers.shape[1])).T
 
 
 class FlowFunction(BohlFunction):
@@ -166,7 +169,7 @@ class FlowFunction(BohlFunction):
         values = self.flow.stepped(self.output, times)
         if values is None:
             values = self.modal._values(times)
-        early = np.flatnonzero((times * self.flow.rate <= 1) & (times < self.flow.force.knots[1:2].min(initial=np.inf)))
+        early = np.flatnonzero((times * self.flow.rate <= EARLY) & (times < self.flow.force.knots[1:2].min(initial=np.inf)))
         width = max(1, CHUNK_ENTRIES // max(self.size, TERMS))
         for part in (early[begin : begin + width] for begin in range(0, len(early), width)):
             values[:, part] = self.flow.early(self.output, times[part])

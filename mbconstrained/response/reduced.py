@@ -26,6 +26,7 @@ from .cost import LEAST_STATES, Way, way_of
 from .events import Event
 from .flow import Flow, FlowFunction
 
+
 @dataclass(frozen=True)
 class ReducedSolution:
     """x of a plain problem.
@@ -118,7 +119,9 @@ def reduced_solution(A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveS
 def reduction_for(A: PolynomialMatrix, force: ImpulsiveSmooth) -> Reduction | None:
     """The reduction of A(s), None where it does not serve for a force."""
     reduction = A.reduction
-    return None if reduction is None or force.impulses or force.later or _is_stiff(reduction) else reduction
+    if reduction is None or force.impulses or force.later or not reduction.is_finite or _is_stiff(reduction):
+        return None
+    return reduction
 
 
 def flow_of(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> tuple[Flow, csr_array]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..checks import counted, real_array
@@ -20,13 +22,16 @@ from .series import with_series
 from .solution import PairSolution
 from .taylor import taylor_series
 
+if TYPE_CHECKING:
+    from .many import Responses
+
 #: What makes a force.
 MAKERS = "mb.step, mb.ramp, mb.harmonic, mb.term, mb.impulse, mb.pulse, mb.sampled or mb.approximated"
 
 
 def solve(
     A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None = None, rank_tolerance: float | None = None
-) -> Response:
+) -> Response | Responses:
     """The solution of A(d/dt) x = f on t >= 0 from any values at 0- (Moysis et al., Theorem 3.1, corrected).
 
     With X(s) = A(s)^-1 (X_in(s) + F(s)), the transform taken from 0-: only the values at 0- and the force on
@@ -36,10 +41,13 @@ def solve(
 
     Args:
         A: the polynomial matrix, degree q, size r.
-        initial: x^(i)(0-) as row i, shape (q, r); None for zeros.
-        force: f with r rows, see ``mbconstrained.signals``; None for zero.
+        initial: x^(i)(0-) as row i, shape (q, r); None for zeros. Of shape (S, q, r): S starts at once.
+        force: f with r rows, see ``mbconstrained.signals``; None for zero. A list of S forces: S answers at once.
         rank_tolerance: overrides how rank decisions are made: a difference of entries of A(s) counts as zero if it is no
             larger than this part of them (1e-9 for measured data, say); None for the rounding noise of float64.
+
+    Returns:
+        A ``Response``; of S starts or forces a ``Responses``, which is evaluated for all of them together.
 
     Raises:
         InputError: shapes that do not fit, values that are not finite.
@@ -51,6 +59,10 @@ def solve(
     True
     """
     q, r = checked_matrix(A).degree, A.size
+    if is_many(initial, force):
+        from .many import solve_many
+
+        return solve_many(A, initial, force, rank_tolerance)
     initial = np.zeros((q, r)) if initial is None else real_array(initial, "initial", shape=(q, r))
     force = checked_force(force, r)
     if rank_tolerance is None and q * r >= LEAST_STATES and (found := reduced_solution(A, initial, force)) is not None:
@@ -65,6 +77,16 @@ def solve_with(pairs: JordanPairs, initial: np.ndarray, force: ImpulsiveSmooth) 
     function, coupling = regular_part(pairs.form, start, force, kicks)
     function = with_series(function, taylor_series(pairs.form, initial, start.jump, force))
     return Response(A, initial, force, PairSolution(pairs, function, coupling), start.jump, start.impulses, events=kicks.events)
+
+
+def is_many(initial, force) -> bool:
+    """Whether several answers are asked for."""
+    if isinstance(force, (list, tuple)) and any(isinstance(one, ImpulsiveSmooth) for one in force):
+        return True
+    try:
+        return np.ndim(initial) == 3
+    except ValueError:  # rows of different lengths, which is told later
+        return False
 
 
 def checked_matrix(A) -> PolynomialMatrix:

@@ -19,6 +19,9 @@ from ..linalg.recursion import propagators
 from ..signals.bohl import BohlFunction
 from .flow import TERMS, Flow
 
+#: Products are added in parts so many times smaller than other chunks: they are still at hand in the cache.
+IN_CACHE = 16
+
 
 @dataclass(frozen=True)
 class Alone:
@@ -61,7 +64,7 @@ class UnitStarts:
     def values_into(self, found: np.ndarray, times: np.ndarray) -> None:
         """The values, into an array (S, r, T)."""
         found[...] = self.base(times)
-        for at in _parts(len(times), len(self.units) * found.shape[1]):
+        for at in parts(len(times) if self.units else 0, len(self.units) * found.shape[1]):
             _add_products(found[:, :, at], self.weights, np.array([unit(times[at]) for unit in self.units]))
 
     def derivative(self, order: int) -> UnitStarts:
@@ -104,20 +107,22 @@ class FlowStarts:
         free = self.flow.reduction.decoupled
         coefficients, own = self.output @ free.basis, free.inverse @ self.starts
         n, rows, count = len(own), len(coefficients), own.shape[1]
-        by_rows = rows < count
-        for at in _parts(len(chosen), n * min(rows, count)):
+        for at in parts(len(chosen), n * min(rows, count)):
             places = chosen[at]
-            part = found[:, :, places]  # a copy
-            if by_rows:
-                _add_products(part, own, _moved(free.blocks, coefficients.T, times[places], adjoint=True))
+            in_order = places[-1] - places[0] == len(places) - 1
+            part = found[:, :, places[0] : places[-1] + 1] if in_order else found[:, :, places]
+            table = _moved(free.blocks, coefficients.T, times[places], adjoint=True) if rows < count else None
+            if table is not None and np.isfinite(table).all():
+                _add_products(part, own, table)
             else:
                 states = _moved(free.blocks, own, times[places])
                 part += (coefficients @ states.reshape(n, -1)).reshape(rows, count, -1).transpose(1, 0, 2)
-            found[:, :, places] = part
+            if not in_order:
+                found[:, :, places] = part
 
     def _add_series(self, found, times, chosen) -> None:
         powers = np.power.outer(self.flow.rate * times[chosen], np.arange(TERMS)).T
-        for members in _parts(self.starts.shape[1], len(self.output.indptr) * TERMS + len(self.starts)):
+        for members in parts(self.starts.shape[1], len(self.output.indptr) * TERMS + len(self.starts)):
             term, terms = self.starts[:, members], []
             for k in range(TERMS):
                 terms.append(self.output @ term)
@@ -137,8 +142,12 @@ class FlowStarts:
         return replace(self, base=self.base.rows(indices), output=self.output[np.asarray(indices, dtype=int)])
 
 
-def _parts(count: int, each: int) -> Iterator[slice]:
-    """Slices of so many items, each of so many numbers, that stay below CHUNK_ENTRIES."""
+def parts(count: int, each: int) -> Iterator[slice]:
+    """Slices of so many items, each of so many numbers, that stay below CHUNK_ENTRIES.
+
+    >>> list(parts(5, CHUNK_ENTRIES // 3))
+    [slice(0, 3, None), slice(3, 5, None)]
+    """
     width = max(1, CHUNK_ENTRIES // max(each, 1))
     return (slice(begin, min(begin + width, count)) for begin in range(0, count, width))
 
@@ -147,7 +156,7 @@ def _add_products(found, weights, table) -> None:
     """found (S, r, T) += weights (m, S)^T table (m, r, T), some members at a time."""
     m, rows, times = table.shape
     flat = table.reshape(m, -1)
-    for members in _parts(weights.shape[1], rows * times):
+    for members in parts(weights.shape[1], rows * times * IN_CACHE):
         found[members] += (weights[:, members].T @ flat).reshape(-1, rows, times)
 
 
@@ -160,7 +169,10 @@ def _moved(blocks, vectors: np.ndarray, times: np.ndarray, adjoint: bool = False
         at = begins[group][:, None] + np.arange(size)
         steps = propagators([blocks[i] for i in group], times)
         steps = steps.transpose(1, 3, 2, 0) if adjoint else steps.transpose(1, 2, 3, 0)  # (blocks, size, size, T)
-        own = vectors[at]
+        own, finite = vectors[at][..., None], bool(np.isfinite(steps).all())
         for i in range(size):
-            found[at[:, i]] = sum(own[:, k, :, None] * steps[:, i, k, None, :] for k in range(size))
+            products = (own[:, k] * steps[:, i, k, None, :] for k in range(size))
+            if not finite:  # what is zero stays zero, however fast it would grow
+                products = (np.where(own[:, k] == 0, 0.0, product) for k, product in enumerate(products))
+            found[at[:, i]] = sum(products)
     return found

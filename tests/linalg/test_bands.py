@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbconstrained.linalg.bands import ROWS, bandwidth, banded_product, narrow_order
+from mbconstrained.linalg.bands import ROWS, banded_product, bandwidth, narrow_order
 
 SIZES = (0, 1, 2, ROWS - 1, ROWS, ROWS + 1, 450)
 

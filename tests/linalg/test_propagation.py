@@ -119,5 +119,5 @@ def test_powers_are_asked_for_in_any_order():
     S, propagator = chain(3), Propagator(chain(3), 0.2)
     for doublings in (3, 0, 2, 5):
         back = np.argsort(propagator.order)
-        matrix = (propagator.units[:, None] * propagator.power(doublings)[0] / propagator.units)[np.ix_(back, back)]
+        matrix = (propagator.units[:, None] * propagator.jump(doublings)[0] / propagator.units)[np.ix_(back, back)]
         assert np.allclose(matrix, scipy.linalg.expm(S * 0.2 * 2**doublings), rtol=0, atol=1e-14)

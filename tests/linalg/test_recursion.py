@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import mpmath
 import numpy as np
 import pytest
 import scipy.linalg
 
 from mbconstrained.linalg.exponential import block_states
-from mbconstrained.linalg.recursion import recursion
+from mbconstrained.linalg.recursion import recursion, shared_gaps
 
 BLOCKS = [
     np.array([[-0.5]]),
@@ -65,3 +67,43 @@ def test_a_start_of_zero_stays_zero_beside_others():
     times, starts = np.array([1e4, 1e-3]), np.array([[0.0, 1.0]] * 3)
     states = block_states([np.eye(3) + np.diag([1e-3, 1e-3], k=1)], starts, times)
     assert not states[:, 0].any() and np.allclose(states[2, 1], np.exp(1e-3))
+
+
+@pytest.mark.parametrize("few", [1, 3], ids=["equal gaps", "three lengths of gaps"])
+@pytest.mark.parametrize("count", [63, 64, 200, 401])
+def test_many_steps_are_taken_in_groups_without_losing_digits(few, count):
+    lengths = RANDOM.uniform(0.01, 0.1, few)
+    matrices = [exponential(gap) for gap in lengths]
+    which = RANDOM.integers(few, size=count)
+    start, gained = RANDOM.normal(size=SIZE), RANDOM.normal(size=(SIZE, count))
+    known = [start]
+    for place, g in zip(which, gained.T):
+        known.append(matrices[place] @ known[-1] + g)
+    known = np.array(known).T
+    size = np.abs(known).max(axis=1, keepdims=True)
+    assert (np.abs(recursion(BLOCKS, start, gained, lengths[which]) - known) <= 1e-12 * size).all()
+
+
+def test_groups_that_would_leave_the_range_are_taken_step_by_step():
+    gaps = np.full(200, 400.0)
+    states = recursion([np.array([[1.0]]), np.array([[-1.0]])], np.array([0.0, 1.0]), np.zeros((2, 200)), gaps)
+    assert not states[0].any() and states[1, 1] == np.exp(-400.0) and not states[1, 5:].any()
+
+
+@pytest.mark.parametrize("end", [1.0, 8237.0, 1e-9])
+def test_even_times_have_one_gap(end):
+    knots = np.linspace(0.0, end, 10_001)
+    gaps = shared_gaps(knots)
+    assert len(set(gaps)) == 1
+    exact = sum((Fraction(gap) for gap in gaps), Fraction(0))
+    assert abs(exact - Fraction(knots[-1])) <= 4 * np.finfo(float).eps * end
+
+
+def test_gaps_that_differ_stay_as_they_are():
+    knots = np.cumsum(np.append(0.0, RANDOM.uniform(0.5, 1.0, 50)))
+    assert np.array_equal(shared_gaps(knots), np.diff(knots))
+
+
+def test_gaps_that_creep_apart_are_not_taken_for_the_same():
+    gaps = 1.0 + 2.0**-45 * np.arange(2000)  # each differs from the next by less than the rounding of the last time
+    assert np.array_equal(shared_gaps(np.append(0.0, np.cumsum(gaps))), np.diff(np.append(0.0, np.cumsum(gaps))))

@@ -98,14 +98,17 @@ def test_a_mass_that_is_not_positive_definite_is_not_taken():
 
 @pytest.mark.parametrize("ratio", [1e4, 1e10])
 def test_slow_modes_beside_stiff_ones_keep_their_digits(ratio):
-    """Pairs of masses on stiff springs, joined by soft ones: eigenvalues of the matrix as it is, in fifty digits."""
+    """Pairs of masses on stiff springs, joined by soft ones: eigenvalues of the matrix as it is, in fifty digits.
+
+    The eigenvectors are off by about EPS times the ratio of the eigenvalues, the quotients by the square of that.
+    """
     springs = np.where(np.arange(9) % 2, ratio, 1.0)
     K = np.diag(springs[:-1] + springs[1:]) - np.diag(springs[1:-1], 1) - np.diag(springs[1:-1], -1)
     with mpmath.workdps(50):
         exact = np.array([float(value) for value in mpmath.eigsy(mpmath.matrix(K.tolist()), eigvals_only=True)])
     found = modes(np.eye(8), np.zeros((8, 8)), K)
     rates = np.sort([block[0, 1] for block in found.blocks])
-    assert np.abs(rates**2 / np.sort(exact) - 1).max() <= 1e-13
+    assert np.abs(rates**2 / np.sort(exact) - 1).max() <= 1e-13 + (4 * EPS * ratio) ** 2
 
 
 def test_a_slow_decay_of_an_overdamped_mode_keeps_its_digits():

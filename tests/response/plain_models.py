@@ -44,7 +44,7 @@ def plain_system(
     """
     random = np.random.default_rng(seed)
     order = random.permutation(size)
-    massless, dampers = order[:static], order[static : static + damped]
+    dampers = order[static : static + damped]
     links = edges(kind, size, random)
     masses = random.uniform(0.5, 2.0, size)
     masses[order[: static + damped]] = 0.0

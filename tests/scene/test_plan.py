@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from tests.scene.robots import SCENE, press
 from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, scene_of
@@ -210,3 +211,32 @@ def test_planning_solves_nothing(monkeypatch):
     monkeypatch.setattr(MechanicalSystem, "solve", None)
     monkeypatch.setattr(MechanicalSystem, "modes", None)
     assert read_scene(EXAMPLES / "two_masses.toml").plan().taken
+
+
+def chain(masses: int, more: str = "") -> str:
+    """A scene of masses in a row between two walls."""
+    names = ["ground", *(f"m{i}" for i in range(masses)), "ground"]
+    springs = [
+        f'[[model.spring]]\nbetween = ["{a}", "{b}"]\nstiffness = {100 + 7 * (k % 3)}' for k, (a, b) in enumerate(zip(names, names[1:]))
+    ]
+    bodies = [f'[[model.mass]]\nname = "{name}"\nmass = {1 + 0.1 * k}' for k, name in enumerate(names[1:-1])]
+    start, time = "[initial]\ndisplacement = { m0 = 0.1 }", '[time]\nend = "5 s"\npoints = 501'
+    return "\n".join(['[model]\nkind = "lumped"', *bodies, *springs, more, start, time])
+
+
+DAMPER = '[[model.damper]]\nbetween = ["ground", "m2"]\ndamping = 3'
+
+
+@pytest.mark.parametrize(
+    ("masses", "more", "way"),
+    [
+        (3, "", "by the Jordan pairs: 6 states are few"),
+        (30, "", "by a symmetric eigenproblem: powers cost about"),
+        (30, DAMPER, "by powers of e^(S h): they cost about"),
+    ],
+)
+def test_the_way_to_find_values_is_told_with_its_cost(tmp_path, masses, more, way):
+    scene = scene_of(tmp_path, chain(masses, more))
+    (reason,) = (stage.reason for stage in scene.plan().stages if stage.name == "response")
+    assert reason.startswith("from the values at 0-, with jumps and impulses; values ") and way in reason
+    assert np.isfinite(scene.run().values).all()

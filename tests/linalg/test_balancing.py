@@ -1,0 +1,50 @@
+"""Units that balance a sparse generator: what changes of units do to it, and a bound of its zeros."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.sparse import csr_array
+
+from mbconstrained.linalg.scaling import balanced_norm, balancing_units
+
+
+def generator(masses: int, seed: int = 0) -> np.ndarray:
+    random = np.random.default_rng(seed)
+    K = 2 * np.eye(masses) - np.eye(masses, k=1) - np.eye(masses, k=-1)
+    return np.block(
+        [[np.zeros((masses, masses)), np.eye(masses)], [-K / random.uniform(0.5, 2, masses)[:, None], -0.1 * np.eye(masses)]]
+    )
+
+
+@given(st.integers(1, 12), st.integers(0, 1000))
+def test_a_change_of_units_is_taken_back(masses, seed):
+    S = generator(masses)
+    units = np.exp2(np.random.default_rng(seed).integers(-60, 61, 2 * masses))
+    own, other = (balancing_units(csr_array(matrix)) for matrix in (S, S * units / units[:, None]))
+    apart = np.log2(own) - np.log2(other * units)
+    assert np.ptp(apart) <= 2
+    assert balanced_norm(csr_array(S * units / units[:, None])) == pytest.approx(balanced_norm(csr_array(S)), rel=1.0)
+
+
+@given(st.integers(1, 8), st.integers(0, 1000))
+def test_the_norm_bounds_the_zeros(size, seed):
+    random = np.random.default_rng(seed)
+    S = random.normal(size=(size, size)) * (random.uniform(size=(size, size)) < 0.5) * 10.0 ** random.uniform(-9, 9, (size, size))
+    assert np.abs(np.linalg.eigvals(S)).max() <= balanced_norm(csr_array(S)) * (1 + 1e-9)
+
+
+def test_what_only_drives_does_not_count():
+    S = np.zeros((3, 3))
+    S[:2, :2], S[:2, 2] = [[0.0, 1.0], [-1.0, 0.0]], 1e12
+    assert balanced_norm(csr_array(S)) == 1.0
+    assert balanced_norm(csr_array(np.eye(4, k=1))) == 0.0
+    assert balanced_norm(csr_array((3, 3))) == 0.0
+
+
+def test_full_and_sparse_matrices_of_any_size():
+    assert balancing_units(csr_array(np.array([[5.0]]))).tolist() == [1.0]
+    assert balanced_norm(csr_array(np.array([[5.0]]))) == 5.0
+    assert balanced_norm(csr_array(np.ones((40, 40)))) == 40.0

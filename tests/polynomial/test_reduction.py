@@ -1,0 +1,247 @@
+"""Plain A(s) reduced to first-order equations: A(s)^-1 by theorem, and what is not plain is left alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse
+
+from mbconstrained.polynomial.factors import Factors
+from mbconstrained.polynomial.matrix import PolynomialMatrix
+from mbconstrained.polynomial.reduction import Reduction, reduction_of
+
+POINTS = (0.3, 1.7 + 0.4j, -0.2 + 2.5j, 30.0)
+
+
+def chain(size: int) -> np.ndarray:
+    return 2 * np.eye(size) - np.eye(size, k=1) - np.eye(size, k=-1)
+
+
+def inverse_at(reduction: Reduction, s: complex) -> np.ndarray:
+    """A(s)^-1 = P (s I - S)^-1 D + Y G from the reduced equations: G the right sides of algebraic rows, D what drives w."""
+    n, size = reduction.state_count, reduction.V.shape[0]
+    every = np.eye(size)
+    held = every[reduction.algebraic]
+    right = every[np.concatenate([reduction.second, reduction.first])].astype(complex)
+    for power, through in enumerate(reduction.through):
+        right = right - s**power * (through @ held)
+    m = len(reduction.second)
+    solved = [reduction.solved(scipy.sparse.csr_array(part)) for part in (right.real, right.imag)]
+    accelerations, rates = (one.toarray() + 1j * two.toarray() for one, two in zip(*solved))
+    drive = np.vstack([np.zeros((m, size)), accelerations, rates])
+    states = np.linalg.solve(s * np.eye(n) - reduction.generator.toarray(), drive)
+    return reduction.output @ states + reduction.Y @ held
+
+
+def check(A: PolynomialMatrix, states: int | None = None) -> Reduction:
+    reduction = reduction_of(A)
+    assert reduction is not None
+    for s in POINTS:
+        value, found = A(s), inverse_at(reduction, s)
+        size = np.abs(value).max() * np.abs(found).max() * A.size
+        assert np.abs(value @ found - np.eye(A.size)).max() <= 1e-12 * max(size, 1.0)
+    assert states is None or reduction.state_count == states
+    return reduction
+
+
+def masses_and(*, static=0, damped=0, size=6, seed=0) -> list[np.ndarray]:
+    """K, C, M of a chain whose first nodes have neither mass nor damper, the next ones a damper and no mass."""
+    random = np.random.default_rng(seed)
+    K, C, M = chain(size) + np.eye(size), np.zeros((size, size)), np.diag(random.uniform(0.5, 2.0, size))
+    massless = random.permutation(size)[: static + damped]
+    M[massless, massless] = 0.0
+    C[massless[static:], massless[static:]] = random.uniform(0.5, 2.0, damped)
+    return [K, C, M]
+
+
+def tied(K, C, M, *, rows) -> PolynomialMatrix:
+    """V^T of the equations of motion over the ties, V from the ties' singular value decomposition: nothing is sparse."""
+    rows = np.asarray(rows, dtype=float)
+    V = np.linalg.svd(rows)[2][len(rows) :].T
+    nothing = np.zeros_like(rows)
+    return PolynomialMatrix([np.vstack([V.T @ K, rows]), np.vstack([V.T @ C, nothing]), np.vstack([V.T @ M, nothing])])
+
+
+def test_masses_alone():
+    reduction = check(PolynomialMatrix(masses_and()), states=12)
+    assert reduction.is_symmetric
+    assert reduction.is_dissipative
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(("static", "damped", "states"), [(2, 0, 8), (0, 2, 10), (2, 1, 7), (6, 0, 0), (0, 6, 6), (1, 5, 5)])
+def test_joints_without_mass(static, damped, states, seed):
+    if states:
+        check(PolynomialMatrix(masses_and(static=static, damped=damped, seed=seed)), states=states)
+    else:
+        assert reduction_of(PolynomialMatrix(masses_and(static=static)[:1])) is None
+
+
+def test_a_mass_whose_equation_is_that_of_another_coordinate():
+    K, C, M = masses_and(damped=2)
+    order = [3, 1, 5, 0, 4, 2]
+    check(PolynomialMatrix([K[order], C[order], M[order]]), states=10)
+
+
+def test_a_full_mass_and_damping_that_couple_everything():
+    random = np.random.default_rng(1)
+    root = random.normal(size=(5, 5))
+    reduction = check(PolynomialMatrix([chain(5), random.normal(size=(5, 5)), root @ root.T + np.eye(5)]), states=10)
+    assert not reduction.is_symmetric
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        [[1, 0, -1, 0, 0, 0]],
+        [[1, -2, 0, 0, 0, 0], [0, 0, 0, 1, 1, 1]],
+        [[0.3, 0.1, 0, 0, 0, -7], [0, 0.2, 0, 5, 0, 1], [1, 1, 1, 1, 1, 1]],
+    ],
+)
+def test_ties(rows):
+    check(tied(*masses_and(), rows=rows), states=2 * (6 - len(rows)))
+
+
+def test_ties_between_joints_with_and_without_mass_and_damping():
+    K, C, M = masses_and(static=1, damped=2, seed=5)
+    static, damped = np.flatnonzero(~(M.any(axis=0) | C.any(axis=0))), np.flatnonzero(C.any(axis=0))
+    heavy = np.flatnonzero(M.any(axis=0))
+    row = np.zeros((2, 6))
+    row[0, [heavy[0], heavy[1]]] = 1.0, -2.0
+    row[1, [static[0], damped[0], heavy[2]]] = 1.0, 1.0, -1.0
+    equations = np.delete(np.arange(6), [heavy[0], static[0]])
+    nothing = np.zeros((2, 6))
+    mapped = np.eye(6)[equations]
+    mapped[:, heavy[0]] = 0.0
+    mapped[list(equations).index(heavy[1]), heavy[0]] = 2.0
+    A = PolynomialMatrix([np.vstack([mapped @ K, row]), np.vstack([mapped @ C, nothing]), np.vstack([mapped @ M, nothing])])
+    check(A)
+
+
+def test_first_order_equations():
+    random = np.random.default_rng(2)
+    C = random.normal(size=(5, 5)) + 5 * np.eye(5)
+    check(PolynomialMatrix([random.normal(size=(5, 5)) + 3 * np.eye(5), C]), states=5)
+    C[3] = 0.0
+    C[:, 1] = 0.0
+    check(PolynomialMatrix([random.normal(size=(5, 5)) + 3 * np.eye(5), C]), states=4)
+
+
+def test_rows_at_the_level_of_acceleration():
+    """The row has s^2 and nothing else: K is singular, the drift is for the general route."""
+    K, C, M = masses_and()
+    K[0], C[0], M[0] = 0.0, 0.0, [1.0, -1.0, 0, 0, 0, 0]
+    assert reduction_of(PolynomialMatrix([K, C, M])) is None
+    K[0] = [1.0, -1.0, 0, 0, 0, 0]  # stabilized
+    check(PolynomialMatrix([K, C, M]), states=12)
+
+
+def test_random_models_with_ties_to_joints_and_dampers():
+    random = np.random.default_rng(3)
+    found = 0
+    for seed in range(20):
+        K, C, M = masses_and(static=int(random.integers(0, 3)), damped=int(random.integers(0, 3)), size=8, seed=seed)
+        rows = random.integers(-2, 3, (int(random.integers(1, 3)), 8))
+        A = tied(K, C, M, rows=rows)
+        if np.linalg.matrix_rank(rows) == len(rows) and reduction_of(A) is not None:
+            check(A)
+            found += 1
+    assert found >= 5
+
+
+K, C, M = masses_and()
+NOTHING = np.zeros((6, 6))
+LOOSE = M.copy()
+LOOSE[2, 2] = 0.0
+FREE = np.diag(np.ones(6)) * 2 - np.eye(6, k=1) - np.eye(6, k=-1)
+FREE[0, 0] = FREE[5, 5] = 1.0
+NO_SPRING = K.copy()
+NO_SPRING[2] = NO_SPRING[:, 2] = 0.0
+SINGULAR = M.copy()
+SINGULAR[:2, :2] = [[1.0, 1.0], [1.0, 1.0]]
+NOT_PLAIN = {
+    "degree 0": [K],
+    "degree 3": [K, C, M, np.eye(6)],
+    "a node without mass, damper and spring": [NO_SPRING, C, LOOSE],
+    "masses that are singular together": [K, C, SINGULAR],
+    "masses that are nearly singular together": [K, C, SINGULAR + 1e-9 * np.eye(6)],
+    "a free chain": [FREE, C, M],
+    "dampers that are singular together": [K, np.ones((6, 6)), NOTHING],
+    "a damper between two massless nodes": [K, np.pad([[1.0, -1.0], [-1.0, 1.0]], (0, 4)), np.diag([0.0, 0, 1, 1, 1, 1])],
+}
+
+
+@pytest.mark.parametrize("name", NOT_PLAIN)
+def test_what_is_not_plain_is_left_to_the_general_way(name):
+    assert reduction_of(PolynomialMatrix(NOT_PLAIN[name])) is None
+
+
+@pytest.mark.parametrize("difference", [0.0, 1e-15, 1e-6])
+def test_ties_that_depend_on_each_other_or_nearly_so(difference):
+    rows = np.array([[1.0, -1, 0, 0, 0, 0], [1, -1, 0, 0, difference, 0]])
+    coefficients = [np.vstack([matrix[:4], other]) for matrix, other in zip((K, C, M), (rows, 0 * rows, 0 * rows))]
+    assert reduction_of(PolynomialMatrix(coefficients)) is None
+
+
+def test_uncertain_entries_and_factors_are_left_to_the_general_way():
+    plain = PolynomialMatrix([K, C, M])
+    assert reduction_of(plain) is not None
+    uncertainty = np.zeros((3, 6, 6))
+    uncertainty[0, 0, 0] = 1e-6
+    assert reduction_of(PolynomialMatrix([K, C, M], uncertainty=list(uncertainty))) is None
+    factors = Factors(np.eye(6), np.diag(M).copy(), np.eye(6))
+    assert reduction_of(PolynomialMatrix([K, C, factors])) is None
+
+
+def test_a_damper_that_ties_take_away_but_for_rounding_is_none():
+    """u = 0.3 w and v = 3 (0.1 w), a damper between u and v: what is left of it, 5e-17, is no damper of w."""
+    damper = np.array([[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+    V = np.array([[0.3, 3 * 0.1, 1.0]])
+    rows = np.array([[1.0, 0.0, -0.3], [0.0, 1.0, -3 * 0.1]])
+    A = PolynomialMatrix([np.vstack([V @ np.eye(3), rows]), np.vstack([V @ (1e3 * damper), 0 * rows])])
+    assert A.coefficients[1][0].any()
+    assert reduction_of(A) is None
+
+
+def test_symmetry_is_told_beside_each_row_not_beside_the_largest_one():
+    stiff = np.diag([1e12, 1e12, 2.0, 2.0])
+    stiff[2, 3], stiff[3, 2] = -1.0, -1.0 + 1e-6
+    assert not reduction_of(PolynomialMatrix([stiff, np.zeros((4, 4)), np.eye(4)])).is_symmetric
+    stiff[3, 2] = -1.0 * (1 + 4e-16)
+    assert reduction_of(PolynomialMatrix([stiff, np.zeros((4, 4)), np.eye(4)])).is_symmetric
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "damping", "dissipative"),
+    [
+        ([1e12, 1.0, 1.0], [0.0, 0.0, 0.0], True),
+        ([1e12, -1e-3, 1.0], [0.0, 0.0, 0.0], False),
+        ([1.0, 1.0, 1.0], [1e9, 0.0, 1.0], True),
+        ([1.0, 1.0, 1.0], [1e9, 0.0, -1e-9], False),
+    ],
+)
+def test_a_soft_instability_is_seen_beside_stiff_springs_and_dampers(stiffness, damping, dissipative):
+    A = PolynomialMatrix([np.diag(stiffness), np.diag(damping), np.eye(3)])
+    assert reduction_of(A).is_dissipative is dissipative
+
+
+def test_a_follower_force_and_gyroscopic_forces():
+    follower = K.copy()
+    follower[0, 3] += 0.5
+    assert not check(PolynomialMatrix([follower, C, M])).is_dissipative
+    gyroscopic = np.zeros((6, 6))
+    gyroscopic[0, 1], gyroscopic[1, 0] = 2.0, -2.0
+    assert not check(PolynomialMatrix([K, gyroscopic, M])).is_symmetric
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e9])
+def test_units_do_not_change_what_is_plain(unit):
+    """Of time, and of one coordinate and one equation."""
+    for K, C, M in (masses_and(static=1, damped=1), masses_and()):
+        own = np.ones(6)
+        own[2] = unit
+        scaled = [matrix * own * own[:, None] * unit**power for power, matrix in enumerate((K, C, M))]
+        expected, found = reduction_of(PolynomialMatrix([K, C, M])), reduction_of(PolynomialMatrix(scaled))
+        assert found.state_count == expected.state_count
+        assert found.is_symmetric == expected.is_symmetric
+        assert found.is_dissipative == expected.is_dissipative

@@ -1,0 +1,159 @@
+"""Functions of a large linear system: lazily evaluated by powers, by modes or by a series, always the same function."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.errors import InputError
+from mbconstrained.linalg.oscillations import even_step
+from mbconstrained.response.flow import EARLY, FEW_TIMES, FlowFunction
+from mbconstrained.signals.bohl import BohlFunction
+
+from .plain_models import difference, fitting_start, plain_system
+
+EVEN = np.linspace(0.0, 30.0, 200)
+UNEVEN = np.array([0.0, 1e-3, 0.2, 3.0, 17.0, 30.0])
+
+
+def function(model: str = "some", *, force=True, later=False) -> FlowFunction:
+    """Of a new model each time: nothing is decoupled yet."""
+    system = plain_system("chain", static=2, damped=2, damping=model)
+    F = np.random.default_rng(1).normal(size=(2, 36))
+    applied = mb.step(F[0]) + mb.harmonic(F[1], angular_frequency=0.7) if force else None
+    if later:
+        applied = applied + mb.step(F[1]).delayed(4.0)
+    return system.solve(*fitting_start(system), applied).function
+
+
+def is_decoupled(found: FlowFunction) -> bool:
+    return "decoupled" in found.flow.reduction.__dict__
+
+
+def test_even_times_are_stepped_and_others_are_not():
+    stepped, modal = function(), function()
+    first = stepped(EVEN)
+    assert not is_decoupled(stepped)
+    other = modal(EVEN + np.where(np.arange(200) == 100, 1e-3, 0.0))
+    assert is_decoupled(modal)
+    assert difference(np.delete(first, 100, axis=1), np.delete(other, 100, axis=1)) <= 1e-12
+
+
+def test_asked_again_and_again_it_changes_to_modes_and_the_values_stay():
+    found = function()
+    first, asked = found(EVEN), 1
+    while not is_decoupled(found):
+        assert difference(found(EVEN * (1 + asked / 50)), function()(EVEN * (1 + asked / 50))) <= 1e-12
+        asked += 1
+        assert asked < 1000
+    assert difference(found(EVEN), first) <= 1e-12
+
+
+@pytest.mark.parametrize("later", [False, True])
+@pytest.mark.parametrize("order", [0, 1, 2, 3])
+def test_derivatives_are_those_of_the_modes(order, later):
+    found = function(later=later)
+    expected = found.modal.derivative(order)
+    times = UNEVEN[2:]
+    assert difference(found.derivative(order)(times), expected(times)) <= 1e-12
+    assert isinstance(found.derivative(order), FlowFunction)
+
+
+def test_derivatives_are_derivatives():
+    """By the integral over a short time, Gauss with 8 points."""
+    points, weights = np.polynomial.legendre.leggauss(8)
+    found, begin, length = function(), np.array([0.0, 0.4, 5.0]), 0.3
+    for order in (1, 2):
+        rate = found.derivative(order)((begin[:, None] + length * (points + 1) / 2).ravel()).reshape(36, 3, 8)
+        lower = found.derivative(order - 1)
+        assert difference(lower(begin + length), lower(begin) + rate @ weights * length / 2) <= 1e-13
+
+
+def test_sums_multiples_and_maps():
+    found, matrix = function(), np.random.default_rng(2).normal(size=(3, 36))
+    values = found(UNEVEN)
+    for made, expected in (
+        (found.mapped(matrix), matrix @ values),
+        (2.5 * found, 2.5 * values),
+        (-found, -values),
+        (found + found.derivative(), values + found.derivative()(UNEVEN)),
+        (found - found.mapped(np.eye(36)), 0 * values),
+    ):
+        assert np.abs(made(UNEVEN) - expected).max() <= 1e-12 * np.abs(values).max()
+    assert isinstance(found.mapped(matrix) * 2.0, FlowFunction)
+
+
+def test_it_is_a_bohl_function():
+    found = function()
+    plain = BohlFunction(found.coefficients, found.blocks, found.start)
+    assert found.size == 36
+    assert difference(plain(UNEVEN), found(UNEVEN)) <= 1e-12
+    assert np.allclose(found.coefficients @ found.start_at_zero, found(0.0), rtol=0, atol=1e-12)
+    assert difference(found.delayed(2.0)(UNEVEN + 2.0), found(UNEVEN)) <= 1e-12
+    assert not found.is_zero
+
+
+def test_with_a_later_start_it_is_piecewise():
+    found = function(later=True)
+    assert found(EVEN).shape == (36, 200)
+    assert is_decoupled(found)
+    assert np.array_equal(found.restarts.knots, [0.0, 4.0])
+
+
+def test_without_any_force():
+    found = function(force=False)
+    first = found(EVEN)
+    assert difference(first, found.modal(EVEN)) <= 1e-12
+
+
+@pytest.mark.parametrize("part", [0.5, 0.999, 1.001, 2.0])
+def test_the_series_of_the_start_meets_the_modes(part):
+    found = function()
+    time = part * EARLY / found.flow.rate
+    assert difference(found(time), found.modal(time)) <= 1e-12
+
+
+def test_a_rate_is_not_below_that_of_any_motion():
+    for damping in ("none", "some", "proportional"):
+        found = function(damping)
+        S = found.flow.generator.toarray()
+        fastest = np.abs(np.linalg.eigvals(S)).max()
+        assert (1 - 1e-12) * fastest <= found.flow.rate <= 10 * fastest
+
+
+def test_copies_and_pickles_are_the_same_function():
+    found = function()
+    for other in (copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
+        assert np.array_equal(other(UNEVEN), found(UNEVEN))
+
+
+def test_wrong_orders_matrices_factors_and_times_are_refused():
+    found = function()
+    for order in (-1, 1.5, "one"):
+        with pytest.raises(InputError, match="order"):
+            found.derivative(order)
+    with pytest.raises(InputError, match="matrix"):
+        found.mapped(np.ones((2, 35)))
+    with pytest.raises(InputError, match="factor"):
+        found * np.nan
+    for times in (-1.0, np.nan, [[1.0]]):
+        with pytest.raises(InputError, match="time"):
+            found(times)
+
+
+def test_few_times_and_times_of_no_length_are_not_stepped():
+    for times in (np.linspace(0.0, 30.0, FEW_TIMES - 1), np.zeros(50), np.linspace(1.0, 30.0, 100), np.linspace(30.0, 0.0, 100)):
+        found = function()
+        assert found.flow.turned(times) is None
+        assert np.isfinite(found(times)).all()
+    assert even_step(np.zeros(50)) is None
+
+
+@pytest.mark.parametrize("end", [1e-300, 1e-12, 1e6, 1e12])
+def test_steps_of_any_size_are_finite(end):
+    found = function()(np.linspace(0.0, end, 100))
+    assert np.isfinite(found).all()

@@ -1,0 +1,180 @@
+"""Many starts and forces at once: each as it is solved alone, and one decomposition for all."""
+
+from __future__ import annotations
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.response.starts import Alone, FlowStarts, UnitStarts
+from tests.response.chains import COUNT, chain
+
+RANDOM = np.random.default_rng(8)
+TIED = mb.PolynomialMatrix([[[3.0, -1, 1], [-1, 2, -1], [1, -1, 0]], np.diag([0.2, 0, 0]), np.diag([1.0, 2, 0])], coordinates=["a", "b", "force"])
+TIMES = np.concatenate([[0.0, 1e-9, 1e-4, 1e-2], np.linspace(0.1, 40.0, 80)])
+FORCES = [None, mb.harmonic([1.0, 0, 0], angular_frequency=0.7), mb.impulse([0.0, 1, 0]) + mb.pulse([0.0, 0, 1], start=1.0, duration=2.0)]
+
+
+def starts(A, count):
+    return RANDOM.normal(size=(count, A.degree, A.size))
+
+
+def assert_same_as_alone(xs, times, accuracy=1e-13):
+    for one, other in ((xs, list(xs)), (xs.derivative(1), [x.derivative(1) for x in xs])):
+        known = np.array([x(times) for x in other])
+        assert np.abs(one(times) - known).max() <= accuracy * np.abs(known).max()
+
+
+@pytest.mark.parametrize("force", FORCES, ids=["free", "harmonic", "impulse and pulse"])
+@pytest.mark.parametrize("count", [1, 5, 40])
+def test_small_models(force, count):
+    xs = mb.solve(TIED, starts(TIED, count), force)
+    assert isinstance(xs.function.groups[0][1], UnitStarts if count > 6 else Alone)
+    assert_same_as_alone(xs, TIMES)
+    assert np.array_equal(xs.jumps, [x.jump for x in xs])
+    assert [[part.tolist() for part in one] for one in xs.impulses] == [[part.tolist() for part in x.impulses] for x in xs]
+
+
+def test_starts_that_fit_do_not_jump():
+    fit = np.array([[[1.0, 1.0, -1.0], [0.5, 0.5, 0]]]) * np.linspace(-2, 2, 30)[:, None, None]
+    fit[:, 0, 2] = [mb.solve(TIED, start).start[0, 2] for start in fit]
+    fit[:, 1, 2] = [mb.solve(TIED, start).start[1, 2] for start in fit]
+    xs = mb.solve(TIED, fit)
+    assert np.array_equal(xs.jumps, [x.jump for x in xs]) and xs.impulses == ((),) * 30
+    assert not xs.jumps[:, :, :2].any()
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05])
+@pytest.mark.parametrize("count", [3, 20, 70])  # fewer and more than coordinates
+@pytest.mark.parametrize("kind", ["free", "harmonic", "record"])
+def test_large_models(damping, count, kind):
+    A = chain(damping)
+    force = {
+        "free": None,
+        "harmonic": mb.harmonic(np.eye(COUNT)[4], angular_frequency=0.7),
+        "record": mb.sampled([0.0, 0.02, 3.0, 8.0], np.outer(np.eye(COUNT)[2], [1.0, -1.0, 2.0, 0.5])),
+    }[kind]
+    xs = mb.solve(A, starts(A, count), force)
+    assert [type(functions) for _, functions in xs.function.groups] == [FlowStarts]
+    assert_same_as_alone(xs, TIMES)
+    assert_same_as_alone(xs, RANDOM.permutation(TIMES))
+    assert not xs.jumps.any()
+
+
+def test_a_coordinate_far_from_a_start_keeps_its_own_digits_just_after_it():
+    A = mb.PolynomialMatrix([[[1.0, 0, 0], [-1.0, 1, 0], [0, -1, 1]], np.eye(3)])
+    xs = mb.solve(A, np.outer(np.arange(1.0, 9.0), [1.0, 0, 0])[:, None])
+    times = np.array([1e-6, 1e-4])
+    known = np.multiply.outer(np.arange(1.0, 9.0), times**2 / 2 * np.exp(-times))
+    assert np.allclose(xs(times)[:, 2], known, rtol=1e-14, atol=0)
+
+
+def test_starts_of_a_large_model_that_do_not_fit_are_among_the_others():
+    """The last coordinate, which has mass, is held to the one before."""
+    K, C, M = chain().coefficients.copy()
+    K[-1], M[-1], C[-1] = np.eye(COUNT)[-1] - np.eye(COUNT)[-2], 0.0, 0.0
+    M[-2, -1] = 1.0
+    A = mb.PolynomialMatrix([K, C, M])
+    X = starts(A, 6)
+    X[::2, :, -1] = X[::2, :, -2]
+    xs = mb.solve(A, X)
+    kinds = {type(functions): members.tolist() for members, functions in xs.function.groups}
+    assert kinds == {FlowStarts: [0, 2, 4], Alone: [1, 3, 5]}
+    assert_same_as_alone(xs, TIMES, 1e-11)
+    assert np.array_equal(xs.jumps.any(axis=(1, 2)), [False, True] * 3)
+    assert "values jump at t = 0 in 3 of 6 answers" in [notice.text for notice in xs.notices]
+
+
+def test_a_coordinate_without_mass_takes_its_place_in_every_answer():
+    K, C, M = chain().coefficients.copy()
+    M[-1, -1] = C[-1, -1] = 0.0
+    A = mb.PolynomialMatrix([K, C, M])
+    xs = mb.solve(A, starts(A, 5), mb.step(np.eye(COUNT)[-1]))
+    assert isinstance(xs.function.groups[0][1], FlowStarts)
+    assert_same_as_alone(xs, TIMES)
+    assert np.allclose(xs.jumps, [x.jump for x in xs], rtol=1e-13, atol=0)
+    assert not xs.jumps[:, :, :-1].any() and xs.jumps[:, :, -1].all() and xs.impulses == ((),) * 5
+
+
+def test_forces_of_their_own():
+    forces = [*FORCES[1:], mb.step([1.0, 0, 0]), FORCES[1], None]
+    xs = mb.solve(TIED, force=forces)
+    assert len(xs) == 5
+    assert_same_as_alone(xs, TIMES)
+    one_each = mb.solve(TIED, starts(TIED, 5), tuple(forces))
+    assert_same_as_alone(one_each, TIMES)
+    common = mb.solve(TIED, starts(TIED, 1)[0], forces)
+    assert np.array_equal(common.initial[0], common.initial[4])
+    assert_same_as_alone(common, TIMES)
+
+
+def test_motions_that_grow_out_of_range_do_not_spoil_those_that_do_not():
+    A = mb.PolynomialMatrix([np.diag([-1.0] + [1.0] * 24), np.zeros((25, 25)), np.eye(25)])
+    X = starts(A, 40)
+    X[:, :, 0] = 0.0
+    xs = mb.solve(A, X)
+    assert_same_as_alone(xs, np.array([0.5, 800.0]), 1e-12)
+    X[7, 0, 0] = 1.0
+    with pytest.raises(mb.Overflow, match="values of member 7"):
+        mb.solve(A, X)(800.0)
+
+
+def test_shapes_rows_and_items():
+    xs = mb.solve(TIED, starts(TIED, 40))
+    assert xs(1.0).shape == (40, 3) and xs(TIMES).shape == (40, 3, len(TIMES)) and xs([]).shape == (40, 3, 0)
+    assert np.allclose(xs.of("force", 0)(TIMES), xs(TIMES)[:, [2, 0]], rtol=1e-14, atol=1e-13)
+    assert np.array_equal(xs[3:5](2.0), np.array([xs[3](2.0), xs[4](2.0)])) and np.array_equal(xs[-1].initial, xs.initial[-1])
+    assert repr(xs) == "Responses(40 answers of 3 coordinates)" and len(list(xs)) == 40
+    with pytest.raises(IndexError):
+        xs[40]
+    with pytest.raises(mb.InputError, match='there is no coordinate "forc"; did you mean "force"?'):
+        xs.of("forc")
+
+
+def test_equations_without_derivatives():
+    A = mb.PolynomialMatrix([np.diag([2.0, 4.0])])
+    xs = mb.solve(A, force=[mb.step([2.0, 0.0]), mb.step([0.0, 2.0])])
+    assert xs([0.0, 1.0]).tolist() == [[[1.0, 1.0], [0.0, 0.0]], [[0.0, 0.0], [0.5, 0.5]]]
+    assert mb.solve(A, np.zeros((3, 0, 2)), mb.step([2.0, 4.0]))(1.0).tolist() == [[1.0, 1.0]] * 3
+
+
+@pytest.mark.parametrize(
+    "initial, force, text",
+    [
+        (np.zeros((4, 2, 2)), None, "initial: expected shape 2 x 3, or S x 2 x 3 for S starts, found 4 x 2 x 2"),
+        (np.zeros((4, 2, 3)), FORCES[1:] * 2 + FORCES[1:2], "force: found 5 forces for 4 starts; give as many, or one for all"),
+        (np.zeros((0, 2, 3)), None, "initial and force: found none"),
+        (None, [FORCES[1], 3.0], "force: found float; make it with"),
+        (None, [FORCES[1], mb.step([1.0])], "force: it has 1 row, but A(s) has 3"),
+        (np.full((2, 2, 3), np.nan), None, "initial: the entry at (0, 0, 0) is nan"),
+    ],
+)
+def test_what_does_not_match_is_told(initial, force, text):
+    with pytest.raises(mb.InputError) as told:
+        mb.solve(TIED, initial, force)
+    assert text in str(told.value)
+
+
+@pytest.mark.parametrize("times, text", [([-1.0], "found -1 s"), ([[1.0]], "found an array of shape"), ([np.nan], "nan")])
+def test_what_are_no_times_is_told(times, text):
+    with pytest.raises(mb.InputError) as told:
+        mb.solve(TIED, starts(TIED, 9))(times)
+    assert text in str(told.value)
+
+
+@pytest.mark.parametrize("make", [lambda: TIED, lambda: chain()], ids=["small", "large"])
+def test_all_need_little_more_memory_than_their_values(make, monkeypatch):
+    A = make()
+    xs = mb.solve(A, starts(A, 100))
+    xs(1.0)
+    for place in ("signals.bohl", "response.series", "response.flow", "response.starts", "linalg.recursion"):
+        monkeypatch.setattr(f"mbconstrained.{place}.CHUNK_ENTRIES", 20_000)
+    times = RANDOM.uniform(0.0, 40.0, 1000)
+    times.sort()
+    tracemalloc.start()
+    values = xs(times)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak <= 1.2 * values.nbytes + 20 * 8 * 20_000
