@@ -21,6 +21,8 @@ def test_the_python_blocks_run_in_order_and_say_what_their_comments_say():
     # two unit masses on a rigid link, the first one 1 m off: lambda = -1/2 delta' (worked by hand in tests/oracles)
     assert len(x.impulses) == 2 and not x.impulses[0].any()
     np.testing.assert_allclose(x.impulses[1], [0, 0, -0.5], atol=1e-15)
+    assert names["family"]([0.0, 0.5, 1.0]).shape == (1000, 2, 3)
+    assert names["swing"]([1.0, 2.0], of=[500]).shape == (1, 2) and names["modes"].notices == ()
 
 
 def test_set_up_is_exactly_two_commands():

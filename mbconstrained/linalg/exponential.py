@@ -98,9 +98,20 @@ def block_states(blocks: Sequence[np.ndarray] | BlockGroups, start: np.ndarray, 
 
 
 def _two_by_two(groups: BlockGroups, start, times, states) -> None:
-    plain = groups.oscillate(times)
+    plain, drifting = groups.oscillate(times), (groups.square == 0) & (groups.mean == 0)
     _oscillations(groups, np.flatnonzero(plain), start, times, states)
-    _any_pairs(groups, np.flatnonzero(~plain), start, times, states)
+    _drifts(groups, np.flatnonzero(drifting), start, times, states)
+    _any_pairs(groups, np.flatnonzero(~plain & ~drifting), start, times, states)
+
+
+def _drifts(groups: BlockGroups, chosen, start, times, states) -> None:
+    """Pairs of zeros at 0: v + R v t."""
+    if not chosen.size:
+        return
+    at, rest = groups.first[chosen], groups.rest[chosen]
+    for row in (0, 1):
+        turned = rest[:, row, 0, None] * start[at] + rest[:, row, 1, None] * start[at + 1]
+        states[at + row] = start[at + row] + turned * times
 
 
 def _oscillations(groups: BlockGroups, chosen, start, times, states) -> None:

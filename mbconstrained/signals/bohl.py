@@ -16,14 +16,10 @@ from ..checks import counted, real_array, real_number, whole_number
 from ..errors import InputError, Overflow
 from ..linalg.blocks import block_slices
 from ..linalg.exponential import CHUNK_ENTRIES, BlockGroups, block_states
-from ..linalg.oscillations import Oscillations
+from ..linalg.oscillations import MODERATE, Oscillations
 from .chunks import Piece, in_chunks
 from .merging import Part, merged
 from .restarts import Restarts
-
-#: Of so many oscillations it pays to find out which cosines and sines there are.
-MANY_PAIRS = 12
-
 
 @dataclass(frozen=True, repr=False)
 class BohlFunction:
@@ -89,7 +85,7 @@ class BohlFunction:
             if len(times) and not since.any():
                 return self._at_knots(piece)
             return coefficients @ block_states(groups, self.start.states[:, piece] * size[:, None], since)
-        if self._turning is None or not groups.oscillate(times).all():
+        if self._turning is None or self._turning[1].growth.max() * times.max(initial=0.0) >= MODERATE:
             return coefficients @ block_states(groups, self.start * size, times)
         folded, oscillations, others = self._turning
         values = folded @ oscillations(times)
@@ -119,22 +115,26 @@ class BohlFunction:
 
     @cached_property
     def _turning(self):
-        """Of a function with many oscillations: C e^{J t} v as D (cosines, sines), which of them there are, and the rest of C and J.
+        """C e^{J t} v as D (cosines, sines), which of them there are, and the rest of C and J; None where nothing oscillates.
 
         D has v in it: C (v cos w t + R v sin w t / w) for a block a I + R with R^2 = -w^2 I. A motion from rest has no sines.
         """
         coefficients, size, groups = self._prepared
-        if len(groups.first) < MANY_PAIRS or not (groups.square < 0).all():
+        chosen = np.flatnonzero(groups.square < 0)
+        if not chosen.size:
             return None
-        at, w, start = groups.first, np.sqrt(-groups.square), self.start * size
+        at, w, start = groups.first[chosen], np.sqrt(-groups.square[chosen]), self.start * size
         pairs = np.stack([start[at], start[at + 1]], axis=1)
-        turned = np.einsum("bij,bj->bi", groups.rest, pairs) / w[:, None]
+        turned = np.einsum("bij,bj->bi", groups.rest[chosen], pairs) / w[:, None]
         C = np.stack([coefficients[:, at], coefficients[:, at + 1]], axis=2)
         even, odd = (np.einsum("rbi,bi->rb", C, vectors) for vectors in (pairs, turned))
         cosines, sines = (np.flatnonzero(part.any(axis=0)) for part in (even, odd))
-        rest = np.setdiff1d(np.arange(len(size)), [at, at + 1])
-        others = BohlFunction(coefficients[:, rest], tuple(block for block in self.blocks if len(block) != 2), start[rest])
-        return np.hstack([even[:, cosines], odd[:, sines]]), Oscillations(groups.mean, w, cosines, sines), others
+        turning = set(at.tolist())
+        others = [(block, part) for block, part in zip(self.blocks, block_slices(self.blocks)) if part.start not in turning]
+        rest = np.concatenate([np.zeros(0, dtype=int), *(np.arange(part.start, part.stop) for _, part in others)])
+        remaining = BohlFunction(coefficients[:, rest], tuple(block for block, _ in others), start[rest])
+        oscillations = Oscillations(groups.mean[chosen], w, cosines, sines)
+        return np.hstack([even[:, cosines], odd[:, sines]]), oscillations, remaining
 
     @property
     def is_zero(self) -> bool:
