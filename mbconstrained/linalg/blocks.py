@@ -35,10 +35,17 @@ class BlockDiagonal:
 
 def block_diagonalize(triangle: np.ndarray, limit: float = DECOUPLING_LIMIT) -> BlockDiagonal:
     """Block-diagonalize a real quasi-triangular matrix (a real Schur form); what nothing couples is never put together."""
-    n = len(triangle)
+    groups = coupled_rows(triangle)
+    return assembled(groups, [_block_diagonalize(triangle[np.ix_(at, at)], limit) for at in groups])
+
+
+def assembled(groups: Sequence[np.ndarray], parts: Sequence[BlockDiagonal]) -> BlockDiagonal:
+    """A matrix decoupled from its parts on groups of its rows, which no entry couples to each other."""
+    if len(parts) == 1:
+        return parts[0]
+    n = sum(map(len, groups))
     basis, inverse, blocks, worst, begin = np.zeros((n, n)), np.zeros((n, n)), [], 0.0, 0
-    for at in coupled_rows(triangle):
-        found = _block_diagonalize(triangle[np.ix_(at, at)], limit)
+    for at, found in zip(groups, parts):
         end = begin + len(at)
         basis[at, begin:end], inverse[begin:end, at] = found.basis, found.inverse
         blocks, worst, begin = [*blocks, *found.blocks], max(worst, found.coupling), end

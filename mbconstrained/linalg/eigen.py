@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.linalg
+from scipy.linalg import lapack
 from scipy.sparse import csr_array
 
 from ..tolerances import DECOUPLING_LIMIT
@@ -41,35 +42,33 @@ def _by_clusters(matrix: np.ndarray) -> BlockDiagonal:
 
 
 def _by_eigenvectors(matrix: np.ndarray) -> BlockDiagonal | None:
-    with one_thread(len(matrix)):
-        values, vectors = scipy.linalg.eig(matrix)
-    real, upper = np.flatnonzero(values.imag == 0), np.flatnonzero(values.imag > 0)
-    pairs, n, count = vectors[:, upper], len(matrix), len(upper)
-    twos = np.empty((n, count, 2))
-    twos[:, :, 0], twos[:, :, 1] = pairs.real, pairs.imag
-    basis = np.hstack([vectors[:, real].real, twos.reshape(n, 2 * count)])
-    try:
-        inverse = np.linalg.inv(basis)
-    except np.linalg.LinAlgError:
+    """LAPACK's real and imaginary parts of the vectors side by side are the basis: no complex matrix is made."""
+    n = len(matrix)
+    room = int(lapack.dgeev_lwork(n, compute_vl=0)[0])
+    with one_thread(n):
+        _, imaginary, _, basis, failed = lapack.dgeev(matrix, compute_vl=0, lwork=room)
+    factors, pivots, singular = lapack.dgetrf(basis)
+    if failed or singular:
         return None
-    worst = _worst_condition(basis, inverse, len(real))
+    inverse = lapack.dgetri(factors, pivots, lwork=room, overwrite_lu=1)[0]
+    single, upper = np.flatnonzero(imaginary == 0), np.flatnonzero(imaginary > 0)
+    worst = _worst_condition(basis, inverse, single, upper)
     if not worst <= DECOUPLING_LIMIT:
         return None
     turned = csr_array(matrix) @ basis
-    ones = np.einsum("ij,ji->i", inverse[: len(real)], turned[:, : len(real)])
-    after = turned[:, len(real) :].reshape(n, count, 2)
-    quotients = np.einsum("kin,nkj->kij", inverse[len(real) :].reshape(count, 2, n), after)
-    a = (quotients[:, 0, 0] + quotients[:, 1, 1]) / 2
-    b = (quotients[:, 0, 1] - quotients[:, 1, 0]) / 2
-    blocks = [np.array([[value]]) for value in ones]
-    blocks += list(np.stack([np.stack([a, b], axis=1), np.stack([-b, a], axis=1)], axis=1))
-    return BlockDiagonal(basis, inverse, tuple(blocks), worst)
+
+    def quotients(rows, columns) -> np.ndarray:
+        return np.einsum("ki,ik->k", inverse[rows], turned[:, columns])
+
+    a = (quotients(upper, upper) + quotients(upper + 1, upper + 1)) / 2
+    b = (quotients(upper, upper + 1) - quotients(upper + 1, upper)) / 2
+    found = dict(zip(single.tolist(), quotients(single, single)[:, None, None]))
+    found |= zip(upper.tolist(), np.stack([a, b, -b, a], axis=1).reshape(-1, 2, 2))
+    return BlockDiagonal(basis, inverse, tuple(found[at] for at in sorted(found)), worst)
 
 
-def _worst_condition(basis, inverse, singles: int) -> float:
-    """The largest sum of |y_i| |x_i| for the zeros with real x, y, which come first, and for pairs of complex ones."""
-    n, pairs = len(basis), (len(basis) - singles) // 2
-    ones = np.einsum("ik,ki->k", np.abs(basis[:, :singles]), np.abs(inverse[:singles]))
-    right = np.linalg.norm(basis[:, singles:].reshape(n, pairs, 2), axis=2)
-    left = np.linalg.norm(inverse[singles:].reshape(pairs, 2, n), axis=1) / 2
-    return float(max(ones.max(initial=0.0), np.einsum("ik,ki->k", right, left).max(initial=0.0)))
+def _worst_condition(basis, inverse, single, upper) -> float:
+    """The largest sum of |y_i| |x_i|, of zeros with real x, y and of pairs of complex ones."""
+    ones = np.einsum("ik,ki->k", np.abs(basis[:, single]), np.abs(inverse[single]))
+    pairs = np.einsum("ik,ki->k", np.hypot(basis[:, upper], basis[:, upper + 1]), np.hypot(inverse[upper], inverse[upper + 1])) / 2
+    return float(max(ones.max(initial=0.0), pairs.max(initial=0.0)))

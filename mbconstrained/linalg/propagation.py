@@ -2,9 +2,9 @@
 
 e^{S h} is a Taylor polynomial of S h 2^-j (Paterson and Stockmeyer 1973), squared j times (Moler and Van Loan 2003, method 3),
 S balanced before. What is squared is E = e^X - I, by 2 E + E E: slow motions beside fast ones are small in it and keep digits
-that e^X would round away, each squaring twice as many. Its power for w steps takes w states at once w steps further. Entries that are nothing beside the largest
-are set to zero after every product: they would be denormal numbers soon, which processors handle slowly, and where S couples
-neighbours only, all products stay those of band matrices (``linalg.bands``).
+that e^X would round away, each squaring twice as many. Its power for w steps takes w states at once w steps further. Entries that are
+nothing beside others of their row and column are set to zero after every product: they would be denormal numbers soon, which
+processors handle slowly, and where S couples neighbours only, all products stay those of band matrices (``linalg.bands``).
 """
 
 from __future__ import annotations
@@ -29,8 +29,9 @@ CHUNK = 512
 #: Below this size a product of full matrices is faster than finding out where they are zero.
 SMALL = 400
 
-#: Entries of e^{S t} below this part of the largest count as zero: all of them together do not make a rounding.
-NOTHING = EPS * 1e-6
+#: Entries of e^{S t} below this part of the largest of their row and of their column count as zero: all of them together do not
+#: make a rounding of anything, be it apart from motions that grow. Nor do products of numbers below LEAST, which would be denormal.
+NOTHING, LEAST = EPS * 1e-6, np.finfo(float).tiny ** 0.5
 
 
 class Propagator:
@@ -135,9 +136,11 @@ def _change(X: np.ndarray) -> tuple[np.ndarray, int]:
 
 
 def _cleaned(matrix: np.ndarray) -> tuple[np.ndarray, int]:
-    """Without entries that are nothing beside the largest, and its bandwidth; of a small one that is not asked."""
+    """Without entries that are nothing beside others of their row and column, and its bandwidth; of a small one that is not asked."""
     size = np.abs(matrix)
-    np.multiply(matrix, size >= NOTHING * size.max(initial=0.0), out=matrix)
+    kept = size >= np.maximum(NOTHING * size.max(axis=1, initial=0.0), LEAST)[:, None]
+    kept |= size >= np.maximum(NOTHING * size.max(axis=0, initial=0.0), LEAST)
+    np.multiply(matrix, kept, out=matrix)
     return matrix, _band(matrix)
 
 

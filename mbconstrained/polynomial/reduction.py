@@ -16,14 +16,16 @@ import numpy as np
 import scipy.sparse
 from scipy.linalg import lapack
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import min_weight_full_bipartite_matching
+from scipy.sparse.csgraph import connected_components, min_weight_full_bipartite_matching
 
-from ..linalg.blocks import BlockDiagonal
+from ..linalg.blocks import BlockDiagonal, assembled
 from ..linalg.eigen import decoupled
 from ..linalg.scaling import equilibration
+from ..linalg.sparse import solved
 from ..linalg.symmetric import symmetric_modes
 from ..tolerances import noise_of
 from .matrix import PolynomialMatrix
+from .refinement import refined
 
 #: What is divided by may be conditioned so badly, its rows and columns brought to one size: it costs as many digits at most.
 MOST_CONDITION = 1e4
@@ -90,12 +92,12 @@ class Reduction:
         m = len(self.second)
         if not len(self.first):
             return self.divided_by_mass(right), right[m:]
-        rates = _solved(self.C[m:, m:], right[m:])
+        rates = solved(self.C[m:, m:], right[m:])
         return self.divided_by_mass(right[:m] - self.C[:m, m:] @ rates), rates
 
     def divided_by_mass(self, right: csr_array) -> csr_array:
         """M^-1 times a matrix."""
-        return _solved(self.M, right)
+        return solved(self.M, right)
 
     @cached_property
     def generator(self) -> csr_array:
@@ -128,9 +130,18 @@ class Reduction:
 
     @cached_property
     def decoupled(self) -> BlockDiagonal:
-        """S decoupled: by a symmetric eigenproblem of half the size where that is possible."""
-        found = symmetric_modes(self.M, self.C, self.K) if self.is_symmetric else None
-        return decoupled(self.generator.toarray()) if found is None else found
+        """S decoupled, what nothing couples each for itself: a motion that grows in one part is not in the others."""
+        count, which = connected_components(self.generator, directed=False)
+        groups = [np.flatnonzero(which == group) for group in range(count)]
+        parts = assembled(groups, [self._decoupled(states) for states in groups])
+        return parts if self.is_symmetric else refined(self, parts)
+
+    def _decoupled(self, states: np.ndarray) -> BlockDiagonal:
+        """Of a part of S: by a symmetric eigenproblem of half the size where that is possible."""
+        own, found = states[states < len(self.second)], None
+        if self.is_symmetric:
+            found = symmetric_modes(*(matrix[own][:, own] for matrix in (self.M, self.C, self.K)))
+        return decoupled(self.generator[states][:, states].toarray()) if found is None else found
 
     def state(self, values: np.ndarray) -> np.ndarray:
         """w from values (q, r) of x, x', ..."""
@@ -225,14 +236,6 @@ def _pivots(rows: np.ndarray, static: np.ndarray) -> np.ndarray | None:
             work[below] -= np.multiply.outer(work[below, pivot] / row[pivot], row)
             work[below, pivot] = 0.0
     return np.array(found, dtype=int)
-
-
-def _solved(matrix: csr_array, right: csr_array) -> csr_array:
-    """matrix^-1 @ right; where the matrix is diagonal by division."""
-    diagonal = matrix.diagonal()
-    if matrix.nnz == np.count_nonzero(diagonal) == matrix.shape[0]:
-        return csr_array(right.multiply(1 / diagonal[:, None]))
-    return csr_array(np.linalg.solve(matrix.toarray(), right.toarray()))
 
 
 def _is_symmetric(matrix: csr_array) -> bool:

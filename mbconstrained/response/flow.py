@@ -79,6 +79,7 @@ class Flow:
 
     @cached_property
     def _decoupled(self) -> tuple[BohlFunction, float]:
+        self._propagator = None  # of no more use
         smooth, n = self.force.smooth, len(self.start)
         m = smooth.coefficients.shape[1]
         driven = Driven(self.drive.toarray(), smooth.generator, np.eye(n + m)[:, n:], np.ones(m))
