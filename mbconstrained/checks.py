@@ -101,6 +101,20 @@ def whole_number(value, what: str, *, minimum: int = 0) -> int:
     return int(value)
 
 
+def evaluation_times(value) -> np.ndarray:
+    """A time (shape ()) or times (T,) at which a function of t >= 0 is asked for, or an InputError.
+
+    >>> evaluation_times([0, 1])
+    array([0., 1.])
+    """
+    times = real_array(value, "time")
+    if times.ndim > 1:
+        raise InputError(f"time: expected a number or a list of numbers, found an array of shape {times.shape}")
+    if times.size and times.min() < 0:
+        raise InputError(f"time: found {times.min():g} s; the function is defined for t >= 0 (0 means 0+)")
+    return times
+
+
 def counted(count: int, one: str, several: str | None = None) -> str:
     """How many there are of something.
 

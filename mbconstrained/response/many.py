@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..checks import counted, places_of, real_array, whole_number
+from ..checks import counted, evaluation_times, places_of, real_array, whole_number
 from ..errors import InputError, Overflow
 from ..notices import Notice
 from ..polynomial.matrix import PolynomialMatrix
@@ -45,11 +45,7 @@ class ManyFunctions:
             InputError: negative or not finite times.
             Overflow: a value leaves the range of float64.
         """
-        times = real_array(times, "time")
-        if times.ndim > 1:
-            raise InputError(f"time: expected a number or a list of numbers, found an array of shape {times.shape}")
-        if times.size and times.min() < 0:
-            raise InputError(f"time: found {times.min():g} s; the functions are defined for t >= 0 (0 means 0+)")
+        times = evaluation_times(times)
         found = np.empty((*self.shape, times.size))
         with np.errstate(over="ignore", invalid="ignore"):  # reported below
             for members, functions in self.groups:

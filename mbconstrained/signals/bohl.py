@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import block_diag
 
-from ..checks import counted, real_array, real_number, whole_number
+from ..checks import counted, evaluation_times, real_array, real_number, whole_number
 from ..errors import InputError, Overflow
 from ..linalg.blocks import block_slices
 from ..linalg.exponential import CHUNK_ENTRIES, BlockGroups, block_states
@@ -55,11 +55,7 @@ class BohlFunction:
             InputError: negative or not finite times.
             Overflow: a value leaves the range of float64.
         """
-        times = real_array(times, "time")
-        if times.ndim > 1:
-            raise InputError(f"time: expected a number or a list of numbers, found an array of shape {times.shape}")
-        if times.size and times.min() < 0:
-            raise InputError(f"time: found {times.min():g} s; the function is defined for t >= 0 (0 means 0+)")
+        times = evaluation_times(times)
         with np.errstate(over="ignore", invalid="ignore"):  # reported below, with the time
             values = self._values(np.atleast_1d(times))
         finite = np.isfinite(values).all(axis=0)
