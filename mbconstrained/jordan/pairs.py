@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -13,6 +14,7 @@ from ..linalg.blocks import block_diagonalize, eigenvalues
 from ..linalg.precise import MOST_STATES, is_worthwhile, precise_arithmetic
 from ..linalg.rank import RankDecision
 from ..linalg.staircase import SingularPencil
+from ..linalg.threads import SHORT, one_thread
 from ..polynomial.companion import multiplicity_at_zero, scaled_companion
 from ..polynomial.matrix import PolynomialMatrix
 from ..polynomial.regularity import singular_message
@@ -159,8 +161,10 @@ def jordan_pairs(A: PolynomialMatrix, rank_tolerance: float | None = None) -> Jo
     Raises:
         SingularPolynomialMatrix: det A(s) = 0 for every s; names the dependent equations and free coordinates.
     """
+    states = A.size * max(A.degree, 1)
     try:
-        return JordanPairs(A, _form_in_enough_digits(A, rank_tolerance), rank_tolerance)
+        with one_thread(states) if states <= SHORT else nullcontext():
+            return JordanPairs(A, _form_in_enough_digits(A, rank_tolerance), rank_tolerance)
     except SingularPencil:
         message, equations, coordinates = singular_message(A)
         raise SingularPolynomialMatrix(message, equations, coordinates) from None

@@ -2,8 +2,8 @@
 
 e^{S h} is a Taylor polynomial of S h 2^-j (Paterson and Stockmeyer 1973), squared j times (Moler and Van Loan 2003, method 3),
 S balanced before. What is squared is E = e^X - I, by 2 E + E E: slow motions beside fast ones are small in it and keep digits
-that e^X would round away, each squaring twice as many. Its power for w steps takes w states at once w steps further. Entries that are
-nothing beside others of their row and column are set to zero after every product: they would be denormal numbers soon, which
+that e^X would round away, each squaring twice as many. Its power for w steps takes w states at once w steps further. Entries that
+are nothing beside others of their row and column are set to zero after every product: they would be denormal numbers soon, which
 processors handle slowly, and where S couples neighbours only, all products stay those of band matrices (``linalg.bands``).
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 import scipy.linalg
 
 from ..tolerances import EPS
-from .bands import bandwidth, banded_product, narrow_order
+from .bands import banded_product, bandwidth, narrow_order
 
 #: e^X by its Taylor polynomial of this degree, as a polynomial of degree 4 in X^4, is exact to rounding for |X| <= LARGEST.
 DEGREE, ROOT, LARGEST = 16, 4, 0.78
@@ -136,7 +136,7 @@ def _change(X: np.ndarray) -> tuple[np.ndarray, int]:
 
 
 def _cleaned(matrix: np.ndarray) -> tuple[np.ndarray, int]:
-    """Without entries that are nothing beside others of their row and column, and its bandwidth; of a small one that is not asked."""
+    """Without entries that are nothing beside others of their row and column, and its bandwidth; a small one is taken as full."""
     size = np.abs(matrix)
     kept = size >= np.maximum(NOTHING * size.max(axis=1, initial=0.0), LEAST)[:, None]
     kept |= size >= np.maximum(NOTHING * size.max(axis=0, initial=0.0), LEAST)

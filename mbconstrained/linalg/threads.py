@@ -13,6 +13,9 @@ from functools import cache
 #: Smaller problems are not handed to several threads by the library itself.
 SMALL = 64
 
+#: Up to this size products that follow one another are too short for more than one thread.
+SHORT = 400
+
 
 @cache
 def _libraries():
@@ -24,6 +27,8 @@ def _libraries():
 @contextmanager
 def one_thread(size: int) -> Iterator[None]:
     """One thread within, for matrices of this size; the setting before is there again afterwards.
+
+    That is for the QR algorithm; where products follow one another it pays up to ``SHORT``.
 
     >>> with one_thread(100):
     ...     pass

@@ -46,7 +46,9 @@ class Motions:
     def __len__(self) -> int:
         return len(self.applied)
 
-    def __getitem__(self, index: int) -> Motion:
+    def __getitem__(self, index: int | slice) -> Motion | Motions:
+        if isinstance(index, slice):
+            return Motions(self.system, self.responses[index], self.applied[index], self.rank_tolerance)
         place = range(len(self))[index]  # IndexError where there is none
         return motion_of(self.system, self.responses.initial[place], self.applied[place], self.rank_tolerance)
 

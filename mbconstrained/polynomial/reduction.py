@@ -92,8 +92,9 @@ class Reduction:
         m = len(self.second)
         if not len(self.first):
             return self.divided_by_mass(right), right[m:]
-        rates = solved(self.C[m:, m:], right[m:])
-        return self.divided_by_mass(right[:m] - self.C[:m, m:] @ rates), rates
+        rates, C = solved(self.C[m:, m:], right[m:]), self.C[:m, m:]
+        left = _without_noise(right[:m] - C @ rates, abs(right[:m]) + abs(C) @ abs(rates))
+        return self.divided_by_mass(left), rates
 
     def divided_by_mass(self, right: csr_array) -> csr_array:
         """M^-1 times a matrix."""
@@ -198,12 +199,17 @@ def _eliminated(rows: np.ndarray, static: np.ndarray) -> tuple[csr_array, csr_ar
 
 def _product(left: csr_array, V: csr_array) -> csr_array:
     """left @ V; what is rounding of its terms exactly zero: a mass, damper or spring that is not there."""
-    found = csr_array(left @ V).tocoo()
-    if found.nnz and V.nnz > V.shape[1]:
-        noise = csr_array(abs(left) @ abs(V))[found.row, found.col]
-        kept = np.abs(found.data) > noise_of(np.asarray(noise).reshape(-1))
-        return csr_array((found.data[kept], (found.row[kept], found.col[kept])), shape=found.shape)
-    return found.tocsr()
+    found = csr_array(left @ V)
+    return _without_noise(found, abs(left) @ abs(V)) if V.nnz > V.shape[1] else found
+
+
+def _without_noise(matrix: csr_array, size: csr_array) -> csr_array:
+    """The same without entries that are rounding of terms of this size: they would couple what is not, in any units."""
+    found = matrix.tocoo()
+    if not found.nnz:
+        return found.tocsr()
+    kept = np.abs(found.data) > noise_of(np.asarray(csr_array(size)[found.row, found.col]).reshape(-1))
+    return csr_array((found.data[kept], (found.row[kept], found.col[kept])), shape=found.shape)
 
 
 def _matching_rows(M: csr_array) -> np.ndarray | None:

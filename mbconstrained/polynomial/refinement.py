@@ -92,9 +92,10 @@ def _correction(reduction: Reduction) -> Callable[[np.ndarray, np.ndarray, np.nd
 
 
 class _Differences:
-    """A square matrix times vectors by differences of their entries."""
+    """A square matrix times vectors by differences of their entries, where these are the smaller terms: units may differ."""
 
     def __init__(self, matrix: csr_array):
+        self.matrix = matrix
         entries = matrix.tocoo()
         beside = entries.row != entries.col
         self.row, self.column = entries.row[beside], entries.col[beside]
@@ -104,4 +105,7 @@ class _Differences:
         self.sums = sums.astype(float)
 
     def __call__(self, x: np.ndarray) -> np.ndarray:
-        return self.sums[:, None] * x + self.factors @ (x[self.column] - x[self.row])
+        apart, size = x[self.column] - x[self.row], np.abs(x)
+        differences = np.abs(self.sums)[:, None] * size + abs(self.factors) @ np.abs(apart)
+        less = differences < abs(self.matrix) @ size
+        return np.where(less, self.sums[:, None] * x + self.factors @ apart, self.matrix @ x)

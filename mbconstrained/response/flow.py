@@ -136,15 +136,19 @@ class FlowFunction(BohlFunction):
     True
     """
 
-    def __init__(self, flow: Flow, output: csr_array):
-        object.__setattr__(self, "flow", flow)
-        object.__setattr__(self, "output", output)
+    def __init__(self, flow: Flow, place: csr_array, order: int = 0):
+        """The derivative of this order of place @ z."""
+        output = place
+        for _ in range(order):
+            output = csr_array(output @ flow.generator)
+        for name, value in (("flow", flow), ("place", place), ("order", order), ("output", output)):
+            object.__setattr__(self, name, value)
 
     @cached_property
     def modal(self) -> BohlFunction:
-        """The same as a sum of modes."""
+        """The same as a sum of modes: each is differentiated by itself, slow ones lose nothing beside fast ones."""
         states = self.flow.states
-        return BohlFunction(self.output @ states.coefficients, states.blocks, states.start)
+        return BohlFunction(self.place @ states.coefficients, states.blocks, states.start).derivative(self.order)
 
     @property
     def coefficients(self) -> np.ndarray:
@@ -178,21 +182,18 @@ class FlowFunction(BohlFunction):
 
     def derivative(self, order: int = 1) -> BohlFunction:
         """The classical derivative."""
-        output = self.output
-        for _ in range(whole_number(order, "order")):
-            output = csr_array(output @ self.flow.generator)
-        return FlowFunction(self.flow, output)
+        return FlowFunction(self.flow, self.place, self.order + whole_number(order, "order"))
 
     def mapped(self, matrix) -> BohlFunction:
         """matrix @ y(t), matrix of shape (p, r)."""
         matrix = real_array(matrix, "matrix", shape=(None, self.size))
-        return FlowFunction(self.flow, csr_array(csr_array(matrix) @ self.output))
+        return FlowFunction(self.flow, csr_array(csr_array(matrix) @ self.place), self.order)
 
     def rows(self, indices) -> BohlFunction:
         """Some of its rows, in this order."""
-        return FlowFunction(self.flow, self.output[np.asarray(indices, dtype=int)])
+        return FlowFunction(self.flow, self.place[np.asarray(indices, dtype=int)], self.order)
 
     def __mul__(self, factor: float) -> BohlFunction:
-        return FlowFunction(self.flow, csr_array(self.output * real_number(factor, "factor")))
+        return FlowFunction(self.flow, csr_array(self.place * real_number(factor, "factor")), self.order)
 
     __rmul__ = __mul__

@@ -96,7 +96,7 @@ class Responses:
     def __len__(self) -> int:
         return len(self.forces)
 
-    def __getitem__(self, index: int) -> Response:
+    def __getitem__(self, index: int | slice) -> Response | Responses:
         if isinstance(index, slice):
             return Responses(self.polynomial_matrix, self.initial[index], self.forces[index], self.rank_tolerance)
         place = range(len(self))[index]  # IndexError where there is none

@@ -121,3 +121,12 @@ def test_powers_are_asked_for_in_any_order():
         back = np.argsort(propagator.order)
         matrix = (propagator.units[:, None] * propagator.jump(doublings)[0] / propagator.units)[np.ix_(back, back)]
         assert np.allclose(matrix, scipy.linalg.expm(S * 0.2 * 2**doublings), rtol=0, atol=1e-14)
+
+
+def test_a_motion_that_grows_leaves_others_alone():
+    calm, start = chain(4, 0.02), np.random.default_rng(2).normal(size=8)
+    both = scipy.linalg.block_diag(calm, [[2.0]])
+    found = Propagator(both, 1.0).values(np.eye(9), np.append(start, 0.0), 300)
+    expected = Propagator(calm, 1.0).values(np.eye(8), start, 300)
+    assert np.abs(found[:8] - expected).max() <= 1e-12 * np.abs(expected).max()
+    assert not found[8].any()

@@ -25,7 +25,9 @@ def checked_start(system: SparseSystem, start: np.ndarray, held: np.ndarray) -> 
         A = system.constraint_matrix
         broken = A @ value - asked
         entries = np.diff(A.indptr).max(initial=1)
-        beyond = np.abs(broken) > noise_of(abs(A) @ (np.abs(value) + np.abs(offset)) + np.abs(asked), int(entries))
+        largest = np.abs(value).max(initial=0.0)  # of that vector: whoever projected it on the constraints left its rounding
+        size = abs(A) @ (largest + np.abs(offset)) + np.abs(asked)
+        beyond = np.abs(broken) > noise_of(size, int(entries))
         if beyond.any():
             worst = int(np.argmax(np.abs(broken) * beyond))
             raise InputError(

@@ -165,3 +165,16 @@ def test_ten_thousand_masses_few_coordinates():
     exact = modes.shapes[[5000], [0]] * np.cos(w[0] * times) + 0.1 * modes.shapes[[5000], [15]] * np.cos(w[15] * times)
     assert np.abs(motion(times, of=[5000])[0] - exact).max() < 1e-9 * np.abs(exact).max()
     assert motion.truncation < 1e-6
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_start_may_be_off_by_the_rounding_of_its_projection(seed):
+    """Of x - A^+ A x an entry near zero has the rounding of x, not its own."""
+    row, x = np.array([[1.0, -0.7, 0.0]]), np.random.default_rng(seed).normal(size=3)
+    x[0] = -x[1] / 0.7 + 1e-6 * seed  # nearly along the row: little is left of the first two
+    projected = x - np.linalg.pinv(row) @ (row @ x)
+    unit = sp.eye_array(3, format="csr")
+    system = mb.SparseSystem(unit, stiffness=unit, constraints=[mb.Constraint(row)])
+    assert np.allclose(system.solve(projected)(0.0), projected, rtol=0, atol=1e-14)
+    with pytest.raises(mb.InputError, match="asks for 0, the values at 0- give"):
+        system.solve(projected + [1e-12, 0, 0])

@@ -1,0 +1,31 @@
+"""The number of threads is limited within, and as it was afterwards."""
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
+
+from mbconstrained.linalg.threads import SMALL, one_thread
+
+
+def counts() -> list[int]:
+    np.eye(2) @ np.eye(2)
+    return [library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"]
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_one_thread_within_and_the_users_setting_afterwards(threads):
+    with threadpool_limits(threads, user_api="blas"):
+        before = counts()
+        with one_thread(SMALL):
+            assert set(counts()) == {1}
+        assert counts() == before
+
+
+def test_it_is_restored_after_an_error_and_small_problems_are_left_alone():
+    with threadpool_limits(2, user_api="blas"):
+        before = counts()
+        with pytest.raises(ZeroDivisionError), one_thread(SMALL):
+            raise ZeroDivisionError
+        assert counts() == before
+        with one_thread(SMALL - 1):
+            assert counts() == before
