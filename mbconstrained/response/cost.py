@@ -20,7 +20,6 @@ GENERAL, GENERAL_SMALL = 40.0, 12000.0
 SYMMETRIC, SYMMETRIC_SMALL = 1.5, 1000.0
 
 
-
 def decomposition_cost(reduction: Reduction) -> float:
     """Of decoupling S."""
     n = max(reduction.state_count, 1)

@@ -21,6 +21,7 @@ from .chunks import Piece, in_chunks
 from .merging import Part, merged
 from .restarts import Restarts
 
+
 @dataclass(frozen=True, repr=False)
 class BohlFunction:
     """f(t) = C e^{J t} v for t >= 0, evaluated at any times, in any order, with no stepping.

@@ -215,4 +215,3 @@ class SparseSystem:
         for name, number in value.items():
             vector[self.place(name, what)] = real_number(number, f"{what} of {name}")
         return vector
-
