@@ -14,16 +14,15 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse
-from scipy.linalg import lapack
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, min_weight_full_bipartite_matching
 
 from ..linalg.blocks import BlockDiagonal, assembled
 from ..linalg.eigen import decoupled
 from ..linalg.scaling import equilibration
-from ..linalg.sparse import solved
+from ..linalg.sparse import condition, is_semidefinite, is_symmetric, solved, without_noise
 from ..linalg.symmetric import symmetric_modes
-from ..tolerances import noise_of
+from ..tolerances import EPS
 from .matrix import PolynomialMatrix
 from .refinement import refined
 
@@ -93,7 +92,7 @@ class Reduction:
         if not len(self.first):
             return self.divided_by_mass(right), right[m:]
         rates, C = solved(self.C[m:, m:], right[m:]), self.C[:m, m:]
-        left = _without_noise(right[:m] - C @ rates, abs(right[:m]) + abs(C) @ abs(rates))
+        left = without_noise(right[:m] - C @ rates, abs(right[:m]) + abs(C) @ abs(rates))
         return self.divided_by_mass(left), rates
 
     def divided_by_mass(self, right: csr_array) -> csr_array:
@@ -116,18 +115,24 @@ class Reduction:
             return bool(np.isfinite(self.generator.data).all())
 
     @cached_property
+    def spread(self) -> float:
+        """The modulus of the fastest zero over that of the slowest."""
+        moduli = np.abs(np.linalg.eigvals(self.generator.toarray()))
+        return float(moduli.max() / max(moduli.min(), EPS * moduli.max()))
+
+    @cached_property
     def is_symmetric(self) -> bool:
         """Whether S can be decoupled by a symmetric eigenproblem: all masses, no damping or one in proportion."""
-        if len(self.first) or not all(_is_symmetric(matrix) for matrix in (self.M, self.C, self.K)):
+        if len(self.first) or not all(is_symmetric(matrix) for matrix in (self.M, self.C, self.K)):
             return False
-        return not self.C.nnz or _is_symmetric(self.C @ self.divided_by_mass(self.K))
+        return not self.C.nnz or is_symmetric(self.C @ self.divided_by_mass(self.K))
 
     @cached_property
     def is_dissipative(self) -> bool:
         """Whether no motion can grow: M, K positive definite, C positive semidefinite, all symmetric."""
         M = self.M.copy()
         M.resize(self.K.shape)
-        return all(_is_symmetric(matrix) and _is_semidefinite(matrix) for matrix in (M, self.C, self.K))
+        return all(is_symmetric(matrix) and is_semidefinite(matrix) for matrix in (M, self.C, self.K))
 
     @cached_property
     def decoupled(self) -> BlockDiagonal:
@@ -163,7 +168,7 @@ def reduction_of(A: PolynomialMatrix) -> Reduction | None:
     found = _eliminated(A.coefficients[0][algebraic], static=~moving)
     if found is None or len(second) + len(first) != found[0].shape[1]:
         return None
-    V, Y, free, condition = found
+    V, Y, free, eliminated = found
     m, columns = len(second), np.diff(_product(A2[second], V).tocsc().indptr) > 0
     if columns.sum() != m:
         return None
@@ -175,8 +180,8 @@ def reduction_of(A: PolynomialMatrix) -> Reduction | None:
     second = second[matching]
     rest = np.concatenate([second, first])
     K, C, M = _product(A0[rest], V), _product(A1[rest], V), _product(A2[second], V)[:, :m]
-    largest = max(condition, _condition(M), _condition(C[m:, m:]) if len(first) else 1.0)
-    if largest > MOST_CONDITION or _condition(K) > MOST_STIFFNESS_CONDITION:
+    largest = max(eliminated, condition(M), condition(C[m:, m:]) if len(first) else 1.0)
+    if largest > MOST_CONDITION or condition(K) > MOST_STIFFNESS_CONDITION:
         return None
     return Reduction(given, algebraic, second, first, free, V, Y, M, C, K, moving, largest)
 
@@ -187,34 +192,25 @@ def _eliminated(rows: np.ndarray, static: np.ndarray) -> tuple[csr_array, csr_ar
     if not len(rows):
         return scipy.sparse.eye_array(size, format="csr"), csr_array((size, 0)), np.arange(size), 1.0
     pivots = _pivots(rows, static)
-    condition = np.inf if pivots is None else _condition(rows[:, pivots])
-    if condition > MOST_CONDITION:
+    own = np.inf if pivots is None else condition(rows[:, pivots])
+    if own > MOST_CONDITION:
         return None
     free = np.setdiff1d(np.arange(size), pivots)
     solved = np.linalg.solve(rows[:, pivots], np.hstack([rows[:, free], np.eye(len(rows))]))
     V, Y = np.zeros((size, len(free))), np.zeros((size, len(rows)))
     V[free, range(len(free))], V[pivots], Y[pivots] = 1.0, -solved[:, : len(free)], solved[:, len(free) :]
-    return csr_array(V), csr_array(Y), free, condition
+    return csr_array(V), csr_array(Y), free, own
 
 
 def _product(left: csr_array, V: csr_array) -> csr_array:
     """left @ V; what is rounding of its terms exactly zero: a mass, damper or spring that is not there."""
     found = csr_array(left @ V)
-    return _without_noise(found, abs(left) @ abs(V)) if V.nnz > V.shape[1] else found
-
-
-def _without_noise(matrix: csr_array, size: csr_array) -> csr_array:
-    """The same without entries that are rounding of terms of this size: they would couple what is not, in any units."""
-    found = matrix.tocoo()
-    if not found.nnz:
-        return found.tocsr()
-    kept = np.abs(found.data) > noise_of(np.asarray(csr_array(size)[found.row, found.col]).reshape(-1))
-    return csr_array((found.data[kept], (found.row[kept], found.col[kept])), shape=found.shape)
+    return without_noise(found, abs(left) @ abs(V)) if V.nnz > V.shape[1] else found
 
 
 def _matching_rows(M: csr_array) -> np.ndarray | None:
     """An order of rows that brings the large entries to the diagonal: equations may be named after other coordinates."""
-    if _is_symmetric(M):
+    if is_symmetric(M):
         return np.arange(M.shape[0])
     weights = abs(M)
     weights.data = 1 + np.log(weights.data.max(initial=1.0) / weights.data)
@@ -242,39 +238,3 @@ def _pivots(rows: np.ndarray, static: np.ndarray) -> np.ndarray | None:
             work[below] -= np.multiply.outer(work[below, pivot] / row[pivot], row)
             work[below, pivot] = 0.0
     return np.array(found, dtype=int)
-
-
-def _is_symmetric(matrix: csr_array) -> bool:
-    """Whether it is to rounding, each entry beside its row and its column: no unit of a coordinate decides."""
-    difference = abs(matrix - matrix.T).tocoo()
-    if not difference.nnz:
-        return True
-    size = np.sqrt(abs(matrix).max(axis=1).toarray().reshape(-1))
-    return bool((difference.data <= noise_of(size[difference.row] * size[difference.col])).all())
-
-
-def _is_semidefinite(matrix: csr_array) -> bool:
-    """Whether a symmetric matrix has no negative eigenvalue beyond rounding, its diagonal brought to 1 where it is not 0."""
-    diagonal = matrix.diagonal()
-    if (diagonal < 0).any():
-        return False
-    root = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-    scaled = csr_array(matrix.multiply(1 / root[:, None]).multiply(1 / root))
-    size, noise = np.asarray(abs(scaled).sum(axis=1)).reshape(-1), noise_of(1.0, len(root))
-    dominated = (2 * scaled.diagonal() - size >= -noise).all()  # then it has none, at no cost
-    return bool(dominated) or float(np.linalg.eigvalsh(scaled.toarray())[0]) >= -noise
-
-
-def _condition(matrix: np.ndarray | csr_array) -> float:
-    """The condition (1-norm, estimated) of a square matrix whose rows and columns are brought to one size."""
-    if not matrix.shape[0]:
-        return 1.0
-    if scipy.sparse.issparse(matrix):
-        if matrix.nnz == matrix.shape[0] and matrix.diagonal().all():  # diagonal
-            return 1.0
-        matrix = matrix.toarray()
-    rows, columns = equilibration(np.abs(matrix))
-    scaled = rows[:, None] * matrix * columns
-    factors, _, info = lapack.dgetrf(scaled)
-    reciprocal = lapack.dgecon(factors, np.abs(scaled).sum(axis=0).max())[0] if info == 0 else 0.0
-    return 1 / reciprocal if reciprocal > 0 else np.inf

@@ -21,7 +21,7 @@ from ..notices import Notice
 from ..polynomial.matrix import PolynomialMatrix
 from ..polynomial.reduction import Reduction
 from ..signals.impulsive import ImpulsiveSmooth
-from ..tolerances import EPS, noise_of, rounding_radius
+from ..tolerances import noise_of, rounding_radius
 from .cost import LEAST_STATES, Way, way_of
 from .events import Event
 from .flow import Flow, FlowFunction
@@ -197,10 +197,7 @@ def fitting(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -
 def _is_stiff(reduction: Reduction) -> bool:
     """Whether precise arithmetic would be worth its time, by the slowest and the fastest motion."""
     n = reduction.state_count
-    if n > MOST_STATES:
-        return False
-    moduli = np.abs(np.linalg.eigvals(reduction.generator.toarray()))
-    return is_worthwhile(float(moduli.max() / max(moduli.min(), EPS * moduli.max())), n)
+    return n <= MOST_STATES and is_worthwhile(reduction.spread, n)
 
 
 def way_to_evaluate(A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth, times: np.ndarray) -> Way:
