@@ -195,7 +195,7 @@ def test_the_equations_hold_after_0_and_the_start_is_that_of_the_formula(A):
         np.testing.assert_allclose(at_start, numbers(x.start[i, :], values), rtol=1e-14, atol=1e-25)
 
 
-@settings(max_examples=15)
+@settings(max_examples=8)
 @given(
     st.sampled_from([DAMPED, TWO_MASSES, MASSLESS_JOINTS]),
     st.lists(st.integers(1, 12), min_size=7, max_size=7),
