@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -14,7 +13,7 @@ from ..linalg.blocks import block_diagonalize, eigenvalues
 from ..linalg.precise import MOST_STATES, is_worthwhile, precise_arithmetic
 from ..linalg.rank import RankDecision
 from ..linalg.staircase import SingularPencil
-from ..linalg.threads import SHORT, one_thread
+from ..linalg.threads import short_work
 from ..polynomial.companion import multiplicity_at_zero, scaled_companion
 from ..polynomial.matrix import PolynomialMatrix
 from ..polynomial.regularity import singular_message
@@ -163,7 +162,7 @@ def jordan_pairs(A: PolynomialMatrix, rank_tolerance: float | None = None) -> Jo
     """
     states = A.size * max(A.degree, 1)
     try:
-        with one_thread(states) if states <= SHORT else nullcontext():
+        with short_work(states):
             return JordanPairs(A, _form_in_enough_digits(A, rank_tolerance), rank_tolerance)
     except SingularPencil:
         message, equations, coordinates = singular_message(A)

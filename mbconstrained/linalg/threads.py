@@ -13,8 +13,8 @@ from functools import cache
 #: Smaller problems are not handed to several threads by the library itself.
 SMALL = 64
 
-#: Up to this size products that follow one another are too short for more than one thread.
-SHORT = 400
+#: Up to this size products and factorizations that follow one another are too short for more than one thread.
+SHORT = 1200
 
 
 @cache
@@ -28,7 +28,7 @@ def _libraries():
 def one_thread(size: int) -> Iterator[None]:
     """One thread within, for matrices of this size; the setting before is there again afterwards.
 
-    That is for the QR algorithm; where products follow one another it pays up to ``SHORT``.
+    That is for the QR algorithm; for other work see ``short_work``.
 
     >>> with one_thread(100):
     ...     pass
@@ -37,4 +37,18 @@ def one_thread(size: int) -> Iterator[None]:
         yield
         return
     with _libraries().limit(limits=1):
+        yield
+
+
+@contextmanager
+def short_work(size: int) -> Iterator[None]:
+    """One thread within where matrices of this size are too small for more.
+
+    >>> with short_work(2000):
+    ...     pass
+    """
+    if size > SHORT:
+        yield
+        return
+    with one_thread(size):
         yield

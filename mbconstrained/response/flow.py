@@ -170,6 +170,11 @@ class FlowFunction(BohlFunction):
         """Number of rows."""
         return self.output.shape[0]
 
+    @property
+    def state_count(self) -> int:
+        """Number of states of A(s) and of the force."""
+        return self.output.shape[1]
+
     def _values(self, times) -> np.ndarray:
         values = self.flow.stepped(self.output, times)
         if values is None:

@@ -9,6 +9,7 @@ import numpy as np
 from ..checks import counted, real_array
 from ..errors import InputError
 from ..jordan.pairs import JordanPairs
+from ..linalg.threads import short_work
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
@@ -65,9 +66,10 @@ def solve(
         return solve_many(A, initial, force, rank_tolerance)
     initial = np.zeros((q, r)) if initial is None else real_array(initial, "initial", shape=(q, r))
     force = checked_force(force, r)
-    if rank_tolerance is None and q * r >= LEAST_STATES and (found := reduced_solution(A, initial, force)) is not None:
-        return Response(A, initial, force, found, found.jump, found.impulses, events=found.events)
-    return solve_with(A.jordan_pairs(rank_tolerance), initial, force)
+    with short_work(q * r):
+        if rank_tolerance is None and q * r >= LEAST_STATES and (found := reduced_solution(A, initial, force)) is not None:
+            return Response(A, initial, force, found, found.jump, found.impulses, events=found.events)
+        return solve_with(A.jordan_pairs(rank_tolerance), initial, force)
 
 
 def solve_with(pairs: JordanPairs, initial: np.ndarray, force: ImpulsiveSmooth) -> Response:

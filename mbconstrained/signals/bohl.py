@@ -17,6 +17,7 @@ from ..errors import InputError, Overflow
 from ..linalg.blocks import block_slices
 from ..linalg.exponential import CHUNK_ENTRIES, BlockGroups, block_states
 from ..linalg.oscillations import MODERATE, Oscillations
+from ..linalg.threads import short_work
 from .chunks import Piece, in_chunks
 from .merging import Part, merged
 from .restarts import Restarts
@@ -49,6 +50,11 @@ class BohlFunction:
         """Number of rows r of f(t)."""
         return self.coefficients.shape[0]
 
+    @property
+    def state_count(self) -> int:
+        """Number of states n."""
+        return self.coefficients.shape[1]
+
     def __call__(self, times) -> np.ndarray:
         """f at a time (-> shape (r,)) or at times of shape (T,) (-> shape (r, T)); each t >= 0, t = 0 means 0+.
 
@@ -57,7 +63,7 @@ class BohlFunction:
             Overflow: a value leaves the range of float64.
         """
         times = evaluation_times(times)
-        with np.errstate(over="ignore", invalid="ignore"):  # reported below, with the time
+        with np.errstate(over="ignore", invalid="ignore"), short_work(self.state_count):  # reported below, with the time
             values = self._values(np.atleast_1d(times))
         finite = np.isfinite(values).all(axis=0)
         if not finite.all():
