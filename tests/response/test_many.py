@@ -47,7 +47,7 @@ def test_starts_that_fit_do_not_jump():
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.05])
-@pytest.mark.parametrize("count", [3, 20, 70])  # fewer and more than coordinates
+@pytest.mark.parametrize("count", [3, 20, 45])  # fewer and more than coordinates
 @pytest.mark.parametrize("kind", ["free", "harmonic", "record"])
 def test_large_models(damping, count, kind):
     A = chain(damping)
