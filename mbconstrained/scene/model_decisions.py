@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ..checks import counted
 
 if TYPE_CHECKING:
@@ -115,9 +113,8 @@ def response(scene: Scene) -> Decision:
     """The answer, and in which way its values are found."""
     from ..response.reduced import way_to_evaluate
 
-    equations, time = scene.equations, scene.table.time
-    times = np.linspace(0.0, time.end, time.points)
-    way = way_to_evaluate(equations.polynomial_matrix, equations.initial, equations.right_hand_side, times)
+    equations = scene.equations
+    way = way_to_evaluate(equations.polynomial_matrix, equations.initial, equations.right_hand_side, scene.times)
     return True, f"from the values at 0-, with jumps and impulses; values {way.reason}"
 
 

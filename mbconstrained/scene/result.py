@@ -56,7 +56,7 @@ class Result:
     @cached_property
     def times(self) -> np.ndarray:
         """The times asked for, shape (T,), in s."""
-        return np.linspace(0.0, self.scene.table.time.end, self.scene.table.time.points)
+        return self.scene.times
 
     @cached_property
     def finite_pair(self) -> FinitePair:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from ..checks import nearest
 from ..errors import InputError
 from .dimensions import load_units
@@ -43,6 +45,11 @@ class Scene:
     def name(self) -> str:
         """The name of the file without its ending; results are named after it."""
         return self.path.stem
+
+    @property
+    def times(self) -> np.ndarray:
+        """The times asked for, shape (T,), in s."""
+        return np.linspace(0.0, self.table.time.end, self.table.time.points)
 
     @property
     def title(self) -> str:
