@@ -56,11 +56,10 @@ def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None)
         array = np.asarray(value)
     except ValueError:
         raise InputError(f"{what}: the rows have different lengths; give a rectangular array of numbers") from None
-    if array.size == 0:
-        array = array.astype(float)
-    if array.dtype.kind == "c":
-        raise InputError(f"{what}: complex numbers found; only real data is accepted")
-    if array.dtype.kind not in "biuf":
+    kind = array.dtype.kind
+    if kind not in "biuf" and array.size:
+        if kind == "c":
+            raise InputError(f"{what}: complex numbers found; only real data is accepted")
         raise InputError(f"{what}: found {_sample(array)}; expected numbers")
     array = np.array(array, dtype=float)
     if shape is not None and not _fits(array.shape, shape):
@@ -130,13 +129,22 @@ def names_of(names, count: int, what: str, prefix: str) -> tuple[str, ...]:
         return tuple(f"{prefix}{i + 1}" for i in range(count))
     if isinstance(names, str):
         raise InputError(f'{what}: found the text "{names}"; expected a list of names')
-    names = tuple(str(name) for name in names)
+    names = tuple(map(str, names))
     if len(names) != count:
         raise InputError(f"{what}: {len(names)} names given for {count}; give one each")
+    if len(set(names)) == count:
+        return names
     repeated = sorted(name for name, count in Counter(names).items() if count > 1)
-    if repeated:
-        raise InputError(f'{what}: the name "{repeated[0]}" is used twice; names must differ')
-    return names
+    raise InputError(f'{what}: the name "{repeated[0]}" is used twice; names must differ')
+
+
+def constant_zeros(shape: tuple[int, ...]) -> np.ndarray:
+    """Zeros that cannot be written to, of which there is one number in memory.
+
+    >>> constant_zeros((2, 3)).any(), constant_zeros((2, 3)).shape
+    (np.False_, (2, 3))
+    """
+    return np.ndarray(shape, float, bytes(8), 0, (0,) * len(shape))
 
 
 def places_of(chosen: Iterable, names: Sequence[str], what: str) -> list[int]:

@@ -13,12 +13,17 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 #: Rows that are multiplied at once.
 ROWS = 96
 
+#: A matrix with more than this part of its entries is not worth an order.
+FILLED = 1 / 8
+
 #: A product is made block by block where that takes less than this part of the multiplications.
 NARROW = 0.7
 
 
 def narrow_order(matrix: np.ndarray) -> np.ndarray:
-    """An order of rows and columns in which the entries of a square matrix are near the diagonal."""
+    """An order of rows and columns in which the entries of a square matrix are near the diagonal, if they are few."""
+    if np.count_nonzero(matrix) > FILLED * matrix.size:
+        return np.arange(len(matrix))
     pattern = csr_array(matrix != 0)
     return np.asarray(reverse_cuthill_mckee(pattern + pattern.T, symmetric_mode=True))
 
@@ -51,3 +56,19 @@ def banded_product(left: np.ndarray, right: np.ndarray, left_band: int, right_ba
         outer = slice(None) if right_band is None else slice(max(inner.start - right_band, 0), min(inner.stop + right_band, n))
         product[begin:end, outer] = left[begin:end, inner] @ right[inner, outer]
     return product
+
+
+def multiply_in_place(left: np.ndarray, right: np.ndarray, left_band: int, right_band: int) -> None:
+    """right = left @ right, both square of these bandwidths, some columns after others: no third matrix is made.
+
+    >>> matrix = np.array([[2.0, 0.0], [0.0, 3.0]])
+    >>> multiply_in_place(np.array([[0.0, 1.0], [1.0, 0.0]]), matrix, 1, 0)
+    >>> matrix.tolist()
+    [[0.0, 3.0], [2.0, 0.0]]
+    """
+    n = len(left)
+    for begin in range(0, n, ROWS):
+        end = min(begin + ROWS, n)
+        inner = slice(max(begin - right_band, 0), min(end + right_band, n))
+        outer = slice(max(inner.start - left_band, 0), min(inner.stop + left_band, n))
+        right[outer, begin:end] = left[outer, inner] @ right[inner, begin:end]

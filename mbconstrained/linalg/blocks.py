@@ -15,6 +15,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from ..tolerances import DECOUPLING_LIMIT
+from .kinds import Matrix
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,15 @@ class BlockDiagonal:
     inverse: np.ndarray
     blocks: tuple[np.ndarray, ...]
     coupling: float
+
+    def seen(self, output: Matrix) -> np.ndarray:
+        """output @ basis."""
+        used = abs(output).sum(axis=0).nonzero()[0]
+        return output[:, used] @ self.basis[used]
+
+    def coordinates(self, states: np.ndarray) -> np.ndarray:
+        """inverse @ states."""
+        return self.inverse @ states
 
 
 def block_diagonalize(triangle: np.ndarray, limit: float = DECOUPLING_LIMIT) -> BlockDiagonal:
@@ -76,7 +86,18 @@ def coupled_rows(matrix: np.ndarray) -> list[np.ndarray]:
     >>> [rows.tolist() for rows in coupled_rows(np.array([[1.0, 0, 2], [0, 1, 0], [0, 0, 1]]))]
     [[0, 2], [1]]
     """
-    return [rows for rows, _ in coupled((matrix != 0) | np.eye(len(matrix), dtype=bool))]
+    pattern, n = matrix != 0, len(matrix)
+    if n and _reached(pattern | pattern.T).all():  # mostly
+        return [np.arange(n)]
+    return [rows for rows, _ in coupled(pattern | np.eye(n, dtype=bool))]
+
+
+def _reached(pattern: np.ndarray) -> np.ndarray:
+    """Which rows of a symmetric matrix of bools hang together with the first."""
+    reached, before = pattern[0] | (np.arange(len(pattern)) == 0), 0
+    while (count := np.count_nonzero(reached)) > before:
+        reached, before = reached | pattern[reached].any(axis=0), count
+    return reached
 
 
 def coupled(pattern: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -148,6 +169,29 @@ def _decoupling(top, bottom, corner):
 def _step(T, at) -> int:
     """Size of the diagonal block of the quasi-triangular T that begins at this row."""
     return 2 if at + 1 < len(T) and T[at + 1, at] != 0 else 1
+
+
+def zeros_of(blocks: Sequence[np.ndarray]) -> np.ndarray:
+    """The zeros of diagonal blocks, of each complex pair the one above the real axis.
+
+    >>> zeros_of([np.array([[-1.0, 2.0], [-2.0, -1.0]]), np.array([[3.0]])]).tolist()
+    [(-1+2j), (3+0j)]
+    """
+    found: list[complex] = []
+    for block in blocks:
+        if len(block) > 2:
+            values = np.linalg.eigvals(block)
+            found.extend(values[values.imag >= 0].tolist())
+            continue
+        (a, *b), *below = block.tolist()
+        if not below:
+            found.append(a)
+            continue
+        (c, d), half = below[0], (a - below[0][1]) / 2
+        square = half * half + b[0] * c
+        root, mean = abs(square) ** 0.5, d + half
+        found.extend([complex(mean, root)] if square < 0 else [mean + root, mean - root])
+    return np.array(found, dtype=complex)
 
 
 def eigenvalues(T: np.ndarray) -> np.ndarray:

@@ -11,64 +11,85 @@ from __future__ import annotations
 import numpy as np
 import scipy.linalg
 from scipy.linalg import lapack
-from scipy.sparse import csr_array
 
 from ..tolerances import DECOUPLING_LIMIT
 from .blocks import BlockDiagonal, block_diagonalize
+from .kinds import Matrix, alike, full, kept
 from .scaling import balancing_units
 from .threads import one_thread
 
+#: So many vectors are looked at at once.
+COLUMNS = 32
 
-def decoupled(matrix: np.ndarray) -> BlockDiagonal:
-    """inverse @ S @ basis = diag(blocks) for a real square matrix S.
+
+def decoupled(matrix: Matrix) -> BlockDiagonal:
+    """inverse @ S @ basis = diag(blocks) for a real square matrix S, dense or sparse.
 
     Where an eigenvector is hardly apart from the others, by its Schur form and clusters instead (``linalg.blocks``).
 
     >>> decoupled(np.array([[0.0, 1.0], [-4.0, 0.0]])).blocks[0].tolist()
     [[0.0, 2.0], [-2.0, 0.0]]
     """
-    if not len(matrix):
-        return BlockDiagonal(matrix, matrix, (), 0.0)
-    units = balancing_units(csr_array(matrix))
-    balanced = matrix * units / units[:, None]
+    if not matrix.shape[0]:
+        return BlockDiagonal(*np.zeros((2, 0, 0)), (), 0.0)
+    matrix = kept(matrix) if isinstance(matrix, np.ndarray) else matrix
+    units = balancing_units(matrix)
+    balanced = alike(matrix * units / units[:, None], matrix)
     found = _by_eigenvectors(balanced) or _by_clusters(balanced)
-    return BlockDiagonal(found.basis * units[:, None], found.inverse / units, found.blocks, found.coupling)
+    basis, inverse = found.basis, found.inverse
+    basis *= units[:, None]
+    inverse /= units
+    return BlockDiagonal(basis, inverse, found.blocks, found.coupling)
 
 
-def _by_clusters(matrix: np.ndarray) -> BlockDiagonal:
-    triangle, rotation = scipy.linalg.schur(matrix, output="real")
+def _by_clusters(matrix: Matrix) -> BlockDiagonal:
+    triangle, rotation = scipy.linalg.schur(full(matrix), output="real")
     parts = block_diagonalize(triangle)
     return BlockDiagonal(rotation @ parts.basis, parts.inverse @ rotation.T, parts.blocks, parts.coupling)
 
 
-def _by_eigenvectors(matrix: np.ndarray) -> BlockDiagonal | None:
+def _by_eigenvectors(matrix: Matrix) -> BlockDiagonal | None:
     """LAPACK's real and imaginary parts of the vectors side by side are the basis: no complex matrix is made."""
-    n = len(matrix)
+    n = matrix.shape[0]
     room = int(lapack.dgeev_lwork(n, compute_vl=0)[0])
     with one_thread(n):
-        _, imaginary, _, basis, failed = lapack.dgeev(matrix, compute_vl=0, lwork=room)
+        _, imaginary, _, basis, failed = lapack.dgeev(np.array(full(matrix), order="F"), compute_vl=0, lwork=room, overwrite_a=1)
     factors, pivots, singular = lapack.dgetrf(basis)
     if failed or singular:
         return None
     inverse = lapack.dgetri(factors, pivots, lwork=room, overwrite_lu=1)[0]
-    single, upper = np.flatnonzero(imaginary == 0), np.flatnonzero(imaginary > 0)
+    single, upper = (imaginary == 0).nonzero()[0], (imaginary > 0).nonzero()[0]
     worst = _worst_condition(basis, inverse, single, upper)
     if not worst <= DECOUPLING_LIMIT:
         return None
-    turned = csr_array(matrix) @ basis
-
-    def quotients(rows, columns) -> np.ndarray:
-        return np.einsum("ki,ik->k", inverse[rows], turned[:, columns])
-
-    a = (quotients(upper, upper) + quotients(upper + 1, upper + 1)) / 2
-    b = (quotients(upper, upper + 1) - quotients(upper + 1, upper)) / 2
-    found = dict(zip(single.tolist(), quotients(single, single)[:, None, None]))
-    found |= zip(upper.tolist(), np.stack([a, b, -b, a], axis=1).reshape(-1, 2, 2))
+    found: dict[int, np.ndarray] = {}
+    for at in _some(single):  # y S x of real x, y
+        found |= zip(at.tolist(), inverse[at].dot(matrix @ basis[:, at]).diagonal()[:, None, None])
+    for at in _some(upper):
+        found |= zip(at.tolist(), _pairs(matrix, basis, inverse, at))
     return BlockDiagonal(basis, inverse, tuple(found[at] for at in sorted(found)), worst)
+
+
+def _pairs(matrix, basis, inverse, upper) -> np.ndarray:
+    """The blocks [[a, b], [-b, a]] of pairs of complex ones, shape (k, 2, 2)."""
+    k, both = len(upper), np.concatenate([upper, upper + 1])
+    quotients = inverse[both].dot(matrix @ basis[:, both])
+    diagonal = quotients.diagonal()
+    a, b = (diagonal[:k] + diagonal[k:]) / 2, (quotients.diagonal(k) - quotients.diagonal(-k)) / 2
+    return np.array([a, b, -b, a]).T.reshape(-1, 2, 2)
 
 
 def _worst_condition(basis, inverse, single, upper) -> float:
     """The largest sum of |y_i| |x_i|, of zeros with real x, y and of pairs of complex ones."""
-    ones = np.einsum("ik,ki->k", np.abs(basis[:, single]), np.abs(inverse[single]))
-    pairs = np.einsum("ik,ki->k", np.hypot(basis[:, upper], basis[:, upper + 1]), np.hypot(inverse[upper], inverse[upper + 1])) / 2
-    return float(max(ones.max(initial=0.0), pairs.max(initial=0.0)))
+    worst = 0.0
+    for at in _some(single):
+        worst = max(worst, np.einsum("ik,ki->k", np.abs(basis[:, at]), np.abs(inverse[at])).max())
+    for at in _some(upper):
+        sizes = np.hypot(basis[:, at], basis[:, at + 1]), np.hypot(inverse[at], inverse[at + 1])
+        worst = max(worst, np.einsum("ik,ki->k", *sizes).max() / 2)
+    return float(worst)
+
+
+def _some(columns: np.ndarray) -> list[np.ndarray]:
+    """Some columns at a time: what is made of them stays small beside the matrix."""
+    return [columns[begin : begin + COLUMNS] for begin in range(0, len(columns), COLUMNS)]

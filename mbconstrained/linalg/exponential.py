@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
 
 from ..errors import IllConditioned
+from .blocks import block_slices
 from .oscillations import MODERATE, Oscillations
 
 #: The Taylor polynomial of e^X of this degree is exact to rounding for |X| <= 1 (1/19! < 1e-17).
@@ -42,34 +44,51 @@ class BlockGroups:
 
     Attributes:
         single, rates: the states of blocks of size one, and their rates.
-        first: the first state of each block of size two; these are mean I + rest with rest^2 = square I.
-        growth: of each block of size two the real part of its zeros, the larger one's where both are real.
+        first: the first state of each block of size two.
+        pairs: these blocks, shape (k, 2, 2), mean I + rest with rest^2 = square I.
         larger: the others, with their places.
     """
 
     single: np.ndarray
     rates: np.ndarray
     first: np.ndarray
+    pairs: np.ndarray
     mean: np.ndarray
     rest: np.ndarray
     square: np.ndarray
-    growth: np.ndarray
     larger: tuple[tuple[slice, np.ndarray], ...]
 
     @staticmethod
     def of(blocks: Sequence[np.ndarray]) -> BlockGroups:
         """The groups of diag(blocks)."""
-        sizes = np.array([len(block) for block in blocks], dtype=int)
-        begins = np.cumsum(sizes) - sizes
-        rates = np.array([block[0, 0] for block in blocks if len(block) == 1])
-        stack = np.array([block for block in blocks if len(block) == 2]).reshape(-1, 2, 2)
-        mean = (stack[:, 0, 0] + stack[:, 1, 1]) / 2
-        rest = stack - mean[:, None, None] * np.eye(2)
+        places: tuple[list[int], ...] = ([], [], [])  # of blocks of size one, of size two, of the others
+        begins = [at.start for at in block_slices(blocks)]
+        for place, block in enumerate(blocks):
+            places[min(len(block), 3) - 1].append(place)
+        single, double, others = places
+        first = [np.array([begins[place] for place in chosen], dtype=int) for chosen in (single, double)]
+        rates = np.array([blocks[place][0, 0] for place in single])
+        pairs = np.array([blocks[place] for place in double]).reshape(-1, 2, 2)
+        rest, mean = pairs.copy(), (pairs[:, 0, 0] + pairs[:, 1, 1]) / 2
+        rest[:, 0, 0] -= mean
+        rest[:, 1, 1] -= mean
         square = rest[:, 0, 0] ** 2 + rest[:, 0, 1] * rest[:, 1, 0]
-        larger = tuple((slice(at, at + len(block)), block) for at, block in zip(begins.tolist(), blocks) if len(block) > 2)
-        determinant = stack[:, 0, 0] * stack[:, 1, 1] - stack[:, 0, 1] * stack[:, 1, 0]
-        growth = _larger_real_part(mean, square, determinant)
-        return BlockGroups(begins[sizes == 1], rates, begins[sizes == 2], mean, rest, square, growth, larger)
+        larger = tuple((slice(begins[place], begins[place] + len(blocks[place])), blocks[place]) for place in others)
+        return BlockGroups(first[0], rates, first[1], pairs, mean, rest, square, larger)
+
+    @cached_property
+    def growth(self) -> np.ndarray:
+        """Of each block of size two the real part of its zeros, the larger one's where both are real."""
+        pairs = self.pairs
+        determinant = pairs[:, 0, 0] * pairs[:, 1, 1] - pairs[:, 0, 1] * pairs[:, 1, 0]
+        return _larger_real_part(self.mean, self.square, determinant)
+
+    def drifts(self, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The states of zeros at 0, which are v + R v t, and R v for v of shape (n,)."""
+        resting, pairs = self.single[self.rates == 0], (self.square == 0) & (self.mean == 0)
+        places = self.first[pairs, None] + np.arange(2)
+        turned = np.einsum("bij,bj->bi", self.rest[pairs], start[places])
+        return np.concatenate([resting, places.reshape(-1)]), np.concatenate([np.zeros(len(resting)), turned.reshape(-1)])
 
     def oscillate(self, times: np.ndarray) -> np.ndarray:
         """Which of the pairs oscillate, and do not grow out of range within these times."""
@@ -172,8 +191,19 @@ def _cluster_states(block, start, times) -> np.ndarray:
         return _shifted_states(block - shift * np.eye(len(block)), shift, start, times)
     basis, triangle, rows = half
     shift = np.trace(triangle) / len(triangle)
-    states = _shifted_states(triangle - shift * np.eye(len(triangle)), shift, rows @ start, times)
+    rest = triangle - shift * np.eye(len(triangle))
+    is_pair = len(rest) == 2 and np.abs(rest[0, 0].real) * times.max(initial=0.0) < MODERATE
+    states = (_pair_states if is_pair else _shifted_states)(rest, shift, rows @ start, times)
     return 2 * (basis @ states).real
+
+
+def _pair_states(rest, shift, start, times) -> np.ndarray:
+    """e^{(rest + shift) t} start for a triangle of two complex zeros: rest^2 = d^2 I, a motion and a force near resonance."""
+    turned = rest[0, 0] * times
+    safe = np.where(turned == 0, 1.0, turned)
+    odd = np.where(turned == 0, 1.0, np.sinh(safe) / safe) * times
+    with np.errstate(over="ignore", invalid="ignore", under="ignore"):  # the caller sees and reports what is not finite
+        return (start * np.cosh(turned) + (rest @ start) * odd) * np.exp(shift * times)
 
 
 def _upper_half(block):

@@ -6,7 +6,7 @@ a sum, so that the square root of the number of times is all that is evaluated.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,8 +15,16 @@ from ..tolerances import EPS
 #: Exponents up to this size are far from the ends of the range of float64.
 MODERATE = 690.0
 
-#: So many values at even times are made as products of fewer.
-MANY = 20_000
+#: So many values at even times are made as products of fewer, and looked at for what has decayed; for few rows so many less.
+MANY, SEVERAL = 20_000, 1500
+
+#: What is this part of something is far below its rounding. So many pairs, the slowest, are what others are held against; they are
+#: looked at so many rows at a time, and anew in so many parts of the times.
+NOTHING, SLOW, ROWS, PARTS = EPS / 256, 8, 32, 8
+
+#: So many values are made at once where they are multiplied right away; of many pairs so many that with the coefficients they take
+#: three quarters of a matrix of all states.
+AT_ONCE = 1 << 17
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,40 +48,159 @@ class Oscillations:
         >>> pair(np.array([0.0, 1.0])).round(12).tolist()
         [[1.0, -1.0], [0.0, 0.0]]
         """
-        found = np.empty((len(self.cosines) + len(self.sines), len(times)))
-        step = even_step(times) if len(self.growth) * len(times) >= MANY else None
-        if step is None:
-            self._each(times, found)
-        else:
-            self._of_sums(times, step, found)
-        if (self.growth * times.max(initial=0.0)).min(initial=0.0) < -MODERATE:
-            rates = np.concatenate([self.growth[self.cosines], self.growth[self.sines]])
-            found[np.multiply.outer(rates, times) < -MODERATE] = 0.0
+        step = even_step(times) if self.are_many(times) else None
+        return self._each(times) if step is None else self._of_sums(times, *self._grids(times, step))
+
+    def combined(self, coefficients: np.ndarray, times: np.ndarray, lasting: Lasting | None = None) -> np.ndarray:
+        """coefficients @ self(times), shape (r, T), with no table of the functions at all times.
+
+        Args:
+            lasting: what ``Lasting.of`` says of these coefficients: which functions are nothing any more is then left out.
+        """
+        many = self.are_many(times)
+        few = len(coefficients) ** 2 <= len(times) and coefficients.shape[1] * len(times) >= SEVERAL
+        step, room = even_step(times) if many or few else None, max(AT_ONCE, 3 * len(self.growth) ** 2 - coefficients.size)
+        if step is not None and few:
+            return self._of_few_rows(coefficients, times, step)
+        if not many:
+            return coefficients @ self._each(times)
+        coarse, fine = (None, np.empty(1)) if step is None else self._grids(times, step)
+        found, size = np.empty((len(coefficients), len(times))), fine.shape[-1]
+        width = max(1, room // max(1, coefficients.shape[1]))
+        width = size * max(1, (width if lasting is None else min(width, len(times) // PARTS)) // size)
+        for begin in range(0, len(times), width):
+            place = slice(begin, begin + width)
+            part, columns = self._remaining(coefficients, times[place], lasting)
+            at = slice(begin // size, (begin + width) // size)
+            table = part._each(times[place]) if step is None else part._of_sums(times[place], coarse[..., at], fine)
+            np.matmul(columns, table, out=found[:, place])
         return found
 
-    def _each(self, times, found) -> None:
-        begin = 0
+    def _remaining(self, coefficients, times, lasting) -> tuple[Oscillations, np.ndarray]:
+        """The functions that are still something at these times, and their coefficients."""
+        kept = None if lasting is None else lasting.at(times)
+        if kept is None or kept.all():
+            return self, coefficients
+        cosines, sines = np.split(kept, [len(self.cosines)])
+        return replace(self, cosines=self.cosines[cosines], sines=self.sines[sines]), coefficients[:, kept]
+
+    def _of_few_rows(self, coefficients, times, step) -> np.ndarray:
+        """The real part of the sum of conj(z) e^{s (T + tau)}, s = a + i w and z = c + i d of c cos w t + d sin w t.
+
+        z e^{conj(s) T} is made for the coarse times, and one real product takes them all to the fine ones.
+        """
+        fine, split = int(len(times) ** 0.5), len(self.cosines)
+        z = np.zeros((len(coefficients), len(self.growth)), dtype=complex)
+        z.real[:, self.cosines], z.imag[:, self.sines] = coefficients[:, :split], coefficients[:, split:]
+        coarse = z[:, None] * self._turned(times[::fine], -1j)
+        table = self._turned(step * np.arange(fine), 1j)
+        found = coarse.view(float).reshape(-1, 2 * z.shape[1]) @ table.view(float).T
+        return np.ascontiguousarray(found.reshape(len(z), -1)[:, : len(times)])
+
+    def _turned(self, times, unit: complex) -> np.ndarray:
+        """e^{(a + unit w) t}, shape (T, m)."""
+        exponents = np.multiply.outer(times, self.growth + unit * self.frequency)
+        found = np.exp(exponents)
+        if self.growth.min(initial=0.0) * times[-1] < -MODERATE:
+            found[exponents.real < -MODERATE] = 0.0
+        return found
+
+    def are_many(self, times: np.ndarray) -> bool:
+        """Whether a table of all of them is worth any thought before it is made."""
+        return len(self.growth) * len(times) >= MANY
+
+    def _grids(self, times, step) -> tuple[np.ndarray, np.ndarray]:
+        """(cos; sin) of all pairs at coarse and at fine times, shape (m, 2, number of times)."""
+        fine = int(len(times) ** 0.5)
+        return self._both(times[::fine]), self._both(step * np.arange(fine))
+
+    def _both(self, times) -> np.ndarray:
+        """e^{a t} cos w t and e^{a t} sin w t of all pairs, shape (m, 2, T)."""
+        turn, exponents = np.multiply.outer(self.frequency, times), np.multiply.outer(self.growth, times)
+        found = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        found *= np.where(exponents < -MODERATE, 0.0, np.exp(exponents))[:, None]
+        return found
+
+    def _each(self, times) -> np.ndarray:
+        found, begin, last = np.empty((len(self.cosines) + len(self.sines), len(times))), 0, times.max(initial=0.0)
         for chosen, function in ((self.cosines, np.cos), (self.sines, np.sin)):
-            part = found[begin : begin + len(chosen)]
+            if not len(chosen):
+                continue
+            part, growth = found[begin : begin + len(chosen)], self.growth[chosen]
             function(np.multiply.outer(self.frequency[chosen], times), out=part)
-            if self.growth[chosen].any():
-                part *= np.exp(np.multiply.outer(self.growth[chosen], times))
+            if np.abs(growth).max() * last > EPS / 4:  # else e^{a t} is rounded to 1
+                part *= np.exp(np.multiply.outer(growth, times))
             begin += len(chosen)
+        return self._without_decayed(found, times)
 
-    def _of_sums(self, times, step, found) -> None:
-        size = len(times)
-        fine = int(size**0.5)
-        (c, s), (C, S) = (self._tables(grid) for grid in (step * np.arange(fine), times[::fine]))
-        begin = 0
-        for chosen, one, two in ((self.cosines, (C, c), (-S, s)), (self.sines, (S, c), (C, s))):
-            part = one[0][chosen][:, :, None] * one[1][chosen][:, None, :]
-            part += two[0][chosen][:, :, None] * two[1][chosen][:, None, :]
-            found[begin : begin + len(chosen)] = part.reshape(len(chosen), C.shape[1] * fine)[:, :size]
+    def _of_sums(self, times, coarse, fine) -> np.ndarray:
+        """Each a small product: (cos T, -sin T) or (sin T, cos T), by (cos tau; sin tau)."""
+        found, begin = np.empty((len(self.cosines) + len(self.sines), coarse.shape[2], fine.shape[2])), 0
+        for chosen, part in ((self.cosines, _quarter_on(coarse)[:, ::-1]), (self.sines, coarse[:, ::-1])):
+            np.matmul(part[chosen].transpose(0, 2, 1), fine[chosen], out=found[begin : begin + len(chosen)])
             begin += len(chosen)
+        return self._without_decayed(found.reshape(len(found), coarse.shape[2] * fine.shape[2])[:, : len(times)], times)
 
-    def _tables(self, times) -> tuple[np.ndarray, np.ndarray]:
-        turn, size = np.multiply.outer(self.frequency, times), np.exp(np.multiply.outer(self.growth, times))
-        return size * np.cos(turn), size * np.sin(turn)
+    def _without_decayed(self, found, times) -> np.ndarray:
+        """With zeros for what would be denormal numbers."""
+        last = times.max(initial=0.0)
+        if self.growth.min(initial=0.0) * last < -MODERATE:
+            rates = np.concatenate([self.growth[self.cosines], self.growth[self.sines]])
+            decayed = np.flatnonzero(rates * last < -MODERATE)
+            found[decayed] *= np.multiply.outer(rates[decayed], times) >= -MODERATE
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Lasting:
+    """How long functions are something beside the slowest ones: what has decayed far below their rounding adds no digit.
+
+    Attributes:
+        rates: a of each function, shape (k,).
+        logarithms: of its largest coefficient in any row beside that of the slowest ones in this row, k / NOTHING times.
+        slowest: the smallest a of these.
+        since: a time by which all of them have turned by a radian: from then on their rounding is that of their size.
+    """
+
+    rates: np.ndarray
+    logarithms: np.ndarray
+    slowest: float
+    since: float
+
+    @staticmethod
+    def of(functions: Oscillations, coefficients: np.ndarray) -> Lasting | None:
+        """None where nothing decays.
+
+        >>> pairs = Oscillations(np.array([-1.0, -100.0]), np.array([1.0, 2.0]), np.arange(2), np.arange(0))
+        >>> Lasting.of(pairs, np.array([[1.0, 5.0]])).at(np.array([1.0, 1.1])).tolist()
+        [True, False]
+        """
+        if not (functions.growth < 0).any() or not coefficients.size:
+            return None
+        pairs = np.concatenate([functions.cosines, functions.sines])
+        slow = np.argsort(-functions.growth, kind="stable")[: max(1, min(SLOW, len(functions.growth) // 4))]
+        chosen, ratios = np.isin(pairs, slow), np.zeros(len(pairs))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            for begin in range(0, len(coefficients), ROWS):
+                size = np.abs(coefficients[begin : begin + ROWS])
+                size /= size[:, chosen].max(axis=1, initial=0.0)[:, None]  # infinite in rows without slow ones
+                ratios = np.fmax(ratios, np.fmax.reduce(size, axis=0))
+            logarithms = np.log(ratios * (len(pairs) / NOTHING))
+        since = 1 / functions.frequency[slow].min()
+        return Lasting(functions.growth[pairs], logarithms, float(functions.growth[slow].min()), float(since))
+
+    def at(self, times: np.ndarray) -> np.ndarray | None:
+        """Which are something within these times, None for all: the others together are less than NOTHING of the slow ones."""
+        first, last = times.min(), times.max()
+        if first < self.since:
+            return None
+        largest = np.maximum(self.rates * first, self.rates * last)
+        return self.logarithms + largest > min(self.slowest * first, self.slowest * last)
+
+
+def _quarter_on(pairs: np.ndarray) -> np.ndarray:
+    """(-sin; cos) of (cos; sin)."""
+    return np.stack([-pairs[:, 1], pairs[:, 0]], axis=1)
 
 
 def even_step(times: np.ndarray) -> float | None:

@@ -128,3 +128,50 @@ def _from(now, gained, factors, keep: bool = False) -> np.ndarray:
                 following[i] += np.multiply(entry, now[k], out=part)
         now = following
     return now
+
+
+def scanned(states: np.ndarray, factors: np.ndarray) -> None:
+    """z_(j+1) = factors_j z_j + g_j for complex scalars side by side, in place: states (K + 1, p) begin as z_0, g_0, g_1, ...
+
+    Args:
+        factors: shape (K, p), or (1, p) where all are the same.
+
+    >>> states = np.array([[8.0], [1.0], [1.0]], dtype=complex)
+    >>> scanned(states, np.array([[0.5 + 0j]]))
+    >>> states.ravel().real.tolist()
+    [8.0, 5.0, 3.5]
+    """
+    count, p = len(states) - 1, states.shape[1]
+    length = max(1, int(count**0.5))
+    groups, taken = count // length, count // length * length
+    gained = states[1 : taken + 1].reshape(groups, length, p)
+    each = factors[:taken].reshape(groups, length, p) if len(factors) > 1 else np.broadcast_to(factors, (1, length, p))
+    now, across = np.zeros((groups, p), dtype=complex), np.ones((len(each), p), dtype=complex)
+    for step in range(length):
+        now *= each[:, step]
+        now += gained[:, step]
+        across *= each[:, step]
+    following = states[0]
+    for group in range(groups):
+        now[group], following = following, across[group % len(across)] * following + now[group]
+    for step in range(length):
+        now *= each[:, step]
+        now += gained[:, step]
+        gained[:, step] = now
+    for step in range(taken, count):
+        states[step + 1] += factors[step % len(factors)] * states[step]
+
+
+def powers(values: np.ndarray, count: int) -> np.ndarray:
+    """1, x, x^2, ..., one row for each of values (T,), shape (T, count).
+
+    >>> powers(np.array([2.0]), 5).tolist()
+    [[1.0, 2.0, 4.0, 8.0, 16.0]]
+    """
+    found, done = np.empty((count, len(values))), 1
+    found[0] = 1.0
+    while done < count:
+        some = min(done, count - done)
+        np.multiply(found[:some], found[done - 1] * values, out=found[done : done + some])
+        done += some
+    return np.ascontiguousarray(found.T)

@@ -11,12 +11,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import lapack
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import spsolve
 
 from ..errors import IllConditioned
-from ..tolerances import EPS
+from ..tolerances import EPS, NOISE_SAFETY
+from .kinds import Matrix
 from .precise import is_precise, power_of_two
 
 #: Factors stay within 2^(+-this), where they and their inverses are normal numbers.
@@ -27,6 +29,12 @@ EQUILIBRATION_ROUNDS = 6
 
 #: Rounds of balancing a sparse matrix.
 BALANCING_ROUNDS = 12
+
+#: Beyond so many states what couples them is found by their graph, not by powers of their matrix.
+FEW_STATES = 40
+
+#: Rows and columns that differ by less need no more rounds: units are powers of two.
+NEARLY_BALANCED = 1.5
 
 #: What makes a Laplace equation regular; a matrix with a tenth of its entries is solved as a full one.
 SLIGHT, FILLED = 1e-9, 10
@@ -74,69 +82,139 @@ def _fitted(coefficients: np.ndarray) -> Scaling:
 
 def equilibration(size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Powers of two for the rows and columns of a matrix of magnitudes that bring its largest entries near 1."""
-    rows, columns = np.ones(size.shape[0]), np.ones(size.shape[1])
+    count = len(size)
+    rows, columns, scaled = np.ones(count), np.ones(size.shape[1]), size
     for _ in range(EQUILIBRATION_ROUNDS):
-        scaled = rows[:, None] * size * columns
-        row_step = _inverse_root(scaled.max(axis=1, initial=0.0))
-        column_step = _inverse_root(scaled.max(axis=0, initial=0.0))
-        if (row_step == 1).all() and (column_step == 1).all():
+        steps = _inverse_root(np.concatenate([scaled.max(axis=1, initial=0.0), scaled.max(axis=0, initial=0.0)]))
+        if (steps == 1).all():
             break
-        rows, columns = rows * row_step, columns * column_step
+        rows, columns = rows * steps[:count], columns * steps[count:]
+        scaled = rows[:, None] * size * columns
     final = _inverse(((rows[:, None] * size) * columns).max(axis=1, initial=0.0))
     return rows * final, columns
 
 
-def balancing_units(generator: csr_array) -> np.ndarray:
-    """Units of the states of a square sparse matrix, powers of two: S * units / units[:, None] has rows and columns of like size.
+def balancing_units(generator: Matrix) -> np.ndarray:
+    """Units of the states of a square matrix, powers of two: S * units / units[:, None] has rows and columns of like size.
 
     From the least-squares fit of log2|S_ij| + u_j - u_i to one number each round brings them half way, all at once (after Parlett
     and Reinsch 1969): states of one kind keep one unit, which one after another they would not. What drives states without being
     driven by them is left out.
 
     >>> balancing_units(csr_array([[0.0, 1.0], [-256.0, 0.0]])).tolist()
-    [0.25, 4.0]
+    [1.0, 16.0]
     """
-    row, column, size, n = *_mutual(generator), generator.shape[0]
+    if isinstance(generator, np.ndarray):
+        return _balancing(*_mutual_sizes(generator))
+    row, column, size, first = _mutual(generator)
+    n = len(first)
     exponents = _fitted_exponents(row, column, np.log2(size), n)
     for _ in range(BALANCING_ROUNDS):
         now = size * np.exp2(exponents[column] - exponents[row])
         rows, columns = np.bincount(row, now, n), np.bincount(column, now, n)
         both = (rows > 0) & (columns > 0)
         exponents += (np.log2(np.where(both, rows, 1.0)) - np.log2(np.where(both, columns, 1.0))) / 4
-    return np.exp2(np.rint(exponents))
+    return _powers_of_two(exponents, first)
 
 
-def balanced_norm(generator: csr_array) -> float:
+def balanced_norm(generator: Matrix) -> float:
     """The smaller one of the 1-norm and the maximum norm, states in balancing units, those that only drive in ever smaller ones.
 
     >>> balanced_norm(csr_array([[0.0, 1.0, 1e9], [-(4.0**20), 0.0, 0.0], [0.0, 0.0, 1.0]])) == 2.0**20
     True
     """
-    row, column, size = _mutual(generator)
+    if generator.shape[0] > FEW_STATES:
+        generator = csr_array(generator)
+    if isinstance(generator, np.ndarray):
+        size, first = _mutual_sizes(generator)
+        units = _balancing(size, first)
+        size = size * units / units[:, None]
+        return float(min(size.sum(axis=axis).max(initial=0.0) for axis in (0, 1)))
+    row, column, size, _ = _mutual(generator)
     units = balancing_units(generator)
     size = size * (units[column] / units[row])
     return float(min(np.bincount(places, size).max(initial=0.0) for places in (row, column)))
 
 
+def _balancing(size: np.ndarray, first: np.ndarray) -> np.ndarray:
+    """The same of a small full matrix of magnitudes: the better ones of those of all entries, and of those above rounding."""
+    found = _balanced(size, first)
+    now = size * found / found[:, None]
+    least = NOISE_SAFETY * EPS * np.minimum(now.max(axis=1, initial=0.0)[:, None], now.max(axis=0, initial=0.0))
+    if (now[now > 0] > least[now > 0]).all():
+        return found
+    other = _balanced(np.where(now > least, size, 0.0), first)
+    return min(found, other, key=lambda units: (size * units / units[:, None]).sum())
+
+
+def _balanced(size: np.ndarray, first: np.ndarray) -> np.ndarray:
+    pattern = size > 0
+    alone = 1.0 - pattern.any(axis=0)
+    np.fill_diagonal(pattern, False)
+    logs = np.log2(np.where(pattern, size, 1.0))
+    both = pattern + pattern.T.astype(float)
+    laplacian = np.diag(both.sum(axis=0) + SLIGHT) - both
+    right = np.array([found.sum(axis=1) - found.sum(axis=0) for found in (logs, pattern.astype(float))]).T
+    units = np.exp2(_about_their_mean(lapack.dgesv(laplacian, right)[2], right, logs.sum(), pattern.sum()))
+    for _ in range(BALANCING_ROUNDS):
+        now = size * units / units[:, None]
+        apart = (now.sum(axis=1) + alone) / (now.sum(axis=0) + alone)
+        units *= apart**0.25
+        if apart.max() < NEARLY_BALANCED * apart.min():
+            break
+    return _powers_of_two(np.log2(units), first)
+
+
+def _about_their_mean(found, right, total, count) -> np.ndarray:
+    """u of ``_fitted_exponents`` from the answers to both right sides of its equation, of the logarithms and of ones.
+
+    Its mean is fitted too: in another unit of time all the units change by that unit, and no digit of the answer does.
+    """
+    apart = count - right[:, 1] @ found[:, 1]
+    mean = (total - right[:, 1] @ found[:, 0]) / apart if apart > SLIGHT * count else 0.0
+    return found[:, 0] - mean * found[:, 1]
+
+
+def _powers_of_two(exponents: np.ndarray, first: np.ndarray) -> np.ndarray:
+    """Rounded beside the first state of each part: what is half way is rounded alike in all units."""
+    return np.exp2(np.floor(exponents - exponents[first] + 0.5 + SLIGHT))
+
+
+def _mutual_sizes(generator: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Magnitudes of the entries that couple states both ways, if only by way of others, and the first state of each one's part."""
+    if len(generator) > FEW_STATES:
+        part = connected_components(csr_array(generator), connection="strong")[1]
+        return np.abs(generator) * (part[:, None] == part), _first_of_parts(part)
+    reached, steps = (generator != 0) + np.eye(len(generator)), 1
+    while steps < len(generator):
+        reached, steps = np.minimum(reached.dot(reached), 1.0), 2 * steps
+    mutual = reached * reached.T
+    return np.abs(generator) * mutual, mutual.argmax(axis=1) if len(mutual) else np.zeros(0, dtype=int)
+
+
+def _first_of_parts(part: np.ndarray) -> np.ndarray:
+    """The first state of the part of each."""
+    return np.unique(part, return_index=True)[1][part]
+
+
 def _fitted_exponents(row, column, logs, n: int) -> np.ndarray:
-    """u with the least sum of (log_ij + u_j - u_i - mean)^2: a Laplace equation on the graph of the entries."""
+    """u and m with the least sum of (log_ij + u_j - u_i - m)^2, only u: a Laplace equation on the graph of the entries."""
     apart = row != column
     row, column, logs = row[apart], column[apart], logs[apart]
     ones, degree = np.ones(len(row)), np.bincount(row, minlength=n) + np.bincount(column, minlength=n)
     pattern = csr_array((ones, (row, column)), shape=(n, n))
     laplacian = diags_array(degree + SLIGHT) - pattern - pattern.T
-    logs = logs - (logs.mean() if len(logs) else 0.0)
-    right = np.bincount(row, logs, n) - np.bincount(column, logs, n)
-    if len(row) * FILLED > n * n:
-        return np.linalg.solve(laplacian.toarray(), right)
-    return np.atleast_1d(spsolve(laplacian.tocsc(), right))
+    right = np.array([np.bincount(row, found, n) - np.bincount(column, found, n) for found in (logs, ones)]).T
+    dense = len(row) * FILLED > n * n
+    found = np.linalg.solve(laplacian.toarray(), right) if dense else spsolve(laplacian.tocsc(), right).reshape(n, 2)
+    return _about_their_mean(found, right, logs.sum(), len(row))
 
 
-def _mutual(generator: csr_array) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows, columns and sizes of the entries that couple states both ways, if only by way of others."""
+def _mutual(generator: csr_array) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Rows, columns and sizes of the entries that couple states both ways, if only by way of others, and the first of each part."""
     entries, part = generator.tocoo(), connected_components(generator, connection="strong")[1]
     both = (part[entries.row] == part[entries.col]) & (entries.data != 0)
-    return entries.row[both], entries.col[both], np.abs(entries.data[both])
+    return entries.row[both], entries.col[both], np.abs(entries.data[both]), _first_of_parts(part)
 
 
 def _log_fit(coefficients):

@@ -9,6 +9,8 @@ in a form in which nothing of a slow motion cancels beside a stiff one:
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import scipy.linalg
 import scipy.sparse
@@ -16,22 +18,72 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..tolerances import noise_of
-from .blocks import BlockDiagonal
+from .kinds import Matrix
 
 #: Where a matrix has at most so many entries in a row the differences of coordinates are taken one by one.
 FEW = 12
 
 
-def symmetric_modes(M: csr_array, C: csr_array, K: csr_array) -> BlockDiagonal | None:
-    """The states (x, x') decoupled into blocks [[0, w], [-w, -c]], [[0, w], [w, -c]] where k_i < 0; None where that fails.
+@dataclass(frozen=True, eq=False)
+class SymmetricModes:
+    """As a ``BlockDiagonal`` of the states (x, x'), its basis and the inverse of that made when something asks for them.
+
+    The states are eta_i and eta_i' / w_i.
+
+    Attributes:
+        M: the mass matrix.
+        shapes: Phi, shape (m, m).
+        rates: w, 1 where a mode has none.
+        blocks: [[0, w], [-w, -c]], [[0, w], [w, -c]] where k_i < 0.
+        coupling: 1, as the modes of a symmetric problem are orthogonal.
+    """
+
+    M: csr_array
+    shapes: np.ndarray
+    rates: np.ndarray
+    blocks: tuple[np.ndarray, ...]
+    coupling: float = 1.0
+
+    @property
+    def basis(self) -> np.ndarray:
+        """Shape (2 m, 2 m)."""
+        return self.seen(np.eye(2 * len(self.shapes)))
+
+    @property
+    def inverse(self) -> np.ndarray:
+        """Of the basis, shape (2 m, 2 m)."""
+        return self.coordinates(np.eye(2 * len(self.shapes)))
+
+    def seen(self, output: Matrix) -> np.ndarray:
+        """output @ basis, for an output of shape (r, 2 m)."""
+        m = len(self.shapes)
+        found, velocities = np.zeros((output.shape[0], 2 * m)), output[:, m:]
+        found[:, 0::2] = output[:, :m] @ self.shapes
+        if abs(velocities).max() > 0:
+            found[:, 1::2] = velocities @ self.shapes * self.rates
+        return found
+
+    def coordinates(self, states: np.ndarray) -> np.ndarray:
+        """inverse @ states, of shape (2 m, any) or (2 m,)."""
+        m, found = len(self.shapes), np.empty(states.shape)
+        found[0::2], velocities = self.shapes.T @ (self.M @ states[:m]), self.shapes.T @ (self.M @ states[m:])
+        found[1::2] = (velocities.T / self.rates).T
+        return found
+
+
+def symmetric_modes(M: csr_array, C: csr_array, K: csr_array, resting: np.ndarray | None = None) -> SymmetricModes | None:
+    """The states (x, x') decoupled; None where that fails.
 
     Args:
         M, C, K: symmetric, shape (m, m), sparse.
+        resting: all shapes, one a row, that K has no forces against: exactly then.
     """
-    found = _modes(M, K)
-    if found is None:
+    shapes = _shapes(M, K)
+    if shapes is None:
         return None
-    shapes, weighted = found
+    free = 0 if resting is None else len(resting)
+    if free:
+        shapes = _with_resting(M, K, shapes, resting)
     damping = np.zeros(len(shapes))
     if C.nnz:
         modal = shapes.T @ (C @ shapes)
@@ -39,21 +91,39 @@ def symmetric_modes(M: csr_array, C: csr_array, K: csr_array) -> BlockDiagonal |
         root = np.sqrt(np.einsum("ik,ik->k", np.abs(shapes), abs(C) @ np.abs(shapes)))  # each in the units of its mode
         if (np.abs(modal - np.diag(damping)) > noise_of(np.multiply.outer(root, root), len(shapes))).any():
             return None
-    return _blocks(shapes, weighted, _quotients(K, shapes), damping)
+        damping[:free] = np.where(np.abs(damping[:free]) > noise_of(root[:free] ** 2, len(shapes)), damping[:free], 0.0)
+    stiffness, blocks = _quotients(K, shapes), np.zeros((len(shapes), 2, 2))
+    stiffness[:free] = 0.0
+    rates = np.sqrt(np.abs(stiffness))
+    rates = np.where(rates > 0, rates, 1.0)
+    blocks[:, 0, 1], blocks[:, 1, 0], blocks[:, 1, 1] = rates, -stiffness / rates, -damping
+    return SymmetricModes(M, shapes, rates, tuple(blocks))
 
 
-def _modes(M: csr_array, K: csr_array) -> tuple[np.ndarray, np.ndarray] | None:
-    """Phi and its inverse Phi^T M, or None where M is not positive definite."""
+def _shapes(M: csr_array, K: csr_array) -> np.ndarray | None:
+    """Phi, or None where M is not positive definite."""
     diagonal = M.diagonal()
     if M.nnz == len(diagonal) and (diagonal > 0).all():
         root = np.sqrt(diagonal)
         vectors = _vectors(csr_array(K.multiply(1 / root[:, None]).multiply(1 / root)))
-        return vectors / root[:, None], vectors.T * root
+        vectors /= root[:, None]
+        return vectors
     try:
-        shapes = scipy.linalg.eigh(K.toarray(), M.toarray())[1]
+        return scipy.linalg.eigh(K.toarray(), M.toarray())[1]
     except np.linalg.LinAlgError:
         return None
-    return shapes, (M @ shapes).T
+
+
+def _with_resting(M: csr_array, K: csr_array, shapes: np.ndarray, resting: np.ndarray) -> np.ndarray:
+    """The shapes with so many of least frequency replaced, the others without any part in these."""
+    found = resting.T
+    for _ in range(2):  # once more, for shapes that are nearly alike
+        triangle = np.linalg.cholesky(found.T @ (M @ found))
+        found = scipy.linalg.solve_triangular(triangle, found.T, lower=True).T
+    order = np.argsort(np.abs(_quotients(K, shapes)), kind="stable")[found.shape[1] :]
+    others = shapes[:, np.sort(order)]
+    others = others - found @ (found.T @ (M @ others))
+    return np.hstack([found, others / np.sqrt(np.einsum("ik,ik->k", others, M @ others))])
 
 
 def _vectors(sparse: csr_array) -> np.ndarray:
@@ -76,16 +146,3 @@ def _quotients(K: csr_array, shapes: np.ndarray) -> np.ndarray:
         return np.einsum("ik,ik->k", shapes, K @ shapes)
     sums = np.bincount(K.tocoo().row, K.data, len(shapes))
     return sums @ shapes**2 - upper.data @ (shapes[upper.row] - shapes[upper.col]) ** 2
-
-
-def _blocks(shapes, weighted, stiffness, damping) -> BlockDiagonal:
-    """The states are eta_i and eta_i' / w_i."""
-    rates = np.sqrt(np.abs(stiffness))
-    rates = np.where(rates > 0, rates, 1.0)
-    m = len(shapes)
-    basis, inverse = np.zeros((2 * m, 2 * m)), np.zeros((2 * m, 2 * m))
-    basis[:m, 0::2], basis[m:, 1::2] = shapes, shapes * rates
-    inverse[0::2, :m], inverse[1::2, m:] = weighted, weighted / rates[:, None]
-    blocks = np.zeros((m, 2, 2))
-    blocks[:, 0, 1], blocks[:, 1, 0], blocks[:, 1, 1] = rates, -stiffness / rates, -damping
-    return BlockDiagonal(basis, inverse, tuple(blocks), 1.0)

@@ -7,7 +7,7 @@ little faster than with one, and where the processor has other work too it is ma
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import cache
 
 #: Smaller problems are not handed to several threads by the library itself.
@@ -40,15 +40,10 @@ def one_thread(size: int) -> Iterator[None]:
         yield
 
 
-@contextmanager
-def short_work(size: int) -> Iterator[None]:
+def short_work(size: int) -> AbstractContextManager[None]:
     """One thread within where matrices of this size are too small for more.
 
     >>> with short_work(2000):
     ...     pass
     """
-    if size > SHORT:
-        yield
-        return
-    with one_thread(size):
-        yield
+    return one_thread(size if size <= SHORT else 0)

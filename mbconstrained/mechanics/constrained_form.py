@@ -80,8 +80,9 @@ def constrained_form(
         )
     # assembled, the softest element would lose as many digits; where it cannot be helped the answer has to say so
     apart = is_worthwhile(spread, 2 * len(names)) or spread > ASSEMBLED_SPREAD
-    held = [np.asarray(orders, dtype=int) == power for power in range(len(motion))]
-    coefficients = [_stacked(matrix if apart else _assembled(matrix), V, A, rows) for matrix, rows in zip(motion, held)]
+    orders = np.array(orders, dtype=int)
+    held = [orders == power for power in range(len(motion))]
+    coefficients = _all_stacked([matrix if apart else _assembled(matrix) for matrix in motion], V, A, held)
     doubt = None
     if independent.uncertainty.any() or any(extra.any() for extra in uncertainty):
         doubt = [_stacked_uncertainty(matrix, extra, independent, rows) for matrix, extra, rows in zip(motion, uncertainty, held)]
@@ -92,6 +93,15 @@ def constrained_form(
 
 def _assembled(matrix: np.ndarray | ElementMatrix) -> np.ndarray:
     return matrix.matrix if isinstance(matrix, ElementMatrix) else matrix
+
+
+def _all_stacked(matrices, V, A, held) -> list[np.ndarray | ElementMatrix | Factors]:
+    """Each with its rows; those that are assembled are projected together."""
+    if not len(A) or any(isinstance(matrix, ElementMatrix) for matrix in matrices):
+        return [_stacked(matrix, V, A, rows) for matrix, rows in zip(matrices, held)]
+    projected, size = _projected(V, np.concatenate(matrices, axis=1)), len(V)
+    parts = (projected[:, power * size : (power + 1) * size] for power in range(len(matrices)))
+    return [np.concatenate([part, A * rows[:, None]]) for part, rows in zip(parts, held)]
 
 
 def _stacked(matrix: np.ndarray | ElementMatrix, V, A, held) -> np.ndarray | ElementMatrix | Factors:
@@ -119,10 +129,12 @@ def _projected(V, matrix) -> np.ndarray:
 
     Coordinates that no row holds are free: their equations stay as they are.
     """
-    alone = (np.count_nonzero(V, axis=0) == 1) & (V.max(axis=0, initial=0.0) == 1.0)
+    alone = ((V != 0).sum(axis=0) == 1) & (V.max(axis=0, initial=0.0) == 1.0)
     found = np.empty((V.shape[1], matrix.shape[1]))
     found[alone] = matrix[V[:, alone].argmax(axis=0)]
-    found[~alone] = (Noisy.rounded(V[:, ~alone].T) @ Noisy.rounded(matrix)).cleaned()
+    held = V[:, ~alone]
+    used = held.any(axis=1)
+    found[~alone] = (Noisy.rounded(held[used].T) @ Noisy.rounded(matrix[used])).cleaned()
     return found
 
 

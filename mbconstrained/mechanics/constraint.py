@@ -11,6 +11,7 @@ import scipy.sparse
 
 from ..checks import names_of, nearest, real_array
 from ..errors import InputError
+from ..linalg.kinds import full
 from .units import check_unit
 
 Level = Literal["position", "velocity", "acceleration"]
@@ -59,13 +60,15 @@ class Constraint:
             raise InputError(
                 f"constraint value: found shape {values.shape}; expected one number, or one for each of the {self.rows.shape[0]} rows"
             )
-        self.values = np.array(np.broadcast_to(values, self.rows.shape[0]))
+        self.values = values + np.zeros(self.rows.shape[0])
         if isinstance(names, str):
             names = (names,)
         self.names = None if names is None else names_of(names, self.rows.shape[0], "constraint rows", "")
         self.unit = unit if unit is None else check_unit(unit, "unit of the constraint")
-        given = 0.0 * found if uncertainty is None else real_array(uncertainty, "constraint uncertainty", shape=found.shape)
-        self.uncertainty = abs(given) if scipy.sparse.issparse(given) else np.abs(np.atleast_2d(given))
+        if uncertainty is None:
+            self.uncertainty = abs(0.0 * self.rows)
+        else:
+            self.uncertainty = np.abs(np.atleast_2d(real_array(uncertainty, "constraint uncertainty", shape=found.shape)))
         self.values.flags.writeable = False
         if not scipy.sparse.issparse(self.rows):
             self.rows.flags.writeable = False
@@ -111,6 +114,7 @@ def checked_level(level, what: str) -> Level:
 def constraint_rows(constraints: Sequence[Constraint], units: dict[str, str]) -> tuple[ConstraintRow, ...]:
     """All rows of the constraints of a system with coordinates of these units, each with a name of its own."""
     found: list[ConstraintRow] = []
+    each = tuple(units.values())
     for constraint in constraints:
         if not isinstance(constraint, Constraint):
             raise InputError(f"constraints: found {type(constraint).__name__}; make each with mb.Constraint(rows, ...)")
@@ -119,17 +123,17 @@ def constraint_rows(constraints: Sequence[Constraint], units: dict[str, str]) ->
                 f"constraint rows: found {constraint.rows.shape[1]} entries in a row; expected one for each of the "
                 f"{len(units)} coordinates ({', '.join(units)})"
             )
-        matrix, uncertain = (np.atleast_2d(real_array(part, "constraint rows")) for part in (constraint.rows, constraint.uncertainty))
+        matrix, uncertain = full(constraint.rows), full(constraint.uncertainty)
         for place, (coefficients, value, uncertainty) in enumerate(zip(matrix, constraint.values, uncertain)):
             name = constraint.names[place] if constraint.names else f"constraint {len(found) + 1}"
-            unit = constraint.unit or _unit(coefficients, units)
+            unit = constraint.unit or _unit(coefficients, each)
             found.append(ConstraintRow(name, coefficients, constraint.level, float(value), unit, uncertainty))
     names_of([row.name for row in found], len(found), "constraint rows", "")
     return tuple(found)
 
 
 def _unit(coefficients, units) -> str:
-    present = {unit for unit, coefficient in zip(units.values(), coefficients) if coefficient}
+    present = {units[place] for place in np.flatnonzero(coefficients)}
     if len(present) == 1:
         return present.pop()
     return "m" if "m" in present else "1"

@@ -13,10 +13,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import lapack
 
+from ..linalg.kinds import others
 from ..linalg.noise import Noisy
 from ..linalg.scaling import equilibration
+from ..linalg.sparse import solution
 from ..tolerances import EPS, NOISE_SAFETY
 
 #: Largest entry of X for which [-X; I] is used; beyond it (nearly dependent rows) an orthonormal basis is better.
@@ -46,17 +47,17 @@ class Reduction:
     def null_space(self) -> tuple[np.ndarray, tuple[int | None, ...]]:
         """V, shape (n, n - k), and the coordinate that each column is named for, None where it mixes them."""
         size, pivots = len(self.scale), list(self.pivots)
-        free = np.delete(np.arange(size), pivots)
+        free = others(size, pivots)
         solved = self.rows[:, free]
         if solved.size:
-            solved = lapack.dtrtrs(self.rows[:, pivots], solved)[0]
+            solved = solution(self.rows[:, pivots], solved)  # LAPACK's dtrtrs wakes all threads for a single row
         if np.abs(solved).max(initial=0.0) > NULL_SPACE_LIMIT:
             orthogonal = np.linalg.qr(self.rows.T, mode="complete")[0]
             return self.scale[:, None] * orthogonal[:, len(pivots) :], (None,) * len(free)
         basis = np.zeros((size, len(free)))
         basis[pivots] = 0.0 - solved  # not -solved: no negative zeros
         basis[free, range(len(free))] = 1.0
-        return self.scale[:, None] * basis / self.scale[free], tuple(map(int, free))
+        return self.scale[:, None] * basis / self.scale[free], tuple(free.tolist())
 
 
 def reduce_rows(matrix: Noisy, carried: Noisy) -> Reduction:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..errors import ContradictoryConstraints
 from ..linalg.noise import Noisy
+from ..linalg.sparse import solution
 from ..notices import Notice
 from ..tolerances import CLEAR_KEPT, EPS
 from .constraint import LEVELS, ConstraintRow
@@ -63,7 +64,7 @@ def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRow
     kept, pivots = list(reduction.kept), list(reduction.pivots)
     null_space, motions = reduction.null_space()
     left_inverse = np.zeros((len(kept), size))
-    left_inverse[:, pivots] = np.linalg.inv(matrix[np.ix_(kept, pivots)]).T
+    left_inverse[:, pivots] = solution(matrix[kept][:, pivots], np.eye(len(kept))).T
     return IndependentRows(
         tuple(rows[place] for place in kept), matrix[kept], uncertainty[kept], null_space, motions, left_inverse, tuple(notices)
     )
@@ -77,11 +78,11 @@ def _nothing_held(size: int) -> IndependentRows:
 
 def _carried(rows) -> Noisy:
     """Carried along with each row: its value in the column of its level, and an exact unit vector."""
-    values = np.zeros((len(rows), len(LEVELS)))
+    carried = Noisy.exact(np.zeros((len(rows), len(LEVELS) + len(rows))))
     for place, row in enumerate(rows):
-        values[place, row.order] = row.value
-    combination = np.eye(len(rows))
-    return Noisy(np.hstack([values, combination]), np.hstack([EPS * np.abs(values), np.zeros_like(combination)]))
+        carried.data[place, row.order], carried.noise[place, row.order] = row.value, EPS * abs(row.value)
+        carried.data[place, len(LEVELS) + place] = 1.0
+    return carried
 
 
 def _redundant(rows, place, rest) -> Notice:

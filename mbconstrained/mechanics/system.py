@@ -9,17 +9,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse
 
-from ..checks import counted, names_of, nearest, real_array, real_number
+from ..checks import constant_zeros, counted, names_of, nearest, real_array, real_number
 from ..errors import InputError
 from ..notices import Notice
 from ..polynomial.matrix import PolynomialMatrix
-from ..signals.inputs import ImpulsiveSmooth, step, zero
+from ..signals.inputs import ImpulsiveSmooth
 from .acceleration import explicit_acceleration
 from .constrained_form import ConstrainedForm, constrained_form
 from .constraint import Constraint, ConstraintRow, constraint_rows
 from .element_matrix import ElementMatrix
 from .energy_parts import EnergyParts, coordinate_parts
 from .independence import independent_rows
+from .loads import Loaded
 from .modes import Modes, modes_of
 from .motion import Motion, motion_of
 from .units import coordinate_units
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from .motions import Motions
 
 
-class MechanicalSystem:
+class MechanicalSystem(Loaded):
     """M x'' + C x' + K x = f + A^T lambda with the constraint rows A x^(level) = b (SI units, t in s).
 
     Where a matrix is given as ``scipy.sparse``, a ``SparseSystem`` is made instead: the same words, for what is large.
@@ -93,13 +94,7 @@ class MechanicalSystem:
         self.uncertainty = self._uncertainty(uncertainty or {})
         self.constraints = (constraints,) if isinstance(constraints, Constraint) else tuple(constraints or ())
         self._independent = independent_rows(constraint_rows(self.constraints, self.units), self.size)
-        self.static_force = self._vector(static_force, "static_force")
-        self.drive: ImpulsiveSmooth | None = None
-        if isinstance(force, ImpulsiveSmooth):
-            self.drive = self._signal(force, "force")
-        else:
-            self.static_force = self.static_force + self._vector(force, "force")
-        self.static_force.flags.writeable = False
+        self._load(force, static_force)
 
     @property
     def size(self) -> int:
@@ -131,12 +126,6 @@ class MechanicalSystem:
     def notices(self) -> tuple[Notice, ...]:
         """One notice for each constraint row that was left out because others imply it, or kept by a narrow margin."""
         return self._independent.notices
-
-    @property
-    def force(self) -> ImpulsiveSmooth:
-        """All that acts from t = 0 on without being asked: the static force as a step, and the drive."""
-        static = step(self.static_force) if self.static_force.any() else zero(self.size)
-        return static if self.drive is None else static + self.drive
 
     def constrained_form(self) -> ConstrainedForm:
         """[V^T (M s^2 + C s + K); A s^level] with every row at its level."""
@@ -231,18 +220,6 @@ class MechanicalSystem:
         held = self.damping @ self._vector(velocity, "velocity") + self.stiffness @ self._vector(displacement, "displacement")
         return held - applied
 
-    def _applied(self, force) -> ImpulsiveSmooth:
-        if force is None:
-            return self.force
-        if not isinstance(force, ImpulsiveSmooth):
-            force = step(self._vector(force, "force"))
-        return self.force + self._signal(force, "force")
-
-    def _signal(self, signal: ImpulsiveSmooth, what: str) -> ImpulsiveSmooth:
-        if signal.size != self.size:
-            raise InputError(f"{what}: it has {signal.size} rows; expected one for each of the {self.size} coordinates")
-        return signal
-
     def _checked_parts(self, parts: EnergyParts) -> EnergyParts:
         if not isinstance(parts, EnergyParts) or parts.size not in (self.size, None):
             found = f"parts of {parts.size} coordinates" if isinstance(parts, EnergyParts) else f"a {type(parts).__name__}"
@@ -256,19 +233,7 @@ class MechanicalSystem:
             if name not in known:
                 raise InputError(f"uncertainty: found {name!r}{nearest(str(name), known)}; expected {', '.join(known)}")
         found = {name: real_array(value, f"uncertainty of the {name}", shape=shape) for name, value in given.items()}
-        return tuple(np.abs(found[name]) if name in found else np.broadcast_to(0.0, shape) for name in known)
-
-    def _vector(self, value, what: str) -> np.ndarray:
-        if value is None:
-            return np.zeros(self.size)
-        if not isinstance(value, Mapping):
-            return real_array(value, what, shape=(self.size,))
-        vector = np.zeros(self.size)
-        for name, number in value.items():
-            if name not in self.names:
-                raise InputError(f'{what}: there is no coordinate "{name}"{nearest(name, self.names)}')
-            vector[self.names.index(name)] = real_number(number, f"{what} of {name}")
-        return vector
+        return tuple(np.abs(found[name]) if name in found else constant_zeros(shape) for name in known)
 
 
 def _is_table(value) -> bool:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..checks import names_of, real_array, real_number
+from ..checks import constant_zeros, names_of, real_array, real_number
 from ..errors import IllConditioned, InputError
 from .factors import Factors
 
@@ -61,8 +61,7 @@ class PolynomialMatrix:
         self.coefficients = np.array(matrices)
         self.coefficients.flags.writeable = False
         shape = self.coefficients.shape
-        given = np.zeros(1) if uncertainty is None else np.abs(real_array(uncertainty, "uncertainty", shape=shape))
-        self.uncertainty = np.broadcast_to(given, shape)  # of none there is one number in memory
+        self.uncertainty = constant_zeros(shape) if uncertainty is None else np.abs(real_array(uncertainty, "uncertainty", shape=shape))
         self._pairs: dict[float | str | None, JordanPairs | ExactJordanPairs] = {}
         self.coordinates = names_of(coordinates, self.size, "coordinates", "x")
         self.equations = names_of(equations, self.size, "equations", "equation ")
@@ -106,8 +105,8 @@ class PolynomialMatrix:
 
     @cached_property
     def reduction(self) -> Reduction | None:
-        """Its reduction to first-order equations, None where its structure is not so plain (``polynomial.reduction``)."""
-        from .reduction import reduction_of
+        """Its reduction to first-order equations, None where its structure is not so plain (``polynomial.plain``)."""
+        from .plain import reduction_of
 
         return reduction_of(self)
 

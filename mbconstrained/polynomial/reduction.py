@@ -1,10 +1,7 @@
-"""A(s) of degree two or less brought to first-order equations w' = S w + ... by its structure alone, no pencil formed.
+"""A plain A(s) of degree two or less as first-order equations w' = S w + ..., and S decoupled (``polynomial.plain`` finds them).
 
-Rows without a power of s hold coordinates to others: x = V x_f + Y g, g their right sides (a constraint at position level, a
-massless joint without damper). Of the rest, rows with s^2 make accelerations of as many coordinates x_m, those without make
-velocities of the others, x_d; the states are w = (x_m, x_m', x_d). Which row is of which kind is read off entries that are
-exactly zero, and each part that is divided by must be well conditioned: where that does not hold, the staircase algorithm
-(``linalg.staircase``) is the one to ask. For large models this takes milliseconds where that takes minutes.
+M x_m'' + C (x_m', x_d') + K (x_m, x_d) = right sides, the states w = (x_m, x_m', x_d). What nothing couples is decoupled each for
+itself, and what rows without stiffness conserve apart from all else, so that zeros at s = 0 are exact.
 """
 
 from __future__ import annotations
@@ -13,24 +10,39 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components, min_weight_full_bipartite_matching
+from scipy.sparse.csgraph import connected_components
 
-from ..linalg.blocks import BlockDiagonal, assembled
+from ..linalg.acyclic import is_acyclic
+from ..linalg.blocks import BlockDiagonal, assembled, block_matrix, coupled_rows, zeros_of
 from ..linalg.eigen import decoupled
-from ..linalg.scaling import equilibration
-from ..linalg.sparse import condition, is_semidefinite, is_symmetric, solved, without_noise
+from ..linalg.kinds import (
+    Matrix,
+    below,
+    beside,
+    entry_count,
+    full,
+    is_finite,
+    nothing,
+    shifted_unit,
+)
+from ..linalg.quadratic_modes import quadratic_modes
+from ..linalg.scaling import balancing_units
+from ..linalg.sparse import divided, is_semidefinite, is_symmetric, without_noise
+from ..linalg.structured import StructuredModes
 from ..linalg.symmetric import symmetric_modes
 from ..tolerances import EPS
-from .matrix import PolynomialMatrix
+from .conserved import Conserved, decoupled_beside
 from .refinement import refined
 
-#: What is divided by may be conditioned so badly, its rows and columns brought to one size: it costs as many digits at most.
-MOST_CONDITION = 1e4
+#: Modes of so few states as these may be so many times larger than the states that they make, two digits; others go by the pencil.
+MOST_AMPLIFIED = 100.0
 
-#: The stiffness may be conditioned so badly: beyond, a body may be free, which is for the rank decisions to say.
-MOST_STIFFNESS_CONDITION = 1e10
+#: So few states are decoupled at once.
+FEW_STATES = 48
+
+#: So many states of a tree are decoupled by way of its graph: fewer are as quickly taken together.
+MANY_STATES = 100
 
 
 @dataclass(frozen=True)
@@ -46,26 +58,30 @@ class Reduction:
         M: shape (m, m), what multiplies x_m''.
         C, K: the coefficients of s and of 1 in all remaining rows, the second-order ones first, shape (m + d, m + d).
         moving: which coordinates have mass or damping.
+        conserved: what rows without stiffness keep, and sums of rows; None where there are none.
+        sums: v with v K = 0 of these, shape (k, m + d), where they were looked for.
         largest_condition: of the parts that were divided by.
 
-    All matrices are sparse: what is built of elements mostly is.
+    All matrices are sparse where A(s) is large, for what is built of elements mostly is; those of a small one are full.
     """
 
-    given: list[csr_array]
+    given: list[Matrix]
     algebraic: np.ndarray
     second: np.ndarray
     first: np.ndarray
     chosen: np.ndarray
-    V: csr_array
-    Y: csr_array
-    M: csr_array
-    C: csr_array
-    K: csr_array
+    V: Matrix
+    Y: Matrix
+    M: Matrix
+    C: Matrix
+    K: Matrix
     moving: np.ndarray
+    conserved: Conserved | None
+    sums: np.ndarray | None
     largest_condition: float
 
     @property
-    def through(self) -> list[csr_array]:
+    def through(self) -> list[Matrix]:
         """Coefficients (A_0 Y, A_1 Y, A_2 Y) of g and its derivatives in the remaining rows, each of shape (m + d, k)."""
         rest = np.concatenate([self.second, self.first])
         return [matrix[rest] @ self.Y for matrix in self.given]
@@ -80,74 +96,125 @@ class Reduction:
         """2 m + d."""
         return 2 * len(self.second) + len(self.first)
 
-    @property
-    def output(self) -> csr_array:
+    @cached_property
+    def output(self) -> Matrix:
         """x from the states w = (x_m, x_m', x_d), shape (r, 2 m + d), without Y g."""
         m = len(self.second)
-        return scipy.sparse.hstack([self.V[:, :m], csr_array((self.V.shape[0], m)), self.V[:, m:]], format="csr")
+        return beside(self.V[:, :m], nothing((self.V.shape[0], m), self.V), self.V[:, m:])
 
-    def solved(self, right: csr_array) -> tuple[csr_array, csr_array]:
+    def solved(self, right: Matrix) -> tuple[Matrix, Matrix]:
         """(x_m'', x_d') where M x_m'' + C_md x_d' and C_dd x_d' are these right sides, shape (m + d, any)."""
         m = len(self.second)
         if not len(self.first):
             return self.divided_by_mass(right), right[m:]
-        rates, C = solved(self.C[m:, m:], right[m:]), self.C[:m, m:]
+        rates, C = divided(self.C[m:, m:], right[m:]), self.C[:m, m:]
         left = without_noise(right[:m] - C @ rates, abs(right[:m]) + abs(C) @ abs(rates))
         return self.divided_by_mass(left), rates
 
-    def divided_by_mass(self, right: csr_array) -> csr_array:
+    def divided_by_mass(self, right: Matrix) -> Matrix:
         """M^-1 times a matrix."""
-        return solved(self.M, right)
+        return divided(self.M, right)
 
     @cached_property
-    def generator(self) -> csr_array:
+    def generator(self) -> Matrix:
         """S, shape (2 m + d, 2 m + d)."""
         m, d = len(self.second), len(self.first)
-        by_state = -scipy.sparse.hstack([self.K[:, :m], self.C[:, :m], self.K[:, m:]], format="csr")
-        accelerations, rates = self.solved(by_state)
-        velocities = scipy.sparse.eye_array(m, 2 * m + d, k=m)
-        return scipy.sparse.vstack([velocities, accelerations, rates], format="csr")
+        by_state = -beside(self.K[:, :m], self.C[:, :m], self.K[:, m:])
+        with np.errstate(over="ignore", invalid="ignore"):  # ``is_finite`` tells
+            accelerations, rates = self.solved(by_state)
+        return below(shifted_unit(m, 2 * m + d, m, self.K), accelerations, rates)
 
     @cached_property
     def is_finite(self) -> bool:
         """Whether S is in the range of float64."""
-        with np.errstate(over="ignore", invalid="ignore"):
-            return bool(np.isfinite(self.generator.data).all())
+        return is_finite(self.generator)
 
     @cached_property
     def spread(self) -> float:
-        """The modulus of the fastest zero over that of the slowest."""
-        moduli = np.abs(np.linalg.eigvals(self.generator.toarray()))
-        return float(moduli.max() / max(moduli.min(), EPS * moduli.max()))
+        """The modulus of the fastest zero over that of the slowest, those at 0 left out that rows without stiffness have."""
+        known = self.is_small or self.conserved is not None
+        moduli = np.abs(self.zeros if known else np.linalg.eigvals(full(self.generator)))
+        if self.conserved is not None:
+            moduli = moduli[moduli > 0]
+        largest = moduli.max(initial=0.0)
+        return float(largest / max(moduli.min(initial=largest), EPS * largest)) if largest else 1.0
+
+    @cached_property
+    def is_apart(self) -> bool:
+        """Whether the decoupled parts of S are what they should be, to a quarter of the digits, and no state is made of huge ones.
+
+        A zero may be well known, and its vector hardly apart from another's: where one of two like parts drives the other.
+        """
+        parts, S = self.decoupled, full(self.generator)
+        if not len(S):
+            return True
+        units, J = balancing_units(S)[:, None], block_matrix(parts.blocks)
+        off = np.abs(parts.inverse @ parts.basis - np.eye(len(S))).max()
+        residual = np.abs(parts.inverse @ (S @ parts.basis) - J).max() / (np.abs(J).max() or 1.0)
+        sizes = ((parts.basis / units) ** 2).sum(axis=0) * ((parts.inverse.T * units) ** 2).sum(axis=0)
+        return bool(max(off, residual) <= EPS**0.75 and sizes.max() <= MOST_AMPLIFIED**2)
+
+    @property
+    def is_free(self) -> bool:
+        """Whether a body moves off under a balance of springs: their rounding alone would push it."""
+        return self.sums is not None and any(len(block) > 1 for block in self.conserved.blocks)
+
+    @property
+    def is_small(self) -> bool:
+        """Whether S is decoupled in less time than anything else takes."""
+        return self.state_count < FEW_STATES
+
+    @property
+    def zeros(self) -> np.ndarray:
+        """All of them, of complex pairs the one above the real axis."""
+        return zeros_of(self.decoupled.blocks)
+
+    @cached_property
+    def is_reciprocal(self) -> bool:
+        """Whether M, C and K are symmetric, and no row is without stiffness."""
+        return (self.conserved is None or self.sums is not None) and all(is_symmetric(matrix) for matrix in (self.M, self.C, self.K))
+
+    @cached_property
+    def is_chain(self) -> bool:
+        """Whether it is one of many masses coupled like a chain or a tree (``linalg.quadratic_modes``)."""
+        large = self.state_count >= MANY_STATES and self.conserved is None
+        return large and self.is_reciprocal and is_acyclic(self.M, self.C, self.K)
 
     @cached_property
     def is_symmetric(self) -> bool:
         """Whether S can be decoupled by a symmetric eigenproblem: all masses, no damping or one in proportion."""
-        if len(self.first) or not all(is_symmetric(matrix) for matrix in (self.M, self.C, self.K)):
+        if len(self.first) or not self.is_reciprocal:
             return False
-        return not self.C.nnz or is_symmetric(self.C @ self.divided_by_mass(self.K))
+        return not entry_count(self.C) or is_symmetric(self.C @ self.divided_by_mass(self.K))
 
     @cached_property
     def is_dissipative(self) -> bool:
         """Whether no motion can grow: M, K positive definite, C positive semidefinite, all symmetric."""
-        M = self.M.copy()
-        M.resize(self.K.shape)
+        m, d = len(self.second), len(self.first)
+        M = below(beside(self.M, nothing((m, d), self.M)), nothing((d, m + d), self.M))
         return all(is_symmetric(matrix) and is_semidefinite(matrix) for matrix in (M, self.C, self.K))
 
     @cached_property
-    def decoupled(self) -> BlockDiagonal:
+    def decoupled(self) -> BlockDiagonal | StructuredModes:
         """S decoupled, what nothing couples each for itself: a motion that grows in one part is not in the others."""
-        count, which = connected_components(self.generator, directed=False)
-        groups = [np.flatnonzero(which == group) for group in range(count)]
+        if self.conserved is not None and not self.is_symmetric:
+            return refined(self, decoupled_beside(full(self.generator), self.conserved, _decoupled_parts))
+        groups = _groups(self.generator)
         parts = assembled(groups, [self._decoupled(states) for states in groups])
-        return parts if self.is_symmetric else refined(self, parts)
+        return parts if self.is_symmetric or isinstance(parts, StructuredModes) else refined(self, parts)
 
-    def _decoupled(self, states: np.ndarray) -> BlockDiagonal:
-        """Of a part of S: by a symmetric eigenproblem of half the size where that is possible."""
-        own, found = states[states < len(self.second)], None
+    def _decoupled(self, states: np.ndarray) -> BlockDiagonal | StructuredModes:
+        """Of a part of S: by a symmetric eigenproblem of half the size, or by way of a tree, where that is possible."""
+        m, found = len(self.second), None
+        own = states[states < m]
         if self.is_symmetric:
-            found = symmetric_modes(*(matrix[own][:, own] for matrix in (self.M, self.C, self.K)))
-        return decoupled(self.generator[states][:, states].toarray()) if found is None else found
+            resting = np.zeros((0, m)) if self.sums is None else self.sums
+            resting = resting[resting[:, own].any(axis=1)][:, own]
+            found = symmetric_modes(*(csr_array(matrix[own][:, own]) for matrix in (self.M, self.C, self.K)), resting)
+        elif self.is_chain and len(states) >= MANY_STATES:
+            every = np.concatenate([own, states[states >= 2 * m] - m])
+            found = quadratic_modes(self.M[own][:, own], *(matrix[every][:, every] for matrix in (self.C, self.K)))
+        return decoupled(full(self.generator[states][:, states])) if found is None else found
 
     def state(self, values: np.ndarray) -> np.ndarray:
         """w from values (q, r) of x, x', ..."""
@@ -156,85 +223,15 @@ class Reduction:
         return np.concatenate([values[0, masses], velocities, values[0, firsts]])
 
 
-def reduction_of(A: PolynomialMatrix) -> Reduction | None:
-    """The reduction of A(s), None where its structure is not so plain or a part that has to be regular is not by far."""
-    if not 1 <= A.degree <= 2 or A.uncertainty.any() or any(factors is not None for factors in A.factors):
-        return None
-    A0, A1, A2 = given = [csr_array(matrix) for matrix in A.coefficients] + [csr_array((A.size, A.size))] * (2 - A.degree)
-    slow, heavy = ((np.diff(matrix.indptr) > 0) for matrix in (A1, A2))
-    algebraic, second, first = (np.flatnonzero(kind) for kind in (~slow & ~heavy, heavy, slow & ~heavy))
-    moving = np.zeros(A.size, dtype=bool)
-    moving[np.concatenate([A1.indices, A2.indices])] = True
-    found = _eliminated(A.coefficients[0][algebraic], static=~moving)
-    if found is None or len(second) + len(first) != found[0].shape[1]:
-        return None
-    V, Y, free, eliminated = found
-    m, columns = len(second), np.diff(_product(A2[second], V).tocsc().indptr) > 0
-    if columns.sum() != m:
-        return None
-    order = np.argsort(~columns, kind="stable")  # coordinates with mass first
-    V, free = V[:, order], free[order]
-    matching = _matching_rows(_product(A2[second], V)[:, :m])
-    if matching is None:
-        return None
-    second = second[matching]
-    rest = np.concatenate([second, first])
-    K, C, M = _product(A0[rest], V), _product(A1[rest], V), _product(A2[second], V)[:, :m]
-    largest = max(eliminated, condition(M), condition(C[m:, m:]) if len(first) else 1.0)
-    if largest > MOST_CONDITION or condition(K) > MOST_STIFFNESS_CONDITION:
-        return None
-    return Reduction(given, algebraic, second, first, free, V, Y, M, C, K, moving, largest)
+def _groups(S: Matrix) -> list[np.ndarray]:
+    """The states in parts that nothing couples to each other."""
+    if isinstance(S, np.ndarray):
+        return coupled_rows(S)
+    count, which = connected_components(S, directed=False)
+    return [np.flatnonzero(which == group) for group in range(count)]
 
 
-def _eliminated(rows: np.ndarray, static: np.ndarray) -> tuple[csr_array, csr_array, np.ndarray, float] | None:
-    """V, Y with x = V x_f + Y g where rows x = g, which coordinates x_f are, and the condition of the others' part."""
-    size = len(static)
-    if not len(rows):
-        return scipy.sparse.eye_array(size, format="csr"), csr_array((size, 0)), np.arange(size), 1.0
-    pivots = _pivots(rows, static)
-    own = np.inf if pivots is None else condition(rows[:, pivots])
-    if own > MOST_CONDITION:
-        return None
-    free = np.setdiff1d(np.arange(size), pivots)
-    solved = np.linalg.solve(rows[:, pivots], np.hstack([rows[:, free], np.eye(len(rows))]))
-    V, Y = np.zeros((size, len(free))), np.zeros((size, len(rows)))
-    V[free, range(len(free))], V[pivots], Y[pivots] = 1.0, -solved[:, : len(free)], solved[:, len(free) :]
-    return csr_array(V), csr_array(Y), free, own
-
-
-def _product(left: csr_array, V: csr_array) -> csr_array:
-    """left @ V; what is rounding of its terms exactly zero: a mass, damper or spring that is not there."""
-    found = csr_array(left @ V)
-    return without_noise(found, abs(left) @ abs(V)) if V.nnz > V.shape[1] else found
-
-
-def _matching_rows(M: csr_array) -> np.ndarray | None:
-    """An order of rows that brings the large entries to the diagonal: equations may be named after other coordinates."""
-    if is_symmetric(M):
-        return np.arange(M.shape[0])
-    weights = abs(M)
-    weights.data = 1 + np.log(weights.data.max(initial=1.0) / weights.data)
-    try:
-        rows, columns = min_weight_full_bipartite_matching(weights)
-    except ValueError:  # no matching: it is singular
-        return None
-    return rows[np.argsort(columns)]
-
-
-def _pivots(rows: np.ndarray, static: np.ndarray) -> np.ndarray | None:
-    """A pivot column for each row by elimination, static coordinates before others; None where rows depend on each other."""
-    work, found = rows, []
-    if len(work):
-        work = work * equilibration(np.abs(work))[1]
-    for at, row in enumerate(work):
-        size = np.abs(row)
-        still = np.where(static, size, 0.0)
-        pivot = int((still if still.max() * MOST_CONDITION > size.max() else size).argmax())
-        if not row[pivot]:
-            return None
-        found.append(pivot)
-        below = at + 1 + np.flatnonzero(work[at + 1 :, pivot])
-        if below.size:
-            work[below] -= np.multiply.outer(work[below, pivot] / row[pivot], row)
-            work[below, pivot] = 0.0
-    return np.array(found, dtype=int)
+def _decoupled_parts(S: np.ndarray) -> BlockDiagonal:
+    """A matrix decoupled part by part."""
+    groups = _groups(S)
+    return decoupled(S) if len(groups) == 1 else assembled(groups, [decoupled(S[np.ix_(states, states)]) for states in groups])

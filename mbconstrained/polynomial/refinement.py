@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.sparse import csr_array
 
-from ..linalg.blocks import BlockDiagonal, block_slices
+from ..linalg.blocks import BlockDiagonal, block_slices, zeros_of
+from ..linalg.kinds import Matrix, entries
 from ..linalg.sparse import solved
 from ..tolerances import EPS
 
@@ -26,7 +27,10 @@ if TYPE_CHECKING:
     from .reduction import Reduction
 
 #: So many zeros are refined at once.
-CHUNK = 128
+CHUNK = 32
+
+#: Where no zero is so many times smaller than another nothing cancels in S, and its own zeros are as good.
+ALIKE = 4.0
 
 
 def refined(reduction: Reduction, parts: BlockDiagonal) -> BlockDiagonal:
@@ -36,8 +40,11 @@ def refined(reduction: Reduction, parts: BlockDiagonal) -> BlockDiagonal:
         reduction: the equations.
         parts: their generator S decoupled.
     """
-    blocks, places = list(parts.blocks), block_slices(parts.blocks)
-    largest = max((np.abs(block).max() for block in blocks), default=0.0)
+    blocks = list(parts.blocks)
+    moduli = np.abs(zeros_of(blocks))
+    if ALIKE * moduli.min(initial=np.inf, where=moduli > 0) >= moduli.max(initial=0.0):
+        return parts
+    largest, places = max(np.abs(block).max() for block in blocks), block_slices(blocks)
     correction = _correction(reduction)
     for chosen in _chunks([i for i, block in enumerate(blocks) if _is_plain(block)]):
         zeros, right, left = _vectors(parts, [blocks[i] for i in chosen], [places[i] for i in chosen])
@@ -50,8 +57,10 @@ def refined(reduction: Reduction, parts: BlockDiagonal) -> BlockDiagonal:
 
 
 def _is_plain(block: np.ndarray) -> bool:
-    """Whether it is a real zero or a pair in the form [[a, b], [-b, a]]."""
-    return len(block) == 1 or (len(block) == 2 and block[0, 0] == block[1, 1] and block[0, 1] == -block[1, 0])
+    """Whether it is a real zero, other than 0 itself, or a pair in the form [[a, b], [-b, a]]."""
+    if len(block) == 1:
+        return bool(block[0, 0])
+    return len(block) == 2 and block[0, 0] == block[1, 1] and block[0, 1] == -block[1, 0]
 
 
 def _chunks(numbers: list[int]) -> Iterator[list[int]]:
@@ -74,7 +83,7 @@ def _correction(reduction: Reduction) -> Callable[[np.ndarray, np.ndarray, np.nd
     """By how much zeros change, from them and their vectors in the states (x_m, x_m', x_d)."""
     m, C = len(reduction.second), reduction.C
     damped, stiff = _Differences(C), _Differences(reduction.K)
-    first, mass = csr_array(C[m:, m:].T), csr_array(reduction.M.T)
+    first, mass = C[m:, m:].T, reduction.M.T
 
     def correction(zeros, right, left) -> np.ndarray:
         x = np.vstack([right[:m], right[2 * m :]])
@@ -94,14 +103,14 @@ def _correction(reduction: Reduction) -> Callable[[np.ndarray, np.ndarray, np.nd
 class _Differences:
     """A square matrix times vectors by differences of their entries, where these are the smaller terms: units may differ."""
 
-    def __init__(self, matrix: csr_array):
+    def __init__(self, matrix: Matrix):
         self.matrix = matrix
-        entries = matrix.tocoo()
-        beside = entries.row != entries.col
-        self.row, self.column = entries.row[beside], entries.col[beside]
-        self.factors = csr_array((entries.data[beside], (self.row, np.arange(beside.sum()))), shape=(matrix.shape[0], beside.sum()))
+        row, column, values = entries(matrix)
+        beside = row != column
+        self.row, self.column = row[beside], column[beside]
+        self.factors = csr_array((values[beside], (self.row, np.arange(beside.sum()))), shape=(matrix.shape[0], beside.sum()))
         sums = np.zeros(matrix.shape[0], dtype=np.longdouble)
-        np.add.at(sums, entries.row, entries.data)
+        np.add.at(sums, row, values)
         self.sums = sums.astype(float)
 
     def __call__(self, x: np.ndarray) -> np.ndarray:

@@ -12,19 +12,31 @@ from math import ceil, log2
 from ..linalg.propagation import DEGREE, LARGEST, ROOT, best_doublings, use_cost
 from ..polynomial.reduction import Reduction
 
-#: Smaller models are solved through the pencil of A(s), with every decision's evidence: it takes them milliseconds.
+#: Of smaller models the Jordan pairs tell every decision's evidence: they take milliseconds.
 LEAST_STATES = 48
 
 #: Of eigenvectors: for very many states, and more for few.
 GENERAL, GENERAL_SMALL = 40.0, 12000.0
 SYMMETRIC, SYMMETRIC_SMALL = 1.5, 1000.0
 
+#: Of modes by way of a tree (``linalg.quadratic_modes``), times the number of states to the power of 1.5.
+CHAIN = 2e5
+
 
 def decomposition_cost(reduction: Reduction) -> float:
-    """Of decoupling S."""
+    """Of decoupling S; nothing where only that serves: in powers of e^{S h} rounding would push a free body."""
+    if reduction.is_free:
+        return 0.0
     n = max(reduction.state_count, 1)
+    if reduction.is_chain and not reduction.is_symmetric:
+        return CHAIN / n**1.5
     large, small = (SYMMETRIC, SYMMETRIC_SMALL) if reduction.is_symmetric else (GENERAL, GENERAL_SMALL)
     return large + small / n
+
+
+def exponential_cost(turned: float) -> float:
+    """Of e^{S h}, |S| h = turned."""
+    return DEGREE // ROOT + ROOT - 2 + max(0, ceil(log2(max(turned, LARGEST) / LARGEST)))
 
 
 def stepping_cost(states: int, times: int, turned: float, known: bool) -> float:
@@ -33,7 +45,7 @@ def stepping_cost(states: int, times: int, turned: float, known: bool) -> float:
     use = use_cost(states, times, doublings)
     if known:
         return use - doublings
-    return DEGREE // ROOT + ROOT - 2 + max(0, ceil(log2(max(turned, LARGEST) / LARGEST))) + use
+    return exponential_cost(turned) + use
 
 
 @dataclass(frozen=True)
@@ -41,7 +53,7 @@ class Way:
     """How values are found for the first time, and why so.
 
     Attributes:
-        name: "powers", "symmetric", "eigenvectors" or "pairs".
+        name: "powers", "steps", "symmetric", "chain", "eigenvectors" or "pairs".
         reason: a sentence.
     """
 
@@ -49,22 +61,35 @@ class Way:
     reason: str
 
 
-def way_of(reduction: Reduction | None, states: int, times: int, turned: float | None) -> Way:
+def way_of(reduction: Reduction | None, times: int, turned: float | None, steps: float | None = None) -> Way:
     """The way that costs least for one run.
 
     Args:
         reduction: the reduced equations, None where there are none or the start does not fit them.
-        states: of A(s).
         times: how many.
         turned: |S| h for even times 0, h, 2 h, ..., None for others.
+        steps: the cost from knot to knot where the times are the even knots of a record, None for others.
     """
     if reduction is None:
-        small = states < LEAST_STATES
-        return Way("pairs", f"by the Jordan pairs: {f'{states} states are few' if small else 'the model or its start is not plain'}")
+        return Way("pairs", "by the Jordan pairs: the model or its start is not plain")
+    if reduction.is_small:
+        return Way("eigenvectors", f"by eigenvectors: {reduction.state_count} states are few")
     modes = decomposition_cost(reduction)
-    name, text = ("symmetric", "a symmetric eigenproblem") if reduction.is_symmetric else ("eigenvectors", "eigenvectors")
-    if turned is None:
+    name, text = _modes_of(reduction)
+    if reduction.is_free:
+        return Way(name, f"by {text}: a free body's motion is apart from all others in them, so that no rounding pushes it")
+    if steps is None and turned is None:
         return Way(name, f"by {text}: the times are not even, or the force starts anew")
-    powers = stepping_cost(reduction.state_count, times, turned, known=False)
-    compared = f"cost about {powers:.0f} products of matrices of {reduction.state_count} states, {text} {modes:.0f}"
-    return Way("powers", f"by powers of e^(S h): they {compared}") if powers <= modes else Way(name, f"by {text}: powers {compared}")
+    other, cost = ("steps", steps) if turned is None else ("powers", stepping_cost(reduction.state_count, times, turned, known=False))
+    compared = f"cost about {cost:.0f} products of matrices of {reduction.state_count} states, {text} {modes:.0f}"
+    if cost > modes:
+        return Way(name, f"by {text}: {other} {compared}")
+    return Way(other, f"by {'powers of e^(S h)' if turned is not None else 'steps from knot to knot of the force'}: they {compared}")
+
+
+def _modes_of(reduction: Reduction) -> tuple[str, str]:
+    if reduction.is_symmetric:
+        return "symmetric", "a symmetric eigenproblem"
+    if reduction.is_chain:
+        return "chain", "modes of a chain or tree, all zeros at once"
+    return "eigenvectors", "eigenvectors"

@@ -11,10 +11,10 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse
-from scipy.sparse import csr_array
 
 from ..checks import real_array, real_number, whole_number
 from ..linalg.exponential import CHUNK_ENTRIES
+from ..linalg.kinds import Matrix, alike, below, beside, full, nothing
 from ..linalg.oscillations import even_step
 from ..linalg.propagation import Propagator
 from ..linalg.scaling import balanced_norm
@@ -23,6 +23,8 @@ from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from .cost import decomposition_cost, stepping_cost
 from .driven import Driven
+from .pieces import Pieces
+from .records import record_values
 from .regular import FinitePart, driven_motion
 
 #: The Taylor series serves for |S t| <= EARLY, with so many terms: 2^27/27! is far below EPS. After a start from rest sums of modes
@@ -48,14 +50,22 @@ class Flow:
     reduction: Reduction
     force: ImpulsiveSmooth
     start: np.ndarray
-    drive: csr_array
+    drive: Matrix
     spent: float = field(default=0.0, init=False)
 
     @cached_property
-    def generator(self) -> csr_array:
-        """[[S, D], [0, J]], sparse."""
-        S, J = self.reduction.generator, csr_array(self.force.smooth.generator)
-        return scipy.sparse.block_array([[S, self.drive], [None, J]], format="csr") if J.shape[0] else S
+    def generator(self) -> Matrix:
+        """[[S, D], [0, J]]."""
+        S, m = self.reduction.generator, self.force.smooth.state_count
+        if not m:
+            return S
+        J = alike(self.force.smooth.generator, S)
+        return below(beside(S, self.drive), beside(nothing((m, S.shape[0]), S), J))
+
+    @cached_property
+    def knots(self) -> np.ndarray:
+        """The times at which the force may change, the first is 0."""
+        return self.force.knots
 
     @cached_property
     def start_with_force(self) -> np.ndarray:
@@ -64,13 +74,26 @@ class Flow:
 
     @cached_property
     def rate(self) -> float:
-        """What no motion changes faster than, in 1/s: a norm of the generator, its states in units that balance it."""
-        return balanced_norm(self.generator)
+        """What no motion changes faster than, in 1/s: a norm of the generator, its states in units that balance it, or of its modes.
+
+        Where nothing but powers of t is there, any rate serves.
+        """
+        if "decoupled" not in self.reduction.__dict__:
+            return balanced_norm(self.generator) or 1.0
+        blocks = (*self.reduction.decoupled.blocks, *self.force.smooth.blocks)
+        return max((float(np.abs(block).sum(axis=0).max()) for block in blocks), default=0.0) or 1.0
 
     @cached_property
     def states(self) -> BohlFunction:
-        """z as a sum of modes."""
+        """z as a sum of modes; where no force acts without rows: the modes of S are seen through what is asked for alone."""
         return self._decoupled[0]
+
+    def seen(self, place: Matrix) -> np.ndarray:
+        """C of place @ z = C e^{J t} v, J and v those of ``states``."""
+        if not self.force.smooth.state_count:
+            return self.reduction.decoupled.seen(place)
+        used = np.flatnonzero(abs(place).sum(axis=0))
+        return place[:, used] @ self.states.coefficients[used]
 
     @property
     def coupling(self) -> float:
@@ -81,51 +104,75 @@ class Flow:
     def _decoupled(self) -> tuple[BohlFunction, float]:
         self._propagator = None  # of no more use
         smooth, n = self.force.smooth, len(self.start)
-        m = smooth.coefficients.shape[1]
-        driven = Driven(self.drive.toarray(), smooth.generator, np.eye(n + m)[:, n:], np.ones(m))
-        kicks = np.broadcast_to(np.zeros((n, 1)), (n, len(self.force.knots) - 1))
-        free = self.reduction.decoupled
+        m, free = smooth.coefficients.shape[1], self.reduction.decoupled
+        if not m:
+            return BohlFunction(np.zeros((0, n)), free.blocks, free.coordinates(self.start)), free.coupling
+        driven = Driven(full(self.drive), smooth.generator, np.eye(n + m)[:, n:], np.ones(m))
+        kicks = np.broadcast_to(np.zeros((n, 1)), (n, len(self.knots) - 1))
         part = FinitePart(free, scipy.sparse.eye_array(n + m, n), driven, self.start, kicks, 1.0, np.ones(n + m))
         return driven_motion(part, self.force)
 
     def turned(self, times: np.ndarray) -> float | None:
         """|S| h for even times 0, h, 2 h, ..., None where powers of e^{S h} do not serve."""
-        step = even_step(times) if len(times) >= FEW_TIMES and times[0] == 0 and len(self.force.knots) == 1 else None
+        step = even_step(times) if len(times) >= FEW_TIMES and times[0] == 0 and len(self.knots) == 1 else None
         return None if step is None else self.rate * step
 
-    def stepped(self, output: csr_array, times: np.ndarray) -> np.ndarray | None:
+    def stepped(self, output: Matrix, times: np.ndarray) -> np.ndarray | None:
         """output @ z at even times from 0 on by powers, None where that is not possible or costs more than the modes."""
-        turned = self.turned(times)
-        if turned is None or "_decoupled" in self.__dict__ or "decoupled" in self.reduction.__dict__:
+        known = "_decoupled" in self.__dict__ or "decoupled" in self.reduction.__dict__
+        turned = None if known or self.reduction.is_small else self.turned(times)
+        if turned is None:
             return None
         step, limit = float(times[-1]) / (len(times) - 1), decomposition_cost(self.reduction)
         known = self._propagator if self._propagator and self._propagator.step == step else None
         cost = stepping_cost(self.generator.shape[0], len(times), turned, known is not None)
         if self.spent + cost > (limit / 2 if self.spent else limit):
             return None
-        self._propagator = known or Propagator(self.generator.toarray(), step)
+        self._propagator = known or Propagator(self.generator, step)
         self.spent += cost
         return self._propagator.values(output, self.start_with_force, len(times))
 
     _propagator: Propagator | None = field(default=None, init=False)
 
     @cached_property
-    def _powers(self) -> np.ndarray:
-        """(S / rate)^k z / k! at 0+ for k = 0, 1, ... as columns."""
-        columns = [self.start_with_force]
-        rate, longest = self.rate, max(map(len, self.force.smooth.blocks), default=0)  # a force may begin like a power of t
-        for k in range(1, TERMS + longest):
-            columns.append(self.generator @ columns[-1] / (rate * k))
-        return np.array(columns).T
+    def pieces(self) -> Pieces | None:
+        """The motion under a force that starts anew often."""
+        self._propagator = None  # of no more use
+        return Pieces.of(self)
 
-    def early(self, output: csr_array, times: np.ndarray) -> np.ndarray:
-        """output @ z for rate * t <= EARLY."""
-        powers = self._powers
-        return (output @ powers) @ np.power.outer(self.rate * times, np.arange(powers.shape[1])).T
+    def after(self, knot: int, states: np.ndarray) -> Flow:
+        """The motion after a knot as one of its own, for states w there."""
+        smooth = self.force.smooth
+        smooth = BohlFunction(smooth.coefficients, smooth.blocks, smooth.restarts.states[:, knot])
+        return Flow(self.reduction, ImpulsiveSmooth(smooth), states, self.drive)
+
+    @cached_property
+    def _powers(self) -> np.ndarray:
+        """(S / unit)^k z / k! at 0+ for k = 0, 1, ... as columns."""
+        columns, step = [self.start_with_force], self.generator / self._unit
+        longest = max(map(len, self.force.smooth.blocks), default=0)  # a force may begin like a power of t
+        for _ in range(1, TERMS + longest):
+            columns.append(step.dot(columns[-1]))  # less to do before it starts than @
+        return np.array(columns).T / np.cumprod(np.maximum(np.arange(float(len(columns))), 1.0))
+
+    @cached_property
+    def _unit(self) -> float:
+        """The rate to a power of two: dividing by it costs no rounding."""
+        return float(2.0 ** np.floor(np.log2(self.rate)))
+
+    @cached_property
+    def early_end(self) -> float:
+        """Until when the Taylor series at 0+ serves: rate * t <= EARLY, and the force does not change."""
+        return min(EARLY / self.rate, float(self.knots[1:2].min(initial=np.inf)))
+
+    def early(self, output: Matrix, times: np.ndarray) -> np.ndarray:
+        """output @ z before ``early_end``."""
+        series = output @ self._powers
+        return series @ np.power.outer(self._unit * times, np.arange(series.shape[1])).T
 
 
 class FlowFunction(BohlFunction):
-    """P z(t), P sparse, shape (r, n); a Bohl function whose blocks are found when something needs them.
+    """P z(t), P of shape (r, n); a Bohl function whose blocks are found when something needs them.
 
     >>> from mbconstrained.polynomial.matrix import PolynomialMatrix
     >>> from mbconstrained.response.reduced import reduced_solution
@@ -136,19 +183,27 @@ class FlowFunction(BohlFunction):
     True
     """
 
-    def __init__(self, flow: Flow, place: csr_array, order: int = 0):
+    def __init__(self, flow: Flow, place: Matrix, order: int = 0):
         """The derivative of this order of place @ z."""
         output = place
         for _ in range(order):
-            output = csr_array(output @ flow.generator)
+            output = output @ flow.generator
         for name, value in (("flow", flow), ("place", place), ("order", order), ("output", output)):
             object.__setattr__(self, name, value)
 
-    @cached_property
+    @property
     def modal(self) -> BohlFunction:
         """The same as a sum of modes: each is differentiated by itself, slow ones lose nothing beside fast ones."""
-        states = self.flow.states
-        return BohlFunction(self.place @ states.coefficients, states.blocks, states.start).derivative(self.order)
+        found = BohlFunction(self.flow.seen(self.place), self.blocks, self.start)
+        return found.derivative(self.order) if self.order else found
+
+    @property
+    def _groups(self):
+        return self.flow.states._groups
+
+    @property
+    def _turning(self):
+        return self.flow.states._turning
 
     @property
     def coefficients(self) -> np.ndarray:
@@ -158,12 +213,12 @@ class FlowFunction(BohlFunction):
     @property
     def blocks(self) -> tuple[np.ndarray, ...]:
         """The diagonal blocks of J."""
-        return self.modal.blocks
+        return self.flow.states.blocks
 
     @property
     def start(self):
         """v, or ``Restarts``."""
-        return self.modal.start
+        return self.flow.states.start
 
     @property
     def size(self) -> int:
@@ -178,8 +233,10 @@ class FlowFunction(BohlFunction):
     def _values(self, times) -> np.ndarray:
         values = self.flow.stepped(self.output, times)
         if values is None:
-            values = self.modal._values(times)
-        early = np.flatnonzero((times * self.flow.rate <= EARLY) & (times < self.flow.force.knots[1:2].min(initial=np.inf)))
+            values = record_values(self, times)
+        if values is None:
+            values = super()._values(times)
+        early = np.flatnonzero(times < self.flow.early_end)
         width = max(1, CHUNK_ENTRIES // max(self.size, TERMS))
         for part in (early[begin : begin + width] for begin in range(0, len(early), width)):
             values[:, part] = self.flow.early(self.output, times[part])
@@ -192,13 +249,13 @@ class FlowFunction(BohlFunction):
     def mapped(self, matrix) -> BohlFunction:
         """matrix @ y(t), matrix of shape (p, r)."""
         matrix = real_array(matrix, "matrix", shape=(None, self.size))
-        return FlowFunction(self.flow, csr_array(csr_array(matrix) @ self.place), self.order)
+        return FlowFunction(self.flow, alike(matrix, self.place) @ self.place, self.order)
 
     def rows(self, indices) -> BohlFunction:
         """Some of its rows, in this order."""
         return FlowFunction(self.flow, self.place[np.asarray(indices, dtype=int)], self.order)
 
     def __mul__(self, factor: float) -> BohlFunction:
-        return FlowFunction(self.flow, csr_array(self.place * real_number(factor, "factor")), self.order)
+        return FlowFunction(self.flow, self.place * real_number(factor, "factor"), self.order)
 
     __rmul__ = __mul__

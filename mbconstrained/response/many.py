@@ -15,7 +15,6 @@ from ..polynomial.matrix import PolynomialMatrix
 from ..polynomial.reduction import Reduction
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
-from .cost import LEAST_STATES
 from .flow import FlowFunction
 from .parts import start_of
 from .reduced import derivatives_of, fitting, flow_of, reduction_for
@@ -169,7 +168,7 @@ def solve_many(A: PolynomialMatrix, initial, force, rank_tolerance: float | None
         InputError: shapes that do not fit, or not as many starts as forces.
 
     >>> A = PolynomialMatrix([[[4.0]], [[0.0]], [[1.0]]])
-    >>> solve_many(A, [[[1.0], [0.0]], [[0.0], [2.0]]], None)([0.0, np.pi / 4]).round(12).tolist()
+    >>> (solve_many(A, [[[1.0], [0.0]], [[0.0], [2.0]]], None)([0.0, np.pi / 4]).round(12) + 0.0).tolist()
     [[[1.0, 0.0]], [[0.0, 1.0]]]
     """
     q, r = A.degree, A.size
@@ -207,8 +206,7 @@ def _groups_of(x: Responses) -> Iterator[_Group]:
     alone = []
     for members in map(np.array, by_force.values()):
         force, A = x.forces[members[0]], x.polynomial_matrix
-        large = x.rank_tolerance is None and A.degree * A.size >= LEAST_STATES
-        reduction = reduction_for(A, force) if large and len(members) > 1 else None
+        reduction = reduction_for(A, force) if x.rank_tolerance is None and len(members) > 1 else None
         if reduction is not None:
             fits = fitting(reduction, np.moveaxis(x.initial[members], 0, 2), force)
             if fits.sum() > 1:

@@ -13,7 +13,6 @@ from ..linalg.threads import short_work
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
-from .cost import LEAST_STATES
 from .events import kicks_of
 from .parts import start_of
 from .reduced import reduced_solution
@@ -67,7 +66,7 @@ def solve(
     initial = np.zeros((q, r)) if initial is None else real_array(initial, "initial", shape=(q, r))
     force = checked_force(force, r)
     with short_work(q * r):
-        if rank_tolerance is None and q * r >= LEAST_STATES and (found := reduced_solution(A, initial, force)) is not None:
+        if rank_tolerance is None and (found := reduced_solution(A, initial, force)) is not None:
             return Response(A, initial, force, found, found.jump, found.impulses, events=found.events)
         return solve_with(A.jordan_pairs(rank_tolerance), initial, force)
 

@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from ..linalg.blocks import block_slices
 from ..linalg.exponential import CHUNK_ENTRIES
+from ..linalg.kinds import Matrix
 from ..linalg.recursion import propagators
 from ..signals.bohl import BohlFunction
 from .flow import TERMS, Flow
@@ -90,7 +90,7 @@ class FlowStarts:
 
     base: BohlFunction
     flow: Flow
-    output: csr_array
+    output: Matrix
     starts: np.ndarray
 
     def values_into(self, found: np.ndarray, times: np.ndarray) -> None:
@@ -122,7 +122,7 @@ class FlowStarts:
 
     def _add_series(self, found, times, chosen) -> None:
         powers = np.power.outer(self.flow.rate * times[chosen], np.arange(TERMS)).T
-        for members in parts(self.starts.shape[1], len(self.output.indptr) * TERMS + len(self.starts)):
+        for members in parts(self.starts.shape[1], self.output.shape[0] * TERMS + len(self.starts)):
             term, terms = self.starts[:, members], []
             for k in range(TERMS):
                 terms.append(self.output @ term)
@@ -134,7 +134,7 @@ class FlowStarts:
         """The classical derivatives."""
         output = self.output
         for _ in range(order):
-            output = csr_array(output @ self.flow.generator)
+            output = output @ self.flow.generator
         return replace(self, base=self.base.derivative(order), output=output)
 
     def rows(self, indices) -> FlowStarts:

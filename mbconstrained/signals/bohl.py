@@ -5,6 +5,7 @@ Where it starts, stops or changes later, it is piecewise: the state e^{J t} v is
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,11 +17,12 @@ from ..checks import counted, evaluation_times, real_array, real_number, whole_n
 from ..errors import InputError, Overflow
 from ..linalg.blocks import block_slices
 from ..linalg.exponential import CHUNK_ENTRIES, BlockGroups, block_states
-from ..linalg.oscillations import MODERATE, Oscillations
+from ..linalg.oscillations import AT_ONCE, MODERATE, Lasting, Oscillations
 from ..linalg.threads import short_work
 from .chunks import Piece, in_chunks
 from .merging import Part, merged
 from .restarts import Restarts
+from .turning import Turning
 
 
 @dataclass(frozen=True, repr=False)
@@ -65,15 +67,15 @@ class BohlFunction:
         times = evaluation_times(times)
         with np.errstate(over="ignore", invalid="ignore"), short_work(self.state_count):  # reported below, with the time
             values = self._values(np.atleast_1d(times))
-        finite = np.isfinite(values).all(axis=0)
-        if not finite.all():
-            first = np.atleast_1d(times)[~finite].min()
+            finite = not values.size or math.isfinite(values.min()) and math.isfinite(values.max())
+        if not finite:
+            first = np.atleast_1d(times)[~np.isfinite(values).all(axis=0)].min()
             raise Overflow(f"the value at t = {first:g} s lies beyond the range of float64; ask for earlier times")
         return values if times.ndim else values[:, 0]
 
     def _values(self, times) -> np.ndarray:
         """C e^{J t} v, so many times at once that memory stays near that of the answer."""
-        chunk = max(1, CHUNK_ENTRIES // max(*self.coefficients.shape, 1))
+        chunk = max(1, CHUNK_ENTRIES // max(self.size, self.state_count, 1))
         if len(times) <= chunk:
             return self._chunk(times)
         values = np.empty((self.size, len(times)))
@@ -82,17 +84,26 @@ class BohlFunction:
         return values
 
     def _chunk(self, times) -> np.ndarray:
-        coefficients, size, groups = self._prepared
         if isinstance(self.start, Restarts):
             piece, since = self.start.located(times)
             if len(times) and not since.any():
                 return self._at_knots(piece)
-            return coefficients @ block_states(groups, self.start.states[:, piece] * size[:, None], since)
-        if self._turning is None or self._turning[1].growth.max() * times.max(initial=0.0) >= MODERATE:
-            return coefficients @ block_states(groups, self.start * size, times)
-        folded, oscillations, others = self._turning
-        values = folded @ oscillations(times)
-        return values + others._values(times) if others.blocks else values
+            coefficients, size = self._prepared
+            return coefficients @ block_states(self._groups, self.start.states[:, piece] * size[:, None], since)
+        turning = self._turning
+        if turning is None or turning.growth.max() * times.max(initial=0.0) >= MODERATE:
+            coefficients, size = self._prepared
+            return coefficients @ block_states(self._groups, self.start * size, times)
+        folded, oscillations, lines, others = self._folded
+        values = oscillations.combined(folded, times, self._lasting if oscillations.are_many(times) else None)
+        width = max(1, AT_ONCE // max(self.size, others.state_count, 1))  # no second array of this size is made
+        for begin in range(0, len(times) if lines is not None or others.blocks else 0, width):
+            part = slice(begin, begin + width)
+            if lines is not None:
+                values[:, part] += lines[:, 1:] * times[part] + lines[:, :1]
+            if others.blocks:
+                values[:, part] += others._chunk(times[part])
+        return values
 
     def _at_knots(self, piece) -> np.ndarray:
         """C v where the states start anew."""
@@ -103,41 +114,42 @@ class BohlFunction:
     @cached_property
     def _used(self) -> tuple[np.ndarray, np.ndarray]:
         """C and the states without the last ones if they add nothing at the knots."""
-        used = np.flatnonzero(self.coefficients.any(axis=0) & self.start.states.any(axis=1))
+        coefficients = self.coefficients
+        used = np.flatnonzero(coefficients.any(axis=0) & self.start.states.any(axis=1))
         count = used[-1] + 1 if used.size else 0
-        return self.coefficients[:, :count], self.start.states[:count]
+        return coefficients[:, :count], self.start.states[:count]
 
     @cached_property
-    def _prepared(self) -> tuple[np.ndarray, np.ndarray, BlockGroups]:
-        """C and v as they are multiplied: the size of C is taken into v block by block, as a tiny one may outweigh a huge state."""
-        size, each = np.abs(self.coefficients).max(axis=0, initial=0.0), [len(block) for block in self.blocks]
-        if len(size) and len(self.coefficients):
+    def _groups(self) -> BlockGroups:
+        return BlockGroups.of(self.blocks)
+
+    @cached_property
+    def _prepared(self) -> tuple[np.ndarray, np.ndarray]:
+        """C and its size, which is taken into v block by block, as a tiny one may outweigh a huge state."""
+        coefficients, each = self.coefficients, [len(block) for block in self.blocks]
+        size = np.abs(coefficients).max(axis=0, initial=0.0)
+        if len(size) and len(coefficients):
             size = np.repeat(np.maximum.reduceat(size, np.cumsum([0, *each[:-1]])), each)
         size = np.where(size > 0, size, 1.0)
-        return self.coefficients / size, size, BlockGroups.of(self.blocks)
+        return coefficients / size, size
 
     @cached_property
-    def _turning(self):
-        """C e^{J t} v as D (cosines, sines), which of them there are, and the rest of C and J; None where nothing oscillates.
+    def _turning(self) -> Turning | None:
+        return Turning.of(self.blocks, self._groups, self.start)
 
-        D has v in it: C (v cos w t + R v sin w t / w) for a block a I + R with R^2 = -w^2 I. A motion from rest has no sines.
-        """
-        coefficients, size, groups = self._prepared
-        chosen = np.flatnonzero(groups.square < 0)
-        if not chosen.size:
-            return None
-        at, w, start = groups.first[chosen], np.sqrt(-groups.square[chosen]), self.start * size
-        pairs = np.stack([start[at], start[at + 1]], axis=1)
-        turned = np.einsum("bij,bj->bi", groups.rest[chosen], pairs) / w[:, None]
-        C = np.stack([coefficients[:, at], coefficients[:, at + 1]], axis=2)
-        even, odd = (np.einsum("rbi,bi->rb", C, vectors) for vectors in (pairs, turned))
-        cosines, sines = (np.flatnonzero(part.any(axis=0)) for part in (even, odd))
-        turning = set(at.tolist())
-        others = [(block, part) for block, part in zip(self.blocks, block_slices(self.blocks)) if part.start not in turning]
-        rest = np.concatenate([np.zeros(0, dtype=int), *(np.arange(part.start, part.stop) for _, part in others)])
-        remaining = BohlFunction(coefficients[:, rest], tuple(block for block, _ in others), start[rest])
-        oscillations = Oscillations(groups.mean[chosen], w, cosines, sines)
-        return np.hstack([even[:, cosines], odd[:, sines]]), oscillations, remaining
+    @cached_property
+    def _folded(self) -> tuple[np.ndarray, Oscillations, np.ndarray | None, BohlFunction]:
+        """C e^{J t} v as D (cosines, sines), which of them there are, a and b of a + b t, and the rest of C and J."""
+        turning, coefficients = self._turning, self.coefficients
+        others = BohlFunction(coefficients[:, turning.others], turning.blocks, turning.start)
+        lines = coefficients[:, turning.drifting] @ turning.lines if len(turning.drifting) else None
+        return *turning.of_rows(coefficients), lines, others
+
+    @cached_property
+    def _lasting(self) -> Lasting | None:
+        """How long each of the functions that are folded is something."""
+        folded, oscillations, *_ = self._folded
+        return Lasting.of(oscillations, folded)
 
     @property
     def is_zero(self) -> bool:

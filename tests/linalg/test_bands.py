@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbconstrained.linalg.bands import ROWS, banded_product, bandwidth, narrow_order
+from mbconstrained.linalg.bands import ROWS, banded_product, bandwidth, multiply_in_place, narrow_order
 
 SIZES = (0, 1, 2, ROWS - 1, ROWS, ROWS + 1, 450)
 
@@ -66,3 +66,17 @@ def test_the_order_is_that_of_the_pattern_and_its_transpose():
     shuffled = one_way[np.ix_(places, places)]
     order = narrow_order(shuffled)
     assert bandwidth(shuffled[np.ix_(order, order)]) == 1
+
+
+@pytest.mark.parametrize("one, other", [(0, 3), (5, 0), (7, 20), (400, 400)])
+def test_a_product_takes_the_place_of_its_right_factor(one, other):
+    rng, n = np.random.default_rng(4), 300
+    away = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
+    left, right = (np.where(away <= band, rng.standard_normal((n, n)), 0.0) for band in (one, other))
+    expected = left @ right
+    multiply_in_place(left, right, one, other)
+    assert np.allclose(right, expected, rtol=0, atol=1e-12)
+
+
+def test_a_full_matrix_keeps_its_order():
+    assert np.array_equal(narrow_order(np.ones((50, 50))), np.arange(50))

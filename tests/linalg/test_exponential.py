@@ -86,6 +86,21 @@ def test_blocks_are_independent():
         begin += len(block)
 
 
+@pytest.mark.parametrize("apart", [0.0, 1e-12, 1e-6, 1e-3, 0.1])
+@pytest.mark.parametrize("rates", [(-0.1, 0.0), (0.0, 0.0), (-0.02, 0.3)], ids=["damped", "undamped", "growing"])
+def test_a_motion_near_the_frequency_of_its_force(apart, rates):
+    """From rest; both rotations are far from the real axis, which is where they are told from their conjugates."""
+    block = np.zeros((4, 4))
+    for place, (rate, frequency) in enumerate(zip(rates, (2.0, 2.0 + apart))):
+        block[2 * place : 2 * place + 2, 2 * place : 2 * place + 2] = [[rate, frequency], [-frequency, rate]]
+    block[1, 2], start = 0.7, np.array([0.0, 0.0, 1.0, -0.5])
+    times = np.array([0.0, 1e-6, 0.01, 0.3, 2.0, 30.0, 100.0])
+    for time, found in zip(times, block_states([block], start, times).T):
+        known = reference(block, start, time)
+        assert np.abs(found - known)[:2].max() <= 1e-13 * np.abs(known)[2:].max() * max(time, 1.0)
+        assert np.abs(found - known).max() <= 1e-13 * (1 + time) * np.abs(known).max()
+
+
 @pytest.mark.parametrize("name", CLUSTERS)
 def test_semigroup(name):
     """e^{J (t + s)} v = e^{J t} (e^{J s} v)."""

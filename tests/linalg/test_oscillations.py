@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from mbconstrained.linalg.oscillations import MANY, Oscillations, even_step
+from mbconstrained.linalg.oscillations import MANY, Lasting, Oscillations, even_step
 
 PAIRS = 40
 
@@ -96,3 +96,75 @@ def test_even_times_are_known():
     assert even_step(np.arange(100) * 0.1) == pytest.approx(0.1)
     for uneven in ([], [1.0], [1.0, 1.0], [2.0, 1.0], [0.0, 1.0, 2.0 + 1e-9], [0.0, 2.0, 1.0, 3.0]):
         assert even_step(np.array(uneven)) is None
+
+
+def rows_of(found: Oscillations, rows: int) -> np.ndarray:
+    """Coefficients of so many rows."""
+    return np.random.default_rng(3).standard_normal((rows, len(found.cosines) + len(found.sines)))
+
+
+@pytest.mark.parametrize("name", TIMES)
+@pytest.mark.parametrize("growth", [0.0, -0.3, 0.2])
+@pytest.mark.parametrize("rows", [1, 5, 60])
+@pytest.mark.parametrize("pairs", [2, PAIRS])
+def test_rows_are_sums_of_the_functions_however_they_are_made(name, growth, rows, pairs):
+    """By a table, or, of few rows, by coarse and fine times: the rounding is that of the terms that are added."""
+    found, times = oscillations(growth, np.random.default_rng(1).uniform(0.1, 9.0, pairs)), TIMES[name]
+    coefficients = rows_of(found, rows)
+    values, expected = found.combined(coefficients, times), coefficients @ direct(found, times)
+    bound = 2e-15 * (1 + 9.0 * times) * np.exp(growth * times) * np.abs(coefficients).sum(axis=1)[:, None]
+    assert values.shape == expected.shape and values.flags.c_contiguous
+    assert (np.abs(values - expected) <= bound).all()
+
+
+@pytest.mark.parametrize("cosines, sines", [([0, 2], []), ([], [1]), ([2, 0], [1, 2]), ([], [])])
+@pytest.mark.parametrize("rows", [2, 200])
+def test_rows_of_functions_that_are_not_all_there(cosines, sines, rows):
+    frequency = np.array([1.0, 2.0, 3.0])
+    found = Oscillations(np.full(3, -0.1), frequency, np.array(cosines, dtype=int), np.array(sines, dtype=int))
+    times, coefficients = np.linspace(0.0, 5.0, MANY), rows_of(found, rows)
+    assert np.allclose(found.combined(coefficients, times), coefficients @ direct(found, times), rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("rows", [1, 60])
+@pytest.mark.parametrize("growth", [1.0, -1.0])
+def test_factors_stay_in_range_where_their_products_do(growth, rows):
+    """|a| t up to nearly 690: both factors are those of times that are not negative, so none is larger than the product."""
+    found = oscillations(growth, np.linspace(0.5, 3.0, PAIRS))
+    times = np.linspace(0.0, 689.0, 2000)
+    coefficients = rows_of(found, rows)
+    with np.errstate(over="raise", invalid="raise"):
+        values = found.combined(coefficients, times)
+    size = np.exp(growth * times) * np.abs(coefficients).sum(axis=1)[:, None]
+    assert (np.abs(values - coefficients @ direct(found, times)) <= 1e-14 * (1 + 3 * times) * size).all()
+
+
+@pytest.mark.parametrize("rows", [1, 60])
+def test_beside_growing_ones_decayed_ones_are_nothing(rows):
+    """Half of the pairs grow by e^600, half have decayed by e^-1200: no overflow, no NaN, no denormal factor."""
+    growth = np.where(np.arange(PAIRS) % 2, 600.0, -1200.0)
+    every = np.arange(PAIRS)
+    found = Oscillations(growth, np.linspace(1.0, 9.0, PAIRS), every, every)
+    times, coefficients = np.linspace(0.0, 1.0, 2000), rows_of(found, rows)
+    with np.errstate(over="raise", invalid="raise"):
+        values = found.combined(coefficients, times)
+    bound = 1e-14 * np.abs(coefficients) @ np.exp(np.multiply.outer(np.tile(growth, 2), times) * (1 + 4e-16)) * 600
+    assert (np.abs(values - coefficients @ direct(found, times)) <= bound).all()
+
+
+@pytest.mark.parametrize("name", ["even", "uneven", "descending"])
+def test_what_has_decayed_beside_others_is_left_out_without_a_digit_lost(name):
+    """Half of the pairs live a hundred times shorter; the eleventh row has none of the others and keeps its own to the end."""
+    growth, times = -np.where(np.arange(PAIRS) % 2, 10.0, 0.1), TIMES[name]
+    every = np.arange(PAIRS)
+    found = Oscillations(growth, np.random.default_rng(1).uniform(0.5, 9.0, PAIRS), every, every)
+    coefficients = rows_of(found, 80)
+    lasting = Lasting.of(found, coefficients)
+    assert not lasting.at(np.array([10.0])).all()
+    everything = found.combined(coefficients, times)
+    size = np.abs(coefficients) @ np.exp(np.multiply.outer(np.tile(growth, 2), times))
+    assert (np.abs(found.combined(coefficients, times, lasting) - everything) <= 1e-15 * size).all()
+    coefficients[10, np.tile(growth, 2) > -1] = 0.0
+    lasting = Lasting.of(found, coefficients)
+    values, everything = found.combined(coefficients, times, lasting)[10], found.combined(coefficients, times)[10]
+    assert np.allclose(values, everything, rtol=1e-12, atol=1e-300)

@@ -6,7 +6,8 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.linalg.eigen import decoupled
-from mbconstrained.polynomial.reduction import reduction_of
+from mbconstrained.linalg.kinds import full
+from mbconstrained.polynomial.plain import reduction_of
 from mbconstrained.polynomial.refinement import refined
 
 
@@ -59,7 +60,7 @@ def largest_error(found, exact) -> float:
 def test_slow_zeros_have_the_digits_that_the_equations_give(count, joints):
     A = chain(count, joints)
     reduction = reduction_of(A)
-    before = decoupled(reduction.generator.toarray())
+    before = decoupled(full(reduction.generator))
     exact, after = exact_zeros(A), refined(reduction, before)
     assert len(exact) == reduction.state_count
     assert largest_error(zeros_of(after), exact) <= max(1e-15, 1.05 * largest_error(zeros_of(before), exact))
@@ -68,7 +69,7 @@ def test_slow_zeros_have_the_digits_that_the_equations_give(count, joints):
 
 def test_blocks_of_other_forms_stay_as_they_are():
     reduction = reduction_of(chain(3))
-    parts = decoupled(reduction.generator.toarray())
+    parts = decoupled(full(reduction.generator))
     odd = tuple(np.array([[0.0, 2.0], [-3.0, -1.0]]) for _ in parts.blocks)
     same = refined(reduction, type(parts)(parts.basis, parts.inverse, odd, parts.coupling))
     assert all(np.array_equal(one, two) for one, two in zip(same.blocks, odd))

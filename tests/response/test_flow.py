@@ -10,6 +10,7 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.errors import InputError
+from mbconstrained.linalg.kinds import full
 from mbconstrained.linalg.oscillations import even_step
 from mbconstrained.response.flow import EARLY, FEW_TIMES, FlowFunction
 from mbconstrained.signals.bohl import BohlFunction
@@ -120,7 +121,7 @@ def test_the_series_of_the_start_meets_the_modes(part):
 def test_a_rate_is_not_below_that_of_any_motion():
     for damping in ("none", "some", "proportional"):
         found = function(damping)
-        S = found.flow.generator.toarray()
+        S = full(found.flow.generator)
         fastest = np.abs(np.linalg.eigvals(S)).max()
         assert (1 - 1e-12) * fastest <= found.flow.rate <= 10 * fastest
 

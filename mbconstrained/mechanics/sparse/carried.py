@@ -27,7 +27,7 @@ class LeftOut:
 
     def __init__(self, pencil: ReducedPencil, undamped: UndampedModes, space: ModeSpace):
         self.pencil, self.undamped, self.space = pencil, undamped, space
-        self.quadratic = QuadraticPencil(pencil, np.argsort(undamped.factors.lower_upper.perm_c))
+        self.quadratic = QuadraticPencil(pencil, undamped)
         self.known: dict[complex, object] = {}
 
     def driving(self, forces: np.ndarray, blocks) -> np.ndarray:

@@ -1,14 +1,15 @@
-"""Damped modes, refined from the undamped ones: a small projected problem first, then Newton's method for each zero.
+"""Damped modes, refined from the undamped ones: in a small space for all at once, then each by itself where that is not enough.
 
 In the space of the undamped modes s^2 + s X^T C X + W^2 is a small quadratic eigenproblem. Each of its pairs (s, x) starts
-Newton's method on s^2 M + s C + K (two-sided, as the matrices are symmetric; Lancaster 1961), x <- P(s)^-1 P'(s) x and
-s <- s - (v^T x) / (v^T P(s)^-1 P'(s) x) with v = P'(s) x, one sparse factorization a step. Modal damping needs no step.
+Newton's method, first in that space with what damping mixes into it (``mixed``): one real factorization, already there, for all
+of them. Where the residual then is more than rounding, Newton's method follows on s^2 M + s C + K itself, one complex sparse
+factorization a step. Modal damping needs none of it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, replace
+from itertools import pairwise, repeat
 
 import numpy as np
 import scipy.linalg
@@ -16,19 +17,21 @@ import scipy.linalg
 from ...errors import IllConditioned
 from ...tolerances import EPS, NOISE_SAFETY
 from .lanczos import CONVERGED
-from .matrices import times
+from .matrices import combined, times
+from .mixed import mixed_space, outside
+from .newton import CLOSE, Pair, gap, newton
 from .pencil import ReducedPencil
 from .quadratic import QuadraticPencil
 from .undamped import UndampedModes, balanced
 
-#: After so many steps a pair that has not converged is told.
-MOST_STEPS = 8
-
-#: A value that moved by no more than this part of the gap has a vector that is right to this times its square root.
-CLOSE = EPS**0.5
-
 #: Two vectors whose cosine is this near to one are one mode found twice.
 SAME = 1 - EPS**0.5
+
+#: Modes are corrected outside of the undamped shapes at most so often, and only as long as each time this part is left.
+MOST_CORRECTIONS, GAIN = 12, 0.5
+
+#: A vector is cleared of rounding with factors this part of a gap beside its zero, where they are not singular.
+BESIDE = 1 / 64
 
 
 @dataclass(frozen=True)
@@ -53,39 +56,24 @@ class DampedModes:
     modal: bool
 
 
-@dataclass
-class _Pair:
-    value: complex
-    vector: np.ndarray
-    resting: bool = False
-    exact: bool = False
-    converged: bool = True
-
-
 def is_modal(pencil: ReducedPencil, undamped: UndampedModes) -> bool:
     """Whether C X = M X diag: damping leaves the undamped shapes alone, and does not couple them."""
-    X = undamped.vectors
-    if not pencil.damping.nnz:
-        return True
-    forces, weights = times(pencil.damping, X), times(pencil.mass, X)
-    own = (X * forces).sum(axis=0)
-    sizes = times(abs(pencil.damping), np.abs(X))
-    left = balanced(pencil, forces - weights * own)
-    return bool((np.linalg.norm(left, axis=0) <= CONVERGED * np.linalg.norm(sizes, axis=0) * len(own) ** 0.5).all())
+    X, sizes = undamped.vectors, abs(pencil.damping)
+    for x in X.T if pencil.damping.nnz else ():
+        forces = pencil.damping @ x
+        left = balanced(pencil, forces - (x @ forces) * (pencil.mass @ x))
+        if np.linalg.norm(left) > CONVERGED * np.linalg.norm(sizes @ np.abs(x)) * X.shape[1] ** 0.5:
+            return False
+    return True
 
 
 def damped_modes(pencil: ReducedPencil, undamped: UndampedModes) -> DampedModes:
     """All zeros that the undamped modes lead to."""
     modal = is_modal(pencil, undamped)
-    pairs = _modal(pencil, undamped) if modal else _projected(pencil, undamped)
-    quadratic = QuadraticPencil(pencil, np.argsort(undamped.factors.lower_upper.perm_c))
-    values = np.array([pair.value for pair in pairs])
-    for place, pair in enumerate(pairs):
-        if not (modal or pair.exact):
-            _newton(quadratic, pair, _gap(values, place))
-    pairs.sort(key=lambda pair: (abs(pair.value), pair.value.real))
-    _tell_apart(pencil, pairs)
-    evidence = np.array([_evidence(quadratic, pair) for pair in pairs]).reshape(len(pairs), 2)
+    quadratic = QuadraticPencil(pencil, undamped)
+    pairs = _sorted(_modal(pencil, undamped)) if modal else _coupled(quadratic)
+    residuals = (pair.residual or quadratic.residual(pair.value, pair.vector) for pair in pairs)
+    evidence = np.array([residual.evidence for residual in residuals]).reshape(len(pairs), 2)
     vectors = np.array([pair.vector for pair in pairs], dtype=complex).reshape(len(pairs), pencil.size).T
     converged = np.array([pair.converged for pair in pairs], dtype=bool) & (evidence[:, 0] <= evidence[:, 1])
     resting = np.array([pair.resting for pair in pairs], dtype=bool)
@@ -93,7 +81,7 @@ def damped_modes(pencil: ReducedPencil, undamped: UndampedModes) -> DampedModes:
     return DampedModes(values, vectors, resting, evidence[:, 0], evidence[:, 1], converged, modal)
 
 
-def _modal(pencil: ReducedPencil, undamped: UndampedModes) -> list[_Pair]:
+def _modal(pencil: ReducedPencil, undamped: UndampedModes) -> list[Pair]:
     """Each undamped shape with the two roots of s^2 + z s + w^2."""
     X = undamped.vectors
     rates = (X * times(pencil.damping, X)).sum(axis=0)
@@ -102,82 +90,143 @@ def _modal(pencil: ReducedPencil, undamped: UndampedModes) -> list[_Pair]:
     for w2, rate, size, x in zip(undamped.values, rates, sizes, X.T):
         rate = rate if abs(rate) > NOISE_SAFETY * EPS * size else 0.0
         if not w2 and not rate:
-            found.append(_Pair(0j, x, resting=True, exact=True))
+            found.append(Pair(0j, x, resting=True))
             continue
         half, under = rate / 2, w2 - rate**2 / 4
         if under > 0:
-            found.append(_Pair(complex(-half, under**0.5), x))
+            found.append(Pair(complex(-half, under**0.5), x))
         else:
             larger = -(half + np.copysign((-under) ** 0.5, half))
-            found += [_Pair(complex(root), x, exact=not root) for root in (w2 / larger, larger)]
+            found += [Pair(complex(root), x) for root in (w2 / larger, larger)]
     return found
 
 
-def _projected(pencil: ReducedPencil, undamped: UndampedModes) -> list[_Pair]:
-    """The pairs of the projected problem; rigid bodies without dampers stand apart, those with them have a zero at 0 exactly."""
-    X, w2 = undamped.vectors, undamped.values
+def _coupled(quadratic: QuadraticPencil) -> list[Pair]:
+    """The pairs of the projected problem, refined; rigid bodies without dampers stand apart, with them they have a zero at 0."""
+    pencil, undamped = quadratic.pencil, quadratic.undamped
+    X, rests = undamped.vectors, undamped.values == 0
     forces = times(pencil.damping, X)
-    sizes = np.linalg.norm(times(abs(pencil.damping), np.abs(X)), axis=0)
-    free = (w2 == 0) & (np.linalg.norm(forces, axis=0) <= NOISE_SAFETY * EPS * sizes)
-    found = [_Pair(0j, x, resting=True, exact=True) for x in X.T[free]]
-    found += [_Pair(0j, x, exact=True) for x in X.T[(w2 == 0) & ~free]]
-    at_zero = int(((w2 == 0) & ~free).sum())
-    X, w2 = X[:, ~free], w2[~free]
-    rates = X.T @ forces[:, ~free]
-    unit = float(np.abs(w2).max(initial=0.0)) ** 0.5 or 1.0
-    m = len(w2)
-    state = np.block([[np.zeros((m, m)), unit * np.eye(m)], [-np.diag(w2) / unit, -rates]])
+    free = rests.copy()
+    sizes = np.linalg.norm(times(abs(pencil.damping), np.abs(X[:, rests])), axis=0)
+    free[rests] = np.linalg.norm(forces[:, rests], axis=0) <= NOISE_SAFETY * EPS * sizes
+    resting = [Pair(0j, x, resting=bool(alone)) for x, alone in zip(X.T[rests], free[rests])]
+    moving, forces = (X, forces) if not free.any() else (X[:, ~free], forces[:, ~free])
+    estimates = _projected(moving.T @ forces, undamped.values[~free], int((rests & ~free).sum()))
+    gaps = [gap(np.array([pair.value for pair in estimates]), place) for place in range(len(estimates))]
+    if quadratic.is_narrow:
+        found = _sorted([*resting, *map(_followed, repeat(quadratic), _shown(moving, estimates), gaps)])
+        if all(pair.converged for pair in found):
+            return found
+    space = mixed_space(pencil, undamped, ~free, forces)
+    padded = [replace(pair, vector=_padded(pair.vector, len(space.mass))) for pair in estimates]
+    mixed = [newton(space, pair, room) for pair, room in zip(padded, gaps)]
+    pairs = _corrected(quadratic, _shown(np.hstack([space.shapes, space.mixed]), mixed))
+    return _sorted(resting + [_settled(quadratic, pair, room) for pair, room in zip(pairs, gaps)])
+
+
+def _settled(quadratic: QuadraticPencil, pair: Pair, room: float) -> Pair:
+    """The pair, followed where that makes its residual smaller and does not lead to another zero."""
+    if pair.residual.is_rounding:
+        return pair
+    found = _followed(quadratic, pair, room)
+    own = found.converged and abs(found.value - pair.value) <= room / 2
+    return found if own and found.residual.relative < pair.residual.relative else pair
+
+
+def _shown(basis: np.ndarray, pairs: list[Pair]) -> list[Pair]:
+    """The pairs on the free coordinates from those in a basis."""
+    coordinates = np.array([pair.vector for pair in pairs], dtype=complex).reshape(len(pairs), basis.shape[1]).T
+    return [replace(pair, vector=x) for pair, x in zip(pairs, combined(basis, coordinates).T)]
+
+
+def _padded(x, size) -> np.ndarray:
+    return np.concatenate([x, np.zeros(size - len(x))])
+
+
+def _projected(C: np.ndarray, w2: np.ndarray, at_zero: int) -> list[Pair]:
+    """The pairs of s^2 + s C + W^2 without so many next to 0."""
+    m, unit = len(w2), float(np.abs(w2).max(initial=0.0)) ** 0.5 or 1.0
+    state = np.block([[np.zeros((m, m)), unit * np.eye(m)], [-np.diag(w2) / unit, -C]])
     values, turn = scipy.linalg.eig(state)
     order = np.argsort(np.abs(values), kind="stable")[at_zero:]
     order = order[values[order].imag >= 0]
-    vectors = X @ turn[:m, order].real + 1j * (X @ turn[:m, order].imag)
-    return found + [_Pair(complex(value), x if value.imag else x.real) for value, x in zip(values[order], vectors.T)]
+    return [Pair(complex(value), x if value.imag else x.real) for value, x in zip(values[order], turn[:m, order].T)]
 
 
-def _gap(values, place) -> float:
-    """How far the nearest other zero of the projected problem lies, conjugates included."""
-    others = np.delete(values, place)
-    distances = np.abs(np.concatenate([others, np.conj(values)]) - values[place])
-    return float(distances[distances > 0].min(initial=abs(values[place])))
+def _followed(quadratic: QuadraticPencil, pair: Pair, room: float) -> Pair:
+    """Newton's method on all free coordinates, and its vector without what rounding of the factors left in it."""
+    found = newton(quadratic, pair, room)
+    try:
+        beside = quadratic.factors(found.value + room * BESIDE)
+        cleared = found.vector - beside.solve(quadratic.applied(found.value, found.vector))
+    except IllConditioned:
+        cleared = found.vector
+    after = quadratic.residual(found.value, cleared)
+    if after.is_rounding:
+        return replace(found, vector=cleared, residual=after)
+    before = quadratic.residual(found.value, found.vector)
+    return replace(found, residual=before) if before.relative < after.relative else replace(found, vector=cleared, residual=after)
 
 
-def _newton(quadratic: QuadraticPencil, pair: _Pair, gap: float) -> None:
-    """Refine a pair in place.
-
-    With a value wrong by a part p of the gap the vector was wrong by p^(1/2), and is by p^(3/2) after a step.
-    """
-    value, x, moved = pair.value, pair.vector.astype(complex), np.inf
-    real = value.imag == 0
-    for _ in range(MOST_STEPS):
-        slope = quadratic.slope(value, x)
-        try:
-            image = quadratic.factors(value).solve(slope)
-        except IllConditioned:  # the value is a zero to the last digit
+def _corrected(quadratic: QuadraticPencil, pairs: list[Pair]) -> list[Pair]:
+    """The pairs without what their residuals cause outside of the undamped shapes."""
+    groups = [_unmixed(quadratic, group) for group in _neighbours(pairs)]
+    before = [np.inf] * len(groups)
+    for _ in range(MOST_CORRECTIONS):
+        worst = [_worst(group) for group in groups]
+        done = [all(pair.residual.is_rounding for pair in group) for group in groups]
+        open_ = [place for place in range(len(groups)) if not done[place] and worst[place] <= GAIN * before[place]]
+        if not open_:
             break
-        if not np.isfinite(image).all():
-            break
-        step = (slope @ x) / (slope @ image)
-        x = image / np.abs(image).max()
-        value = complex((value - step).real) if real else value - step
-        moved, last = abs(step), moved
-        if moved <= CLOSE * gap or moved <= EPS**0.5 * abs(value) and moved >= last / 2:
-            break
-    else:
-        pair.converged = False
-    pair.converged &= bool(real or value.imag > 0)
-    pair.value, pair.vector = value, (x.real if real else x)
+        forces = (pair.residual.forces for place in open_ for pair in groups[place])
+        left = np.array([part for force in forces for part in (force.real, force.imag)]).T
+        moved = iter(outside(quadratic.pencil, quadratic.undamped, left).T)
+        for place in open_:
+            better = [replace(pair, vector=pair.vector - (next(moved) + 1j * next(moved))) for pair in groups[place]]
+            better, before[place] = _unmixed(quadratic, better), worst[place]
+            if _worst(better) < worst[place]:
+                groups[place] = better
+    return [pair for group in groups for pair in group]
 
 
-def _tell_apart(pencil: ReducedPencil, pairs: list[_Pair]) -> None:
-    """Of neighbours with one zero and one shape the second has not converged to its own."""
+def _neighbours(pairs: list[Pair]) -> list[list[Pair]]:
+    """Groups of oscillations with nearly the same zero, all others alone."""
+    groups: list[list[Pair]] = []
+    for pair in sorted(pairs, key=lambda pair: abs(pair.value)):
+        last = groups[-1][-1].value if groups else 0j
+        if last.imag and pair.value.imag and abs(pair.value - last) <= CLOSE**0.5 * abs(last):
+            groups[-1].append(pair)
+        else:
+            groups.append([pair])
+    return groups
+
+
+def _unmixed(quadratic: QuadraticPencil, group: list[Pair]) -> list[Pair]:
+    """The pairs with their residuals, solved once more on their own vectors with P(s_0 + d) = P(s_0) + d P'(s_0), if that is better."""
+    given = [replace(pair, residual=quadratic.residual(pair.value, pair.vector)) for pair in group]
+    middle = np.mean([pair.value for pair in group])
+    X = np.array([pair.vector for pair in group]).T
+    left, slopes = (np.array([image(middle, x) for x in X.T]).T for image in (quadratic.applied, quadratic.slope))
+    moved, turn = scipy.linalg.eig(-X.T @ left, X.T @ slopes)
+    if not np.isfinite(moved).all():
+        return given
+    found = []
+    for value, x in zip(middle + moved, (X @ turn).T):
+        value, x = (complex(value), x) if middle.imag else (complex(value.real), x.real)
+        found.append(Pair(value, x, residual=quadratic.residual(value, x)))
+    return min(given, found, key=_worst)
+
+
+def _worst(group: list[Pair]) -> float:
+    return max(pair.residual.relative for pair in group)
+
+
+def _sorted(pairs: list[Pair]) -> list[Pair]:
+    """Ascending; of neighbours with one zero and one shape the second has not converged to its own."""
+    pairs = sorted(pairs, key=lambda pair: (abs(pair.value), pair.value.real))
     for one, two in pairwise(pairs):
-        if not (one.exact or two.exact) and abs(one.value - two.value) <= EPS**0.5 * abs(two.value):
+        if one.value and two.value and abs(one.value - two.value) <= EPS**0.5 * abs(two.value):
             overlap = np.vdot(one.vector, two.vector)
             if abs(overlap) >= SAME * np.linalg.norm(one.vector) * np.linalg.norm(two.vector):
                 two.converged = False
-
-
-def _evidence(quadratic: QuadraticPencil, pair: _Pair) -> tuple[float, float]:
-    left, size, inertia = quadratic.residual(pair.value, pair.vector)
-    whole, damping = inertia or size or 1.0, abs(pair.value) * np.linalg.norm(quadratic.pencil.damping @ pair.vector)
-    return left / whole, (NOISE_SAFETY * EPS * size + CONVERGED * (inertia + damping)) / whole
+    return pairs

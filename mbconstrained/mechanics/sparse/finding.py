@@ -51,27 +51,27 @@ def _modes(system, values, shapes, kinds, evidence, undamped: UndampedModes, ort
 def _damped(system: SparseSystem, undamped: UndampedModes, found: DampedModes, count: int) -> SparseModes:
     pencil, take = system.pencil, np.flatnonzero(found.converged)[:count]
     values, X = found.values[take], found.vectors[:, take]
-    slopes = times(pencil.damping, X) + times(pencil.mass, X) * (2 * values)
-    own = (slopes * X).sum(axis=0)
+    inertia, damping = X.T @ times(pencil.mass, X), X.T @ times(pencil.damping, X)
+    own = 2 * values * np.diag(inertia) + np.diag(damping)
     wanted = np.where(values.imag != 0, 2j * values.imag, np.where(np.abs(own) > 0, own, 1.0))
-    X = X * (wanted / np.where(own != 0, own, wanted)) ** 0.5
+    unit = (wanted / np.where(own != 0, own, wanted)) ** 0.5
+    X *= unit
+    coupling = _coupling(values, (values[:, None] + values) * inertia + damping, unit)
     kinds = tuple(_kind(value, resting) for value, resting in zip(values, found.resting[take]))
     notices = [*_count_notices(undamped, count), *_rounding_notices(pencil, undamped)]
     if lost := int((~found.converged).sum()):
         text = f"{in_words(lost, 'zero')} of strongly damped motion did not converge from the undamped modes and are left out"
         notices.append(Notice("left out", text, doubtful=True))
     evidence = found.residuals[take], found.bounds[take]
-    return _modes(system, values, times(pencil.basis, X), kinds, evidence, undamped, _coupling(pencil, values, X), notices)
+    return _modes(system, values, times(pencil.basis, X), kinds, evidence, undamped, coupling, notices)
 
 
-def _coupling(pencil, values, X) -> float:
+def _coupling(values, form, unit) -> float:
     """The largest entry off the diagonal of (s_i + s_j) x_i^T M x_j + x_i^T C x_j, relative to |s_i + s_j|."""
-    if not len(values):
-        return 0.0
-    sums = values[:, None] + values
-    form = sums * (X.T @ times(pencil.mass, X)) + X.T @ times(pencil.damping, X)
-    np.fill_diagonal(form, 0.0)
-    return float(np.abs(form / np.where(sums != 0, np.abs(sums), 1.0)).max())
+    sizes = np.abs(values[:, None] + values)
+    relative = np.abs(form * unit * unit[:, None]) / np.where(sizes > 0, sizes, 1.0)
+    np.fill_diagonal(relative, 0.0)
+    return float(relative.max(initial=0.0))
 
 
 def _kind(value: complex, resting: bool):

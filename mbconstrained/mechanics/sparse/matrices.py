@@ -82,10 +82,20 @@ FEW_ROWS = 5000
 
 
 def times(matrix, columns: np.ndarray) -> np.ndarray:
-    """A sparse matrix times dense columns, one by one: SciPy's product with many at once is several times slower."""
+    """A sparse real matrix times dense columns, one by one: SciPy's product with many at once is several times slower."""
     if matrix.shape[0] <= FEW_ROWS:
         return np.asfortranarray(matrix @ columns)
     found = np.empty((matrix.shape[0], columns.shape[1]), dtype=np.result_type(matrix.dtype, columns.dtype), order="F")
     for place, column in enumerate(columns.T):
-        found[:, place] = matrix @ column
+        if found.dtype.kind == "c":  # a complex product would make the matrix complex for each column
+            found.real[:, place], found.imag[:, place] = matrix @ column.real, matrix @ column.imag
+        else:
+            found[:, place] = matrix @ column
+    return found
+
+
+def combined(basis: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
+    """Real columns times complex coordinates, for which they need not become complex themselves."""
+    found = np.empty((len(basis), coordinates.shape[1]), dtype=complex, order="F")
+    found.real, found.imag = basis @ coordinates.real, basis @ coordinates.imag
     return found

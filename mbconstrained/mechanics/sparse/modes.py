@@ -19,8 +19,8 @@ class SparseModes:
 
     Attributes:
         values: the zeros s of A(s) in 1/s, above or on the real axis; 0 for a rigid body. By ascending |s|.
-        shapes: one a column, shape (n, m), all coordinates, constraints obeyed: real with X^T M X = I for undamped modes,
-            complex with x^T (2 s M + C) x = 2 i |Im s| for damped ones (x^T M x = 1 without damping).
+        vectors: their shapes, one a column, shape (n, m), all coordinates, constraints obeyed: real with X^T M X = I for
+            undamped modes, complex with x^T (2 s M + C) x = 2 i |Im s| for damped ones (x^T M x = 1 without damping).
         kinds: "oscillation", "rigid body", "growth"; for damped modes "decay" and "offset" too.
         residuals: |s^2 M x + s C x + K x| of each, constraint forces apart, relative to the sum of the sizes of its terms.
         bounds: what rounding of the matrices' entries and the stopping rule explain of the residual, in the same measure.
@@ -34,7 +34,7 @@ class SparseModes:
     """
 
     values: np.ndarray
-    shapes: np.ndarray
+    vectors: np.ndarray
     kinds: tuple[Kind, ...]
     residuals: np.ndarray
     bounds: np.ndarray
@@ -54,9 +54,14 @@ class SparseModes:
         return f"SparseModes({in_words(len(self), 'mode')} of {in_words(len(self.names), 'coordinate')}{rigid}, {sure})"
 
     @property
+    def oscillating(self) -> np.ndarray:
+        """The places of those with an imaginary part, ascending by angular frequency."""
+        return np.flatnonzero(self.values.imag)
+
+    @property
     def angular_frequencies(self) -> np.ndarray:
-        """|s| in rad/s for what oscillates, 0 for what does not, shape (m,)."""
-        return np.where(self.values.imag != 0, np.abs(self.values), 0.0)
+        """|s| of the oscillating ones in rad/s, as ``Modes`` of small systems has them."""
+        return np.abs(self.values[self.oscillating])
 
     @property
     def frequencies_hz(self) -> np.ndarray:
@@ -65,9 +70,13 @@ class SparseModes:
 
     @property
     def damping_ratios(self) -> np.ndarray:
-        """-Re s / |s|, 0 where s = 0."""
-        size = np.abs(self.values)
-        return -self.values.real / np.where(size > 0, size, 1.0)
+        """-Re s / |s| of the same."""
+        return -self.values[self.oscillating].real / self.angular_frequencies
+
+    @property
+    def shapes(self) -> np.ndarray:
+        """The shapes of the same, one a column."""
+        return self.vectors[:, self.oscillating]
 
     @property
     def rigid(self) -> int:
@@ -76,16 +85,16 @@ class SparseModes:
 
     def table(self) -> list[dict[str, str]]:
         """One row of text for each: kind, zero, frequency in Hz and rad/s, damping ratio, residual."""
-        return [
-            {
-                "kind": kind,
-                "zero (1/s)": f"{value.real:.6g} ± {value.imag:.6g} i" if value.imag else f"{value.real:.6g}",
-                "frequency (Hz)": f"{frequency:.6g}",
-                "angular frequency (rad/s)": f"{2 * np.pi * frequency:.6g}",
-                "damping ratio": f"{ratio:.4g}",
-                "residual": f"{residual:.2g}",
-            }
-            for kind, value, frequency, ratio, residual in zip(
-                self.kinds, self.values, self.frequencies_hz, self.damping_ratios, self.residuals
-            )
-        ]
+        return [_row(*mode) for mode in zip(self.kinds, self.values, self.residuals)]
+
+
+def _row(kind: Kind, value: complex, residual: float) -> dict[str, str]:
+    frequency = abs(value) if value.imag else 0.0
+    return {
+        "kind": kind,
+        "zero (1/s)": f"{value.real:.6g} ± {value.imag:.6g} i" if value.imag else f"{value.real:.6g}",
+        "frequency (Hz)": f"{frequency / (2 * np.pi):.6g}",
+        "angular frequency (rad/s)": f"{frequency:.6g}",
+        "damping ratio": f"{-value.real / abs(value) if value else 0.0:.4g}",
+        "residual": f"{residual:.2g}",
+    }

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
 import scipy.sparse
 
-from ...checks import counted, names_of, nearest, real_array, real_number, whole_number
+from ...checks import counted, names_of, nearest, whole_number
 from ...errors import InputError
 from ...notices import Notice
-from ...signals.inputs import ImpulsiveSmooth, step, zero
+from ..loads import Loaded
 from .finding import found_modes
 from .matrices import sparse_matrix, symmetric
 from .modes import SparseModes
@@ -21,7 +21,7 @@ from .rows import held_rows
 from .undamped import UndampedModes, undamped_modes
 
 
-class SparseSystem:
+class SparseSystem(Loaded):
     """M x'' + C x' + K x = f + A^T lambda with A x = b, its matrices sparse and as large as memory for them allows.
 
     The words are those of ``MechanicalSystem``, which makes one of these when it is given a ``scipy.sparse`` matrix. All
@@ -74,10 +74,7 @@ class SparseSystem:
         self._pencil = reduced_pencil(
             symmetric(self.mass, "mass", self), self.damping, symmetric(self.stiffness, "stiffness", self), self._held, self.name
         )
-        drive = force if isinstance(force, ImpulsiveSmooth) else None
-        constant = self._vector(static_force, "static_force")
-        self.static_force = constant if drive is not None else constant + self._vector(force, "force")
-        self.drive = None if drive is None else self._signal(drive, "force")
+        self._load(force, static_force)
         self._undamped: UndampedModes | None = None
 
     @property
@@ -121,16 +118,10 @@ class SparseSystem:
         """One for each constraint row that was left out because others imply it."""
         return self._pencil.notices
 
-    @property
-    def force(self) -> ImpulsiveSmooth:
-        """All that acts from t = 0 on without being asked."""
-        static = step(self.static_force) if self.static_force.any() else zero(self.size)
-        return static if self.drive is None else static + self.drive
-
     def modes(self, count: int = 50, damped: bool | None = None) -> SparseModes:
         """The modes of lowest frequency, or all there are if these are fewer.
 
-        Undamped ones by shift-invert Lanczos, counted by Sylvester's law of inertia; damped ones by Newton's method from these.
+        Undamped ones by shift-invert Lanczos, counted by Sylvester's law of inertia; damped ones from these.
         Time and memory grow as the factors of K - s M do, in proportion to n for what is long rather than compact, and memory
         by some 4 ``count`` vectors of n numbers.
 
@@ -175,12 +166,7 @@ class SparseSystem:
         (True, 0.0)
         """
         start = np.array([self._vector(displacement, "displacement"), self._vector(velocity, "velocity")])
-        if force is None:
-            applied = self.force
-        else:
-            signal = force if isinstance(force, ImpulsiveSmooth) else step(self._vector(force, "force"))
-            applied = self.force + self._signal(signal, "force")
-        return sparse_motion(self, start, applied, whole_number(count, "count", minimum=1))
+        return sparse_motion(self, start, self._applied(force), whole_number(count, "count", minimum=1))
 
     def __repr__(self) -> str:
         rows = self._held.matrix.shape[0]
@@ -200,18 +186,3 @@ class SparseSystem:
     @cached_property
     def _places(self) -> dict[str, int]:
         return {name: place for place, name in enumerate(self.names)}
-
-    def _signal(self, signal: ImpulsiveSmooth, what: str) -> ImpulsiveSmooth:
-        if signal.size != self.size:
-            raise InputError(f"{what}: it has {signal.size} rows; expected one for each of the {self.size} coordinates")
-        return signal
-
-    def _vector(self, value, what: str) -> np.ndarray:
-        if value is None:
-            return np.zeros(self.size)
-        if not isinstance(value, Mapping):
-            return real_array(value, what, shape=(self.size,))
-        vector = np.zeros(self.size)
-        for name, number in value.items():
-            vector[self.place(name, what)] = real_number(number, f"{what} of {name}")
-        return vector

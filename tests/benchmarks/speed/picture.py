@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mbconstrained.page.look import GREY, INK, MUTED, RED
 from mbconstrained.reports.accuracy.tables import ratio as shown_ratio
-from mbconstrained.reports.figures import GREY, INK, MUTED, RED, Picture, nothing_to_show, power_of_ten
+from mbconstrained.reports.figures import Picture, nothing_to_show, power_of_ten
 from tests.benchmarks.speed.report import PARTS, Row
 
 if TYPE_CHECKING:

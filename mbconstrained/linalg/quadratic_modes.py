@@ -1,0 +1,152 @@
+"""M x'' + C x' + K x = 0, all symmetric, whose graph is a tree: its zeros and vectors without a large dense matrix.
+
+Coordinates without mass have no x''. The zeros of a small model are those of a dense generator, those of a large one are found from
+those of its two halves (divide and conquer: Bini, Gemignani and Tisseur 2005), with all work in vectors over the zeros. A vector is that of
+inverse iteration, and each zero is found once more from it by Newton's step for x^T P(s) x = 0 (Lancaster 1961), every row of
+P(s) x summed as (sum of its entries) x_i + sum over j of P_ij (x_j - x_i): slow motions of a chain keep their digits so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..tolerances import DECOUPLING_LIMIT, noise_of
+from .aberth import Zeros, zeros_near
+from .acyclic import Acyclic, acyclic_of
+from .kinds import Matrix
+from .structured import StructuredModes
+from .threads import one_thread
+
+#: The zeros of so many states at most are those of a dense matrix.
+DENSE = 120
+
+#: Steps smaller than this part of a zero are the last ones: of halves, of the whole.
+HALVES, WHOLE = 1e-4, 1e-8
+
+#: A half has at least this part of the coordinates: what has very many branches at one place is not divided.
+LEAST_HALF = 0.2
+
+#: So many entries of vectors are made at once, or those of this part of the zeros: what they need stays small beside the answer.
+CHUNK, PART = 1 << 14, 16
+
+#: Where P(s) is factored, beside a zero s by this part of it.
+BESIDE = 1e-12
+
+#: So often at most a vector is corrected: once or twice is usual.
+CORRECTIONS = 5
+
+#: How exactly coordinates of modes must be found again from their sum; those of states are refined once.
+COMPLETE = 1e-9
+
+
+def quadratic_modes(M: Matrix, C: Matrix, K: Matrix) -> StructuredModes | None:
+    """The states (x_m, x_m', x_d) decoupled; None where the graph is no tree, or zeros are hardly apart.
+
+    Args:
+        M: shape (m, m), of x_m, the first coordinates.
+        C, K: shape (m + d, m + d).
+    """
+    P = acyclic_of(M, C, K)
+    if P is None or np.count_nonzero(P.is_heavy) != M.shape[0]:
+        return None
+    with np.errstate(all="ignore"):  # checked at the end
+        zeros = _zeros(P, WHOLE)
+        if zeros is None or 2 * len(zeros.upper) + len(zeros.real) != P.zero_count:
+            return None
+        found = _modes(P, zeros, M, C)
+        return found if found is not None and _is_complete(found) else None
+
+
+def _zeros(P: Acyclic, tolerance: float) -> Zeros | None:
+    """All of them, from approximate ones: those of its halves together where it is large."""
+    start = _dense(P) if P.zero_count <= DENSE else _of_halves(P)
+    return None if start is None else zeros_near(P.newton, start, tolerance)
+
+
+def _of_halves(P: Acyclic) -> np.ndarray | None:
+    halves, found = P.halves(), []
+    if min(half.size for half in halves) < LEAST_HALF * P.size:
+        return None
+    for half in halves:
+        if half.zero_count <= DENSE:
+            own = _dense(half)
+        else:
+            zeros = _zeros(half, HALVES)
+            own = None if zeros is None else zeros.all
+        if own is None:
+            return None
+        found.append(own)
+    start = np.concatenate(found)
+    return start * (1 + HALVES * np.random.default_rng(0).standard_normal(len(start)))  # halves may be alike
+
+
+def _dense(P: Acyclic) -> np.ndarray | None:
+    """The eigenvalues of the generator, states (x, x_m')."""
+    (K, C, M), heavy, n = P.dense(), np.flatnonzero(P.is_heavy), P.size
+    size = n + len(heavy)
+    rates, states = np.zeros((2, size, size))
+    rates[:n, :n], rates[:n, n:], states[:n, :n] = C, M[:, heavy], -K
+    rates[range(n, size), heavy] = 1.0
+    np.fill_diagonal(states[n:, n:], 1.0)
+    try:
+        with one_thread(size):
+            return np.linalg.eigvals(np.linalg.solve(rates, states))
+    except np.linalg.LinAlgError:  # a mass or a damper of it is singular by itself
+        return None
+
+
+def _modes(P: Acyclic, zeros: Zeros, M: Matrix, C: Matrix) -> StructuredModes | None:
+    """The vectors of all zeros, None where one is hardly apart from others or its equation is not met."""
+    upper, real, pairs = zeros.upper.copy(), zeros.real.copy(), len(zeros.upper)
+    shapes, signs, worst = np.empty((P.size, P.zero_count)), np.empty(len(real)), 0.0
+    for s, at in _chunks(upper, real, max(1, CHUNK // P.size, P.zero_count // PART)):
+        found, x, square, coupling = _vectors(P, s)
+        if not coupling <= DECOUPLING_LIMIT:
+            return None
+        worst = max(worst, coupling)
+        if s.dtype == complex:
+            x /= np.sqrt(square)
+            upper[at], shapes[P.places, 2 * at.start : 2 * at.stop : 2] = found, x.real
+            shapes[P.places, 2 * at.start + 1 : 2 * at.stop : 2] = x.imag
+        else:
+            real[at], signs[at] = found, np.sign(square)
+            shapes[P.places, 2 * pairs + at.start : 2 * pairs + at.stop] = x / np.sqrt(np.abs(square))
+    return StructuredModes(M, C, shapes, upper, real, signs, worst)
+
+
+def _chunks(upper: np.ndarray, real: np.ndarray, width: int) -> Iterator[tuple[np.ndarray, slice]]:
+    for part in (upper, real):
+        for begin in range(0, len(part), width):
+            at = slice(begin, min(begin + width, len(part)))
+            yield part[at], at
+
+
+def _vectors(P: Acyclic, s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """The zeros, their vectors x, x^T P'(s) x and the largest sum of |y| |w| (``StructuredModes``), infinite where P(s) x is not 0.
+
+    P is factored a little beside the zeros, where it is regular; what then is left of P(s) x corrects x (Neumaier 1985).
+    """
+    factors = P.factored(s * (1 + BESIDE))
+    x = P.solved(*factors, np.random.default_rng(0).standard_normal((P.size, len(s))).astype(s.dtype))
+    for _ in range(CORRECTIONS):
+        x /= np.abs(x).max(axis=0)
+        residual, damping, inertia = P.applied(s, x)
+        square = np.einsum("ik,ik->k", x, damping + 2 * s * inertia)
+        s = s - np.einsum("ik,ik->k", x, residual) / square
+        size = np.abs(x)
+        K, C, M = np.abs(P.diagonal) @ size**2
+        terms = K + np.abs(s) * C + np.abs(s) ** 2 * M
+        if (np.einsum("ik,ik->k", size, np.abs(residual)) <= noise_of(terms, P.size)).all():
+            weight = s * inertia
+            sums = np.einsum("ik,ik->k", size, np.abs(weight + damping) + np.abs(weight))
+            return s, x, square, float((sums / np.abs(square)).max())
+        x -= P.solved(*factors, residual)
+    return s, x, square, np.inf
+
+
+def _is_complete(found: StructuredModes) -> bool:
+    """Whether the coordinates of sums of modes are what they were made with: then there are as many modes as states."""
+    made = np.random.default_rng(0).choice([-1.0, 1.0], size=(found.shapes.shape[1], 2))
+    return bool(np.abs(found.residues(found.states(made)) - made).max() <= COMPLETE)

@@ -1,0 +1,209 @@
+"""Modes of trees against closed forms, LAPACK's eigenvalues of the generator, and the identities that modes obey."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from mbconstrained.linalg.blocks import block_matrix
+from mbconstrained.linalg.exponential import block_states
+from mbconstrained.linalg.quadratic_modes import DENSE, quadratic_modes
+
+#: Coordinates, so that a model is divided at least twice.
+MANY = 150
+
+
+def tree(parents, stiffness, damping, mass, ground=1.0, ground_damping=0.0):
+    """M, C and K of coordinates 1, 2, ... each on a spring and a damper to its parent, the first coordinate to the ground."""
+    n = len(mass)
+    C, K = np.zeros((2, n, n))
+    K[0, 0], C[0, 0] = ground, ground_damping
+    for child, (parent, k, c) in enumerate(zip(parents, stiffness, damping), start=1):
+        pull = np.zeros(n)
+        pull[[child, parent]] = 1.0, -1.0
+        K += k * np.outer(pull, pull)
+        C += c * np.outer(pull, pull)
+    return np.diag(mass), C, K
+
+
+def chain_between_walls(count, damping=0.0):
+    K = 2 * np.eye(count) - np.eye(count, k=1) - np.eye(count, k=-1)
+    return np.eye(count), damping * K, K
+
+
+def generator(M, C, K) -> np.ndarray:
+    """S of the states (x_m, x_m', x_d)."""
+    m, n = len(M), len(K)
+    weights, states = np.zeros((2, n + m, n + m))
+    weights[:m, :m] = states[:m, m : 2 * m] = np.eye(m)
+    weights[m:, m : 2 * m] = np.vstack([M, np.zeros((n - m, m))])
+    weights[m:, 2 * m :] = C[:, m:]
+    states[m:, :m], states[m:, m : 2 * m], states[m:, 2 * m :] = -K[:, :m], -C[:, :m], -K[:, m:]
+    return np.linalg.solve(weights, states)
+
+
+def zeros_of(found) -> np.ndarray:
+    return np.concatenate([found.upper, found.upper.conj(), found.real])
+
+
+def farthest(one, other) -> float:
+    """The largest distance of a number of one set from the other, both ways, relative to the largest of all."""
+    apart = np.abs(one[:, None] - other)
+    return max(apart.min(axis=1).max(), apart.min(axis=0).max()) / np.abs(other).max()
+
+
+def check(found, M, C, K, accuracy=1e-11):
+    """All zeros, the identities, and e^{S t} of a start against SciPy."""
+    S = generator(M, C, K)
+    assert len(zeros_of(found)) == len(S)
+    assert farthest(zeros_of(found), np.linalg.eigvals(S)) <= accuracy
+    assert np.abs(found.inverse @ found.basis - np.eye(len(S))).max() <= 1e-11
+    size = np.abs(found.basis).max() * np.abs(S).max()
+    assert np.abs(S @ found.basis - found.basis @ block_matrix(found.blocks)).max() <= 1e-13 * size * len(S)
+    start, times = np.random.default_rng(0).normal(size=len(S)), np.array([0.0, 0.3, 2.0])
+    output = np.random.default_rng(1).normal(size=(3, len(S)))
+    values = found.seen(output) @ block_states(found.blocks, found.coordinates(start), times)
+    expected = output @ np.array([scipy.linalg.expm(S * t) @ start for t in times]).T
+    assert np.abs(values - expected).max() <= 1e-11 * np.abs(expected).max()
+
+
+def random_tree(seed, count=MANY, reach=None):
+    random = np.random.default_rng(seed)
+    parents = [int(random.integers(max(0, child - (reach or child)), child)) for child in range(1, count)]
+    constants = random.uniform(0.5, 2.0, (3, count))
+    return parents, constants, random
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, DENSE // 2 - 1, DENSE, 3 * DENSE])
+def test_a_uniform_chain_has_the_frequencies_of_its_formula(count):
+    found = quadratic_modes(*chain_between_walls(count))
+    expected = 2 * np.sin(np.pi * np.arange(1, count + 1) / (2 * (count + 1)))
+    assert not len(found.real)
+    assert np.abs(np.sort(found.upper.imag) / expected - 1).max() <= 1e-14
+    assert np.abs(found.upper.real).max() <= 1e-15
+
+
+@pytest.mark.parametrize("damping", [0.01, 0.6, 1.01])
+def test_damping_in_proportion_keeps_the_formula_with_pairs_and_real_zeros(damping):
+    """s^2 + c w^2 s + w^2 = 0: fast modes are overdamped for c w > 2."""
+    squares = (2 * np.sin(np.pi * np.arange(1, MANY + 1) / (2 * (MANY + 1)))) ** 2
+    root = np.sqrt((damping * squares) ** 2 - 4 * squares + 0j)
+    expected = np.concatenate([-2 * squares / (damping * squares + root), -(damping * squares + root) / 2])
+    found = quadratic_modes(*chain_between_walls(MANY, damping))
+    assert len(zeros_of(found)) == 2 * MANY
+    assert farthest(zeros_of(found), expected) <= 1e-11
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.02, 0.5, 3.0])
+@pytest.mark.parametrize("reach", [1, 3])
+def test_chains_and_trees_with_any_damping(damping, reach):
+    parents, (stiffness, dampers, mass), random = random_tree(1, reach=reach)
+    model = tree(parents, stiffness, damping * dampers * random.integers(0, 2, MANY), mass)
+    check(quadratic_modes(*model), *model)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_tree_whose_motions_are_hardly_apart_is_refused_or_right(seed):
+    """Branches that hang on one mass are alike: their motions against each other have zeros close together."""
+    parents, (stiffness, dampers, mass), _ = random_tree(seed)
+    model = tree(parents, stiffness, 0.05 * dampers, mass)
+    found = quadratic_modes(*model)
+    if found is not None:
+        check(found, *model)
+
+
+@pytest.mark.parametrize("rate", [0.05, 1.0, 20.0])
+def test_massless_joints_with_dampers(rate):
+    """Every tenth coordinate of a chain has no mass: one state less."""
+    order = np.argsort(np.arange(MANY) % 10 == 7, kind="stable")
+    parents, (stiffness, dampers, mass), _ = random_tree(2, reach=1)
+    M, C, K = tree(parents, stiffness, 0.02 * dampers, mass)
+    at = np.flatnonzero(np.arange(MANY) % 10 == 7)
+    C[at, at] += rate
+    C[at, at - 1] -= rate
+    C[at - 1, at] -= rate
+    C[at - 1, at - 1] += rate
+    m = MANY - len(at)
+    M, C, K = M[np.ix_(order, order)][:m, :m], C[np.ix_(order, order)], K[np.ix_(order, order)]
+    found = quadratic_modes(M, C, K)
+    assert len(found.real) >= len(at)
+    check(found, M, C, K)
+
+
+def test_other_units_of_masses_and_coordinates_change_nothing_but_units():
+    parents, (stiffness, dampers, mass), random = random_tree(3, reach=1)
+    model = tree(parents, stiffness, 0.1 * dampers, mass)
+    units = 10.0 ** random.uniform(-6, 6, MANY)
+    scaled = [units[:, None] * matrix * units for matrix in model]
+    one, other = quadratic_modes(*model), quadratic_modes(*scaled)
+    assert farthest(zeros_of(one), zeros_of(other)) <= 1e-12
+
+
+def test_masses_of_very_different_sizes():
+    """From 1e-6 to 1e6 kg along a chain: each zero to the digits that balanced equations give."""
+    parents, (stiffness, dampers, _), _ = random_tree(4, reach=1)
+    mass = np.geomspace(1e-6, 1e6, MANY)
+    model = tree(parents, stiffness, 1e-4 * dampers, mass)
+    found = quadratic_modes(*model)
+    balanced = scipy.linalg.matrix_balance(generator(*model), permute=False)[0]
+    exact = np.linalg.eigvals(balanced)
+    fast = np.abs(exact) > 1e-3 * np.abs(exact).max()
+    mine = zeros_of(found)
+    assert np.abs(mine[:, None] - exact[fast]).min(axis=0).max() <= 1e-12 * np.abs(exact).max()
+    assert abs(mine.sum() - np.trace(balanced)) <= 1e-11 * np.abs(mine).sum()
+
+
+def test_parts_that_hardly_couple():
+    """Weak springs in the middle: the half beyond is nearly free."""
+    parents, (stiffness, dampers, mass), _ = random_tree(5, reach=1)
+    stiffness[MANY // 2] = 1e-5
+    model = tree(parents, stiffness, 0.05 * dampers * (stiffness > 1e-4), mass)
+    check(quadratic_modes(*model), *model)
+
+
+def test_equal_branches_are_refused_or_right():
+    """Three equal chains on one mass: each motion of two against each other is there twice."""
+    length = MANY // 3
+    parents = [0 if at % length == 0 else at for at in range(3 * length)]
+    model = tree(parents, np.ones(3 * length), 0.01 * np.ones(3 * length), np.ones(3 * length + 1))
+    found = quadratic_modes(*model)
+    if found is not None:
+        check(found, *model, accuracy=1e-7)
+
+
+@pytest.mark.parametrize("damping", [1.5, 5.0])
+def test_very_heavy_damping_is_refused_or_right(damping):
+    """Many zeros are real then, and close together."""
+    model = chain_between_walls(MANY, damping)
+    found = quadratic_modes(*model)
+    if found is not None:
+        check(found, *model)
+
+
+def test_a_double_zero_is_refused():
+    """Critically damped, one by one: vectors that are one vector."""
+    mass = np.ones(2)
+    assert quadratic_modes(np.eye(1), np.array([[2.0]]), np.array([[1.0]])) is None
+    model = tree([0], [0.0], [0.0], mass, ground=1.0, ground_damping=2.0)
+    assert quadratic_modes(*model) is None
+
+
+@pytest.mark.parametrize(
+    "K",
+    [
+        2 * np.eye(3) - np.roll(np.eye(3), 1, 0) - np.roll(np.eye(3), -1, 0) + np.eye(3),
+        np.eye(3),
+        np.array([[2.0, 1.0, 1.0], [1.0, 2.0, 1.0], [1.0, 1.0, 2.0]]),
+    ],
+    ids=["a ring", "not coupled", "all coupled"],
+)
+def test_what_is_no_tree_is_not_taken(K):
+    assert quadratic_modes(np.eye(3), np.zeros((3, 3)), K) is None
+
+
+def test_many_branches_at_one_place_are_not_divided():
+    count = 2 * DENSE
+    parents = [0] * (count - 1)
+    model = tree(parents, np.linspace(1, 2, count - 1), np.zeros(count - 1), np.ones(count))
+    assert quadratic_modes(*model) is None

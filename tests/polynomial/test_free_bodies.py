@@ -1,0 +1,149 @@
+"""Free bodies found as such, only where that is clear, against closed forms, conservation laws and the Jordan pairs."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import mbconstrained as mb
+from mbconstrained.polynomial.free_bodies import freed, null_rows
+from mbconstrained.polynomial.plain import reduction_of
+
+TIMES = np.linspace(0.0, 1000.0, 41)
+
+
+def links(n, pairs, values):
+    """The matrix of springs or dampers between pairs of n coordinates."""
+    B = np.zeros((len(pairs), n))
+    for row, (i, j) in zip(B, pairs):
+        row[i], row[j] = 1.0, -1.0
+    return B.T @ (np.asarray(values, dtype=float)[:, None] * B)
+
+
+def chain(n, values=None):
+    return links(n, [(i, i + 1) for i in range(n - 1)], np.ones(n - 1) if values is None else values)
+
+
+def starts(n, seed=0):
+    return np.random.default_rng(seed).standard_normal((2, n))
+
+
+def solved(M, C, K, start, force=None):
+    """The reduced answer, and that of the Jordan pairs."""
+    A = mb.PolynomialMatrix([K, C, M])
+    assert reduction_of(A) is not None
+    return mb.solve(A, start, force), mb.solve(A, start, force, rank_tolerance=1e-13)
+
+
+@pytest.mark.parametrize("n", [30, 60, 160])
+def test_uniform_free_chain(n):
+    """Cosines of w_i = 2 sin(i pi / (2 n)), and the first of them a + b t (Lagrange)."""
+    i = np.arange(n)
+    shapes = np.cos(np.pi * np.outer(i + 0.5, i) / n)
+    shapes /= np.linalg.norm(shapes, axis=0)
+    w = 2 * np.sin(np.pi * i[1:, None] / (2 * n))
+    start = starts(n)
+    a, b = shapes.T @ start.T[:, 0], shapes.T @ start.T[:, 1]
+    exact = a[1:, None] * np.cos(w * TIMES) + b[1:, None] * np.sin(w * TIMES) / w
+    exact = shapes[:, 1:] @ exact + shapes[:, :1] * (a[0] + b[0] * TIMES)
+    x = mb.solve(mb.PolynomialMatrix([chain(n), np.zeros((n, n)), np.eye(n)]), start)
+    assert np.abs(x(TIMES) - exact).max() < 1e-13 * np.abs(exact).max()
+
+
+@given(st.integers(0, 10**6))
+def test_momentum_and_centre_of_mass(seed):
+    """m x_cm'' = F for the sums of all masses and forces, whatever the springs and dampers between them: a step gives t^2 / 2."""
+    random = np.random.default_rng(seed)
+    n = int(random.integers(24, 40))
+    masses, start = random.uniform(0.5, 2.0, n), random.standard_normal((2, n))
+    C = links(n, [(2, 3), (7, 11)], random.uniform(0.0, 1.0, 2) * random.integers(0, 2))
+    v = random.standard_normal(n)
+    x, other = solved(np.diag(masses), C, chain(n, random.uniform(0.5, 2.0, n - 1)), start, mb.step(v))
+    momentum, path = masses @ start[1], masses @ start[0]
+    expected = path + momentum * TIMES + v.sum() * TIMES**2 / 2
+    found = masses @ x(TIMES)
+    assert np.abs(found - expected).max() < 1e-11 * np.abs(masses[:, None] * x(TIMES)).sum(axis=0).max()
+    assert np.abs(x(TIMES) - other(TIMES)).max() < 1e-9 * np.abs(other(TIMES)).max()
+
+
+@pytest.mark.parametrize("kind", ["to ground", "between"])
+def test_what_only_dampers_hold(kind):
+    """One zero at 0 and a decay where a damper leads to the ground; between two free chains their common motion stays free."""
+    n = 40
+    K = links(n, [(i, i + 1) for i in range(n - 1) if i != 19], np.ones(n - 2))
+    C = np.diag(np.eye(n)[0] + np.eye(n)[30]) if kind == "to ground" else links(n, [(5, 25)], [0.3])
+    start = starts(n)
+    x, other = solved(np.eye(n), C, K, start)
+    zeros = reduction_of(x.polynomial_matrix).zeros
+    assert (zeros == 0).sum() == (2 if kind == "to ground" else 3) and np.abs(zeros[zeros != 0]).min() > 1e-6
+    assert np.abs(x(TIMES) - other(TIMES)).max() < 1e-10 * np.abs(other(TIMES)).max()
+    if kind == "between":
+        assert np.allclose(x(TIMES).sum(axis=0), start[0].sum() + start[1].sum() * TIMES, rtol=1e-12, atol=1e-10)
+
+
+def test_several_bodies_each_with_its_own_momentum():
+    n, size = 30, 90
+    K = np.kron(np.eye(3), chain(n))
+    start = starts(size)
+    x, _ = solved(np.eye(size), 0 * K, K, start)
+    assert (reduction_of(x.polynomial_matrix).zeros == 0).sum() == 6
+    sums = x(TIMES).reshape(3, n, -1).sum(axis=1)
+    given_sums = start.reshape(2, 3, n).sum(axis=2)
+    assert np.allclose(sums, given_sums[0][:, None] + given_sums[1][:, None] * TIMES, rtol=1e-12, atol=1e-10)
+
+
+def test_far_away_and_fast():
+    """A body keeps its shape a million of its lengths away: what is added to all coordinates comes back as it is."""
+    n, start = 60, starts(60)
+    A = mb.PolynomialMatrix([chain(n), 0.01 * chain(n), np.eye(n)])
+    near, far = mb.solve(A, start), mb.solve(A, start + [[1e6], [1e3]])
+    moved = far(TIMES) - near(TIMES) - (1e6 + 1e3 * TIMES)
+    assert np.abs(moved).max() < 1e-14 * 2e6 * n
+
+
+def test_a_lever_turns_freely():
+    """What is free need not be a shift: two ends of a massless lever, a to b, tied to chains."""
+    n, a, b = 60, 1.0, 2.5
+    K = links(n, [(i, i + 1) for i in range(n - 1) if i != 29], np.ones(n - 2))
+    row = np.zeros(n)
+    row[0], row[-1] = a, b
+    K = K + np.outer(row, row)
+    v, _ = null_rows(K)
+    assert len(v) == 1 and np.allclose(v[0, :30] * a, -v[0, 30:] * b, rtol=1e-13)
+    start = starts(n)
+    x, other = solved(np.eye(n), 0 * K, K, start)
+    assert np.allclose(v[0] @ x(TIMES), v[0] @ start[0] + v[0] @ start[1] * TIMES, rtol=1e-11, atol=1e-9)
+    assert np.abs(x(TIMES) - other(TIMES)).max() < 1e-9 * np.abs(other(TIMES)).max()
+
+
+def test_resonance_with_the_motion_at_zero():
+    """x_cm'' = t^3: the force is among the zeros at 0, four more integrations."""
+    n = 48
+    x, _ = solved(np.eye(n), 0 * chain(n), chain(n), np.zeros((2, n)), mb.term(np.eye(n)[3], power=3))
+    assert np.allclose(x(TIMES).mean(axis=0), TIMES**5 / 20 / n, rtol=1e-12)
+
+
+@pytest.mark.parametrize("spring", [1e-3, 1e-8, 1e-11, 1e-13])
+def test_a_soft_spring_is_no_free_body(spring):
+    """Between what is surely a spring and what is rounding nothing is decided here."""
+    n = 60
+    K = chain(n) + np.diag(np.eye(n)[0] * spring)
+    assert freed(np.eye(n), np.zeros((n, n)), K) is None
+
+
+def test_unsymmetric_stiffness():
+    """A follower force: v K = 0 with v other than w in K w = 0."""
+    n = 60
+    K = chain(n)
+    K[0] += 0.2 * K[5]
+    start = starts(n)
+    v = null_rows(K)[0]
+    assert len(v) == 1 and np.abs(v @ K).max() < 1e-14 and np.ptp(v) > 0.1
+    x, other = solved(np.eye(n), 0 * K, K, start)
+    times = TIMES[:10]
+    assert np.abs(x(times) - other(times)).max() < 1e-9 * np.abs(other(times)).max()
+
+
+def test_null_rows_of_full_and_empty_rank():
+    assert len(null_rows(np.eye(3))[0]) == 0
+    assert np.array_equal(null_rows(np.zeros((2, 2)))[0], np.eye(2))

@@ -1,0 +1,225 @@
+"""Records on large models, in all places where they may be asked: against oscillators in forty digits and the general route."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import mbconstrained as mb
+from mbconstrained.errors import Overflow
+from mbconstrained.jordan.pairs import JordanPairs
+from mbconstrained.response.pieces import FEW_PIECES
+from mbconstrained.response.reduced import way_to_evaluate
+from mbconstrained.response.solve import solve_with
+from tests.response.chains import COUNT, chain
+
+RANDOM = np.random.default_rng(8)
+
+#: Oscillators that know nothing of each other: slow and fast, without, with little and with much damping; kg, N s/m, N/m.
+MASSES = RANDOM.uniform(0.5, 2.0, 30)
+STIFFNESSES = MASSES * np.geomspace(1e-3, 2.0, 30) ** 2
+DAMPINGS = 2 * np.sqrt(MASSES * STIFFNESSES) * np.resize([0.0, 0.02, 0.3, 1.7], 30)
+
+GAPS = {"even": np.full(90, 0.5), "uneven": RANDOM.uniform(0.05, 1.0, 90), "short": np.full(90, 2.0**-10)}
+
+
+def oscillators() -> mb.PolynomialMatrix:
+    return mb.PolynomialMatrix([np.diag(STIFFNESSES), np.diag(DAMPINGS), np.diag(MASSES)])
+
+
+def samples_on(rows, knots, size=COUNT, seed=1):
+    values = np.zeros((size, len(knots)))
+    values[list(rows)] = np.random.default_rng(seed).normal(size=(len(list(rows)), len(knots)))
+    return values
+
+
+@cache
+def chain_with_pairs() -> tuple[mb.PolynomialMatrix, JordanPairs]:
+    return chain(), chain().jordan_pairs()
+
+
+def exact_oscillator(at: int, knots, samples, times) -> np.ndarray:
+    """From rest: with zeros s1, s2 of m s^2 + c s + k the sum over knots of e^{s u} times the change of slope or value there."""
+    with mpmath.workdps(60):
+        m, c, k = (mpmath.mpf(float(part[at])) for part in (MASSES, DAMPINGS, STIFFNESSES))
+        root = mpmath.sqrt(mpmath.mpc(c * c - 4 * m * k))
+        zeros = (-c + root) / (2 * m), (-c - root) / (2 * m)
+        t, f = ([mpmath.mpf(float(x)) for x in given] for given in (knots, samples))
+        slopes = [0, *((f[j + 1] - f[j]) / (t[j + 1] - t[j]) for j in range(len(t) - 1)), 0]
+        jumps = [f[0], *([0] * (len(t) - 2)), -f[-1]]
+
+        def ramp_and_step(u):
+            e = [mpmath.exp(s * u) for s in zeros]
+            step = sum((e[i] - 1) / s / (m * (s - zeros[1 - i])) for i, s in enumerate(zeros))
+            ramp = sum((e[i] - 1 - s * u) / s**2 / (m * (s - zeros[1 - i])) for i, s in enumerate(zeros))
+            return ramp, step
+
+        found = []
+        for time in times:
+            total = mpmath.mpf(0)
+            for j, knot in enumerate(t):
+                if knot < time:
+                    ramp, step = ramp_and_step(mpmath.mpf(float(time)) - knot)
+                    total += (slopes[j + 1] - slopes[j]) * ramp + jumps[j] * step
+            found.append(float(mpmath.re(total)))
+        return np.array(found)
+
+
+@pytest.mark.parametrize("gaps", GAPS.values(), ids=GAPS)
+@pytest.mark.parametrize("begin", [0.0, 40.0], ids=["at once", "late"])
+def test_oscillators_follow_a_record_as_forty_digits_say(gaps, begin):
+    knots = begin + np.append(0.0, np.cumsum(gaps))
+    values = samples_on(range(30), knots, 30)
+    x = mb.solve(oscillators(), force=mb.sampled(knots, values))
+    middles = knots[:-1] + 0.37 * np.diff(knots)
+    beside, late = np.nextafter(knots[50], [0, 99]), knots[-1] + [0.1, 7.0, 900.0]
+    asked = np.concatenate([[0.0, begin / 2], knots[[1, 40, -1]], middles[::13], beside, late])
+    for found in (x(knots), x(np.sort(asked))):
+        assert np.isfinite(found).all()
+    found = x(asked)
+    for at in (0, 5, 14, 21, 28, 29):
+        known = exact_oscillator(at, knots, values[at], asked)
+        assert np.abs(found[at] - known).max() <= 2e-13 * np.abs(known).max()
+
+
+@pytest.mark.parametrize("order", [0, 1, 2, 3])
+def test_values_and_derivatives_are_those_of_the_general_route(order):
+    A, knots = chain(), np.append(0.0, np.cumsum(RANDOM.uniform(0.1, 0.7, 150)))
+    steady = mb.step(np.eye(COUNT)[7]) + mb.harmonic(np.eye(COUNT)[4], angular_frequency=0.9)
+    force = mb.sampled(knots, samples_on((3, 20), knots)) + steady
+    start = RANDOM.normal(size=(2, COUNT))
+    asked = np.sort(RANDOM.uniform(0.0, 1.3 * knots[-1], 300))
+    ways = mb.solve(A, start, force), solve_with(A.jordan_pairs(), start, force)
+    found, known = (x.derivative(order)(asked) for x in ways)
+    assert np.abs(found - known).max() <= 1e-12 * np.abs(known).max()
+
+
+def test_steps_and_modes_give_the_same_values_at_the_knots():
+    knots = 0.4 * np.arange(700)
+    force = mb.sampled(knots, samples_on((2, 9), knots))
+    for chosen in (slice(None), slice(0, 200)):
+        A = tangled_chain()
+        x, start = mb.solve(A, RANDOM.normal(size=(2, COUNT)), force), knots[chosen]
+        stepped = x(start)
+        assert "decoupled" not in x.function.flow.reduction.__dict__
+        by_modes = x(start)
+        assert "decoupled" in x.function.flow.reduction.__dict__
+        assert np.abs(stepped - by_modes).max() <= 1e-12 * np.abs(by_modes).max()
+
+
+def test_the_way_told_is_the_way_taken():
+    knots = 0.4 * np.arange(300)
+    force, start = mb.sampled(knots, samples_on((2,), knots)), np.zeros((2, COUNT))
+    for times, name in ((knots, "steps"), (knots[:100], "steps"), (knots[1:], "eigenvectors"), (knots + 0.1, "eigenvectors")):
+        A = tangled_chain()
+        assert way_to_evaluate(A, start, force, times).name == name
+        mb.solve(A, start, force)(times)
+        assert ("decoupled" in A.reduction.__dict__) == (name != "steps")
+
+
+def tangled_chain() -> mb.PolynomialMatrix:
+    """A chain with springs between masses apart: neither symmetric modes nor those of a tree serve."""
+    K, C, M = chain().coefficients.copy()
+    K[3, 17] = K[17, 3] = -0.4
+    return mb.PolynomialMatrix([K, C, M])
+
+
+def test_few_rows_and_sums_of_rows_are_those_of_all():
+    A, knots = chain(), 0.4 * np.arange(300)
+    x = mb.solve(A, force=mb.sampled(knots, samples_on((2,), knots)))
+    matrix = RANDOM.normal(size=(2, COUNT))
+    first = x.function.mapped(matrix)(knots)
+    assert np.abs(first - matrix @ x(knots)).max() <= 1e-12 * np.abs(first).max()
+    other = knots[1:] - 0.1
+    assert np.abs(x.function.rows([4])(other) - x(other)[4]).max() <= 1e-13 * np.abs(x(other)).max()
+
+
+def test_coordinates_without_mass_follow_a_record_too():
+    """One that only springs hold takes part of the force at once, one that a damper holds follows by its own rate."""
+    K, C, M = chain().coefficients.copy()
+    M[-2, -2] = M[5, 5] = C[5, 5] = 0.0
+    C[-2, -2] = 0.8
+    A, knots = mb.PolynomialMatrix([K, C, M]), 0.3 * np.arange(200)
+    force = mb.sampled(knots, samples_on((5, COUNT - 2), knots))
+    asked = np.concatenate([knots, knots[:-1] + 0.11, [70.0]])
+    x, known = mb.solve(A, force=force), solve_with(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
+    for _ in range(2):
+        assert np.abs(x(knots) - known[:, :200]).max() <= 1e-12 * np.abs(known).max()
+        assert np.abs(x(asked) - known).max() <= 1e-12 * np.abs(known).max()
+
+
+def test_a_record_that_is_coarse_beside_the_motion_is_evaluated_by_the_general_formula():
+    A, knots = chain(), 30.0 * np.arange(100)
+    force = mb.sampled(knots, samples_on((2,), knots))
+    x, asked = mb.solve(A, force=force), np.linspace(0.0, 3000.0, 77)
+    assert x.function.flow.pieces is None
+    known = solve_with(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
+    assert np.abs(x(asked) - known).max() <= 1e-11 * np.abs(known).max()
+
+
+def test_pauses_between_records_are_gone_through_freely():
+    A, knots = chain(), np.concatenate([0.4 * np.arange(80), 900.0 + 0.4 * np.arange(80)])
+    values = samples_on((2,), knots)
+    values[:, [79, 80]] = 0.0
+    force, asked = mb.sampled(knots, values), np.array([10.0, 31.5, 31.7, 400.0, 899.9, 900.0, 905.0, 931.6, 2000.0])
+    x = mb.solve(A, force=force)
+    assert x.function.flow.pieces.long.sum() == 2
+    known = solve_with(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
+    assert np.abs(x(asked) - known).max() <= 1e-11 * np.abs(known).max()
+
+
+def test_a_free_chain_is_pushed_along():
+    """Its zeros at 0 are together in a block: its middle moves on like t^2 and t^3 within each gap."""
+    K, C, M = chain(0.0).coefficients.copy()
+    K[0, 0] = K[-1, -1] = 1.0
+    A, knots = mb.PolynomialMatrix([K, C, M]), 0.3 * np.arange(150)
+    force, start = mb.sampled(knots, samples_on((2,), knots)), np.zeros((2, COUNT))
+    start[1] = 0.3
+    x, asked = mb.solve(A, start, force), np.concatenate([knots, knots[:-1] + 0.11, [70.0]])
+    if hasattr(x.function, "flow"):
+        assert len(x.function.flow.pieces.modes.rest) == 2
+    for known in (solve_with(A.jordan_pairs(), start, force)(asked), x(asked)):
+        assert np.abs(x(asked) - known).max() <= 1e-11 * np.abs(known).max()
+        assert np.allclose(np.diag(M) @ known, (0.3 * np.diag(M).sum() * asked) + momentum(force, asked), rtol=1e-10, atol=1e-9)
+
+
+def momentum(force, times) -> np.ndarray:
+    """Of the sum of all rows the integral over time, twice, by Gauss with two points between the knots: the rows are linear."""
+    found, knots = [], force.knots
+    for time in times:
+        ends = np.append(knots[knots < time], time)
+        points = np.array([-1, 1]) / 3**0.5
+        at = (ends[:-1, None] + np.diff(ends)[:, None] * (points + 1) / 2).ravel()
+        weights = np.repeat(np.diff(ends) / 2, 2)
+        found.append(((time - at) * force(at).sum(axis=0)) @ weights if len(ends) > 1 else 0.0)
+    return np.array(found)
+
+
+def test_a_motion_that_grows_out_of_range_is_told():
+    K, C, M = chain().coefficients.copy()
+    A, knots = mb.PolynomialMatrix([K, -40.0 * C, M]), 0.1 * np.arange(300)
+    x = mb.solve(A, force=mb.sampled(knots, samples_on((2,), knots)))
+    assert np.isfinite(x(knots[:100] + 0.05)).all()
+    with pytest.raises(Overflow):
+        x([5.0, 4000.0])
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 1e-6, 3.0]), st.booleans())
+def test_any_knots_any_times(seed, begin, jumps):
+    random = np.random.default_rng(seed)
+    knots = begin + np.append(0.0, np.cumsum(random.choice([0.01, 0.25, 0.5, 0.7], FEW_PIECES + 5)))
+    values = samples_on((4,), knots, seed=seed)
+    times = knots
+    if jumps:
+        times, values = np.insert(knots, 9, knots[9]), np.insert(values, 9, 3.0 * np.eye(COUNT)[4], axis=1)
+    (A, pairs), force = chain_with_pairs(), mb.sampled(times, values)
+    before, after = (np.nextafter(knots[9:12], end) for end in (0, 99))
+    asked = np.concatenate([random.uniform(0, 1.2 * knots[-1], 20), knots[::7], before, after])
+    x, general = mb.solve(A, force=force), solve_with(pairs, np.zeros((2, COUNT)), force)
+    assert x.function.flow.pieces is not None
+    assert np.abs(x(asked) - general(asked)).max() <= 1e-12 * np.abs(general(asked)).max()

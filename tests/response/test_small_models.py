@@ -1,0 +1,153 @@
+"""Small plain models: the reduced equations against the Jordan pairs, for every kind of part that they may have."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import mbconstrained as mb
+from mbconstrained.response.reduced import ReducedSolution
+
+from .plain_models import assembled, fitting_start, general, plain_system
+
+TIMES = np.concatenate([[0.0, 1e-9, 1e-3], np.linspace(0.1, 25.0, 40)])
+
+
+def is_reduced(x) -> bool:
+    return isinstance(x.solution, ReducedSolution)
+
+
+def agree(x, tolerance: float = 3e-12) -> None:
+    """Values, two derivatives, jumps, events, what is said: as through the pencil."""
+    expected = general(x)
+    for order in (0, 1, 2):
+        values = expected.derivative(order)(TIMES)
+        assert np.abs(x.derivative(order)(TIMES) - values).max() <= tolerance * max(
+            np.abs(values).max(), np.abs(x.initial).max(), 1.0
+        )
+    assert np.array_equal(x.jump != 0, expected.jump != 0)
+    assert np.abs(x.jump - expected.jump).max() <= 1e-12 * max(np.abs(expected.jump).max(), 1.0)
+    assert x.impulses == expected.impulses == ()
+    assert [event.time for event in x.events] == [event.time for event in expected.events]
+    for one, two in zip(x.events, expected.events):
+        assert np.array_equal(one.jump != 0, two.jump != 0)
+    assert [notice.text for notice in x.notices] == [notice.text for notice in expected.notices]
+    assert [item.name for item in x.evidence] == [item.name for item in expected.evidence]
+
+
+@given(
+    seed=st.integers(0, 10**6),
+    size=st.integers(4, 9),
+    parts=st.tuples(st.integers(0, 1), st.integers(0, 1), st.integers(0, 1)),
+    damping=st.sampled_from(["none", "proportional", "some"]),
+    force=st.sampled_from(["none", "step", "harmonic", "late"]),
+)
+def test_chains_and_trees_with_joints_and_ties(seed, size, parts, damping, force):
+    static, damped, ties = parts
+    kind = "tree" if seed % 2 else "chain"
+    system = plain_system(kind, seed, size, static=static, damped=damped, ties=ties, damping=damping, values=0.25)
+    F = np.random.default_rng(seed).normal(size=size)
+    applied = {
+        "none": None,
+        "step": mb.step(F),
+        "harmonic": mb.harmonic(F, angular_frequency=0.8),
+        "late": mb.step(F).delayed(3.0),
+    }[force]
+    x = system.solve(*fitting_start(system), applied)
+    if x.polynomial_matrix.reduction is not None and x.polynomial_matrix.reduction.spread <= 100:
+        assert is_reduced(x)
+    agree(mb.solve(x.polynomial_matrix, x.initial, x.force))
+
+
+@given(
+    seed=st.integers(0, 10**6),
+    size=st.integers(2, 6),
+    level=st.sampled_from(["velocity", "acceleration"]),
+    damped=st.booleans(),
+    value=st.sampled_from([0.0, 0.5]),
+)
+def test_rows_that_drift(seed, size, level, damped, value):
+    """Rows without stiffness: zeros at s = 0 exactly, once or twice."""
+    random = np.random.default_rng(seed)
+    links = [(node - 1, node) for node in range(size)]
+    K = assembled(links, random.uniform(0.5, 2.0, size), size)
+    C = 0.1 * assembled(links[::2], random.uniform(0.5, 2.0, len(links[::2])), size) if damped else None
+    row = np.zeros(size)
+    row[random.permutation(size)[:2]] = 1.0, -random.uniform(0.5, 2.0)
+    system = mb.MechanicalSystem(np.diag(random.uniform(0.5, 2.0, size)), C, K, [mb.Constraint(row, level=level, value=value)])
+    x0, v0 = random.normal(size=(2, size))
+    if level == "velocity":
+        v0 = v0 - row * (row @ v0 - value) / (row @ row)
+    x = system.solve(x0, v0)
+    assert is_reduced(x) == (level == "acceleration")  # one at velocity level leaves fewer equations for masses than there are
+    agree(mb.solve(x.polynomial_matrix, x.initial, x.force), 1e-11)
+    assert np.abs(row @ x.derivative(1 if level == "velocity" else 2)(TIMES) - value).max() <= 1e-12 * max(
+        np.abs(x(TIMES)).max(), 1.0
+    )
+
+
+@given(seed=st.integers(0, 10**6), damped=st.booleans(), force=st.booleans())
+def test_free_masses_beside_a_chain(seed, damped, force):
+    """A mass that no spring holds, alone and as part of another's inertia; with a damper to the ground it stops at last."""
+    random = np.random.default_rng(seed)
+    K, C, M = np.zeros((3, 4, 4))
+    K[:2, :2] = assembled([(-1, 0), (0, 1)], random.uniform(0.5, 2.0, 2), 2)
+    M[...] = np.diag(random.uniform(0.5, 2.0, 4))
+    M[1, 2] = M[2, 1] = 0.25
+    C[3, 3] = random.uniform(0.5, 2.0) if damped else 0.0
+    F = mb.step(random.normal(size=4)) + mb.ramp([0.0, 0.0, 0.1, 0.0]) if force else None
+    x = mb.solve(mb.PolynomialMatrix([K, C, M]), random.normal(size=(2, 4)), F)
+    assert is_reduced(x)
+    agree(x, 1e-11)
+    assert (
+        sum(np.count_nonzero(np.abs(np.linalg.eigvals(block)) == 0) for block in x.polynomial_matrix.reduction.decoupled.blocks)
+        == 4 - damped
+    )
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1e-12, 1e-9, 1e-6, 1e-3])
+@pytest.mark.parametrize("what", ["damping", "frequency"])
+def test_repeated_and_nearly_repeated_zeros(what, ratio):
+    """Critical damping, and two equal frequencies with and without a coupling that makes them defective."""
+    K, C, M = np.diag([4.0, 4.0 * (1 + ratio)]), np.diag([4.0, 4.0]), np.eye(2)
+    if what == "frequency":
+        K, C = K + [[0.0, 0.5], [0.0, 0.0]], 0 * C
+    x = mb.solve(mb.PolynomialMatrix([K, C, M]), [[1.0, -2.0], [0.5, 3.0]])
+    box = x.enclose(TIMES[3:], 20)
+    own, other = (np.array(box.error_bounds(y(TIMES[3:])), dtype=float).max() for y in (x, general(x)))
+    assert own <= max(3 * other, 1e-14)
+    assert own <= x.error_estimate(TIMES[3:]) * np.abs(x(TIMES)).max()
+
+
+@pytest.mark.parametrize("mass", [1e-14, 1e-6, 1e14])
+def test_what_is_stiff_goes_to_precise_arithmetic(mass):
+    x = mb.solve(
+        mb.PolynomialMatrix([[[2.0, -1.0], [-1.0, 1.0]], np.zeros((2, 2)), np.diag([1.0, mass])]), [[1.0, -2.0], [0.5, 3.0]]
+    )
+    assert not is_reduced(x)
+
+
+def test_stiffness_that_rounding_took_away_is_not_taken_for_none():
+    """Tied, 1e15 - 1e15 + 3: whether a body is free the rank decisions have to say."""
+    K = 1e15 * np.array([[1.0, -1.0], [-1.0, 1.0]]) + np.diag([3.0, 2.0])
+    assert mb.PolynomialMatrix([K, 0 * K, np.diag([1.0, 0.0])]).reduction is None
+
+
+def test_units_that_lie_far_apart():
+    units, other = np.array([1e-9, 1e6, 1e3]), np.array([1e5, 1e-7, 1.0])
+    K = assembled([(-1, 0), (0, 1), (1, 2)], [1.0, 0.7, 1.3], 3)
+    M = np.array([[2.0, 0.3, 0.0], [0.3, 1.0, 0.1], [0.0, 0.1, 1.5]])
+    start = np.array([[1.0, -2.0, 0.3], [0.5, 3.0, 0.0]])
+    x = mb.solve(mb.PolynomialMatrix([K, 0.01 * K, M]), start)
+    y = mb.solve(mb.PolynomialMatrix([matrix * units * other[:, None] for matrix in (K, 0.01 * K, M)]), start / units)
+    assert is_reduced(x) and is_reduced(y)
+    assert np.abs(y(TIMES) * units[:, None] - x(TIMES)).max() <= 1e-13
+
+
+def test_a_free_mass_moves_on_for_ever():
+    """Its zeros are 0 exactly, beside oscillations: x = x0 + v0 t to a rounding after 1e9 seconds."""
+    x = mb.solve(mb.PolynomialMatrix([np.diag([1.0, 0.0]), np.zeros((2, 2)), np.eye(2)]), [[1.0, 3.0], [0.0, 2.0]])
+    times = np.array([1.0, 1e4, 1e9])
+    assert np.allclose(x(times)[1], 3.0 + 2.0 * times, rtol=1e-15, atol=0)

@@ -1,0 +1,51 @@
+"""Motions of long damped chains and trees by their modes, against exponentials of the generator and against powers of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+import mbconstrained as mb
+from mbconstrained.linalg.structured import StructuredModes
+from mbconstrained.response.solve import solve
+
+from .plain_models import plain_system
+
+UNEVEN = np.array([0.0, 0.2, 1.0, 7.0, 30.0])
+
+
+def systems():
+    for kind, sizes in (("chain", {"damped": 8, "static": 5}), ("chain", {}), ("tree", {"damped": 5})):
+        yield plain_system(kind, seed=3, size=130, damping="some", **sizes).polynomial_matrix(), kind == "chain"
+
+
+@pytest.mark.parametrize(("A", "whole"), list(systems()), ids=["a chain with joints", "a chain", "trees"])
+def test_the_motion_is_that_of_the_exponential(A, whole):
+    """Several trees, each on the ground, are decoupled one by one."""
+    reduction = A.reduction
+    assert reduction.is_chain and isinstance(reduction.decoupled, StructuredModes) == whole
+    start = np.random.default_rng(0).normal(size=reduction.state_count)
+    S = reduction.generator.toarray() if hasattr(reduction.generator, "toarray") else reduction.generator
+    output = reduction.output.toarray() if hasattr(reduction.output, "toarray") else reduction.output
+    m = len(reduction.second)
+    free = np.concatenate([start[:m], start[2 * m :]])
+    initial = np.stack([reduction.V @ free, reduction.V @ np.concatenate([start[m : 2 * m], np.zeros(len(free) - m)])])
+    x = solve(A, initial)
+    expected = np.array([output @ scipy.linalg.expm(S * t) @ start for t in UNEVEN]).T
+    assert np.abs(x(UNEVEN) - expected).max() <= 2e-12 * np.abs(expected).max()
+    speed = np.array([output @ S @ scipy.linalg.expm(S * t) @ start for t in UNEVEN]).T
+    assert np.abs(x.derivative()(UNEVEN) - speed).max() <= 2e-12 * np.abs(speed).max()
+
+
+def test_a_force_on_a_chain():
+    """A step of the force leaves the static deflection behind when all has decayed."""
+    system = plain_system("chain", seed=5, size=130, damping="proportional")
+    M, C, K = system.polynomial_matrix().coefficients[::-1]
+    C = C + np.diag(0.3 + 0.2 * np.sin(np.arange(130)))
+    A = mb.PolynomialMatrix([K, C, M])
+    assert A.reduction.is_chain and not A.reduction.is_symmetric
+    f = np.random.default_rng(1).normal(size=130)
+    x = solve(A, np.zeros((2, 130)), mb.step(f))
+    still = np.linalg.solve(K, f)
+    assert np.abs(x(2000.0) - still).max() <= 1e-9 * np.abs(still).max()
