@@ -13,8 +13,10 @@ def main() -> None:
     try:
         from .reports.commands import add_to
         from .scene.commands import app
+        from .scene.new_commands import add_to as add_new
 
         add_to(app)
+        add_new(app)
         app(prog_name="mbconstrained")
     except KeyboardInterrupt:  # while something is still being imported
         sys.exit(130)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..scene.commands import FINE, NOT_TRUSTED, Json, Out, ScenePath, answer, leave
+from ..scene.answering import FINE, NOT_TRUSTED, answer, leave
+from ..scene.commands import Json, Out, ScenePath, Settings
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -23,6 +24,7 @@ def accuracy(
     scene: ScenePath,
     out: Out = "",
     seconds: Annotated[float, typer.Option("--seconds", min=0.1, max=3600.0, help="Break off a single run after so long.")] = 5.0,
+    settings: Settings = None,
     json: Json = False,
 ) -> None:
     """Measure error against run time: the closed form in each of its ways, and what one would use instead.
@@ -47,7 +49,7 @@ def accuracy(
         say_json(data) if json else say_blocks([*blocks(report), written_lines(files)])
         return FINE if report.is_trusted else NOT_TRUSTED
 
-    answer(scene, json, work)
+    answer(scene, json, work, settings)
 
 
 def stability(
@@ -56,6 +58,7 @@ def stability(
     systems: Annotated[str, typer.Option("--systems", metavar="A,B", help="Only these systems of the gallery.")] = "",
     decades: Annotated[int, typer.Option("--decades", min=1, max=16, help="Turn a scene from 10^-N to 10^N times.")] = 8,
     step: Annotated[int, typer.Option("--step", min=1, max=16, help="So many decades from point to point.")] = 2,
+    settings: Settings = None,
     json: Json = False,
 ) -> None:
     """Count the digits that are right, that the condition of the data allows, and that the error estimate claims.
@@ -65,8 +68,10 @@ def stability(
     a warning."""
     if scene and systems:
         raise typer.BadParameter("give a scene or systems of the gallery, not both", param_hint="--systems")
+    if settings and not scene:
+        raise typer.BadParameter("values are set in a scene; name one", param_hint="--set")
     if scene:
-        answer(scene, json, lambda found: _stability_of(found, decades, step, out, json))
+        answer(scene, json, lambda found: _stability_of(found, decades, step, out, json), settings)
     leave("gallery", json, lambda: _stability_of_gallery([name.strip() for name in systems.split(",") if name.strip()], out, json))
 
 

@@ -8,15 +8,14 @@ from __future__ import annotations
 import io
 import re
 import unicodedata
-import warnings
 from collections.abc import Callable
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..page.content import Figure
+from ..page.look import DPI, MUTED, look
 from ..page.typeset import superscript
 from ..replacing import replacing
 from .svg import page_svg
@@ -24,52 +23,11 @@ from .svg import page_svg
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawn
 
-#: The page's ink, muted text, lines and light grid (page.css), its warning colour, and a red and a grey of their own.
-INK, MUTED, LINE, GRID, WARN, RED, GREY = "#1c2530", "#5d6b79", "#b5c0ca", "#e8edf1", "#e69f00", "#c8102e", "#aab4be"
-
 #: Width of every picture in inches: with letters of 8.5 points they are 12 to 13 pixels high on the page.
 WIDTH = 9.4
 
 #: Room for the title, which the page sets itself and the file does not, in inches.
 HEADING = 0.36
-
-DPI = 160
-
-_LOOK = {
-    "text.parse_math": False,  # "$x_1$" in a user's name is that name
-    "svg.fonttype": "none",  # text stays text
-    "svg.hashsalt": "mbconstrained",  # names within the SVG depend on what they name only
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],  # comes with matplotlib: the same picture everywhere
-    "font.size": 8.5,
-    "axes.titlesize": 9,
-    "axes.labelsize": 8.5,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "legend.fontsize": 8.5,
-    "text.color": INK,
-    "axes.titlecolor": INK,
-    "axes.labelcolor": MUTED,
-    "xtick.color": LINE,
-    "ytick.color": LINE,
-    "xtick.labelcolor": MUTED,
-    "ytick.labelcolor": MUTED,
-    "axes.edgecolor": LINE,
-    "axes.linewidth": 0.8,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": GRID,
-    "grid.linewidth": 0.8,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "xtick.major.size": 3,
-    "ytick.major.size": 3,
-    "xtick.minor.size": 0,
-    "ytick.minor.size": 0,
-    "lines.linewidth": 1.4,
-    "legend.frameon": False,
-    "legend.handlelength": 2.6,
-}
 
 
 @dataclass(frozen=True)
@@ -113,7 +71,7 @@ class Picture:
         return Figure(self.title, self.svg, self.description, self.note)
 
     def _rendered(self, kind: str) -> bytes:
-        with _look():
+        with look():
             from matplotlib.backends.backend_agg import FigureCanvasAgg
             from matplotlib.figure import Figure as Drawn
 
@@ -126,16 +84,6 @@ class Picture:
             file, dates = io.BytesIO(), {"Date": None} if kind == "svg" else {"Software": None}
             figure.savefig(file, format=kind, dpi=DPI, metadata=dates)
             return file.getvalue()
-
-
-@contextmanager
-def _look():
-    """Matplotlib's own settings and ours on top, whatever the user has set; as before afterwards."""
-    import matplotlib.style
-
-    with matplotlib.style.context(_LOOK, after_reset=True), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Glyph .* missing from")  # a box in the file; on the page the browser's font
-        yield
 
 
 def shown(text: str, length: int = 40) -> str:

@@ -47,7 +47,7 @@ class Problem:
         return self.respond() if self.respond else self.solve_equations()
 
     def solve_equations(self) -> Response:
-        """The same by the Jordan pairs of A(s)."""
+        """The same by the equations, from reduced ones or the Jordan pairs of A(s)."""
         if self.system is not None:
             return again(self.system).solve(*self.initial, force=self.applied)
         A = self.polynomial_matrix
@@ -78,7 +78,7 @@ def problem_of(scene: Scene) -> Problem:
     """
     equations, time = scene.equations, scene.table.time
     return Problem(
-        title=scene.title,
+        title=scene.heading,
         polynomial_matrix=equations.polynomial_matrix,
         initial=equations.initial,
         force=equations.right_hand_side,

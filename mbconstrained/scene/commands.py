@@ -1,20 +1,19 @@
-"""The commands run, modes, formula, plan and check. What is heavy is imported by the command that needs it."""
+"""The commands run, modes, plan, check and formula. What is heavy is imported by the command that needs it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .answering import FINE, NOT_TRUSTED, answer
+
 if TYPE_CHECKING:
     from .scene import Scene
 
 LONGEST_WORK = 86400.0  # s, that anybody waits for a formula
-
-FINE, SCENE_WRONG, COMMAND_WRONG, NOT_TRUSTED = 0, 1, 2, 3
 
 HELP = """Closed-form motion of constrained mechanical systems, from a scene file to an animated page.
 
@@ -23,10 +22,15 @@ a time. The answer is not stepped but computed as a sum of t^k e^(a t) cos(w t +
 Dirac impulses at t = 0 where the start does not fit the constraints."""
 
 EPILOG = """Examples:
+  mbconstrained new two-masses.toml              a scene to begin with, a comment on every line; --list: others
   mbconstrained run examples/two_masses.toml     page, CSV and npz into results/two_masses/
   mbconstrained run bridge.toml --out work/b1    the same into another folder
   mbconstrained run bridge.toml --json           zeros, jumps, impulses, evidence for a program
+  mbconstrained run bridge.toml --set k="3 N/m"  another value of a parameter; --set time.end=20: of any entry
+  mbconstrained run bridge.toml --plots          the plots as SVG and PNG too, for reports
+  mbconstrained run bridge.toml --still 1.25s    a picture of the model at that time too, by an installed Chromium
   mbconstrained run bridge.toml --certify        how many digits are proved by exact arithmetic
+  mbconstrained run bridge.toml --compress       a page of less than half the size; --shared-viewer: one viewer for many
   mbconstrained modes bridge.toml                frequencies, damping, shapes, who has the energy
   mbconstrained modes bridge.toml --page         the same with a page in which each mode moves
   mbconstrained formula bridge.toml --as python  the motion as a formula, here as a function of NumPy
@@ -35,7 +39,8 @@ EPILOG = """Examples:
   mbconstrained accuracy bridge.toml             error against run time, beside what one would use instead
   mbconstrained stability bridge.toml            digits right when masses, springs, ... are turned over decades
   mbconstrained stability                        the same for a gallery of stiff and extreme systems
-  mbconstrained check bridge.toml                is the file right? nothing is solved or written
+  mbconstrained check bridge.toml                is the file right? nothing is written
+  mbconstrained schema --out scene.schema.json   what may stand in a scene, for editors (JSON Schema)
 
 Exit codes:
   0  fine
@@ -47,6 +52,16 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=N
 
 ScenePath = Annotated[str, typer.Argument(metavar="SCENE", help="The scene file, a .toml.")]
 Json = Annotated[bool, typer.Option("--json", help="Print plain data (JSON) instead of text.")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="NAME=VALUE", help="Take this value of a parameter, or of what stands at a place; repeat it for others."
+    ),
+]
+SharedViewer = Annotated[
+    bool, typer.Option("--shared-viewer", help="Write the 3-D viewer once beside the pages of a folder, not into each.")
+]
+Compress = Annotated[bool, typer.Option("--compress", help="Compress the scripts in the page, to a third; for new browsers.")]
 Out = Annotated[str, typer.Option("--out", metavar="DIR", help="Folder to write into; results/NAME_OF_SCENE if left out.")]
 
 
@@ -65,6 +80,11 @@ def run(
     scene: ScenePath,
     out: Out = "",
     certify: Annotated[bool, typer.Option("--certify", help="Prove digits of the answer by exact arithmetic.")] = False,
+    plots: Annotated[bool, typer.Option("--plots", help="Write the plots as SVG and PNG too.")] = False,
+    still: Annotated[str, typer.Option("--still", metavar="TIME", help="Write a picture of the model then too, as PNG.")] = "",
+    shared_viewer: SharedViewer = False,
+    compress: Compress = False,
+    settings: Settings = None,
     json: Json = False,
 ) -> None:
     """Solve a scene, write page, CSV and npz, and print what an engineer wants to know.
@@ -73,14 +93,19 @@ def run(
     coordinates named in [output] certify or coordinates, or for all; how many digits are proved is printed and stands on the page."""
     from .printing import show_result, stage_progress
 
+    viewer, moment = _viewer(shared_viewer, compress), _moment(still)
+
     def work(found: Scene) -> int:
         found = found.certified() if certify else found
+        found = found.with_viewer(viewer) if viewer else found
+        found = found.with_plot_images() if plots else found
+        found = found if moment is None else found.with_still(moment)
         with stage_progress() as progress:
             result = found.run(Path(out or Path("results") / found.name), progress)
         show_result(result, json)
         return FINE if result.is_trusted else NOT_TRUSTED
 
-    answer(scene, json, work)
+    answer(scene, json, work, settings)
 
 
 @app.command(short_help="List the modes of a scene, with shapes and energies.")
@@ -88,6 +113,9 @@ def modes(
     scene: ScenePath,
     page: Annotated[bool, typer.Option("--page", help="Write NAME.modes.html too, in which each mode moves.")] = False,
     out: Out = "",
+    shared_viewer: SharedViewer = False,
+    compress: Compress = False,
+    settings: Settings = None,
     json: Json = False,
 ) -> None:
     """List the modes: frequencies, damping, what each means, who has its kinetic and strain energy, its shape.
@@ -97,17 +125,18 @@ def modes(
 
     if out and not page:
         raise typer.BadParameter("only the page is written; give --page too", param_hint="--out")
+    viewer = _viewer(shared_viewer, compress)
 
     def work(found: Scene) -> int:
         from .modes import SceneModes
 
-        answer = SceneModes(found)
+        answer = SceneModes(found.with_viewer(viewer) if viewer else found)
         if page:
             answer.write_page(Path(out or Path("results") / found.name))
         show_modes(answer, json)
         return FINE if answer.is_trusted else NOT_TRUSTED
 
-    answer(scene, json, work)
+    answer(scene, json, work, settings)
 
 
 @app.command(short_help="List what would be computed, what not, and why.")
@@ -116,6 +145,7 @@ def plan(
     run: Annotated[
         bool, typer.Option("--run", help="Run it too, into a temporary folder that is removed; tell what each stage took.")
     ] = False,
+    settings: Settings = None,
     json: Json = False,
 ) -> None:
     """List the stages that a scene needs, and those that are left out, each with its reason.
@@ -124,7 +154,7 @@ def plan(
     folder, so that writing counts too, and removed; each stage is listed with its time and memory. Exit codes are those of run."""
     from .printing import show_plan
 
-    answer(scene, json, lambda found: _measured(found, json) if run else show_plan(found, json))
+    answer(scene, json, lambda found: _measured(found, json) if run else show_plan(found, json), settings)
 
 
 def _measured(scene: Scene, json: bool) -> int:
@@ -139,12 +169,39 @@ def _measured(scene: Scene, json: bool) -> int:
     return FINE if result.is_trusted else NOT_TRUSTED
 
 
-@app.command(short_help="See whether a scene is right; solve nothing.")
-def check(scene: ScenePath, json: Json = False) -> None:
-    """Read a scene and see whether everything in it is right; solve nothing, write nothing."""
+@app.command(short_help="See whether a scene is right; write nothing.")
+def check(scene: ScenePath, settings: Settings = None, json: Json = False) -> None:
+    """Read a scene and see whether everything in it is right; write nothing.
+
+    It tells which bodies nothing holds, and where the start does not fit the constraints, what will happen at t = 0."""
     from .printing import show_check
 
-    answer(scene, json, lambda found: show_check(found, json))
+    answer(scene, json, lambda found: show_check(found, json), settings)
+
+
+def _viewer(shared: bool, compressed: bool) -> str:
+    """Where the viewer's script shall be, or an empty string where the scene says it."""
+    if shared and compressed:
+        raise typer.BadParameter("a viewer beside the page is not compressed; leave out one of the two", param_hint="--compress")
+    return "beside" if shared else "compressed" if compressed else ""
+
+
+def _moment(still: str) -> float | None:
+    """The time of a still picture in s; None where there shall be none."""
+    if not still:
+        return None
+    from ..errors import InputError
+    from ..page.photograph import NONE_INSTALLED, browser
+    from .settings import value_of
+    from .units import quantity
+
+    try:
+        time = quantity(value_of(still), "s")
+    except InputError as problem:
+        raise typer.BadParameter(f"{problem}", param_hint="--still") from None
+    if browser() is None:
+        raise typer.BadParameter(NONE_INSTALLED, param_hint="--still")
+    return time
 
 
 class As(StrEnum):
@@ -164,6 +221,7 @@ def formula(
     coordinates: Annotated[str, typer.Option("--coordinates", metavar="A,B", help="Only these coordinates.")] = "",
     out: Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")] = "",
     seconds: Annotated[float, typer.Option("--seconds", min=1.0, max=LONGEST_WORK, help="Break off after so long.")] = 120.0,
+    settings: Settings = None,
     json: Json = False,
 ) -> None:
     """Print the formula of each coordinate: text, LaTeX, a function of Python (NumPy) or C, or plain data (JSON).
@@ -173,37 +231,5 @@ def formula(
 
     names = [name.strip() for name in coordinates.split(",") if name.strip()]
     kind = As.JSON if json else kind
-    answer(scene, kind is As.JSON, lambda found: show_formula(found, kind.value, numbers, digits, names, out, seconds))
-
-
-def answer(path: str, json: bool, work: Callable[[Scene], int | None]) -> None:
-    """Read the scene, do the work, and leave with the exit code that says how it went."""
-    leave(Path(path).name, json, lambda: work(_read(path)))
-
-
-def leave(name: str, json: bool, work: Callable[[], int | None]) -> None:
-    """Do the work on what has this name, and leave with the exit code that says how it went."""
-    from ..errors import MbconstrainedError, SceneError
-    from .printing import show_error
-
-    try:
-        code = work() or FINE
-    except MbconstrainedError as problem:
-        named = str(problem) if isinstance(problem, SceneError) else f"{name}: {problem}"
-        code = show_error(named, json, SCENE_WRONG)
-    except OSError as problem:
-        code = show_error(f"the results cannot be written: {problem}", json, COMMAND_WRONG)
-    except MemoryError:
-        code = show_error(f"{name}: this needs more memory than there is; ask for fewer points", json, SCENE_WRONG)
-    raise typer.Exit(code)
-
-
-def _read(path: str) -> Scene:
-    """The scene; what the system says while it is read is about the scene, not about the results."""
-    from ..errors import SceneError
-    from .scene import read_scene
-
-    try:
-        return read_scene(path)
-    except OSError as problem:
-        raise SceneError(f"{Path(path).name}: the scene or a file of it cannot be read: {problem}") from None
+    written = (kind.value, numbers, digits, names, out, seconds)
+    answer(scene, kind is As.JSON, lambda found: show_formula(found, *written), settings)

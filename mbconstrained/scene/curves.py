@@ -11,7 +11,11 @@ from .equations import Equations
 from .values import derivative_name
 
 ORDERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
-PARTS = {"energy": ("displacement", "velocity"), "output": ("displacement",)}  # curves that are made of others
+PARTS = {  # curves that are made of others
+    "energy": ("displacement", "velocity"),
+    "output": ("displacement",),
+    "phase": ("displacement", "velocity"),
+}
 ENERGIES = ("kinetic", "strain", "static", "total")
 
 

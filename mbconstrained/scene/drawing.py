@@ -1,15 +1,29 @@
-"""The drawing of a scene: its own, or one made from its elements or coordinates."""
+"""The drawing of a scene: its own, or one made from its elements or coordinates, with what the scene changes in it."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from ..checks import nearest
+from ..errors import InputError
 from ..page.content import Animation
-from ..page.drawing import Body, Drawing, Link
+from ..page.drawing import Body, Drawing, Link, Vector, View
+from ..page.keyframes import MOST_FRAMES
+from ..page.layout.turning import turn_to
+from .frames import frames_of
+from .marks import marks_of
 from .problems import at
 
+#: A chain longer than this, in drawing units, is not drawn standing.
+TALLEST = 8.0
+
 if TYPE_CHECKING:
+    from .drawing_tables import BodyTable, DrawingTable
     from .result import Result
+    from .scene import Scene
 
 
 def animation_of(result: Result) -> Animation:
@@ -18,31 +32,94 @@ def animation_of(result: Result) -> Animation:
         from .robot_drawing import robot_animation
 
         return robot_animation(result)
-    coordinates = result.scene.equations.coordinates
-    return Animation(_drawing(result), coordinates.names, result.times, result.values, result.curves("velocity").values)
+    drawing, frames = _drawing(result), frames_of(result, MOST_FRAMES)
+    return Animation(drawing, result.scene.equations.coordinates.names, *frames, marks_of(result, drawing, frames[0]))
 
 
 def _drawing(result: Result) -> Drawing:
-    from ..page.layout import coordinate_drawing, lumped_drawing
-
     table, equations = result.scene.table.drawing, result.scene.equations
-    if table is not None:
-        return drawing_of(table, result.scene.path.name)
-    if equations.model is not None:
-        return lumped_drawing(equations.model.elements, equations.coordinates.names, result.values)
-    return coordinate_drawing(equations.coordinates.names, result.values, equations.coordinates.units)
+    scales = {key: getattr(table, key) for key in ("scale", "turn_scale") if table and key in table.model_fields_set}
+    elements = equations.model.elements if equations.model is not None else None
+    return own_drawing(result.scene) or automatic_drawing(result.scene, elements, result.values, **scales)
 
 
-def drawing_of(table, file_name: str) -> Drawing:
-    """The [drawing] table as a drawing.
+def own_drawing(scene: Scene) -> Drawing | None:
+    """The drawing of a scene that says all of it itself."""
+    table = scene.table.drawing
+    if table is None or not table.is_own:
+        return None
+    with at(scene.path.name, "drawing"):
+        bodies, links = [_body(body) for body in table.body], _links(table)
+        return Drawing(bodies, links, table.scale, table.turn_scale, table.note, view_of(table))
+
+
+def automatic_drawing(scene: Scene, elements, values, **scales: float) -> Drawing:
+    """The drawing made from the elements of a model, or from the coordinates, with what [drawing] changes.
+
+    Args:
+        scene: names and units of the coordinates, and [drawing].
+        elements: of the model; None where only its equations are known.
+        values: the motion, or typical values.
+        scales: scale and turn_scale, where they shall not be chosen.
 
     Raises:
-        SceneError: two bodies of one name, a link to an unknown body.
+        SceneError: a body that is not drawn and has no shape, two bodies of one name, a link to an unknown body.
     """
-    with at(file_name, "drawing"):
-        bodies = [Body(**_given(body)) for body in table.body]
-        links = [Link(**{"name": f"{link.kind} from {link.start} to {link.end}", **_given(link)}) for link in table.link]
-        return Drawing(tuple(bodies), tuple(links), table.scale, table.turn_scale, table.note)
+    from ..page.layout import coordinate_drawing, lumped_drawing
+
+    names, units = scene.equations.coordinates.names, scene.equations.coordinates.units
+    if elements is not None:
+        drawing = lumped_drawing(elements, names, values, **scales)
+    else:
+        drawing = coordinate_drawing(names, values, units, **scales)
+    table = scene.table.drawing
+    if table is not None:
+        with at(scene.path.name, "drawing"):
+            drawing = _changed(drawing, table)
+    return drawing if any(drawing.turn) else replace(drawing, turn=_upright(scene, drawing))
+
+
+def _upright(scene: Scene, drawing: Drawing) -> Vector:
+    """What falls is drawn standing, unless it would be too tall to be seen well, or hangs on pulleys already."""
+    model, table = scene.table.model, scene.table.drawing
+    falls = model.kind == "lumped" and model.gravity and not model.pulley
+    chosen = table is not None and (table.along or table.about)
+    length = np.ptp([body.rest[0] for body in drawing.bodies]) if drawing.bodies else 0.0
+    return turn_to((0.0, 0.0, -np.sign(model.gravity)), None) if falls and not chosen and length <= TALLEST else (0.0, 0.0, 0.0)
+
+
+def _changed(drawing: Drawing, table: DrawingTable) -> Drawing:
+    bodies = {body.name: body for body in drawing.bodies}
+    for row in table.body:
+        if row.name in bodies:
+            bodies[row.name] = replace(bodies[row.name], **_given(row))
+        elif row.shape is None:
+            raise InputError(
+                f'there is no body "{row.name}" in the automatic drawing{nearest(row.name, bodies)}; '
+                "give it a shape to draw a new one"
+            )
+        else:
+            bodies[row.name] = _body(row)
+    note = " ".join(filter(None, (drawing.note, table.note)))
+    links = (*drawing.links, *_links(table))
+    return replace(
+        drawing, bodies=tuple(bodies.values()), links=links, note=note, view=view_of(table), turn=turn_to(table.along, table.about)
+    )
+
+
+def _body(row: BodyTable) -> Body:
+    if row.shape is None:
+        raise InputError(f'the body "{row.name}" has no shape; give it one, or automatic = true where it is drawn anyway')
+    return Body(**_given(row))
+
+
+def _links(table: DrawingTable) -> tuple[Link, ...]:
+    return tuple(Link(**{"name": f"{link.kind} from {link.start} to {link.end}", **_given(link)}) for link in table.link)
+
+
+def view_of(table: DrawingTable | None) -> View | None:
+    """From where the scene wants to be looked at; None where it does not say."""
+    return None if table is None or table.view is None else View(table.view.yaw, table.view.pitch, table.view.zoom)
 
 
 def _given(entry) -> dict:

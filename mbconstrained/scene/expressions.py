@@ -44,6 +44,15 @@ class Number:
         """The names in it: none."""
         return iter(())
 
+    def replaced(self, names: Mapping[str, Expression]) -> Expression:
+        """Itself."""
+        return self
+
+    @property
+    def size(self) -> int:
+        """How many numbers, names and operations it is made of."""
+        return 1
+
 
 @dataclass(frozen=True)
 class Name:
@@ -58,6 +67,15 @@ class Name:
     def names(self) -> Iterator[str]:
         """The name."""
         yield self.text
+
+    def replaced(self, names: Mapping[str, Expression]) -> Expression:
+        """What the name stands for."""
+        return names.get(self.text, self)
+
+    @property
+    def size(self) -> int:
+        """How many numbers, names and operations it is made of."""
+        return 1
 
 
 @dataclass(frozen=True)
@@ -80,6 +98,16 @@ class Operation:
         yield from self.left.names()
         if not isinstance(self.right, int):
             yield from self.right.names()
+
+    def replaced(self, names: Mapping[str, Expression]) -> Expression:
+        """The same with expressions instead of names."""
+        right = self.right if isinstance(self.right, int) else self.right.replaced(names)
+        return Operation(self.sign, self.left.replaced(names), right)
+
+    @property
+    def size(self) -> int:
+        """How many numbers, names and operations it is made of."""
+        return 1 + self.left.size + (1 if isinstance(self.right, int) else self.right.size)
 
 
 Expression = Number | Name | Operation

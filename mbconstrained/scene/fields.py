@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, WithJsonSchema, model_validator
@@ -10,10 +11,30 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidat
 from ..checks import nearest
 from ..errors import InputError
 from .dimensions import KINDS
+from .origins import EntryError
 from .units import quantity, quoted, shown, unit_name
 
 LONGEST_TEXT = 2000
 _NAME = re.compile(r"[^\W\d][\w .'()-]{0,39}")
+
+
+ABOVE = ("title", "source", "include")  # keys that stand above all tables
+MEANT = {  # what people write: what a scene calls it
+    "position": "displacement", "speed": "velocity", "start": "initial", "duration": "end", "stop": "end", "steps": "points",
+    "step": "points", "type": "kind", "body": "coordinate", "amplitude": "value", "ends": "between", "bodies": "between",
+    "k": "stiffness", "c": "damping", "m": "mass", "weight": "mass", "length": "rest_length", "options": "output",
+}  # fmt: skip
+
+
+class UnknownKey(EntryError):
+    """A key that a table does not have."""
+
+    def __init__(self, key: str, known: Iterable[str], hint: str = ""):
+        known = list(known)
+        hint = hint or nearest(key, known) or (f'; did you mean "{MEANT[key]}"?' if MEANT.get(key) in known else "")
+        if key in ABOVE:
+            hint = f"; {key} = … stands at the top of the file, above the first [table]"
+        super().__init__(f"unknown key {shown(key)}{hint}; known here are {', '.join(known)}", key)
 
 
 class Table(BaseModel):
@@ -24,23 +45,36 @@ class Table(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _only_known_keys(cls, data):
+        if isinstance(data, list) and all(isinstance(entry, dict) for entry in data):
+            raise InputError("there is one table of this kind only: write it with single brackets, […]")
         if not isinstance(data, dict):
             raise InputError(f"found {shown(data)}; expected a table with the keys {', '.join(cls.model_fields)}")
-        unknown = [key for key in data if key not in cls.model_fields]
-        if unknown:
-            known = ", ".join(cls.model_fields)
-            hint = nearest(unknown[0], cls.model_fields)
-            raise InputError(f"unknown key {shown(unknown[0])}{hint}; known here are {known}")
+        unknown = next((key for key in data if key not in cls.model_fields), None)
+        if unknown is not None:
+            raise UnknownKey(unknown, cls.model_fields, cls._hint(unknown))
         return data
+
+    @classmethod
+    def _hint(cls, key: str) -> str:
+        """Where a key belongs that does not belong here, as far as the table knows."""
+        return ""
+
+
+#: For editors: what a text that stands for a number looks like.
+EXPRESSION_SCHEMA = {"type": "string", "pattern": r"^\s*=.+$", "title": '"=" and an expression of parameters'}
+QUANTITY_SCHEMA = {
+    "type": "string",
+    "pattern": r"^\s*(=.+|[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?\s*(1/|[^\s0-9.,;=+*/()<>-]).*)$",
+    "title": 'a number and a unit, or "=" and an expression of parameters',
+}
+NUMBER_SCHEMA = {"anyOf": [{"type": "number"}, QUANTITY_SCHEMA]}
 
 
 def quantity_field(unit: str):
     """The type of a key that holds a number in the SI unit or a text with a unit of the same kind."""
-    name, example = KINDS[unit]
-    schema = {
-        "title": f'{name} in {unit}, a text with a unit such as {example}, or an expression of parameters such as "=2*k"',
-        "anyOf": [{"type": "number"}, {"type": "string"}],
-    }
+    text = EXPRESSION_SCHEMA if unit == "1" else QUANTITY_SCHEMA
+    examples = ([] if unit == "1" else [KINDS[unit][1].strip('"')]) + ["=2*k"]
+    schema = {"unit": unit, "examples": examples, "anyOf": [{"type": "number"}, text]}
     # plain: what quantity gives is the value, an expression of parameters included, which pydantic would make a float
     return Annotated[float, PlainValidator(lambda value: quantity(value, unit)), WithJsonSchema(schema)]
 
@@ -90,12 +124,7 @@ def _text(value):
 Quantity = Annotated[
     Any,
     BeforeValidator(_number_or_text),
-    WithJsonSchema(
-        {
-            "title": 'a number in SI, a text with a unit, or "=" and an expression of parameters',
-            "anyOf": [{"type": "number"}, {"type": "string"}],
-        }
-    ),
+    WithJsonSchema({"title": 'a number in SI, a text with a unit, or "=" and an expression of parameters', **NUMBER_SCHEMA}),
 ]
 Name = Annotated[str, BeforeValidator(_name)]
 Unit = Annotated[str, BeforeValidator(unit_name)]

@@ -38,7 +38,7 @@ def show_formula(
 
 
 def _notes(form: ClosedForm, scene: Scene) -> str:
-    notices = [str(notice) for notice in scene.parameters.notices]
+    notices = [str(notice) for notice in scene.notices]
     return "\n".join(filter(None, [parameters_text(form), form.step_note, *notices]))
 
 

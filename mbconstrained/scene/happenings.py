@@ -36,6 +36,11 @@ class Impulse:
     order: int
     size: str
 
+    @property
+    def delta(self) -> str:
+        """What it multiplies, in words."""
+        return DELTAS[self.order] if self.order < len(DELTAS) else f"the derivative of order {self.order} of a Dirac impulse"
+
 
 def number(value: float) -> str:
     """A number to six digits.
@@ -92,28 +97,25 @@ def impulses_of(impulses: Sequence, names: Sequence[str], units: Sequence[str]) 
 def with_units(response: Response, coordinates: Coordinates) -> tuple[Notice, ...]:
     """The notices of a response that itself does not know the units of its coordinates."""
     others = [notice for notice in response.notices if notice.kind not in ("jump", "impulse")]
-    first = _sentences(jumps_of(response, coordinates), response.impulses, coordinates, "t = 0")
+    first = sentences(jumps_of(response, coordinates), response.impulses, coordinates, "t = 0")
 
     def of_event(event: Event) -> list[Notice]:
-        return _sentences(later_jumps_of(response, event, coordinates), event.impulses, coordinates, f"t = {event.time:.6g} s")
+        return sentences(later_jumps_of(response, event, coordinates), event.impulses, coordinates, f"t = {event.time:.6g} s")
 
     return (*first, *first_and_count(of_event, response.events), *others)
 
 
-def _sentences(jumps: list[Jump], impulses, coordinates: Coordinates, when: str) -> list[Notice]:
+def sentences(jumps: list[Jump], impulses, coordinates: Coordinates, when: str) -> list[Notice]:
+    """A notice for each jump and each impulse in the coordinates."""
     what = {name: derivative_name(unit, 0) for name, unit in zip(coordinates.names, coordinates.units)}
     told = [
         Notice("jump", f"{jump.name}: its {jump.what} jumps at {when} by {jump.size}, from {jump.before} to {jump.after}")
         for jump in jumps
     ]
     return told + [
-        Notice("impulse", f"{impulse.name}: its {what[impulse.name]} contains {_delta(impulse.order)} of {impulse.size} at {when}")
+        Notice("impulse", f"{impulse.name}: its {what[impulse.name]} contains {impulse.delta} of {impulse.size} at {when}")
         for impulse in impulses_of(impulses, coordinates.names, coordinates.units)
     ]
-
-
-def _delta(order: int) -> str:
-    return DELTAS[order] if order < len(DELTAS) else f"the derivative of order {order} of a Dirac impulse"
 
 
 def folded(notices: Sequence[Notice], jumps: int, impulses: int, later: tuple[int, int] = (0, 0)) -> tuple[Notice, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from ..errors import InputError
 from ..models.lumped import LumpedModel
 from .problems import at
 from .units import quantity
@@ -24,6 +25,7 @@ def lumped_model(table, file_name: str) -> LumpedModel:
         named = f' (of "{entry.name}")' if entry.name else ""
         with at(file_name, f"model.{key}[{number}]{named}"):
             _ADD[key](model, entry)
+    _check_nodes(model, table, file_name)
     if table.gravity is not None:
         with at(file_name, "model.gravity"):
             model.gravity(table.gravity)
@@ -36,6 +38,18 @@ def entries(table) -> Iterator[tuple[str, int, Any]]:
     for key in sorted(keys, key=lambda key: key not in BODIES):
         for number, entry in enumerate(getattr(table, key), 1):
             yield key, number, entry
+
+
+def _check_nodes(model: LumpedModel, table, file_name: str) -> None:
+    """What has no mass must be joined to something."""
+    joined = {name for element in model.elements for name in element.ends}
+    for number, node in enumerate(table.node, 1):
+        if node.name not in joined:
+            with at(file_name, f'model.node[{number}] (of "{node.name}")'):
+                raise InputError(
+                    "nothing is attached to this joint, which has no mass, so that nothing tells where it is; join it by a spring, "
+                    "a damper or a constraint, or take it out"
+                )
 
 
 def _gear(model, entry):
@@ -51,6 +65,12 @@ def _lever(model, entry):
 def _rigid_tie(model, entry):
     unit = next((model.units[name] for name in entry.between if name in model.units), "m")
     model.rigid_tie(*entry.between, distance=quantity(entry.distance, unit), name=entry.name)
+
+
+def _rack(model, entry):
+    if model.units.get(entry.gear) == "m" and model.units.get(entry.rack) == "rad":
+        raise InputError(f'gear is what turns, here "{entry.rack}", and rack what moves, "{entry.gear}"; they are swapped')
+    model.rack(entry.gear, entry.rack, radius=entry.radius, name=entry.name)
 
 
 def _constraint(model, entry):
@@ -72,7 +92,7 @@ _ADD = {
     "rigid_tie": _rigid_tie,
     "lever": _lever,
     "gear": _gear,
-    "rack": lambda model, e: model.rack(e.gear, e.rack, radius=e.radius, name=e.name),
+    "rack": _rack,
     "pulley": lambda model, e: model.pulley(*e.between, over=e.over, length=e.length, name=e.name),
     "constraint": _constraint,
 }

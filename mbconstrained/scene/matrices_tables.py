@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from ..errors import InputError
-from .fields import Name, Table, Text
+from .fields import EXPRESSION_SCHEMA, Name, Table, Text
 from .lumped_tables import ConstraintTable
 from .units import quantity, shown
 
@@ -51,7 +51,7 @@ Matrix = Annotated[
         {
             "title": 'rows of numbers in SI or expressions of parameters such as "=2*k", or a file',
             "anyOf": [
-                {"type": "array", "items": {"type": "array", "items": {"anyOf": [{"type": "number"}, {"type": "string"}]}}},
+                {"type": "array", "items": {"type": "array", "items": {"anyOf": [{"type": "number"}, EXPRESSION_SCHEMA]}}},
                 {"type": "string"},
                 MatrixFile.model_json_schema(),
             ],

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..notices import Notice
-from ..replacing import replacing
+from ..replacing import Replacements
 from ..response.notices import pair_notices
 from .plan import Plan
 from .result import Result
@@ -106,7 +106,7 @@ class SceneModes:
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """Growth, rows taken out, and what makes the modes doubtful."""
-        unused = self.scene.parameters.notices
+        unused = self.scene.notices
         if self.system is None:
             return (*unused, *pair_notices(self.scene.equations.polynomial_matrix.jordan_pairs()))
         made = (*unused, *self.scene.equations.form_notices)
@@ -130,14 +130,19 @@ class SceneModes:
                 f"{self.scene.path.name}: {place}: a page of modes needs mass, damping and stiffness; leave out --page"
             )
         from ..page.modes_html import modes_html
+        from ..page.viewer import write_viewer
         from .modes_page import modes_content
 
-        text = modes_html(modes_content(self))
+        viewer = self.scene.table.output.viewer
+        content = modes_content(self)
+        text = modes_html(content, viewer)
         path = folder / f"{self.scene.name}.modes.html"
         folder.mkdir(parents=True, exist_ok=True)
-        with replacing(path) as beside:
-            beside.write_bytes(text.encode("utf-8"))
-        self.files.append(path)
+        with Replacements() as files:
+            files.beside(path).write_bytes(text.encode("utf-8"))
+            self.files.append(path)
+            if viewer == "beside" and content.modes:
+                self.files.append(write_viewer(folder, files))
         return path
 
 

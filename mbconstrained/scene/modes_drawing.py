@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..page.drawing import Drawing
-from ..page.layout import coordinate_drawing, lumped_drawing
 from ..page.layout.magnification import ABSOLUTE, NEIGHBOURS, WIDEST_ANGLE, two_digits
 from ..page.mode_content import cycle
 from ..page.path import Path
 from ..tolerances import noise_of
-from .drawing import drawing_of
+from .drawing import automatic_drawing, own_drawing
 
 if TYPE_CHECKING:
     from ..models.elements import Element
@@ -48,14 +47,10 @@ def mode_drawing(scene: Scene, shapes: Sequence[np.ndarray]) -> Drawing:
 
     Modes are motions about the state in which every spring has its length: rest lengths only shift them and are left out.
     """
-    table, equations = scene.table.drawing, scene.equations
-    if table is not None:
-        return drawing_of(table, scene.path.name)
-    names, units = equations.coordinates.names, equations.coordinates.units
-    values = _typical_values(shapes, units)
-    if equations.model is not None:
-        return lumped_drawing([_at_rest(element) for element in equations.model.elements], names, values)
-    return coordinate_drawing(names, values, units)
+    equations = scene.equations
+    values = _typical_values(shapes, equations.coordinates.units)
+    elements = None if equations.model is None else [_at_rest(element) for element in equations.model.elements]
+    return own_drawing(scene) or automatic_drawing(scene, elements, values)
 
 
 def _at_rest(element: Element) -> Element:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..page.mode_content import ModePicture, ModesContent, Share, cycle
+from .drawing import view_of
 from .modes_drawing import DrawnModes
-from .modes_summary import BY_COORDINATE, descending
+from .modes_summary import BY_COORDINATE, descending, shape_cells
 from .robot_report import robot_facts
 
 if TYPE_CHECKING:
@@ -20,12 +21,13 @@ def modes_content(modes: SceneModes) -> ModesContent:
     """A picture for each line of the list; all move the same drawing."""
     scene = modes.scene
     stage = _stage(modes)
+    units = tuple(zip(scene.equations.coordinates.names, scene.equations.coordinates.units))
     return ModesContent(
         title=scene.title,
         source=scene.table.source,
         drawing=stage.drawing,
         names=scene.equations.coordinates.names,
-        modes=tuple(_picture(line, stage) for line in modes.lines),
+        modes=tuple(_picture(line, stage, units) for line in modes.lines),
         notices=modes.notices,
         facts=_facts(modes),
     )
@@ -38,10 +40,10 @@ def _stage(modes: SceneModes) -> DrawnModes | RobotModes:
     from .modes_robot import RobotModes
 
     table = modes.scene.table.drawing
-    return RobotModes(equations.robot_scene, note=table.note if table else "")
+    return RobotModes(equations.robot_scene, note=table.note if table else "", view=view_of(table))
 
 
-def _picture(line: ModeLine, stage: DrawnModes | RobotModes) -> ModePicture:
+def _picture(line: ModeLine, stage: DrawnModes | RobotModes, units: tuple[tuple[str, str], ...]) -> ModePicture:
     facts = tuple((label, text) for label, text in line.cells.items() if label not in ("kind", "meaning"))
     if line.shape is None:
         return ModePicture(line.name, facts, note=line.cells["meaning"])
@@ -50,6 +52,7 @@ def _picture(line: ModeLine, stage: DrawnModes | RobotModes) -> ModePicture:
         line.name,
         facts,
         shares=shares_by_part(line),
+        shape=tuple(shape_cells(line.shape, units)),
         values=cycle(line.shape),
         paths=stage.paths(line.shape, factor),
         period=2 * np.pi / line.value.imag if line.value.imag else None,

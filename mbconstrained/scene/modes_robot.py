@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..page.drawing import View
 from ..page.mode_content import cycle
 from ..page.path import Path
 from ..tolerances import noise_of
@@ -25,9 +27,9 @@ class RobotModes:
         drawing: the robot at rest.
     """
 
-    def __init__(self, scene: RobotScene, note: str = ""):
+    def __init__(self, scene: RobotScene, note: str = "", view: View | None = None):
         self.picture = RobotPicture(scene)
-        self.drawing = self.picture.drawing(self.picture.at_rest, note=note)
+        self.drawing = replace(self.picture.drawing(self.picture.at_rest, note=note), view=view)
 
     def amplitude(self, shape: np.ndarray) -> float:
         """The factor at which a shape, whose amplitude is free, is drawn."""

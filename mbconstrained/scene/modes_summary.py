@@ -108,10 +108,20 @@ def shape_entries(shape: np.ndarray, units: tuple[tuple[str, str], ...]) -> list
     >>> shape_entries(np.array([1.0, -0.5j]), (("cart", "m"), ("load", "m")))
     ['cart 1 m', 'load 0.5 m at -90 deg']
     """
+    cells = shape_cells(shape, units)
+    told = [f"{name} {entry}" for name, entry in cells[:MOST_ENTRIES]]
+    return told + [f"{len(cells) - len(told)} more"] * (len(cells) > len(told))
+
+
+def shape_cells(shape: np.ndarray, units: tuple[tuple[str, str], ...]) -> list[tuple[str, str]]:
+    """Every coordinate that moves with its entry, the largest first; likewise with units, and phases where there are any.
+
+    >>> shape_cells(np.array([0.5j, 0.0, 1.0]), (("cart", "m"), ("wall", "m"), ("load", "m")))
+    [('load', '1 m'), ('cart', '0.5 m at 90 deg')]
+    """
     moving = np.flatnonzero(np.abs(shape) > noise_of(1.0, len(shape)))
     order = sorted(moving, key=lambda i: descending(shape[i]))
-    told = [f"{units[i][0]} {_entry(shape[i], units[i][1])}" for i in order[:MOST_ENTRIES]]
-    return told + [f"{len(order) - len(told)} more"] * (len(order) > len(told))
+    return [(units[i][0], _entry(shape[i], units[i][1])) for i in order]
 
 
 def _entry(value: complex, unit: str) -> str:

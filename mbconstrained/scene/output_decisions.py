@@ -37,7 +37,10 @@ def plotted(kind: str) -> Decide:
 def velocities(scene: Scene) -> Decision:
     """Besides plots, an animation needs them."""
     asked, reason = plotted("velocity")(scene)
-    return (True, "the animation moves by displacements and velocities") if is_animated(scene) and not asked else (asked, reason)
+    if "phase" in scene.table.output.plots and not asked:
+        asked, reason = True, "phase is among the plots"
+    moves = animation(scene)[0] and not asked
+    return (True, "the animation moves by displacements and velocities") if moves else (asked, reason)
 
 
 def reactions(scene: Scene) -> Decision:
@@ -46,6 +49,8 @@ def reactions(scene: Scene) -> Decision:
     if system is None or not system.rows:
         return False, "no constraint rows"
     asked = output.reactions or "reaction" in output.plots
+    if not asked and output.arrows and animation(scene)[0]:
+        return True, "arrows in the animation show them"
     return asked, "asked for in [output]" if asked else "not asked for in [output]"
 
 
@@ -89,19 +94,45 @@ def symbols(scene: Scene) -> Decision:
 
 def animation(scene: Scene) -> Decision:
     """The drawing that moves."""
-    output = scene.table.output
-    if not output.page:
+    output, pictured = scene.table.output, still(scene)[0]
+    if not (output.page or pictured):
         return False, "no page"
-    if not output.animation:
+    if not (output.animation or pictured):
         return False, "animation = false"
-    if scene.equations.has_outputs_among_coordinates and scene.table.drawing is None:
+    if not _has_places(scene):
         return False, "states and outputs are no places: a [drawing] would say how they move"
+    if not (output.page and output.animation):
+        return True, "the still picture shows the model where it is then"
     return True, "the model moves on the page, by displacements and velocities"
 
 
 def is_animated(scene: Scene) -> bool:
     """Whether a page shows the model moving."""
-    return animation(scene)[0]
+    output = scene.table.output
+    return output.page and output.animation and _has_places(scene)
+
+
+def _has_places(scene: Scene) -> bool:
+    drawing = scene.table.drawing
+    return not scene.equations.has_outputs_among_coordinates or (drawing is not None and drawing.is_own)
+
+
+def still(scene: Scene) -> Decision:
+    """A picture of the model, for which a browser is needed."""
+    time = scene.table.output.still
+    if time is None:
+        return False, "not asked for (--still TIME, or still = TIME in [output])"
+    if not _has_places(scene):
+        return False, "states and outputs are no places: a [drawing] would say where they are"
+    from ..page.photograph import NONE_INSTALLED, browser
+
+    return (True, f"{scene.name}.still.png, the model at {time:g} s") if browser() else (False, NONE_INSTALLED)
+
+
+def plot_images(scene: Scene) -> Decision:
+    """The plots as files."""
+    asked = scene.table.output.plot_images
+    return asked, f"{scene.name}.*.svg and .png" if asked else "not asked for (--plots, or plot_images = true in [output])"
 
 
 def robot_meshes(scene: Scene) -> Decision:
@@ -109,7 +140,7 @@ def robot_meshes(scene: Scene) -> Decision:
     meshes = scene.equations.robot_scene.data.names.meshes
     if not meshes:
         return False, "the robot is drawn from boxes, cylinders and spheres"
-    drawn = is_animated(scene)
+    drawn = animation(scene)[0]
     return drawn, f"{counted(len(meshes), 'mesh', 'meshes')} to draw" if drawn else "meshes are read only where they are drawn"
 
 

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
+from graphlib import CycleError, TopologicalSorter
 
 from ..checks import nearest
 from ..errors import InputError, SceneError
 from ..notices import Notice
 from .dimensions import Dimension, unit_of
 from .expressed import Expressed
-from .expressions import read_expression
+from .expressions import Expression, read_expression
 from .measured import Measured
 from .problems import place, together
 from .units import any_quantity, in_range, shown
 
 MOST_PARAMETERS = 200
+MOST_PARTS = 300  # of an expression in which parameters that are expressions are written out
 TEXTS = ("title", "source", "note", "name", "file", "array")  # keys of texts, which no number can stand for
 BY_COORDINATE = ("displacement", "velocity", "rows", "moves", "turns")  # tables whose keys are names that somebody chose
 RESERVED = {"t": "t is the time", "pi": "pi is the number 3.14159…", "π": "π is the number 3.14159…"}
@@ -30,7 +34,7 @@ class Parameters:
     """The parameters of a scene.
 
     Attributes:
-        values: in SI, by name, in the order of the file.
+        values: in SI, by name, in the order of the file; those that are expressions of others are written out everywhere.
         dimensions: kinds of quantity by name; None for plain numbers, which may be anything in SI.
         unused: the names of those that stand in no expression.
     """
@@ -61,9 +65,10 @@ def with_parameters(data: dict, file_name: str) -> tuple[dict, Parameters]:
     found = {key: value if key == "parameters" else work.replaced(value, (key,)) for key, value in data.items()}
     if work.problems:
         raise SceneError(together(file_name, work.problems))
-    values = {name: float(value.value) for name, value in work.known.items()}
-    unused = tuple(name for name in values if name not in work.used)
-    return found, Parameters(values, {name: value.dimension for name, value in work.known.items()}, unused)
+    symbols = {name: value for name, value in work.known.items() if name not in work.expressions}
+    values = {name: float(value.value) for name, value in symbols.items()}
+    unused = tuple(name for name in work.known if name not in work.used)
+    return found, Parameters(values, {name: value.dimension for name, value in symbols.items()}, unused)
 
 
 class _Substitution:
@@ -74,6 +79,8 @@ class _Substitution:
         self.problems: list[str] = []
         self.used: set[str] = set()
         self.known: dict[str, Measured] = {}
+        self.expressions: dict[str, Expression] = {}  # of the parameters that are expressions of others
+        self.trees: dict[str, Expression] = {}  # the same, written out in those that are not
         self.given: dict = {}
         try:
             self._read_all(data.get("parameters", {}))
@@ -87,10 +94,26 @@ class _Substitution:
         if len(self.given) > MOST_PARAMETERS:
             raise InputError(f"found {len(self.given)} parameters; expected at most {MOST_PARAMETERS}")
         for name, value in self.given.items():
-            try:
-                self.known[name] = _parameter(name, value)
-            except InputError as problem:
-                self.problems.append(f"parameters.{name}: {problem}" if name.isprintable() else f"parameters: {problem}")
+            with self._telling(f"parameters.{name}" if name.isprintable() else "parameters"):
+                _check_name(name)
+                if _is_expression(value):
+                    self.expressions[name] = read_expression(value.strip()[1:])
+                else:
+                    self.known[name] = _plain(value)
+        for name in _in_order(self.expressions):
+            with self._telling(f"parameters.{name}"):
+                found = self._value(self.given[name].strip(), self.expressions[name])
+                self.known[name] = Measured(found.value, found.dimension)
+                self.trees[name] = self._written_out(self.expressions[name])
+        self.known = {name: self.known[name] for name in self.given if name in self.known}
+
+    @contextmanager
+    def _telling(self, where: str) -> Iterator[None]:
+        """Keep what is wrong, to be told together with everything else that is."""
+        try:
+            yield
+        except InputError as problem:
+            self.problems.append(f"{where}: {problem}")
 
     def replaced(self, value, location: tuple):
         """The value with its expressions replaced."""
@@ -100,24 +123,42 @@ class _Substitution:
             return {key: self.replaced(entry, (*location, key)) for key, entry in value.items()}
         if isinstance(value, list):
             return [self.replaced(entry, (*location, number)) for number, entry in enumerate(value)]
-        if not isinstance(value, str) or not value.lstrip().startswith("="):
+        if not _is_expression(value):
             return value
-        try:
-            return self._expressed(value.strip())
-        except InputError as problem:
-            self.problems.append(f"{place(location, self.data)}: {problem}")
-            return 1.0
+        found: float = 1.0  # where it is wrong, so that the rest is read all the same
+        with self._telling(place(location, self.data)):
+            found = self._expressed(value.strip())
+        return found
 
     def _expressed(self, text: str) -> Expressed:
         tree = read_expression(text[1:])
+        found = self._value(text, tree)
+        self._use(tree)
+        return Expressed(in_range(found.value, text), text, self._written_out(tree), found.dimension)
+
+    def _value(self, text: str, tree: Expression) -> Measured:
         for name in tree.names():
             self._check(name, text)
-        self.used.update(tree.names())
         try:
             found = tree.value(Measured.written, {**self.known, **_PI})
         except InputError as problem:
             raise InputError(f"found {shown(text)}: {problem}") from None
-        return Expressed(in_range(found.value, text), text, tree, found.dimension)
+        in_range(found.value, text)
+        return found
+
+    def _written_out(self, tree: Expression) -> Expression:
+        """The expression in the parameters that are none themselves."""
+        found = tree.replaced(self.trees)
+        if found.size > MOST_PARTS:
+            raise InputError(f"it has {found.size} parts with those of its parameters; expected at most {MOST_PARTS}")
+        return found
+
+    def _use(self, tree: Expression) -> None:
+        """Remember which parameters stand in an expression, and which in those."""
+        names = {*tree.names()} & self.known.keys()
+        while new := names - self.used:
+            self.used |= new
+            names = {name for each in new & self.expressions.keys() for name in self.expressions[each].names()}
 
     def _check(self, name: str, text: str) -> None:
         if name in self.known or name in _PI:
@@ -131,12 +172,29 @@ class _Substitution:
         )
 
 
-def _parameter(name: str, value) -> Measured:
+def _is_expression(value) -> bool:
+    return isinstance(value, str) and value.lstrip().startswith("=")
+
+
+def _in_order(expressions: dict[str, Expression]) -> tuple[str, ...]:
+    """The names of expressions of each other, those that others need first."""
+    needed = {name: [other for other in dict.fromkeys(tree.names()) if other in expressions] for name, tree in expressions.items()}
+    try:
+        return tuple(TopologicalSorter(needed).static_order())
+    except CycleError as problem:
+        circle = problem.args[1][:-1]
+        first = min(range(len(circle)), key=lambda i: list(expressions).index(circle[i]))
+        named = " and ".join([*circle[first:], *circle[:first]])
+        raise InputError(f"{named}: expressions of each other, in a circle; give one of them a value") from None
+
+
+def _check_name(name: str) -> None:
     if not (_NAME.fullmatch(name) and name.isidentifier()):
         raise InputError(f"found the name {shown(name)}; expected a letter, then at most 39 letters, digits or _")
     if name in RESERVED:
         raise InputError(f"{RESERVED[name]}; choose another name")
-    if isinstance(value, str) and value.lstrip().startswith("="):
-        raise InputError(f'found {shown(value)}; a parameter is a plain quantity, e.g. 2.0 or "10 kg"')
+
+
+def _plain(value) -> Measured:
     number, dimension = any_quantity(value)
     return Measured(Fraction(repr(number)), dimension)

@@ -43,26 +43,28 @@ def show_plan(scene: Scene, json: bool) -> None:
     """The stages of a scene."""
     plan = scene.plan()
     if json:
-        say_json({"title": scene.title, "plan": plan.as_json()})
+        say_json({"title": scene.heading, "plan": plan.as_json()})
     else:
-        say_blocks([scene.title, plan_table(plan)])
+        say_blocks([scene.heading, plan_table(plan)])
 
 
 def show_costs(result: Result, json: bool) -> None:
     """The stages of a scene that was run, with what each took."""
     plan, doubts = result.plan, [notice for notice in result.notices if notice.doubtful]
     if json:
-        told = {"title": result.scene.title, "plan": plan.as_json(), "totals": plan.totals_as_json()}
+        told = {"title": result.scene.heading, "plan": plan.as_json(), "totals": plan.totals_as_json()}
         say_json({**told, "notices": notices_json(doubts), "trusted": result.is_trusted})
     else:
-        say_blocks([result.scene.title, cost_table(plan), left_out_table(plan), *map(str, doubts)])
+        say_blocks([result.scene.heading, cost_table(plan), left_out_table(plan), *map(str, doubts)])
 
 
 def show_check(scene: Scene, json: bool) -> None:
-    """That a scene is right, and what it holds."""
+    """That a scene is right, what it holds, and what is worth knowing before it is run."""
+    from .start_notices import start_notices
+
     coordinates = scene.equations.coordinates.names
     taken = len(scene.plan().taken)
-    notices = [str(notice) for notice in scene.parameters.notices]
+    notices = [str(notice) for notice in (*scene.notices, *start_notices(scene.equations))]
     if json:
         say_json({"title": scene.title, "coordinates": list(coordinates), "stages": taken, "notices": notices})
     else:

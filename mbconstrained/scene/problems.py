@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from contextlib import contextmanager
 
 from ..checks import nearest
 from ..errors import InputError, SceneError
+from .origins import located
 from .units import shown
 
 MOST_PROBLEMS = 5  # in one message; the rest is counted
 KINDS = {
     "model": '"lumped", "matrices", "robot", "state-space" or "transfer-function"',
     "force": '"step", "ramp", "power", "impulse", "harmonic", "term", "pulse" or "sampled"',
+}
+
+MISSING = {
+    "model": 'this table is missing: write [model], and below it kind = "lumped", "matrices", …',
+    "time": 'this table is missing: write [time], and below it end = "10 s"',
 }
 
 
@@ -29,19 +36,26 @@ def validated(data: dict, file_name: str, schema: type | None = None):
     try:
         return schema.model_validate(data)
     except ValidationError as error:
-        lines = [f"{place(problem['loc'], data)}: {_sentence(problem)}" for problem in error.errors()]
+        lines = [_line(problem, data) for problem in error.errors()]
     raise SceneError(together(file_name, lines))
 
 
-def together(file_name: str, lines: list[str]) -> str:
-    """One message of one or more problems."""
-    lines = list(dict.fromkeys(lines))
-    if len(lines) == 1:
-        return f"{file_name}: {lines[0]}"
-    shown_lines = [f"  {line}" for line in lines[:MOST_PROBLEMS]]
-    if len(lines) > MOST_PROBLEMS:
-        shown_lines.append(f"  and {len(lines) - MOST_PROBLEMS} more")
-    return "\n".join([f"{file_name}: {len(lines)} entries are wrong", *shown_lines])
+def _line(problem: dict, data: dict) -> tuple[str, str | None]:
+    """The place with what is wrong there, and the key in the table there that it is about, where it is known."""
+    where = place(problem["loc"], data)
+    return f"{where}: {_sentence(problem, where)}", getattr(problem.get("ctx", {}).get("error"), "key", None)
+
+
+def together(file_name: str, lines: Sequence[str | tuple[str, str | None]]) -> str:
+    """One message of one or more problems, each a text that begins with a place, perhaps with the key that is wrong there."""
+    pairs = [(line, None) if isinstance(line, str) else line for line in lines]
+    found = list(dict.fromkeys(located(file_name, *pair) for pair in pairs))
+    if len(found) == 1:
+        return ": ".join(found[0])
+    shown_lines = [f"  {text}" if file == file_name else f"  {file}: {text}" for file, text in found[:MOST_PROBLEMS]]
+    if len(found) > MOST_PROBLEMS:
+        shown_lines.append(f"  and {len(found) - MOST_PROBLEMS} more")
+    return "\n".join([f"{file_name}: {len(found)} entries are wrong", *shown_lines])
 
 
 @contextmanager
@@ -52,7 +66,7 @@ def at(file_name: str, where: str):
     except SceneError:
         raise
     except InputError as problem:
-        raise SceneError(f"{file_name}: {where}: {problem}") from None
+        raise SceneError(": ".join(located(file_name, f"{where}: {problem}", getattr(problem, "key", None)))) from None
 
 
 def place(location: tuple, data) -> str:
@@ -79,25 +93,26 @@ def _entry(data, part):
     return data[part] if isinstance(data, list) and isinstance(part, int) and part < len(data) else None
 
 
-def _sentence(problem: dict) -> str:
+def _sentence(problem: dict, where: str) -> str:
     """One problem that pydantic found, in plain words."""
     kind, context, value = problem["type"], problem.get("ctx", {}), problem["input"]
     if kind == "value_error":
         return str(context["error"])
     if kind == "missing":
-        return "this key is missing"
-    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        return MISSING.get(where, "this key is missing")
+    if kind in ("union_tag_invalid", "union_tag_not_found", "model_attributes_type"):
         return _kind_sentence(value, problem["loc"][0])
     if kind == "literal_error":
         return _choice(value, context["expected"].replace("'", '"'))
     if kind == "list_type" and isinstance(value, dict):
-        name = problem["loc"][-1]
-        return f"found one table; write it with double brackets, [[{name}]] or [[….{name}]], once for every entry"
+        return f"found one table; write it with double brackets, [[{where}]], once for every entry"
     return f"found {shown(value)}; {_expectation(kind, context) or problem['msg']}"
 
 
 def _kind_sentence(value, where: str) -> str:
     known = KINDS[where]
+    if isinstance(value, list) and value:
+        return f"there is one {where} only: write it with single brackets, [{where}]"
     if not isinstance(value, dict):
         return f"found {shown(value)}; expected a table with the key kind = {known}"
     if "kind" not in value:

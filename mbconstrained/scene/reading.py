@@ -91,21 +91,33 @@ def parse(text: str, name: str) -> dict:
         raise SceneError(f"{name}: arrays or tables are nested too deeply; a scene needs three or four levels") from None
 
 
+_TEXT = 'a text such as "3 N/mm" needs quotes'
 _PLAIN_WORDS = {  # what tomllib says: what it means to somebody who writes a scene
     "Cannot overwrite a value": "a key is given twice",
-    "Expected newline or end of document after a statement": (
-        'expected one value on the line; a text such as "3 N/mm" needs quotes'
-    ),
-    "Invalid value": 'this is no value; a text such as "3 N/mm" needs quotes, an array needs its closing bracket',
+    "Expected newline or end of document after a statement": f"expected one value on the line; {_TEXT}",
+    "Invalid value": f"this is no value; {_TEXT}, an array needs its closing bracket",
+    "Invalid statement": "expected [table], [[table]] or key = value, as in end = \"5 s\"",
+    "Expected '=' after a key in a key/value pair": 'expected = between a key and its value, as in end = "5 s"',
+    "Illegal character '\\n'": "a text ends with the quote that it begins with, on the same line",
 }
+_SIGNS = (  # what is wrong with the line, if it has this in it
+    (r"[\u201c\u201d\u201e\u2018\u2019]", 'quotes must be straight, "…"'),
+    (r"=\s*[+-]?\d+,\d", "decimals have a point, as in 0.5"),
+    (r"^\s*(\[[A-Za-z_][\w.-]*|\[\[[A-Za-z_][\w.-]*\s*\]?)\s*$",
+     "a table ends with as many brackets as it begins with, [time], [[model.mass]]"),
+)  # fmt: skip
 
 
 def _readable(problem: tomllib.TOMLDecodeError, text: str) -> str:
     """The parser's sentence in plain words, with the line it speaks of."""
+    if text.lstrip().startswith(("{", "<")):
+        return 'it looks like JSON or XML; a scene has tables, [model], and below them lines such as kind = "lumped"'
     message, _, place = str(problem).partition(" (at ")
-    message = _PLAIN_WORDS.get(message, message)
-    if not place:
-        return message
     line = re.match(r"line (\d+)", place)  # or the end of the document
     lines = text.split("\n")[: int(line[1])] if line else text.rstrip().split("\n")
-    return f"{message}; at {place.rstrip(')')}, near {quoted(lines[-1].strip()[:60])}"
+    message = _PLAIN_WORDS.get(message, message)
+    if twice := re.fullmatch(r"Cannot declare \((.*)\) twice", message):
+        table = ".".join(re.findall("'([^']*)'", twice[1]))
+        message = f"the table [{table}] stands there twice; write it once"
+    message = next((words for sign, words in _SIGNS if re.search(sign, lines[-1])), message)
+    return f"{message}; at {place.rstrip(')')}, near {quoted(lines[-1].strip()[:60])}" if place else message

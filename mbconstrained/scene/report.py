@@ -4,29 +4,28 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..page.content import Curve, Formulas, PageContent, Plot, Table
+from ..page.content import Formulas, PageContent, Table
 from .control_report import control_facts
-from .curves import ORDERS
 from .output_decisions import is_animated
 from .plan_tables import page_table
+from .plots import plots_of
 from .robot_report import robot_facts
 from .stages import PAGE, plan_of
 from .tables import notices_of, tables_of
 
 if TYPE_CHECKING:
-    from .curves import Curves
     from .result import Result
 
 
 def page_content(result: Result) -> PageContent:
     """Animation, plots, tables, notices and facts of a result."""
-    scene, output = result.scene, result.scene.table.output
+    scene = result.scene
     return PageContent(
         title=scene.title,
         source=scene.table.source,
         animation=result.animation if is_animated(scene) else None,
-        plots=tuple(plot for kind in output.plots for plot in _plots(result, result.curves(kind))),
-        tables=(*(Table(table.title, table.columns, table.rows, table.note) for table in tables_of(result)), _plan(result)),
+        plots=plots_of(result),
+        tables=(*(table.on_page() for table in tables_of(result)), _plan(result)),
         notices=notices_of(result),
         formulas=formulas_of(result),
         facts=_facts(result),
@@ -46,21 +45,10 @@ def formulas_of(result: Result) -> Formulas | None:
     return Formulas("Formula", mathml(form, digits=digits), " ".join(filter(None, notes)))
 
 
-def _plots(result: Result, curves: Curves) -> list[Plot]:
-    """One plot for each unit: curves in m and in rad share no axis."""
-    wanted = result.scene.table.output.coordinates if curves.kind in ORDERS else None
-    keep = [i for i, name in enumerate(curves.names) if wanted is None or name in wanted]
-    groups: dict[tuple[str, str], list[Curve]] = {}
-    for i in keep:
-        groups.setdefault((curves.titles[i], curves.units[i]), []).append(Curve(curves.names[i], curves.values[i], i))
-    return [Plot(title, "" if unit == "1" else unit, result.times, tuple(drawn)) for (title, unit), drawn in groups.items()]
-
-
 def _plan(result: Result) -> Table:
     """The plan of a page that is written; one that is asked for afterwards belongs to a plan that wrote nothing."""
     plan = result.plan if result.folder else plan_of(result.scene).with_costs(result.plan.costs)
-    table = page_table(plan, PAGE)
-    return Table(table.title, table.columns, table.rows, table.note, folded=True)
+    return page_table(plan, PAGE).on_page(folded=True)
 
 
 def _facts(result: Result) -> tuple[tuple[str, str], ...]:

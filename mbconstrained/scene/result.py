@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,12 +11,12 @@ import numpy as np
 
 from ..errors import InputError
 from ..notices import Notice
-from ..replacing import Replacements
 from ..response.estimate import error_estimate
 from ..tolerances import TRUST_LIMIT
 from .curves import ORDERS, PARTS, Curves, coordinate_curves, energy_curves, output_curves, reaction_curves
 from .happenings import with_units
 from .plan import Plan
+from .result_files import ResultFiles
 from .robot_notices import motion_notices
 
 if TYPE_CHECKING:
@@ -30,7 +29,10 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 
-class Result:
+NOTHING_MOVES = "nothing moves: neither the start nor a force sets anything in motion"
+
+
+class Result(ResultFiles):
     """The answer to a scene.
 
     Attributes:
@@ -42,11 +44,9 @@ class Result:
     def __init__(self, scene: Scene, plan: Plan, folder: Path | None = None):
         self.scene = scene
         self.plan = plan
-        self.folder = folder
-        self.files: list[Path] = []
+        super().__init__(folder)
         self.formula_problem = ""
         self._curves: dict[str, Curves] = {}
-        self._together: Replacements | None = None
 
     @property
     def system(self) -> MechanicalSystem | None:
@@ -97,7 +97,8 @@ class Result:
     def kinds(self) -> list[str]:
         """The kinds of curves that the scene asks for, the coordinates themselves first."""
         output = self.scene.table.output
-        asked = ["displacement", *output.plots, *(["reaction"] if output.reactions else [])]
+        plots = [part for kind in output.plots for part in (PARTS[kind] if kind == "phase" else (kind,))]
+        asked = ["displacement", *plots, *(["reaction"] if output.reactions else [])]
         rows = self.system is not None and self.system.rows
         told = {"reaction": rows, "output": not self.scene.equations.has_outputs_among_coordinates}
         return [kind for kind in dict.fromkeys(asked) if told.get(kind, True)]
@@ -139,8 +140,13 @@ class Result:
         robot = motion_notices(self.scene.equations.robot_scene, self.values)
         accuracy = (Notice("accuracy", text, doubtful=True) for text in texts)
         proved = self.certificate.notices if self.certificate else ()
-        told = (*self.scene.parameters.notices, *self._without_formula(), *proved)
-        return (*told, *self.scene.equations.form_notices, *notices, *robot, *accuracy)
+        told = (*self.scene.notices, *self._without_formula(), *self._without_still(), *proved)
+        return (*told, *self.scene.equations.form_notices, *notices, *self._at_rest(notices), *robot, *accuracy)
+
+    def _at_rest(self, notices: Iterable[Notice]) -> tuple[Notice, ...]:
+        """That nothing moves, as where the start was forgotten."""
+        moves = np.ptp(self.values, axis=1).any() or any(notice.kind in ("jump", "impulse") for notice in notices)
+        return () if moves else (Notice("at rest", NOTHING_MOVES),)
 
     def _without_formula(self) -> tuple[Notice, ...]:
         """Why the page has no formula, where one was asked for."""
@@ -151,6 +157,15 @@ class Result:
 
         reason = too_large(self.scene) or self.formula_problem
         return (Notice("left out", f"the formula is left out: {reason}"),) if reason else ()
+
+    def _without_still(self) -> tuple[Notice, ...]:
+        """Why there is no still picture, where one was asked for."""
+        from .output_decisions import still
+
+        taken, reason = still(self.scene)
+        asked = self.scene.table.output.still is not None
+        problem = self.still_problem if taken else f"left out: {reason}"
+        return (Notice("left out", f"still picture: {problem.removeprefix('still picture: ')}"),) if asked and problem else ()
 
     @property
     def is_trusted(self) -> bool:
@@ -185,45 +200,6 @@ class Result:
         except InputError as problem:
             self.formula_problem = str(problem)
             return None
-
-    def write_page(self, path: str | Path | None = None) -> Path:
-        """Write the page; without a path into the folder of the run, named after the scene."""
-        from ..page import page_html
-        from .report import page_content
-
-        return self._written("html", path, lambda path: path.write_bytes(page_html(page_content(self)).encode("utf-8")))
-
-    def write_csv(self, path: str | Path | None = None) -> Path:
-        """Write the curves as CSV, one line for each time."""
-        from .output import write_csv
-
-        return self._written("csv", path, lambda path: write_csv(path, self))
-
-    def write_npz(self, path: str | Path | None = None) -> Path:
-        """Write curves, jumps, impulses and the Jordan pairs as NumPy arrays."""
-        from .output import write_npz
-
-        return self._written("npz", path, lambda path: write_npz(path, self))
-
-    def _written(self, ending: str, path, write) -> Path:
-        path = Path(path) if path is not None else (self.folder or Path()) / f"{self.scene.name}.{ending}"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with self.writing_together() as files:
-            write(files.beside(path))
-        self.files.append(path)
-        return path
-
-    @contextmanager
-    def writing_together(self) -> Iterator[Replacements]:
-        """What is written inside takes its place at the end of the outermost block, all of it or nothing."""
-        if self._together is not None:
-            yield self._together
-            return
-        try:
-            with Replacements() as self._together:
-                yield self._together
-        finally:
-            self._together = None
 
     def summary(self) -> str:
         """The answer in words and tables, as it is printed."""

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..page.content import Animation
 from ..page.drawing import Drawing
+from ..page.marks import Moment
+from ..page.path import Path
+from .drawing import view_of
+from .frames import ROUNDING, frames_of
+from .marks import marks_of
 from .robot_picture import RobotPicture
 
 if TYPE_CHECKING:
     from .result import Result
-    from .robot import RobotScene
 
 NOTE = "small motions about the equilibrium"
 
@@ -22,24 +27,35 @@ MOST_POSES = 1_000
 
 def robot_animation(result: Result) -> Animation:
     """The robot with the motion of its coordinates, at no more than ``MOST_POSES`` times."""
-    count = len(result.times)
-    kept = np.unique(np.linspace(0, count - 1, min(count, MOST_POSES)).round().astype(int))
-    scene, values, rates = result.scene, result.values[:, kept], result.curves("velocity").values[:, kept]
-    drawing = drawing_of_robot(scene.equations.robot_scene, values, scene.table.drawing)
-    return Animation(drawing, scene.equations.coordinates.names, result.times[kept], values, rates)
+    times, values, rates = frames_of(result, MOST_POSES)
+    kept = np.unique(np.linspace(0, len(times) - 1, min(len(times), MOST_POSES)).round().astype(int))
+    scene, picture = result.scene, RobotPicture(result.scene.equations.robot_scene)
+    drawing = drawing_of_robot(picture, values[:, kept], scene.table.drawing)
+    marks = marks_of(result, drawing, times[kept])
+    marks = replace(marks, moments=tuple(_with_paths(moment, picture, drawing.scale) for moment in marks.moments))
+    return Animation(drawing, scene.equations.coordinates.names, times[kept], values[:, kept], rates[:, kept], marks)
 
 
-def drawing_of_robot(found: RobotScene, values: np.ndarray, table=None) -> Drawing:
+def _with_paths(moment: Moment, picture: RobotPicture, scale: float) -> Moment:
+    """The moment with the poses of the links just before and just after it, where they are not the same."""
+    values = np.column_stack([moment.before, moment.after])
+    if np.ptp(values, axis=1).max(initial=0.0) <= ROUNDING * np.abs(values).max(initial=0.0):
+        return moment
+    poses = picture.poses(values, scale)
+    return replace(moment, paths={name: Path(pose.positions, pose.quaternions) for name, pose in poses.items()})
+
+
+def drawing_of_robot(picture: RobotPicture, values: np.ndarray, table=None) -> Drawing:
     """A drawing of the robot with the paths of its links.
 
     Args:
-        found: the robot in its posture.
+        picture: the robot in its posture.
         values: deviations from it, shape (n, T).
-        table: the [drawing] table with a scale and a note of its own, or None.
+        table: the [drawing] table with a scale, a view and a note of its own, or None.
     """
-    picture = RobotPicture(found)
     scale = table.scale if table and "scale" in table.model_fields_set else visible_scale(picture, values)
-    return picture.drawing(picture.poses(values, scale), scale, (table.note if table else "") or NOTE)
+    drawing = picture.drawing(picture.poses(values, scale), scale, (table.note if table else "") or NOTE)
+    return replace(drawing, view=view_of(table))
 
 
 def visible_scale(picture: RobotPicture, values: np.ndarray) -> float:

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..checks import nearest
 from ..errors import InputError
+from ..notices import Notice
 from .dimensions import load_units
 from .equations import Equations, equations_of
+from .free_motions import free_motion_notices
+from .includes import read_tables
 from .parameters import Parameters, with_parameters
 from .plan import Plan
 from .problems import at, validated
-from .reading import parse, read_text
 from .result import Result
+from .settings import Setting, with_settings
 from .stage_costs import Cost, Costs
 from .stages import plan_of, run_stages
 from .units import count_texts
@@ -32,6 +38,7 @@ class Scene:
         unit_texts: how many quantities were written with a unit.
         costs: what the stages of reading, from the file to the staircase, took, by name.
         parameters: the named quantities, which everywhere else stand with their values.
+        settings: what was set from outside.
     """
 
     path: Path
@@ -40,6 +47,7 @@ class Scene:
     unit_texts: int
     costs: dict[str, Cost]
     parameters: Parameters = Parameters()
+    settings: tuple[Setting, ...] = ()
 
     @property
     def name(self) -> str:
@@ -56,14 +64,49 @@ class Scene:
         """The title in the file, or else the name."""
         return self.table.title or self.name
 
+    @property
+    def heading(self) -> str:
+        """The title with what was set from outside."""
+        made = ", ".join(map(str, self.settings))
+        return f"{self.title}, with {made}" if made else self.title
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """What is known before anything is solved: what was set from outside, unused parameters, bodies that nothing holds."""
+        free = free_motion_notices(self.equations.system) if self._has_elements else ()
+        return (*(setting.notice for setting in self.settings), *self.parameters.notices, *free)
+
+    @property
+    def _has_elements(self) -> bool:
+        return self.equations.system is not None and self.table.model.kind in ("lumped", "matrices")
+
     def certified(self) -> Scene:
         """The same scene with certify = true, where it does not say itself what to certify."""
         output = self.table.output
         return self._with_output(certify=output.certify or output.coordinates or True)
 
+    def with_viewer(self, viewer: str) -> Scene:
+        """The same scene with the viewer's script "inside" its page, "beside" it, or "compressed"."""
+        return self._with_output(viewer=viewer)
+
+    def with_plot_images(self) -> Scene:
+        """The same scene with its plots as pictures too."""
+        return self._with_output(plot_images=True)
+
+    def with_still(self, time: float) -> Scene:
+        """The same scene with a still picture of its model at a time in s.
+
+        Raises:
+            InputError: a time that the scene does not reach.
+        """
+        end = self.table.time.end
+        if not 0 <= time <= end:
+            raise InputError(f"still picture: found {time:g} s; expected a time from 0 to {end:g} s, where the scene ends")
+        return self._with_output(still=float(time))
+
     def unwritten(self) -> Scene:
-        """The same scene without page, CSV and npz."""
-        return self._with_output(page=False, csv=False, npz=False)
+        """The same scene without page, CSV, npz and pictures."""
+        return self._with_output(page=False, csv=False, npz=False, plot_images=False, still=None)
 
     def _with_output(self, **changes) -> Scene:
         output = self.table.output.model_copy(update=changes)
@@ -88,41 +131,46 @@ class Scene:
         return run_stages(self, None if folder is None else Path(folder), progress)
 
 
-def read_scene(path: str | Path) -> Scene:
+def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> Scene:
     """Read a scene file, check it, assemble its equations and see that they determine a motion; solve nothing.
 
     Args:
         path: a TOML file in UTF-8.
+        settings: values to take instead of those in the file, numbers or texts with units: by the name of a parameter, or by
+            place, such as "time.end" or "model.mass.cart.mass".
 
     Raises:
         SceneError: the file cannot be read or something in it is wrong; the text names file, place, what was
             found and what was expected.
         SingularPolynomialMatrix: det A(s) = 0 for every s: dependent equations or free coordinates.
 
+    >>> read_scene("examples/two_masses.toml", {"time.end": "1 min"}).table.time.end
+    60.0
     >>> scene = read_scene("examples/two_masses.toml")
     >>> scene.title
     'Two masses with a redundant coordinate'
     """
     path = Path(path)
     costs = Costs()
-    data = parse(read_text(path), path.name)
+    data, name = read_tables(path)
+    name, made = with_settings(data, name, settings or {})
     unit_texts = count_texts({key: data[key] for key in data if key not in ("title", "source")})
     costs.lap("read the scene")
     if unit_texts:
         load_units()
         costs.lap("units")
-    data, parameters = with_parameters(data, path.name)
-    table = validated(data, path.name)
+    data, parameters = with_parameters(data, name)
+    table = validated(data, name)
     costs.lap("read the scene")
-    equations = equations_of(table, path.parent, path.name, costs.lap)
-    _check_output(table.output, equations, path.name)
-    _check_drawing(table.drawing, equations, path.name)
+    equations = equations_of(table, path.parent, name, costs.lap)
+    _check_output(table.output, equations, name)
+    _check_drawing(table.drawing, equations, name)
     if equations.robot_scene and table.output.page and table.output.animation:
         equations.robot_scene.data.check_meshes()
     costs.lap("assemble the model")
     equations.polynomial_matrix.jordan_pairs()
     costs.lap("scaling and staircase")
-    return Scene(path, table, equations, unit_texts, costs.by_name, parameters)
+    return Scene(path, table, equations, unit_texts, costs.by_name, parameters, made)
 
 
 def _check_output(output, equations: Equations, file_name: str) -> None:
@@ -136,6 +184,11 @@ def _check_output(output, equations: Equations, file_name: str) -> None:
         if output.formula and equations.robot:
             raise InputError("there is no formula with symbols for a robot; leave it out")
     system = equations.system
+    with at(file_name, "output.arrows"):
+        if output.arrows and equations.robot:
+            raise InputError("found reaction; those of a robot are not drawn: leave it out, or plot them")
+        if output.arrows and not (system and system.rows):
+            raise InputError("found reaction, but there are no constraint rows; leave it out")
     with at(file_name, "output.plots"):
         if "output" in output.plots and equations.outputs is None:
             raise InputError(
@@ -156,18 +209,21 @@ def _check_drawing(drawing, equations: Equations, file_name: str) -> None:
     """Names in the drawing; it is drawn only when a page is made."""
     if drawing and equations.robot and (drawing.body or drawing.link):
         with at(file_name, "drawing"):
-            raise InputError("a robot is drawn from its URDF: leave out body and link; scale and note may stand here")
+            raise InputError("a robot is drawn from its URDF: leave out body and link; scale, view and note may stand here")
+    if drawing and equations.robot and (drawing.along or drawing.about):
+        with at(file_name, "drawing"):
+            raise InputError("a robot stands as its URDF says: leave out along and about; view says from where it is looked at")
     bodies = [body.name for body in drawing.body] if drawing else []
     for number, body in enumerate(drawing.body if drawing else (), 1):
         with at(file_name, f'drawing.body[{number}] (of "{body.name}")'):
             if bodies.count(body.name) > 1:
                 raise InputError("this name is used twice; names must differ")
-            for name in (*body.moves, *body.turns):
+            for name in (*(body.moves or ()), *(body.turns or ())):
                 equations.coordinates.number(name)
     for number, link in enumerate(drawing.link if drawing else (), 1):
         with at(file_name, f"drawing.link[{number}]"):
             if link.start == link.end:
                 raise InputError(f'start and end are the same body, "{link.start}"; name two bodies')
             for name in filter(None, (link.start, link.end, link.over)):
-                if name not in bodies:
+                if drawing.is_own and name not in bodies:
                     raise InputError(f'there is no body "{name}" in the drawing{nearest(name, bodies)}')

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, mo
 from ..errors import InputError
 from .control_tables import StateSpaceTable, TransferFunctionTable
 from .drawing_tables import DrawingTable
-from .fields import Name, Quantity, Table, Text, Time
+from .fields import NUMBER_SCHEMA, Name, Quantity, Table, Text, Time
 from .force_tables import ForceTable
 from .lumped_tables import LumpedTable
 from .matrices_tables import MatricesTable
@@ -28,10 +28,12 @@ def _values(value):
     return value
 
 
+VALUES = [{"type": "object", "additionalProperties": NUMBER_SCHEMA}, {"type": "array", "items": NUMBER_SCHEMA}]
+
 Values = Annotated[
     Any,
     BeforeValidator(_values),
-    WithJsonSchema({"title": "values by coordinate, or an array of all", "anyOf": [{"type": "object"}, {"type": "array"}]}),
+    WithJsonSchema({"title": "values by coordinate, or an array of all", "anyOf": VALUES}),
 ]
 
 
@@ -41,7 +43,7 @@ Parameters = Annotated[  # their values are checked by ``with_parameters``, befo
         {
             "title": "quantities by name",
             "type": "object",
-            "additionalProperties": {"anyOf": [{"type": "number"}, {"type": "string"}]},
+            "additionalProperties": NUMBER_SCHEMA,
         }
     ),
 ]
@@ -91,7 +93,7 @@ class TimeTable(Table):
         return self
 
 
-Curve = Literal["displacement", "velocity", "acceleration", "reaction", "energy", "output"]
+Curve = Literal["displacement", "velocity", "acceleration", "reaction", "energy", "output", "phase"]
 
 
 def _flag_or_names(value):
@@ -109,9 +111,15 @@ class OutputTable(Table):
         False, description="true: prove digits of the answer by exact arithmetic; or a list of the coordinates to do it for."
     )
     formula: bool = Field(False, description="The formula of each coordinate on the page, with the [parameters] as symbols.")
-    plots: list[Curve] = Field(["displacement"], description="What the page plots.")
+    viewer: Literal["inside", "beside", "compressed"] = Field(
+        "inside", description="The script of the 3-D viewer: in the page, in a file beside it for many pages, or compressed in it."
+    )
+    plots: list[Curve] = Field(["displacement"], description="What the page plots; phase is the velocity over the displacement.")
     coordinates: list[Name] | None = Field(None, description="Only these coordinates are plotted; left out: all.")
     reactions: bool = Field(False, description="Forces of the constraints in the CSV and npz files.")
+    arrows: list[Literal["reaction"]] = Field([], description="Forces that the animation shows as arrows.")
+    plot_images: bool = Field(False, description="The plots as pictures too, SVG and PNG, for reports.")
+    still: Time | None = Field(None, description="A picture of the model at this time as PNG, taken by an installed Chromium.")
     csv: bool = Field(True, description="The trajectories as CSV.")
     npz: bool = Field(True, description="The trajectories, jumps and impulses as NumPy .npz.")
 
@@ -131,6 +139,7 @@ class SceneFile(Table):
 
     title: Text = Field("", description="What the page is headed with; the name of the file when left out.")
     source: Text = Field("", description="Where the example or the data comes from.")
+    include: list[Text] | Text = Field([], description="Scene files whose tables are part of this one, relative to it.")
     parameters: Parameters = Field({}, description='Quantities by name, e.g. m = "10 kg"; "=2*m" may stand wherever a number does.')
     model: Model = Field(description="The equations.")
     initial: InitialTable = Field(InitialTable(), description="The values just before t = 0.")
@@ -138,6 +147,12 @@ class SceneFile(Table):
     time: TimeTable = Field(description="Where the answer is wanted.")
     output: OutputTable = Field(OutputTable(), description="Which files are written, and what the page shows.")
     drawing: DrawingTable | None = Field(None, description="How the model is drawn; left out: a drawing is made for it.")
+
+    @classmethod
+    def _hint(cls, key: str) -> str:
+        if key not in LumpedTable.model_fields:
+            return ""
+        return f"; it belongs to the model: write [[model.{key}]], or {key} = … below [model]"
 
     @model_validator(mode="before")
     @classmethod
@@ -149,6 +164,13 @@ class SceneFile(Table):
         has_outputs = model["kind"] != "state-space" or "C" in model or "D" in model
         plots = ["displacement"] * (not has_outputs or model.get("normal_form") is True) + ["output"] * has_outputs
         return {**data, "output": {**output, "plots": plots}}
+
+    @model_validator(mode="after")
+    def _still_in_time(self):
+        if self.output.still is not None and not 0 <= self.output.still <= self.time.end:
+            found, end = f"{self.output.still:g} s", f"{self.time.end:g} s"
+            raise InputError(f"output.still is {found}; expected a time from 0 to time.end, which is {end}")
+        return self
 
     @model_validator(mode="after")
     def _state_of_what(self):

@@ -84,8 +84,9 @@ STEPS = (
     Step("animation", output.animation, attrgetter("animation"), writes=True),
     Step("CSV", output.wanted("csv"), methodcaller("write_csv"), writes=True),
     Step("npz", output.wanted("npz"), methodcaller("write_npz"), writes=True),
+    Step("plots as images (matplotlib)", output.plot_images, methodcaller("write_plots"), writes=True),
+    Step("still picture (Chromium)", output.still, methodcaller("try_still"), writes=True),
     Step(PAGE, output.wanted("page"), methodcaller("write_page"), writes=True),  # after what it tells of
-    Step("plots as images (matplotlib)", output.never("the page draws its own")),
 )
 
 

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..page.content import Table
 
 
 @dataclass(frozen=True)
@@ -20,3 +24,9 @@ class TextTable:
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     note: str = ""
+
+    def on_page(self, folded: bool = False) -> Table:
+        """The same on a page."""
+        from ..page.content import Table
+
+        return Table(self.title, self.columns, self.rows, self.note, folded)

@@ -168,8 +168,16 @@ def _from_text(text: str, unit: str) -> float:
     _check_known(text, found_unit, expected(unit))
     found = dimension(found_unit)
     if not same_kind(found, unit):
-        raise InputError(f"found {shown(text)}, {described(found, ANOTHER)}; expected {expected(unit)}{advice(found, unit)}")
+        hint = advice(found, unit) or _other_case(number, found_unit, unit)
+        raise InputError(f"found {shown(text)}, {described(found, ANOTHER)}; expected {expected(unit)}{hint}")
     return float(registry().convert(float(number), unit_named(found_unit), unit_named(unit)))
+
+
+def _other_case(number: str, found: str, unit: str) -> str:
+    """Seconds and siemens differ in a letter's size."""
+    small = found.lower()
+    fits = small != found and not _unknown_name(small) and same_kind(dimension(small), unit)
+    return f'; did you mean "{number} {small}"?' if fits else ""
 
 
 def _check_known(text: str, unit: str, wanted: str) -> None:
@@ -183,11 +191,17 @@ def _split(text: str, wanted: str) -> tuple[str, str]:
     match = _QUANTITY.fullmatch(text.strip()) if len(text) <= LONGEST_QUANTITY else None
     found_unit = _plain_unit(match[2]) if match else ""
     if not _UNIT.fullmatch(found_unit):
-        raise InputError(
-            f"found {shown(text)}; expected {wanted}; "
-            "write one number, then a unit made of names, *, / and ^, such as N*s/m or kg*m^2"
-        )
+        raise InputError(f"found {shown(text)}; expected {wanted}; {_how_to_write(text)}")
     return match[1], found_unit
+
+
+def _how_to_write(text: str) -> str:
+    """What is wrong with a text that is no number with a unit."""
+    if re.match(r"\s*[+-]?\d+,\d", text):
+        return f"decimals have a point: {quoted(text.replace(',', '.', 1))}"
+    if re.fullmatch(r"\s*[+-]?[\d.]+([eE][+-]?\d+)?\s*", text):
+        return "write its unit too, or the number without quotes, which is then in SI"
+    return "write one number, then a unit made of names, *, / and ^, such as N*s/m or kg*m^2"
 
 
 def _plain_unit(text: str) -> str:

@@ -10,6 +10,7 @@ from ..checks import nearest
 from ..errors import InputError
 from ..mechanics.constraint import LEVELS
 from ..tolerances import noise_of
+from .origins import EntryError
 from .problems import at
 from .units import quantity, shown
 
@@ -118,11 +119,14 @@ def _row(row: dict | list, coordinates: Coordinates, order: int) -> np.ndarray:
         row = dict(zip(coordinates.names, row))
     values = np.full(len(coordinates.names), 0.0, dtype=object)
     for name, value in row.items():
-        index = coordinates.number(name)
+        try:
+            index = coordinates.number(name)
+        except InputError as problem:
+            raise EntryError(str(problem), name) from None
         try:
             values[index] = quantity(value, coordinates.derivative_unit(index, order))
         except InputError as problem:
-            raise InputError(f"{name}: {problem}") from None
+            raise EntryError(f"{name}: {problem}", name) from None
     return values
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from xml.etree import ElementTree
 
+from mbconstrained.page.look import look
 from mbconstrained.page.still import checked_svg
-from mbconstrained.reports.figures import WIDTH, Picture, _look
+from mbconstrained.reports.figures import WIDTH, Picture
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -30,7 +31,7 @@ def drawn(picture: Picture):
     """The matplotlib figure with everything in it."""
     from matplotlib.figure import Figure
 
-    with _look():
+    with look():
         figure = Figure(figsize=(WIDTH, picture.height), layout="constrained")
         picture.draw(figure)
         figure.draw_without_rendering()

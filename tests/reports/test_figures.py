@@ -8,8 +8,9 @@ from xml.etree import ElementTree
 
 import pytest
 
+from mbconstrained.page.look import DPI
 from mbconstrained.page.still import checked_svg
-from mbconstrained.reports.figures import DPI, HEADING, WIDTH, Picture, nothing_to_show, power_of_ten, powers, shown
+from mbconstrained.reports.figures import HEADING, WIDTH, Picture, nothing_to_show, power_of_ten, powers, shown
 from tests.reports.pictures import HOSTILE, HOSTILE_SHOWN, texts
 
 

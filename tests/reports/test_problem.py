@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.jordan import pairs
+from mbconstrained.polynomial import plain
 from mbconstrained.reports.problem import Problem, again, mechanical_problem, problem_of
 from mbconstrained.scene import read_scene
 
@@ -23,17 +25,21 @@ def test_a_problem_has_the_answer_of_its_scene(path):
     assert np.abs(general - expected).max() <= 1e-11 * max(np.abs(expected).max(), 1.0)
 
 
-def test_nothing_that_was_found_before_is_used_again(monkeypatch):
-    """The pairs are formed anew in each run: otherwise set-up times would be those of a dictionary."""
-    from mbconstrained.jordan import pairs
-
-    problem = problem_of(read_scene("examples/two_masses.toml"))
+@pytest.mark.parametrize(
+    ("example", "module", "name"),
+    [("two_masses", plain, "reduction_of"), ("rigid_link", pairs, "jordan_pairs")],
+)
+def test_nothing_that_was_found_before_is_used_again(monkeypatch, example, module, name):
+    """Reduced equations or pairs are formed anew in each run: otherwise set-up times would be those of a dictionary."""
+    problem = problem_of(read_scene(f"examples/{example}.toml"))
     problem.solve()
-    formed = []
-    form = pairs.jordan_pairs
-    monkeypatch.setattr(pairs, "jordan_pairs", lambda *arguments: formed.append(1) or form(*arguments))
+    formed, form = [], getattr(module, name)
+    monkeypatch.setattr(module, name, lambda *arguments: formed.append(1) or form(*arguments))
     problem.solve()
     assert formed
+
+
+def test_a_transfer_function_has_a_problem_too():
     transfer = problem_of(read_scene("examples/transfer_function.toml"))
     assert transfer.respond is not None
 

@@ -6,7 +6,27 @@ from tests.scene.scenes import COEFFICIENTS, MATRICES, OSCILLATOR, scene_of
 from mbconstrained.errors import SceneError, SingularPolynomialMatrix
 from mbconstrained.scene.problems import together
 
-BASES = {"lumped": OSCILLATOR, "matrices": MATRICES, "coefficients": COEFFICIENTS}
+TURNING = """
+[model]
+kind = "lumped"
+
+[[model.inertia]]
+name = "wheel"
+inertia = 1
+
+[[model.mass]]
+name = "cart"
+mass = 1
+
+[[model.mass]]
+name = "load"
+mass = 1
+
+[time]
+end = 1
+"""
+
+BASES = {"turning": TURNING, "lumped": OSCILLATOR, "matrices": MATRICES, "coefficients": COEFFICIENTS}
 
 CASES = [  # base, what is replaced, by what, message
     # keys and tables
@@ -28,7 +48,30 @@ CASES = [  # base, what is replaced, by what, message
     ("coefficients", "points = 5", '[output]\nplots = ["energy"]', r"output\.plots: energy is known only where mass"),
     ("lumped", "points = 11", '[output]\nplots = ["velocity", "velocity"]', r'output\.plots: "velocity" is named twice; once is enough'),
     ("matrices", "points = 5", '[output]\ncoordinates = ["a", "b", "a"]', r'output\.coordinates: "a" is named twice'),
+    ("lumped", "[model]", "[models]", r'the file: unknown key "models"; did you mean "model"\?'),
+    ("lumped", "[model]\n", "[[model]]\n", r"model: there is one model only: write it with single brackets, \[model\]"),
+    ("lumped", "[time]", "[[time]]", r"time: there is one table of this kind only: write it with single brackets"),
+    ("lumped", '[time]\nend = "5 s"\npoints = 11', "", r'time: this table is missing: write \[time\], and below it end = "10 s"'),
+    ("matrices", '[model]\nkind = "matrices"\ncoordinates = ["a", "b"]\nmass = [[1, 0], [0, 1]]\nstiffness = [[1, 0], [0, 4]]', "", r"model: this table is missing: write \[model\]"),
+    ("lumped", "[[model.mass]]", "[[mass]]", r'the file: unknown key "mass"; it belongs to the model: write \[\[model\.mass\]\]'),
+    ("lumped", "[[model.spring]]", "[[model.springs]]", r'model: unknown key "springs"; did you mean "spring"\?'),
+    ("lumped", "points = 11", '[output]\ntitle = "x"', r'output: unknown key "title"; title = … stands at the top of the file'),
+    ("lumped", "displacement = {", "position = {", r'initial: unknown key "position"; did you mean "displacement"\?'),
+    ("lumped", "points = 11", "[force]\nkind = 'step'", r"force: found one table; write it with double brackets, \[\[force\]\], once for every entry"),
+    ("lumped", "points = 11", "points = 0", r"time\.points: found 0; expected at least 2"),
+    ("lumped", "points = 11", "start = 3", r'time: unknown key "start"; known here are end, points'),
     # quantities
+    ("lumped", '"8 N/m"', '"8 N/m m"', r'stiffness: found "8 N/m m"; expected a stiffness.*then a unit made of names, \*, / and \^'),
+    ("lumped", '"8 N/m"', '"8 Newton per metre"', r'stiffness: found "8 Newton per metre", but there is no unit "Newton"; did you mean "newton"|found "8 Newton per metre"'),
+    ("lumped", '"2 kg"', '"2 kgm"', r'found "2 kgm", but there is no unit "kgm"'),
+    ("lumped", '"2 kg"', '"2,5 kg"', r'found "2,5 kg"; expected a mass.*decimals have a point: "2.5 kg"'),
+    ("lumped", '"2 kg"', '"2"', r'found "2"; .*write its unit too, or the number without quotes, which is then in SI'),
+    ("lumped", '"2 kg"', "0", r"found no mass; a point without mass is a node"),
+    ("lumped", '"2 kg"', "inf", r"found inf; expected a finite number"),
+    ("lumped", '"8 N/m"', "1e200", r"found 1e\+200; expected 0 or a size between 1e-100 and 1e\+100: no machine has others"),
+    ("lumped", '"8 N/m"', '"-8 N/m"', r"model\.spring\[1\]: .*stiffness: found -8; expected a number greater than zero"),
+    ("lumped", '"5 s"', "0", r"time: end is 0 s; expected a time after 0"),
+    ("lumped", '"5 s"', '"5 S"', r'time\.end: found "5 S", .*; did you mean "5 s"\?'),
     ("lumped", '"2 kg"', '"2 N/mm"', r'model\.mass\[1\]\.mass \(of "cart"\): found "2 N/mm", a stiffness; expected a mass, e\.g\. "10 kg"'),
     ("lumped", '"2 kg"', "nan", r"model\.mass\[1\]\.mass .*: found nan; expected a finite number"),
     ("lumped", '"2 kg"', "-2", r'model\.mass\[1\] \(of "cart"\): .*mass.*found -2; expected a number greater than zero'),
@@ -51,6 +94,14 @@ CASES = [  # base, what is replaced, by what, message
     ("matrices", '["a", "b"]', '["a"]', r"model\.coordinates: found 1 names; expected 2"),
     ("matrices", "[time]", '[model.units]\nc = "rad"\n[time]', r'model\.units: there is no coordinate "c"'),
     ("matrices", "[time]", '[model.units]\na = "mm"\n[time]', r'model\.units\.a: found "mm"; expected "m", "rad"'),
+    # elements between the wrong bodies
+    ("lumped", "[time]", '[[model.node]]\nname = "pin"\n[time]', r'model\.node\[1\] \(of "pin"\): nothing is attached to this joint, which has no mass'),
+    ("turning", "[time]", '[[model.gear]]\nbetween = ["wheel", "cart"]\nteeth = [20, 30]\n[time]', r'model\.gear\[1\]: .*"cart" moves along the axis \(m\), but a gear needs a body that turns'),
+    ("turning", "[time]", '[[model.spring]]\nbetween = ["wheel", "cart"]\nstiffness = 3\n[time]', r'model\.spring\[1\]: .*"wheel" turns \(rad\), but a spring needs a body that moves'),
+    ("turning", "[time]", '[[model.rack]]\ngear = "cart"\nrack = "wheel"\nradius = 1\n[time]', r'model\.rack\[1\]: gear is what turns, here "wheel", and rack what moves, "cart"; they are swapped'),
+    ("turning", "[time]", '[[model.gear]]\nbetween = ["wheel", "ground"]\nteeth = [20, -30]\n[time]', r"model\.gear\[1\]: .*found -30; expected a number greater than zero"),
+    ("turning", "[time]", '[[model.gear]]\nbetween = ["wheel", "ground"]\n[time]', r"model\.gear\[1\]: give either radii"),
+    ("turning", "[time]", '[[model.rigid_tie]]\nname = "rod"\nbetween = ["cart", "load"]\n[[model.rigid_tie]]\nname = "bar"\nbetween = ["cart", "load"]\ndistance = "1 m"\n[time]', r'model: constraint "bar" \(position level\) asks for 1 m, but it follows from "rod"'),
     # matrices
     ("matrices", "[[1, 0], [0, 1]]", "[[1, 0], [0]]", r"model\.mass: found rows of 2, 1 numbers; expected rows of equal length"),
     ("matrices", "[[1, 0], [0, 1]]", "[[1, 0]]", r"model\.mass: found 1 rows and 2 columns; expected a square matrix"),

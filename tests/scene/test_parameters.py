@@ -10,6 +10,7 @@ from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of
 from mbconstrained.errors import SceneError
 from mbconstrained.scene import read_scene
 from mbconstrained.scene.expressed import Expressed
+from mbconstrained.scene.formula import formula_of
 from mbconstrained.scene.schema import SceneFile
 
 PARAMETERS = '[parameters]\nm = "2000 g"\nk = "8 N/m"\nx0 = 0.1\n'
@@ -92,7 +93,11 @@ def test_transfer_functions_and_lumped_elements_take_parameters(tmp_path):
         (("=m", "=k^20*k^20*k^20*k^20*k^20*k^20*k^20"), "expected 0 or a size between"),
         (("=x0", "=m"), 'initial.displacement: cart: found "=m", a mass; expected a length'),
         (('m = "2000 g"', 'm = "2 fox"'), 'parameters.m: found "2 fox", but there is no unit "fox"'),
-        (('m = "2000 g"', 'm = "=2*k"'), "parameters.m: found"),
+        (('m = "2000 g"', 'm = "=2*k"'), 'found "=m", a stiffness; expected a mass'),
+        (('m = "2000 g"', 'm = "=2*n"'), 'parameters.m: found "=2*n", but there is no parameter "n"'),
+        (('m = "2000 g"', 'm = "=2*n"\nn = "=m/2"'), "parameters: m and n: expressions of each other, in a circle; give one of them a value"),
+        (('m = "2000 g"', 'm = "=m"'), "parameters: m: expressions of each other, in a circle"),
+        (('m = "2000 g"', 'm = "=x0 +"'), 'parameters.m: found "=x0 +": after "x0 +" it ends there'),
         (('m = "2000 g"', "m = [1]"), "parameters.m: found an array of 1"),
         (('m = "2000 g"', "m = nan"), "parameters.m: found nan; expected a finite number"),
         (('m = "2000 g"', 'm = "20 degC"'), "a multiple of one of SI"),
@@ -139,9 +144,10 @@ def test_titles_and_names_are_texts_whatever_they_begin_with(tmp_path):
 
 def test_editors_are_told_of_parameters_and_expressions():
     schema = SceneFile.model_json_schema()
-    assert schema["properties"]["parameters"]["additionalProperties"]["anyOf"] == [{"type": "number"}, {"type": "string"}]
-    matrix = schema["$defs"]["MatricesTable"]["properties"]["mass"]
-    assert {"type": "string"} in matrix["anyOf"][0]["items"]["items"]["anyOf"]
+    number, text = schema["properties"]["parameters"]["additionalProperties"]["anyOf"]
+    assert number == {"type": "number"} and [bool(re.match(text["pattern"], each)) for each in ("3 N/mm", "=2*k", "0,5 m")] == [True, True, False]
+    entry = schema["$defs"]["MatricesTable"]["properties"]["mass"]["anyOf"][0]["items"]["items"]["anyOf"][1]
+    assert [bool(re.match(entry["pattern"], each)) for each in ("=2*k", "2 kg")] == [True, False]
     assert "=2*k" in json.dumps(schema)
 
 
@@ -173,3 +179,18 @@ def test_pi_is_no_parameter_in_any_letters(tmp_path):
         path.write_text(f"[parameters]\n{name} = 8.0\n" + MATRICES, encoding="utf-8")
         with pytest.raises(SceneError, match="is the number 3.14159"):
             read_scene(path)
+
+
+def test_parameters_may_be_expressions_of_others_in_any_order(tmp_path):
+    text = WITH.replace('m = "2000 g"', 'm = "=2*m1"\nspare = "=2*unused"\nunused = 1\nm1 = "1 kg"')
+    scene = scene_of(tmp_path, text)
+    assert scene.equations.system.mass[0, 0] == 2.0
+    assert scene.parameters.values == {"k": 8.0, "x0": 0.1, "unused": 1.0, "m1": 1.0}  # the symbols of a formula
+    assert scene.parameters.unused == ("spare", "unused")
+    assert "m1" in str(formula_of(scene).values[0])
+
+
+def test_expressions_of_expressions_do_not_grow_without_bound(tmp_path):
+    many = "".join(f'a{i} = "=a{i - 1} + a{i - 1}"\n' for i in range(1, 60))
+    message = problem_of(tmp_path, WITH.replace("[parameters]", f"[parameters]\na0 = 1\n{many}"))
+    assert "parameters.a8: it has 511 parts with those of its parameters; expected at most 300" in message

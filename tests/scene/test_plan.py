@@ -230,7 +230,7 @@ DAMPER = '[[model.damper]]\nbetween = ["ground", "m2"]\ndamping = 3'
 @pytest.mark.parametrize(
     ("masses", "more", "way"),
     [
-        (3, "", "by the Jordan pairs: 6 states are few"),
+        (3, "", "by eigenvectors: 6 states are few"),
         (30, "", "by a symmetric eigenproblem: powers cost about"),
         (30, DAMPER, "by powers of e^(S h): they cost about"),
     ],

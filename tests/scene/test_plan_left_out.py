@@ -33,11 +33,14 @@ MISSING = '<geometry><mesh filename="missing.stl"/></geometry>'
 MESHES = URDF.replace('<geometry><box size="0.2 0.02 0.02"/></geometry></visual>', f"{MISSING}</visual>")
 COLLISIONS = URDF.replace("</visual>\n  </link>", f"</visual>\n<collision>{MISSING}</collision>\n  </link>")
 
+PICTURES = ("matplotlib", "mbconstrained.page.html")
+
 SCENES = {
     "plain": MATRICES + NOTHING_WRITTEN,
     "all": MATRICES.replace("[time]", f"{HELD}{PUSHED}[time]") + ALL,
     "certified": MATRICES + "[output]\npage = false\ncsv = false\nnpz = false\ncertify = true\n",
     "lumped": OSCILLATOR,
+    "pictures": MATRICES + NOTHING_WRITTEN + "plot_images = true\n",
     "coefficients": COEFFICIENTS + NOTHING_WRITTEN,
     "still page": MATRICES + "[output]\nanimation = false\n",
     "free and held": MATRICES.replace("[time]", f"{HELD}[time]") + NOTHING_WRITTEN,
@@ -98,7 +101,8 @@ WORK = {
     "CSV": Work("lumped", "plain", "scene/output.py:write_csv"),
     "npz": Work("lumped", "plain", "scene/output.py:write_npz"),
     "page": Work("still page", "plain", "page/html.py:page_html", ("mbconstrained.page.html",)),
-    "plots as images (matplotlib)": Work(None, "all", None, ("matplotlib",)),
+    "plots as images (matplotlib)": Work("pictures", "all", "page/plot_images.py:plot_images", PICTURES),
+    "still picture (Chromium)": Work(None, "all", "page/photograph.py:photograph", ("mbconstrained.page.html",)),
 }
 
 

@@ -27,9 +27,18 @@ RNG = random.Random(20)
         (b"x = { " + b"'a' . " * 100_000 + b"a = 1 }", f"a name of more than {DEEPEST_NAME} parts"),
         (b"x = " + b"9" * 100_000, "far too many digits"),
         (b"[time]\nend = 1\nend = 2\n[model]", 'a key is given twice; at line 3.*near "end = 2"'),
-        (b"[time]\nend = 1\n[time]\nend = 2", "Cannot declare .*twice.*line 3"),
+        (b"[time]\nend = 1\n[time]\nend = 2", r"the table \[time\] stands there twice; write it once; at line 3"),
         (b"[time]\nend = 3 s", 'a text such as "3 N/mm" needs quotes; at line 2, column 9, near "end = 3 s"'),
         (b"[time]\nend = fast", 'this is no value.* needs quotes.*near "end = fast"'),
+        (b"[time]\nend = 0,5", 'decimals have a point, as in 0.5; at line 2, column 8, near "end = 0,5"'),
+        ("[time]\nend = \u201c5 s\u201d".encode(), "quotes must be straight.*at line 2"),
+        (b"[time\nend = 1", r"with as many brackets as it begins with, \[time\], \[\[model.mass\]\]; at line 1"),
+        (b"[[model.mass]\nmass = 1", r"with as many brackets as it begins with.*at line 1"),
+        (b'title = "two\nlines"', "a text ends with the quote that it begins with, on the same line; at line 1"),
+        (b"model:\n  kind: lumped\n", 'expected = between a key and its value, as in end = "5 s"; at line 1.*near "model:"'),
+        (b'{"model": {"kind": "lumped"}}', "it looks like JSON or XML; a scene has tables"),
+        (b"<?xml version='1.0'?><robot/>", "it looks like JSON or XML"),
+        (b"just some words", 'expected = between a key and its value'),
         (b"\x00\x01\x02", "not a TOML file"),
         (b"title = 'a\x1b[31m'", "not a TOML file"),
     ],
@@ -82,7 +91,8 @@ def test_unreadable_file(tmp_path):
         read_scene(path)
 
 
-def test_byte_order_mark_is_no_error(tmp_path):
+@pytest.mark.parametrize(("start", "end"), [(b"\xef\xbb\xbf", b"\n"), (b"", b"\r\n"), (b"\t", b"\t# a comment\n")])
+def test_byte_order_marks_line_ends_and_tabs_are_no_error(tmp_path, start, end):
     path = tmp_path / "scene.toml"
-    path.write_bytes(b"\xef\xbb\xbf[model]\nkind = 'matrices'\nmass = [[1]]\n[time]\nend = 1\n")
+    path.write_bytes(start + end.join((b"[model]", b"kind = 'matrices'", b"mass = [[1]]", b"[time]", b"end = 1", b"")))
     assert read_scene(path).name == "scene"

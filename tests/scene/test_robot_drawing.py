@@ -5,7 +5,7 @@ import pytest
 
 from mbconstrained.scene import read_scene
 from mbconstrained.scene.robot_drawing import MOST_POSES, drawing_of_robot
-from mbconstrained.scene.robot_picture import VISIBLE
+from mbconstrained.scene.robot_picture import VISIBLE, RobotPicture
 from tests.scene.robots import SCENE, TOML, press
 from tests.scene.scenes import EXAMPLES, scene_of
 
@@ -45,7 +45,7 @@ def test_motion_is_drawn_so_that_it_is_seen(tmp_path, start):
     press(tmp_path)
     result = scene_of(tmp_path, SCENE.replace('"1 deg"', str(start))).run()
     path = drawing_path(result.animation.drawing, "crank")
-    rest = drawing_of_robot(result.scene.equations.robot_scene, np.zeros((2, 1)))
+    rest = drawing_of_robot(RobotPicture(result.scene.equations.robot_scene), np.zeros((2, 1)))
     tip = np.array([[0.2], [0], [0]])
     moved = np.linalg.norm(path_point(path, tip) - path_point(drawing_path(rest, "crank"), tip), axis=0).max()
     assert 0.4 * VISIBLE * 0.4 < moved < 2.5 * VISIBLE * 0.4

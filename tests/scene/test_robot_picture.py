@@ -125,7 +125,7 @@ def test_parts_are_made_once_for_each_visual(tmp_path, monkeypatch):
     monkeypatch.setattr(robot, "_part", lambda visual: made.append(visual.link) or part(visual))
     press(tmp_path)
     found = scene_of(tmp_path, SCENE).equations.robot_scene
-    drawing_of_robot(found, np.array([[0.0, 0.01], [0.0, 0.0]]))
+    drawing_of_robot(RobotPicture(found), np.array([[0.0, 0.01], [0.0, 0.0]]))
     assert made == ["base", "crank"]
 
 

@@ -1,13 +1,23 @@
 """The schema as editors will get it: complete, described, closed."""
 
 import json
+import tomllib
+from pathlib import Path
 from typing import get_args
 
+import pytest
+from jsonschema import Draft202012Validator
+from tests.scene.scenes import EXAMPLES, OSCILLATOR
+
+from mbconstrained import cli
 from mbconstrained.page.drawing import LINK_KINDS, SHAPES
 from mbconstrained.scene import drawing_tables, problems
+from mbconstrained.scene.editors import scene_schema
 from mbconstrained.scene.schema import SceneFile
 
 SCHEMA = SceneFile.model_json_schema()
+TEMPLATES = Path(problems.__file__).parent / "templates"
+SCENES = sorted([*EXAMPLES.glob("*.toml"), *(path for path in TEMPLATES.glob("*.toml") if not path.name.endswith(".robot.toml"))])
 
 
 def tables_are_closed_and_described(schema):
@@ -41,3 +51,47 @@ def test_kinds_in_messages_are_those_of_the_schema():
         entry = SCHEMA["properties"][key]
         tagged = entry.get("items", entry)["discriminator"]["mapping"]
         assert [f'"{kind}"' in problems.KINDS[key] for kind in tagged] == [True] * len(tagged)
+
+
+CHECK = Draft202012Validator(scene_schema())
+
+
+def data_of(path: Path) -> dict:
+    return tomllib.loads(path.read_text(encoding="utf-8"))
+
+
+def test_the_schema_is_one_and_every_key_has_title_description_and_unit():
+    Draft202012Validator.check_schema(scene_schema())
+    tables = {"the file": scene_schema(), **scene_schema()["$defs"]}
+    entries = {f"{name}.{key}": entry for name, table in tables.items() for key, entry in table["properties"].items()}
+    assert [name for name, entry in entries.items() if not (entry.get("title") and entry.get("description"))] == []
+    for name, unit in (("MassTable.mass", "kg"), ("SpringTable.rest_length", "m"), ("TimeTable.end", "s"), ("GearTable.radii", "m")):
+        assert entries[name]["unit"] == unit and entries[name]["examples"], name
+    assert entries["SpringTable.stiffness"]["description"].endswith('In N/m, or a text with a unit of a stiffness, such as "3 N/mm".')
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_every_example_and_template_is_valid(path):
+    assert [error.message for error in CHECK.iter_errors(data_of(path))] == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("[initial]", "[inital]"), ("[[model.mass]]", "[model.mass]"), ("[[model.spring]]", "[[model.springs]]"),
+        ('end = "5 s"', ""), ("points = 11", "points = 1"), ("points = 11", 'points = "11"'), ('"2 kg"', '"2,5 kg"'),
+        ('"2 kg"', '"2"'), ('"2 kg"', "true"), ('"lumped"', '"lumpd"'), ('["ground", "cart"]', '["ground"]'),
+        ("stiffness", "stifness"), ("cart = 0.1", 'cart = "0,1 m"'), ("[time]", "[output]\npage = 1\n[time]"),
+        ("[time]", '[output]\nplots = ["dsplacement"]\n[time]'), ("[time]", '[[force]]\ncoordinate = "cart"\nkind = "stp"\nvalue = 1\n[time]'),
+    ],
+)  # fmt: skip
+def test_mistakes_are_marked_while_one_writes(old, new):
+    assert old in OSCILLATOR and CHECK.is_valid(tomllib.loads(OSCILLATOR))
+    assert not CHECK.is_valid(tomllib.loads(OSCILLATOR.replace(old, new, 1)))
+
+
+def test_the_command_prints_it(capsys, monkeypatch):
+    monkeypatch.setattr("sys.argv", ["mbconstrained", "schema"])
+    with pytest.raises(SystemExit) as left:
+        cli.main()
+    assert not left.value.code and json.loads(capsys.readouterr().out) == scene_schema()

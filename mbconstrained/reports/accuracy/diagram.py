@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...page.figure import PALETTE
+from ...page.look import INK, MUTED
 from ...tolerances import EPS
-from ..figures import INK, MUTED, WIDTH, power_of_ten, powers, shown, width_of
+from ..figures import WIDTH, power_of_ten, powers, shown, width_of
 from ..labels import Label, place_labels
 from ..timing import duration
 from .series import MeasuredPoint, Series

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import groupby
 
-from ...page.content import PageContent, Table
-from ...scene.text_table import TextTable
+from ...page.content import PageContent
 from ..figures import Picture
 from .measure import Measured
 from .report import AccuracyReport, further, one_run
@@ -22,7 +20,7 @@ def page_content(report: AccuracyReport, picture: Picture) -> PageContent:
     return PageContent(
         title=f"Error against run time: {report.problem.title}",
         figures=(picture.on_page(),),
-        tables=(*map(_on_page, tables), replace(_on_page(run_table(report)), folded=True)),
+        tables=(*(table.on_page() for table in tables), run_table(report).on_page(folded=True)),
         facts=(("problem", report.size), ("true values", report.truth.how), *report.machine.items()),
     )
 
@@ -43,7 +41,3 @@ def _series(runs: tuple[Measured, ...]) -> Iterator[Series]:
 
 def _point(run: Measured) -> MeasuredPoint:
     return MeasuredPoint(run.setting.label, run.error, one_run(run), further(run), *run.one_run.quartiles)
-
-
-def _on_page(table: TextTable) -> Table:
-    return Table(table.title, table.columns, table.rows, table.note)

@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..figures import INK, MUTED, RED, WIDTH, Picture, nothing_to_show, power_of_ten, powers, shown, width_of
+from ...page.look import INK, MUTED, RED
+from ..figures import WIDTH, Picture, nothing_to_show, power_of_ten, powers, shown, width_of
 from .pictures import MOST, digits_in_words, digits_of, has_digits
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...notices import Notice
-from ...page.content import PageContent, Table
+from ...page.content import PageContent
 from ..figures import Picture
 from .heat_map import heat_map
 from .pictures import gallery
@@ -27,6 +27,6 @@ def page_content(report: StabilityReport, pictures: Sequence[Picture]) -> PageCo
         title=f"Numerical stability: {report.title}",
         notices=(Notice("accuracy", " ".join([first, *others]), doubtful=not report.is_trusted),),
         figures=tuple(picture.on_page() for picture in pictures),
-        tables=tuple(Table(table.title, table.columns, table.rows, table.note) for table in tables),
+        tables=tuple(table.on_page() for table in tables),
         facts=tuple(report.machine.items()),
     )

@@ -12,7 +12,8 @@ import numpy as np
 
 from ...checks import counted
 from ...page.figure import PALETTE
-from ..figures import GREY, INK, MUTED, RED, WARN, Picture, nothing_to_show, power_of_ten, shown
+from ...page.look import GREY, INK, MUTED, RED, WARN
+from ..figures import Picture, nothing_to_show, power_of_ten, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -137,7 +137,7 @@ def scene_report(scene: Scene, decades: int = DECADES, step: int = STEP, tell: T
     for knob in knobs_of(scene):
         points = points_of(knob.turned, factors, lambda text, knob=knob: tell(f"{knob.name} times {text}"))
         sweeps.append(Sweep(knob.name, knob.name, "", "", "", f"factor on {knob.name}", points))
-    return StabilityReport(scene.title, tuple(sweeps), machine(), of_scene=True)
+    return StabilityReport(scene.heading, tuple(sweeps), machine(), of_scene=True)
 
 
 def _digits(sweep: Sweep, point: Point) -> str:

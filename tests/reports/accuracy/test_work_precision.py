@@ -6,10 +6,11 @@ from dataclasses import replace
 import pytest
 
 from mbconstrained.page.figure import PALETTE
+from mbconstrained.page.look import INK
 from mbconstrained.reports.accuracy.diagram import BAR, MARKERS, looks_of
 from mbconstrained.reports.accuracy.series import HIGHEST, LOWEST
 from mbconstrained.reports.accuracy.work_precision import MeasuredPoint, Series, work_precision
-from mbconstrained.reports.figures import INK, WIDTH, Picture
+from mbconstrained.reports.figures import WIDTH, Picture
 from mbconstrained.tolerances import EPS
 from tests.reports.pictures import HOSTILE, HOSTILE_SHOWN, drawn, markers, texts
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mbconstrained.reports.figures import GREY, RED, WARN
+from mbconstrained.page.look import GREY, RED, WARN
 from mbconstrained.reports.stability.heat_map import REFUSED, UNJUDGED, heat_map
 from mbconstrained.reports.stability.pictures import CLAIMED, EXPECTED, OVER, RESERVE, RIGHT, digit_curves, gallery, places_of
 from tests.reports.pictures import HOSTILE, HOSTILE_SHOWN, drawn, markers, texts

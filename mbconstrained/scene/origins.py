@@ -1,0 +1,97 @@
+"""Where the entries of a scene come from, for messages: the scene file itself, a file that it includes, the command line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from ..errors import InputError
+
+Place = tuple  # of keys, and of numbers of entries from 1
+
+_PART = re.compile(r"\.?([^\s.\[\]:]+)|\[(\d+)\]")
+
+
+class EntryError(InputError):
+    """An entry of the table at the place that a message tells is wrong; by its key the file is found that it stands in."""
+
+    def __init__(self, message: str, key: str):
+        super().__init__(message)
+        self.key = key
+
+
+class SceneName(str):
+    """The name of a scene file, which knows the entries that come from elsewhere.
+
+    Attributes:
+        origins: file and place there, by place in the tables that were put together; what is not told belongs to its table.
+
+    >>> name = SceneName("scene.toml", {("model", "mass", 2): ("base.toml", ("model", "mass", 1))})
+    >>> name.located('model.mass[2].mass: found -1')
+    ('base.toml', 'model.mass[1].mass: found -1')
+    >>> name.located("time.end: found -1")
+    ('scene.toml', 'time.end: found -1')
+    """
+
+    origins: Mapping[Place, tuple[str, Place]]
+
+    def __new__(cls, name: str, origins: Mapping[Place, tuple[str, Place]] | None = None):
+        """The name with what comes from elsewhere."""
+        found = super().__new__(cls, name)
+        found.origins = origins or {}
+        return found
+
+    def located(self, text: str, key: str | None = None) -> tuple[str, str]:
+        """The file that a message is about, and the message with its place, which it begins with, as that file has it.
+
+        Args:
+            key: in the table at the place, if the message is about this key.
+        """
+        parts, ends = _parts(text)
+        whole = (*parts, key) if key is not None else tuple(parts)
+        for count in range(len(whole), 0, -1):
+            if whole[:count] in self.origins:
+                file, place = self.origins[whole[:count]]
+                shared = min(count, len(parts))
+                return file, written(place[:shared]) + text[ends[shared] :]
+        return str(self), text
+
+    def file_of(self, place: Place) -> tuple[str, Place]:
+        """The file that an entry is from, and its place there."""
+        for count in range(len(place), 0, -1):
+            if place[:count] in self.origins:
+                file, there = self.origins[place[:count]]
+                return file, (*there, *place[count:])
+        return str(self), place
+
+
+def located(file_name: str, text: str, key: str | None = None) -> tuple[str, str]:
+    """The same for a file that includes none, too."""
+    return file_name.located(text, key) if isinstance(file_name, SceneName) else (file_name, text)
+
+
+def written(place: Place) -> str:
+    """A place as people write it.
+
+    >>> written(("model", "mass", 1, "mass"))
+    'model.mass[1].mass'
+    """
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
+
+
+def parts_of(text: str) -> Place:
+    """The keys and numbers of a place that somebody wrote.
+
+    >>> parts_of("model.mass[1].mass")
+    ('model', 'mass', 1, 'mass')
+    """
+    return tuple(_parts(text)[0])
+
+
+def _parts(text: str) -> tuple[list, list[int]]:
+    """Keys and numbers that a text begins with, and after how many characters each ends."""
+    parts, ends = [], [0]
+    while text[:8] != "the file" and (match := _PART.match(text, ends[-1])):
+        parts.append(match[1] if match[1] is not None else int(match[2]))
+        ends.append(match.end())
+    return parts, ends

@@ -1,0 +1,97 @@
+"""The templates of scenes: files of the package that run as they are, in which a comment says of every line what it is."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+
+from ..checks import nearest
+from ..errors import InputError
+from .editors import SCHEMA_FILE
+from .summary import plain_table
+from .text_table import TextTable
+from .units import quoted, shown
+
+DEFAULT = "two-masses"
+ROBOT = "pendulum"  # what the files beside the template of a robot are named after
+BESIDE = {"robot": (f"{ROBOT}.robot.toml", f"{ROBOT}.urdf")}
+_FOLDER = files(__package__).joinpath("templates")
+
+
+def template_names() -> tuple[str, ...]:
+    """The names of all templates, the one to begin with first.
+
+    >>> template_names()[0]
+    'two-masses'
+    """
+    names = [file.name.removesuffix(".toml") for file in _FOLDER.iterdir() if file.name.endswith(".toml")]
+    return tuple(sorted((name for name in names if "." not in name), key=lambda name: (name != DEFAULT, name)))
+
+
+def template_text(name: str) -> str:
+    """The text of a template.
+
+    Raises:
+        InputError: there is no such template.
+    """
+    if name not in template_names():
+        known = template_names()
+        raise InputError(f"--template: there is no template {shown(name)}{nearest(name, known)}; there are {', '.join(known)}")
+    return _text(f"{name}.toml")
+
+
+def template_table() -> str:
+    """All templates with a sentence each, which is the first line of each."""
+    rows = tuple((name, template_text(name).splitlines()[0].removeprefix("# ")) for name in template_names())
+    note = "Write one: mbconstrained new FILE --template NAME, or name the file after it."
+    return plain_table(TextTable("Templates", ("name", "what it shows"), rows, note))
+
+
+def write_template(path: Path, template: str = "") -> str:
+    """Write a template, and the files that belong to it, under a name, and tell what to do next.
+
+    Args:
+        template: left out: the one that the file is named after, or the one to begin with.
+
+    Raises:
+        InputError: no such template, no such folder, a name that no scene can have.
+        FileExistsError: a file is there already; nothing is written then.
+    """
+    path = _scene_path(path)
+    if not path.parent.is_dir():
+        raise InputError(f"there is no folder {quoted(path.parent.as_posix())}; make it first")
+    named = path.stem.replace("_", "-")
+    template = template or (named if named in template_names() else DEFAULT)
+    schema = f"#:schema ./{SCHEMA_FILE}\n" if path.with_name(SCHEMA_FILE).is_file() else ""
+    texts = {path: schema + _named(template_text(template), path.stem)}
+    for other in BESIDE.get(template, ()):
+        texts[path.with_name(other.replace(ROBOT, path.stem, 1))] = _named(_text(other), path.stem)
+    for each in texts:
+        if each.exists() or each.is_symlink():
+            raise FileExistsError(None, "there is such a file already", str(each))
+    for each, text in texts.items():
+        with open(each, "x", encoding="utf-8") as file:
+            file.write(text)
+    written = ", ".join(map(str, texts))
+    shown_path = f'"{path}"' if " " in str(path) else path
+    return (
+        f"{written} {'is' if len(texts) == 1 else 'are'} written from the template {template}. Next:\n\n"
+        f"  mbconstrained run {shown_path}      and open the page that it names\n"
+        f"  mbconstrained check {shown_path}    after each change: is everything right?"
+    )
+
+
+def _scene_path(path: Path) -> Path:
+    path = path if path.suffix == ".toml" else path.with_name(path.name + ".toml")
+    if not path.stem or not path.name.isprintable() or {*path.name} & {*"\"'\\"}:
+        raise InputError(f"found the name {quoted(path.name)}; expected one without quotes and backslashes, e.g. bridge.toml")
+    return path
+
+
+def _named(text: str, stem: str) -> str:
+    """The text with the names of the files beside it after the scene."""
+    return text.replace(f'"{ROBOT}.', f'"{stem}.')
+
+
+def _text(file: str) -> str:
+    return _FOLDER.joinpath(file).read_text(encoding="utf-8")
