@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..checks import counted, names_of, real_array, whole_number
+from ..checks import counted, names_of
 from ..errors import InputError
 from ..notices import Notice
 from .drawing import Drawing
+from .marks import Marks
+from .plot_content import PhasePlot, Plot, ascending_times, drawable
 from .still import checked_svg
-
-#: Numbers beyond this cannot be drawn: the arithmetic of axes and of interpolation would overflow.
-LARGEST = 1e290
 
 
 @dataclass(frozen=True)
@@ -27,6 +26,7 @@ class Animation:
         values: shape (r, T), in the units of the coordinates.
         rates: their time derivatives, shape (r, T); estimated from the values when None. With them the motion between
             the times is exact to fourth order in their spacing.
+        marks: arrows of forces, and jumps and impulses, that are drawn over the model.
 
     Raises:
         InputError: shapes that do not match, NaN, infinity or numbers beyond 1e290, times that do not ascend.
@@ -37,9 +37,10 @@ class Animation:
     times: np.ndarray
     values: np.ndarray
     rates: np.ndarray | None = None
+    marks: Marks = Marks()
 
     def __post_init__(self):
-        times = _times(self.times, "animation, times")
+        times = ascending_times(self.times, "animation, times")
         values = drawable(self.values, "animation, values", (None, len(times)))
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "values", values)
@@ -51,52 +52,14 @@ class Animation:
                 poses, expected = counted(body.path.count, "pose"), counted(len(times), "time")
                 raise InputError(f'body "{body.name[:60]}", path: found {poses} for {expected}; give one each, or one alone')
 
-
-@dataclass(frozen=True)
-class Curve:
-    """One line of a plot.
-
-    Attributes:
-        name: for the legend.
-        values: shape (T,), at the plot's times.
-        color: number of its colour and dashes; for a coordinate its place among the animation's names, so that the curve
-            has the colour of the body that it moves. None for the place in the plot.
-    """
-
-    name: str
-    values: np.ndarray
-    color: int | None = None
-
-
-@dataclass(frozen=True)
-class Plot:
-    """Curves over time.
-
-    Attributes:
-        title: what is plotted, such as "displacement".
-        unit: its unit, such as "m"; an empty string for a pure number.
-        times: shape (T,), ascending, in s.
-        curves: their values have the shape of the times.
-
-    Raises:
-        InputError: shapes that do not match, NaN, infinity or numbers beyond 1e290, times that do not ascend.
-    """
-
-    title: str
-    unit: str
-    times: np.ndarray
-    curves: tuple[Curve, ...]
-
-    def __post_init__(self):
-        times = _times(self.times, f'plot "{self.title}", times')
-        curves = tuple(self._checked(curve, place, times.shape) for place, curve in enumerate(self.curves))
-        object.__setattr__(self, "times", times)
-        object.__setattr__(self, "curves", curves)
-
-    def _checked(self, curve: Curve, place: int, shape: tuple[int, ...]) -> Curve:
-        where = f'plot "{self.title}", curve "{curve.name}"'
-        color = place if curve.color is None else whole_number(curve.color, f"{where}, color", minimum=0)
-        return replace(curve, name=str(curve.name), values=drawable(curve.values, where, shape), color=color)
+    @property
+    def with_forces(self) -> tuple[tuple[str, ...], np.ndarray, np.ndarray, np.ndarray | None]:
+        """Names, times, values and rates, the forces that arrows show among them as if they were coordinates."""
+        forces = self.marks.forces
+        names = (*self.names, *(f"force: {force.name}" for force in forces))
+        values = np.vstack([self.values, *(force.values for force in forces)])
+        rates = None if self.rates is None else np.vstack([self.rates, *(force.rates for force in forces)])
+        return names, self.times, values, rates
 
 
 @dataclass(frozen=True)
@@ -189,27 +152,9 @@ class PageContent:
     title: str
     source: str = ""
     animation: Animation | None = None
-    plots: tuple[Plot, ...] = ()
+    plots: tuple[Plot | PhasePlot, ...] = ()
     tables: tuple[Table, ...] = ()
     notices: tuple[Notice, ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
     formulas: Formulas | None = None
     figures: tuple[Figure, ...] = ()
-
-
-def drawable(value, what: str, shape: tuple[int | None, ...]) -> np.ndarray:
-    """An array of finite numbers small enough that differences of them are finite too."""
-    array = real_array(value, what, shape=shape)
-    if np.abs(array).max(initial=0.0) > LARGEST:
-        raise InputError(f"{what}: found {np.abs(array).max():.3g}, which is too large to draw; ask for earlier times")
-    return array
-
-
-def _times(value, what: str) -> np.ndarray:
-    times = drawable(value, what, (None,))
-    if len(times) == 0:
-        raise InputError(f"{what}: no times found; give at least one")
-    if (np.diff(times) <= 0).any():
-        place = int(np.argmax(np.diff(times) <= 0))
-        raise InputError(f"{what}: {times[place]:g} s is followed by {times[place + 1]:g} s; times must ascend")
-    return times

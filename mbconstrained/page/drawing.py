@@ -10,6 +10,7 @@ links of a robot, it has a path instead: its poses at the times of the animation
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, get_args
@@ -135,12 +136,29 @@ class Link:
 
 
 @dataclass(frozen=True)
+class View:
+    """A direction from which a drawing is looked at.
+
+    Attributes:
+        yaw: how far round to the right one stands, in rad; 0 is in front.
+        pitch: how far up, in rad; 0 is level.
+        zoom: how much closer than where all of the motion is seen.
+    """
+
+    yaw: float = 0.0
+    pitch: float = 0.0
+    zoom: float = 1.0
+
+
+@dataclass(frozen=True)
 class Drawing:
     """Bodies and links, and how much larger than true their motion is drawn.
 
     Attributes:
         scale, turn_scale: magnification of the displacements and of the angles; both are told on the page.
         note: a sentence shown with the picture, or an empty string.
+        view: from where it is looked at, or None for where most is seen.
+        turn: rotation vector (rad) by which all of it is turned, after everything else.
 
     Raises:
         InputError: two bodies of one name, a link to an unknown body, or a magnification that is not a number.
@@ -151,15 +169,18 @@ class Drawing:
     scale: float = 1.0
     turn_scale: float = 1.0
     note: str = ""
+    view: View | None = None
+    turn: Vector = (0.0, 0.0, 0.0)
 
     def __post_init__(self):
         object.__setattr__(self, "bodies", tuple(self.bodies))
         object.__setattr__(self, "links", tuple(self.links))
         object.__setattr__(self, "scale", real_number(self.scale, "drawing, scale"))
         object.__setattr__(self, "turn_scale", real_number(self.turn_scale, "drawing, turn_scale"))
-        names = [body.name for body in self.bodies]
-        for name in names:
-            if names.count(name) > 1:
+        object.__setattr__(self, "turn", _vector(self.turn, "drawing, turn"))
+        names = Counter(body.name for body in self.bodies)
+        for name, count in names.items():
+            if count > 1:
                 raise InputError(f'drawing: two bodies are named "{_short(name)}"; names must differ')
         for link in self.links:
             for name in filter(None, (link.start, link.end, link.over)):
@@ -177,7 +198,8 @@ class Drawing:
         """Where a body is drawn, shape (3, T), when the coordinates have the values (r, T)."""
         place = np.array(body.rest)[:, None] + np.zeros((3, values.shape[1]))
         for name, row in zip(names, values):
-            place += self.scale * np.outer(body.moves.get(name, (0.0, 0.0, 0.0)), row)
+            if name in body.moves:
+                place += self.scale * np.outer(body.moves[name], row)
         return place
 
 

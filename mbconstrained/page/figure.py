@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from ..errors import InputError
@@ -9,7 +11,7 @@ from .drawing import Body, Drawing
 from .figure_links import link_data, outermost_ends
 from .keyframes import KeyFrames
 from .meshes import Meshes, parts_data
-from .poses import KeyPoses, body_poses
+from .poses import KeyPoses, body_poses, quaternions_of, rotated
 from .viewer import SCENE_COMMANDS
 
 #: Blue, vermilion, green, orange, purple and sky blue of Okabe and Ito: told apart with any kind of colour vision.
@@ -17,6 +19,9 @@ PALETTE = ("#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9")
 
 #: A picture wider than this many drawing units shows nothing of its bodies, and its arithmetic would overflow.
 WIDEST = 1e12
+
+#: Bodies whose middles are further behind each other than this, in drawing units, are seen from a corner.
+AWAY = 1e-6
 
 #: A picture is flat where one extent is less than this share of the others.
 _FLAT = 0.3
@@ -56,6 +61,7 @@ def figure_data(drawing: Drawing, *takes: KeyFrames) -> dict:
         "unit": unit,
         "bounds": bounds,
         "view": _view(drawing, bounds),
+        "turn": quaternions_of(np.array(drawing.turn)[:, None])[:, 0].tolist(),
         "magnification": {"scale": drawing.scale, "turn_scale": drawing.turn_scale},
         "commands": SCENE_COMMANDS,
     }
@@ -128,6 +134,9 @@ def _bounds(drawing: Drawing, poses: dict[str, KeyPoses], unit: float) -> dict:
     for link in drawing.links:
         points += [end[:, None] for end in outermost_ends(link, poses)]
     points = [np.stack([ends.min(axis=(1, 2)), ends.max(axis=(1, 2))], axis=1) / unit for ends in points]
+    if any(drawing.turn):
+        turn = quaternions_of(np.array(drawing.turn)[:, None])
+        points = [rotated(turn, np.array(list(itertools.product(*ends))).T)[:, :, 0] for ends in points]
     points = np.hstack(points or [np.zeros((3, 1))])
     low, high = points.min(axis=1), points.max(axis=1)
     room = 0.0 if (low < high).any() else 0.5  # around what is a point
@@ -135,6 +144,9 @@ def _bounds(drawing: Drawing, poses: dict[str, KeyPoses], unit: float) -> dict:
 
 
 def _view(drawing: Drawing, bounds: dict) -> dict:
+    """The view of the drawing itself, or one in which most is seen."""
+    if drawing.view is not None:
+        return {"yaw": drawing.view.yaw, "pitch": drawing.view.pitch, "zoom": drawing.view.zoom}
     if any(body.shape == "parts" for body in drawing.bodies):
         return _view_of_parts(bounds)
     return _view_of_shapes(drawing, bounds)
@@ -154,7 +166,8 @@ def _view_of_shapes(drawing: Drawing, bounds: dict) -> dict:
     """From the side and a little above: less from the side in front of a long chain, and where wheels stand behind each
     other so far round, to the left or right, that those behind come out from behind those in front."""
     places = np.array([body.rest for body in drawing.bodies] or [(0.0, 0.0, 0.0)])
+    places = rotated(quaternions_of(np.array(drawing.turn)[:, None]), places.T)[:, :, 0].T
     across, away = (places - places.mean(axis=0))[:, :2].T
-    if np.ptp(away) > 0:
+    if np.ptp(away) > AWAY:
         return {"yaw": 0.72 if across @ away >= 0 else -0.72, "pitch": 0.38}
-    return {"yaw": min(0.26, 1.8 / (bounds["high"][0] - bounds["low"][0])), "pitch": 0.24}
+    return {"yaw": min(0.26, 1.8 / max(1.0, bounds["high"][0] - bounds["low"][0])), "pitch": 0.24}

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from .content import Animation, PageContent
-from .document import document, motion_data, motion_scripts
+from .document import Delivery, document, page_scripts
 from .figure import figure_data
 from .keyframes import KeyFrames, key_frames
+from .marks_data import marks_data, moment_frames
 from .sections import footer, formula_section, header, notice_section, plot_figures, still_figure, table_section
 from .stage import decimals, stage_section
 
 
-def page_html(content: PageContent) -> str:
+def page_html(content: PageContent, viewer: Delivery = "inside") -> str:
     """The whole page as text.
 
-    An animation brings the viewer, its controls and one script; without one there is no script in the page at all.
+    An animation brings the viewer, its controls and one script, plots bring a script; without both there is no script in
+    the page at all.
+
+    Args:
+        content: what is shown.
+        viewer: where the script of the 3-D viewer is: "inside" the page; "beside" it, in a file that many pages share
+            (``mbconstrained.page.viewer``); or "compressed" inside it.
 
     Raises:
         InputError: the drawing names a coordinate that the animation does not have.
@@ -23,33 +30,41 @@ def page_html(content: PageContent) -> str:
     False
     """
     frames = None if content.animation is None else _frames(content.animation)
+    moves, plots = frames is not None, any(plot.curves and len(plot.times) > 1 for plot in content.plots)
     parts = [
-        header(content),
+        header(content, with_theme=moves or plots),
         "<main>",
         notice_section(content.notices),
         *(still_figure(figure) for figure in content.figures),
-        "" if frames is None else stage_section(content.animation, frames),
+        stage_section(content.animation, frames) if moves else "",
         plot_figures(content.plots),
         formula_section(content.formulas),
         *(table_section(table) for table in content.tables),
         "</main>",
-        footer(content.facts, with_viewer=frames is not None),
-        "" if frames is None else _data(content.animation, frames),
+        footer(content.facts, with_viewer=moves),
     ]
-    scripts = () if frames is None else motion_scripts("run.js")
+    data = _data(content.animation, frames) if moves else None
+    scripts = page_scripts("run.js" if moves else "", data, plots=plots, delivery=viewer)
     return document(content.title, "\n".join(filter(None, parts)), scripts)
 
 
 def _frames(animation: Animation) -> KeyFrames:
-    return key_frames(animation.drawing, animation.names, animation.times, animation.values, animation.rates)
+    return key_frames(animation.drawing, *animation.with_forces)
 
 
-def _data(animation: Animation, frames: KeyFrames) -> str:
-    return motion_data(
-        {
-            "figure": figure_data(animation.drawing, frames),
-            "frames": frames.as_data(),
-            "decimals": decimals(frames),
-            "unit": "s",
-        }
-    )
+def _data(animation: Animation, frames: KeyFrames) -> dict:
+    return {
+        "figure": _figure(animation, frames),
+        "frames": frames.as_data(),
+        "decimals": decimals(frames),
+        "unit": "s",
+    }
+
+
+def _figure(animation: Animation, frames: KeyFrames) -> dict:
+    drawing, marks = animation.drawing, animation.marks
+    if not marks:
+        return figure_data(drawing, frames)
+    before = (moment_frames(drawing, frames, moment) for moment in marks.moments)
+    figure = figure_data(drawing, frames, *before)
+    return {**figure, "marks": marks_data(marks, drawing, frames, figure["unit"])}

@@ -18,8 +18,11 @@ from .drawing import Drawing
 from .packing import packed
 from .path import Path
 
-#: Digits kept of each number: a relative rounding of 5e-13, and three quarters of the size of all 17.
-DIGITS = 12
+#: More numbers than this are packed with 4 bytes each.
+MOST_DOUBLES = 50_000
+
+#: Times that are this share of all the time away from even spacing are evenly spaced but for rounding.
+EVEN = 1e-14
 
 #: More key frames than this make a page of tens of megabytes; then only every second, third ... time is kept.
 MOST_FRAMES = 4001
@@ -43,21 +46,24 @@ class KeyFrames:
     paths: tuple[Path | None, ...] = ()
 
     def as_data(self) -> dict:
-        """Plain lists for the page: a coordinate that never changes is one number with rate 0."""
-        moving = [bool((row != row[0]).any()) for row in self.values]
-        return {
-            "names": list(self.names),
-            "times": _numbers(self.times),
-            "values": [_numbers(row) if moves else _numbers(row[:1])[0] for row, moves in zip(self.values, moving)],
-            "rates": [_numbers(row) if moves else 0 for row, moves in zip(self.rates, moving)],
-            "paths": [None if path is None else _path_data(path) for path in self.paths],
-        }
+        """Plain data for the page, numbers as packed bytes; a coordinate that never changes is one number with rate 0.
+
+        Of many numbers each has 4 bytes, of which a picture shows no difference, if that is within their range."""
+        size = max(np.abs(rows).max(initial=0.0) for rows in (self.values, self.rates))
+        kind = "<f4" if self.values.size > MOST_DOUBLES and size < np.finfo(np.float32).max else "<f8"
+        rates = [packed(rates, kind) if _moves(row) else 0 for row, rates in zip(self.values, self.rates)]
+        return {"names": list(self.names), "bytes": int(kind[-1]), "values": self._values(kind), "rates": rates, **self._shared()}
 
     def as_packed(self) -> dict:
         """The same in seven digits and without rates, which the page then estimates as ``slopes`` does."""
-        data = self.as_data()
-        rows = [packed(row) if (row != row[0]).any() else _numbers(row[:1])[0] for row in self.values]
-        return {"times": data["times"], "values": rows, "paths": data["paths"]}
+        return {"bytes": 4, "values": self._values("<f4"), **self._shared()}
+
+    def _values(self, kind: str) -> list[str | float]:
+        return [packed(row, kind) if _moves(row) else float(row[0]) for row in self.values]
+
+    def _shared(self) -> dict:
+        paths = [None if path is None else _path_data(path) for path in self.paths]
+        return {"times": _times_data(self.times), "paths": paths}
 
 
 def key_frames(drawing: Drawing, names, times, values, rates=None) -> KeyFrames:
@@ -128,5 +134,12 @@ def _path_data(path: Path) -> str:
     return packed(np.vstack([path.positions, path.quaternions]).T)
 
 
-def _numbers(array: np.ndarray) -> list[float]:
-    return [float(f"{number:.{DIGITS}g}") for number in array.tolist()]
+def _moves(row: np.ndarray) -> bool:
+    return bool((row != row[0]).any())
+
+
+def _times_data(times: np.ndarray) -> dict | str:
+    """The ends and the number of evenly spaced times; any others one by one."""
+    start, end, count = float(times[0]), float(times[-1]), len(times)
+    even = np.abs(times - np.linspace(start, end, count)).max() <= EVEN * (end - start)
+    return {"start": start, "end": end, "count": count} if even else packed(times, "<f8")

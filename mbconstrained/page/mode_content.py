@@ -37,6 +37,7 @@ class ModePicture:
         scale: how much larger than the values the motion is drawn, besides the drawing's own magnification; paths are
             that large already, and the page tells it.
         note: a sentence such as why a mode does not move.
+        shape: for each coordinate that moves its name and how far, with its phase where it has one; texts.
 
     Raises:
         InputError: NaN, infinity or numbers beyond 1e290, a period that is not positive, paths of another length.
@@ -50,6 +51,7 @@ class ModePicture:
     period: float | None = None
     scale: float = 1.0
     note: str = ""
+    shape: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self):
         where = f'mode "{self.name[:60]}"'

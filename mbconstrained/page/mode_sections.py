@@ -8,6 +8,9 @@ from .mode_content import ModePicture
 from .sections import is_number
 from .typeset import typeset
 
+#: More entries of a shape than this are not listed on the page; the command prints all as JSON.
+MOST_ENTRIES = 30
+
 #: Shares smaller than this are rounding, and shown as 0.
 ROUNDING = 1e-9
 
@@ -38,8 +41,8 @@ def _row(number: int, mode: ModePicture, facts: dict[str, str], kinds: dict[str,
 
 
 def has_details(modes: tuple[ModePicture, ...]) -> bool:
-    """Whether any mode has shares or a note."""
-    return any(mode.shares or mode.note for mode in modes)
+    """Whether any mode has shares, a shape or a note."""
+    return any(mode.shares or mode.shape or mode.note for mode in modes)
 
 
 def details_section(modes: tuple[ModePicture, ...], first: int) -> str:
@@ -52,8 +55,9 @@ def details_section(modes: tuple[ModePicture, ...], first: int) -> str:
 def _details(number: int, mode: ModePicture, shown: bool) -> str:
     note = f'<p class="note">{typeset(mode.note)}</p>' if mode.note else ""
     shares = _shares(mode) if mode.shares else ""
+    shape = _shape(mode) if mode.shape else ""
     return (
-        f'<section id="mode-{number + 1}"{"" if shown else " hidden"}>\n<h2>{typeset(mode.name)}</h2>{note}{shares}\n</section>'
+        f'<section id="mode-{number + 1}"{"" if shown else " hidden"}>\n<h2>{typeset(mode.name)}</h2>{note}{shares}{shape}\n</section>'
     )
 
 
@@ -69,6 +73,17 @@ def _shares(mode: ModePicture) -> str:
     return (
         f'<table class="shares">\n<thead><tr><th scope="col">part</th>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table>'
     )
+
+
+def _shape(mode: ModePicture) -> str:
+    """How far each coordinate moves, and when."""
+    more = len(mode.shape) - MOST_ENTRIES
+    rows = "\n".join(
+        f'<tr><th scope="row">{typeset(name)}</th><td>{typeset(entry)}</td></tr>' for name, entry in mode.shape[:MOST_ENTRIES]
+    )
+    note = f'<p class="note">and {more} more, which move less</p>' if more > 0 else ""
+    head = '<thead><tr><th scope="col">coordinate</th><th scope="col">shape</th></tr></thead>'
+    return f'<table class="shares">\n{head}\n<tbody>\n{rows}\n</tbody>\n</table>{note}'
 
 
 def _bar(share: float | None) -> str:

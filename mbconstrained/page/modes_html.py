@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 
-from .document import document, motion_data, motion_scripts
+from .document import Delivery, document, page_scripts
 from .figure import figure_data
 from .keyframes import KeyFrames
 from .mode_content import ModePicture, ModesContent
@@ -21,10 +21,14 @@ _SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
 _DECIMALS = 2
 
 
-def modes_html(content: ModesContent) -> str:
+def modes_html(content: ModesContent, viewer: Delivery = "inside") -> str:
     """The whole page as text.
 
     Without a mode there is no script and no picture in the page.
+
+    Args:
+        content: what is shown.
+        viewer: where the script of the 3-D viewer is, as in ``page_html``.
 
     Raises:
         InputError: the drawing names a coordinate that the content does not have, or a mode is too large to be drawn.
@@ -37,23 +41,23 @@ def modes_html(content: ModesContent) -> str:
     takes = [mode.frames(content.drawing, content.names) for mode in content.modes]
     first = next((i for i, frames in enumerate(takes) if len(frames.times) > 1), 0)
     parts = [
-        header(content),
+        header(content, with_theme=bool(takes)),
         "<main>",
         notice_section(content.notices),
         _picture(content, takes, first) if takes else '<section><p class="note">no modes</p></section>',
         modes_section(content.modes, first) if takes else "",
         "</main>",
         footer(content.facts, with_viewer=bool(takes)),
-        motion_data(_data(content, takes, first)) if takes else "",
     ]
-    return document(content.title, "\n".join(filter(None, parts)), motion_scripts("modes.js") if takes else ())
+    scripts = page_scripts("modes.js", _data(content, takes, first), delivery=viewer) if takes else None
+    return document(content.title, "\n".join(filter(None, parts)), scripts)
 
 
 def _picture(content: ModesContent, takes: list[KeyFrames], first: int) -> str:
     moves = any(len(frames.times) > 1 for frames in takes)
     options = "".join(f'<option value="{speed!r}"{" selected" * (speed == 1)}>× {speed:g}</option>' for speed in _SPEEDS)
     told = html.escape(_told(content, content.modes[first], takes[first]))
-    controls = stage_controls(0.0, float(moves), told, ("part of the cycle", "cycle"), options)
+    controls = stage_controls(0.0, float(moves), told, ("part of the cycle", "cycle"), options, loop=False)
     stage = f'<section class="motion">\n{controls}\n</section>'
     if not has_details(content.modes):
         return stage

@@ -1,102 +1,169 @@
-"""Plots as inline SVG: readable without any script, with a cursor line that the page's script moves."""
+"""Plots as inline SVG: readable without any script, as wide as there is room for, with texts of one size on every screen.
+
+The origin of the picture is the upper left corner of its axes; places across are in percent of their width and places
+down in pixels, so that the browser does the rest. The curves lie in a square of ``CELLS`` by ``CELLS`` that is stretched
+over the axes, and are written in whole cells from point to point: a script reads their values from them again.
+"""
 
 from __future__ import annotations
 
 import html
-from dataclasses import replace
 
 import numpy as np
 
-from .content import Curve, Plot
-from .figure import PALETTE
-from .ticks import Axis, axis_of
+from .plot_content import Curve, PhasePlot, Plot
+from .ticks import Axis, axis_of, decimals_of
 from .typeset import raised, superscript
 
-HALF_WIDTH, FULL_WIDTH = 520, 1080  # of a plot beside another one, and of one alone, about one unit to a pixel
-HEIGHT, LEFT, TOP, BOTTOM, RIGHT_MARGIN = 270, 74, 12, 226, 14
+HEIGHT = 214  # of the axes, in pixels
+CELLS = 10_000
 
 #: A curve of more points than the picture has pixels is drawn by the lowest and highest value of each pixel column.
-MOST_POINTS = 1200
+MOST_POINTS = 2400
 
-#: More curves than this in one picture cannot be told apart; the first are drawn.
-MOST_CURVES = 12
+#: More curves than this in one picture cannot be told apart; the others are there to be shown instead of them.
+MOST_SHOWN = 8
 
-_DASHES = ("", "7 4", "2 4", "9 4 2 4")
+#: More curves than this are a burden to the page; the first are kept.
+MOST_CURVES = 24
+
+#: More labels than this along an axis do not fit on a phone.
+CROWDED = 5
+
+#: Of a name or a unit in a place that has no room for a long one.
+LONGEST = 40
+
+#: Colours of curves in the style sheet, and patterns of dashes: one for each round through the colours.
+COLORS, DASHES = 6, 4
 
 
-def plot_figure(plot: Plot, *, alone: bool = False) -> str:
+def plot_figure(plot: Plot | PhasePlot, *, alone: bool = False) -> str:
     """One <figure>: title, axes with units, curves, cursor and legend. Every text of the user is escaped."""
-    title, count = html.escape(plot.title), len(plot.curves)
-    plot = replace(plot, curves=plot.curves[:MOST_CURVES])
-    body = plot_svg(plot, FULL_WIDTH if alone else HALF_WIDTH) if count else '<p class="note">no curves</p>'
-    left_out = f'\n<p class="note">the first {MOST_CURVES} of {count} curves</p>' if count > MOST_CURVES else ""
-    kind = ' class="wide"' if alone else ""
-    return f'<figure{kind}>\n<h2>{title}</h2>\n{body}\n<ul class="legend">{_legend(plot)}</ul>{left_out}\n</figure>'
+    kept, count = plot.curves[:MOST_CURVES], len(plot.curves)
+    body = f"{_svg(plot, kept)}\n{_legend(kept, len(plot.times) > 1)}" if count else '<p class="note">no curves</p>'
+    note = _left_out(count)
+    kind = "plot-figure wide" if alone else "plot-figure"
+    return f'<figure class="{kind}">\n<h2>{html.escape(plot.title)}</h2>\n{body}{note}\n</figure>'
 
 
-def plot_svg(plot: Plot, width: int = HALF_WIDTH) -> str:
-    """The picture alone; its data attributes tell the script where the first and last time are."""
-    right = width - RIGHT_MARGIN
-    values = np.array([curve.values for curve in plot.curves])
-    across = axis_of(plot.times[0], plot.times[-1], widen=False)
+def _left_out(count: int) -> str:
+    if count <= MOST_SHOWN:
+        return ""
+    kept = f"the first {MOST_CURVES} of {count} curves can be shown" if count > MOST_CURVES else f"{count} curves"
+    return f'\n<p class="note">{kept}, {MOST_SHOWN} of them are at first: click on a name to show or hide its curve</p>'
+
+
+def _svg(plot: Plot | PhasePlot, curves: tuple[Curve, ...]) -> str:
+    """The picture alone; its data attributes tell the script what its axes stand for."""
+    phase = isinstance(plot, PhasePlot)
+    along = plot.displacement if phase else plot.times
+    across = axis_of(along.min(), along.max(), widen=phase)
+    values = np.array([curve.values for curve in curves])
     up = axis_of(values.min(), values.max())
-    x = _x(across, plot.times, right)
-    parts = [_grid(across, up, right), _axis_titles(plot, across, up, right)]
-    parts += [_curve(curve, x, _y(up, curve.values)) for curve in plot.curves]
-    parts.append(f'<g class="cursor" visibility="hidden"><line y1="{TOP}" y2="{BOTTOM}"/></g>')
-    start, end = float(plot.times[0]), float(plot.times[-1])
+    x, y = _cells(across, along), CELLS - _cells(up, values)
+    names = _names(plot)
+    parts = [_grid(across, up), _axis_titles(names, across, up)]
+    if len(along) == 1:
+        parts += [_dot(curve, x[0], row[0]) for curve, row in zip(curves, y)]
+    else:
+        drawn = "\n".join(_path(i, curve, x, row, phase) for i, (curve, row) in enumerate(zip(curves, y)))
+        parts.append(f'<svg class="curves" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">\n{drawn}\n</svg>')
+    told = html.escape(_description(plot, curves, names))
+    moments = f' data-moments="{_moments(plot.times)}"' if phase else ""
     return (
-        f'<svg class="plot" viewBox="0 0 {width} {HEIGHT}" role="img" aria-label="{html.escape(plot.title)} over time"'
-        f' data-start="{start!r}" data-end="{end!r}" data-left="{x[0]:.6g}" data-right="{x[-1]:.6g}">\n'
-        + "\n".join(parts)
-        + "\n</svg>"
+        f'<svg class="plot" role="img" aria-label="{told}"'
+        f' data-start="{float(plot.times[0])!r}" data-end="{float(plot.times[-1])!r}"'
+        f"{moments} {_scale('across', across, names[1])} {_scale('up', up, names[3])}>\n" + "\n".join(parts) + "\n</svg>"
     )
 
 
-def _x(axis: Axis, times: np.ndarray, right: int) -> np.ndarray:
-    return LEFT + (times - axis.low) * ((right - LEFT) / (axis.high - axis.low))
+def _names(plot: Plot | PhasePlot) -> tuple[str, str, str, str]:
+    """What is across, its unit, what is up, its unit."""
+    if isinstance(plot, Plot):
+        return "time", "s", plot.title, plot.unit
+    return plot.titles[0], plot.units[0], plot.titles[1], plot.units[1]
 
 
-def _y(axis: Axis, values: np.ndarray) -> np.ndarray:
-    return BOTTOM - (values - axis.low) * ((BOTTOM - TOP) / (axis.high - axis.low))
+def _moments(times: np.ndarray) -> str:
+    """When each point of a phase curve is reached, in cells from point to point; nothing where times are evenly spaced."""
+    shares = (times[_sparse(times)] - times[0]) / ((times[-1] - times[0]) or 1.0)
+    if np.abs(shares - np.linspace(0, 1, len(shares))).max() * CELLS < 0.5 * CELLS / len(shares):
+        return ""
+    return " ".join(map(str, np.diff(np.rint(CELLS * shares).astype(int), prepend=0)))
 
 
-def _grid(across: Axis, up: Axis, right: int) -> str:
+def _scale(name: str, axis: Axis, unit: str) -> str:
+    """What the script tells values by: ends of the axis in the unit of its labels, digits after the point, the unit."""
+    ends = " ".join(f"{end / 10.0**axis.exponent:.12g}" for end in (axis.low, axis.high))
+    digits = decimals_of((axis.high - axis.low) / CELLS / 10.0**axis.exponent)
+    return f'data-{name}="{ends} {digits}" data-{name}-unit="{html.escape(_measure(unit, axis.exponent))}"'
+
+
+def _cells(axis: Axis, values: np.ndarray) -> np.ndarray:
+    return (values - axis.low) * (CELLS / (axis.high - axis.low))
+
+
+def _grid(across: Axis, up: Axis) -> str:
+    """Lines and labels; every other label across is left out where the window is narrow."""
     lines = []
-    for x, label in zip(_x(across, np.array(across.ticks), right), across.labels):
-        lines.append(f'<line class="grid" x1="{x:.1f}" x2="{x:.1f}" y1="{TOP}" y2="{BOTTOM}"/>')
-        lines.append(f'<text x="{x:.1f}" y="{BOTTOM + 18}" text-anchor="middle">{_signed(label)}</text>')
-    for tick, y, label in zip(up.ticks, _y(up, np.array(up.ticks)), up.labels):
-        kind = "zero" if tick == 0 else "grid"
-        lines.append(f'<line class="{kind}" x1="{LEFT}" x2="{right}" y1="{y:.1f}" y2="{y:.1f}"/>')
-        lines.append(f'<text x="{LEFT - 8}" y="{y + 4:.1f}" text-anchor="end">{_signed(label)}</text>')
-    lines.append(f'<path class="axis" d="M{LEFT} {TOP}V{BOTTOM}H{right}"/>')
+    crowded = len(across.labels) > CROWDED
+    for i, (x, label) in enumerate(zip(_cells(across, np.array(across.ticks)), across.labels)):
+        place, kind = f"{100 * x / CELLS:.2f}%", ' class="second"' if crowded and i % 2 else ""
+        lines.append(f'<line class="grid" x1="{place}" x2="{place}" y2="{HEIGHT}"/>')
+        lines.append(f'<text{kind} x="{place}" y="{HEIGHT + 18}" text-anchor="middle">{_signed(label)}</text>')
+    for tick, y, label in zip(up.ticks, _cells(up, np.array(up.ticks)), up.labels):
+        down = HEIGHT * (1 - y / CELLS)
+        lines.append(f'<line class="{"axis" if tick == 0 else "grid"}" x2="100%" y1="{down:.1f}" y2="{down:.1f}"/>')
+        lines.append(f'<text x="-8" y="{down + 4:.1f}" text-anchor="end">{_signed(label)}</text>')
+    lines.append(f'<line class="axis" y2="{HEIGHT}"/><line class="axis" x2="100%" y1="{HEIGHT}" y2="{HEIGHT}"/>')
     return "\n".join(lines)
 
 
-def _axis_titles(plot: Plot, across: Axis, up: Axis, right: int) -> str:
-    middle = (TOP + BOTTOM) / 2
-    vertical = html.escape(_quantity(plot.title, plot.unit, up.exponent))
+def _axis_titles(names: tuple[str, str, str, str], across: Axis, up: Axis) -> str:
+    along, unit, upwards, up_unit = names
     return (
-        f'<text x="{(LEFT + right) / 2}" y="{BOTTOM + 38}" text-anchor="middle">{_quantity("time", "s", across.exponent)}</text>\n'
-        f'<text transform="translate(14 {middle}) rotate(-90)" text-anchor="middle">{vertical}</text>'
+        f'<text x="50%" y="{HEIGHT + 38}" text-anchor="middle">{html.escape(_quantity(along, unit, across.exponent))}</text>\n'
+        f'<text transform="translate(-58 {HEIGHT // 2}) rotate(-90)" text-anchor="middle">'
+        f"{html.escape(_quantity(upwards, up_unit, up.exponent))}</text>"
     )
 
 
 def _quantity(name: str, unit: str, exponent: int) -> str:
     """Such as "displacement in 10⁻³ m"; a long name would not fit beside the axis and is left to the heading."""
-    factor = f"10{superscript(exponent)}" if exponent else ""
-    name, unit = (text if len(text) <= 20 else text[:19] + "…" for text in (name, raised(unit)))
-    measure = " ".join(filter(None, (factor, unit)))
-    return f"{name} in {measure}" if measure else name
+    measure = _measure(unit, exponent)
+    return f"{_clipped(name, 20)} in {measure}" if measure else _clipped(name, 20)
 
 
-def _curve(curve: Curve, x: np.ndarray, y: np.ndarray) -> str:
-    x, y = _thinned(x, y)
-    if len(x) == 1:
-        return f'<circle cx="{x[0]:.2f}" cy="{y[0]:.2f}" r="3.5" fill="{_color(curve.color)}"/>'
-    points = " ".join(f"{a:.2f},{b:.2f}" for a, b in zip(x, y))
-    return f'<polyline class="curve" {_stroke(curve.color)} points="{points}"/>'
+def _measure(unit: str, exponent: int) -> str:
+    return " ".join(filter(None, (f"10{superscript(exponent)}" if exponent else "", _clipped(raised(unit), 20))))
+
+
+def _clipped(text: str, most: int = LONGEST) -> str:
+    return text if len(text) <= most else text[: most - 1] + "…"
+
+
+def _description(plot: Plot | PhasePlot, curves: tuple[Curve, ...], names: tuple[str, str, str, str]) -> str:
+    """What the picture shows, for those who cannot see it."""
+    along, unit, upwards, up_unit = names
+    head = f"{_quantity(_clipped(upwards), up_unit, 0)} over {_quantity(along, unit, 0)}"
+    rows = [f"{_clipped(curve.name)}: {_course(curve.values)}" for curve in curves[:MOST_SHOWN]]
+    return f"{head}, {plot.times[0]:g} to {plot.times[-1]:g} s. {'; '.join(rows)}.".replace("-", "−")
+
+
+def _course(values: np.ndarray) -> str:
+    return f"from {values[0]:.3g} to {values[-1]:.3g}, lowest {values.min():.3g}, highest {values.max():.3g}"
+
+
+def _path(number: int, curve: Curve, x: np.ndarray, y: np.ndarray, phase: bool) -> str:
+    x, y = (x[_sparse(x)], y[_sparse(x)]) if phase else _thinned(x, y)
+    points = np.rint(np.array([x, y])).astype(int)
+    steps = np.diff(points).T.tolist()
+    data = f"M{points[0, 0]} {points[1, 0]}l" + " ".join(f"{a} {b}" for a, b in steps).replace(" -", "-")
+    return f'<path class="{_look(curve.color)}{" off" if number >= MOST_SHOWN else ""}" d="{data}"/>'
+
+
+def _dot(curve: Curve, x: float, y: float) -> str:
+    return f'<circle class="{_look(curve.color)}" cx="{100 * x / CELLS:.2f}%" cy="{HEIGHT * y / CELLS:.1f}" r="3.5"/>'
 
 
 def _thinned(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -108,22 +175,31 @@ def _thinned(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return x[kept], y[kept]
 
 
-def _legend(plot: Plot) -> str:
-    return "".join(
-        f'<li><svg width="26" height="8"><path d="M1 4H25" stroke-width="2.4" {_stroke(curve.color)}/></svg>'
-        f'<span title="{html.escape(curve.name)}">{html.escape(curve.name)}</span></li>'
-        for curve in plot.curves
-    )
+def _sparse(times: np.ndarray) -> np.ndarray:
+    """Which points of a phase curve are drawn: at most ``MOST_POINTS``, evenly."""
+    return np.linspace(0, len(times) - 1, min(len(times), MOST_POINTS)).round().astype(int)
 
 
-def _color(number: int) -> str:
-    return PALETTE[number % len(PALETTE)]
+def _legend(curves: tuple[Curve, ...], lines: bool) -> str:
+    """Names, of lines as buttons that show and hide them, each with room for its value."""
+    rows = "".join(_entry(curve, number < MOST_SHOWN, lines) for number, curve in enumerate(curves))
+    return f'<ul class="legend">{rows}</ul>'
 
 
-def _stroke(number: int) -> str:
-    """The colour, and another dash pattern for each further round through the palette."""
-    dashes = _DASHES[number // len(PALETTE) % len(_DASHES)]
-    return f'stroke="{_color(number)}"' + (f' stroke-dasharray="{dashes}"' if dashes else "")
+def _entry(curve: Curve, shown: bool, line: bool) -> str:
+    name, look = html.escape(curve.name), _look(curve.color)
+    swatch = f'<svg width="26" height="8" aria-hidden="true"><path class="{look}" d="M1 4H25"/></svg><span>{name}</span>'
+    if not line:
+        return f"<li>{swatch}</li>"
+    title = f' title="{name}"' if len(curve.name) > LONGEST // 2 else ""
+    pressed = "true" if shown else "false"
+    return f'<li><button type="button" aria-pressed="{pressed}"{title}>{swatch}</button><span class="value"></span></li>'
+
+
+def _look(number: int) -> str:
+    """Classes of the style sheet: a colour, and another pattern of dashes for each further round through the colours."""
+    dashes = number // COLORS % DASHES
+    return f"curve c{number % COLORS}" + (f" d{dashes}" if dashes else "")
 
 
 def _signed(label: str) -> str:

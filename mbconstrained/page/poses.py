@@ -40,7 +40,8 @@ def _poses(drawing: Drawing, body: Body, frames: KeyFrames, number: int) -> tupl
         return path.positions[:, still], path.quaternions[:, still]
     turns = np.array(body.rest_turn)[:, None] + np.zeros((3, count))
     for name, row in zip(frames.names, frames.values):
-        turns += drawing.turn_scale * np.outer(body.turns.get(name, (0.0, 0.0, 0.0)), row)
+        if name in body.turns:
+            turns += drawing.turn_scale * np.outer(body.turns[name], row)
     return drawing.positions(body, frames.names, frames.values), quaternions_of(turns)
 
 

@@ -53,6 +53,15 @@ def axis_of(low: float, high: float, *, widen: bool = True) -> Axis:
     return Axis(low, high, ticks, tuple(_label(tick, step, exponent) for tick in ticks), exponent)
 
 
+def decimals_of(step: float) -> int:
+    """Digits after the point that numbers are told with which are known to a step.
+
+    >>> [decimals_of(step) for step in (20.0, 0.01, 0.0006)]
+    [0, 2, 3]
+    """
+    return min(12, max(0, math.floor(NOISE_SPAN - math.log10(step)))) if step > 0 else 0
+
+
 def _room(low: float, high: float) -> tuple[float, float]:
     """The range itself, or room around a constant."""
     size = max(abs(low), abs(high))

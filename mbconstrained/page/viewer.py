@@ -11,6 +11,10 @@ import json
 from pathlib import Path
 
 from ..errors import MbconstrainedError
+from ..replacing import Replacements
+
+#: The viewer in a file of its own, beside the pages that share it.
+VIEWER_FILE = "mbconstrained-viewer.js"
 
 #: In the form of MeshCat's own messages: no grid, axes, sky or spot lights; a soft light from everywhere instead.
 SCENE_COMMANDS = [
@@ -34,6 +38,18 @@ def viewer_script() -> str:
     if "</script" in text.lower() or "<!--" in text:
         raise MbconstrainedError("meshcat: its script cannot be put into a page; install meshcat 0.3.2")
     return text
+
+
+def write_viewer(folder: Path, files: Replacements) -> Path:
+    """Write the script into a folder for all pages in it that do not hold it themselves.
+
+    Args:
+        folder: where the pages are.
+        files: what takes its place together with it.
+    """
+    path = folder / VIEWER_FILE
+    files.beside(path).write_text(viewer_script(), encoding="utf-8")
+    return path
 
 
 def viewer_licences() -> str:

@@ -26,6 +26,10 @@ FLAGS = (
 HARMLESS = "GPU stall due to ReadPixels"
 
 
+#: Codes of keys that do something by themselves.
+KEYS = {" ": 32, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Home": 36, "End": 35, "Escape": 27, "Tab": 9}
+
+
 class Browser:
     """One browser with one tab.
 
@@ -157,8 +161,28 @@ class Browser:
 
     def press_space(self) -> None:
         """The space bar."""
-        self.call("Input.dispatchKeyEvent", type="keyDown", key=" ", code="Space", text=" ")
-        self.call("Input.dispatchKeyEvent", type="keyUp", key=" ", code="Space")
+        self.press(" ")
+
+    def press(self, key: str) -> None:
+        """A key, by the name that its event has."""
+        written = {"text": key} if len(key) == 1 else {}
+        named = {"code": "Space" if key == " " else key, "windowsVirtualKeyCode": KEYS.get(key, 0), **written}
+        self.call("Input.dispatchKeyEvent", type="keyDown", key=key, **named)
+        self.call("Input.dispatchKeyEvent", type="keyUp", key=key, **named)
+
+    def point(self, selector: str, across: float, kind: str = "mouseMoved", **more) -> None:
+        """The mouse at a part of the width of an element, at half its height."""
+        x, y, width, height = self.box(selector)
+        self.call("Input.dispatchMouseEvent", type=kind, x=x + across * width, y=y + height / 2, **more)
+
+    def prefers(self, **features: str) -> None:
+        """What the system is set to, such as color_scheme="dark"."""
+        features = [{"name": f"prefers-{name.replace('_', '-')}", "value": value} for name, value in features.items()]
+        self.call("Emulation.setEmulatedMedia", features=features)
+
+    def size(self, width: int, height: int, *, mobile: bool = False) -> None:
+        """The window's."""
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=mobile)
 
     def picture(self, selector: str) -> bytes:
         """An element as a PNG."""

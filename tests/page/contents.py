@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from mbconstrained.notices import Notice
-from mbconstrained.page import Animation, Body, Curve, Drawing, Link, PageContent, Plot, Table
+from mbconstrained.page import Animation, Body, Curve, Drawing, Link, PageContent, PhasePlot, Plot, Table
 
 TIMES = np.linspace(0, 50, 401)
 HOSTILE = """</script><script>alert(1)</script><img src=x onerror=alert(2)>&amp;"'\u2028]]>-->"""
@@ -49,6 +51,17 @@ def two_masses_content() -> PageContent:
         notices=(Notice("drift", "a row drifts"), Notice("rank", "a doubtful decision", doubtful=True)),
         facts=(("Coordinates", "3"),),
     )
+
+
+def plotted_content() -> PageContent:
+    """The same with a phase plane of x1 and a plot of ten curves, and a table that is wide."""
+    content, x1 = two_masses_content(), two_masses()[0]
+    plane = PhasePlot("phase plane of x1", "x1", ("displacement", "velocity"), ("m", "m/s"), TIMES, x1, np.gradient(x1, TIMES))
+    many = Plot("many", "N", TIMES, tuple(Curve(f"f{i}", np.sin(0.1 * (i + 1) * TIMES)) for i in range(10)))
+    row = (*"1234567", "A sentence that says what all of these numbers mean.")
+    wide = Table("Wide", tuple(f"column {i}" for i in range(8)), (row,) * 3)
+    tables = (*content.tables, wide, replace(wide, title="Folded", folded=True))
+    return replace(content, plots=(*content.plots, plane, many), tables=tables)
 
 
 def hostile_content() -> PageContent:

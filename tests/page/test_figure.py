@@ -5,6 +5,7 @@ import pytest
 
 from mbconstrained.errors import InputError
 from mbconstrained.page import Body, Drawing, Link, Part, Path, key_frames
+from mbconstrained.page.drawing import View
 from mbconstrained.page.figure import figure_data
 
 
@@ -106,3 +107,16 @@ def test_a_path_too_far_away_to_be_seen_is_refused():
     bodies = (Body("rocket", "parts", parts=(Part("sphere", 1),), path=far),)
     with pytest.raises(InputError, match='body "rocket" is drawn up to .* units away'):
         figure(Drawing(bodies), ("x",), [[0, 0]])
+
+
+def test_a_turned_drawing_is_bounded_as_it_is_seen():
+    boxes = (Body("a"), Body("b", rest=(10, 0, 0)))
+    turned = figure(Drawing(boxes, turn=(0, -np.pi / 4, 0)))
+    reach, half = 10 * 0.5**0.5, 0.4 * 2**0.5
+    assert turned["bounds"]["low"] == pytest.approx([-half, -0.4, -half])
+    assert turned["bounds"]["high"] == pytest.approx([reach + half, 0.4, reach + half])
+    assert turned["turn"] == pytest.approx([0, -np.sin(np.pi / 8), 0, np.cos(np.pi / 8)])
+
+
+def test_the_view_of_the_drawing_goes_before_the_usual_one():
+    assert figure(Drawing((Body("a"),), view=View(0.3, 0.2, 1.5)))["view"] == {"yaw": 0.3, "pitch": 0.2, "zoom": 1.5}

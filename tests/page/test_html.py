@@ -1,6 +1,7 @@
 """The file: reproducible, closed to the outside, with nothing in it that is not needed, every text a text."""
 
 import base64
+import gzip
 import hashlib
 import html
 import json
@@ -8,6 +9,7 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -17,7 +19,7 @@ from mbconstrained.errors import MbconstrainedError
 from mbconstrained.notices import Notice
 from mbconstrained.page import Animation, Curve, Drawing, PageContent, Plot, Table, page_html
 from mbconstrained.page.document import script_json
-from mbconstrained.page.viewer import viewer_script
+from mbconstrained.page.viewer import VIEWER_FILE, viewer_script
 from tests.page.contents import HOSTILE, hostile_content, two_masses_content
 
 
@@ -119,21 +121,46 @@ def test_the_data_are_the_values():
     frames = data_of(page_html(two_masses_content()))["frames"]
     values = two_masses_content().animation.values
     assert frames["names"] == ["x1", "q1", "q2"]
-    assert np.allclose(frames["values"], values, rtol=1e-11, atol=0)
-    assert frames["times"][10] == 1.25
+    assert np.array_equal([np.frombuffer(base64.b64decode(row)) for row in frames["values"]], values)
+    assert frames["times"] == {"start": 0, "end": 50, "count": 401}
 
 
-def test_without_an_animation_there_is_no_script_and_no_control():
+@pytest.mark.parametrize("plotted, size", [(True, 60_000), (False, 20_000)])
+def test_without_an_animation_there_is_no_viewer_and_without_plots_too_no_script(plotted, size):
+    page = page_html(replace(two_masses_content(), animation=None, **({} if plotted else {"plots": ()})))
+    assert len(page) < size
+    assert page.count("<script>") == plotted
+    left_out = ("MeshCat", "<details", 'id="stage"', *(() if plotted else ("<button", "<script")))
+    assert not [word for word in left_out if word in page]
+
+
+def test_without_plots_there_is_no_script_of_theirs():
     content = two_masses_content()
-    page = page_html(PageContent(content.title, content.source, None, content.plots, content.tables, content.notices, content.facts))
-    assert len(page) < 60_000
-    for word in ("<script", "<button", "MeshCat", "<details", 'id="stage"'):
-        assert word not in page
+    assert ["PlottedCurve" in page_html(each) for each in (content, replace(content, plots=()))] == [True, False]
+
+
+def test_compressed_the_page_is_a_third_and_holds_the_same():
+    page, plain = (page_html(two_masses_content(), viewer) for viewer in ("compressed", "inside"))
+    held = re.findall(r'data-holds="([^"]*)">([^<]*)<', page)
+    texts = {name: gzip.decompress(base64.b64decode(packed)).decode() for name, packed in held}
+    assert texts["viewer"] == viewer_script()
+    assert json.loads(texts["motion-data"]) == data_of(plain)
+    assert all(text in plain for text in texts.values())
+    assert len(page) < 450_000 and page == page_html(two_masses_content(), "compressed")
+    hashes = {f"'sha256-{base64.b64encode(hashlib.sha256(texts[k].encode()).digest()).decode()}'" for k in ("viewer", "own")}
+    assert all(value in page for value in hashes)
+
+
+def test_beside_its_viewer_a_page_holds_its_own_data_only():
+    page = page_html(two_masses_content(), "beside")
+    assert len(page) < 200_000
+    assert re.findall(r'<script src="([^"]*)"></script>', page) == [VIEWER_FILE]
+    assert "script-src 'sha256-" in page_html(replace(two_masses_content(), animation=None), "beside")
 
 
 def test_without_plots_tables_notices_and_facts_there_is_no_trace_of_them():
     page = page_html(PageContent("t", animation=two_masses_content().animation))
-    for word in ('<div class="plots"', "<figure", "<svg", "<table", '<section class="notices"', "<dl", "<header>\n<h1>t</h1>\n<p"):
+    for word in ('<div class="plots"', "<figure", "<svg", "<table", '<section class="notices"', "<footer>\n<dl", "<header>\n<h1>t</h1>\n<p"):
         assert word not in page
 
 
@@ -166,7 +193,7 @@ def test_tables_and_notices_raise_powers_and_keep_complex_numbers_together():
 def test_a_plot_without_a_partner_spans_the_row(count, wide):
     plots = tuple(Plot(f"p{i}", "m", [0, 1], (Curve("c", [0, 1]),)) for i in range(count))
     figures = re.findall(r"<figure.*?</figure>", page_html(PageContent("t", plots=plots)), re.S)
-    assert ['class="wide"' in figure for figure in figures] == [False] * (count - wide) + [True] * wide
+    assert ['class="plot-figure wide"' in figure for figure in figures] == [False] * (count - wide) + [True] * wide
 
 
 def test_the_magnification_is_told():
@@ -182,4 +209,4 @@ def test_the_usual_speed_shows_the_motion_in_a_comfortable_time(duration, select
 
 def test_one_time_cannot_be_played():
     page = page_html(PageContent("t", animation=Animation(Drawing(()), ("x",), [0.5], [[1]]), plots=(Plot("p", "m", [0.5], ()),)))
-    assert '<button type="button" id="play" aria-pressed="false" disabled>' in page
+    assert '<button type="button" id="play" disabled>' in page

@@ -11,6 +11,8 @@ from mbconstrained.page import Animation, key_frames
 from mbconstrained.page.figure import figure_data
 from mbconstrained.page.layout import coordinate_drawing, lumped_drawing
 from mbconstrained.page.layout.joints import groups, joints_of, natural_positions, walk
+from mbconstrained.page.layout.turning import turn_to
+from mbconstrained.page.poses import quaternions_of, rotated
 from mbconstrained.page.stage import stage_section
 from tests.page.models import gallery
 
@@ -37,12 +39,53 @@ def test_no_elements_make_an_empty_drawing():
     assert lumped_drawing((), ()).bodies == ()
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 50])
+@pytest.mark.parametrize("count", [1, 2, 3, 15])
 def test_a_chain_stands_in_its_order_with_room_between(count):
     drawing = lumped_drawing(chain(count).elements, [f"m{i}" for i in range(count)])
     x = [places(drawing)[f"m{i}"][0] for i in range(count)]
     assert (np.diff([0.1, *x]) > 1.2).all()
     assert sum(body.shape == "ground" for body in drawing.bodies) == 1
+
+
+def test_a_long_chain_is_folded_into_rows_each_going_on_where_the_one_before_ends():
+    drawing = lumped_drawing(chain(200, both_ends=True).elements, [f"m{i}" for i in range(200)])
+    at = places(drawing)
+    rows = sorted({at[f"m{i}"][2] for i in range(200)}, reverse=True)
+    assert 8 <= len(rows) <= 14 and np.ptp(rows) * 1.2 < max(place[0] for place in at.values()) < np.ptp(rows) * 4
+    assert [at[f"m{i}"][2] for i in range(200)] == sorted((at[f"m{i}"][2] for i in range(200)), reverse=True)
+    marks = [body for body in drawing.bodies if body.shape == "mark"]
+    assert len(marks) == len(rows) - 1
+    for mark in marks:
+        (name,) = mark.moves
+        assert mark.label == name and mark.moves == {name: (1.0, 0.0, 0.0)} and at[mark.name][2] > at[name][2]
+        (link,) = (link for link in drawing.links if link.end == mark.name)
+        assert at[link.start][2] == at[mark.name][2] and 1.0 < at[mark.name][0] - at[link.start][0] < 3.0
+    assert len(drawing.links) == 201 and drawing.coordinates == {f"m{i}" for i in range(200)}
+
+
+def test_a_chain_whose_links_cross_is_not_folded():
+    model = chain(30)
+    model.spring("m0", "m29", 1.0)
+    assert len({body.rest[2] for body in lumped_drawing(model.elements, model.coordinates).bodies}) == 1
+
+
+TURNS = (((0, 0, 3), None), ((1, 2, 0), None), ((-1, 0, 0), None), (None, (1, 0, 0)), ((0, 1, 0), (1, 0, 0)), (None, (0, 1, 1e-9)))
+
+
+@pytest.mark.parametrize(("along", "about"), TURNS)
+def test_a_drawing_is_turned_so_that_it_moves_and_turns_as_asked(along, about):
+    turn = quaternions_of(np.array(turn_to(along, about))[:, None])
+    moved, axis = rotated(turn, np.array([[1.0, 0, 0], [0, -1, 0]]).T)[:, :, 0].T
+    for found, wanted in ((moved, along), (axis, about)):
+        assert wanted is None or found == pytest.approx(np.array(wanted) / np.linalg.norm(wanted), abs=1e-9)
+
+
+def test_magnifications_are_those_that_are_asked_for():
+    model = chain(2)
+    drawing = lumped_drawing(model.elements, model.coordinates, [0.01, 0.02], scale=1.0)
+    assert drawing.scale == 1.0 and lumped_drawing(model.elements, model.coordinates, [0.01, 0.02]).scale > 10
+    drawing = coordinate_drawing(["x", "q"], [0.01, 0.01], ["m", "rad"], scale=2.0, turn_scale=3.0)
+    assert (drawing.scale, drawing.turn_scale) == (2.0, 3.0)
 
 
 def test_a_chain_tied_at_both_ends_has_two_walls():

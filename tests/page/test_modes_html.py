@@ -2,7 +2,9 @@
 
 import json
 import re
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from mbconstrained.page import Drawing, ModesContent, modes_html
@@ -99,3 +101,12 @@ def test_sixty_modes_are_no_burden():
     page = modes_html(many_modes(60))
     assert len(page) < 1.2e6
     assert len(json.dumps(data_of(page))) < 150_000
+
+
+def test_shapes_are_listed_with_their_phases_and_of_many_entries_the_first():
+    entries = (("cart", "1 m"), ("a < b", "0.5 m at 90 deg"), *((f"x{i}", f"{0.1 / i:.3g} m") for i in range(1, 40)))
+    values = np.zeros((2, 49))
+    content = two_modes()
+    page = modes_html(replace(content, modes=(replace(content.modes[0], shape=entries, values=values),)))
+    assert '<th scope="row">a &lt; b</th><td>0.5 m at 90 deg</td>' in page
+    assert "x28</th>" in page and "x29</th>" not in page and "and 11 more, which move less" in page

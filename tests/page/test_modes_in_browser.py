@@ -97,7 +97,7 @@ def test_a_cycle_takes_two_seconds_and_goes_on(browser, page):
     browser.click("#play")
     browser.wait(0.6)
     assert browser.state()["playing"] is True
-    assert 0.05 < browser.state()["time"] < 0.6
+    assert 0.05 < browser.state()["time"] < 0.85  # beyond the end, at which it began; how far depends on the machine
 
 
 def test_the_pace_is_told_and_follows_the_speed(browser, page):
@@ -123,6 +123,14 @@ def test_a_mode_that_does_not_move_says_why_and_cannot_be_played(browser, page):
     browser.click("tr[data-mode='0'] td:last-child")
     assert browser.evaluate("document.querySelector('#play').disabled") is False
     assert browser.state()["playing"] is True
+
+
+def test_with_little_motion_wanted_a_mode_that_is_picked_waits(browser, page):
+    browser.prefers(reduced_motion="reduce")
+    browser.open(page)
+    browser.click("tr[data-mode='1']")
+    assert (browser.state()["mode"], browser.state()["playing"]) == (2, False)
+    browser.prefers(reduced_motion="no-preference")
 
 
 def test_modes_by_paths_move_the_links(browser, tmp_path):

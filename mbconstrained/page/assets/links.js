@@ -28,16 +28,18 @@ function stretch(part, start, end) {
 // A round wire along a curve that changes shape: the wire's section stays round however far it is bent.
 class Wire {
   constructor(rings, radius, color) {
-    this.sides = 8;
-    this.rings = rings;
+    this.sides = detail.coarse ? 4 : 8;
+    this.rings = detail.coarse ? Math.ceil(rings / 2.5) : rings;
     this.radius = radius;
     const geometry = new THREE.BufferGeometry();
-    const room = () => new THREE.BufferAttribute(new Float32Array(3 * (rings + 1) * this.sides), 3);
+    const room = () => new THREE.BufferAttribute(new Float32Array(3 * (this.rings + 1) * this.sides), 3);
     geometry.setAttribute("position", room());
     geometry.setAttribute("normal", room());
     geometry.setIndex(this.faces());
     this.object = solid(geometry, color, { shininess: 60 });
     this.object.frustumCulled = false;
+    const vectors = () => Array.from({ length: this.rings + 1 }, () => new THREE.Vector3());
+    [this.points, this.normals] = [vectors(), vectors()];
   }
 
   faces() {
@@ -53,13 +55,8 @@ class Wire {
 
   // curve(s, point, normal) fills a point at 0 <= s <= 1 and a direction across the wire there.
   follow(curve) {
-    const points = [];
-    const normals = [];
-    for (let ring = 0; ring <= this.rings; ring++) {
-      points.push(new THREE.Vector3());
-      normals.push(new THREE.Vector3());
-      curve(ring / this.rings, points[ring], normals[ring]);
-    }
+    const { points, normals } = this;
+    for (let ring = 0; ring <= this.rings; ring++) curve(ring / this.rings, points[ring].set(0, 0, 0), normals[ring]);
     const { position, normal } = this.object.geometry.attributes;
     const [tangent, side, out] = [new THREE.Vector3(), new THREE.Vector3(), new THREE.Vector3()];
     for (let ring = 0, vertex = 0; ring <= this.rings; ring++) {

@@ -57,7 +57,7 @@ function tell() {
 
 function pace() {
   const { period, frames } = data.modes[page.mode];
-  if (frames.times.length === 1) return "";
+  if (frames.times.count === 1) return "";
   const shown = data.cycle / Number(control("speed").value);
   const plain = (number) => Number(number.toPrecision(3));
   if (period === null) return `no oscillation: its shape shown swaying, once in ${plain(shown)} s`;
@@ -66,9 +66,10 @@ function pace() {
   return `a cycle of ${plain(period)} s shown in ${plain(shown)} s` + (Math.abs(factor - 1) < 5e-4 ? "" : `: ${how}`);
 }
 
+// What is picked moves, unless the system is set to show as little motion as possible.
 function pickAndPlay(mode) {
   pick(mode);
-  play();
+  if (!window.matchMedia("(prefers-reduced-motion: reduce)").matches) play();
 }
 
 control("speed").addEventListener("change", tell);

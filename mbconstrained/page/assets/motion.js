@@ -3,20 +3,33 @@
 
 // Numbers that were packed as base64.
 function unpack(text, Type) {
-  return new Type(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
+  const letters = atob(text);
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = letters.charCodeAt(i);
+  return new Type(bytes.buffer);
+}
+
+// Times one by one, or evenly spaced from the first to the last.
+function timesOf(times) {
+  if (typeof times === "string") return Array.from(unpack(times, Float64Array));
+  const { start, end, count } = times;
+  return Array.from({ length: count }, (_, i) => (count === 1 ? start : start + (i * (end - start)) / (count - 1)));
 }
 
 class Motion {
   // Per coordinate: its values at the key frames, or one number if it never changes; its rates, or 0. Per body: its
   // poses, seven numbers each, or null.
   constructor(frames) {
-    this.times = frames.times;
+    this.times = timesOf(frames.times);
     this.start = this.times[0];
     this.end = this.times[this.times.length - 1];
     this.windows = null;
     this.names = frames.names;
-    this.values = frames.values.map((values) => (typeof values === "string" ? unpack(values, Float32Array) : values));
-    this.rates = frames.rates || this.values.map((values) => (typeof values === "number" ? 0 : this.slopes(values, 0, 1)));
+    const Type = frames.bytes === 8 ? Float64Array : Float32Array;
+    const read = (numbers) => (typeof numbers === "string" ? unpack(numbers, Type) : numbers);
+    this.values = frames.values.map(read);
+    const estimated = (values) => (typeof values === "number" ? 0 : this.slopes(values, 0, 1));
+    this.rates = frames.rates ? frames.rates.map(read) : this.values.map(estimated);
     this.paths = frames.paths.map((text) => text && this.path(unpack(text, Float32Array)));
   }
 

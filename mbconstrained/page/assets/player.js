@@ -7,7 +7,9 @@
 //   page.follow(fragment)  what the part of the address after the # asks for
 const data = JSON.parse(document.getElementById("motion-data").textContent);
 const control = (id) => document.getElementById(id);
-const player = { time: 0, playing: false, motion: null, stage: null, errors: [] };
+const player = { time: 0, playing: false, published: 0, motion: null, stage: null, errors: [] };
+
+const pauseBetween = 100; // ms between two states that are published while it plays
 
 window.addEventListener("error", (event) => report(event.message));
 window.addEventListener("unhandledrejection", (event) => report(String(event.reason)));
@@ -34,16 +36,23 @@ function state() {
 function show(time) {
   player.time = player.motion.clamp(time);
   if (player.stage) player.stage.show(player.motion, player.time);
+  const told = `${player.time.toFixed(data.decimals)} ${data.unit}`;
   control("time").value = player.time;
-  control("clock").textContent = `${player.time.toFixed(data.decimals)} ${data.unit}`;
+  control("time").setAttribute("aria-valuetext", told);
+  control("clock").textContent = told;
   page.shown();
-  publish();
+  if (!player.playing || performance.now() - player.published > pauseBetween) publish();
 }
 
 function publish() {
+  player.published = performance.now();
   control("play").textContent = player.playing ? "Pause" : "Play";
-  control("play").setAttribute("aria-pressed", player.playing);
   document.body.dataset.state = JSON.stringify(state());
+}
+
+// What changes without being seen by all, for those who hear the page.
+function say(text) {
+  control("said").textContent = text;
 }
 
 function seek(time) {
@@ -53,6 +62,7 @@ function seek(time) {
 
 function play() {
   player.playing = player.motion.end > player.motion.start;
+  if (player.playing && player.time >= player.motion.end) show(player.motion.start);
   player.last = performance.now();
   publish();
 }
@@ -65,6 +75,7 @@ function pause() {
 function toggle() {
   if (player.playing) pause();
   else play();
+  say(player.playing ? "plays" : `paused at ${control("clock").textContent}`);
 }
 
 function frame(now) {
@@ -84,19 +95,20 @@ function listen() {
   control("time").addEventListener("input", (event) => seek(event.target.value));
   control("reset").addEventListener("click", () => player.stage && player.stage.reset());
   window.addEventListener("hashchange", () => page.follow(location.hash));
-  document.addEventListener("keydown", (event) => {
-    if (event.key !== " " || /^(BUTTON|SELECT|SUMMARY|A)$/.test(event.target.tagName)) return;
-    event.preventDefault();
-    toggle();
-  });
+  window.addEventListener("themechange", () => player.stage && player.stage.dress(theme.dark));
 }
+
+const apart = "The 3-D view needs the file mbconstrained-viewer.js, which does not lie beside this page.";
 
 function open(motion) {
   player.motion = motion;
   try {
+    if (!window.MeshCat) throw new Error(apart);
     player.stage = new Stage(control("stage"), data.figure);
+    player.stage.dress(theme.dark);
   } catch (error) {
     control("stage").classList.add("unavailable");
+    if (error.message === apart) document.querySelector(".missing").textContent = apart;
     report(`The 3-D view cannot be shown: ${error.message}`);
   }
   listen();

@@ -1,18 +1,25 @@
 // The page of a run: one motion, and plots whose cursors follow it.
 const page = {
   rate: 1,
+  plots: typeof plots === "undefined" ? null : plots, // without plots there is no script of theirs
 
   state() {
     const { start, end } = player.motion;
-    return { duration: end - start, magnification: data.figure.magnification };
+    return { duration: end - start, loop: page.loops(), magnification: data.figure.magnification };
   },
 
   shown() {
-    document.querySelectorAll("svg.plot").forEach(moveCursor);
+    if (page.plots) showInPlots(player.time);
+  },
+
+  loops() {
+    return control("loop").getAttribute("aria-pressed") === "true";
   },
 
   after() {
-    return player.motion.start;
+    if (page.loops()) return player.motion.start;
+    pause();
+    return player.motion.end;
   },
 
   follow(fragment) {
@@ -23,19 +30,10 @@ const page = {
   },
 };
 
-function moveCursor(plot) {
-  const { start, end, left, right } = plot.dataset;
-  const share = (player.time - start) / (end - start);
-  const cursor = plot.querySelector(".cursor");
-  cursor.setAttribute("transform", `translate(${(Number(left) + share * (right - left)).toFixed(2)} 0)`);
-  cursor.setAttribute("visibility", share >= 0 && share <= 1 ? "visible" : "hidden");
-}
-
-function pick(plot, event) {
-  const { start, end, left, right } = plot.dataset;
-  const x = new DOMPoint(event.clientX, event.clientY).matrixTransform(plot.getScreenCTM().inverse()).x;
-  seek(Number(start) + ((x - left) / (right - left)) * (end - start));
-}
-
-document.querySelectorAll("svg.plot").forEach((plot) => plot.addEventListener("click", (event) => pick(plot, event)));
+control("loop").addEventListener("click", () => {
+  control("loop").setAttribute("aria-pressed", !page.loops());
+  say(page.loops() ? "starts again at the end" : "stops at the end");
+  publish();
+});
+if (page.plots) plots.seek = seek;
 open(new Motion(data.frames));

@@ -5,14 +5,17 @@ const THREE = window.MeshCat ? window.MeshCat.THREE : null;
 const ink = "#3d4852";
 const steel = "#8795a1";
 
+// Of many bodies each is small: then fewer faces do, and no shadows.
+const detail = { coarse: false };
+
 function matter(color, options) {
   return new THREE.MeshPhongMaterial(Object.assign({ color: color, shininess: 20, specular: "#222222" }, options));
 }
 
 function solid(geometry, color, options) {
   const mesh = new THREE.Mesh(geometry, matter(color, options));
-  mesh.castShadow = true;
-  mesh.receiveShadow = true;
+  mesh.castShadow = !detail.coarse;
+  mesh.receiveShadow = !detail.coarse;
   return mesh;
 }
 
@@ -34,8 +37,8 @@ function prism(outline, depth, bevel, color, roundness = 10) {
     bevelSize: bevel,
     bevelThickness: bevel,
     bevelOffset: -bevel,
-    bevelSegments: 3,
-    curveSegments: roundness,
+    bevelSegments: detail.coarse ? 1 : 3,
+    curveSegments: detail.coarse ? Math.ceil(roundness / 4) : roundness,
   });
   geometry.center();
   geometry.rotateX(Math.PI / 2);

@@ -1,6 +1,3 @@
-// How far wheels reach beyond their size, for their teeth or rim.
-const wheels = { disc: 1, gear: 1.05, ring: 1.14 };
-
 // The stage: the meshcat viewer with the bodies and links of the figure in its scene tree, a camera that shows the
 // whole motion, and names as text over the picture.
 class Stage {
@@ -9,19 +6,21 @@ class Stage {
     this.figure = figure;
     this.viewer = new window.MeshCat.Viewer(pane.querySelector(".view"), false);
     this.viewer.gui.domElement.remove();
+    detail.coarse = figure.bodies.length + figure.links.length > 100;
+    this.viewer.renderer.shadowMap.enabled = !detail.coarse;
     for (const command of figure.commands) this.viewer.handle_command(command);
     const parts = new Parts(figure.meshes);
     const objects = figure.bodies.map((body) => bodyObject(body, parts, figure.unit));
-    this.boxes = objects.map((object, i) => (figure.bodies[i].shape === "parts" ? boxAround(object) : null));
+    const boxes = objects.map((object, i) => (figure.bodies[i].shape === "parts" ? boxAround(object) : null));
     this.bodies = objects.map((object, i) => this.place(["bodies", `body ${i}`], object));
-    this.viewer.scene_tree.find(["mbconstrained", "bodies"]).object.scale.setScalar(1 / figure.unit);
+    this.turn = new THREE.Quaternion(...figure.turn);
+    for (const all of ["bodies", "links", "marks"]) this.node(all).quaternion.copy(this.turn);
+    this.node("bodies").scale.setScalar(1 / figure.unit);
     this.links = figure.links.map((link, i) => this.hang(link, i));
-    this.labels = figure.bodies.map((body) => this.label(body));
-    const named = figure.bodies.filter((body) => body.shape === "parts" && body.label);
-    pane.querySelector(".labels").classList.toggle("many", named.length > 8);
+    this.names = new Names(this, boxes);
+    this.marks = figure.marks ? new Marks(this, figure.marks) : null; // without them there is no script of theirs
     this.light();
     this.camera = this.aim();
-    this.hidden = null; // found when it is first needed, and again when the view has been turned
     this.viewer.controls.addEventListener("end", () => this.lookAgain());
     this.viewer.set_3d_pane_size = () => this.fit(); // the viewer's own fills the window
     this.fit();
@@ -35,18 +34,27 @@ class Stage {
     return this.viewer.scene_tree.find(full).object;
   }
 
+  // What has all objects of a kind below it.
+  node(kind) {
+    return this.viewer.scene_tree.find(["mbconstrained", kind]).object;
+  }
+
+  // On a dark ground what is of a dark grey glows a little: it would not be seen otherwise.
+  dress(dark) {
+    const glow = new THREE.Color(dark ? "#2f3942" : "#000000");
+    const hsl = {};
+    this.viewer.scene.traverse(({ material }) => {
+      if (!material || !material.emissive) return;
+      const { s, l } = material.color.getHSL(hsl);
+      if (s < 0.35 && l < 0.6) material.emissive.copy(glow);
+    });
+    this.viewer.set_dirty();
+  }
+
   hang(link, i) {
     const drawn = new kinds[link.kind](link);
     this.place(["links", `link ${i}`], drawn.object);
     return Object.assign({ drawn: drawn }, link);
-  }
-
-  label(body) {
-    const label = document.createElement("span");
-    label.className = "label";
-    label.textContent = body.label;
-    this.pane.querySelector(".labels").append(label);
-    return label;
   }
 
   light() {
@@ -87,7 +95,7 @@ class Stage {
     const eye = [Math.sin(yaw) * Math.cos(pitch), -Math.cos(yaw) * Math.cos(pitch), Math.sin(pitch)];
     const upright = ([x, y, z]) => new THREE.Vector3(x, z, -y);
     camera.far = 3 * away;
-    camera.zoom = 1;
+    camera.zoom = this.figure.view.zoom || 1;
     camera.position.copy(upright(middle.map((value, axis) => value + away * eye[axis])));
     this.viewer.controls.target.copy(upright(middle));
     this.viewer.controls.update();
@@ -100,7 +108,7 @@ class Stage {
   }
 
   lookAgain() {
-    this.hidden = null;
+    this.names.lookAgain();
     this.draw();
   }
 
@@ -109,8 +117,9 @@ class Stage {
     const { low, high } = this.figure.bounds;
     const { yaw, pitch } = this.figure.view;
     const [x, y, z] = high.map((value, axis) => (value - low[axis]) / 2);
-    const across = x * Math.cos(yaw) + y * Math.abs(Math.sin(yaw));
-    const up = z * Math.cos(pitch) + (x * Math.abs(Math.sin(yaw)) + y * Math.cos(yaw)) * Math.sin(pitch);
+    const [cos, sin, rise, fall] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)].map(Math.abs);
+    const across = x * cos + y * sin;
+    const up = z * rise + (x * sin + y * cos) * fall;
     return [across, up];
   }
 
@@ -118,12 +127,13 @@ class Stage {
     const [across, up] = this.extent();
     const width = this.pane.clientWidth || 800;
     const margin = 1 + 70 / width;
-    const height = Math.round(Math.min(520, Math.max(240, (width * (up + 0.25)) / across)));
-    const half = Math.max(across * margin, ((up + 0.3) * width) / height);
+    const wanted = Math.round(Math.min(520, Math.max(240, (width * (up + 0.25)) / across)));
+    this.pane.style.height = `${wanted}px`;
+    const height = this.pane.clientHeight; // a style sheet may hold it to another
+    const half = Math.max(across * margin, ((up + Math.max(0.3, (70 * up) / height)) * width) / height);
     Object.assign(this.camera, { left: -half, right: half, top: (half * height) / width, bottom: (-half * height) / width });
     this.camera.updateProjectionMatrix();
     this.size = [width, height];
-    this.pane.style.height = `${height}px`;
     this.viewer.renderer.setSize(width, height);
     this.viewer.set_dirty();
   }
@@ -147,6 +157,7 @@ class Stage {
       const [from, to] = [poses[link.start], poses[link.end]];
       link.drawn.update(this.end(from, link.start_point, link.start_turns), this.end(to, link.end_point, link.end_turns), over);
     }
+    if (this.marks) this.marks.show(poses, coordinates, time, motion);
     this.draw();
   }
 
@@ -159,73 +170,12 @@ class Stage {
 
   draw() {
     this.viewer.render();
-    this.write();
+    this.names.write();
+    if (this.marks) this.marks.write();
   }
 
   drawIfNeeded() {
     if (this.viewer.needs_render) this.draw();
-  }
-
-  // Above the middle of a body, in pixels, as high as its highest edge is seen.
-  top(i) {
-    if (this.boxes[i]) return this.upon(i);
-    const { shape, size } = this.figure.bodies[i];
-    const middle = this.bodies[i].getWorldPosition(new THREE.Vector3()); // in axes with y up
-    const seen = (x, y, z) => middle.clone().add(new THREE.Vector3(x, y, z)).project(this.camera);
-    const { x, y } = seen(0, 0, 0);
-    const across = (size[0] / 2) * (seen(1, 0, 0).y - y);
-    const up = (size[2] / 2) * (seen(0, 1, 0).y - y);
-    const away = (size[1] / 2) * (seen(0, 0, 1).y - y);
-    const face = wheels[shape] ? wheels[shape] * Math.hypot(across, up) : Math.abs(across) + Math.abs(up);
-    const [width, height] = this.size;
-    return [((x + 1) / 2) * width, ((1 - (y + face + Math.abs(away))) / 2) * height];
-  }
-
-  // On the middle of the largest part of a body, or just above it where that is flat.
-  upon(i) {
-    const [width, height] = this.size;
-    const seen = this.boxes[i].map((corner) => this.bodies[i].localToWorld(corner.clone()).project(this.camera));
-    const [xs, ys] = [seen.map(({ x }) => ((x + 1) / 2) * width), seen.map(({ y }) => ((1 - y) / 2) * height)];
-    const middle = (numbers) => (Math.min(...numbers) + Math.max(...numbers)) / 2;
-    return [middle(xs), Math.max(Math.min(...ys), middle(ys) - 12)];
-  }
-
-  // Which bodies made of parts stand behind others: their names would be read as those of what hides them.
-  behind() {
-    const solids = this.bodies.map((body) => opaque(body));
-    const own = (i, { object }) => solids[i].includes(object);
-    const caster = new THREE.Raycaster();
-    const covered = (i, point) => {
-      const seen = point.clone().project(this.camera);
-      caster.setFromCamera(new THREE.Vector2(seen.x, seen.y), this.camera);
-      const [first] = caster.intersectObjects(solids.flat(), false);
-      return Boolean(first) && !own(i, first) && first.distance < caster.ray.origin.distanceTo(point);
-    };
-    const hidden = (i) => pointsAlong(this.boxes[i]).every((point) => covered(i, this.bodies[i].localToWorld(point)));
-    return this.figure.bodies.map(({ label }, i) => Boolean(this.boxes[i] && label) && hidden(i));
-  }
-
-  // Puts the names a little above their bodies; a name that would cover another one, or belongs to what is not seen, is left out.
-  write() {
-    this.hidden = this.hidden || this.behind();
-    const taken = [];
-    for (const i of this.order()) {
-      const [label, [x, top]] = [this.labels[i], this.top(i)];
-      const y = top - 4;
-      label.style.transform = `translate(-50%, -100%) translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
-      const box = { left: x - label.offsetWidth / 2, right: x + label.offsetWidth / 2, top: y - label.offsetHeight, bottom: y };
-      const free = taken.every((b) => box.right < b.left || box.left > b.right || box.bottom < b.top || box.top > b.bottom);
-      const shown = free && !this.hidden[i];
-      label.style.visibility = shown ? "visible" : "hidden";
-      if (shown && label.textContent) taken.push(box);
-    }
-  }
-
-  // In which order names take their room: of bodies made of parts the nearest first, the others as they come.
-  order() {
-    const eye = this.camera.getWorldDirection(new THREE.Vector3());
-    const away = this.bodies.map((body, i) => (this.boxes[i] ? body.getWorldPosition(new THREE.Vector3()).dot(eye) : -Infinity));
-    return this.bodies.map((_, i) => i).sort((a, b) => (away[a] === away[b] ? a - b : away[a] - away[b]));
   }
 
   // What the viewer's scene tree says about each body.
@@ -254,32 +204,4 @@ function bodyObject(body, parts, unit) {
     whole.add(post);
   }
   return whole;
-}
-
-// The meshes of an object through which nothing is seen.
-function opaque(object) {
-  const found = [];
-  object.traverse((part) => part.isMesh && !part.material.transparent && found.push(part));
-  return found;
-}
-
-// The middle of a box given by its corners, and two points on either side of it where the box is longest.
-function pointsAlong(corners) {
-  const [low, high] = [corners[0], corners[7]];
-  const size = high.clone().sub(low);
-  const axis = ["x", "y", "z"].reduce((best, name) => (size[name] > size[best] ? name : best));
-  return [-1, 0, 1].map((side) => {
-    const point = low.clone().add(high).multiplyScalar(0.5);
-    point[axis] += (side * size[axis]) / 3;
-    return point;
-  });
-}
-
-// The corners of a box around the largest part of an object, in its own frame.
-function boxAround(object) {
-  const boxes = object.children.map((part) => new THREE.Box3().setFromObject(part));
-  const point = new THREE.Box3(new THREE.Vector3(), new THREE.Vector3());
-  const reach = ({ min, max }) => min.distanceTo(max);
-  const { min, max } = boxes.reduce((best, box) => (reach(box) > reach(best) ? box : best), point);
-  return [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => new THREE.Vector3(x, y, z))));
 }

@@ -14,13 +14,14 @@ from .magnification import angle_scale, displacement_scale
 PITCH, WIDTH = 0.95, 5.6  # from one to the next, downwards and across
 
 
-def coordinate_drawing(names, values=None, units=None) -> Drawing:
+def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=None) -> Drawing:
     """Boxes on rails and discs, one below the other, in several columns when there are many.
 
     Args:
         names: r coordinate names.
         values: typical values, shape (r,) or (r, T), by which the magnifications are chosen; None for 1.
         units: r units; "m" slides, "rad" turns, and what is neither place nor angle is not drawn. None for "m".
+        scale, turn_scale: the magnifications, where they shall not be chosen.
 
     Raises:
         InputError: repeated names, values or units of another shape, NaN or infinity.
@@ -33,8 +34,10 @@ def coordinate_drawing(names, values=None, units=None) -> Drawing:
     unit_of = dict(zip(names, _units(units, len(names))))
     drawn = [name for name in names if unit_of[name] in _SHOWN]
     bodies = [body for name, place in zip(drawn, _places(len(drawn))) for body in _SHOWN[unit_of[name]](name, place)]
-    scale = displacement_scale({name: motion[name] for name in drawn if unit_of[name] == "m"}, ())
-    turn_scale = angle_scale([motion[name] for name in drawn if unit_of[name] == "rad"])
+    if scale is None:
+        scale = displacement_scale({name: motion[name] for name in drawn if unit_of[name] == "m"}, ())
+    if turn_scale is None:
+        turn_scale = angle_scale([motion[name] for name in drawn if unit_of[name] == "rad"])
     return Drawing(tuple(bodies), (), scale, turn_scale, _note([name for name in names if name not in drawn]))
 
 

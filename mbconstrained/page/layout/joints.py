@@ -63,16 +63,31 @@ def _length(element: Element) -> float | None:
 
 def groups(names: Iterable[str], pairs: Iterable[frozenset[str]]) -> list[list[str]]:
     """The names in groups that the pairs connect, each in the order given; the ground connects nothing."""
-    names, pairs = list(names), [pair for pair in pairs if GROUND not in pair]
+    number = {name: i for i, name in enumerate(names)}
+    near = _neighbours(number, pairs)
     found: list[list[str]] = []
-    for name in names:
-        if any(name in group for group in found):
+    met: set[str] = set()
+    for name in number:
+        if name in met:
             continue
-        reached = [name]
-        for member in reached:
-            reached += [other for pair in pairs if member in pair for other in pair if other not in reached]
-        found.append(sorted(reached, key=names.index))
+        reached = {name: None}  # in the order in which they are met
+        waiting = [name]
+        while waiting:
+            news = [other for other in near[waiting.pop()] if other not in reached]
+            reached.update(dict.fromkeys(news))
+            waiting += news
+        met.update(reached)
+        found.append(sorted(reached, key=number.__getitem__))
     return found
+
+
+def _neighbours(names: Iterable[str], pairs: Iterable[frozenset[str]]) -> dict[str, dict[str, None]]:
+    """To what each name is tied by a pair, itself and the ground left out."""
+    near: dict[str, dict[str, None]] = {name: {} for name in names}
+    for pair in pairs:
+        for one in pair & near.keys():
+            near[one].update(dict.fromkeys(pair - {one, GROUND}))
+    return near
 
 
 def walk(names: list[str], joints: list[Joint], first: str | None = None) -> list[str]:
@@ -83,28 +98,35 @@ def walk(names: list[str], joints: list[Joint], first: str | None = None) -> lis
     """
     grounded = {joint.other(GROUND) for joint in joints if GROUND in joint.ends}
     begun = {joint.end for joint in joints if joint.start == GROUND}
-    near = {name: {j.other(name) for j in joints if name in j.ends} - {GROUND} for name in names}
-    order: list[str] = []
-    waiting = [first or min(names, key=lambda name: (len(near[name]) > 1, name not in begun, names.index(name)))]
+    number = {name: i for i, name in enumerate(names)}
+    near = _neighbours(names, (joint.ends for joint in joints))
+    order: dict[str, None] = {}
+    waiting = [first or min(names, key=lambda name: (len(near[name]) > 1, name not in begun, number[name]))]
     while waiting:
         name = waiting.pop()
         if name not in order:
-            order.append(name)
-            waiting += sorted(near[name], key=lambda other: (other in grounded, names.index(other)), reverse=True)
-    return order
+            order[name] = None
+            waiting += sorted(near[name], key=lambda other: (other in grounded, number[other]), reverse=True)
+    return list(order)
 
 
 def natural_positions(names: Iterable[str], joints: list[Joint]) -> dict[str, float]:
     """Coordinates at which the connections have their lengths, on ways from the ground, or from a body set to 0."""
+    names = list(names)
     places: dict[str, float] = {}
+    tied: dict[str, list[Joint]] = {name: [] for name in (GROUND, *names)}
+    for joint in joints:
+        if joint.length is not None:
+            for end in joint.ends:
+                tied[end].append(joint)
     for start in (GROUND, *names):
         if start in places:
             continue
         places[start] = 0.0
         reached = [start]
         for body in reached:
-            for joint in joints:
-                if body in joint.ends and joint.length is not None and joint.other(body) not in places:
+            for joint in tied[body]:
+                if joint.other(body) not in places:
                     sign = 1.0 if body == joint.start else -1.0
                     places[joint.other(body)] = places[body] + sign * joint.length
                     reached.append(joint.other(body))

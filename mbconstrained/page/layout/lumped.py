@@ -21,7 +21,7 @@ from .ties import PULLEY, Tie, lever_tie, pulley_tie, rack_tie
 from .wheels import Train
 
 
-def lumped_drawing(elements: Iterable[Element], names, values=None) -> Drawing:
+def lumped_drawing(elements: Iterable[Element], names, values=None, scale=None, turn_scale=None) -> Drawing:
     """A drawing of a lumped model that shows what is joined to what; distances are schematic, motion is to scale.
 
     A body stands at its place in the layout plus its displacement from the state in which all springs and rods have
@@ -31,6 +31,7 @@ def lumped_drawing(elements: Iterable[Element], names, values=None) -> Drawing:
         elements: of the model, bodies and what joins them.
         names: r coordinate names, the bodies' names.
         values: the motion (r, T) or typical values (r,), by which the magnification is chosen; None for 1.
+        scale, turn_scale: the magnification of displacements and of angles, where it shall not be chosen.
 
     Raises:
         InputError: repeated names, values of another shape, NaN or infinity.
@@ -44,13 +45,13 @@ def lumped_drawing(elements: Iterable[Element], names, values=None) -> Drawing:
     """
     names = names_of(names, len(names), "drawing, names", "x")
     motion = {} if values is None else dict(zip(names, rows_of(values, len(names))))
-    return _Sketch(tuple(elements), motion).drawing()
+    return _Sketch(tuple(elements), motion, scale, turn_scale).drawing()
 
 
 class _Sketch:
     """A model on its way to a drawing; ``motion`` has the typical values (T,) of each coordinate, if any are known."""
 
-    def __init__(self, elements: tuple[Element, ...], motion: dict[str, np.ndarray]):
+    def __init__(self, elements: tuple[Element, ...], motion: dict[str, np.ndarray], scale=None, turn_scale=None):
         self.elements = elements
         bodies = self._all(ModelBody)
         self.turning = [body.name for body in bodies if body.unit == "rad"]
@@ -61,13 +62,15 @@ class _Sketch:
         self.slides = [joint for joint in joints if joint.ends <= {GROUND, *self.sliding}]
         self.twists = [joint for joint in joints if joint.ends <= {GROUND, *self.turning}]
         self.natural = natural_positions(self.sliding, self.slides)
-        self.scale = self._scale(motion)
-        self.turn_scale = angle_scale([motion[name] for name in self.turning if name in motion])
+        turns = [motion[name] for name in self.turning if name in motion]
+        self.scale = self._scale(motion) if scale is None else scale
+        self.turn_scale = angle_scale(turns) if turn_scale is None else turn_scale
 
     def drawing(self) -> Drawing:
         """Everything in place."""
         pieces = self._chains() + self._trains()
-        ties = list(filter(None, (self._tie(element, pieces) for element in self.elements)))
+        home = {name: piece for piece in pieces for name in piece.names}
+        ties = list(filter(None, (self._tie(element, home) for element in self.elements)))
         pieces += [tie.piece for tie in ties if tie.piece]
         whole = stacked(assembled(pieces, [mate for tie in ties for mate in tie.mates]))
         links = (*whole.links, *(link for tie in ties for link in tie.links))
@@ -107,9 +110,8 @@ class _Sketch:
         racked = frozenset(rack.gear for rack in self._all(Rack) if rack.radius > 0)
         return [Train(group, self.massless, self.twists, gears, racked).piece() for group in groups(self.turning, pairs)]
 
-    def _tie(self, element: Element, pieces: list[Piece]) -> Tie | None:
+    def _tie(self, element: Element, home: dict[str, Piece]) -> Tie | None:
         """What a lever, a rack or a pulley adds; None for anything else, and for a lever between bodies of one chain."""
-        home = {name: piece for piece in pieces for name in piece.names}
         if isinstance(element, Pulley):
             return pulley_tie(element, self.scale / (PULLEY * self.turn_scale))
         if isinstance(element, Rack):

@@ -1,0 +1,190 @@
+// Plots: cursors at the time that is shown, values of the curves beside their names at the time of the pointer or else of
+// the cursor, and names that show and hide their curves. A press or a drag in a plot goes to its time, where there is a
+// motion that can: plots.seek is then its function.
+const cells = 10000; // of the square in which curves are written, as wide and as high as the axes
+const plots = { all: [], seek: null, time: null, hover: null };
+const svgNamespace = "http://www.w3.org/2000/svg";
+
+class PlottedCurve {
+  constructor(plot, path, entry) {
+    this.plot = plot;
+    this.path = path;
+    this.button = entry.querySelector("button");
+    this.value = entry.querySelector(".value");
+    this.points = pointsOf(path.getAttribute("d"));
+    this.dot = plot.add("circle", { class: path.getAttribute("class").replace("off", ""), r: 4, visibility: "hidden" });
+    this.button.addEventListener("click", () => this.toggle());
+    for (const [event, lit] of [["pointerenter", true], ["pointerleave", false], ["focus", true], ["blur", false]]) {
+      this.button.addEventListener(event, () => this.light(lit && this.shown));
+    }
+  }
+
+  get shown() {
+    return !this.path.classList.contains("off");
+  }
+
+  toggle() {
+    const off = this.path.classList.toggle("off");
+    this.button.setAttribute("aria-pressed", !off);
+    this.light(!off);
+    this.plot.show();
+  }
+
+  light(lit) {
+    this.path.classList.toggle("lit", lit);
+    this.plot.svg.classList.toggle("dim", lit);
+  }
+
+  // The point at a share of the time of the plot, between its neighbours.
+  at(share) {
+    const along = this.plot.phase ? this.plot.moments : this.points.x;
+    const last = this.points.x.length - 1;
+    const position = along ? place(along, share * cells) : share * last;
+    const key = Math.min(last - 1, Math.floor(position));
+    const between = (numbers) => numbers[key] + (position - key) * (numbers[key + 1] - numbers[key]);
+    return [between(this.points.x), between(this.points.y)];
+  }
+
+  show(share) {
+    const there = share !== null && this.shown;
+    this.dot.setAttribute("visibility", there ? "visible" : "hidden");
+    this.value.textContent = there ? this.tell(...this.at(share)) : "";
+  }
+
+  tell(x, y) {
+    this.dot.setAttribute("cx", `${(100 * x) / cells}%`);
+    this.dot.setAttribute("cy", (this.plot.height * y) / cells);
+    const up = this.plot.up.text(1 - y / cells);
+    return this.plot.phase ? `${this.plot.across.text(x / cells)}, ${up}` : up;
+  }
+}
+
+class PlottedFigure {
+  constructor(svg) {
+    this.svg = svg;
+    this.height = svg.clientHeight || 214;
+    this.start = Number(svg.dataset.start);
+    this.end = Number(svg.dataset.end);
+    this.phase = "moments" in svg.dataset;
+    this.moments = svg.dataset.moments ? sums(svg.dataset.moments.split(" ").map(Number)) : null;
+    this.across = new Scale(svg.dataset.across, svg.dataset.acrossUnit);
+    this.up = new Scale(svg.dataset.up, svg.dataset.upUnit);
+    this.cursor = this.add("line", { class: "cursor", y2: this.height, visibility: "hidden" });
+    this.pointer = this.add("line", { class: "pointer", y2: this.height, visibility: "hidden" });
+    this.told = this.add("text", { class: "told", y: -3, "text-anchor": "middle" });
+    const entries = svg.closest("figure").querySelectorAll(".legend li");
+    this.curves = [...svg.querySelectorAll("path")].map((path, i) => new PlottedCurve(this, path, entries[i]));
+    svg.addEventListener("pointerdown", (event) => this.press(event));
+    svg.addEventListener("pointermove", (event) => this.move(event));
+    for (const end of ["pointerleave", "pointercancel"]) svg.addEventListener(end, () => hover(null));
+  }
+
+  add(tag, attributes) {
+    const element = document.createElementNS(svgNamespace, tag);
+    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+    this.svg.append(element);
+    return element;
+  }
+
+  // Values are those at the pointer, or else at the time that is shown.
+  show() {
+    const [time, pointed] = [this.share(plots.time), this.share(plots.hover)];
+    this.curves.forEach((curve) => curve.show(plots.hover === null ? time : pointed));
+    if (this.phase) return;
+    this.put(this.cursor, time);
+    this.put(this.pointer, pointed);
+    this.told.textContent = pointed === null ? "" : this.across.text(pointed);
+    this.told.setAttribute("x", `${100 * pointed}%`);
+  }
+
+  // The part of the plot's time that has passed, or null where it has no such time.
+  share(time) {
+    const share = time === null ? NaN : (time - this.start) / (this.end - this.start);
+    return share >= 0 && share <= 1 ? share : null;
+  }
+
+  put(line, share) {
+    line.setAttribute("visibility", share === null ? "hidden" : "visible");
+    for (const end of ["x1", "x2"]) line.setAttribute(end, `${(100 * share).toFixed(3)}%`);
+  }
+
+  timeAt(event) {
+    const box = this.svg.getBoundingClientRect();
+    const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
+    const share = this.phase ? this.nearest(x, y, box) : Math.min(1, Math.max(0, x));
+    return this.start + share * (this.end - this.start);
+  }
+
+  // The part of the time at which a phase curve comes nearest to the pointer; where it crosses itself, that next to now.
+  nearest(x, y, box) {
+    const { points } = this.curves[0];
+    const away = points.x.map((px, i) => Math.hypot((px / cells - x) * box.width, (points.y[i] / cells - y) * box.height));
+    const closest = Math.min(...away);
+    const moment = (i) => (this.moments ? this.moments[i] / cells : i / (away.length - 1));
+    const now = this.share(plots.time) || 0;
+    const shares = away.flatMap((distance, i) => (distance < closest + 5 ? [moment(i)] : []));
+    return shares.reduce((best, share) => (Math.abs(share - now) < Math.abs(best - now) ? share : best));
+  }
+
+  press(event) {
+    if (event.button !== 0) return;
+    this.svg.setPointerCapture(event.pointerId);
+    if (plots.seek) plots.seek(this.timeAt(event));
+    hover(this.timeAt(event));
+  }
+
+  move(event) {
+    const time = this.timeAt(event);
+    if (plots.seek && event.buttons === 1 && this.svg.hasPointerCapture(event.pointerId)) plots.seek(time);
+    hover(time);
+  }
+}
+
+// An axis: what its ends stand for, how many digits are known, the unit.
+class Scale {
+  constructor(ends, unit) {
+    [this.low, this.high, this.digits] = ends.split(" ").map(Number);
+    this.unit = unit;
+  }
+
+  text(share) {
+    const number = (this.low + share * (this.high - this.low)).toFixed(this.digits).replace(/^-(?=[0.]*$)/, "");
+    return `${number.replace("-", "−")} ${this.unit}`.trim();
+  }
+}
+
+// "M0 5l1 2 3-4": a first point, then the way from each point to the next.
+function pointsOf(data) {
+  const numbers = data.match(/-?\d+/g).map(Number);
+  return { x: sums(numbers.filter((_, i) => i % 2 === 0)), y: sums(numbers.filter((_, i) => i % 2 === 1)) };
+}
+
+function sums(numbers) {
+  let total = 0;
+  return numbers.map((number) => (total += number));
+}
+
+// The position of a number in an ascending list: 2.5 is half way between the third entry and the fourth.
+function place(list, number) {
+  let [low, high] = [0, list.length - 1];
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (list[middle] <= number) low = middle;
+    else high = middle;
+  }
+  return low + Math.min(1, Math.max(0, (number - list[low]) / (list[high] - list[low] || 1)));
+}
+
+function hover(time) {
+  plots.hover = time;
+  plots.all.forEach((plot) => plot.show());
+}
+
+function showInPlots(time) {
+  plots.time = time;
+  plots.all.forEach((plot) => plot.show());
+}
+
+for (const svg of document.querySelectorAll("svg.plot")) {
+  if (svg.querySelector("path")) plots.all.push(new PlottedFigure(svg));
+}

@@ -1,0 +1,28 @@
+// Unpacks what was compressed and runs it: first the viewer, then the data, then the page's own script, which alone may run.
+(async function () {
+  "use strict";
+
+  async function unpacked(element) {
+    const bytes = Uint8Array.from(atob(element.textContent), (letter) => letter.charCodeAt(0));
+    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+    return new Response(stream).text();
+  }
+
+  function add(name, text) {
+    const script = document.createElement("script");
+    if (name === "motion-data") Object.assign(script, { type: "application/json", id: name });
+    script.textContent = text;
+    document.body.append(script);
+  }
+
+  if (!("DecompressionStream" in window)) {
+    document.getElementById("stage").classList.add("unavailable");
+    document.querySelector(".missing").textContent =
+      "The moving picture on this page is compressed, and this browser is too old to unpack it: " +
+      "use a newer one, or write the page without compressing it.";
+    return;
+  }
+  const packed = [...document.querySelectorAll("[data-holds]")];
+  const texts = await Promise.all(packed.map(unpacked));
+  packed.forEach((element, i) => add(element.dataset.holds, texts[i]));
+})();

@@ -1,0 +1,85 @@
+"""Pages whose scripts are compressed, or whose viewer lies beside them; large pages; what is said where something is missing."""
+
+import os
+
+import numpy as np
+import pytest
+
+from mbconstrained.page import Animation, Body, Curve, Drawing, Link, PageContent, Plot, modes_html, write_page
+from mbconstrained.page.viewer import VIEWER_FILE
+from tests.page.browser import needs_chromium
+from tests.page.contents import two_masses, two_masses_content
+from tests.page.mode_pages import two_modes
+
+pytestmark = needs_chromium
+
+
+def ready(browser):
+    """Waits until the scripts have been unpacked."""
+    until = "new Promise(resolve => (function look() { window.mbconstrained ? resolve() : setTimeout(look, 20) })())"
+    browser.evaluate(until)
+    return browser.state()
+
+
+@pytest.mark.parametrize("viewer", ["compressed", "beside"])
+def test_the_picture_moves_wherever_its_viewer_comes_from(browser, tmp_path, viewer):
+    page = write_page(tmp_path / "page.html", two_masses_content(), viewer)
+    state = ready(browser.open(page, "#t=1.25"))
+    assert list(state["coordinates"].values()) == pytest.approx(two_masses(np.array([1.25]))[:, 0], rel=1e-11)
+    assert (browser.messages, state["errors"]) == ([], [])
+    files = {"page.html"} | ({VIEWER_FILE} if viewer == "beside" else set())
+    assert {os.path.basename(address) for address in browser.requests} == files == set(os.listdir(tmp_path))
+    assert browser.evaluate("mbconstrained.viewer.renderer.info.render.triangles") > 1000
+    browser.click("#play")
+    browser.wait(0.3)
+    assert browser.state()["time"] > 1.25
+
+
+@pytest.mark.parametrize("viewer", ["compressed", "beside"])
+def test_modes_move_too(browser, tmp_path, viewer):
+    page = tmp_path / "modes.html"
+    page.write_text(modes_html(two_modes(), viewer), encoding="utf-8")
+    if viewer == "beside":
+        write_page(tmp_path / "other.html", two_masses_content(), viewer)  # brings the viewer for both
+    assert ready(browser.open(page, "#mode=2&t=0.5"))["mode"] == 2
+    assert (browser.messages, browser.state()["errors"]) == ([], [])
+
+
+def test_a_viewer_that_was_left_behind_is_named_and_the_rest_is_shown(browser, tmp_path):
+    page = write_page(tmp_path / "page.html", two_masses_content(), "beside")
+    (tmp_path / VIEWER_FILE).unlink()
+    browser.open(page)
+    missing = "The 3-D view needs the file mbconstrained-viewer.js, which does not lie beside this page."
+    assert browser.evaluate("document.querySelector('.missing').textContent") == missing
+    browser.click("svg.plot")
+    assert browser.state()["time"] == pytest.approx(25, abs=0.5)
+
+
+def test_a_browser_that_cannot_unpack_says_so_and_shows_plots_and_tables(browser, tmp_path):
+    page = write_page(tmp_path / "page.html", two_masses_content(), "compressed")
+    old = browser.call("Page.addScriptToEvaluateOnNewDocument", source="delete window.DecompressionStream")
+    browser.open(page).wait(0.1)
+    browser.call("Page.removeScriptToEvaluateOnNewDocument", **old)
+    assert "too old to unpack it" in browser.evaluate("document.querySelector('.missing').innerText")
+    assert browser.evaluate("document.querySelectorAll('svg.plot path').length") == 3
+    assert browser.messages == []
+
+
+def test_two_hundred_bodies_and_two_thousand_frames_play(browser, tmp_path):
+    count, times = 200, np.linspace(0, 40, 2001)
+    names = tuple(f"x{i}" for i in range(count))
+    values = np.sin(np.outer(1 + 0.01 * np.arange(count), times))
+    bodies = tuple(Body(f"m{i}", rest=(2 * (i % 20), 3 * (i // 20), 0), moves={name: (0.3, 0, 0)}) for i, name in enumerate(names))
+    links = tuple(Link(f"k{i}", "spring", f"m{i}", f"m{i + 1}") for i in range(count - 1) if i % 20 != 19)
+    plot = Plot("displacement", "m", times, tuple(Curve(name, row) for name, row in zip(names, values)))
+    animation = Animation(Drawing(bodies, links), names, times, values)
+    page = write_page(tmp_path / "page.html", PageContent("many", animation=animation, plots=(plot,)))
+    assert page.stat().st_size < 6e6
+    state = browser.open(page, "#t=20.007").state()
+    assert list(state["coordinates"].values()) == pytest.approx(np.sin((1 + 0.01 * np.arange(count)) * 20.007), abs=1e-5)
+    assert browser.evaluate("mbconstrained.viewer.renderer.info.render.triangles") < 200_000
+    browser.evaluate("window.drawn = 0; mbconstrained.viewer.render = () => { drawn++ }")  # without what a software renderer takes
+    browser.evaluate("mbconstrained.play()")
+    shown = browser.evaluate("new Promise(resolve => setTimeout(() => resolve([drawn, mbconstrained.state().time]), 2000))")
+    assert shown[0] >= 20 and shown[1] > 20.5
+    assert (browser.messages, browser.state()["errors"]) == ([], [])

@@ -1,0 +1,87 @@
+"""Marks in a browser: faint bodies, arrows and lists come and go with the time; a drawing is seen as it asks for."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from mbconstrained.page import Animation, Body, Drawing, PageContent, write_page
+from mbconstrained.page.drawing import View
+from mbconstrained.page.marks import Arrow, LastingForce, Marks, Moment
+from tests.page.browser import needs_chromium
+
+pytestmark = needs_chromium
+
+TIMES = np.linspace(0.0, 50.0, 101)
+X = np.cos(TIMES)
+HOSTILE = "<img src=x onerror=alert(1)>"
+
+#: What is seen: names of the visible objects below bodies and marks, the list, and what is written at arrows.
+SEEN = """(() => {
+    const tree = mbconstrained.viewer.scene_tree;
+    const below = (name) => {
+        const { children } = tree.find(["mbconstrained", name]);
+        return Object.keys(children).filter((child) => children[child].object.visible);
+    };
+    const told = [...document.querySelectorAll(".label.force, .label.strike")].map((label) => label.textContent);
+    return { bodies: below("bodies"), marks: below("marks"), list: document.querySelector(".moment.shown")?.textContent ?? "",
+             told: told.filter(Boolean) };
+})()"""
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    """A cart that jumps and is struck at t = 0 and at t = 20 s, held by a force that is drawn all the time."""
+    bodies = (Body("cart", moves={"x": (1, 0, 0)}), Body("wheel", "disc", rest=(4, 0, 0), turns={"x": (0, -1, 0)}))
+    first = Moment(
+        0.0, ("at t = 0 s", HOSTILE), np.array([0.4]), np.array([1.0]), ((Arrow("cart", (1, 0, 0), "N s"), -3.0, "3 N s"),)
+    )
+    later = Moment(20.0, ("at t = 20 s",), X[40:41], X[40:41], ((Arrow("wheel", (0, -1, 0), "N m s", True), 2.0, "2 N m s"),))
+    force = LastingForce("rod", 5 * X, -5 * np.sin(TIMES), ((Arrow("cart", (0, 0, 1), "N"), 1.0),))
+    drawing = Drawing(bodies, view=View(0.0, 0.0, 2.0), turn=(0.0, -math.pi / 2, 0.0))
+    given = Animation(drawing, ("x",), TIMES, [X], [-np.sin(TIMES)], Marks((first, later), (force,)))
+    return write_page(tmp_path_factory.mktemp("marks") / "page.html", PageContent("Struck", animation=given))
+
+
+def test_marks_come_and_go_with_the_time(browser, page):
+    state = browser.open(page, "#t=0").state()
+    assert (state["errors"], browser.messages, browser.dialogs) == ([], [], [])
+    assert state["coordinates"] == pytest.approx({"x": 1.0, "force: rod": 5.0})
+    seen = browser.evaluate(SEEN)
+    assert seen == {
+        "bodies": ["body 0", "body 1", "before 0"],
+        "marks": ["force 0 0", "strike 0 0"],
+        "list": f"at t = 0 s\n{HOSTILE}",
+        "told": ["5 N", "3 N s"],
+    }
+    seen = browser.evaluate(f"mbconstrained.seek(10), {SEEN}")
+    assert (seen["bodies"], seen["marks"], seen["list"]) == (["body 0", "body 1"], ["force 0 0"], "")
+    assert seen["told"] == [f"{abs(5 * math.cos(10)):.3g} N"]
+    seen = browser.evaluate(f"mbconstrained.seek(20.5), {SEEN}")
+    assert (seen["list"], seen["told"][-1]) == ("at t = 20 s", "2 N m s") and "strike 1 0" in seen["marks"]
+    assert browser.evaluate(f"mbconstrained.seek(0.1), {SEEN}.list.split('\\n')[0]") == "at t = 0 s"
+    box = "document.querySelector('{}').getBoundingClientRect()".format
+    below = f"{box('.moments')}.top - {box('#stage')}.bottom"
+    assert browser.evaluate(below) == pytest.approx(0, abs=1)  # the list is below the model, not over it
+
+
+def test_a_turned_drawing_moves_the_way_it_was_turned_to(browser, page):
+    heights = """(() => {
+        const tree = mbconstrained.viewer.scene_tree;
+        const cart = tree.find(["mbconstrained", "bodies", "body 0"]).object;
+        return [0, Math.PI].map((time) => {
+            mbconstrained.seek(time);
+            cart.updateMatrixWorld(true);
+            return cart.matrixWorld.elements.slice(12, 15);
+        });
+    })()"""
+    (x, up, _), (x_later, up_later, _) = browser.open(page).evaluate(heights)
+    assert (x, x_later) == pytest.approx((0, 0), abs=1e-6) and up - up_later == pytest.approx(2.0, abs=1e-3)
+
+
+def test_the_view_is_the_one_that_is_asked_for(browser, page):
+    eye = "(({ position, zoom }) => [position.x, position.z, zoom])(mbconstrained.viewer.camera)"
+    x, z, zoom = browser.open(page).evaluate(eye)
+    assert abs(x) < 0.01 * z and zoom == 2  # in front, on the axis that comes towards the viewer
+    assert json.loads(browser.evaluate("document.getElementById('motion-data').textContent"))["figure"]["view"]["zoom"] == 2
