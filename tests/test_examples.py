@@ -209,6 +209,14 @@ def test_flexible_joint_agrees_with_its_two_bodies():
 def test_every_example_is_in_the_index_and_has_a_test():
     names = {path.name for path in EXAMPLES.glob("*.toml")}
     assert set(re.findall(r"\((\w+\.toml)\)", (EXAMPLES / "README.md").read_text("utf-8"))) == names
+
+
+def test_every_scene_has_a_thumbnail_in_the_index():
+    names = {path.stem for path in EXAMPLES.glob("*.toml")}
+    pictures = {path.stem: path.read_bytes() for path in (EXAMPLES / "thumbnails").glob("*")}
+    assert set(pictures) == names, "python examples/thumbnails.py NAME.toml makes one"
+    assert set(re.findall(r'src="thumbnails/(\w+)\.png"', (EXAMPLES / "README.md").read_text("utf-8"))) == names
+    assert all(content[1:4] == b"PNG" and len(content) <= 25_000 for content in pictures.values())
     tested = "".join((Path(__file__).parent / file).read_text("utf-8") for file in TESTS)
     assert [name for name in sorted(names) if f'"{name.removesuffix(".toml")}"' not in tested] == []
 
