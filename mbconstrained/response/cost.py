@@ -19,8 +19,9 @@ LEAST_STATES = 48
 GENERAL, GENERAL_SMALL = 40.0, 12000.0
 SYMMETRIC, SYMMETRIC_SMALL = 1.5, 1000.0
 
-#: Of modes by way of a tree (``linalg.quadratic_modes``), times the number of states to the power of 1.5.
-CHAIN = 2e5
+#: Of modes by way of a tree (``linalg.quadratic_modes``), times the number of states to the power of 1.5; up to some 400 states that is
+#: half of what they take: they have a digit more than powers.
+CHAIN = 7e4
 
 
 def decomposition_cost(reduction: Reduction) -> float:
