@@ -185,16 +185,25 @@ def _scaled(values, exponents):
 
 
 def _cluster_states(block, start, times) -> np.ndarray:
-    half = _upper_half(block)
+    """Shifted by the middle of its zeros; where these have turned about it by then, the two halves each by their own middle.
+
+    Before that the halves are large and cancel: zeros a +- i w with a chain between them have not come apart at w t < 1.
+    """
+    shift, half = np.trace(block) / len(block), _upper_half(block)
     if half is None:
-        shift = np.trace(block) / len(block)
         return _shifted_states(block - shift * np.eye(len(block)), shift, start, times)
     basis, triangle, rows = half
-    shift = np.trace(triangle) / len(triangle)
-    rest = triangle - shift * np.eye(len(triangle))
-    is_pair = len(rest) == 2 and np.abs(rest[0, 0].real) * times.max(initial=0.0) < MODERATE
-    states = (_pair_states if is_pair else _shifted_states)(rest, shift, rows @ start, times)
-    return 2 * (basis @ states).real
+    middle = np.trace(triangle) / len(triangle)
+    turned = middle.imag * times > 1.0
+    start, states = np.broadcast_to(start, (len(block), len(times))), np.empty((len(block), len(times)))
+    if not turned.all():
+        states[:, ~turned] = _shifted_states(block - shift * np.eye(len(block)), shift, start[:, ~turned], times[~turned])
+    if turned.any():
+        rest, later = triangle - middle * np.eye(len(triangle)), times[turned]
+        is_pair = len(rest) == 2 and np.abs(rest[0, 0].real) * later.max() < MODERATE
+        parts = (_pair_states if is_pair else _shifted_states)(rest, middle, rows @ start[:, turned], later)
+        states[:, turned] = 2 * (basis @ parts).real
+    return states
 
 
 def _pair_states(rest, shift, start, times) -> np.ndarray:

@@ -165,3 +165,17 @@ def test_many_times_are_taken_in_chunks(monkeypatch):
     block, times = triangle([-1.0] * 4), np.linspace(0, 3, 17)
     known = np.array([reference(block, START[:4], time) for time in times]).T
     assert np.allclose(block_states([block], START[:4], times), known, rtol=1e-12)
+
+
+@pytest.mark.parametrize("w", [3e-9, 1e-6, 1e-3, 0.3])
+def test_pairs_in_a_chain_that_hardly_turn_about_their_middle(w):
+    """e^{J t} of [[R, I], [0, R]] is e^{a t} [[Q, t Q], [0, Q]], Q = [[cos w t, c sin(w t)/w], [-w sin(w t)/c, cos w t]]."""
+    a, c, start = -3.0, 6.25, np.array([0.3, -0.7, 0.5, 0.2])
+    R = np.array([[a, c], [-(w**2) / c, a]])
+    block, times = np.block([[R, np.eye(2)], [np.zeros((2, 2)), R]]), np.linspace(0.0, 12.0, 7)
+    expected = []
+    for t in times:
+        Q = np.exp(a * t) * np.array([[np.cos(w * t), c * np.sinc(w * t / np.pi) * t], [-w * np.sin(w * t) / c, np.cos(w * t)]])
+        expected.append(np.block([[Q, t * Q], [np.zeros((2, 2)), Q]]) @ start)
+    found, expected = block_states([block], start, times), np.array(expected).T
+    assert np.allclose(found, expected, rtol=1e-12, atol=1e-14 * np.abs(expected).max(axis=0))
