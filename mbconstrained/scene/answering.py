@@ -1,4 +1,4 @@
-"""How every command of the command line answers: read the scene, do the work, and leave with the exit code that tells how it went."""
+"""How each command answers: it reads the scene, does the work, and leaves with the exit code that tells how it went."""
 
 from __future__ import annotations
 
@@ -41,10 +41,15 @@ def leave(name: str, json: bool, work: Callable[[], int | None]) -> None:
         named = str(problem) if isinstance(problem, SceneError) else f"{name}: {problem}"
         code = show_error(named, json, SCENE_WRONG)
     except OSError as problem:
-        code = show_error(f"the results cannot be written: {problem}", json, COMMAND_WRONG)
+        code = show_error(f"the results cannot be written: {_cause(problem)}", json, COMMAND_WRONG)
     except MemoryError:
         code = show_error(f"{name}: this needs more memory than there is; ask for fewer points", json, SCENE_WRONG)
     raise typer.Exit(code)
+
+
+def _cause(problem: OSError) -> str:
+    """The file and what the system says of it."""
+    return f"{problem.filename}: {problem.strerror}" if problem.filename and problem.strerror else str(problem)
 
 
 def _read(path: str, settings: Mapping[str, Any]) -> Scene:
@@ -55,4 +60,4 @@ def _read(path: str, settings: Mapping[str, Any]) -> Scene:
     try:
         return read_scene(path, settings)
     except OSError as problem:
-        raise SceneError(f"{Path(path).name}: the scene or a file of it cannot be read: {problem}") from None
+        raise SceneError(f"{Path(path).name}: the scene or a file of it cannot be read: {_cause(problem)}") from None

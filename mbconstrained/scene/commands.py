@@ -200,7 +200,7 @@ def _moment(still: str) -> float | None:
     except InputError as problem:
         raise typer.BadParameter(f"{problem}", param_hint="--still") from None
     if browser() is None:
-        raise typer.BadParameter(NONE_INSTALLED, param_hint="--still")
+        raise typer.BadParameter(f"{NONE_INSTALLED}; install one, or leave it out", param_hint="--still")
     return time
 
 

@@ -54,12 +54,13 @@ def write_template(path: Path, template: str = "") -> str:
         template: left out: the one that the file is named after, or the one to begin with.
 
     Raises:
-        InputError: no such template, no such folder, a name that no scene can have.
+        InputError: no such template, a name that no scene can have.
+        FileNotFoundError: there is no such folder.
         FileExistsError: a file is there already; nothing is written then.
     """
     path = _scene_path(path)
     if not path.parent.is_dir():
-        raise InputError(f"there is no folder {quoted(path.parent.as_posix())}; make it first")
+        raise FileNotFoundError(None, "there is no such folder; make it first", str(path.parent))
     named = path.stem.replace("_", "-")
     template = template or (named if named in template_names() else DEFAULT)
     schema = f"#:schema ./{SCHEMA_FILE}\n" if path.with_name(SCHEMA_FILE).is_file() else ""

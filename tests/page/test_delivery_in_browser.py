@@ -1,5 +1,6 @@
 """Pages whose scripts are compressed, or whose viewer lies beside them; large pages; what is said where something is missing."""
 
+import json
 import os
 
 import numpy as np
@@ -78,6 +79,16 @@ def test_two_hundred_bodies_and_two_thousand_frames_play(browser, tmp_path):
     state = browser.open(page, "#t=20.007").state()
     assert list(state["coordinates"].values()) == pytest.approx(np.sin((1 + 0.01 * np.arange(count)) * 20.007), abs=1e-5)
     assert browser.evaluate("mbconstrained.viewer.renderer.info.render.triangles") < 200_000
+    reach = """((time) => {
+        mbconstrained.seek(time);
+        const { scale, geometry } = mbconstrained.viewer.scene_tree.find(["mbconstrained", "links", "link 9", "<object>"]).object;
+        geometry.computeBoundingBox();
+        return scale.x * geometry.boundingBox.max.x;
+    })"""
+    unit = json.loads(browser.evaluate("document.getElementById('motion-data').textContent"))["figure"]["unit"]
+    first, later = (browser.evaluate(f"{reach}({float(times[key])!r})") for key in (0, 900))
+    assert (later - first) * unit == pytest.approx(0.3 * (values[10, 900] - values[9, 900]), abs=1e-3)  # it stays at its bodies
+    browser.evaluate("mbconstrained.seek(20.007)")
     browser.evaluate("window.drawn = 0; mbconstrained.viewer.render = () => { drawn++ }")  # without what a software renderer takes
     browser.evaluate("mbconstrained.play()")
     shown = browser.evaluate("new Promise(resolve => setTimeout(() => resolve([drawn, mbconstrained.state().time]), 2000))")

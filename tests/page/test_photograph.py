@@ -11,6 +11,7 @@ from PIL import Image
 
 from mbconstrained.errors import InputError, MbconstrainedError
 from mbconstrained.page import photograph as module
+from mbconstrained.page.marks import Marks, Moment
 from mbconstrained.page.photograph import photograph
 from tests.page.browser import needs_chromium
 from tests.page.contents import two_masses_content
@@ -25,6 +26,16 @@ def test_the_picture_shows_the_model_at_its_time(tmp_path):
     assert first.shape == (300, 480, 3) and (first == again).all()
     assert np.abs(first - later).max() > 60
     assert len(np.unique(first.reshape(-1, 3), axis=0)) > 100  # shaded bodies, and no message in their place
+
+
+@needs_chromium
+def test_what_jumps_is_told_below_the_model():
+    start = ANIMATION.values[:, 0]
+    jump = Marks((Moment(0.0, ("at t = 0 s", "x1 jumps"), start, start),))
+    pictures = [photograph(replace(ANIMATION, marks=jump), at, 480, 300) for at in (0, 9.0)]
+    told, later = (np.asarray(Image.open(io.BytesIO(png)).convert("L"), dtype=int)[-40:] for png in pictures)
+    assert told[:, :150].min() < 100 < told[:, 150:].min()  # letters on the left, and no shadow of the model behind them
+    assert later[:, :150].min() > 100
 
 
 @pytest.mark.parametrize("wrong", [-1.0, 51.0, float("nan"), "now"])

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from tests.scene.scenes import COEFFICIENTS, EXAMPLES, scene_of
+from tests.scene.scenes import COEFFICIENTS, EXAMPLES, OSCILLATOR, scene_of
 
 from mbconstrained.notices import Notice
 from mbconstrained.scene import read_scene
@@ -76,6 +76,14 @@ def test_nothing_is_said_where_nothing_happens():
     assert folded((drift,), 0, 0) == (drift,)
     assert [notice.text for notice in folded((), 1, 0)] == ["At t = 0 there is 1 jump; the tables give the sizes"]
     assert [notice.kind for notice in folded((), 0, 2)] == ["impulse"]
+
+
+def test_a_forgotten_start_is_told(tmp_path):
+    forgotten = OSCILLATOR.replace("cart = 0.1", "cart = 0")
+    assert [str(notice) for notice in scene_of(tmp_path, forgotten).run().notices] == [
+        "note (at rest): nothing moves: neither the start nor a force sets anything in motion"
+    ]
+    assert scene_of(tmp_path, OSCILLATOR).run().notices == ()
 
 
 def test_zeros_of_coefficients_stand_in_the_columns_of_modes():

@@ -64,7 +64,7 @@ def test_what_is_wrong_is_told(command):  # noqa: F811
     code, _, err = command("new", "a.toml", "--template", "gaers")
     assert code == 1 and 'there is no template "gaers"; did you mean "gears"?; there are two-masses' in err
     code, _, err = command("new", "no/folder/a.toml")
-    assert code == 2 and "cannot be written" in err
+    assert code == 2 and "cannot be written: no/folder: there is no such folder; make it first" in err
     with pytest.raises(InputError, match="expected one without quotes and backslashes"):
         write_template(_folder() / 'a"b.toml')
 

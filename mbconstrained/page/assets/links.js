@@ -84,10 +84,16 @@ class Spring {
     this.turns = Math.round(Math.min(24, Math.max(6, 7 * reach.mean)));
     this.wire = new Wire(this.turns * 18, 0.026, "#5a6b7b");
     this.object = this.wire.object;
+    this.drawn = NaN; // the length for which the wire was drawn
   }
 
   update(from, to) {
     const length = lay(this.object, from.position, to.position);
+    const stretched = length / this.drawn;
+    const near = detail.coarse && stretched > 0.6 && stretched < 1.6; // of many springs the wires need not stay quite round
+    this.object.scale.x = near ? stretched : 1;
+    if (near) return;
+    this.drawn = length;
     const lead = Math.min(0.12, 0.15 * length);
     this.wire.follow((s, point, normal) => {
       const coil = ramp(s, 0.06, 0.94);

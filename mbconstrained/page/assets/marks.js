@@ -129,6 +129,7 @@ class Moments {
     if (this.shown >= 0) this.hide(this.made[this.shown]);
     this.shown = shown;
     this.lists.forEach((list, i) => list.classList.toggle("shown", i === shown));
+    if (this.stage.pane.clientHeight !== this.stage.size[1]) this.stage.fit(); // a still picture has room for this list only
     if (shown < 0) return;
     this.made[shown] = this.made[shown] || this.make(shown);
     this.made[shown].object.visible = true;
