@@ -148,6 +148,8 @@ def _balancing(size: np.ndarray, first: np.ndarray) -> np.ndarray:
 
 
 def _balanced(size: np.ndarray, first: np.ndarray) -> np.ndarray:
+    if not len(size):  # LAPACK takes no empty equations
+        return np.ones(0)
     pattern = size > 0
     alone = 1.0 - pattern.any(axis=0)
     np.fill_diagonal(pattern, False)

@@ -57,8 +57,10 @@ def _reduction_of(A: PolynomialMatrix) -> Reduction | None:
     rest = np.concatenate([second, first])
     K, C = product(A0[rest], V), product(A1[rest], V)
     largest = max(own, condition(M), condition(C[m:, m:]) if len(first) else 1.0)
+    if not largest <= MOST_CONDITION:  # a row may be left without anything
+        return None
     floor, powers = lowest(M, C, K)
-    if largest > MOST_CONDITION or powers.any() and _is_doubtful(powers, A0[rest] @ V, A1[rest] @ V):
+    if powers.any() and _is_doubtful(powers, A0[rest] @ V, A1[rest] @ V):
         return None
     equations, sums = (M, C, K), None
     if not _is_regular(floor):

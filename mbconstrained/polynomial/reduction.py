@@ -31,7 +31,7 @@ from ..linalg.scaling import balancing_units
 from ..linalg.sparse import divided, is_semidefinite, is_symmetric, without_noise
 from ..linalg.structured import StructuredModes
 from ..linalg.symmetric import symmetric_modes
-from ..tolerances import EPS
+from ..tolerances import EPS, noise_of
 from .conserved import Conserved, decoupled_beside
 from .refinement import refined
 
@@ -153,6 +153,14 @@ class Reduction:
         residual = np.abs(parts.inverse @ (S @ parts.basis) - J).max() / (np.abs(J).max() or 1.0)
         sizes = ((parts.basis / units) ** 2).sum(axis=0) * ((parts.inverse.T * units) ** 2).sum(axis=0)
         return bool(max(off, residual) <= EPS**0.75 and sizes.max() <= MOST_AMPLIFIED**2)
+
+    @cached_property
+    def is_driven_apart(self) -> bool:
+        """Whether something grows and not all states drive each other: what drives has no part in it, but rounding would give it one."""
+        zeros = self.zeros
+        if not (zeros.real > noise_of(np.abs(zeros).max(initial=0.0))).any():
+            return False
+        return connected_components(csr_array(self.generator), connection="strong")[0] > 1
 
     @property
     def is_free(self) -> bool:

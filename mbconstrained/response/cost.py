@@ -72,7 +72,7 @@ def way_of(reduction: Reduction | None, times: int, turned: float | None, steps:
         steps: the cost from knot to knot where the times are the even knots of a record, None for others.
     """
     if reduction is None:
-        return Way("pairs", "by the Jordan pairs: the model or its start is not plain")
+        return Way("pairs", "by the Jordan pairs: the model, its start or its force is not plain")
     if reduction.is_small:
         return Way("eigenvectors", f"by eigenvectors: {reduction.state_count} states are few")
     modes = decomposition_cost(reduction)

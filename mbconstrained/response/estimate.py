@@ -60,8 +60,8 @@ def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] 
     change = max(_largest_change(lambda: view(other)(times) - values, largest) for other in x.moved)
     written = 0.0 if x.written is None else _largest_change(lambda: view(x.written)(times) - values, largest)
     change = max(change, written if written > ROUNDED_FREE * largest else 0.0)
-    phase = EPS / 2 * float(np.abs(times * view(x).derivative()(times)).max())  # zeros are known to half a unit at best
-    estimate = max((PRECISE_SAFETY if x.solution.is_precise else SAFETY) * change, phase) / largest
+    phase = EPS / 2 * float(np.abs(times * (view(x).derivative()(times) / largest)).max())  # zeros are known to half a unit at best
+    estimate = max((PRECISE_SAFETY if x.solution.is_precise else SAFETY) * (change / largest), phase)
     return max(estimate, LEAST if x.solution.structure_is_clear else UNCLEAR_ERROR)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import scipy.sparse
 
 from ..checks import real_array, real_number, whole_number
+from ..linalg.blocks import block_slices
 from ..linalg.exponential import CHUNK_ENTRIES
 from ..linalg.kinds import Matrix, alike, below, beside, full, nothing
 from ..linalg.oscillations import even_step
@@ -23,6 +24,7 @@ from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from .cost import decomposition_cost, stepping_cost
 from .driven import Driven
+from .forcing import units_of_pieces
 from .pieces import Pieces
 from .records import record_values
 from .regular import FinitePart, driven_motion
@@ -30,6 +32,9 @@ from .regular import FinitePart, driven_motion
 #: The Taylor series serves for |S t| <= EARLY, with so many terms: 2^27/27! is far below EPS. After a start from rest sums of modes
 #: still cancel there, by as many digits as a force begins slowly.
 EARLY, TERMS = 2.0, 27
+
+#: Pieces of a force larger than this are not measured as they are: products of such units leave the range of float64.
+STEEPEST = 2.0**100
 
 #: Fewer times than these are not worth the powers of e^{S h}.
 FEW_TIMES = 32
@@ -107,7 +112,12 @@ class Flow:
         m, free = smooth.coefficients.shape[1], self.reduction.decoupled
         if not m:
             return BohlFunction(np.zeros((0, n)), free.blocks, free.coordinates(self.start)), free.coupling
-        driven = Driven(full(self.drive), smooth.generator, np.eye(n + m)[:, n:], np.ones(m))
+        units = np.ones(m)
+        for block, at in zip(smooth.blocks, block_slices(smooth.blocks)):
+            found = units_of_pieces(smooth, block, at)
+            units[at] = found if found is not None and found.max() <= STEEPEST else 1.0
+        generator, through = smooth.generator * units / units[:, None], np.eye(n + m)[:, n:] * units
+        driven = Driven(full(self.drive) * units, generator, through, units)
         kicks = np.broadcast_to(np.zeros((n, 1)), (n, len(self.knots) - 1))
         part = FinitePart(free, scipy.sparse.eye_array(n + m, n), driven, self.start, kicks, 1.0, np.ones(n + m))
         return driven_motion(part, self.force)

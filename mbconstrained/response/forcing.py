@@ -64,17 +64,23 @@ def scaled_impulses(form: WeierstrassForm, impulses) -> tuple[np.ndarray, ...]:
 
 
 def _units(smooth: BohlFunction, time: float) -> np.ndarray:
-    """Powers of two that the states of the force are measured in.
-
-    The states of pieces are as large as they are: polynomials of short pieces have large derivatives, and what is far
-    from the size of the others could not be told from a slow zero of A(s).
-    """
+    """Powers of two that the states of the force are measured in."""
     units = [np.ones(0)]
     for block, at in zip(smooth.blocks, block_slices(smooth.blocks)):
-        largest = np.abs(smooth.restarts.states[at]).max(axis=1)
-        pieces = isinstance(smooth.start, Restarts) and _level(block) == 1 and (largest > 0).all() and np.isfinite(largest).all()
-        units.append(np.exp2(np.round(np.log2(largest))) if pieces else _chain_units(block / time))
+        pieces = units_of_pieces(smooth, block, at)
+        units.append(_chain_units(block / time) if pieces is None else pieces)
     return np.concatenate(units)
+
+
+def units_of_pieces(smooth: BohlFunction, block: np.ndarray, at: slice) -> np.ndarray | None:
+    """Powers of two for the states of one block of pieces, which are as large as they are; None for others.
+
+    Polynomials of short pieces have large derivatives, and what is far from the size of the others could not be told
+    from a slow zero of A(s).
+    """
+    largest = np.abs(smooth.restarts.states[at]).max(axis=1)
+    pieces = isinstance(smooth.start, Restarts) and _level(block) == 1 and (largest > 0).all() and np.isfinite(largest).all()
+    return np.exp2(np.round(np.log2(largest))) if pieces else None
 
 
 def _level(block) -> int:

@@ -56,7 +56,7 @@ class Pieces:
     def of(flow: Flow) -> Pieces | None:
         """None where gaps are few, or long beside the motion."""
         gaps, states = np.diff(flow.knots), flow.force.smooth.restarts.states
-        if len(gaps) < FEW_PIECES:
+        if len(gaps) < FEW_PIECES or not len(states) or not len(flow.start):  # nothing acts, or on nothing that moves
             return None
         short = gaps * balanced_norm(flow.generator) <= SHORT
         long = np.append(~short, True)

@@ -22,6 +22,7 @@ from ..polynomial.matrix import PolynomialMatrix
 from ..polynomial.reduction import Reduction
 from ..signals.impulsive import ImpulsiveSmooth
 from ..tolerances import noise_of, rounding_radius
+from .cancellation import cancels
 from .cost import LEAST_STATES, Way, way_of
 from .events import Event
 from .flow import Flow, FlowFunction
@@ -132,6 +133,8 @@ def reduced_solution(A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveS
             if reduction is None or not fitting(reduction, initial[..., None], force)[0]:
                 return None
             flow, output = flow_of(reduction, initial, force)
+            if reduction.is_small and cancels(flow):
+                return None
             jump = _jump(flow, output, initial)
             events = _events(flow, output, len(initial)) if len(force.knots) > 1 else ()
     except FloatingPointError:  # out of the range of float64 on the way: the general route has units of its own
@@ -144,7 +147,10 @@ def reduction_for(A: PolynomialMatrix, force: ImpulsiveSmooth) -> Reduction | No
     reduction = A.reduction
     if reduction is None or force.impulses or force.later or not reduction.is_finite or _is_stiff(reduction):
         return None
-    return reduction if not reduction.is_small or reduction.is_apart else None
+    if not reduction.is_small:
+        return reduction
+    starts_anew = len(force.knots) > 1  # then sums of modes from knot to knot may cancel at any of them
+    return reduction if not starts_anew and reduction.is_apart and not reduction.is_driven_apart else None
 
 
 def flow_of(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> tuple[Flow, Matrix]:

@@ -116,12 +116,9 @@ def test_a_tolerance_is_no_truth_value(value):
 
 @pytest.mark.parametrize("exponent", [200, 300, 307])
 def test_times_that_float64_cannot_hold_together_are_told(exponent):
-    oscillator, times = mb.PolynomialMatrix([[[1.0]], [[0.5]], [[1.0]]]), np.array([0.1, 0.7, 3.0])
-    force = mb.sampled([0.0, 10.0**-exponent, 1.0], [[0.0, 1.0, 0.0]])
+    oscillator = mb.PolynomialMatrix([[[1.0]], [[0.5]], [[1.0]]])
     with pytest.raises(mb.errors.IllConditioned, match="changes within times too short beside the others"):
-        mb.solve(oscillator, force=force, rank_tolerance=1e-12)
-    x = mb.solve(oscillator, force=force)  # its equations are plain, and nothing has to hold them together
-    assert np.array(x.enclose(times).error_bounds(x(times)), dtype=float).max() <= 1e-15
+        mb.solve(oscillator, force=mb.sampled([0.0, 10.0**-exponent, 1.0], [[0.0, 1.0, 0.0]]))
 
 
 def test_a_response_is_shown_in_one_line():
