@@ -17,6 +17,9 @@ from scipy.linalg import lapack
 from ..tolerances import DECOUPLING_LIMIT
 from .kinds import Matrix
 
+#: Largest number of entries that are made at once (bounds the memory used).
+CHUNK_ENTRIES = 2_000_000
+
 
 @dataclass(frozen=True)
 class BlockDiagonal:

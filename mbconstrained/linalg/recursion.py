@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..tolerances import EPS
-from .blocks import block_slices
-from .exponential import CHUNK_ENTRIES, block_states
+from .blocks import CHUNK_ENTRIES, block_slices
+from .exponential import block_states
 
 #: Fewer steps are taken one by one.
 FEW_STEPS = 64

@@ -13,8 +13,7 @@ import numpy as np
 import scipy.sparse
 
 from ..checks import real_array, real_number, whole_number
-from ..linalg.blocks import block_slices
-from ..linalg.exponential import CHUNK_ENTRIES
+from ..linalg.blocks import CHUNK_ENTRIES, block_slices
 from ..linalg.kinds import Matrix, alike, below, beside, full, nothing
 from ..linalg.oscillations import even_step
 from ..linalg.propagation import Propagator

@@ -17,7 +17,7 @@ from math import ceil, exp, log
 import numpy as np
 
 from ..checks import counted, real_array, whole_number
-from ..linalg.exponential import CHUNK_ENTRIES
+from ..linalg.blocks import CHUNK_ENTRIES
 from ..signals.bohl import BohlFunction
 from ..tolerances import EPS, NOISE_SAFETY
 

@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..linalg.blocks import block_slices
-from ..linalg.exponential import CHUNK_ENTRIES
+from ..linalg.blocks import CHUNK_ENTRIES, block_slices
 from ..linalg.kinds import Matrix
 from ..linalg.recursion import propagators
 from ..signals.bohl import BohlFunction

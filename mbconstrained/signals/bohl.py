@@ -15,8 +15,8 @@ from scipy.linalg import block_diag
 
 from ..checks import counted, evaluation_times, real_array, real_number, whole_number
 from ..errors import InputError, Overflow
-from ..linalg.blocks import block_slices
-from ..linalg.exponential import CHUNK_ENTRIES, BlockGroups, block_states
+from ..linalg.blocks import CHUNK_ENTRIES, block_slices
+from ..linalg.exponential import BlockGroups, block_states
 from ..linalg.oscillations import AT_ONCE, MODERATE, Lasting, Oscillations
 from ..linalg.threads import short_work
 from .chunks import Piece, in_chunks

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..checks import real_array, whole_number
 from ..errors import InputError
-from ..linalg.exponential import CHUNK_ENTRIES
+from ..linalg.blocks import CHUNK_ENTRIES
 
 Piece = tuple[np.ndarray, np.ndarray]
 
