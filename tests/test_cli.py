@@ -12,26 +12,11 @@ from pathlib import Path
 
 import pytest
 
-from mbconstrained import cli
 from mbconstrained.notices import Notice
 from mbconstrained.scene import Result
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TWO_MASSES = str(EXAMPLES / "two_masses.toml")
-
-
-@pytest.fixture
-def command(monkeypatch, capsys, tmp_path):
-    """Run the command line in this process, in a folder of its own: (exit code, output, error output)."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["mbconstrained", *map(str, arguments)])
-        with pytest.raises(SystemExit) as left:
-            cli.main()
-        return left.value.code, *capsys.readouterr()
-
-    return run
 
 
 COMMAND = [sys.executable, "-m", "mbconstrained.cli"]

@@ -4,7 +4,6 @@ import json
 
 import pytest
 from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, scene_of
-from tests.test_cli import command  # noqa: F401  a fixture
 
 from mbconstrained.scene.start_notices import start_notices
 
@@ -61,7 +60,7 @@ def test_equations_that_the_start_breaks_are_told_as_well(tmp_path):
     assert start_notices(read_scene(EXAMPLES / "two_masses.toml").equations) == ()
 
 
-def test_check_prints_them(command, tmp_path):  # noqa: F811
+def test_check_prints_them(command, tmp_path):
     scene_of(tmp_path, with_parts(LOAD, TIE).replace('"ground", "cart"', '"load", "cart"'))
     code, out, _ = command("check", "scene.toml")
     assert code == 0 and "note (rigid body): nothing holds cart and load" in out and 'note (jump): constraint "rod"' in out

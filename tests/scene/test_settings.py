@@ -4,7 +4,6 @@ import json
 
 import pytest
 from tests.scene.scenes import OSCILLATOR, scene_of
-from tests.test_cli import command  # noqa: F401  a fixture
 
 from mbconstrained.errors import SceneError
 from mbconstrained.scene import read_scene
@@ -75,7 +74,7 @@ def test_texts_of_the_command_line_become_values():
     assert [value_of(text) for text in texts] == [3, 300.0, True, [1, 2], "3 N/mm", "=2*k", "", "1\nother = 2", "{a = 1}", "3 N"]
 
 
-def test_every_command_tells_what_was_set(command, tmp_path):  # noqa: F811
+def test_every_command_tells_what_was_set(command, tmp_path):
     scene_of(tmp_path, TEXT)
     words = "k = 2 N/mm"
     for arguments in (["check"], ["plan"], ["modes"], ["formula"], ["run"]):
@@ -91,7 +90,7 @@ def test_every_command_tells_what_was_set(command, tmp_path):  # noqa: F811
 
 
 @pytest.mark.parametrize("text", ["k", "=3", "k="])
-def test_what_is_no_setting_is_the_command_line_wrong(command, tmp_path, text):  # noqa: F811
+def test_what_is_no_setting_is_the_command_line_wrong(command, tmp_path, text):
     scene_of(tmp_path, TEXT)
     code, _, err = command("check", "scene.toml", "--set", text)
     assert code == 2 and f'found "{text}"; expected NAME=VALUE' in err
