@@ -1,7 +1,8 @@
 """How many threads the linear algebra library uses: never more than the user lets it, one where more are in each other's way.
 
 The QR algorithm of LAPACK hands many small pieces of work to its threads and waits for each: with two threads it is at best a
-little faster than with one, and where the processor has other work too it is many times slower.
+little faster than with one, and where the processor has other work too it is many times slower. Meant are the libraries of
+NumPy and SciPy: those that other packages bring and load later are left to them.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ SHORT = 1200
 
 @cache
 def _libraries():
+    import scipy.linalg  # noqa: F401  whose library has a number of threads of its own, and must be there to be found
     from threadpoolctl import ThreadpoolController  # looks through all libraries of the process once
 
     return ThreadpoolController().select(user_api="blas")
