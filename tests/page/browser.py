@@ -7,6 +7,7 @@ import base64
 import json
 import shutil
 import subprocess
+import tempfile
 import time
 import urllib.request
 from pathlib import Path
@@ -30,8 +31,16 @@ HARMLESS = "GPU stall due to ReadPixels"
 KEYS = {" ": 32, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Home": 36, "End": 35, "Escape": 27, "Tab": 9}
 
 
+#: In s; a page that draws with the software renderer on a busy machine takes its time.
+PATIENCE = 60
+
+
+class BrowserEnded(Exception):
+    """The browser, or its tab, is no more, or says nothing; the next page is opened in a new one."""
+
+
 class Browser:
-    """One browser with one tab.
+    """One browser with one tab; a new one where the last has ended.
 
     Attributes:
         messages: what the page has written to the console or thrown since it was opened.
@@ -40,26 +49,39 @@ class Browser:
     """
 
     def __init__(self, folder: Path, *flags: str):
-        self.loop = asyncio.new_event_loop()
-        self.process = subprocess.Popen(
-            [CHROMIUM, *FLAGS, *flags, f"--user-data-dir={folder}", "about:blank"], stderr=subprocess.DEVNULL
-        )
-        self.count, self.loaded = 0, False
+        self.folder, self.flags = folder, flags
         self.messages, self.requests, self.dialogs = [], [], []
+        self._start()
+
+    def _start(self) -> None:
+        self.folder.mkdir(exist_ok=True)
+        profile = Path(tempfile.mkdtemp(dir=self.folder))
+        self.count, self.loaded, self.ended = 0, False, False
+        self.words = profile / "words.txt"
+        with self.words.open("wb") as words:
+            command = [CHROMIUM, *FLAGS, *self.flags, f"--user-data-dir={profile}", "about:blank"]
+            self.process = subprocess.Popen(command, stdout=words, stderr=words)
+        self.loop = asyncio.new_event_loop()
         try:
-            self.socket = self.loop.run_until_complete(self._connect(folder / "DevToolsActivePort"))
-            for domain in ("Page", "Runtime", "Log", "Network"):
+            self.socket = self.loop.run_until_complete(self._connect(profile / "DevToolsActivePort"))
+            self.connected = True
+            for domain in ("Page", "Runtime", "Log", "Network", "Inspector"):
                 self.call(f"{domain}.enable")
         except BaseException:
             self._end()
             raise
 
+    def _gone(self, what: str) -> BrowserEnded:
+        self.ended = True
+        return BrowserEnded(f"{what}; its last words: {self.words.read_text(errors='replace')[-1000:]}")
+
     async def _connect(self, port_file: Path):
         from tornado.websocket import websocket_connect
 
-        until = time.monotonic() + 30
+        until = time.monotonic() + PATIENCE
         while not (port_file.exists() and port_file.read_text().count("\n")):
-            assert time.monotonic() < until, "the browser did not start"
+            if self.process.poll() is not None or time.monotonic() > until:
+                raise self._gone("the browser did not start")
             await asyncio.sleep(0.05)
         port = port_file.read_text().split()[0]
         with urllib.request.urlopen(f"http://127.0.0.1:{port}/json/list") as answer:
@@ -67,19 +89,25 @@ class Browser:
         return await websocket_connect(tab["webSocketDebuggerUrl"], max_message_size=2**26)
 
     def close(self) -> None:
-        """Ends the browser."""
-        self.loop.run_until_complete(self._hang_up())
-        self._end()
+        """Ends the browser, whatever state it is in."""
+        try:
+            self.loop.run_until_complete(self._hang_up())
+        finally:
+            self._end()
 
     async def _hang_up(self) -> None:
-        self.socket.close()
-        while await self.socket.read_message() is not None:
-            pass
+        self.socket.close()  # which waits some seconds for an answer, and then does without
+        while self.connected:
+            self.connected = await self.socket.read_message() is not None
 
     def _end(self) -> None:
         self.loop.close()
         self.process.terminate()
-        self.process.wait(10)
+        try:
+            self.process.wait(10)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
 
     def call(self, method: str, **parameters):
         """The result of a command; events that arrive meanwhile are kept."""
@@ -92,13 +120,27 @@ class Browser:
                 return message["result"]
 
     async def _send(self, message: dict) -> None:
-        await self.socket.write_message(json.dumps(message))
+        from tornado.websocket import WebSocketClosedError
 
-    async def _read(self) -> str:
-        return await asyncio.wait_for(self.socket.read_message(), 30)
+        try:
+            await self.socket.write_message(json.dumps(message))
+        except WebSocketClosedError:
+            raise self._gone("the browser has ended") from None
+
+    async def _read(self) -> str | None:
+        return await asyncio.wait_for(self.socket.read_message(), PATIENCE)
 
     def _receive(self) -> dict:
-        message = json.loads(self.loop.run_until_complete(self._read()))
+        try:
+            text = self.loop.run_until_complete(self._read())
+        except TimeoutError:
+            raise self._gone(f"the browser has said nothing for {PATIENCE} s") from None
+        self.connected = text is not None
+        if not self.connected:
+            raise self._gone("the browser has ended")
+        message = json.loads(text)
+        if message.get("method") == "Inspector.targetCrashed":
+            raise self._gone("the tab has crashed")
         self._keep(message.get("method"), message.get("params", {}))
         return message
 
@@ -118,6 +160,9 @@ class Browser:
 
     def open(self, path: Path, fragment: str = "") -> Browser:
         """Opens a file in a fresh document and waits until it has loaded."""
+        if self.ended:
+            self.close()
+            self._start()
         self._go("about:blank")
         self.messages, self.requests, self.dialogs = [], [], []
         self._go(path.resolve().as_uri() + fragment)
