@@ -185,8 +185,22 @@ class Browser:
         return json.loads(self.evaluate("document.body.dataset.state"))
 
     def wait(self, seconds: float) -> None:
-        """Lets the page run."""
+        """Lets the page run: for what must not happen; ``until`` waits for what must."""
         self.evaluate(f"new Promise(resolve => setTimeout(resolve, {1000 * seconds}))")
+
+    def until(self, expression: str) -> None:
+        """Lets the page run until a JavaScript expression, which may speak of its ``state``, is true, however slow the machine."""
+        came = self.evaluate(f"""new Promise(resolve => {{
+            const end = performance.now() + {500 * PATIENCE};
+            const look = () => {{
+                const state = JSON.parse(document.body.dataset.state || "null");
+                if ({expression}) resolve(true);
+                else if (performance.now() > end) resolve(false);
+                else setTimeout(look, 5);
+            }};
+            look();
+        }})""")
+        assert came, f"it never came about that {expression}"
 
     def click(self, selector: str) -> None:
         """A press of the mouse on the middle of an element."""

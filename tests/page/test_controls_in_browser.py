@@ -46,7 +46,7 @@ def test_without_the_loop_it_stops_at_the_end_and_plays_again_from_the_start(beg
     assert attribute(begun, "#loop", "aria-pressed") == "false"
     assert said(begun) == "stops at the end"
     begun.evaluate("mbconstrained.seek(49.9), mbconstrained.play()")
-    begun.wait(0.7)
+    begun.until("!state.playing")
     state = begun.state()
     assert (state["time"], state["playing"], state["loop"]) == (50, False, False)
     begun.click("#play")

@@ -174,11 +174,9 @@ def test_a_folded_table_opens_by_a_click_and_on_paper(browser, page):
     visible = "document.querySelector('details td').checkVisibility()"
     assert not browser.evaluate(visible)
     browser.call("Emulation.setEmulatedMedia", media="print")
-    browser.wait(0.3)
-    assert browser.evaluate(visible)
+    browser.until(visible)
     assert browser.evaluate("document.querySelector('details').getBoundingClientRect().height") > 60
     browser.call("Emulation.setEmulatedMedia", media="")
-    browser.wait(0.3)
-    assert not browser.evaluate(visible)
+    browser.until(f"!{visible}")
     browser.click("summary")
     assert browser.evaluate(visible)
