@@ -45,13 +45,14 @@ class Zeros:
         return np.concatenate([self.upper, self.upper.conj(), self.real])
 
 
-def zeros_near(newton: Callable[[np.ndarray], np.ndarray], start: np.ndarray, tolerance: float) -> Zeros | None:
+def zeros_near(newton: Callable[[np.ndarray], np.ndarray], start: np.ndarray, tolerance: float, left: float = 0.0) -> Zeros | None:
     """As many zeros as there are approximate ones, None where they do not settle.
 
     Args:
         newton: p'(s) / p(s) for s of shape (S,).
         start: approximate zeros, with their conjugates; they need not be exact ones.
         tolerance: the last steps are smaller than this part of the zero; its error then is about the square of that.
+        left: the part of the zeros that need not settle: the last few take as many steps as all others.
 
     >>> cubic = np.polynomial.Polynomial([-6.0, 11.0, -6.0, 1.0])
     >>> zeros_near(lambda s: cubic.deriv()(s) / cubic(s), np.array([0.5, 2.1, 4.0]), 1e-9).real.round(12).tolist()
@@ -71,7 +72,7 @@ def zeros_near(newton: Callable[[np.ndarray], np.ndarray], start: np.ndarray, to
         settled = (part <= tolerance) | ((part <= STALLED) & (part >= last[moving] / 2))
         last[moving] = part
         moving = moving[~settled]
-        if not len(moving):
+        if len(moving) <= left * len(s):
             return _sorted(s, paired, tolerance)
         if done > MANY_STEPS and len(moving) > FEW + PART * len(s):
             return None

@@ -1,9 +1,10 @@
-"""M x'' + C x' + K x = 0, all symmetric, whose graph is a tree: its zeros and vectors without a large dense matrix.
+"""M x'' + C x' + K x = 0, all symmetric, of few couplings: its zeros and vectors without a large dense matrix.
 
-Coordinates without mass have no x''. The zeros of a small model are those of a dense generator, those of a large one are found from
-those of its two halves (divide and conquer: Bini, Gemignani and Tisseur 2005), with all work in vectors over the zeros. A vector is that of
-inverse iteration, and each zero is found once more from it by Newton's step for x^T P(s) x = 0 (Lancaster 1961), every row of
-P(s) x summed as (sum of its entries) x_i + sum over j of P_ij (x_j - x_i): slow motions of a chain keep their digits so.
+Meant are chains, trees, rings, ladders, beams (``elimination``). Coordinates without mass have no x''. The zeros of a small model are
+those of a dense generator, those of a large one are found from those of its two halves (divide and conquer: Bini, Gemignani and
+Tisseur 2005), with all work in vectors over the zeros. A vector is that of inverse iteration, and each zero is found once more from it
+by Newton's step for x^T P(s) x = 0 (Lancaster 1961), every row of P(s) x summed as (sum of its entries) x_i + sum over j of
+P_ij (x_j - x_i): slow motions of a chain keep their digits so.
 """
 
 from __future__ import annotations
@@ -12,10 +13,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..tolerances import DECOUPLING_LIMIT, noise_of
+from ..tolerances import DECOUPLING_LIMIT, EPS, noise_of
 from .aberth import Zeros, zeros_near
-from .acyclic import Acyclic, acyclic_of
+from .elimination import are_worth
 from .kinds import Matrix
+from .sparse_quadratic import SparseQuadratic, sparse_quadratic
 from .structured import StructuredModes
 from .threads import one_thread
 
@@ -25,6 +27,9 @@ DENSE = 120
 #: Steps smaller than this part of a zero are the last ones: of halves, of the whole.
 HALVES, WHOLE = 1e-4, 1e-8
 
+#: So many zeros of a half need not settle: the last take as many steps as all others, and they are but where the whole begins.
+LEFT = 0.2
+
 #: A half has at least this part of the coordinates: what has very many branches at one place is not divided.
 LEAST_HALF = 0.2
 
@@ -32,26 +37,31 @@ LEAST_HALF = 0.2
 CHUNK, PART = 1 << 14, 16
 
 #: Where P(s) is factored, beside a zero s by this part of it.
-BESIDE = 1e-12
+BESIDE = 1e-11
 
-#: So often at most a vector is corrected: once or twice is usual.
+#: So often at most a vector is corrected, once at least: what is left may be rounding while much of its neighbours is in it.
 CORRECTIONS = 5
 
 #: How exactly coordinates of modes must be found again from their sum; those of states are refined once.
 COMPLETE = 1e-9
 
+#: They were seen to be found again to this part of EPS, by the digits that the slowest motion keeps in K x.
+KEPT = 1 / 16
+
 
 def quadratic_modes(M: Matrix, C: Matrix, K: Matrix) -> StructuredModes | None:
-    """The states (x_m, x_m', x_d) decoupled; None where the graph is no tree, or zeros are hardly apart.
+    """The states (x_m, x_m', x_d) decoupled; None where fronts are too wide for the size, or zeros are hardly apart.
 
     Args:
         M: shape (m, m), of x_m, the first coordinates.
         C, K: shape (m + d, m + d).
     """
-    P = acyclic_of(M, C, K)
-    if P is None or np.count_nonzero(P.is_heavy) != M.shape[0]:
+    P = sparse_quadratic(M, C, K)
+    if P is None or not are_worth(P.narrow.order.width, P.size) or np.count_nonzero(P.is_heavy) != M.shape[0]:
         return None
     with np.errstate(all="ignore"):  # checked at the end
+        if not _keeps_digits(P):
+            return None
         zeros = _zeros(P, WHOLE)
         if zeros is None or 2 * len(zeros.upper) + len(zeros.real) != P.zero_count:
             return None
@@ -59,13 +69,24 @@ def quadratic_modes(M: Matrix, C: Matrix, K: Matrix) -> StructuredModes | None:
         return found if found is not None and _is_complete(found) else None
 
 
-def _zeros(P: Acyclic, tolerance: float) -> Zeros | None:
+def _keeps_digits(P: SparseQuadratic) -> bool:
+    """Whether the slowest motion is more than rounding of K x: that of a long beam is not, but for chains with their differences."""
+    x = np.random.default_rng(0).standard_normal((P.size, 1))
+    solver = P.together
+    factors = solver.factored(np.zeros(1))
+    for _ in range(2):
+        x = solver.solved(factors, x)
+        x /= np.abs(x).max()
+    return P.kept_digits(x) >= KEPT * EPS / COMPLETE
+
+
+def _zeros(P: SparseQuadratic, tolerance: float) -> Zeros | None:
     """All of them, from approximate ones: those of its halves together where it is large."""
     start = _dense(P) if P.zero_count <= DENSE else _of_halves(P)
-    return None if start is None else zeros_near(P.newton, start, tolerance)
+    return None if start is None else zeros_near(P.newton, start, tolerance, LEFT if tolerance == HALVES else 0.0)
 
 
-def _of_halves(P: Acyclic) -> np.ndarray | None:
+def _of_halves(P: SparseQuadratic) -> np.ndarray | None:
     halves, found = P.halves(), []
     if min(half.size for half in halves) < LEAST_HALF * P.size:
         return None
@@ -82,7 +103,7 @@ def _of_halves(P: Acyclic) -> np.ndarray | None:
     return start * (1 + HALVES * np.random.default_rng(0).standard_normal(len(start)))  # halves may be alike
 
 
-def _dense(P: Acyclic) -> np.ndarray | None:
+def _dense(P: SparseQuadratic) -> np.ndarray | None:
     """The eigenvalues of the generator, states (x, x_m')."""
     (K, C, M), heavy, n = P.dense(), np.flatnonzero(P.is_heavy), P.size
     size = n + len(heavy)
@@ -97,7 +118,7 @@ def _dense(P: Acyclic) -> np.ndarray | None:
         return None
 
 
-def _modes(P: Acyclic, zeros: Zeros, M: Matrix, C: Matrix) -> StructuredModes | None:
+def _modes(P: SparseQuadratic, zeros: Zeros, M: Matrix, C: Matrix) -> StructuredModes | None:
     """The vectors of all zeros, None where one is hardly apart from others or its equation is not met."""
     upper, real, pairs = zeros.upper.copy(), zeros.real.copy(), len(zeros.upper)
     shapes, signs, worst = np.empty((P.size, P.zero_count)), np.empty(len(real)), 0.0
@@ -123,14 +144,15 @@ def _chunks(upper: np.ndarray, real: np.ndarray, width: int) -> Iterator[tuple[n
             yield part[at], at
 
 
-def _vectors(P: Acyclic, s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+def _vectors(P: SparseQuadratic, s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """The zeros, their vectors x, x^T P'(s) x and the largest sum of |y| |w| (``StructuredModes``), infinite where P(s) x is not 0.
 
     P is factored a little beside the zeros, where it is regular; what then is left of P(s) x corrects x (Neumaier 1985).
     """
-    factors = P.factored(s * (1 + BESIDE))
-    x = P.solved(*factors, np.random.default_rng(0).standard_normal((P.size, len(s))).astype(s.dtype))
-    for _ in range(CORRECTIONS):
+    solver = P.together
+    factors = solver.factored(s * (1 + BESIDE))
+    x = solver.solved(factors, np.random.default_rng(0).standard_normal((P.size, len(s))).astype(s.dtype))
+    for done in range(CORRECTIONS + 1):
         x /= np.abs(x).max(axis=0)
         residual, damping, inertia = P.applied(s, x)
         square = np.einsum("ik,ik->k", x, damping + 2 * s * inertia)
@@ -138,11 +160,11 @@ def _vectors(P: Acyclic, s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndar
         size = np.abs(x)
         K, C, M = np.abs(P.diagonal) @ size**2
         terms = K + np.abs(s) * C + np.abs(s) ** 2 * M
-        if (np.einsum("ik,ik->k", size, np.abs(residual)) <= noise_of(terms, P.size)).all():
+        if done and (np.einsum("ik,ik->k", size, np.abs(residual)) <= noise_of(terms, P.size)).all():
             weight = s * inertia
             sums = np.einsum("ik,ik->k", size, np.abs(weight + damping) + np.abs(weight))
             return s, x, square, float((sums / np.abs(square)).max())
-        x -= P.solved(*factors, residual)
+        x -= solver.solved(factors, residual)
     return s, x, square, np.inf
 
 

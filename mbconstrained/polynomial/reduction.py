@@ -13,9 +13,9 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from ..linalg.acyclic import is_acyclic
 from ..linalg.blocks import BlockDiagonal, assembled, block_matrix, coupled_rows, zeros_of
 from ..linalg.eigen import decoupled
+from ..linalg.elimination import are_worth, front_width
 from ..linalg.kinds import (
     Matrix,
     below,
@@ -184,9 +184,16 @@ class Reduction:
 
     @cached_property
     def is_chain(self) -> bool:
-        """Whether it is one of many masses coupled like a chain or a tree (``linalg.quadratic_modes``)."""
-        large = self.state_count >= MANY_STATES and self.conserved is None
-        return large and self.is_reciprocal and is_acyclic(self.M, self.C, self.K)
+        """Whether it is one of many masses coupled like a chain, a tree, a ring or a ladder (``linalg.quadratic_modes``)."""
+        return self.front_width is not None
+
+    @cached_property
+    def front_width(self) -> int | None:
+        """How wide the elimination of such a model is: 1 for a chain or a tree, 2 for a ring; None for any other."""
+        if self.state_count < MANY_STATES or self.conserved is not None or not self.is_reciprocal:
+            return None
+        width = front_width(self.M, self.C, self.K)
+        return width if width is not None and are_worth(width, self.K.shape[0]) else None
 
     @cached_property
     def is_symmetric(self) -> bool:

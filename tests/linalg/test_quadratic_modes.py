@@ -1,4 +1,4 @@
-"""Modes of trees against closed forms, LAPACK's eigenvalues of the generator, and the identities that modes obey."""
+"""Modes of models with few couplings against closed forms, LAPACK's eigenvalues of the generator, and the identities that modes obey."""
 
 from __future__ import annotations
 

@@ -1,0 +1,41 @@
+"""Motions of damped rings and ladders by their modes, against exponentials of the generator."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+import mbconstrained as mb
+from mbconstrained.linalg.structured import StructuredModes
+from mbconstrained.response.solve import solve
+
+COUNT, UNEVEN = 250, np.array([0.0, 0.2, 1.0, 7.0, 30.0])
+
+
+def coupled(pairs):
+    """M, C and K of masses with a spring and a damper between each of these pairs, the first mass on the ground."""
+    random = np.random.default_rng(0)
+    C, K = np.zeros((2, COUNT, COUNT))
+    for pair in pairs:
+        pull = np.zeros(COUNT)
+        pull[list(pair)] = 1.0, -1.0
+        K += random.uniform(0.5, 2.0) * np.outer(pull, pull)
+        C += random.uniform(0.0, 0.05) * np.outer(pull, pull)
+    K[0, 0] += 1.0
+    return np.diag(random.uniform(0.5, 2.0, COUNT)), C, K
+
+
+RING = [(at, (at + 1) % COUNT) for at in range(COUNT)]
+LADDER = [(at, at + 2) for at in range(COUNT - 2)] + [(at, at + 1) for at in range(0, COUNT, 2)]
+
+
+@pytest.mark.parametrize("pairs", [RING, LADDER], ids=["ring", "ladder"])
+def test_the_motion_is_that_of_the_exponential(pairs):
+    M, C, K = coupled(pairs)
+    A = mb.PolynomialMatrix([K, C, M])
+    assert A.reduction.is_chain and isinstance(A.reduction.decoupled, StructuredModes)
+    start = np.random.default_rng(1).normal(size=(2, COUNT))
+    generator = np.block([[np.zeros_like(K), np.eye(COUNT)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+    expected = np.array([(scipy.linalg.expm(generator * t) @ start.ravel())[:COUNT] for t in UNEVEN]).T
+    assert np.abs(solve(A, start)(UNEVEN) - expected).max() <= 2e-12 * np.abs(expected).max()
