@@ -7,7 +7,7 @@ from typing import Literal
 
 Kind = Literal[
     "jump", "impulse", "redundant", "drift", "rigid body", "unstable", "rank", "accuracy", "offset",
-    "left out", "unsymmetric", "far", "large motion", "set", "at rest",
+    "left out", "unsymmetric", "far", "large motion", "set", "at rest", "aliased",
 ]  # fmt: skip
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from mbconstrained.scene import read_scene
 
@@ -14,8 +15,8 @@ TESTS = ("test_examples.py", "test_robot_examples.py", "test_control_examples.py
 SQRT5 = math.sqrt(5)
 
 
-def run(name):
-    return read_scene(EXAMPLES / f"{name}.toml").run()
+def run(name, settings=None):
+    return read_scene(EXAMPLES / f"{name}.toml", settings).run()
 
 
 def nothing_happens_at_zero(motion) -> bool:
@@ -204,6 +205,24 @@ def test_flexible_joint_agrees_with_its_two_bodies():
     pair = MechanicalSystem(np.diag([0.5, 0.05]), stiffness=[[205.0, -200.0], [-200.0, 200.0]])
     motion = pair.solve([0.1, motor], force=step([0.0, 1.0]))
     assert motion(result.times)[0] == pytest.approx(result.values[0], abs=1e-12)
+
+
+@pytest.mark.parametrize(("settings", "damper", "height"), [({}, 1200.0, 0.05), ({"damper": "3 kN*s/m", "height": "8 cm"}, 3000.0, 0.08)])
+def test_the_quarter_car_takes_the_bump_of_its_parameters(settings, damper, height):
+    """Against a Runge-Kutta method that is started anew at both ends of the bump."""
+    result = run("quarter_car", settings)
+    stiffness, damping = np.array([[200e3, -20e3], [-20e3, 20e3]]), damper * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    mass = np.array([40.0, 300.0])
+    state = np.zeros(4)
+    for begin, end, road in ((0.25, 0.37, height), (0.37, 2.0, 0.0)):
+        force = np.array([180e3 * road, 0.0])
+
+        def rate(t, y, force=force):
+            return np.concatenate([y[2:], (force - stiffness @ y[:2] - damping @ y[2:]) / mass])
+
+        state = solve_ivp(rate, (begin, end), state, method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+        assert result.motion(end) == pytest.approx(state[:2], abs=1e-10)
+    assert not result.motion(0.25).any() and len(result.notices) == len(settings)
 
 
 def test_every_example_is_in_the_index_and_has_a_test():

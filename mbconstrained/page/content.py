@@ -56,7 +56,7 @@ class Animation:
     def with_forces(self) -> tuple[tuple[str, ...], np.ndarray, np.ndarray, np.ndarray | None]:
         """Names, times, values and rates, the forces that arrows show among them as if they were coordinates."""
         forces = self.marks.forces
-        names = (*self.names, *(f"force: {force.name}" for force in forces))
+        names = (*self.names, *(name for force in forces for name in force.names))
         values = np.vstack([self.values, *(force.values for force in forces)])
         rates = None if self.rates is None else np.vstack([self.rates, *(force.rates for force in forces)])
         return names, self.times, values, rates

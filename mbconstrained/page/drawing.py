@@ -2,7 +2,7 @@
 
 Axes: x to the right, y away from the viewer, z up. A body is at
 
-    rest + scale * sum_i moves[i] q_i          turned by the rotation vector  turn_scale * sum_i turns[i] q_i
+    rest + scale * sum_i moves[i] q_i          turned by the rotation vector  turn_scale * sum_i turns[i] q_i  after rest_turn
 
 so a drawing says nothing about time: the values of the coordinates do. Where that is not how a body moves, as with the
 links of a robot, it has a path instead: its poses at the times of the animation.
@@ -21,6 +21,7 @@ from ..checks import nearest, real_array, real_number, whole_number
 from ..errors import InputError
 from .parts import Part, checked_color
 from .path import Path
+from .rotation import matrix_of
 
 Shape = Literal["box", "sphere", "disc", "gear", "ring", "mark", "rail", "ground", "base", "parts"]
 LinkKind = Literal["spring", "damper", "strut", "rod", "bushing", "loop", "torsion spring", "torsion damper", "belt"]
@@ -95,6 +96,18 @@ class Body:
         object.__setattr__(self, "parts", tuple(self.parts))
         whole_number(self.teeth, f"{where}, teeth", minimum=3)
 
+    @property
+    def half_extent(self) -> np.ndarray:
+        """Half of a box around it along x, y, z, shape (3,), as it is turned at rest; its parts are of no account."""
+        half = np.array(self.size) / 2
+        if not any(self.rest_turn):
+            return half
+        rotation = matrix_of(self.rest_turn)
+        if self.shape not in ("disc", "gear", "ring"):
+            return np.abs(rotation) @ half
+        axis = rotation[:, 1]
+        return half[0] * np.sqrt(np.maximum(0.0, 1 - axis**2)) + half[1] * np.abs(axis)
+
 
 @dataclass(frozen=True)
 class Link:
@@ -112,6 +125,8 @@ class Link:
         over: for a belt, the name of the wheel that it runs over.
         start_point, end_point: where it is fixed in the frames of the bodies, with which these points turn; None for the
             side of the body that faces the other end, shifted by the offset, which does not turn.
+        turn: rotation vector (rad) of the frame in which it is drawn: wheels that it joins have their axes along the y axis
+            of this frame.
     """
 
     name: str
@@ -123,11 +138,13 @@ class Link:
     over: str | None = None
     start_point: Vector | None = None
     end_point: Vector | None = None
+    turn: Vector = (0.0, 0.0, 0.0)
 
     def __post_init__(self):
         where = f'link "{_short(self.name)}"'
         _one_of(self.kind, LINK_KINDS, f"{where}, kind")
         object.__setattr__(self, "offset", _vector(self.offset, f"{where}, offset"))
+        object.__setattr__(self, "turn", _vector(self.turn, f"{where}, turn"))
         end_offset = self.offset if self.end_offset is None else _vector(self.end_offset, f"{where}, end_offset")
         object.__setattr__(self, "end_offset", end_offset)
         for attribute in ("start_point", "end_point"):

@@ -11,7 +11,8 @@ from .drawing import Body, Drawing
 from .figure_links import link_data, outermost_ends
 from .keyframes import KeyFrames
 from .meshes import Meshes, parts_data
-from .poses import KeyPoses, body_poses, quaternions_of, rotated
+from .poses import KeyPoses, body_poses
+from .rotation import matrix_of, quaternions_of, rotated
 from .viewer import SCENE_COMMANDS
 
 #: Blue, vermilion, green, orange, purple and sky blue of Okabe and Ito: told apart with any kind of colour vision.
@@ -28,6 +29,9 @@ _FLAT = 0.3
 
 _COLORS = {"sphere": "#ffffff", "mark": "#3d4852", "rail": "#b8c2cc", "ground": "#d5dce2", "base": "#d5dce2"}
 
+
+#: A tenth of a pixel where the picture is 4000 pixels wide.
+UNSEEN = 1 / 40_000
 
 #: How long a drawing unit is in a drawing of parts: this share of its diagonal at the first key frame.
 UNIT = 1 / 8
@@ -65,6 +69,24 @@ def figure_data(drawing: Drawing, *takes: KeyFrames) -> dict:
         "magnification": {"scale": drawing.scale, "turn_scale": drawing.turn_scale},
         "commands": SCENE_COMMANDS,
     }
+
+
+def unseen_errors(drawing: Drawing, names: tuple[str, ...], figure: dict) -> tuple[np.ndarray, tuple[float, float]]:
+    """By how much coordinates (r,), and places and orientations on paths, may be off without it being seen in a figure.
+
+    A coordinate that moves no body is told, or is the length of an arrow: it may not be off at all. What a path turns is
+    taken to reach as far as the picture.
+    """
+    extent = figure["unit"] * max(np.subtract(figure["bounds"]["high"], figure["bounds"]["low"]))
+    swings = dict.fromkeys(names, 0.0)
+    for body in drawing.bodies:
+        own = {*body.moves, *body.turns}
+        for name in own:
+            moved = drawing.scale * np.linalg.norm(body.moves.get(name, 0.0))
+            turned = drawing.turn_scale * np.linalg.norm(body.turns.get(name, 0.0)) * np.linalg.norm(body.half_extent)
+            swings[name] = max(swings[name], len(own) * (moved + turned))
+    errors = np.array([UNSEEN * extent / swing if swing else 0.0 for swing in swings.values()])
+    return errors, (0.6 * UNSEEN * extent, 0.4 * UNSEEN)
 
 
 def _unit(drawing: Drawing, poses: dict[str, KeyPoses]) -> float:
@@ -124,7 +146,7 @@ def _corners(body: Body, poses: KeyPoses) -> np.ndarray:
     """Corners of a box around the body, shape (3, k, T): turned with it where it consists of parts."""
     if body.shape == "parts":
         return poses.of_points(np.hstack([np.zeros((3, 1)), *(part.corners for part in body.parts)]))
-    half = np.array(body.size)[:, None, None] / 2
+    half = body.half_extent[:, None, None]
     return poses.positions[:, None] + half * np.array([-1.0, 1.0])[:, None]
 
 
@@ -163,11 +185,15 @@ def _view_of_parts(bounds: dict) -> dict:
 
 
 def _view_of_shapes(drawing: Drawing, bounds: dict) -> dict:
-    """From the side and a little above: less from the side in front of a long chain, and where wheels stand behind each
-    other so far round, to the left or right, that those behind come out from behind those in front."""
-    places = np.array([body.rest for body in drawing.bodies] or [(0.0, 0.0, 0.0)])
-    places = rotated(quaternions_of(np.array(drawing.turn)[:, None]), places.T)[:, :, 0].T
+    """From the side and a little above: less from the side in front of a long chain, more where something moves away from the
+    viewer; and where wheels stand behind each other so far round, to the left or right, that those behind come out from
+    behind those in front."""
+    turn = matrix_of(drawing.turn)
+    places = np.array([body.rest for body in drawing.bodies] or [(0.0, 0.0, 0.0)]) @ turn.T
     across, away = (places - places.mean(axis=0))[:, :2].T
     if np.ptp(away) > AWAY:
         return {"yaw": 0.72 if across @ away >= 0 else -0.72, "pitch": 0.38}
+    ways = [turn @ move for body in drawing.bodies for move in body.moves.values()]
+    if any(abs(way[1]) > AWAY * np.linalg.norm(way) for way in ways):
+        return {"yaw": 0.6, "pitch": 0.3}
     return {"yaw": min(0.26, 1.8 / max(1.0, bounds["high"][0] - bounds["low"][0])), "pitch": 0.24}

@@ -8,6 +8,10 @@ import numpy as np
 
 from .drawing import Body, Drawing, Link, Vector
 from .poses import KeyPoses
+from .rotation import matrix_of, quaternions_of
+
+#: An end on the surface of its body is not out of it for the rounding of a turn, relative to the size.
+ROUNDING = 1e-9
 
 _UPWARDS = np.array([0.0, 0.0, 1.0])  # the way a rope leaves what hangs on it
 
@@ -21,7 +25,7 @@ def link_data(link: Link, drawing: Drawing, poses: dict[str, KeyPoses], posts: d
     start_point = link.start_point or _attachment(start, link.offset, leaving, posts)
     end_point = link.end_point or _attachment(end, link.end_offset, arriving, posts)
     from_start, from_end = _link_ends(link, poses, start_point, end_point)
-    gap = (from_end - from_start) / unit
+    gap = matrix_of(link.turn).T @ (from_end - from_start) / unit
     lengths = np.linalg.norm(gap, axis=0)
     return {
         "kind": link.kind,
@@ -37,6 +41,7 @@ def link_data(link: Link, drawing: Drawing, poses: dict[str, KeyPoses], posts: d
         "longest": float(lengths.max()),
         "coaxial": bool(np.argmax(np.abs(gap[:, 0])) == 1),
         "radius": over.size[0] / 2 if over else 0.5,
+        "turn": quaternions_of(np.array(link.turn)[:, None])[:, 0].tolist() if any(link.turn) else None,
     }
 
 
@@ -60,13 +65,14 @@ def _end(poses: KeyPoses, point: Vector, turns: bool) -> np.ndarray:
 
 def _attachment(body: Body, offset: Vector, towards: np.ndarray, posts: dict) -> list[float]:
     """Where the link meets the body, relative to its middle: on the side that faces the other end, or on a post."""
-    point = np.array(offset)
     if body.shape == "parts":
-        return point.tolist()
-    if (np.abs(point) > np.array(body.size) / 2).any():
+        return list(offset)
+    frame = matrix_of(body.rest_turn)  # in which the body has its size and its posts
+    point, towards = frame.T @ np.array(offset), frame.T @ towards
+    if (np.abs(point) > np.array(body.size) / 2 * (1 + ROUNDING)).any():
         posts[body.name].append(point.tolist())
-        return point.tolist()
+        return list(offset)
     axis = int(np.argmax(np.abs(towards)))
     if body.shape in ("box", "ground") or (body.shape in ("disc", "gear") and axis == 1):
         point[axis] += math.copysign(body.size[axis] / 2, towards[axis])
-    return point.tolist()
+    return (frame @ point).tolist()

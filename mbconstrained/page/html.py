@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from .content import Animation, PageContent
 from .document import Delivery, document, page_scripts
-from .figure import figure_data
+from .figure import figure_data, unseen_errors
 from .keyframes import KeyFrames, key_frames
 from .marks_data import marks_data, moment_frames
+from .marks_reach import with_arrows
 from .sections import footer, formula_section, header, notice_section, plot_figures, still_figure, table_section
 from .stage import decimals, stage_section
 
@@ -53,9 +54,10 @@ def _frames(animation: Animation) -> KeyFrames:
 
 
 def _data(animation: Animation, frames: KeyFrames) -> dict:
+    figure = _figure(animation, frames)
     return {
-        "figure": _figure(animation, frames),
-        "frames": frames.as_data(),
+        "figure": figure,
+        "frames": frames.as_data(*unseen_errors(animation.drawing, frames.names, figure)),
         "decimals": decimals(frames),
         "unit": "s",
     }
@@ -67,4 +69,5 @@ def _figure(animation: Animation, frames: KeyFrames) -> dict:
         return figure_data(drawing, frames)
     before = (moment_frames(drawing, frames, moment) for moment in marks.moments)
     figure = figure_data(drawing, frames, *before)
-    return {**figure, "marks": marks_data(marks, drawing, frames, figure["unit"])}
+    drawn = {"marks": marks_data(marks, drawing, frames, figure["unit"])}
+    return {**figure, **drawn, "bounds": with_arrows(figure["bounds"], marks, drawing, frames, figure["unit"])}

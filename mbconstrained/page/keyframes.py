@@ -17,6 +17,7 @@ from .content import Animation
 from .drawing import Drawing
 from .packing import packed
 from .path import Path
+from .tracks import SWAY, read_back, track
 
 #: More numbers than this are packed with 4 bytes each.
 MOST_DOUBLES = 50_000
@@ -45,14 +46,35 @@ class KeyFrames:
     stride: int = 1
     paths: tuple[Path | None, ...] = ()
 
-    def as_data(self) -> dict:
+    def as_data(self, errors: np.ndarray | None = None, path_errors: tuple[float, float] = (0.0, 0.0)) -> dict:
         """Plain data for the page, numbers as packed bytes; a coordinate that never changes is one number with rate 0.
 
-        Of many numbers each has 4 bytes, of which a picture shows no difference, if that is within their range."""
+        Of many numbers each has 4 bytes, of which a picture shows no difference, if that is within their range; or 2 where
+        that is within the error, and no rates where those that the page estimates do.
+
+        Args:
+            errors: by how much each coordinate may be off, shape (r,); None: not at all.
+            path_errors: by how much a place on a path, and an orientation (rad), may be off.
+        """
         size = max(np.abs(rows).max(initial=0.0) for rows in (self.values, self.rates))
         kind = "<f4" if self.values.size > MOST_DOUBLES and size < np.finfo(np.float32).max else "<f8"
-        rates = [packed(rates, kind) if _moves(row) else 0 for row, rates in zip(self.values, self.rates)]
-        return {"names": list(self.names), "bytes": int(kind[-1]), "values": self._values(kind), "rates": rates, **self._shared()}
+        errors = np.zeros(len(self.names)) if errors is None or self.values.size <= MOST_DOUBLES else errors
+        values, rates = zip(*(self._row(i, kind, error) for i, error in enumerate(errors))) if self.names else ((), ())
+        shared = self._shared(path_errors)
+        return {"names": list(self.names), "bytes": int(kind[-1]), "values": list(values), "rates": list(rates), **shared}
+
+    def _row(self, number: int, kind: str, error: float) -> tuple:
+        """Values and rates of a coordinate; no rates where the page shall estimate them from the values."""
+        row, rates = self.values[number : number + 1], self.rates[number : number + 1]
+        if not _moves(row[0]):
+            return float(row[0, 0]), 0
+        coarse = track(row, np.array([error / 2]))
+        if coarse is None:
+            return packed(row, kind), packed(rates, kind)
+        rate_error = error / (4 * SWAY * np.diff(self.times).max())
+        if np.abs(slopes(self.times, read_back(row)) - rates).max() <= rate_error:
+            return coarse, None
+        return coarse, track(rates, np.array([rate_error])) or packed(rates, kind)
 
     def as_packed(self) -> dict:
         """The same in seven digits and without rates, which the page then estimates as ``slopes`` does."""
@@ -61,8 +83,9 @@ class KeyFrames:
     def _values(self, kind: str) -> list[str | float]:
         return [packed(row, kind) if _moves(row) else float(row[0]) for row in self.values]
 
-    def _shared(self) -> dict:
-        paths = [None if path is None else _path_data(path) for path in self.paths]
+    def _shared(self, path_errors: tuple[float, float] = (0.0, 0.0)) -> dict:
+        many = 7 * sum(path.count for path in self.paths if path) > MOST_DOUBLES
+        paths = [None if path is None else _path_data(path, path_errors if many else (0.0, 0.0)) for path in self.paths]
         return {"times": _times_data(self.times), "paths": paths}
 
 
@@ -129,9 +152,11 @@ def _derivative_weights(nodes: np.ndarray, at: np.ndarray) -> list[np.ndarray]:
     return weights
 
 
-def _path_data(path: Path) -> str:
+def _path_data(path: Path, errors: tuple[float, float]) -> str | dict:
     """Positions, then quaternions, seven numbers to a pose."""
-    return packed(np.vstack([path.positions, path.quaternions]).T)
+    rows = np.vstack([path.positions, path.quaternions])
+    place, turn = errors[0] / np.sqrt(3), errors[1] / (2 * np.sqrt(4))  # of one number; a body turns by twice its quaternion
+    return (track(rows, np.array([place] * 3 + [turn] * 4)) if path.count > 1 else None) or packed(rows.T)
 
 
 def _moves(row: np.ndarray) -> bool:

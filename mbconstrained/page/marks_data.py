@@ -47,7 +47,7 @@ def marks_data(marks: Marks, drawing: Drawing, frames: KeyFrames, unit: float) -
     for arrow in arrows:
         if arrow.body not in numbers:
             raise InputError(f'arrow: "{arrow.body[:60]}" is no body{nearest(arrow.body, numbers)}')
-    struck = _largest((arrow, size) for moment in marks.moments for arrow, size, _ in moment.strikes)
+    struck = largest_strikes(marks.moments)
     return {
         "moments": [_moment_data(moment, drawing, frames, numbers, struck, unit) for moment in marks.moments],
         "forces": _forces_data(marks.forces, numbers),
@@ -56,19 +56,26 @@ def marks_data(marks: Marks, drawing: Drawing, frames: KeyFrames, unit: float) -
 
 def told_scale(forces: Sequence[LastingForce]) -> str:
     """How large the forces are that arrows show, such as "longest arrow 12.5 N"; an empty string where there are none."""
-    told = [f"{size:.3g} {unit}" for unit, size in _largest_forces(forces).items() if size]
+    told = [f"{size:.3g} {unit}" for unit, size in largest_forces(forces).items() if size]
     return f"longest arrow {' or '.join(told)}" if told else ""
 
 
-def _largest_forces(forces: Sequence[LastingForce]) -> dict[str, float]:
-    return _largest((arrow, factor * np.abs(force.values).max()) for force in forces for arrow, factor in force.arrows)
+def largest_forces(forces: Sequence[LastingForce]) -> dict[str, float]:
+    """Of all forces at all times, by unit."""
+    return _largest((arrow, factor * force.largest) for force in forces for arrow, factor in force.arrows)
+
+
+def largest_strikes(moments: Sequence[Moment]) -> dict[str, float]:
+    """Of all impulses, by unit."""
+    return _largest((arrow, size) for moment in moments for arrow, size, _ in moment.strikes)
 
 
 def _forces_data(forces: Sequence[LastingForce], numbers: Mapping[str, int]) -> list[dict]:
-    largest = _largest_forces(forces)
+    largest = largest_forces(forces)
     return [
         {
             "name": force.name,
+            "rows": len(force.names),
             "arrows": [
                 {**arrow.as_data(numbers[arrow.body]), "factor": factor, "length": LONGEST / (largest[arrow.unit] or 1.0)}
                 for arrow, factor in force.arrows
@@ -82,7 +89,7 @@ def _largest(sized) -> dict[str, float]:
     """The largest of all sizes by unit."""
     largest: dict[str, float] = {}
     for arrow, size in sized:
-        largest[arrow.unit] = max(largest.get(arrow.unit, 0.0), abs(float(size)))
+        largest[arrow.unit] = max(largest.get(arrow.unit, 0.0), float(np.linalg.norm(size)))
     return largest
 
 
@@ -90,7 +97,7 @@ def _moment_data(moment: Moment, drawing: Drawing, frames: KeyFrames, numbers, s
     strikes = [
         {
             **arrow.as_data(numbers[arrow.body]),
-            "size": size,
+            "size": np.asarray(size).tolist(),
             "length": LONGEST / (struck[arrow.unit] or 1.0),
             "told": _typeset(told),
         }

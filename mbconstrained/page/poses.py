@@ -8,6 +8,7 @@ import numpy as np
 
 from .drawing import Body, Drawing
 from .keyframes import KeyFrames
+from .rotation import after, quaternions_of, rotated
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,26 +39,9 @@ def _poses(drawing: Drawing, body: Body, frames: KeyFrames, number: int) -> tupl
     if path is not None:
         still = np.zeros(count, dtype=int) if path.count == 1 else slice(None)
         return path.positions[:, still], path.quaternions[:, still]
-    turns = np.array(body.rest_turn)[:, None] + np.zeros((3, count))
+    turns = np.zeros((3, count))
     for name, row in zip(frames.names, frames.values):
         if name in body.turns:
             turns += drawing.turn_scale * np.outer(body.turns[name], row)
-    return drawing.positions(body, frames.names, frames.values), quaternions_of(turns)
-
-
-def quaternions_of(turns: np.ndarray) -> np.ndarray:
-    """Quaternions (4, T) of rotation vectors (3, T) in rad.
-
-    >>> quaternions_of(np.array([[0.0], [0.0], [np.pi]])).round(12).T
-    array([[0., 0., 1., 0.]])
-    """
-    angles = np.linalg.norm(turns, axis=0)
-    return np.vstack([turns * (np.sinc(angles / (2 * np.pi)) / 2), np.cos(angles / 2)])
-
-
-def rotated(quaternions: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Points (3, k) turned by unit quaternions (4, T), shape (3, k, T): p + 2 w (u x p) + 2 u x (u x p)."""
-    u, w = quaternions[:3, None, :], quaternions[3]
-    p = points[:, :, None] + np.zeros((1, 1, quaternions.shape[1]))
-    across = 2 * np.cross(u + np.zeros_like(p), p, axis=0)
-    return p + w * across + np.cross(u + np.zeros_like(p), across, axis=0)
+    at_rest = quaternions_of(np.array(body.rest_turn)[:, None])
+    return drawing.positions(body, frames.names, frames.values), after(quaternions_of(turns), at_rest + np.zeros((4, count)))

@@ -77,7 +77,7 @@ def _magnification(animation: Animation, frames: KeyFrames) -> str:
     if any(body.turns for body in drawing.bodies) and drawing.turn_scale != 1:
         texts.append(f"angles drawn {drawing.turn_scale:g} × as large")
     if animation.marks.forces:
-        texts.append(f"arrows: reactions, {told_scale(animation.marks.forces)}")
+        texts.append(f"arrows: {animation.marks.told}, {told_scale(animation.marks.forces)}")
     if frames.stride > 1:
         texts.append(f"one in {frames.stride} of the times")
     return " · ".join(filter(None, (drawing.note, *texts)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,7 @@ from ..page.content import Animation
 from ..page.drawing import Body, Drawing, Link, Vector, View
 from ..page.keyframes import MOST_FRAMES
 from ..page.layout.turning import turn_to
+from ..page.rotation import matrix_of
 from .frames import frames_of
 from .marks import marks_of
 from .problems import at
@@ -69,23 +71,43 @@ def automatic_drawing(scene: Scene, elements, values, **scales: float) -> Drawin
 
     names, units = scene.equations.coordinates.names, scene.equations.coordinates.units
     if elements is not None:
-        drawing = lumped_drawing(elements, names, values, **scales)
+        laid_out = partial(lumped_drawing, elements, names, values, **scales)
     else:
-        drawing = coordinate_drawing(names, values, units, **scales)
-    table = scene.table.drawing
-    if table is not None:
-        with at(scene.path.name, "drawing"):
-            drawing = _changed(drawing, table)
-    return drawing if any(drawing.turn) else replace(drawing, turn=_upright(scene, drawing))
+        laid_out = partial(coordinate_drawing, names, values, units, **scales)
+    drawing, table = laid_out(), scene.table.drawing
+    if table is None:
+        return replace(drawing, turn=_upright(scene, drawing))
+    with at(scene.path.name, "drawing"):
+        turn = turn_to(table.along, table.about) if table.along or table.about else _upright(scene, drawing)
+        if directions := _directions(table, drawing, turn):
+            drawing = laid_out(directions=directions)
+        return _changed(replace(drawing, turn=turn), table)
 
 
 def _upright(scene: Scene, drawing: Drawing) -> Vector:
     """What falls is drawn standing, unless it would be too tall to be seen well, or hangs on pulleys already."""
-    model, table = scene.table.model, scene.table.drawing
+    model = scene.table.model
     falls = model.kind == "lumped" and model.gravity and not model.pulley
-    chosen = table is not None and (table.along or table.about)
     length = np.ptp([body.rest[0] for body in drawing.bodies]) if drawing.bodies else 0.0
-    return turn_to((0.0, 0.0, -np.sign(model.gravity)), None) if falls and not chosen and length <= TALLEST else (0.0, 0.0, 0.0)
+    return turn_to((0.0, 0.0, -np.sign(model.gravity)), None) if falls and length <= TALLEST else (0.0, 0.0, 0.0)
+
+
+def _directions(table: DrawingTable, drawing: Drawing, turn: Vector) -> dict[str, Vector]:
+    """Where bodies go that say it themselves, by name, in the axes of a drawing before all of it is turned."""
+    bodies = {body.name: body for body in drawing.bodies}
+    found = {}
+    for row in (row for row in table.body if row.along or row.about):
+        key, wanted = ("along", row.along) if row.along else ("about", row.about)
+        body = bodies.get(row.name)
+        own = body and {"along": body.moves, "about": body.turns}
+        if body is not None and row.name not in own[key]:
+            other, moves = ("about", "turns") if key == "along" else ("along", "is displaced")
+            does = f"it {moves}: say {other}" if row.name in own[other] else "it stays where it is"
+            raise InputError(f'the body "{row.name}" has {key}, but {does}')
+        if body is None and row.shape is not None:
+            raise InputError(f'{key} is for bodies of the automatic drawing; of "{row.name}", moves and turns say where it goes')
+        found[row.name] = tuple((matrix_of(turn).T @ wanted).tolist())
+    return found
 
 
 def _changed(drawing: Drawing, table: DrawingTable) -> Drawing:
@@ -102,9 +124,7 @@ def _changed(drawing: Drawing, table: DrawingTable) -> Drawing:
             bodies[row.name] = _body(row)
     note = " ".join(filter(None, (drawing.note, table.note)))
     links = (*drawing.links, *_links(table))
-    return replace(
-        drawing, bodies=tuple(bodies.values()), links=links, note=note, view=view_of(table), turn=turn_to(table.along, table.about)
-    )
+    return replace(drawing, bodies=tuple(bodies.values()), links=links, note=note, view=view_of(table))
 
 
 def _body(row: BodyTable) -> Body:
@@ -123,5 +143,5 @@ def view_of(table: DrawingTable | None) -> View | None:
 
 
 def _given(entry) -> dict:
-    """The keys of a table that the drawing's own defaults shall not fill."""
-    return {key: value for key, value in entry if value is not None}
+    """The keys of a table that the drawing's own defaults shall not fill; where a body goes is its motion by now."""
+    return {key: value for key, value in entry if value is not None and key not in ("along", "about")}

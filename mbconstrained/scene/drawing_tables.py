@@ -70,10 +70,24 @@ class BodyTable(Table):
         None, description="Displacement by unit of a coordinate, e.g. { x1 = [1, 0, 0] }."
     )
     turns: dict[Name, PlainVector] | None = Field(None, description="Rotation vector by rad; [0, -1, 0] is counter-clockwise.")
+    along: PlainVector | None = Field(
+        None, description="Where positive displacements of this body go in the automatic drawing, e.g. [1, 1, 0]; [0, 0, 1] is up."
+    )
+    about: PlainVector | None = Field(
+        None, description="About what positive angles of this body turn counter-clockwise in the automatic drawing."
+    )
     label: Text | None = Field(None, description="What is written beside it; left out: its name.")
     size: Vector | None = Field(None, description="Extent along x, y, z.")
     color: Annotated[str, BeforeValidator(_color)] | None = Field(None, description='Its colour, e.g. "#1f77b4".')
     teeth: int | None = Field(None, ge=3, le=400, description="Number of teeth of a gear.")
+
+    @model_validator(mode="after")
+    def _one_way(self):
+        _check_axes(self)
+        for name in ("along", "about"):
+            if getattr(self, name) is not None and (self.moves or self.turns):
+                raise InputError(f"{name}, and moves or turns, say the same thing; leave out one of them")
+        return self
 
 
 class LinkTable(Table):
@@ -115,13 +129,17 @@ class DrawingTable(Table):
 
     @model_validator(mode="after")
     def _axes(self):
-        for name in ("along", "about"):
-            if getattr(self, name) is not None and not any(getattr(self, name)):
-                raise InputError(f"{name} is [0, 0, 0]; give a direction, e.g. [0, 0, 1]")
+        _check_axes(self)
         if self.along and self.about:
             product = sum(a * b for a, b in zip(self.along, self.about))
             if abs(product) > 1e-9 * math.hypot(*self.along) * math.hypot(*self.about):
                 raise InputError("along and about are not at right angles; leave out one of them")
-        if self.is_own and (self.along or self.about):
+        if self.is_own and any(table.along or table.about for table in (self, *self.body)):
             raise InputError("along and about turn the automatic drawing; here moves and turns of the bodies say where they go")
         return self
+
+
+def _check_axes(table: BodyTable | DrawingTable) -> None:
+    for name in ("along", "about"):
+        if getattr(table, name) is not None and not any(getattr(table, name)):
+            raise InputError(f"{name} is [0, 0, 0]; give a direction, e.g. [0, 0, 1]")

@@ -1,23 +1,24 @@
-"""The JSON Schema of scenes, by which an editor completes keys, says what each is, and marks what is wrong while one writes."""
+"""The JSON Schemas of scenes and of robot.toml, by which an editor completes keys, says what each is, and marks mistakes."""
 
 from __future__ import annotations
 
 import json
 
 from .dimensions import KINDS
+from .robot_tables import RobotFile
 from .schema import SceneFile
 
-#: Where a scene looks for its schema: beside itself, under this name.
-SCHEMA_FILE = "mbconstrained.schema.json"
+#: Where a scene, and a robot.toml, looks for its schema: beside itself, under this name.
+SCHEMA_FILE, ROBOT_SCHEMA_FILE = "mbconstrained.schema.json", "robot.schema.json"
 EDITORS = """{file} is written. An editor with TOML support (in VS Code the extension Even Better TOML) uses it for a
-scene in the same folder that begins with the line
+{what} in the same folder that begins with the line
 
 #:schema ./{name}"""
 
 
-def schema_text() -> str:
-    """The schema as JSON."""
-    return json.dumps(scene_schema(), indent=2, ensure_ascii=False)
+def schema_text(*, robot: bool = False) -> str:
+    """The schema of scenes, or of a robot.toml, as JSON."""
+    return json.dumps(robot_schema() if robot else scene_schema(), indent=2, ensure_ascii=False)
 
 
 def scene_schema() -> dict:
@@ -27,12 +28,26 @@ def scene_schema() -> dict:
     >>> stiffness["unit"], stiffness["examples"][0]
     ('N/m', '3 N/mm')
     """
-    found = SceneFile.model_json_schema()
+    found = _schema(SceneFile, "A scene of mbconstrained")
+    whole = found.pop("required")
+    return {**found, "anyOf": [{"required": whole}, {"required": ["include"]}]}  # what is included may bring the model
+
+
+def robot_schema() -> dict:
+    """The schema of a robot.toml likewise.
+
+    >>> robot_schema()["required"]
+    ['source', 'licence', 'urdf']
+    """
+    return _schema(RobotFile, "A robot.toml of mbconstrained")
+
+
+def _schema(of: type, title: str) -> dict:
+    found = of.model_json_schema()
     for table in (found, *found["$defs"].values()):
         for key, entry in table.get("properties", {}).items():
             _complete(key, entry)
-    found |= {"title": "A scene of mbconstrained"}
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found, "title": title}
 
 
 def _complete(key: str, entry: dict) -> None:

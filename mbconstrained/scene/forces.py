@@ -30,9 +30,17 @@ def force_of(
     forces = []
     for number, table in enumerate(tables, 1):
         with at(file_name, f"force[{number}]"):
-            row, unit = _place(table.coordinate, coordinates, robot)
-            forces.append(_signal(table, FORCE_UNITS.get(unit), folder).delayed(table.delay).mapped(row[:, None]))
+            row, _, signal = placed_signal(table, coordinates, folder, robot)
+            forces.append(signal.mapped(row[:, None]))
     return reduce(add, forces) if forces else None
+
+
+def placed_signal(
+    table, coordinates: Coordinates, folder: Path, robot: LinearizedRobot | None
+) -> tuple[np.ndarray, str, signals.ImpulsiveSmooth]:
+    """Of one [[force]] table: how it acts on all coordinates, the unit of what it works along, and what acts, one row."""
+    row, unit = _place(table.coordinate, coordinates, robot)
+    return row, unit, _signal(table, FORCE_UNITS.get(unit), folder).delayed(table.delay)
 
 
 def input_of(tables: Sequence, inputs: Coordinates, folder: Path, file_name: str) -> signals.ImpulsiveSmooth | None:
@@ -94,7 +102,8 @@ def _record(table, unit: str | None, folder: Path) -> signals.ImpulsiveSmooth:
         raise InputError(f"{table.file}: {problem}") from None
 
 
-def _angular_frequency(table) -> float:
+def angular_frequency(table) -> float:
+    """Of a harmonic force or a term, in rad/s."""
     return table.angular_frequency or 2 * math.pi * (table.frequency or 0.0)
 
 
@@ -103,10 +112,10 @@ _SIGNALS = {  # kind: (power of seconds in the unit of its value, the signal)
     "ramp": (lambda t: -1, lambda t, v: signals.ramp(v)),
     "power": (lambda t: 1 - t.gamma, lambda t, v: signals.power(v, t.gamma)),
     "impulse": (lambda t: t.order + 1, lambda t, v: signals.impulse(v, order=t.order)),
-    "harmonic": (lambda t: 0, lambda t, v: signals.harmonic(v, angular_frequency=_angular_frequency(t), phase=t.phase)),
+    "harmonic": (lambda t: 0, lambda t, v: signals.harmonic(v, angular_frequency=angular_frequency(t), phase=t.phase)),
     "term": (
         lambda t: -t.power,
-        lambda t, v: signals.term(v, power=t.power, rate=t.rate, angular_frequency=_angular_frequency(t), phase=t.phase),
+        lambda t, v: signals.term(v, power=t.power, rate=t.rate, angular_frequency=angular_frequency(t), phase=t.phase),
     ),
     "pulse": (lambda t: 0, lambda t, v: signals.pulse(v, start=t.start, duration=t.duration)),
 }

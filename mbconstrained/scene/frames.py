@@ -36,7 +36,7 @@ def frames_of(result: Result, most: int) -> tuple[np.ndarray, np.ndarray, np.nda
     times, values = result.times, result.values
     rates = result.curves("velocity").values
     most = min(most, MOST_NUMBERS // max(1, len(values)))
-    scale = _visible(values, result.scene.equations.coordinates.units)
+    scale = visible(values, result.scene.equations.coordinates.units)
     at, rate = result.motion, result.motion.derivative(1)
     while len(times) < most and _misses(times, values, rates, at, scale):
         times = np.linspace(times[0], times[-1], min(2 * len(times) - 1, most))
@@ -44,7 +44,7 @@ def frames_of(result: Result, most: int) -> tuple[np.ndarray, np.ndarray, np.nda
     return times, values, rates
 
 
-def _visible(values: np.ndarray, units: tuple[str, ...]) -> np.ndarray:
+def visible(values: np.ndarray, units: tuple[str, ...]) -> np.ndarray:
     """How far the coordinates of a unit move, which tells what is seen beside it, shape (r, 1)."""
     reach = np.ptp(values, axis=1)
     furthest = {unit: max(own for own, other in zip(reach, units) if other == unit) for unit in units}

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..mechanics.units import force_unit, impulse_unit
 from ..page.drawing import Drawing
-from ..page.marks import Arrow, LastingForce, Marks, Moment, arrow_at
+from ..page.marks import Arrow, LastingForce, Marks, Moment, Strike, arrow_at
 from ..response.notices import sides
 from .happenings import Jump, impulses_of, jumps_of, later_jumps_of, number, sized
 
@@ -23,13 +23,17 @@ MOST_MOMENTS = 100
 #: Of one moment so many lines are told in the picture; the tables have all.
 MOST_TOLD = 6
 
-Strike = tuple[Arrow, float, str]
-
 
 def marks_of(result: Result, drawing: Drawing, times: np.ndarray) -> Marks:
     """Marks for the drawing of a result; empty where nothing happens at once and no arrows are asked for."""
-    forces = reaction_arrows(result, drawing, times) if "reaction" in result.scene.table.output.arrows else ()
-    return Marks(tuple(_moments(result, drawing)), forces)
+    moments = tuple(_moments(result, drawing))
+    if "reaction" not in result.scene.table.output.arrows:
+        return Marks(moments)
+    if result.scene.equations.robot_scene is None:
+        return Marks(moments, reaction_arrows(result, drawing, times))
+    from .robot_marks import robot_reactions
+
+    return Marks(moments, *robot_reactions(result, times))
 
 
 def reaction_arrows(result: Result, drawing: Drawing, times: np.ndarray) -> tuple[LastingForce, ...]:
@@ -106,6 +110,11 @@ def _delta(order: int) -> str:
 
 def _strikes(result: Result, drawing: Drawing, time: float) -> tuple[Strike, ...]:
     """Arrows of the impulses of constraint forces and forces at a time, without derivatives of impulses."""
+    if result.scene.equations.robot_scene is not None:
+        from .robot_marks import robot_strikes
+
+        of_rows = _blows_at(result, time)[0]
+        return robot_strikes(result, of_rows[0] if of_rows else None, time)
     found: list[Strike] = []
     rows = result.system.rows if result.system else ()
     by_name = {f"force of {row.name}": row for row in rows}
@@ -125,16 +134,26 @@ def _force_impulses(result: Result, time: float) -> Iterator[tuple[str, str, lis
     """Name, unit and impulses by order of each force that has any at a time: of constraint rows, then on coordinates."""
     if result.system is None:
         return
-    coordinates, rows = result.scene.equations.coordinates, result.system.rows
+    rows = result.system.rows
     of_rows, applied = _blows_at(result, time)
     for i, row in enumerate(rows):
         values = [float(impulse[i]) for impulse in of_rows]
         if any(values):
             yield f"force of {row.name}", force_unit(row.unit), values
-    for i, name in enumerate(coordinates.names):
-        values = [float(impulse[i]) for impulse in applied]
+    for name, unit, values in _applied(result, applied, time):
         if any(values):
-            yield f"force on {name}", force_unit(coordinates.units[i]), values
+            yield f"force on {name}", force_unit(unit), values
+
+
+def _applied(result: Result, applied, time: float) -> Iterable[tuple[str, str, list[float]]]:
+    """Of a robot what is struck by name, as it was said, of others each coordinate, with the impulses by order."""
+    coordinates = result.scene.equations.coordinates
+    if result.scene.equations.robot_scene is not None:
+        from .robot_marks import robot_blows
+
+        return robot_blows(result, time)
+    rows = zip(coordinates.names, coordinates.units)
+    return [(name, unit, [float(impulse[i]) for impulse in applied]) for i, (name, unit) in enumerate(rows)]
 
 
 def _blows_at(result: Result, time: float):

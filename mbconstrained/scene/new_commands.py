@@ -47,18 +47,19 @@ def new(
 
 def schema(
     out: Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")] = "",
+    robot: Annotated[bool, typer.Option("--robot", help="That of a robot.toml instead of that of a scene.")] = False,
 ) -> None:
-    """Print the JSON Schema of scenes: every key with its description and unit, for completion and checks in editors."""
+    """Print the JSON Schema of scenes, or of a robot.toml: every key with description and unit, for completion and checks."""
     from .editors import EDITORS, schema_text
     from .printing import show_text
 
     def work() -> None:
         if not out:
-            return show_text(schema_text())
+            return show_text(schema_text(robot=robot))
         from ..replacing import replacing
 
         with replacing(Path(out)) as beside:
-            beside.write_text(schema_text() + "\n", encoding="utf-8")
-        show_text(EDITORS.format(file=Path(out).as_posix(), name=Path(out).name))
+            beside.write_text(schema_text(robot=robot) + "\n", encoding="utf-8")
+        show_text(EDITORS.format(file=Path(out).as_posix(), name=Path(out).name, what="robot.toml" if robot else "scene"))
 
     leave(Path(out).name or "schema", False, work)

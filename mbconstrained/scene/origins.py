@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from ..errors import InputError
+
+#: Where what was set from outside comes from.
+ORIGIN = "--set"
 
 Place = tuple  # of keys, and of numbers of entries from 1
 
@@ -25,6 +28,7 @@ class SceneName(str):
 
     Attributes:
         origins: file and place there, by place in the tables that were put together; what is not told belongs to its table.
+        settings: names of what was set from outside, by the places of the values that come of it.
 
     >>> name = SceneName("scene.toml", {("model", "mass", 2): ("base.toml", ("model", "mass", 1))})
     >>> name.located('model.mass[2].mass: found -1')
@@ -34,11 +38,12 @@ class SceneName(str):
     """
 
     origins: Mapping[Place, tuple[str, Place]]
+    settings: Mapping[Place, Sequence[str]]
 
-    def __new__(cls, name: str, origins: Mapping[Place, tuple[str, Place]] | None = None):
+    def __new__(cls, name: str, origins: Mapping[Place, tuple[str, Place]] | None = None, settings=None):
         """The name with what comes from elsewhere."""
         found = super().__new__(cls, name)
-        found.origins = origins or {}
+        found.origins, found.settings = origins or {}, settings or {}
         return found
 
     def located(self, text: str, key: str | None = None) -> tuple[str, str]:
@@ -53,8 +58,15 @@ class SceneName(str):
             if whole[:count] in self.origins:
                 file, place = self.origins[whole[:count]]
                 shared = min(count, len(parts))
-                return file, written(place[:shared]) + text[ends[shared] :]
-        return str(self), text
+                text = written(place[:shared]) + text[ends[shared] :]
+                return file, text if file == ORIGIN else text + self._with_settings(whole)
+        return str(self), text + self._with_settings(whole)
+
+    def _with_settings(self, place: Place) -> str:
+        """Which of the values at a place, or in the table there, come of what was set from outside."""
+        near = (names for other, names in self.settings.items() if all(a == b for a, b in zip(place, other)))
+        names = dict.fromkeys(name for each in near for name in each)
+        return f" (with {' and '.join(f'{ORIGIN} {name}' for name in names)})" if place and names else ""
 
     def file_of(self, place: Place) -> tuple[str, Place]:
         """The file that an entry is from, and its place there."""

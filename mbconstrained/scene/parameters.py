@@ -17,6 +17,7 @@ from .dimensions import Dimension, unit_of
 from .expressed import Expressed
 from .expressions import Expression, read_expression
 from .measured import Measured
+from .origins import Place
 from .problems import place, together
 from .units import any_quantity, in_range, shown
 
@@ -37,11 +38,13 @@ class Parameters:
         values: in SI, by name, in the order of the file; those that are expressions of others are written out everywhere.
         dimensions: kinds of quantity by name; None for plain numbers, which may be anything in SI.
         unused: the names of those that stand in no expression.
+        places: of the expressions, with the names of the parameters in them and in those.
     """
 
     values: dict[str, float] = field(default_factory=dict)
     dimensions: dict[str, Dimension | None] = field(default_factory=dict)
     unused: tuple[str, ...] = ()
+    places: dict[Place, frozenset[str]] = field(default_factory=dict)
 
     @property
     def units(self) -> dict[str, str]:
@@ -68,7 +71,7 @@ def with_parameters(data: dict, file_name: str) -> tuple[dict, Parameters]:
     symbols = {name: value for name, value in work.known.items() if name not in work.expressions}
     values = {name: float(value.value) for name, value in symbols.items()}
     unused = tuple(name for name in work.known if name not in work.used)
-    return found, Parameters(values, {name: value.dimension for name, value in symbols.items()}, unused)
+    return found, Parameters(values, {name: value.dimension for name, value in symbols.items()}, unused, work.places)
 
 
 class _Substitution:
@@ -78,6 +81,7 @@ class _Substitution:
         self.data = data
         self.problems: list[str] = []
         self.used: set[str] = set()
+        self.places: dict[Place, frozenset[str]] = {}
         self.known: dict[str, Measured] = {}
         self.expressions: dict[str, Expression] = {}  # of the parameters that are expressions of others
         self.trees: dict[str, Expression] = {}  # the same, written out in those that are not
@@ -127,13 +131,13 @@ class _Substitution:
             return value
         found: float = 1.0  # where it is wrong, so that the rest is read all the same
         with self._telling(place(location, self.data)):
-            found = self._expressed(value.strip())
+            found = self._expressed(value.strip(), location)
         return found
 
-    def _expressed(self, text: str) -> Expressed:
+    def _expressed(self, text: str, location: tuple) -> Expressed:
         tree = read_expression(text[1:])
         found = self._value(text, tree)
-        self._use(tree)
+        self._use(tree, location)
         return Expressed(in_range(found.value, text), text, self._written_out(tree), found.dimension)
 
     def _value(self, text: str, tree: Expression) -> Measured:
@@ -153,12 +157,15 @@ class _Substitution:
             raise InputError(f"it has {found.size} parts with those of its parameters; expected at most {MOST_PARTS}")
         return found
 
-    def _use(self, tree: Expression) -> None:
+    def _use(self, tree: Expression, location: tuple) -> None:
         """Remember which parameters stand in an expression, and which in those."""
-        names = {*tree.names()} & self.known.keys()
-        while new := names - self.used:
-            self.used |= new
-            names = {name for each in new & self.expressions.keys() for name in self.expressions[each].names()}
+        found = new = {*tree.names()} & self.known.keys()
+        while new:
+            inner = {name for each in new & self.expressions.keys() for name in self.expressions[each].names()}
+            new = inner & self.known.keys() - found
+            found = found | new
+        self.used |= found
+        self.places[tuple(part + 1 if isinstance(part, int) else part for part in location)] = frozenset(found)
 
     def _check(self, name: str, text: str) -> None:
         if name in self.known or name in _PI:

@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..notices import Notice
 from ..response.estimate import error_estimate
 from ..tolerances import TRUST_LIMIT
+from .aliasing import aliasing_notices
 from .curves import ORDERS, PARTS, Curves, coordinate_curves, energy_curves, output_curves, reaction_curves
 from .happenings import with_units
 from .plan import Plan
@@ -141,7 +142,8 @@ class Result(ResultFiles):
         accuracy = (Notice("accuracy", text, doubtful=True) for text in texts)
         proved = self.certificate.notices if self.certificate else ()
         told = (*self.scene.notices, *self._without_formula(), *self._without_still(), *proved)
-        return (*told, *self.scene.equations.form_notices, *notices, *self._at_rest(notices), *robot, *accuracy)
+        seen = (*self._at_rest(notices), *aliasing_notices(self))
+        return (*told, *self.scene.equations.form_notices, *notices, *seen, *robot, *accuracy)
 
     def _at_rest(self, notices: Iterable[Notice]) -> tuple[Notice, ...]:
         """That nothing moves, as where the start was forgotten."""

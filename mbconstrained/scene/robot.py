@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,7 +15,7 @@ from .units import shown
 from .values import Coordinates
 
 if TYPE_CHECKING:
-    from ..models.robot import LinearizedRobot, Posture, Robot
+    from ..models.robot import LinearizedRobot, PointMotion, Posture, Robot
 
 
 @dataclass(frozen=True)
@@ -25,12 +25,14 @@ class RobotScene:
     Attributes:
         data: what stands in its file.
         robot, posture, system: of the models' floor; the system knows inputs and outputs by name.
+        inputs: the joint or PointMotion of each input, by its name.
     """
 
     data: RobotData
     robot: Robot
     posture: Posture
     system: LinearizedRobot
+    inputs: Mapping[str, str | PointMotion]
 
     @property
     def coordinates(self) -> Coordinates:
@@ -70,7 +72,7 @@ def robot_scene(model, folder: Path, file_name: str, lap: Callable[[str], None])
     inputs, outputs = (_motions(getattr(model, key), data, f"model.{key}", file_name) for key in ("input", "output"))
     with at(file_name, "model"):
         system = robot.linearize(posture, level=model.level, inputs=inputs, outputs=outputs)
-    return RobotScene(data, robot, posture, system)
+    return RobotScene(data, robot, posture, system, inputs)
 
 
 def _robot_path(name: str, folder: Path) -> Path:

@@ -21,7 +21,7 @@ from .parameters import Parameters, with_parameters
 from .plan import Plan
 from .problems import at, validated
 from .result import Result
-from .settings import Setting, with_settings
+from .settings import Setting, with_settings, with_values
 from .stage_costs import Cost, Costs
 from .stages import plan_of, run_stages
 from .units import count_texts
@@ -160,6 +160,7 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
         load_units()
         costs.lap("units")
     data, parameters = with_parameters(data, name)
+    name = with_values(name, made, parameters.places)
     table = validated(data, name)
     costs.lap("read the scene")
     equations = equations_of(table, path.parent, name, costs.lap)
@@ -185,8 +186,6 @@ def _check_output(output, equations: Equations, file_name: str) -> None:
             raise InputError("there is no formula with symbols for a robot; leave it out")
     system = equations.system
     with at(file_name, "output.arrows"):
-        if output.arrows and equations.robot:
-            raise InputError("found reaction; those of a robot are not drawn: leave it out, or plot them")
         if output.arrows and not (system and system.rows):
             raise InputError("found reaction, but there are no constraint rows; leave it out")
     with at(file_name, "output.plots"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,11 +11,10 @@ from ..checks import nearest
 from ..errors import InputError
 from ..notices import Notice
 from .dimensions import described, unit_of
-from .origins import SceneName, parts_of, written
+from .origins import ORIGIN, Place, SceneName, parts_of, written
 from .problems import at
 from .units import any_quantity, quoted, shown
 
-ORIGIN = "--set"
 TEXTS = ("title", "source")  # what stands above all tables
 PLACES = "time.end, model.mass[1].mass or model.mass.cart.mass"
 
@@ -71,13 +70,24 @@ def with_settings(data: dict, name: SceneName, settings: Mapping[str, Any]) -> t
     Raises:
         SceneError: no such parameter or place, a quantity of another kind than that of the parameter.
     """
-    made, origins = [], dict(name.origins)
+    made, origins, set_by = [], dict(name.origins), {}
     for key, value in settings.items():
         with at(ORIGIN, key if key.isprintable() else quoted(key)):
             setting, place = _set_parameter(data, key, value) or _set_at(data, key, value)
         made.append(setting)
-        origins[place] = (ORIGIN, place)
-    return SceneName(name, origins), tuple(made)
+        origins[place], set_by[place] = (ORIGIN, place), (key,)
+    return SceneName(name, origins, set_by), tuple(made)
+
+
+def with_values(name: SceneName, made: Sequence[Setting], uses: Mapping[Place, Collection[str]]) -> SceneName:
+    """The name, which also knows the values that come of parameters that were set.
+
+    Args:
+        uses: the names of the parameters that a value comes of, by its place.
+    """
+    names = [setting.name for setting in made]
+    found = {place: tuple(each for each in names if each in used) for place, used in uses.items()}
+    return SceneName(name, name.origins, {**name.settings, **{place: told for place, told in found.items() if told}})
 
 
 def _set_parameter(data: dict, name: str, value) -> tuple[Setting, tuple] | None:

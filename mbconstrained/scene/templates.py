@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..checks import nearest
 from ..errors import InputError
-from .editors import SCHEMA_FILE
+from .editors import ROBOT_SCHEMA_FILE, SCHEMA_FILE
 from .summary import plain_table
 from .text_table import TextTable
 from .units import quoted, shown
@@ -63,10 +63,10 @@ def write_template(path: Path, template: str = "") -> str:
         raise FileNotFoundError(None, "there is no such folder; make it first", str(path.parent))
     named = path.stem.replace("_", "-")
     template = template or (named if named in template_names() else DEFAULT)
-    schema = f"#:schema ./{SCHEMA_FILE}\n" if path.with_name(SCHEMA_FILE).is_file() else ""
-    texts = {path: schema + _named(template_text(template), path.stem)}
+    texts = {path: _with_schema(path, SCHEMA_FILE) + _named(template_text(template), path.stem)}
     for other in BESIDE.get(template, ()):
-        texts[path.with_name(other.replace(ROBOT, path.stem, 1))] = _named(_text(other), path.stem)
+        schema = _with_schema(path, ROBOT_SCHEMA_FILE) if other.endswith(".toml") else ""
+        texts[path.with_name(other.replace(ROBOT, path.stem, 1))] = schema + _named(_text(other), path.stem)
     for each in texts:
         if each.exists() or each.is_symlink():
             raise FileExistsError(None, "there is such a file already", str(each))
@@ -80,6 +80,11 @@ def write_template(path: Path, template: str = "") -> str:
         f"  mbconstrained run {shown_path}      and open the page that it names\n"
         f"  mbconstrained check {shown_path}    after each change: is everything right?"
     )
+
+
+def _with_schema(path: Path, schema: str) -> str:
+    """The line by which an editor finds the schema, if it is there."""
+    return f"#:schema ./{schema}\n" if path.with_name(schema).is_file() else ""
 
 
 def _scene_path(path: Path) -> Path:

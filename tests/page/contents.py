@@ -74,3 +74,13 @@ def hostile_content() -> PageContent:
     notices = tuple(Notice("rank", text) for text in (HOSTILE, long))
     animation = Animation(drawing, (HOSTILE,), [0, 1], values)
     return PageContent(HOSTILE + long, HOSTILE + long, animation, plots, tables, notices, ((HOSTILE, HOSTILE), (long, long)))
+
+
+def many(count=30, length=2001, fastest=40.0):
+    """Bodies that swing faster and faster, the fastest 20 key frames a period or more, and their motion with rates."""
+    times = np.linspace(0.0, 2 * np.pi * (length - 1) / (20 * fastest), length)
+    frequencies = np.linspace(1.0, fastest, count)[:, None]
+    names = tuple(f"x{i}" for i in range(count))
+    bodies = tuple(Body(name, rest=(2.0 * i, 0, 0), moves={name: (1, 0, 0)}) for i, name in enumerate(names))
+    values, rates = 5 + np.sin(frequencies * times), frequencies * np.cos(frequencies * times)
+    return Drawing(bodies), names, frequencies, times, values, rates

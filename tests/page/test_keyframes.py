@@ -7,8 +7,9 @@ import pytest
 
 from mbconstrained.errors import InputError
 from mbconstrained.page import Body, Drawing, Path, key_frames
+from mbconstrained.page.figure import figure_data, unseen_errors
 from mbconstrained.page.keyframes import MOST_FRAMES, MOST_POSES, slopes
-from tests.page.contents import two_masses
+from tests.page.contents import many, two_masses
 
 EMPTY = Drawing(())
 
@@ -129,3 +130,46 @@ def test_a_drawing_that_moves_with_an_unknown_coordinate_is_refused():
     drawing = Drawing((Body("b", moves={"angel": (1, 0, 0)}),))
     with pytest.raises(InputError, match='"angel" moves a body but is no coordinate; did you mean "angle"'):
         key_frames(drawing, ("angle",), [0, 1], [[0, 1]])
+
+
+def shown(track, kind="<f4"):
+    """What the page reads of a row, written here from the format."""
+    if isinstance(track, str):
+        return unpacked(track, kind)
+    return track["low"][0] + track["step"][0] * unpacked(track["codes"], "<u2")
+
+
+def test_many_numbers_are_codes_of_two_bytes_without_rates_and_nobody_sees_it():
+    drawing, names, frequencies, times, values, rates = many()
+    frames = key_frames(drawing, names, times, values, rates)
+    figure = figure_data(drawing, frames)
+    data = frames.as_data(*unseen_errors(drawing, names, figure))
+    assert set(data["rates"]) == {None} and all(isinstance(track, dict) for track in data["values"])
+    pixel = max(np.subtract(figure["bounds"]["high"], figure["bounds"]["low"])) / 4000
+    read = np.array([shown(track) for track in data["values"]])
+    assert np.abs(read - values).max() < 0.1 * pixel
+    half, drawn = times[:-1] + np.diff(times) / 2, slopes(times, read)
+    middle = (read[:, :-1] + read[:, 1:]) / 2 + np.diff(times) * (drawn[:, :-1] - drawn[:, 1:]) / 8
+    assert np.abs(middle - 5 - np.sin(frequencies * half)).max() < 0.1 * pixel
+
+
+def test_rates_stay_where_the_page_would_miss_them_and_all_digits_where_they_are_told():
+    drawing, names, _, times, values, rates = many()
+    values, rates = np.vstack([values, values[-1:]]), np.vstack([rates, 1 - rates[-1:]])
+    frames = key_frames(drawing, (*names, "told"), times, values, rates)
+    errors, paths = unseen_errors(drawing, frames.names, figure_data(drawing, frames))
+    kinked = frames.as_data(errors, paths)
+    assert errors[-1] == 0 and np.array_equal(unpacked(kinked["values"][-1]), values[-1].astype("<f4"))
+    rates[29] *= 1.5  # as beside a kink
+    kinked = key_frames(drawing, (*names, "told"), times, values, rates).as_data(errors, paths)
+    assert kinked["rates"][28] is None and np.allclose(shown(kinked["rates"][29]), rates[29], atol=1e-4 * rates[29].max())
+
+
+def test_paths_of_many_poses_are_codes_too():
+    count, angles = 4001, np.linspace(0.0, 0.2, 4001)
+    path = Path(np.outer([1, 2, 0.5], np.sin(50 * angles)), np.vstack([np.zeros((2, count)), np.sin(angles), np.cos(angles)]))
+    drawing = Drawing(tuple(Body(f"b{i}", path=path) for i in range(2)))
+    frames = key_frames(drawing, (), np.arange(float(count)), np.zeros((0, count)))
+    data = frames.as_data(*unseen_errors(drawing, (), figure_data(drawing, frames)))["paths"][1]
+    read = np.array(data["low"]) + np.array(data["step"]) * unpacked(data["codes"], "<u2").reshape(count, 7)
+    assert np.abs(read - np.vstack([path.positions, path.quaternions]).T).max() < 4e-5

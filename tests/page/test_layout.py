@@ -12,7 +12,7 @@ from mbconstrained.page.figure import figure_data
 from mbconstrained.page.layout import coordinate_drawing, lumped_drawing
 from mbconstrained.page.layout.joints import groups, joints_of, natural_positions, walk
 from mbconstrained.page.layout.turning import turn_to
-from mbconstrained.page.poses import quaternions_of, rotated
+from mbconstrained.page.rotation import quaternions_of, rotated
 from mbconstrained.page.stage import stage_section
 from tests.page.models import gallery
 

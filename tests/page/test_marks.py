@@ -80,6 +80,35 @@ def test_forces_move_with_the_coordinates_of_the_model_and_behind_them():
     assert "arrows: reactions, longest arrow 5 N or 15 N m" in page_html(PageContent("forces", animation=given))
 
 
+def turning_hook() -> tuple[Body, np.ndarray]:
+    """A link that goes round once about z in two seconds, and a force along its own x at a point of it."""
+    angles = np.pi * TIMES
+    still = np.zeros(3)
+    path = Path(np.zeros((3, 3)), [still, still, np.sin(angles / 2), np.cos(angles / 2)])
+    return Body("hook", path=path), np.array([[1.0, 3.0, 2.0], still, still])
+
+
+def test_a_force_in_the_frame_of_a_body_has_three_rows_and_no_direction():
+    hook, values = turning_hook()
+    force = LastingForce("pin", values, 0 * values, ((Arrow("hook", None, "N", point=(0, 2, 0)), 1.0),))
+    given = Animation(Drawing((hook,)), ("x",), TIMES, np.zeros((1, 3)), np.zeros((1, 3)), Marks((), (force,), "reactions on hook"))
+    assert _frames(given).names == ("x", "force: pin x", "force: pin y", "force: pin z")
+    (drawn,) = figure(given)["marks"]["forces"]
+    assert drawn["rows"] == 3 and drawn["arrows"][0]["direction"] is None and drawn["arrows"][0]["point"] == [0, 2, 0]
+    assert drawn["arrows"][0]["length"] == pytest.approx(LONGEST / 3)
+    assert "arrows: reactions on hook, longest arrow 3 N" in page_html(PageContent("t", animation=given))
+
+
+def test_the_picture_has_room_for_the_tips_of_all_arrows():
+    hook, values = turning_hook()
+    force = LastingForce("pin", values, 0 * values, ((Arrow("hook", None, "N", point=(0, 2, 0)), 1.0),))
+    blow = Moment(2.0, ("t",), np.zeros(1), np.zeros(1), ((Arrow("hook", (0, 0, -1), "N s"), 7.0, "7 N s"),))
+    given = Animation(Drawing((hook,)), ("x",), TIMES, np.zeros((1, 3)), np.zeros((1, 3)), Marks((blow,), (force,)))
+    bounds, plain = figure(given)["bounds"], figure(Animation(Drawing((hook,)), ("x",), TIMES, np.zeros((1, 3))))["bounds"]
+    assert bounds["low"] == pytest.approx([-LONGEST, -2.0, -LONGEST])  # half way round it is longest, and points back
+    assert bounds["high"] == pytest.approx([2 * LONGEST / 3, 2.0, plain["high"][2]])
+
+
 def test_forces_that_never_act_are_no_trouble():
     force = LastingForce("idle", np.zeros(3), np.zeros(3), ((Arrow("cart", (1, 0, 0), "N"), 1.0),))
     assert told_scale((force,)) == ""

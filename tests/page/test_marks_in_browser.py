@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from mbconstrained.page import Animation, Body, Drawing, PageContent, write_page
+from mbconstrained.page import Animation, Body, Drawing, PageContent, Path, write_page
 from mbconstrained.page.drawing import View
 from mbconstrained.page.marks import Arrow, LastingForce, Marks, Moment
 from tests.page.browser import needs_chromium
@@ -64,6 +64,53 @@ def test_marks_come_and_go_with_the_time(browser, page):
     box = "document.querySelector('{}').getBoundingClientRect()".format
     below = f"{box('.moments')}.top - {box('#stage')}.bottom"
     assert browser.evaluate(below) == pytest.approx(0, abs=1)  # the list is below the model, not over it
+
+
+def test_an_arrow_of_a_body_that_turns_turns_with_it(browser, tmp_path):
+    still, angles = np.zeros(101), TIMES / 10
+    path = Path([5 * np.cos(angles), 5 * np.sin(angles), still], [still, still, np.sin(angles / 2), np.cos(angles / 2)])
+    hold = (Arrow("hook", None, "N", point=(1, 0, 0)), 1.0)
+    force = LastingForce("pin", np.array([2 + still, X, still]), np.array([still, -np.sin(TIMES), still]), (hold,))
+    given = Animation(Drawing((Body("hook", path=path),)), (), TIMES, np.zeros((0, 101)), np.zeros((0, 101)), Marks((), (force,)))
+    browser.open(write_page(tmp_path / "page.html", PageContent("t", animation=given)))
+    for time in (0.0, 7.3):
+        place, way, told = browser.evaluate(f"""(() => {{
+            mbconstrained.seek({time});
+            const {{ object }} = mbconstrained.viewer.scene_tree.find(["mbconstrained", "marks", "force 0 0"]);
+            const way = new MeshCat.THREE.Vector3(1, 0, 0).applyQuaternion(object.quaternion);
+            return [object.position.toArray(), way.toArray(), document.querySelector(".label.force").textContent];
+        }})()""")
+        angle, size = time / 10, np.hypot(2, np.cos(time))
+        toward = angle + np.arctan2(np.cos(time), 2)
+        assert place == pytest.approx([6 * np.cos(angle), 6 * np.sin(angle), 0], abs=1e-4)
+        assert way == pytest.approx([np.cos(toward), np.sin(toward), 0], abs=1e-4) and told == f"{size:.3g} N"
+    assert browser.state()["errors"] == []
+
+
+def test_numbers_at_arrows_do_not_cover_each_other(browser, tmp_path):
+    bodies = (Body("a", moves={"x": (0, 0, 0.1)}), Body("b", rest=(0.1, 0, 0), moves={"x": (0, 0, 0.1)}), Body("c", rest=(9, 0, 0)))
+    arrows = tuple((Arrow(name, (0, 0, 1), "N"), 1.0) for name in "abc")
+    force = LastingForce("all", 1 + 0 * X, 0 * X, arrows)
+    given = Animation(Drawing(bodies), ("x",), TIMES, [X], [-np.sin(TIMES)], Marks((), (force,)))
+    browser.open(write_page(tmp_path / "page.html", PageContent("t", animation=given)))
+    shown = browser.evaluate("[...document.querySelectorAll('.label.force')].map((label) => label.style.visibility)")
+    assert shown == ["visible", "hidden", "visible"]
+
+
+def test_a_line_over_the_picture_that_breaks_has_room_of_its_own(browser, tmp_path):
+    given = Animation(Drawing((Body("a", moves={"x": (1, 0, 0)}),), note="long " * 60), ("x",), TIMES, [X], [-np.sin(TIMES)])
+    page = write_page(tmp_path / "page.html", PageContent("t", animation=given))
+    below = """(() => {
+        const [a] = mbconstrained.viewer.scene_tree.find(["mbconstrained", "bodies"]).object.children;
+        const top = a.getWorldPosition(new MeshCat.THREE.Vector3()).project(mbconstrained.viewer.camera).y;
+        const box = document.getElementById("stage").getBoundingClientRect();
+        return box.top + (1 - top) / 2 * box.height - document.querySelector(".magnification").getBoundingClientRect().bottom;
+    })()"""
+    browser.size(390, 800)
+    try:
+        assert browser.open(page).evaluate(below) > 40
+    finally:
+        browser.size(800, 600)
 
 
 def test_a_turned_drawing_moves_the_way_it_was_turned_to(browser, page):

@@ -6,7 +6,8 @@ from scipy.spatial.transform import Rotation
 
 from mbconstrained.errors import InputError
 from mbconstrained.page import Animation, Body, Drawing, Path, key_frames
-from mbconstrained.page.poses import body_poses, quaternions_of, rotated
+from mbconstrained.page.poses import body_poses
+from mbconstrained.page.rotation import quaternions_of, rotated
 
 
 def test_quaternions_are_normalized_whatever_their_length():

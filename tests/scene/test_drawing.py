@@ -6,11 +6,13 @@ import pytest
 
 from mbconstrained.errors import SceneError
 from mbconstrained.page.drawing import View
+from mbconstrained.page.rotation import matrix_of
 from mbconstrained.scene.modes_drawing import mode_drawing
 from tests.scene.robots import SCENE, press
 from tests.scene.scenes import MATRICES, OSCILLATOR, scene_of
 
 CART = '[[drawing.body]]\nname = "cart"\n'
+FALLING = OSCILLATOR.replace('kind = "lumped"', 'kind = "lumped"\ngravity = -9.81')
 CHANGED = f"""
 [drawing]
 automatic = true
@@ -69,13 +71,20 @@ def test_the_view_is_a_word_or_angles(tmp_path, text, view):
 
 
 def test_displacements_go_along_what_is_asked_for_and_up_where_there_is_gravity(tmp_path):
-    falling = OSCILLATOR.replace('kind = "lumped"', 'kind = "lumped"\ngravity = -9.81')
     up = (0.0, -math.pi / 2, 0.0)
     assert drawing_of(tmp_path, "").turn == (0.0, 0.0, 0.0)
     assert drawing_of(tmp_path, "[drawing]\nalong = [0, 0, 2]\n").turn == pytest.approx(up)
-    assert drawing_of(tmp_path, "", falling).turn == pytest.approx(up)
-    assert drawing_of(tmp_path, "[drawing]\nalong = [1, 0, 0]\n", falling).turn == (0.0, 0.0, 0.0)
-    assert mode_drawing(scene_of(tmp_path, falling), []).turn == pytest.approx(up)
+    assert drawing_of(tmp_path, "", FALLING).turn == pytest.approx(up)
+    assert drawing_of(tmp_path, "[drawing]\nalong = [1, 0, 0]\n", FALLING).turn == (0.0, 0.0, 0.0)
+    assert mode_drawing(scene_of(tmp_path, FALLING), []).turn == pytest.approx(up)
+
+
+def test_one_body_goes_along_what_it_says_itself_in_space(tmp_path):
+    own = f"{CART}along = [0, 2, 0]\n"
+    for text, model in (("", OSCILLATOR), ("[drawing]\nalong = [0, 0, 1]\n", OSCILLATOR), ("", FALLING)):
+        scene = scene_of(tmp_path, f"{model}\n{text}{own}")
+        for drawing in (scene.run().animation.drawing, mode_drawing(scene, [])):
+            assert matrix_of(drawing.turn) @ body(drawing, "cart").moves["cart"] == pytest.approx((0, 1, 0), abs=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -86,6 +95,12 @@ def test_displacements_go_along_what_is_asked_for_and_up_where_there_is_gravity(
         ("along = [0, 0, 0]", r"along is \[0, 0, 0\]; give a direction"),
         ("along = [1, 0, 0]\nabout = [1, 1, 0]", "not at right angles"),
         ('along = [1, 0, 0]\n[[drawing.body]]\nname = "cart"\nshape = "box"', "along and about turn the automatic drawing"),
+        (f"{CART}along = [0, 0, 0]", r"body\[1\].*along is \[0, 0, 0\]; give a direction"),
+        (f"{CART}about = [0, 0, 1]", 'the body "cart" has about, but it is displaced: say along'),
+        (f"{CART}along = [0, 0, 1]\nmoves = {{ cart = [1, 0, 0] }}", "along, and moves or turns, say the same thing"),
+        (f'{CART}shape = "box"\nalong = [0, 0, 1]', "along and about turn the automatic drawing"),
+        ('[[drawing.body]]\nname = "ground left of cart"\nalong = [0, 0, 1]', "has along, but it stays where it is"),
+        ('automatic = true\n[[drawing.body]]\nname = "new"\nshape = "box"\nalong = [0, 0, 1]', 'of "new", moves and turns say'),
         ('automatic = false\n[[drawing.body]]\nname = "cart"', 'the body "cart" has no shape'),
         ('[[drawing.body]]\nname = "crat"', r'no body "crat" in the automatic drawing.*cart.*give it a shape'),
     ],

@@ -19,7 +19,9 @@ def kind(path) -> str:
     return next(line.split('"')[1] for line in path.read_text("utf-8").splitlines() if line.startswith("kind = "))
 
 
-NAMES = [path.stem for path in sorted(EXAMPLES.glob("*.toml")) if kind(path) != "robot"]
+#: Its determinant is of degree 4 in its parameters and has no roots in closed form: only numbers give a formula.
+QUARTIC = "quarter_car"
+NAMES = [path.stem for path in sorted(EXAMPLES.glob("*.toml")) if kind(path) != "robot" and path.stem != QUARTIC]
 
 
 def difference(scene, values, times) -> float:
@@ -39,7 +41,12 @@ def test_the_formula_of_every_example_agrees_with_its_run(name):
     assert agrees(read_scene(EXAMPLES / f"{name}.toml"))
 
 
-@pytest.mark.parametrize("name", ["two_masses_formula", "massless_joints_formula"])
+def test_an_example_without_closed_form_in_symbols_says_so():
+    with pytest.raises(InputError, match="the zeros have no closed form in body, wheel, .*formula --numbers"):
+        formula_of(read_scene(EXAMPLES / f"{QUARTIC}.toml"))
+
+
+@pytest.mark.parametrize("name", ["two_masses_formula", "massless_joints_formula", QUARTIC])
 def test_numbers_instead_of_symbols_agree_too(name):
     scene = read_scene(EXAMPLES / f"{name}.toml")
     assert formula_of(scene, numbers=True).parameters == ()

@@ -67,12 +67,10 @@ def test_many_lines_are_counted_and_many_moments_are_cut(tmp_path):
     assert len(moment.told) == 8 and moment.told[-1] == "and 12 more, see the tables" and len(moment.strikes) == 9
 
 
-@pytest.mark.parametrize(
-    ("scene", "why"), [(OSCILLATOR, "there are no constraint rows"), (SCENE, "those of a robot are not drawn")]
-)
-def test_arrows_that_cannot_be_are_refused(tmp_path, scene, why):
+@pytest.mark.parametrize("scene", [OSCILLATOR, SCENE])
+def test_arrows_that_cannot_be_are_refused(tmp_path, scene):
     press(tmp_path)
-    with pytest.raises(SceneError, match=rf"output\.arrows: found reaction.*{why}"):
+    with pytest.raises(SceneError, match=r"output\.arrows: found reaction.*there are no constraint rows"):
         scene_of(tmp_path, scene + ARROWS)
 
 

@@ -12,7 +12,7 @@ from tests.scene.scenes import EXAMPLES, OSCILLATOR
 from mbconstrained import cli
 from mbconstrained.page.drawing import LINK_KINDS, SHAPES
 from mbconstrained.scene import drawing_tables, problems
-from mbconstrained.scene.editors import scene_schema
+from mbconstrained.scene.editors import robot_schema, scene_schema
 from mbconstrained.scene.schema import SceneFile
 
 SCHEMA = SceneFile.model_json_schema()
@@ -60,6 +60,19 @@ def data_of(path: Path) -> dict:
     return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
+def test_the_schema_of_a_robot_toml_is_complete_and_every_robot_fits_it():
+    schema = robot_schema()
+    tables_are_closed_and_described(schema)
+    references_lead_somewhere(schema)
+    check = Draft202012Validator(schema)
+    robots = [*(EXAMPLES.parent / "robots").glob("*/robot.toml"), *TEMPLATES.glob("*.robot.toml")]
+    assert len(robots) > 10
+    assert {path: [error.message for error in check.iter_errors(data_of(path))] for path in robots} == {path: [] for path in robots}
+    right = data_of(robots[0])
+    for wrong in ({"urdff": "a.urdf"}, {"base": "fre"}, {"joint_damping": {"j": "3,5"}}, {"loop": {"body1": "a"}}):
+        assert not check.is_valid({**right, **wrong})
+
+
 def test_the_schema_is_one_and_every_key_has_title_description_and_unit():
     Draft202012Validator.check_schema(scene_schema())
     tables = {"the file": scene_schema(), **scene_schema()["$defs"]}
@@ -73,6 +86,12 @@ def test_the_schema_is_one_and_every_key_has_title_description_and_unit():
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_every_example_and_template_is_valid(path):
     assert [error.message for error in CHECK.iter_errors(data_of(path))] == []
+
+
+def test_a_scene_that_includes_another_needs_no_model_of_its_own():
+    data = tomllib.loads(OSCILLATOR)
+    del data["model"]
+    assert not CHECK.is_valid(data) and CHECK.is_valid({**data, "include": "parts/model.toml"})
 
 
 @pytest.mark.parametrize(
@@ -90,8 +109,9 @@ def test_mistakes_are_marked_while_one_writes(old, new):
     assert not CHECK.is_valid(tomllib.loads(OSCILLATOR.replace(old, new, 1)))
 
 
-def test_the_command_prints_it(capsys, monkeypatch):
-    monkeypatch.setattr("sys.argv", ["mbconstrained", "schema"])
+@pytest.mark.parametrize(("arguments", "schema"), [([], scene_schema), (["--robot"], robot_schema)])
+def test_the_command_prints_it(capsys, monkeypatch, arguments, schema):
+    monkeypatch.setattr("sys.argv", ["mbconstrained", "schema", *arguments])
     with pytest.raises(SystemExit) as left:
         cli.main()
-    assert not left.value.code and json.loads(capsys.readouterr().out) == scene_schema()
+    assert not left.value.code and json.loads(capsys.readouterr().out) == schema()

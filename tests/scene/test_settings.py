@@ -54,13 +54,22 @@ def test_what_is_set_is_taken_and_told(scene, settings, stiffness, told):
         ({"model.mass.crat.mass": 3}, 'model.mass has no entry "crat"; did you mean "cart"?; there are cart'),
         ({"model.mass[2].mass": 3}, "model.mass has no entry 2; there are cart"),
         ({"time[1]": 3}, "time is a table, which has no entry 1; give a key"),
+        ({"k": "-2 N/m"}, "found -2; expected a number greater than zero (with --set k)"),
+        ({"model.mass.cart.mass": -1}, "found -1; expected a number greater than zero (with --set model.mass.cart.mass)"),
+        ({"time.end": -1}, "time: end is -1 s; expected a time after 0 (with --set time.end)"),
         ({"model.mass[1].mass": "3 N"}, '--set: model.mass[1].mass (of "cart"): found "3 N", a force; expected a mass'),
     ],
 )
 def test_what_is_wrong_with_it_names_the_option(scene, settings, message):
     with pytest.raises(SceneError) as caught:
         scene(settings)
-    assert message.removeprefix("^") in str(caught.value) and "--set: " in str(caught.value)
+    assert message.removeprefix("^") in str(caught.value) and "--set" in str(caught.value)
+
+
+def test_a_parameter_of_a_parameter_is_named_too_and_no_other(tmp_path):
+    scene_of(tmp_path, TEXT.replace("x0 = 0.1", 'x0 = 0.1\nk2 = "=2*k"').replace('"=k"', '"=k2"'))
+    with pytest.raises(SceneError, match=r"found -4; expected a number greater than zero \(with --set k\)$"):
+        read_scene(tmp_path / "scene.toml", {"x0": 0.2, "k": -2, "title": "t"})
 
 
 def test_a_scene_without_parameters_says_so(tmp_path):

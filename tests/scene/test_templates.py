@@ -73,6 +73,10 @@ def test_scenes_beside_a_schema_point_to_it(command, tmp_path):
     command("new", "gears")
     assert (tmp_path / "gears.toml").read_text().startswith("#:schema ./mbconstrained.schema.json\n# A motor")
     assert command("check", "gears.toml")[0] == 0
+    assert "uses it for a\nrobot.toml in the same folder" in command("schema", "--robot", "--out", "robot.schema.json")[1]
+    command("new", "arm.toml", "--template", "robot")
+    assert (tmp_path / "arm.robot.toml").read_text().startswith("#:schema ./robot.schema.json\n")
+    assert not (tmp_path / "arm.urdf").read_text().startswith("#") and command("check", "arm.toml")[0] == 0
 
 
 def _folder():

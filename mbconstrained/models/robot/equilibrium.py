@@ -45,6 +45,10 @@ EXACT_RANK = 1e-10
 #: digits says.
 ROUNDED = 1e-5
 
+#: Loops that stay open by less, in the same units, may do so because angles in the URDF have two digits: near a posture
+#: where rows become dependent the gap is the square root of what these are off by.
+TILTED = 0.05
+
 #: A stiffness below this share of the largest is none: rounding.
 FLAT = 1e-13
 
@@ -60,11 +64,13 @@ class Search:
         tree: the robot's joints.
         load: what acts.
         free: which coordinates may move, shape (nv,).
+        rounded: what to say of rounded angles where loops stay open by little, or an empty string.
     """
 
     tree: Tree
     load: Load
     free: np.ndarray
+    rounded: str = ""
 
     def at(self, q: np.ndarray) -> Balance:
         """The balance of forces in a configuration."""
@@ -177,7 +183,7 @@ def equilibrium(search: Search, q: np.ndarray) -> Equilibrium:
     found = _followed(search, start, _newton_step)
     if found.badness > 1.0:  # near a saddle, or no stiffness where the force points
         found = _followed(search, _followed(search, start, _downhill_step), _newton_step)
-    _check(found)
+    _check(found, search.rounded)
     return found
 
 
@@ -245,7 +251,7 @@ def _whole(part: np.ndarray, load: Load, free: np.ndarray) -> np.ndarray:
     return step
 
 
-def _check(state: Equilibrium) -> None:
+def _check(state: Equilibrium, rounded: str) -> None:
     singular = (
         f"; near here the rows of the loops become dependent (relative singular value {state.rows.narrowest:.1e}): the posture is "
         "singular, choose one away from it"
@@ -254,7 +260,8 @@ def _check(state: Equilibrium) -> None:
     )
     if state.gap > CLOSED or state.misfit > ROUNDED:
         row, gap, unit = state.balance.widest_gap
-        advice = singular or "; give a guess that is nearer, or look at the lengths of the links and the joints that are held"
+        nearer = "; give a guess that is nearer, or look at the lengths of the links and the joints that are held"
+        advice = f"; {rounded}" if rounded and state.misfit < TILTED else singular or nearer
         raise InputError(f"equilibrium: the loops do not close near the guess: {row} stays open by {gap:.3g} {unit}{advice}")
     if not state.residual <= BALANCED:
         advice = singular or "; give another guess, springs, forces, or joints to hold"

@@ -18,6 +18,7 @@ from .mechanism import untwisted, with_rest_length
 from .point_motion import PointMotion
 from .posture import Posture
 from .regularity import loop_rows
+from .rounded import rounded_advice
 
 if TYPE_CHECKING:
     from .robot import Robot
@@ -33,12 +34,13 @@ def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str
     load = _untwisted(_load(robot, start, forces), robot, start)
     nearest = closed(Search(robot.tree, load, free), start)
     load = replace(load, springs=tuple(with_rest_length(item, nearest.kinematics) for item in load.springs))
-    found = equilibrium(Search(robot.tree, load, free), nearest.configuration)
+    rounded = rounded_advice(robot) if robot.loops else ""
+    found = equilibrium(Search(robot.tree, load, free, rounded), nearest.configuration)
     if (here := _untwisted(load, robot, found.balance.configuration)) is not load:
-        found = equilibrium(Search(robot.tree, here, free), found.balance.configuration)
+        found = equilibrium(Search(robot.tree, here, free, rounded), found.balance.configuration)
     if outside := robot.tangent.outside_limits(found.balance.configuration, AT_LIMIT):
         raise InputError(f"equilibrium: {outside}; give another guess, or other limits in the URDF")
-    return _posture(robot, found, free, start)
+    return _posture(robot, found, free, start, rounded)
 
 
 def _following(robot: Robot, guess) -> np.ndarray:
@@ -111,9 +113,9 @@ def _size(robot: Robot, connections) -> float:
     return float(max(lengths, default=0.0)) or 1.0
 
 
-def _posture(robot: Robot, found: Equilibrium, free: np.ndarray, guess: np.ndarray) -> Posture:
+def _posture(robot: Robot, found: Equilibrium, free: np.ndarray, guess: np.ndarray, rounded: str) -> Posture:
     balance = found.balance
-    rows = loop_rows(balance)
+    rows = loop_rows(balance, rounded)
     left = balance.force - balance.jacobian.T @ found.multipliers
     shared = found.rows.rank < len(rows.kept)
     return Posture(

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
+from ...checks import counted
 from ...errors import InputError
 from ...notices import Notice
 from .balance import Balance
@@ -25,6 +26,9 @@ from .equilibrium import DOUBTFUL_RANK, EXACT_RANK, RANK, Rows, rows_of
 #: The second derivative along the motion, relative to that of single rows, above which a posture is singular. Rounded axes
 #: leave RANK.
 SINGULAR = 1e-4
+
+#: Rows that are independent by less than this may be so because of angles that were written with two digits.
+TILTED_RANK = 5e-3
 
 
 @dataclass(frozen=True)
@@ -40,8 +44,11 @@ class LoopRows:
     notices: tuple[Notice, ...]
 
 
-def loop_rows(balance: Balance) -> LoopRows:
+def loop_rows(balance: Balance, rounded: str = "") -> LoopRows:
     """The rank of J in a closed configuration, in coordinates and rows that compare.
+
+    Args:
+        rounded: what to say of rounded angles of the robot, or an empty string.
 
     Raises:
         InputError: the posture is singular.
@@ -54,10 +61,10 @@ def loop_rows(balance: Balance) -> LoopRows:
     kept = tuple(sorted(order[: rows.rank].tolist()))
     empty = np.abs(J).max(axis=1, initial=0.0) <= RANK
     notices = _redundant({load.row_names[row]: bool(empty[row]) for row in range(len(J)) if row not in kept})
-    return LoopRows(kept, (*notices, *_narrow(rows)))
+    return LoopRows(kept, (*notices, *_narrow(rows, rounded)))
 
 
-def _narrow(rows: Rows) -> list[Notice]:
+def _narrow(rows: Rows, rounded: str) -> list[Notice]:
     """What to say where the rank is not clear."""
     found, values, rank = [], rows.relative, rows.rank
     if rank < len(values) and values[rank] > EXACT_RANK:
@@ -70,6 +77,13 @@ def _narrow(rows: Rows) -> list[Notice]:
         text = (
             f"the rows of the loops are almost dependent (relative singular value {values[rank - 1]:.1e}): the posture is near a "
             "singular one, and small forces move the robot far"
+        )
+        found.append(Notice("rank", text, doubtful=True))
+    elif rounded and rank and values[rank - 1] < TILTED_RANK:
+        left = rows.motions.shape[1]
+        text = (
+            f"the loops leave {counted(left, 'motion')}, and one more is held by little (relative singular value "
+            f"{values[rank - 1]:.1e}): {rounded}"
         )
         found.append(Notice("rank", text, doubtful=True))
     return found

@@ -6,10 +6,9 @@ const markColors = { force: "#b0306a", strike: "#d1344b" };
 
 // An arrow that is drawn over what would hide it; along a direction, or around it for a moment.
 class Arrow {
-  constructor(stage, { direction, turns }, kind, path) {
+  constructor(stage, { turns }, kind, path) {
     const color = markColors[kind];
     this.stage = stage;
-    this.direction = new THREE.Vector3(...direction);
     this.turns = turns;
     this.shaft = overlay(turns ? new THREE.BufferGeometry() : bar(0.035, color).geometry, color, 0.92, 20);
     this.head = overlay(new THREE.ConeGeometry(0.1, 0.24, 24).translate(0, 0.12, 0).rotateZ(-Math.PI / 2), color, 0.92, 20);
@@ -18,17 +17,17 @@ class Arrow {
     this.label.classList.add(kind);
   }
 
-  // At a place in drawing units, as long as it is told; a negative length points the other way.
-  show(place, length, text, opacity = 1) {
-    const seen = Math.abs(length) > 0.02 && opacity > 0;
+  // From a place, as a vector, both in drawing units.
+  show(place, vector, text, opacity = 1) {
+    const length = vector.length();
+    const seen = length > 0.02 && opacity > 0;
     this.object.visible = seen;
     this.label.textContent = seen ? text : "";
     if (!seen) return;
     this.object.position.copy(place);
-    const way = this.direction.clone().multiplyScalar(Math.sign(length));
-    this.object.quaternion.setFromUnitVectors(this.turns ? new THREE.Vector3(0, 0, 1) : along(), way);
-    if (this.turns) this.bend(Math.abs(length));
-    else this.reach(Math.abs(length));
+    this.object.quaternion.setFromUnitVectors(this.turns ? new THREE.Vector3(0, 0, 1) : along(), vector.clone().normalize());
+    if (this.turns) this.bend(length);
+    else this.reach(length);
     for (const part of [this.shaft, this.head]) part.material.opacity = 0.92 * opacity;
     this.label.style.opacity = opacity;
   }
@@ -49,11 +48,18 @@ class Arrow {
     this.head.rotation.z = angle + Math.PI / 2;
   }
 
-  // Writes the size where the arrow points to.
-  write() {
+  // Writes the size where the arrow points to, unless that would cover another.
+  write(taken) {
     const { x, y } = this.head.getWorldPosition(new THREE.Vector3()).project(this.stage.camera);
+    const upwards = !this.turns && y > this.object.getWorldPosition(new THREE.Vector3()).project(this.stage.camera).y + 0.01;
     const [width, height] = this.stage.size;
-    this.label.style.transform = `translate(-50%, 12px) translate(${((x + 1) / 2) * width}px, ${((1 - y) / 2) * height}px)`;
+    const [left, top] = [((x + 1) / 2) * width, ((1 - y) / 2) * height + (upwards ? -32 : 12)];
+    const half = 3.5 * this.label.textContent.length + 3; // near enough: to measure it in each frame would be slow
+    const box = { left: left - half, right: left + half, top: top, bottom: top + 15 };
+    const free = taken.every((b) => box.right < b.left || box.left > b.right || box.bottom < b.top || box.top > b.bottom);
+    this.label.style.visibility = free ? "visible" : "hidden";
+    this.label.style.transform = `translate(-50%, 0) translate(${left}px, ${top}px)`;
+    if (free) taken.push(box);
   }
 }
 
@@ -66,14 +72,16 @@ class Forces {
     );
   }
 
-  show(place, coordinates) {
-    const values = coordinates.slice(coordinates.length - this.forces.length);
-    this.forces.forEach(({ arrows }, i) =>
-      arrows.forEach(({ body, factor, length, unit }, k) => {
-        const size = factor * values[i];
-        this.arrows[i][k].show(place(body), length * size, sized(size, unit));
-      })
-    );
+  show(frames, coordinates) {
+    let first = coordinates.length - this.forces.reduce((count, { rows }) => count + rows, 0);
+    this.forces.forEach(({ arrows, rows }, i) => {
+      const value = coordinates.slice(first, (first += rows));
+      arrows.forEach((arrow, k) => {
+        const vector = frames.vector(arrow, value).multiplyScalar(arrow.factor);
+        const told = sized(vector.length(), arrow.unit);
+        this.arrows[i][k].show(frames.place(arrow), vector.multiplyScalar(arrow.length), told);
+      });
+    });
   }
 
   get all() {
@@ -104,16 +112,17 @@ class Moments {
     return list;
   }
 
-  show(place, coordinates, time, motion) {
+  show(frames, coordinates, time, motion) {
     const shown = this.at(time, motion);
     if (shown !== this.shown) this.change(shown);
     if (shown < 0) return;
     const { ghosts, arrows } = this.made[shown];
     const opacity = Math.min(1, 2 - 2 * this.age);
     for (const part of ghosts) part.material.opacity = 0.3 * opacity;
-    this.moments[shown].strikes.forEach(({ body, size, length, told }, k) =>
-      arrows[k].show(place(body), size * length, told, opacity)
-    );
+    this.moments[shown].strikes.forEach((strike, k) => {
+      const vector = frames.vector(strike, [strike.size].flat()).multiplyScalar(strike.length);
+      arrows[k].show(frames.place(strike), vector, strike.told, opacity);
+    });
     this.lists[shown].style.opacity = opacity;
   }
 
@@ -137,7 +146,7 @@ class Moments {
 
   hide({ object, arrows }) {
     object.visible = false;
-    for (const arrow of arrows) arrow.show(null, 0, "");
+    for (const arrow of arrows) arrow.show(null, new THREE.Vector3(), "");
   }
 
   make(number) {
@@ -176,13 +185,33 @@ class Marks {
   }
 
   show(poses, coordinates, time, motion) {
-    const place = (body) => new THREE.Vector3(...poses[body].position).divideScalar(this.stage.figure.unit);
-    for (const layer of this.layers) layer.show(place, coordinates, time, motion);
+    const frames = {
+      place: (arrow) => this.place(poses[arrow.body], arrow),
+      vector: (arrow, value) => vectorOf(poses[arrow.body], arrow, value),
+    };
+    for (const layer of this.layers) layer.show(frames, coordinates, time, motion);
   }
 
-  write() {
-    for (const layer of this.layers) {
-      for (const arrow of layer.all) if (arrow.label.textContent) arrow.write();
-    }
+  // Where an arrow begins, in drawing units.
+  place(pose, { point }) {
+    return turned(pose, point).add(new THREE.Vector3(...pose.position)).divideScalar(this.stage.figure.unit);
   }
+
+  // Returns the boxes of what is written, in pixels.
+  write() {
+    const taken = [];
+    for (const layer of this.layers.slice().reverse()) {
+      for (const arrow of layer.all) if (arrow.label.textContent) arrow.write(taken); // those of impulses first
+    }
+    return taken;
+  }
+}
+
+// One value along the arrow's direction, or three in the frame of its body, with which they turn.
+function vectorOf(pose, { direction }, value) {
+  return direction ? new THREE.Vector3(...direction).multiplyScalar(value[0]) : turned(pose, value);
+}
+
+function turned({ quaternion }, numbers) {
+  return new THREE.Vector3(...numbers).applyQuaternion(new THREE.Quaternion(...quaternion));
 }

@@ -9,6 +9,13 @@ function unpack(text, Type) {
   return new Type(bytes.buffer);
 }
 
+// Numbers that were packed as they are, or as a track: codes of 16 bits with the lowest value and the step of each row.
+function unpacked(numbers, Type) {
+  if (typeof numbers === "string") return unpack(numbers, Type);
+  const { low, step, codes } = numbers;
+  return Float64Array.from(unpack(codes, Uint16Array), (code, i) => low[i % low.length] + step[i % low.length] * code);
+}
+
 // Times one by one, or evenly spaced from the first to the last.
 function timesOf(times) {
   if (typeof times === "string") return Array.from(unpack(times, Float64Array));
@@ -17,8 +24,8 @@ function timesOf(times) {
 }
 
 class Motion {
-  // Per coordinate: its values at the key frames, or one number if it never changes; its rates, or 0. Per body: its
-  // poses, seven numbers each, or null.
+  // Per coordinate: its values at the key frames, or one number if it never changes; its rates, or 0, or null where they
+  // are estimated. Per body: its poses, seven numbers each, or null.
   constructor(frames) {
     this.times = timesOf(frames.times);
     this.start = this.times[0];
@@ -26,11 +33,12 @@ class Motion {
     this.windows = null;
     this.names = frames.names;
     const Type = frames.bytes === 8 ? Float64Array : Float32Array;
-    const read = (numbers) => (typeof numbers === "string" ? unpack(numbers, Type) : numbers);
+    const read = (numbers) => (typeof numbers === "number" ? numbers : unpacked(numbers, Type));
     this.values = frames.values.map(read);
     const estimated = (values) => (typeof values === "number" ? 0 : this.slopes(values, 0, 1));
-    this.rates = frames.rates ? frames.rates.map(read) : this.values.map(estimated);
-    this.paths = frames.paths.map((text) => text && this.path(unpack(text, Float32Array)));
+    const rates = frames.rates || this.values.map(() => null);
+    this.rates = rates.map((row, i) => (row === null ? estimated(this.values[i]) : read(row)));
+    this.paths = frames.paths.map((poses) => poses && this.path(unpacked(poses, Float32Array)));
   }
 
   clamp(time) {
@@ -79,7 +87,7 @@ class Motion {
     const key = this.keyBefore(time);
     const pose = still || rates.map((rate, row) => this.between(poses, rate, key, time, row, 7));
     const length = Math.hypot(...pose.slice(3));
-    return { position: pose.slice(0, 3), quaternion: pose.slice(3).map((value) => value / length), angle: 0 };
+    return { position: pose.slice(0, 3), quaternion: pose.slice(3).map((value) => value / length), turn: [0, 0, 0] };
   }
 
   // Derivatives at the key frames of the quartics through each five neighbours: of fourth order in their spacing.
@@ -114,10 +122,15 @@ class Motion {
       }
       return total;
     };
-    const turn = sum(body.rest_turn, body.turns);
-    const angle = Math.hypot(...turn);
-    const share = angle > 0 ? Math.sin(angle / 2) / angle : 0.5;
-    const quaternion = [...turn.map((value) => share * value), Math.cos(angle / 2)];
-    return { position: sum(body.rest, body.moves), quaternion: quaternion, angle: turn[1] };
+    const turn = sum([0, 0, 0], body.turns);
+    const quaternion = quaternionOf(turn).multiply(quaternionOf(body.rest_turn)).toArray();
+    return { position: sum(body.rest, body.moves), quaternion: quaternion, turn: turn };
   }
+}
+
+// Of a rotation vector.
+function quaternionOf(turn) {
+  const angle = Math.hypot(...turn);
+  const share = angle > 0 ? Math.sin(angle / 2) / angle : 0.5;
+  return new THREE.Quaternion(...turn.map((value) => share * value), Math.cos(angle / 2));
 }

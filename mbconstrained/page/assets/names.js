@@ -31,11 +31,12 @@ class Names {
   // Above the middle of a body, in pixels, as high as its highest edge is seen.
   top(i) {
     if (this.boxes[i]) return this.upon(i);
-    const { shape, size } = this.drawn[i];
+    const { shape, size, rest_turn } = this.drawn[i];
+    const turn = this.stage.turn.clone().multiply(quaternionOf(rest_turn));
     const middle = this.stage.bodies[i].getWorldPosition(new THREE.Vector3()); // in axes with y up
     const { x, y } = middle.clone().project(this.stage.camera);
     const reach = (...axis) => {
-      const [along, back, upwards] = new THREE.Vector3(...axis).applyQuaternion(this.stage.turn).toArray();
+      const [along, back, upwards] = new THREE.Vector3(...axis).applyQuaternion(turn).toArray();
       return middle.clone().add(new THREE.Vector3(along, upwards, -back)).project(this.stage.camera).y - y;
     };
     const [across, away, up] = [(size[0] / 2) * reach(1, 0, 0), (size[1] / 2) * reach(0, 1, 0), (size[2] / 2) * reach(0, 0, 1)];
@@ -68,11 +69,11 @@ class Names {
     return this.drawn.map(({ label }, i) => Boolean(this.boxes[i] && label) && hidden(i));
   }
 
-  // Puts the names a little above their bodies; a name that would cover another one, or belongs to what is not seen, is left out.
-  write() {
+  // Puts the names a little above their bodies; a name that would cover another one or what is written already,
+  // or belongs to what is not seen, is left out.
+  write(taken) {
     this.hidden = this.hidden || this.behind();
     this.sizes = this.sizes || this.labels.map(({ offsetWidth, offsetHeight }) => [offsetWidth, offsetHeight]);
-    const taken = [];
     for (const i of this.order()) {
       const [label, [x, top], [width, height]] = [this.labels[i], this.top(i), this.sizes[i]];
       const y = top - 4;

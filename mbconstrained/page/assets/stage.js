@@ -53,8 +53,10 @@ class Stage {
 
   hang(link, i) {
     const drawn = new kinds[link.kind](link);
-    this.place(["links", `link ${i}`], drawn.object);
-    return Object.assign({ drawn: drawn }, link);
+    const frame = this.place(["links", `link ${i}`], link.turn ? group(drawn.object) : drawn.object);
+    if (!link.turn) return Object.assign({ drawn: drawn }, link);
+    frame.quaternion.set(...link.turn);
+    return Object.assign({ drawn: drawn }, link, { back: frame.quaternion.clone().conjugate() });
   }
 
   light() {
@@ -128,13 +130,16 @@ class Stage {
     const width = this.pane.clientWidth || 800;
     const margin = 1 + 70 / width;
     const wanted = Math.round(Math.min(520, Math.max(240, (width * (up + 0.25)) / across)));
-    this.pane.style.height = `${wanted}px`;
-    const height = this.pane.clientHeight; // a style sheet may hold it to another
+    const lines = this.pane.querySelector(".magnification").offsetHeight;
+    const told = lines > 30 ? lines : 0; // more than one line over the picture has room of its own
+    this.pane.style.height = `${wanted + told}px`;
+    const height = this.pane.clientHeight - told; // a style sheet may hold it to another
     const half = Math.max(across * margin, ((up + Math.max(0.3, (70 * up) / height)) * width) / height);
-    Object.assign(this.camera, { left: -half, right: half, top: (half * height) / width, bottom: (-half * height) / width });
+    const [top, bottom] = [(half * (height + 2 * told)) / width, (-half * height) / width];
+    Object.assign(this.camera, { left: -half, right: half, top: top, bottom: bottom });
     this.camera.updateProjectionMatrix();
-    this.size = [width, height];
-    this.viewer.renderer.setSize(width, height);
+    this.size = [width, height + told];
+    this.viewer.renderer.setSize(...this.size);
     this.viewer.set_dirty();
   }
 
@@ -153,25 +158,26 @@ class Stage {
       this.bodies[i].quaternion.set(...quaternion);
     });
     for (const link of this.links) {
-      const over = link.over === null ? null : this.end(poses[link.over], [0, 0, 0], false);
-      const [from, to] = [poses[link.start], poses[link.end]];
-      link.drawn.update(this.end(from, link.start_point, link.start_turns), this.end(to, link.end_point, link.end_turns), over);
+      const over = link.over === null ? null : this.end(poses[link.over], [0, 0, 0], false, link.back);
+      const from = this.end(poses[link.start], link.start_point, link.start_turns, link.back);
+      link.drawn.update(from, this.end(poses[link.end], link.end_point, link.end_turns, link.back), over);
     }
     if (this.marks) this.marks.show(poses, coordinates, time, motion);
     this.draw();
   }
 
-  // A link's end in drawing units, turned with the body where it is fixed in its frame.
-  end({ position, quaternion, angle }, point, turns) {
+  // A link's end in drawing units, turned with the body where it is fixed in its frame; as the link's own frame has it.
+  end({ position, quaternion, turn }, point, turns, back) {
     const place = new THREE.Vector3(...point);
     if (turns) place.applyQuaternion(new THREE.Quaternion(...quaternion));
-    return { position: place.add(new THREE.Vector3(...position)).divideScalar(this.figure.unit), angle: angle };
+    place.add(new THREE.Vector3(...position)).divideScalar(this.figure.unit);
+    const angle = back ? new THREE.Vector3(...turn).applyQuaternion(back).y : turn[1];
+    return { position: back ? place.applyQuaternion(back) : place, angle: angle };
   }
 
   draw() {
     this.viewer.render();
-    this.names.write();
-    if (this.marks) this.marks.write();
+    this.names.write(this.marks ? this.marks.write() : []);
   }
 
   drawIfNeeded() {

@@ -8,13 +8,16 @@ import numpy as np
 
 from ...checks import names_of, real_array
 from ...errors import InputError
-from ..drawing import Body, Drawing
+from ..drawing import Body, Drawing, Link
 from .magnification import angle_scale, displacement_scale
+from .piece import Piece
+from .turning import turned_pieces
 
 PITCH, WIDTH = 0.95, 5.6  # from one to the next, downwards and across
+GAP = 0.8  # beside what goes another way
 
 
-def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=None) -> Drawing:
+def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=None, directions=None) -> Drawing:
     """Boxes on rails and discs, one below the other, in several columns when there are many.
 
     Args:
@@ -22,6 +25,8 @@ def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=No
         values: typical values, shape (r,) or (r, T), by which the magnifications are chosen; None for 1.
         units: r units; "m" slides, "rad" turns, and what is neither place nor angle is not drawn. None for "m".
         scale, turn_scale: the magnifications, where they shall not be chosen.
+        directions: vectors by name, of coordinates that move along, or turn about, another axis than usual: these stand on the
+            right.
 
     Raises:
         InputError: repeated names, values or units of another shape, NaN or infinity.
@@ -33,7 +38,10 @@ def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=No
     motion = dict(zip(names, rows_of(values, len(names))))
     unit_of = dict(zip(names, _units(units, len(names))))
     drawn = [name for name in names if unit_of[name] in _SHOWN]
-    bodies = [body for name, place in zip(drawn, _places(len(drawn))) for body in _SHOWN[unit_of[name]](name, place)]
+    own = {name: directions[name] for name in drawn if name in (directions or {})}
+    usual = [name for name in drawn if name not in own]
+    bodies = [body for name, place in zip(usual, _places(len(usual))) for body in _SHOWN[unit_of[name]](name, place)]
+    bodies += _beside(bodies, [_askew(_SHOWN[unit_of[name]](name, (0.0, 0.0, 0.0)), own[name]) for name in own])
     if scale is None:
         scale = displacement_scale({name: motion[name] for name in drawn if unit_of[name] == "m"}, ())
     if turn_scale is None:
@@ -59,6 +67,24 @@ def _units(units, count: int) -> tuple[str, ...]:
 def _places(count: int) -> list[tuple[float, float, float]]:
     rows = max(6, math.ceil(1.3 * math.sqrt(count)))
     return [(WIDTH * (i // rows), 0.0, -PITCH * (i % rows)) for i in range(count)]
+
+
+def _askew(bodies: list[Body], direction) -> Piece:
+    """A box with its rail, or a disc, that goes another way."""
+    links = tuple(Link("", "rod", bodies[0].name, body.name) for body in bodies[1:])  # so that they are turned together
+    (found,) = turned_pieces([Piece(tuple(bodies), links)], {bodies[-1].name: direction})
+    return Piece(found.bodies)
+
+
+def _beside(bodies: list[Body], pieces: list[Piece]) -> list[Body]:
+    """The bodies of the pieces, each beside the one before, the first to the right of what is there."""
+    left = Piece(tuple(bodies)).high[0] + GAP if bodies else 0.0
+    found = []
+    for piece in pieces:
+        moved = piece.shifted((left - piece.low[0], 0.0, 0.0))
+        found += moved.bodies
+        left = moved.high[0] + GAP
+    return found
 
 
 def _on_rail(name: str, place: tuple[float, float, float]) -> list[Body]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from ...checks import names_of
 from ...models.elements import GROUND, Element, Gear, Lever, Node, Pulley, Rack
 from ...models.elements import Body as ModelBody
-from ..drawing import Body, Drawing
+from ..drawing import Body, Drawing, Vector
 from .chains import Chain
 from .coordinates import rows_of
 from .joints import groups, joints_of, natural_positions, walk
@@ -18,10 +18,11 @@ from .magnification import angle_scale, displacement_scale
 from .mates import assembled, stacked
 from .piece import Piece
 from .ties import PULLEY, Tie, lever_tie, pulley_tie, rack_tie
+from .turning import turned_pieces
 from .wheels import Train
 
 
-def lumped_drawing(elements: Iterable[Element], names, values=None, scale=None, turn_scale=None) -> Drawing:
+def lumped_drawing(elements: Iterable[Element], names, values=None, scale=None, turn_scale=None, directions=None) -> Drawing:
     """A drawing of a lumped model that shows what is joined to what; distances are schematic, motion is to scale.
 
     A body stands at its place in the layout plus its displacement from the state in which all springs and rods have
@@ -32,6 +33,7 @@ def lumped_drawing(elements: Iterable[Element], names, values=None, scale=None, 
         names: r coordinate names, the bodies' names.
         values: the motion (r, T) or typical values (r,), by which the magnification is chosen; None for 1.
         scale, turn_scale: the magnification of displacements and of angles, where it shall not be chosen.
+        directions: vectors by name, of bodies that move along, or turn about, another axis than usual.
 
     Raises:
         InputError: repeated names, values of another shape, NaN or infinity.
@@ -45,7 +47,7 @@ def lumped_drawing(elements: Iterable[Element], names, values=None, scale=None, 
     """
     names = names_of(names, len(names), "drawing, names", "x")
     motion = {} if values is None else dict(zip(names, rows_of(values, len(names))))
-    return _Sketch(tuple(elements), motion, scale, turn_scale).drawing()
+    return _Sketch(tuple(elements), motion, scale, turn_scale).drawing(directions or {})
 
 
 class _Sketch:
@@ -66,9 +68,10 @@ class _Sketch:
         self.scale = self._scale(motion) if scale is None else scale
         self.turn_scale = angle_scale(turns) if turn_scale is None else turn_scale
 
-    def drawing(self) -> Drawing:
+    def drawing(self, directions: Mapping[str, Vector]) -> Drawing:
         """Everything in place."""
-        pieces = self._chains() + self._trains()
+        meshing = [(gear.start, gear.end) for gear in self._all(Gear)]
+        pieces = turned_pieces(self._chains() + self._trains(), directions, meshing)
         home = {name: piece for piece in pieces for name in piece.names}
         ties = list(filter(None, (self._tie(element, home) for element in self.elements)))
         pieces += [tie.piece for tie in ties if tie.piece]

@@ -41,7 +41,7 @@ class Piece:
 
     def _corners(self) -> tuple[np.ndarray, np.ndarray]:
         places = np.array([body.rest for body in self.bodies])
-        halves = np.array([body.size for body in self.bodies]) / 2
+        halves = np.array([body.half_extent for body in self.bodies])
         own = {body.name: np.array(body.rest) for body in self.bodies}
         ends = [own[link.end] + link.end_offset for link in self.links] + [own[link.start] + link.offset for link in self.links]
         points = np.vstack([places - halves, places + halves, *ends])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..parts import Part
-from ..poses import rotated
+from ..rotation import rotated
 
 
 def link_points(parts: Mapping[str, Sequence[Part]], poses: Mapping[str, Any]) -> dict[str, np.ndarray]:
