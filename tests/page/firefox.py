@@ -54,7 +54,11 @@ class Firefox:
         if self.socket is not None:
             self.socket.close()
         self.process.terminate()
-        self.process.wait(PATIENCE)
+        try:
+            self.process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
 
     def call(self, command: str, **parameters):
         """The answer to a command: both are JSON with their lengths before them."""
