@@ -46,6 +46,7 @@ main {{ max-width: none; padding: 0; }}
 section {{ border: 0; border-radius: 0; margin: 0; display: flex; flex-direction: column; height: 100vh; }}
 #stage {{ flex: 1; min-height: 0; }}
 .moment:not(.shown) {{ display: none; }}
+#stage .magnification {{ left: 120px; }}
 #stage::after {{ content: "t = {time:.6g} s"; position: absolute; left: 14px; top: 10px; font-size: 12.5px; color: var(--muted); }}
 </style>
 </head>"""
