@@ -21,9 +21,14 @@ MOST_CANCELLED = 1000.0
 
 def cancels(flow: Flow) -> bool:
     """Whether, when it starts, a state is that small beside its modes and beside what couplings make of all states in some steps."""
-    G, states = np.abs(full(flow.generator)), flow.states.restarts.states
-    modes, states = flow.seen(np.eye(len(G))), states / (np.abs(states).max(initial=0.0) or 1.0)
-    power, reached = G / flow.rate, np.abs(modes @ states).max(axis=1)
+    return bool(cancelled(flow, flow.states.restarts.states).any())
+
+
+def cancelled(flow: Flow, states: np.ndarray) -> np.ndarray:
+    """The same of several starts, their modes' states (n, S): shape (S,)."""
+    G = np.abs(full(flow.generator))
+    modes, states = flow.seen(np.eye(len(G))), states / np.where(states.any(axis=0), np.abs(states).max(axis=0, initial=0.0), 1.0)
+    power, reached = G / flow.rate, np.abs(modes @ states)
     for _ in range(len(G).bit_length()):  # the largest in 0, 1, 2, ... steps, as many as lead to any state
         power, reached = power @ power, np.maximum(reached, power @ reached)
-    return bool((np.abs(modes) @ np.abs(states).max(axis=1) > MOST_CANCELLED * reached).any())
+    return (np.abs(modes) @ np.abs(states) > MOST_CANCELLED * reached).any(axis=0)

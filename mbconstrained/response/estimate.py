@@ -6,6 +6,8 @@ of the problem and the rounding of the algorithm at once, for whatever is read o
 Where a rank decision was not clear, the whole answer stands on it, and the estimate is at least a tenth. Moved data
 are decided upon like the given ones: what counted as zero at s = 0 is seen by one more trial, with the data as they
 are written, where that makes more of a difference than a free body may. The trials are seeded: the estimate is reproducible.
+Moved data are summed up by the same rounded functions of time, so what cancels in the sum of modes is told beside the trials, by
+the size of the terms.
 """
 
 from __future__ import annotations
@@ -18,10 +20,14 @@ import numpy as np
 
 from ..checks import real_array
 from ..errors import Overflow
+from ..linalg.blocks import CHUNK_ENTRIES
+from ..linalg.exponential import block_states
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import Blow, ImpulsiveSmooth
 from ..tolerances import EPS, PROBE_SIZE, UNCLEAR_ERROR
+from .flow import FlowFunction
+from .series import ResponseFunction
 
 if TYPE_CHECKING:
     from .response import Response
@@ -61,8 +67,32 @@ def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] 
     written = 0.0 if x.written is None else _largest_change(lambda: view(x.written)(times) - values, largest)
     change = max(change, written if written > ROUNDED_FREE * largest else 0.0)
     phase = EPS / 2 * float(np.abs(times * (view(x).derivative()(times) / largest)).max())  # zeros are known to half a unit at best
-    estimate = max((PRECISE_SAFETY if x.solution.is_precise else SAFETY) * (change / largest), phase)
+    summed = EPS * summands(view(x), times) / largest
+    estimate = max((PRECISE_SAFETY if x.solution.is_precise else SAFETY) * (change / largest), phase, summed)
     return max(estimate, LEAST if x.solution.structure_is_clear else UNCLEAR_ERROR)
+
+
+def summands(function: BohlFunction, times) -> float:
+    """Size of the terms that C e^{J t} v is summed of, the largest of any row and time: the root of the sum of their squares.
+
+    Rows that are evaluated by their Taylor series, in which nothing cancels, are left out, and functions that are not
+    evaluated as sums of modes.
+    """
+    if isinstance(function, FlowFunction):
+        return 0.0
+    C, largest, times = function.coefficients, 0.0, np.atleast_1d(times)
+    switch = function.switch if isinstance(function, ResponseFunction) else np.zeros(len(C))
+    units = np.abs(C).max(axis=0, initial=0.0)
+    squares = (C / np.where(units > 0, units, 1.0)) ** 2
+    width = max(1, CHUNK_ENTRIES // max(*C.shape, 1))
+    for begin in range(0, times.size, width):
+        piece, since = function.restarts.located(part := times[begin : begin + width])
+        states = units[:, None] * block_states(function.blocks, function.restarts.states[:, piece], since)
+        size = np.abs(states).max(initial=0.0)
+        if 0 < size < np.inf:
+            sizes = size * np.sqrt(squares @ (states / size) ** 2)
+            largest = max(largest, sizes.max(where=np.less_equal.outer(switch, part), initial=0.0))
+    return float(largest)
 
 
 def _largest_change(changes: Callable[[], np.ndarray], largest: float) -> float:

@@ -23,6 +23,7 @@ from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from .cost import decomposition_cost, stepping_cost
 from .driven import Driven
+from .even_pieces import pieces_of
 from .forcing import units_of_pieces
 from .pieces import Pieces
 from .records import record_values
@@ -77,13 +78,18 @@ class Flow:
         return np.concatenate([self.start, self.force.smooth.start_at_zero])
 
     @cached_property
+    def norm(self) -> float:
+        """Of the generator, its states in units that balance it, in 1/s."""
+        return balanced_norm(self.generator)
+
+    @cached_property
     def rate(self) -> float:
         """What no motion changes faster than, in 1/s: a norm of the generator, its states in units that balance it, or of its modes.
 
         Where nothing but powers of t is there, any rate serves.
         """
         if "decoupled" not in self.reduction.__dict__:
-            return balanced_norm(self.generator) or 1.0
+            return self.norm or 1.0
         blocks = (*self.reduction.decoupled.blocks, *self.force.smooth.blocks)
         return max((float(np.abs(block).sum(axis=0).max()) for block in blocks), default=0.0) or 1.0
 
@@ -147,7 +153,7 @@ class Flow:
     def pieces(self) -> Pieces | None:
         """The motion under a force that starts anew often."""
         self._propagator = None  # of no more use
-        return Pieces.of(self)
+        return pieces_of(self)
 
     def after(self, knot: int, states: np.ndarray) -> Flow:
         """The motion after a knot as one of its own, for states w there."""

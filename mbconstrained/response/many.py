@@ -15,6 +15,7 @@ from ..polynomial.matrix import PolynomialMatrix
 from ..polynomial.reduction import Reduction
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
+from .cancellation import cancelled
 from .flow import FlowFunction
 from .parts import start_of
 from .reduced import derivatives_of, fitting, flow_of, reduction_for
@@ -208,7 +209,7 @@ def _groups_of(x: Responses) -> Iterator[_Group]:
         force, A = x.forces[members[0]], x.polynomial_matrix
         reduction = reduction_for(A, force) if x.rank_tolerance is None and len(members) > 1 else None
         if reduction is not None:
-            fits = fitting(reduction, np.moveaxis(x.initial[members], 0, 2), force)
+            fits = _serves(x.initial[members], reduction, force)
             if fits.sum() > 1:
                 yield _reduced(x, members[fits], reduction, force)
                 members = members[~fits]
@@ -240,11 +241,32 @@ def _superposed(x: Responses, members, force) -> _Group:
     return _Group(members, functions, (*force.notices, *base.solution.notices), happenings)
 
 
+def _serves(initial: np.ndarray, reduction: Reduction, force) -> np.ndarray:
+    """For which of the starts (S, q, r) the reduced equations serve, as for each alone: shape (S,)."""
+    try:
+        with np.errstate(over="raise", invalid="raise"):
+            found = fitting(reduction, np.moveaxis(initial, 0, 2), force)
+            if found.any() and reduction.is_small:
+                flow, _ = flow_of(reduction, np.zeros(initial.shape[1:]), force)
+                starts = reduction.decoupled.coordinates(_starts(reduction, initial))
+                states = np.tile(flow.states.start_at_zero[:, None], len(initial))
+                states[: len(starts)] += starts
+                found &= ~cancelled(flow, states)
+    except FloatingPointError:  # out of the range of float64 on the way
+        return np.zeros(len(initial), dtype=bool)
+    return found
+
+
+def _starts(reduction: Reduction, initial: np.ndarray) -> np.ndarray:
+    """The states of the reduced equations at 0+ for values at 0- (S, q, r), shape (n, S)."""
+    return np.array([reduction.state(values) for values in initial]).T
+
+
 def _reduced(x: Responses, members, reduction: Reduction, force) -> _Group:
     initial = x.initial[members]
     flow, output = flow_of(reduction, np.zeros(initial.shape[1:]), force)
     free, own = flow_of(reduction, np.zeros(initial.shape[1:]), zero(initial.shape[2]))
-    starts = np.array([reduction.state(values) for values in initial]).T
+    starts = _starts(reduction, initial)
     functions = FlowStarts(FlowFunction(flow, output), free, own, starts)
 
     def happenings() -> list[Happening]:

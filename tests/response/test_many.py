@@ -178,3 +178,20 @@ def test_all_need_little_more_memory_than_their_values(make, monkeypatch):
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak <= 1.2 * values.nbytes + 20 * 8 * 20_000
+
+
+@pytest.mark.parametrize("back", [1e-5, 1e-7, 1e-9])
+def test_like_parts_of_which_one_drives_the_other_go_the_way_that_each_would_go_alone(back):
+    """Sums of modes that cancel do not serve; some starts excite both halves alike."""
+    A = mb.PolynomialMatrix([[[1.0, -(back**2)], [-1.0, 1.0]], np.zeros((2, 2)), np.eye(2)])
+    X = np.zeros((8, 2, 2))
+    X[:, 0, 0] = np.linspace(0.5, 4.0, 8)
+    X[::2, 0, 1] = X[::2, 0, 0] / back  # one mode alone
+    xs, times = mb.solve(A, X), np.array([0.1, 1.0, 5.0, 10.0, 100.0])
+    half_sum = np.sqrt([1 + back, 1 - back]).mean()
+    for x, found, start in zip(xs, xs(times), X[:, 0]):
+        limit = x.error_estimate(times) * np.abs(found).max()
+        assert np.abs(found - x(times)).max() <= 1e-14 * np.abs(found).max()
+        if not start[1]:  # x2 = (cos w2 t - cos w1 t) / (2 back) x1(0)
+            expected = np.sin(half_sum * times) * np.sin(back / half_sum / 2 * times) / back * start[0]
+            assert np.abs(found[1] - expected).max() <= limit <= 1e-5 * np.abs(expected).max()

@@ -49,3 +49,22 @@ def test_massless_joints_with_damping_in_proportion(stiffness):
     assert np.count_nonzero(full(reduction.generator)[:, 2 * len(reduction.second) :]) == len(reduction.first)
     assert difference(x(times), general(x)(times)) <= 2e-12
     assert difference(x.velocity(times), general(x).derivative(1)(times)) <= 5e-11
+
+
+@pytest.mark.parametrize("drive", [1.0, 1e-3])
+@pytest.mark.parametrize("times", [np.linspace(0.0, 40.0, 81), np.array([0.3, 1.7, 10.0, 33.0, 200.0])], ids=["even", "uneven"])
+def test_of_two_like_chains_one_drives_the_other(drive, times):
+    """x1 = V cos(W t) V^T a and, in resonance with every mode, x2 = drive V t sin(W t) / (2 W) V^T a: all zeros are double."""
+    count = 30
+    K = 2 * np.eye(count) - np.eye(count, k=1) - np.eye(count, k=-1)
+    own = np.kron(np.eye(2), K) - drive * np.kron(np.eye(2, k=-1), np.eye(count))
+    start = np.zeros(2 * count)
+    start[[3, 7]] = 1.0, -0.3
+    x = mb.solve(mb.PolynomialMatrix([own, np.zeros_like(own), np.eye(2 * count)]), [start, 0 * start])
+    k = np.arange(1, count + 1)
+    w, V = 2 * np.sin(np.pi * k / (2 * (count + 1))), np.sqrt(2 / (count + 1)) * np.sin(np.pi * np.outer(k, k) / (count + 1))
+    phase, parts = np.outer(w, times), (V.T @ start[:count])[:, None]
+    first, second = V @ (parts * np.cos(phase)), drive * V @ (parts * times * np.sin(phase) / (2 * w)[:, None])
+    assert isinstance(x.solution, ReducedSolution)
+    assert difference(x(times)[:count], first) <= 5e-11
+    assert difference(x(times)[count:], second) <= 5e-11

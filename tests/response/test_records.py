@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 import mbconstrained as mb
 from mbconstrained.errors import Overflow
 from mbconstrained.jordan.pairs import JordanPairs
+from mbconstrained.response import even_pieces
 from mbconstrained.response.pieces import FEW_PIECES
 from mbconstrained.response.reduced import way_to_evaluate
 from mbconstrained.response.solve import solve_with
@@ -28,8 +29,8 @@ DAMPINGS = 2 * np.sqrt(MASSES * STIFFNESSES) * np.resize([0.0, 0.02, 0.3, 1.7], 
 GAPS = {"even": np.full(90, 0.5), "uneven": RANDOM.uniform(0.05, 1.0, 90), "short": np.full(90, 2.0**-10)}
 
 
-def oscillators() -> mb.PolynomialMatrix:
-    return mb.PolynomialMatrix([np.diag(STIFFNESSES), np.diag(DAMPINGS), np.diag(MASSES)])
+def oscillators(dampings=DAMPINGS) -> mb.PolynomialMatrix:
+    return mb.PolynomialMatrix([np.diag(STIFFNESSES), np.diag(dampings), np.diag(MASSES)])
 
 
 def samples_on(rows, knots, size=COUNT, seed=1):
@@ -43,10 +44,10 @@ def chain_with_pairs() -> tuple[mb.PolynomialMatrix, JordanPairs]:
     return chain(), chain().jordan_pairs()
 
 
-def exact_oscillator(at: int, knots, samples, times) -> np.ndarray:
+def exact_oscillator(at: int, knots, samples, times, dampings=DAMPINGS) -> np.ndarray:
     """From rest: with zeros s1, s2 of m s^2 + c s + k the sum over knots of e^{s u} times the change of slope or value there."""
     with mpmath.workdps(60):
-        m, c, k = (mpmath.mpf(float(part[at])) for part in (MASSES, DAMPINGS, STIFFNESSES))
+        m, c, k = (mpmath.mpf(float(part[at])) for part in (MASSES, dampings, STIFFNESSES))
         root = mpmath.sqrt(mpmath.mpc(c * c - 4 * m * k))
         zeros = (-c + root) / (2 * m), (-c - root) / (2 * m)
         t, f = ([mpmath.mpf(float(x)) for x in given] for given in (knots, samples))
@@ -85,6 +86,18 @@ def test_oscillators_follow_a_record_as_forty_digits_say(gaps, begin):
     for at in (0, 5, 14, 21, 28, 29):
         known = exact_oscillator(at, knots, values[at], asked)
         assert np.abs(found[at] - known).max() <= 2e-13 * np.abs(known).max()
+
+
+@pytest.mark.parametrize("gaps", [np.full(70, 12.0), RANDOM.uniform(0.5, 40.0, 70)], ids=["even", "uneven"])
+def test_oscillators_that_turn_often_within_a_gap_follow_a_record_as_forty_digits_say(gaps):
+    dampings, knots = DAMPINGS * (DAMPINGS**2 < 2 * MASSES * STIFFNESSES), np.append(0.0, np.cumsum(gaps))
+    values = samples_on(range(30), knots, 30)
+    x = mb.solve(oscillators(dampings), force=mb.sampled(knots, values))
+    assert x.function.flow.pieces.parts > 5
+    asked = np.concatenate([knots[[1, 40, -1]], knots[:-1:9] + RANDOM.uniform(0, 1, 8) * gaps[::9], [knots[-1] + 7.0]])
+    for at in (0, 14, 29):
+        known = exact_oscillator(at, knots, values[at], asked, dampings)
+        assert np.abs(x(asked)[at] - known).max() <= 2e-13 * np.abs(known).max()
 
 
 @pytest.mark.parametrize("order", [0, 1, 2, 3])
@@ -153,13 +166,38 @@ def test_coordinates_without_mass_follow_a_record_too():
         assert np.abs(x(asked) - known).max() <= 1e-12 * np.abs(known).max()
 
 
-def test_a_record_that_is_coarse_beside_the_motion_is_evaluated_by_the_general_formula():
-    A, knots = chain(), 30.0 * np.arange(100)
+@pytest.mark.parametrize("gap, parts", [(30.0, 20), (4000.0, None)])
+def test_a_record_that_is_coarse_beside_the_motion_is_evaluated_in_parts_of_its_gaps_or_by_the_general_formula(gap, parts):
+    A, knots = chain(), gap * np.arange(100)
     force = mb.sampled(knots, samples_on((2,), knots))
-    x, asked = mb.solve(A, force=force), np.linspace(0.0, 3000.0, 77)
-    assert x.function.flow.pieces is None
+    x, asked = mb.solve(A, force=force), np.append(np.linspace(0.0, 101 * gap, 77), knots)
+    pieces = x.function.flow.pieces
+    assert (pieces and pieces.parts) == parts
     known = solve_with(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
     assert np.abs(x(asked) - known).max() <= 1e-11 * np.abs(known).max()
+
+
+@pytest.mark.parametrize("kept", [0, even_pieces.KEPT])
+def test_of_even_samples_the_modes_at_every_sixteenth_give_all_others(kept, monkeypatch):
+    monkeypatch.setattr(even_pieces, "KEPT", kept)
+    knots = 0.25 * np.arange(1001)
+    force = mb.sampled(knots, samples_on((2, 9), knots))
+    x, uneven = (mb.solve(chain(), force=given) for given in (force, force + 0.0 * mb.step(np.eye(COUNT)[2]).delayed(0.1)))
+    asked = np.sort(RANDOM.uniform(0.0, 260.0, 100))
+    assert x.function.flow.pieces.states[0].shape == (63, COUNT) and uneven.function.flow.pieces.states[0].shape == (1002, COUNT)
+    for times in (asked, knots, knots[5:90], knots[::-7]):
+        assert np.abs(x(times) - uneven(times)).max() <= 1e-12 * np.abs(x(knots)).max()
+    assert (x.function.flow.pieces._every is None) == (kept == 0)
+
+
+@pytest.mark.parametrize("gap", [0.25, 3.0])
+def test_what_would_grow_stays_at_rest_where_nothing_pushes_it(gap):
+    K, C, M = chain().coefficients.copy()
+    K[-1], K[:, -1], C[-1], C[:, -1], K[-1, -1] = 0.0, 0.0, 0.0, 0.0, -2.0
+    knots = gap * np.arange(3000)
+    x = mb.solve(mb.PolynomialMatrix([K, C, M]), force=mb.sampled(knots, samples_on((2,), knots)))
+    for times in (knots, knots + 0.1):
+        assert np.isfinite(x(times)).all() and not x(times)[-1].any()
 
 
 def test_pauses_between_records_are_gone_through_freely():
