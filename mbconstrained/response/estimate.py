@@ -26,8 +26,6 @@ from ..polynomial.matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import Blow, ImpulsiveSmooth
 from ..tolerances import EPS, PROBE_SIZE, UNCLEAR_ERROR
-from .flow import FlowFunction
-from .series import ResponseFunction
 
 if TYPE_CHECKING:
     from .response import Response
@@ -75,13 +73,13 @@ def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] 
 def summands(function: BohlFunction, times) -> float:
     """Size of the terms that C e^{J t} v is summed of, the largest of any row and time: the root of the sum of their squares.
 
-    Rows that are evaluated by their Taylor series, in which nothing cancels, are left out, and functions that are not
-    evaluated as sums of modes.
+    Rows are left out while they are evaluated in another way, by their Taylor series for example, in which nothing cancels.
     """
-    if isinstance(function, FlowFunction):
+    times, summed_from = np.atleast_1d(times), function.summed_from
+    times = times[times >= summed_from.min(initial=np.inf)]
+    if not times.size:
         return 0.0
-    C, largest, times = function.coefficients, 0.0, np.atleast_1d(times)
-    switch = function.switch if isinstance(function, ResponseFunction) else np.zeros(len(C))
+    C, largest = function.coefficients, 0.0
     units = np.abs(C).max(axis=0, initial=0.0)
     squares = (C / np.where(units > 0, units, 1.0)) ** 2
     width = max(1, CHUNK_ENTRIES // max(*C.shape, 1))
@@ -91,7 +89,7 @@ def summands(function: BohlFunction, times) -> float:
         size = np.abs(states).max(initial=0.0)
         if 0 < size < np.inf:
             sizes = size * np.sqrt(squares @ (states / size) ** 2)
-            largest = max(largest, sizes.max(where=np.less_equal.outer(switch, part), initial=0.0))
+            largest = max(largest, sizes.max(where=np.less_equal.outer(summed_from, part), initial=0.0))
     return float(largest)
 
 

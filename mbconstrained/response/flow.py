@@ -7,7 +7,7 @@ few rows, or when it is asked again, the eigenvectors. Just after t = 0 the Tayl
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 import scipy.sparse
@@ -91,7 +91,7 @@ class Flow:
         if "decoupled" not in self.reduction.__dict__:
             return self.norm or 1.0
         blocks = (*self.reduction.decoupled.blocks, *self.force.smooth.blocks)
-        return max((float(np.abs(block).sum(axis=0).max()) for block in blocks), default=0.0) or 1.0
+        return max((sum(map(abs, column)) for block in blocks for column in block.T.tolist()), default=0.0) or 1.0
 
     @cached_property
     def states(self) -> BohlFunction:
@@ -168,7 +168,7 @@ class Flow:
         longest = max(map(len, self.force.smooth.blocks), default=0)  # a force may begin like a power of t
         for _ in range(1, TERMS + longest):
             columns.append(step.dot(columns[-1]))  # less to do before it starts than @
-        return np.array(columns).T / np.cumprod(np.maximum(np.arange(float(len(columns))), 1.0))
+        return np.array(columns).T / _factorials(len(columns))
 
     @cached_property
     def _unit(self) -> float:
@@ -184,6 +184,12 @@ class Flow:
         """output @ z before ``early_end``."""
         series = output @ self._powers
         return series @ np.power.outer(self._unit * times, np.arange(series.shape[1])).T
+
+
+@cache
+def _factorials(count: int) -> np.ndarray:
+    """0!, 1!, ..., so many."""
+    return np.cumprod(np.maximum(np.arange(float(count)), 1.0))
 
 
 class FlowFunction(BohlFunction):
@@ -244,6 +250,11 @@ class FlowFunction(BohlFunction):
     def state_count(self) -> int:
         """Number of states of A(s) and of the force."""
         return self.output.shape[1]
+
+    @property
+    def summed_from(self) -> np.ndarray:
+        """As ``BohlFunction``: what cancels in its modes is not solved in them (``response.cancellation``)."""
+        return np.full(self.size, np.inf)
 
     def _values(self, times) -> np.ndarray:
         values = self.flow.stepped(self.output, times)

@@ -152,6 +152,11 @@ class ResponseFunction(BohlFunction):
         first_good = np.where(worse.all(axis=1), len(places), worse.argmin(axis=1))
         return np.append(places, 0.0)[first_good]
 
+    @property
+    def summed_from(self) -> np.ndarray:
+        """As ``BohlFunction``."""
+        return self.switch
+
     def derivative(self, order: int = 1) -> ResponseFunction:
         """The classical derivative."""
         return with_series(super().derivative(order), self.series.derivative(order))

@@ -17,7 +17,7 @@ from ..checks import counted, evaluation_times, real_array, real_number, whole_n
 from ..errors import InputError, Overflow
 from ..linalg.blocks import CHUNK_ENTRIES, block_slices
 from ..linalg.exponential import BlockGroups, block_states
-from ..linalg.oscillations import AT_ONCE, MODERATE, Lasting, Oscillations
+from ..linalg.oscillations import AT_ONCE, MODERATE, Lasting, Oscillations, of_phasors, step_of_few_rows
 from ..linalg.threads import short_work
 from .chunks import Piece, in_chunks
 from .merging import Part, merged
@@ -57,6 +57,11 @@ class BohlFunction:
         """Number of states n."""
         return self.coefficients.shape[1]
 
+    @property
+    def summed_from(self) -> np.ndarray:
+        """From which time on, in s, each row is evaluated as a sum of modes, which may cancel; shape (r,)."""
+        return np.zeros(self.size)
+
     def __call__(self, times) -> np.ndarray:
         """f at a time (-> shape (r,)) or at times of shape (T,) (-> shape (r, T)); each t >= 0, t = 0 means 0+.
 
@@ -94,8 +99,13 @@ class BohlFunction:
         if turning is None or turning.growth.max() * times.max(initial=0.0) >= MODERATE:
             coefficients, size = self._prepared
             return coefficients @ block_states(self._groups, self.start * size, times)
-        folded, oscillations, lines, others = self._folded
-        values = oscillations.combined(folded, times, self._lasting if oscillations.are_many(times) else None)
+        step = step_of_few_rows(self.size, len(turning.first), times)
+        if step is not None:
+            phasors, lines, others = self._phasors
+            values = of_phasors(phasors, turning.rates, times, step)
+        else:
+            folded, oscillations, lines, others = self._folded
+            values = oscillations.combined(folded, times, self._lasting if oscillations.are_many(times) else None)
         width = max(1, AT_ONCE // max(self.size, others.state_count, 1))  # no second array of this size is made
         for begin in range(0, len(times) if lines is not None or others.blocks else 0, width):
             part = slice(begin, begin + width)
@@ -140,10 +150,20 @@ class BohlFunction:
     @cached_property
     def _folded(self) -> tuple[np.ndarray, Oscillations, np.ndarray | None, BohlFunction]:
         """C e^{J t} v as D (cosines, sines), which of them there are, a and b of a + b t, and the rest of C and J."""
-        turning, coefficients = self._turning, self.coefficients
-        others = BohlFunction(coefficients[:, turning.others], turning.blocks, turning.start)
+        coefficients = self.coefficients
+        return *self._turning.of_rows(coefficients), *self._without_turning(coefficients)
+
+    @cached_property
+    def _phasors(self) -> tuple[np.ndarray, np.ndarray | None, BohlFunction]:
+        """The same of few rows: phasors of the oscillations."""
+        coefficients = self.coefficients
+        return self._turning.phasors(coefficients), *self._without_turning(coefficients)
+
+    def _without_turning(self, coefficients) -> tuple[np.ndarray | None, BohlFunction]:
+        """a and b of a + b t, and C and J of what neither oscillates nor drifts."""
+        turning = self._turning
         lines = coefficients[:, turning.drifting] @ turning.lines if len(turning.drifting) else None
-        return *turning.of_rows(coefficients), lines, others
+        return lines, BohlFunction(coefficients[:, turning.others], turning.blocks, turning.start)
 
     @cached_property
     def _lasting(self) -> Lasting | None:

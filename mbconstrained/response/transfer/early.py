@@ -68,6 +68,11 @@ class ExactStart(ResponseFunction):
             found[same] = np.where(good, exact, found[same])
         return found.reshape(values.shape)
 
+    @property
+    def summed_from(self) -> np.ndarray:
+        """As ``BohlFunction``: what cancels before is found exactly."""
+        return np.maximum(self.switch, self._reach)
+
     def derivative(self, order: int = 1) -> ExactStart:
         """The classical derivative."""
         return _with(super().derivative(order), self.fraction, self.gamma - order)
