@@ -1,11 +1,13 @@
-"""e^{J t} v for a block J that is a cluster of close or defective zeros.
+"""e^{J t} v for blocks J of one size, each a cluster of close or defective zeros; all of them are taken at once.
 
-It is shifted by the mean of its zeros, which leaves a small, nearly nilpotent rest whose Taylor series ends quickly; what is left
-of its size is halved away and squared back (Moler and Van Loan 2003, method 3). The block is never handed to a Pade code: those
+Each is shifted by the mean of its zeros, which leaves a small, nearly nilpotent rest whose Taylor series ends quickly; what is left
+of its size is halved away and squared back (Moler and Van Loan 2003, method 3). No block is ever handed to a Pade code: those
 lose digits on triangular matrices with close diagonal entries.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 import numpy as np
 import scipy.linalg
@@ -30,50 +32,85 @@ TOO_FAR_APART = (
 )
 
 
-def cluster_states(block, start, times) -> np.ndarray:
-    """Shifted by the middle of its zeros; where these have turned about it by then, the two halves each by their own middle.
+def cluster_states(blocks, start, times) -> np.ndarray:
+    """e^{J t} v for blocks (k, n, n), v (k, n, T) and times (T,), shape (k, n, T).
 
+    Shifted by the middle of its zeros; where these have turned about it by then, the two halves each by their own middle.
     Before that the halves are large and cancel: zeros a +- i w with a chain between them have not come apart at w t < 1.
     """
-    shift, half = np.trace(block) / len(block), _upper_half(block)
-    if half is None:
-        return _shifted_states(block - shift * np.eye(len(block)), shift, start, times)
-    basis, triangle, rows = half
-    middle = np.trace(triangle) / len(triangle)
-    turned = middle.imag * times > 1.0
-    start, states = np.broadcast_to(start, (len(block), len(times))), np.empty((len(block), len(times)))
-    if not turned.all():
-        states[:, ~turned] = _shifted_states(block - shift * np.eye(len(block)), shift, start[:, ~turned], times[~turned])
-    if turned.any():
-        rest, later = triangle - middle * np.eye(len(triangle)), times[turned]
-        is_pair = len(rest) == 2 and np.abs(rest[0, 0].real) * later.max() < MODERATE
-        parts = (_pair_states if is_pair else _shifted_states)(rest, middle, rows @ start[:, turned], later)
-        states[:, turned] = 2 * (basis @ parts).real
+    speeds = _speeds(blocks)
+    speeds[speeds * times.max() <= 1.0] = 0.0
+    if not speeds.any():
+        return _whole_states(blocks, start, times)
+    states = np.empty(start.shape)
+    for at in alike(np.frexp(speeds)[1], speeds > 0):
+        turned = speeds[at].min() * times > 1.0
+        for halved in {*turned.tolist()}:
+            when = np.flatnonzero(turned == halved)
+            places = at[:, None, None], np.arange(start.shape[1])[:, None], when
+            states[places] = (_halved_states if halved else _whole_states)(blocks[at], start[places], times[when])
     return states
 
 
-def _pair_states(rest, shift, start, times) -> np.ndarray:
-    """e^{(rest + shift) t} start for a triangle of two complex zeros: rest^2 = d^2 I, a motion and a force near resonance."""
-    turned = rest[0, 0] * times
-    safe = np.where(turned == 0, 1.0, turned)
-    odd = np.where(turned == 0, 1.0, np.sinh(safe) / safe) * times
-    with np.errstate(over="ignore", invalid="ignore", under="ignore"):  # the caller sees and reports what is not finite
-        return (start * np.cosh(turned) + (rest @ start) * odd) * np.exp(shift * times)
+def alike(*keys: Iterable) -> list[np.ndarray]:
+    """The places at which all keys are the same, those of each in ascending order.
+
+    >>> [places.tolist() for places in alike([1, 2, 1], [True, True, True])]
+    [[0, 2], [1]]
+    """
+    found: dict[tuple, list[int]] = {}
+    for place, key in enumerate(zip(*keys)):
+        found.setdefault(key, []).append(place)
+    return [np.array(places) for places in found.values()]
 
 
-def _upper_half(block):
-    """The invariant part of the zeros above the real axis, where these stand apart from their conjugates.
+def _speeds(blocks) -> np.ndarray:
+    """The middle of the zeros above the real axis where these stand apart from their conjugates, its imaginary part; elsewhere 0."""
+    count, size = blocks.shape[:2]
+    if size % 2:
+        return np.zeros(count)
+    values = np.linalg.eigvals(blocks)
+    above = values.imag > 0
+    middle = np.where(above, values, 0.0).sum(axis=1) * 2 / size
+    spread = np.where(above, np.abs(values - middle[:, None]), 0.0).max(axis=1)
+    apart = (2 * above.sum(axis=1) == size) & (values.imag.min(axis=1, where=above, initial=np.inf) > 2 * spread)
+    return np.where(apart, middle.imag, 0.0)
+
+
+def _centred(blocks) -> tuple[np.ndarray, np.ndarray]:
+    """Blocks without the mean of their zeros, and this mean, shape (k,)."""
+    size = blocks.shape[1]
+    shift = np.trace(blocks, axis1=1, axis2=2) / size
+    return blocks - shift[:, None, None] * np.eye(size), shift
+
+
+def _whole_states(blocks, start, times) -> np.ndarray:
+    return _shifted_states(*_centred(blocks), start, times)
+
+
+def _halved_states(blocks, start, times) -> np.ndarray:
+    """Twice the real part of the half above the real axis.
 
     A real block with the zeros near a + i w and near a - i w would be shifted by a alone, leaving a large
     rotation w; the part above the axis can be shifted by a + i w, and the other half is its conjugate.
     """
-    values = np.linalg.eigvals(block)
-    above = values[values.imag > 0]
-    if 2 * len(above) != len(values):
-        return None
-    spread = np.abs(above - above.mean()).max()
-    if above.imag.min() <= 2 * spread:
-        return None
+    basis, triangles, rows = map(np.array, zip(*map(_upper_half, blocks)))
+    rest, middle = _centred(triangles)
+    are_pairs = rest.shape[1] == 2 and np.abs(rest[:, 0, 0].real).max() * times.max() < MODERATE
+    return 2 * (basis @ (_pair_states if are_pairs else _shifted_states)(rest, middle, rows @ start, times)).real
+
+
+def _pair_states(rest, shift, start, times) -> np.ndarray:
+    """e^{(rest + shift) t} start for triangles of two complex zeros: rest^2 = d^2 I, a motion and a force near resonance."""
+    turned = np.multiply.outer(rest[:, 0, 0], times)[:, None]
+    safe = np.where(turned == 0, 1.0, turned)
+    odd = np.where(turned == 0, 1.0, np.sinh(safe) / safe) * times
+    with np.errstate(over="ignore", invalid="ignore", under="ignore"):  # the caller sees and reports what is not finite
+        return (start * np.cosh(turned) + (rest @ start) * odd) * np.exp(np.multiply.outer(shift, times))[:, None]
+
+
+def _upper_half(block):
+    """The invariant part of the zeros above the real axis: its basis, its triangle, and the rows that give its coordinates."""
     triangle, basis, count = scipy.linalg.schur(block, output="complex", sort=lambda value: value.imag > 0)
     top, corner, bottom = triangle[:count, :count], triangle[:count, count:], triangle[count:, count:]
     coupling = scipy.linalg.solve_sylvester(top, -bottom, -corner)
@@ -83,32 +120,42 @@ def _upper_half(block):
 
 def _shifted_states(rest, shift, start, times) -> np.ndarray:
     """e^{(rest + shift) t} start for every t, by Taylor in the rest and doubling, as often as each t needs."""
-    size = len(start)
-    start = np.broadcast_to(start, (size, len(times)))
-    if shift == 0 and not np.tril(rest).any():  # a polynomial in t, which ends by itself
-        return _applied(rest, shift, start, times, size - 1)
+    ends = (shift == 0) & ~np.tril(rest).any(axis=(1, 2))
+    if ends.all():  # a polynomial in t, which ends by itself
+        return _applied(rest, shift, start, times, start.shape[1] - 1)
     units = _units(rest, times)
-    rest, start = rest * units / units[:, None], start / units[:, None]
-    states = np.empty((size, len(times)), dtype=np.result_type(rest, start))
-    norm = np.abs(rest).sum(axis=0).max()
+    rest, start = rest * units[:, None] / units[..., None], start / units[..., None]
+    states = np.empty(start.shape, dtype=np.result_type(rest, start))
+    norm = np.abs(rest).sum(axis=1).max(axis=1)
     with np.errstate(over="ignore"):
-        angles = norm * times
-    if not np.isfinite(angles).all():
-        raise IllConditioned(TOO_FAR_APART)
-    doublings = np.ceil(np.log2(np.maximum(angles, 1.0))).astype(int)
-    for count in np.unique(doublings):
-        at, degree = np.flatnonzero(doublings == count), TAYLOR_DEGREE + size - 1
-        if count <= APPLIED_DOUBLINGS:
-            states[:, at] = start[:, at]
-            for _ in range(2**count):
-                states[:, at] = _applied(rest, shift, states[:, at], times[at] / 2.0**count, degree)
+        if not np.isfinite(norm * times.max(initial=0.0)).all():
+            raise IllConditioned(TOO_FAR_APART)
+    for at in alike(ends, np.frexp(norm)[1]):  # those of about one size are doubled together
+        if ends[at[0]]:
+            states[at] = _applied(rest[at], shift[at], start[at], times, start.shape[1] - 1)
         else:
-            states[:, at] = _squared(rest, shift, start[:, at], times[at], count)
-    return states * units[:, None]
+            states[at] = _doubled(rest[at], shift[at], start[at], times, norm[at].max())
+    return states * units[..., None]
+
+
+def _doubled(rest, shift, start, times, norm) -> np.ndarray:
+    """The same of rests that are no larger than this norm."""
+    states = np.empty(start.shape, dtype=np.result_type(rest, start))
+    doublings = np.ceil(np.log2(np.maximum(norm * times, 1.0))).astype(int)
+    for count in np.flatnonzero(np.bincount(doublings)).tolist():
+        at = np.flatnonzero(doublings == count)
+        part, step = start[..., at], times[at] / 2.0**count
+        if count <= APPLIED_DOUBLINGS:
+            for _ in range(2**count):
+                part = _applied(rest, shift, part, step, TAYLOR_DEGREE + start.shape[1] - 1)
+        else:
+            part = _squared(rest, shift, part, step, count)
+        states[..., at] = part
+    return states
 
 
 def _units(rest, times) -> np.ndarray:
-    """Powers of two for the states of a quasi-triangular matrix in which no coupling is larger than its zeros.
+    """Powers of two for the states of quasi-triangular matrices in which no coupling is larger than the zeros, shape (k, n).
 
     A coupling that is, such as that of a slow decay with the fast unit of time that it came with, would have the
     exponential doubled more often than anything moves, and each doubling doubles the rounding errors too.
@@ -116,54 +163,65 @@ def _units(rest, times) -> np.ndarray:
     Raises:
         IllConditioned: no such units are in the range of float64.
     """
-    units, latest = np.ones(len(rest)), times.max(initial=0.0)
+    units, sizes, latest = np.ones(rest.shape[:2]), np.abs(rest), times.max(initial=0.0)
     if not latest:
         return units
-    target, at = max(np.abs(np.linalg.eigvals(rest)).max(), 1 / latest), 1
-    while at < len(rest):
-        begin = at - 1 if rest[at, at - 1] else at  # the two states of a pair have one unit
+    target = np.maximum(np.abs(np.linalg.eigvals(rest)).max(axis=1), 1 / latest)
+    if (np.triu(sizes, 1).max(axis=(1, 2)) <= target).all():  # mostly
+        return units
+    for at in range(1, rest.shape[1]):
+        above, pair = sizes[:, :at, at].copy(), rest[:, at, at - 1] != 0
+        if pair.any():  # its two states have one unit
+            above[pair, at - 1] = 0.0
+            above[pair, : at - 1] = np.maximum(above[pair, : at - 1], sizes[pair, : at - 1, at - 1])
         with np.errstate(over="ignore"):
-            coupling = (np.abs(rest[:begin, begin : at + 1]).max(axis=1, initial=0.0) / units[:begin]).max(initial=0.0)
-        if coupling > target:
-            if target / coupling < LEAST_UNIT:
+            coupling = (above / units[:, :at]).max(axis=1)
+        large = coupling > target
+        if large.any():
+            needed = target[large] / coupling[large]
+            if needed.min() < LEAST_UNIT:
                 raise IllConditioned(TOO_FAR_APART)
-            units[begin : at + 1] = 2.0 ** np.floor(np.log2(target / coupling))
-        at += 1
+            units[large, at] = 2.0 ** np.floor(np.log2(needed))
+            units[large & pair, at - 1] = units[large & pair, at]
     return units
 
 
 def _applied(rest, shift, start, times, degree) -> np.ndarray:
     """The Taylor polynomial of e^{rest t}, applied to the vectors, and e^{shift t}."""
-    total = term = start
+    total = np.array(start, dtype=np.result_type(rest, start), order="C")
+    term = total
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):  # the caller sees and reports what is not finite
         for power in range(1, degree + 1):
-            term = (rest @ term) * (times / power)
-            total = total + term
-        return total * np.exp(shift * times)
+            term = rest @ term
+            term *= times / power
+            total += term
+        total *= np.exp(np.multiply.outer(shift, times))[:, None]
+    return total
 
 
-def _squared(rest, shift, start, times, doublings) -> np.ndarray:
-    states, size = np.empty_like(start, dtype=np.result_type(rest, start)), len(start)
-    chunk = max(1, CHUNK_ENTRIES // size**2)
-    for part in np.split(np.arange(len(times)), range(chunk, len(times), chunk)):
-        matrices = _taylor_exponential(rest, shift, times[part] / 2.0**doublings, doublings)
-        states[:, part] = np.einsum("tij,jt->it", matrices, start[:, part])
+def _squared(rest, shift, start, steps, doublings) -> np.ndarray:
+    """By matrices that are squared so many times, from times / 2^doublings."""
+    states, (count, size, _) = np.empty(start.shape, dtype=np.result_type(rest, start)), rest.shape
+    chunk = max(1, CHUNK_ENTRIES // (count * size**2))
+    for begin in range(0, len(steps), chunk):
+        part = slice(begin, begin + chunk)
+        matrices = _taylor_exponential(rest, shift, steps[part], doublings)
+        states[..., part] = np.einsum("btij,bjt->bit", matrices, start[..., part])
     return states
 
 
 def _taylor_exponential(rest, shift, times, doublings) -> np.ndarray:
-    """e^{(rest + shift) t 2^doublings}; the shift is in before the squaring, so that a decay keeps it in range.
+    """e^{(rest + shift) t 2^doublings}, shape (k, T, n, n); the shift is in before the squaring: a decay keeps it in range.
 
     A chain of n states needs n - 1 powers to be there at all: the degree grows with the size.
     """
-    steps = rest[None] * times[:, None, None]
-    identity = np.eye(len(rest))
-    degree = TAYLOR_DEGREE + len(rest) - 1
+    steps, size = rest[:, None] * times[:, None, None], rest.shape[1]
+    identity, degree = np.eye(size), TAYLOR_DEGREE + size - 1
     total = identity + steps / degree
     for power in range(degree - 1, 0, -1):
         total = identity + steps @ total / power
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):  # the caller sees and reports what is not finite
-        total = total * np.exp(shift * times)[:, None, None]
+        total = total * np.exp(np.multiply.outer(shift, times))[..., None, None]
         for _ in range(doublings):
             total = total @ total
     return total

@@ -3,7 +3,8 @@
 The eigenvectors x_i and the rows y_i of their inverse give each zero once more as y_i S x_i (Rayleigh's quotient), its error
 the square of theirs: rounding of the QR algorithm grows with the size of S, that of the quotient with that of S x_i. The states are
 measured in units that balance S. How far a zero stands apart from the others tells the sum of |y_i| |x_i| over its states
-(its condition for small relative errors of S, after Skeel 1979), which no unit of theirs enters.
+(its condition for small relative errors of S, after Skeel 1979), which no unit of theirs enters. Zeros may be well known, and
+their vectors hardly apart: where one of two like parts drives the other alone. The modes are huge then, and cancel.
 """
 
 from __future__ import annotations
@@ -18,14 +19,21 @@ from .kinds import Matrix, alike, full, kept
 from .scaling import balancing_units
 from .threads import one_thread
 
+#: Modes so many times larger than the states that they are made of are not told apart: as many digits would cancel.
+MOST_AMPLIFIED = 1e4
+
 #: So many vectors are looked at at once.
 COLUMNS = 32
 
 
-def decoupled(matrix: Matrix) -> BlockDiagonal:
+def decoupled(matrix: Matrix, units: np.ndarray | None = None) -> BlockDiagonal:
     """inverse @ S @ basis = diag(blocks) for a real square matrix S, dense or sparse.
 
     Where an eigenvector is hardly apart from the others, by its Schur form and clusters instead (``linalg.blocks``).
+
+    Args:
+        matrix: S.
+        units: of the states, in which it is balanced, where they are known.
 
     >>> decoupled(np.array([[0.0, 1.0], [-4.0, 0.0]])).blocks[0].tolist()
     [[0.0, 2.0], [-2.0, 0.0]]
@@ -33,7 +41,7 @@ def decoupled(matrix: Matrix) -> BlockDiagonal:
     if not matrix.shape[0]:
         return BlockDiagonal(*np.zeros((2, 0, 0)), (), 0.0)
     matrix = kept(matrix) if isinstance(matrix, np.ndarray) else matrix
-    units = balancing_units(matrix)
+    units = balancing_units(matrix) if units is None else units
     balanced = alike(matrix * units / units[:, None], matrix)
     found = _by_eigenvectors(balanced) or _by_clusters(balanced)
     basis, inverse = found.basis, found.inverse
@@ -60,7 +68,7 @@ def _by_eigenvectors(matrix: Matrix) -> BlockDiagonal | None:
     inverse = lapack.dgetri(factors, pivots, lwork=room, overwrite_lu=1)[0]
     single, upper = (imaginary == 0).nonzero()[0], (imaginary > 0).nonzero()[0]
     worst = _worst_condition(basis, inverse, single, upper)
-    if not worst <= DECOUPLING_LIMIT:
+    if not (worst <= DECOUPLING_LIMIT and _largest_mode(basis, inverse) <= MOST_AMPLIFIED):
         return None
     found: dict[int, np.ndarray] = {}
     for at in _some(single):  # y S x of real x, y
@@ -83,11 +91,21 @@ def _worst_condition(basis, inverse, single, upper) -> float:
     """The largest sum of |y_i| |x_i|, of zeros with real x, y and of pairs of complex ones."""
     worst = 0.0
     for at in _some(single):
-        worst = max(worst, np.einsum("ik,ki->k", np.abs(basis[:, at]), np.abs(inverse[at])).max())
+        worst = max(worst, _sums(np.abs(basis[:, at]), np.abs(inverse[at])).max())
     for at in _some(upper):
         sizes = np.hypot(basis[:, at], basis[:, at + 1]), np.hypot(inverse[at], inverse[at + 1])
-        worst = max(worst, np.einsum("ik,ki->k", *sizes).max() / 2)
+        worst = max(worst, _sums(*sizes).max() / 2)
     return float(worst)
+
+
+def _sums(columns, rows) -> np.ndarray:
+    """The products of columns and rows of the same number."""
+    return (columns * rows.T).sum(axis=0)
+
+
+def _largest_mode(basis, inverse) -> float:
+    """How many times larger than the states that it is made of a mode may be."""
+    return float(np.sqrt((np.einsum("ij,ij->j", basis, basis) * np.einsum("ij,ij->i", inverse, inverse)).max()))
 
 
 def _some(columns: np.ndarray) -> list[np.ndarray]:

@@ -12,8 +12,11 @@ from functools import cached_property
 import numpy as np
 
 from .blocks import block_slices
-from .clusters import cluster_states
+from .clusters import alike, cluster_states
 from .oscillations import MODERATE, Oscillations
+
+#: Clusters are taken together in arrays of at most so many states.
+AT_ONCE = 1 << 17
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +27,7 @@ class BlockGroups:
         single, rates: the states of blocks of size one, and their rates.
         first: the first state of each block of size two.
         pairs: these blocks, shape (k, 2, 2), mean I + rest with rest^2 = square I.
-        larger: the others, with their places.
+        larger: of each other size the states of its blocks, shape (k, n), and these blocks, (k, n, n).
     """
 
     single: np.ndarray
@@ -34,25 +37,26 @@ class BlockGroups:
     mean: np.ndarray
     rest: np.ndarray
     square: np.ndarray
-    larger: tuple[tuple[slice, np.ndarray], ...]
+    larger: tuple[tuple[np.ndarray, np.ndarray], ...]
 
     @staticmethod
     def of(blocks: Sequence[np.ndarray]) -> BlockGroups:
         """The groups of diag(blocks)."""
-        places: tuple[list[int], ...] = ([], [], [])  # of blocks of size one, of size two, of the others
-        begins = [at.start for at in block_slices(blocks)]
-        for place, block in enumerate(blocks):
-            places[min(len(block), 3) - 1].append(place)
-        single, double, others = places
-        first = [np.array([begins[place] for place in chosen], dtype=int) for chosen in (single, double)]
-        rates = np.array([blocks[place][0, 0] for place in single])
-        pairs = np.array([blocks[place] for place in double]).reshape(-1, 2, 2)
+        of_size: dict[int, tuple[list[int], list[np.ndarray]]] = {1: ([], []), 2: ([], [])}  # where they begin, and they
+        for at, block in zip(block_slices(blocks), blocks):
+            begins, same = of_size.setdefault(len(block), ([], []))
+            begins.append(at.start)
+            same.append(block)
+        stacks = {
+            size: (np.array(begins, dtype=int), np.array(same).reshape(-1, size, size)) for size, (begins, same) in of_size.items()
+        }
+        (single, rates), (first, pairs) = stacks.pop(1), stacks.pop(2)
         rest, mean = pairs.copy(), (pairs[:, 0, 0] + pairs[:, 1, 1]) / 2
         rest[:, 0, 0] -= mean
         rest[:, 1, 1] -= mean
         square = rest[:, 0, 0] ** 2 + rest[:, 0, 1] * rest[:, 1, 0]
-        larger = tuple((slice(begins[place], begins[place] + len(blocks[place])), blocks[place]) for place in others)
-        return BlockGroups(first[0], rates, first[1], pairs, mean, rest, square, larger)
+        larger = tuple((begins[:, None] + np.arange(size), same) for size, (begins, same) in stacks.items())
+        return BlockGroups(single, rates[:, 0, 0], first, pairs, mean, rest, square, larger)
 
     @cached_property
     def growth(self) -> np.ndarray:
@@ -65,7 +69,7 @@ class BlockGroups:
         """The states of zeros at 0, which are v + R v t, and R v for v of shape (n,)."""
         resting, pairs = self.single[self.rates == 0], (self.square == 0) & (self.mean == 0)
         places = self.first[pairs, None] + np.arange(2)
-        turned = np.einsum("bij,bj->bi", self.rest[pairs], start[places])
+        turned = self.rest[pairs] @ start[places][:, :, None]
         return np.concatenate([resting, places.reshape(-1)]), np.concatenate([np.zeros(len(resting)), turned.reshape(-1)])
 
     def oscillate(self, times: np.ndarray) -> np.ndarray:
@@ -86,11 +90,23 @@ def block_states(blocks: Sequence[np.ndarray] | BlockGroups, start: np.ndarray, 
     if groups.single.size:
         states[groups.single] = _scaled(start[groups.single], np.multiply.outer(groups.rates, times))
     _two_by_two(groups, start, times, states)
-    for at, block in groups.larger:
-        started = np.broadcast_to(start[at].any(axis=0), times.shape)
-        own = np.broadcast_to(start[at], (len(block), len(times)))
-        states[at] = 0.0  # what does not start stays zero, however fast it would grow
-        states[at, started] = cluster_states(block, own[:, started], times[started])
+    for places, same in groups.larger:
+        states[places] = _clusters(same, start[places], times)
+    return states
+
+
+def _clusters(blocks, start, times) -> np.ndarray:
+    """Blocks (k, n, n) at times (T,), those together that start at the same ones, from (k, n, T) or (k, n, 1)."""
+    count, size = blocks.shape[:2]
+    start = np.broadcast_to(start, (count, size, len(times)))
+    states, started = np.zeros(start.shape), start.any(axis=1)  # what does not start stays zero, however fast it would grow
+    for same in alike(map(bytes, np.packbits(started, axis=1))):
+        when = np.flatnonzero(started[same[0]])
+        width = max(1, AT_ONCE // max(size * len(when), 1))
+        for begin in range(0, len(same) if len(when) else 0, width):
+            at = same[begin : begin + width]
+            places = at[:, None, None], np.arange(size)[:, None], when
+            states[places] = cluster_states(blocks[at], start[places], times[when])
     return states
 
 

@@ -7,6 +7,7 @@ a sum, so that the square root of the number of times is all that is evaluated.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -57,13 +58,9 @@ class Oscillations:
         Args:
             lasting: what ``Lasting.of`` says of these coefficients: which functions are nothing any more is then left out.
         """
-        many = self.are_many(times)
-        few = len(coefficients) ** 2 <= len(times) and coefficients.shape[1] * len(times) >= SEVERAL
-        step, room = even_step(times) if many or few else None, max(AT_ONCE, 3 * len(self.growth) ** 2 - coefficients.size)
-        if step is not None and few:
-            return self._of_few_rows(coefficients, times, step)
-        if not many:
+        if not self.are_many(times):
             return coefficients @ self._each(times)
+        step, room = even_step(times), max(AT_ONCE, 3 * len(self.growth) ** 2 - coefficients.size)
         coarse, fine = (None, np.empty(1)) if step is None else self._grids(times, step)
         found, size = np.empty((len(coefficients), len(times))), fine.shape[-1]
         width = max(1, room // max(1, coefficients.shape[1]))
@@ -72,8 +69,8 @@ class Oscillations:
             place = slice(begin, begin + width)
             part, columns = self._remaining(coefficients, times[place], lasting)
             at = slice(begin // size, (begin + width) // size)
-            table = part._each(times[place]) if step is None else part._of_sums(times[place], coarse[..., at], fine)
-            np.matmul(columns, table, out=found[:, place])
+            made = part._each if step is None else partial(part._of_sums, coarse=coarse[..., at], fine=fine)
+            np.matmul(columns, made(times[place]), out=found[:, place])  # without a name a table is gone before the next is made
         return found
 
     def _remaining(self, coefficients, times, lasting) -> tuple[Oscillations, np.ndarray]:
@@ -83,27 +80,6 @@ class Oscillations:
             return self, coefficients
         cosines, sines = np.split(kept, [len(self.cosines)])
         return replace(self, cosines=self.cosines[cosines], sines=self.sines[sines]), coefficients[:, kept]
-
-    def _of_few_rows(self, coefficients, times, step) -> np.ndarray:
-        """The real part of the sum of conj(z) e^{s (T + tau)}, s = a + i w and z = c + i d of c cos w t + d sin w t.
-
-        z e^{conj(s) T} is made for the coarse times, and one real product takes them all to the fine ones.
-        """
-        fine, split = int(len(times) ** 0.5), len(self.cosines)
-        z = np.zeros((len(coefficients), len(self.growth)), dtype=complex)
-        z.real[:, self.cosines], z.imag[:, self.sines] = coefficients[:, :split], coefficients[:, split:]
-        coarse = z[:, None] * self._turned(times[::fine], -1j)
-        table = self._turned(step * np.arange(fine), 1j)
-        found = coarse.view(float).reshape(-1, 2 * z.shape[1]) @ table.view(float).T
-        return np.ascontiguousarray(found.reshape(len(z), -1)[:, : len(times)])
-
-    def _turned(self, times, unit: complex) -> np.ndarray:
-        """e^{(a + unit w) t}, shape (T, m)."""
-        exponents = np.multiply.outer(times, self.growth + unit * self.frequency)
-        found = np.exp(exponents)
-        if self.growth.min(initial=0.0) * times[-1] < -MODERATE:
-            found[exponents.real < -MODERATE] = 0.0
-        return found
 
     def are_many(self, times: np.ndarray) -> bool:
         """Whether a table of all of them is worth any thought before it is made."""
@@ -137,7 +113,8 @@ class Oscillations:
         """Each a small product: (cos T, -sin T) or (sin T, cos T), by (cos tau; sin tau)."""
         found, begin = np.empty((len(self.cosines) + len(self.sines), coarse.shape[2], fine.shape[2])), 0
         for chosen, part in ((self.cosines, _quarter_on(coarse)[:, ::-1]), (self.sines, coarse[:, ::-1])):
-            np.matmul(part[chosen].transpose(0, 2, 1), fine[chosen], out=found[begin : begin + len(chosen)])
+            right = fine if np.array_equal(chosen, np.arange(len(fine))) else fine[chosen]
+            np.matmul(part[chosen].transpose(0, 2, 1), right, out=found[begin : begin + len(chosen)])
             begin += len(chosen)
         return self._without_decayed(found.reshape(len(found), coarse.shape[2] * fine.shape[2])[:, : len(times)], times)
 
@@ -201,6 +178,40 @@ class Lasting:
 def _quarter_on(pairs: np.ndarray) -> np.ndarray:
     """(-sin; cos) of (cos; sin)."""
     return np.stack([-pairs[:, 1], pairs[:, 0]], axis=1)
+
+
+def step_of_few_rows(rows: int, pairs: int, times: np.ndarray) -> float | None:
+    """h where times are even and a table of all functions at all of them is more than ``of_phasors`` needs, else None."""
+    return even_step(times) if rows**2 <= len(times) and 2 * pairs * len(times) >= SEVERAL else None
+
+
+def of_phasors(phasors: np.ndarray, rates: np.ndarray, times: np.ndarray, step: float) -> np.ndarray:
+    """The real part of the sum of conj(z) e^{s t}, that is of e^{a t} (c cos w t + d sin w t) for z = c + i d, s = a + i w.
+
+    At even times t = T + tau: z e^{conj(s) T} is made for the coarse ones, and one real product takes them all to the fine ones.
+
+    Args:
+        phasors: z, shape (r, m).
+        rates: s, shape (m,).
+        times: shape (T,), of this step.
+
+    >>> of_phasors(np.array([[2.0 + 1.0j]]), np.array([0.5j * np.pi]), np.arange(4.0), 1.0).round(12).tolist()
+    [[2.0, 1.0, -2.0, -1.0]]
+    """
+    fine, decays = int(len(times) ** 0.5), rates.real.min(initial=0.0) * times[-1] < -MODERATE
+    coarse = np.multiply(phasors[:, None], _exponentials(rates.conj(), times[::fine], decays), order="C")
+    table = _exponentials(rates, step * np.arange(fine), decays)
+    found = coarse.view(float).reshape(-1, 2 * len(rates)) @ table.view(float).T
+    return np.ascontiguousarray(found.reshape(len(phasors), -1)[:, : len(times)])
+
+
+def _exponentials(rates: np.ndarray, times: np.ndarray, decays: bool) -> np.ndarray:
+    """e^{s t}, shape (T, m); where something decays so far, zero for what would be a denormal number."""
+    exponents = np.multiply.outer(times, rates)
+    found = np.exp(exponents)
+    if decays:
+        found[exponents.real < -MODERATE] = 0.0
+    return found
 
 
 def even_step(times: np.ndarray) -> float | None:

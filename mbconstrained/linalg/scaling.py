@@ -82,6 +82,18 @@ def _fitted(coefficients: np.ndarray) -> Scaling:
 
 def equilibration(size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Powers of two for the rows and columns of a matrix of magnitudes that bring its largest entries near 1."""
+    rows, columns = _alternately_scaled(size)
+    final = _inverse(((rows[:, None] * size) * columns).max(axis=1, initial=0.0))
+    return rows * final, columns
+
+
+def column_units(size: np.ndarray) -> np.ndarray:
+    """Those of the columns alone."""
+    return _alternately_scaled(size)[1]
+
+
+def _alternately_scaled(size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows and columns brought to one size in turns."""
     count = len(size)
     rows, columns, scaled = np.ones(count), np.ones(size.shape[1]), size
     for _ in range(EQUILIBRATION_ROUNDS):
@@ -90,8 +102,7 @@ def equilibration(size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             break
         rows, columns = rows * steps[:count], columns * steps[count:]
         scaled = rows[:, None] * size * columns
-    final = _inverse(((rows[:, None] * size) * columns).max(axis=1, initial=0.0))
-    return rows * final, columns
+    return rows, columns
 
 
 def balancing_units(generator: Matrix) -> np.ndarray:
@@ -141,7 +152,7 @@ def _balancing(size: np.ndarray, first: np.ndarray) -> np.ndarray:
     found = _balanced(size, first)
     now = size * found / found[:, None]
     least = NOISE_SAFETY * EPS * np.minimum(now.max(axis=1, initial=0.0)[:, None], now.max(axis=0, initial=0.0))
-    if (now[now > 0] > least[now > 0]).all():
+    if not ((now > 0) & (now <= least)).any():
         return found
     other = _balanced(np.where(now > least, size, 0.0), first)
     return min(found, other, key=lambda units: (size * units / units[:, None]).sum())
@@ -150,17 +161,16 @@ def _balancing(size: np.ndarray, first: np.ndarray) -> np.ndarray:
 def _balanced(size: np.ndarray, first: np.ndarray) -> np.ndarray:
     if not len(size):  # LAPACK takes no empty equations
         return np.ones(0)
-    pattern = size > 0
+    pattern, diagonal = size > 0, slice(None, None, len(size) + 1)
     alone = 1.0 - pattern.any(axis=0)
-    np.fill_diagonal(pattern, False)
-    logs = np.log2(np.where(pattern, size, 1.0))
-    both = pattern + pattern.T.astype(float)
-    laplacian = np.diag(both.sum(axis=0) + SLIGHT) - both
-    right = np.array([found.sum(axis=1) - found.sum(axis=0) for found in (logs, pattern.astype(float))]).T
-    units = np.exp2(_about_their_mean(lapack.dgesv(laplacian, right)[2], right, logs.sum(), pattern.sum()))
+    pattern.reshape(-1)[diagonal] = False
+    both = np.array([np.log2(np.where(pattern, size, 1.0)), pattern])
+    out, into = both.sum(axis=2), both.sum(axis=1)
+    laplacian, right = -both[1] - both[1].T, (out - into).T
+    laplacian.reshape(-1)[diagonal] = out[1] + into[1] + SLIGHT
+    units = np.exp2(_about_their_mean(lapack.dgesv(laplacian, right)[2], right, *out.sum(axis=1)))
     for _ in range(BALANCING_ROUNDS):
-        now = size * units / units[:, None]
-        apart = (now.sum(axis=1) + alone) / (now.sum(axis=0) + alone)
+        apart = (size.dot(units) / units + alone) / ((1 / units).dot(size) * units + alone)
         units *= apart**0.25
         if apart.max() < NEARLY_BALANCED * apart.min():
             break

@@ -7,7 +7,7 @@ from scipy.linalg import lapack
 from scipy.sparse import csr_array
 
 from ..tolerances import noise_of
-from .kinds import Matrix, alike, entries, full, is_diagonal
+from .kinds import Matrix, alike, entries, entry_count, full, is_diagonal
 from .scaling import equilibration
 
 #: A matrix of this condition is not brought to better scales: no more than two digits are at stake.
@@ -68,10 +68,13 @@ def without_noise(matrix: Matrix, size: Matrix) -> Matrix:
 
 def is_symmetric(matrix: Matrix) -> bool:
     """Whether it is to rounding, each entry beside its row and its column: no unit of a coordinate decides."""
-    row, column, difference = entries(abs(matrix - matrix.T))
-    if not row.size:
+    apart = abs(matrix - matrix.T)
+    if not entry_count(apart):
         return True
     size = np.sqrt(full(abs(matrix).max(axis=1)).reshape(-1))
+    if isinstance(apart, np.ndarray):
+        return bool((apart <= noise_of(np.multiply.outer(size, size))).all())
+    row, column, difference = entries(apart)
     return bool((difference <= noise_of(size[row] * size[column])).all())
 
 
@@ -101,5 +104,5 @@ def condition(matrix: Matrix, enough: float = WELL_CONDITIONED) -> float:
 
 def _condition(matrix: np.ndarray) -> float:
     factors, _, info = lapack.dgetrf(matrix)
-    reciprocal = lapack.dgecon(factors, np.abs(matrix).sum(axis=0).max())[0] if info == 0 else 0.0
+    reciprocal = lapack.dgecon(factors, lapack.dlange("1", matrix))[0] if info == 0 else 0.0
     return 1 / reciprocal if reciprocal > 0 else np.inf

@@ -8,7 +8,7 @@ NumPy and SciPy: those that other packages bring and load later are left to them
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import cache
 
 #: Smaller problems are not handed to several threads by the library itself.
@@ -26,8 +26,7 @@ def _libraries():
     return ThreadpoolController().select(user_api="blas")
 
 
-@contextmanager
-def one_thread(size: int) -> Iterator[None]:
+def one_thread(size: int) -> AbstractContextManager[None]:
     """One thread within, for matrices of this size; the setting before is there again afterwards.
 
     That is for the QR algorithm; for other work see ``short_work``.
@@ -35,7 +34,12 @@ def one_thread(size: int) -> Iterator[None]:
     >>> with one_thread(100):
     ...     pass
     """
-    if size < SMALL or all(library.num_threads == 1 for library in _libraries().lib_controllers):
+    return nullcontext() if size < SMALL else _limited()
+
+
+@contextmanager
+def _limited() -> Iterator[None]:
+    if all(library.num_threads == 1 for library in _libraries().lib_controllers):
         yield
         return
     with _libraries().limit(limits=1):

@@ -133,7 +133,7 @@ def constraint_rows(constraints: Sequence[Constraint], units: dict[str, str]) ->
 
 
 def _unit(coefficients, units) -> str:
-    present = {units[place] for place in np.flatnonzero(coefficients)}
+    present = {units[place] for place in coefficients.nonzero()[0]}
     if len(present) == 1:
         return present.pop()
     return "m" if "m" in present else "1"

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..linalg.kinds import others
 from ..linalg.noise import Noisy
-from ..linalg.scaling import equilibration
+from ..linalg.scaling import column_units
 from ..linalg.sparse import solution
 from ..tolerances import EPS, NOISE_SAFETY
 
@@ -63,7 +63,7 @@ class Reduction:
 def reduce_rows(matrix: Noisy, carried: Noisy) -> Reduction:
     """Reduce the rows of a matrix (m, n) with noise, together with entries (m, p) that are carried along."""
     size = matrix.data.shape[1]
-    scale = equilibration(np.abs(matrix.data))[1]
+    scale = column_units(np.abs(matrix.data))
     data = np.concatenate([matrix.data * scale, carried.data], axis=1)
     noise = np.concatenate([matrix.noise * scale, carried.noise], axis=1)
     reduced: list[tuple[Noisy, int]] = []

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -32,7 +33,7 @@ class IndependentRows:
         uncertainty: by how much they may be wrong beyond rounding, shape (k, n).
         null_space: V, a basis of null(A), shape (n, n - k).
         motions: the coordinate that each column of V is named for, None where it mixes them.
-        left_inverse: G with G A^T = I, shape (k, n): turns a constraint force A^T lambda into lambda.
+        pivots: columns in which A is regular, shape (k,).
         notices: one for each row that was left out, and for each that was kept by a narrow margin.
     """
 
@@ -41,8 +42,15 @@ class IndependentRows:
     uncertainty: np.ndarray
     null_space: np.ndarray
     motions: tuple[int | None, ...]
-    left_inverse: np.ndarray
+    pivots: tuple[int, ...]
     notices: tuple[Notice, ...]
+
+    @cached_property
+    def left_inverse(self) -> np.ndarray:
+        """G with G A^T = I, shape (k, n): turns a constraint force A^T lambda into lambda."""
+        found, pivots = np.zeros(self.matrix.shape), list(self.pivots)
+        found[:, pivots] = solution(self.matrix[:, pivots], np.eye(len(pivots))).T
+        return found
 
 
 def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRows:
@@ -61,19 +69,15 @@ def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRow
     notices += [
         _doubtful(rows[place], margin) for place, margin in zip(reduction.kept, reduction.margins) if margin < CLEAR_KEPT
     ]
-    kept, pivots = list(reduction.kept), list(reduction.pivots)
-    null_space, motions = reduction.null_space()
-    left_inverse = np.zeros((len(kept), size))
-    left_inverse[:, pivots] = solution(matrix[kept][:, pivots], np.eye(len(kept))).T
-    return IndependentRows(
-        tuple(rows[place] for place in kept), matrix[kept], uncertainty[kept], null_space, motions, left_inverse, tuple(notices)
-    )
+    kept = list(reduction.kept)
+    held, (null_space, motions) = tuple(rows[place] for place in kept), reduction.null_space()
+    return IndependentRows(held, matrix[kept], uncertainty[kept], null_space, motions, reduction.pivots, tuple(notices))
 
 
 def _nothing_held(size: int) -> IndependentRows:
     """Without rows every coordinate is free."""
     none = np.zeros((0, size))
-    return IndependentRows((), none, none, np.eye(size), tuple(range(size)), none, ())
+    return IndependentRows((), none, none, np.eye(size), tuple(range(size)), (), ())
 
 
 def _carried(rows) -> Noisy:

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 Quantity = Literal["displacement", "velocity", "acceleration", "reaction"]
 
+#: What a motion has of the response, in order; the events beside it.
+TAKEN = tuple(field.name for field in fields(Response) if not field.kw_only)
+
 
 @dataclass(frozen=True, repr=False)
 class Motion(Response):
@@ -153,5 +156,4 @@ def motion_of(
     """Solve the constrained form from x(0-), x'(0-) in the rows of start, shape (2, n)."""
     form = system.constrained_form()
     response = solve(form.polynomial_matrix, start, form.force(applied), rank_tolerance)
-    found = {field.name: getattr(response, field.name) for field in fields(response)}
-    return Motion(**found, system=system, applied=applied)
+    return Motion(*(getattr(response, name) for name in TAKEN), events=response.events, system=system, applied=applied)

@@ -233,7 +233,8 @@ class MechanicalSystem(Loaded):
             if name not in known:
                 raise InputError(f"uncertainty: found {name!r}{nearest(str(name), known)}; expected {', '.join(known)}")
         found = {name: real_array(value, f"uncertainty of the {name}", shape=shape) for name, value in given.items()}
-        return tuple(np.abs(found[name]) if name in found else constant_zeros(shape) for name in known)
+        nothing = constant_zeros(shape)
+        return tuple(np.abs(found[name]) if name in found else nothing for name in known)
 
 
 def _is_table(value) -> bool:

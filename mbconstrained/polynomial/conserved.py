@@ -78,11 +78,13 @@ def conserved(M: Matrix, C: Matrix, rows: np.ndarray, powers: np.ndarray, pivots
     return Conserved(np.array(L), tuple(blocks), np.array(places))
 
 
-def decoupled_beside(S: np.ndarray, given: Conserved, decoupled: Callable[[np.ndarray], BlockDiagonal]) -> BlockDiagonal:
+def decoupled_beside(
+    S: np.ndarray, given: Conserved, decoupled: Callable[[np.ndarray, np.ndarray | None], BlockDiagonal]
+) -> BlockDiagonal:
     """S decoupled, what is conserved last.
 
     Args:
-        decoupled: does the same for a matrix without zeros at 0.
+        decoupled: does the same for a matrix without zeros at 0; told which states of S it is the part of, None where it is none.
     """
     L, n, J = given.rows, len(S), block_matrix(given.blocks)
     count, rest = n - len(L), others(n, given.places)
@@ -92,13 +94,13 @@ def decoupled_beside(S: np.ndarray, given: Conserved, decoupled: Callable[[np.nd
     inverse[count:] = L
     moving = S[rest] @ basis  # [A, D] of the other states y' = A y + D z
     A, D = moving[:, :count], moving[:, count:]
-    rows, own = inverse[:count], basis[:, count:]
-    if np.count_nonzero(D):
+    rows, own, is_part = inverse[:count], basis[:, count:], not np.count_nonzero(D)
+    if not is_part:
         X = _separating(A, D, J)
         rows, own = rows - X @ L, own + basis[:, :count] @ X
-    if not np.einsum("ik,ki->k", np.abs(own), np.abs(L)).max() <= DECOUPLING_LIMIT:
+    if not (np.abs(own) * np.abs(L.T)).sum(axis=0).max() <= DECOUPLING_LIMIT:
         return _by_clusters(A, D, J, basis, inverse)
-    return _beside(decoupled(A), basis[:, :count], rows, own, given)
+    return _beside(decoupled(A, rest if is_part else None), basis[:, :count], rows, own, given)
 
 
 def _separating(A: np.ndarray, D: np.ndarray, J: np.ndarray) -> np.ndarray:

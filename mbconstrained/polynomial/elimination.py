@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
 from ..linalg.kinds import Matrix, entries, entry_count, full, kept, nothing, others, shifted_unit
-from ..linalg.scaling import equilibration
+from ..linalg.scaling import column_units
 from ..linalg.sparse import condition, is_symmetric, solution, without_noise
 
 #: So few rows are matched one after another.
@@ -91,7 +91,7 @@ def pivots_of(rows: np.ndarray, static: np.ndarray) -> np.ndarray | None:
         return (there & static if (there & static).any() else there).argmax(keepdims=True) if there.any() else None
     work, found = rows, []
     if len(work):
-        work = work * equilibration(np.abs(work))[1]
+        work = work * column_units(np.abs(work))
     for at, row in enumerate(work):
         size = np.abs(row)
         still = np.where(static, size, 0.0)

@@ -60,7 +60,7 @@ def _reduction_of(A: PolynomialMatrix) -> Reduction | None:
     if not largest <= MOST_CONDITION:  # a row may be left without anything
         return None
     floor, powers = lowest(M, C, K)
-    if powers.any() and _is_doubtful(powers, A0[rest] @ V, A1[rest] @ V):
+    if len(algebraic) and powers.any() and _is_doubtful(powers, A0[rest] @ V, A1[rest] @ V):
         return None
     equations, sums = (M, C, K), None
     if not _is_regular(floor):

@@ -23,6 +23,7 @@ from ..linalg.kinds import (
     entry_count,
     full,
     is_finite,
+    kept,
     nothing,
     shifted_unit,
 )
@@ -125,6 +126,11 @@ class Reduction:
         return below(shifted_unit(m, 2 * m + d, m, self.K), accelerations, rates)
 
     @cached_property
+    def units(self) -> np.ndarray:
+        """Units of the states in which S is balanced."""
+        return balancing_units(self.generator)
+
+    @cached_property
     def is_finite(self) -> bool:
         """Whether S is in the range of float64."""
         return is_finite(self.generator)
@@ -148,7 +154,7 @@ class Reduction:
         parts, S = self.decoupled, full(self.generator)
         if not len(S):
             return True
-        units, J = balancing_units(S)[:, None], block_matrix(parts.blocks)
+        units, J = self.units[:, None], block_matrix(parts.blocks)
         off = np.abs(parts.inverse @ parts.basis - np.eye(len(S))).max()
         residual = np.abs(parts.inverse @ (S @ parts.basis) - J).max() / (np.abs(J).max() or 1.0)
         sizes = ((parts.basis / units) ** 2).sum(axis=0) * ((parts.inverse.T * units) ** 2).sum(axis=0)
@@ -172,7 +178,7 @@ class Reduction:
         """Whether S is decoupled in less time than anything else takes."""
         return self.state_count < FEW_STATES
 
-    @property
+    @cached_property
     def zeros(self) -> np.ndarray:
         """All of them, of complex pairs the one above the real axis."""
         return zeros_of(self.decoupled.blocks)
@@ -213,7 +219,7 @@ class Reduction:
     def decoupled(self) -> BlockDiagonal | StructuredModes:
         """S decoupled, what nothing couples each for itself: a motion that grows in one part is not in the others."""
         if self.conserved is not None and not self.is_symmetric:
-            return refined(self, decoupled_beside(full(self.generator), self.conserved, _decoupled_parts))
+            return refined(self, decoupled_beside(full(self.generator), self.conserved, self._decoupled_rest))
         groups = _groups(self.generator)
         parts = assembled(groups, [self._decoupled(states) for states in groups])
         return parts if self.is_symmetric or isinstance(parts, StructuredModes) else refined(self, parts)
@@ -229,13 +235,22 @@ class Reduction:
         elif self.is_chain and len(states) >= MANY_STATES:
             every = np.concatenate([own, states[states >= 2 * m] - m])
             found = quadratic_modes(self.M[own][:, own], *(matrix[every][:, every] for matrix in (self.C, self.K)))
-        return decoupled(full(self.generator[states][:, states])) if found is None else found
+        return decoupled(full(self.generator[states][:, states]), self.units[states]) if found is None else found
+
+    def _decoupled_rest(self, rest: np.ndarray, states: np.ndarray | None) -> BlockDiagonal:
+        """What is left of S beside what is conserved, group by group; its part on these states where it is one."""
+        units = balancing_units(kept(rest)) if states is None else self.units[states]
+        groups = coupled_rows(rest)
+        if len(groups) == 1:
+            return decoupled(rest, units)
+        return assembled(groups, [decoupled(rest[at[:, None], at], units[at]) for at in groups])
 
     def state(self, values: np.ndarray) -> np.ndarray:
         """w from values (q, r) of x, x', ..."""
-        masses, firsts = np.split(self.chosen, [len(self.second)])
-        velocities = values[1, masses] if len(masses) else np.zeros(0)
-        return np.concatenate([values[0, masses], velocities, values[0, firsts]])
+        m = len(self.second)
+        velocities = values[1, self.chosen[:m]] if m else np.zeros(0)
+        places = values[0, self.chosen]
+        return np.concatenate([places[:m], velocities, places[m:]])
 
 
 def _groups(S: Matrix) -> list[np.ndarray]:
@@ -244,9 +259,3 @@ def _groups(S: Matrix) -> list[np.ndarray]:
         return coupled_rows(S)
     count, which = connected_components(S, directed=False)
     return [np.flatnonzero(which == group) for group in range(count)]
-
-
-def _decoupled_parts(S: np.ndarray) -> BlockDiagonal:
-    """A matrix decoupled part by part."""
-    groups = _groups(S)
-    return decoupled(S) if len(groups) == 1 else assembled(groups, [decoupled(S[np.ix_(states, states)]) for states in groups])

@@ -7,7 +7,7 @@ few rows, or when it is asked again, the eigenvectors. Just after t = 0 the Tayl
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse
@@ -168,7 +168,7 @@ class Flow:
         longest = max(map(len, self.force.smooth.blocks), default=0)  # a force may begin like a power of t
         for _ in range(1, TERMS + longest):
             columns.append(step.dot(columns[-1]))  # less to do before it starts than @
-        return np.array(columns).T / _factorials(len(columns))
+        return np.array(columns).T / np.cumprod(np.maximum(np.arange(float(len(columns))), 1.0))
 
     @cached_property
     def _unit(self) -> float:
@@ -184,12 +184,6 @@ class Flow:
         """output @ z before ``early_end``."""
         series = output @ self._powers
         return series @ np.power.outer(self._unit * times, np.arange(series.shape[1])).T
-
-
-@cache
-def _factorials(count: int) -> np.ndarray:
-    """0!, 1!, ..., so many."""
-    return np.cumprod(np.maximum(np.arange(float(count)), 1.0))
 
 
 class FlowFunction(BohlFunction):
@@ -262,7 +256,7 @@ class FlowFunction(BohlFunction):
             values = record_values(self, times)
         if values is None:
             values = super()._values(times)
-        early = np.flatnonzero(times < self.flow.early_end)
+        early = (times < self.flow.early_end).nonzero()[0]
         width = max(1, CHUNK_ENTRIES // max(self.size, TERMS))
         for part in (early[begin : begin + width] for begin in range(0, len(early), width)):
             values[:, part] = self.flow.early(self.output, times[part])

@@ -222,9 +222,10 @@ def fitting(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -
     Returns:
         Shape (S,).
     """
-    smooth, held = force.smooth, reduction.algebraic[reduction.held]
-    if not len(held):
+    held = reduction.algebraic
+    if not (len(held) and len(held := held[reduction.held])):
         return np.ones(initial.shape[2], dtype=bool)
+    smooth = force.smooth
     rows, columns = reduction.given[0][held], smooth.coefficients[held]
     start, jumps, found = smooth.start_at_zero[:, None], smooth.restarts.jumps[:, 1:], np.ones(initial.shape[2], dtype=bool)
     for values in initial:

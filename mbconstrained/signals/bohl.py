@@ -176,7 +176,7 @@ class BohlFunction:
         """Whether it is known to vanish everywhere."""
         return not (self.coefficients.any() and self.restarts.states.any())
 
-    @property
+    @cached_property
     def restarts(self) -> Restarts:
         """The start as ``Restarts``, where there is no later one with t = 0 alone."""
         if isinstance(self.start, Restarts):

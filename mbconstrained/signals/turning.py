@@ -53,13 +53,24 @@ class Turning:
         even = start[first[:, None] + np.arange(2)]
         units = np.abs(even).max(axis=1)
         even /= (units + (units == 0))[:, None]
-        odd = np.einsum("bij,bj->bi", groups.rest[chosen], even) / w[:, None]
+        odd = (groups.rest[chosen] @ even[:, :, None])[:, :, 0] / w[:, None]
         drifting, slope = groups.drifts(start)
         lines, known = np.array([start[drifting], slope]).T, {*first.tolist(), *drifting.tolist()}
         kept = [(block, at) for block, at in zip(blocks, block_slices(blocks)) if at.start not in known]
         others = np.array([place for _, at in kept for place in range(at.start, at.stop)], dtype=int)
         rest = (others, tuple(block for block, _ in kept), start[others])
         return Turning(groups.mean[chosen], w, first, even, odd, units, drifting, lines, *rest)
+
+    @property
+    def rates(self) -> np.ndarray:
+        """a + i w, shape (m,)."""
+        return self.growth + 1j * self.frequency
+
+    def phasors(self, coefficients: np.ndarray) -> np.ndarray:
+        """z = c + i d of the e^{a t} (c cos w t + d sin w t) of which C e^{J t} v consists without the other states, shape (r, m)."""
+        pairs = coefficients[:, self.first[:, None] + np.arange(2)] * self.units[:, None]
+        pairs = pairs * (self.even + 1j * self.odd)
+        return pairs[..., 0] + pairs[..., 1]
 
     def of_rows(self, coefficients: np.ndarray) -> tuple[np.ndarray, Oscillations]:
         """D and the functions of which D makes C e^{J t} v, without the other states; what is not there is left out."""

@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from mbconstrained.linalg.oscillations import MANY, Lasting, Oscillations, even_step
+from mbconstrained.linalg.oscillations import MANY, Lasting, Oscillations, even_step, of_phasors, step_of_few_rows
 
 PAIRS = 40
 
@@ -108,7 +108,7 @@ def rows_of(found: Oscillations, rows: int) -> np.ndarray:
 @pytest.mark.parametrize("rows", [1, 5, 60])
 @pytest.mark.parametrize("pairs", [2, PAIRS])
 def test_rows_are_sums_of_the_functions_however_they_are_made(name, growth, rows, pairs):
-    """By a table, or, of few rows, by coarse and fine times: the rounding is that of the terms that are added."""
+    """By a table, by parts of one or by coarse and fine times: the rounding is that of the terms that are added."""
     found, times = oscillations(growth, np.random.default_rng(1).uniform(0.1, 9.0, pairs)), TIMES[name]
     coefficients = rows_of(found, rows)
     values, expected = found.combined(coefficients, times), coefficients @ direct(found, times)
@@ -168,3 +168,38 @@ def test_what_has_decayed_beside_others_is_left_out_without_a_digit_lost(name):
     lasting = Lasting.of(found, coefficients)
     values, everything = found.combined(coefficients, times, lasting)[10], found.combined(coefficients, times)[10]
     assert np.allclose(values, everything, rtol=1e-12, atol=1e-300)
+
+
+def by_phasors(found: Oscillations, coefficients, times) -> np.ndarray:
+    """The same sums, every pair there with cosine and sine."""
+    z = coefficients[:, : len(found.growth)] + 1j * coefficients[:, len(found.growth) :]
+    return of_phasors(z, found.growth + 1j * found.frequency, times, even_step(times))
+
+
+@pytest.mark.parametrize("name", ["two", "even", "even from later", "a square number"])
+@pytest.mark.parametrize("growth", [0.0, -0.3, 0.2])
+@pytest.mark.parametrize("rows", [1, 5])
+def test_phasors_are_turned_to_the_sums_of_cosines_and_sines(name, growth, rows):
+    found, times = oscillations(growth, np.random.default_rng(1).uniform(0.1, 9.0, PAIRS)), TIMES[name]
+    coefficients = rows_of(found, rows)
+    values, expected = by_phasors(found, coefficients, times), coefficients @ direct(found, times)
+    bound = 2e-15 * (1 + 9.0 * times) * np.exp(growth * times) * np.abs(coefficients).sum(axis=1)[:, None]
+    assert values.shape == expected.shape and values.flags.c_contiguous
+    assert (np.abs(values - expected) <= bound).all()
+
+
+def test_phasors_that_have_decayed_beside_growing_ones_are_nothing():
+    growth, times = np.where(np.arange(PAIRS) % 2, 600.0, -1200.0), np.linspace(0.0, 1.0, 2000)
+    found = oscillations(growth, np.linspace(1.0, 9.0, PAIRS))
+    coefficients = rows_of(found, 2)
+    with np.errstate(over="raise", invalid="raise"):
+        values = by_phasors(found, coefficients, times)
+    bound = 1e-14 * np.abs(coefficients) @ np.exp(np.multiply.outer(np.tile(growth, 2), times) * (1 + 4e-16)) * 600
+    assert (np.abs(values - coefficients @ direct(found, times)) <= bound).all()
+
+
+def test_few_rows_are_made_from_phasors_at_many_even_times_only():
+    times = np.linspace(0.0, 1.0, 1000)
+    assert step_of_few_rows(3, 2, times) == pytest.approx(1 / 999)
+    assert step_of_few_rows(3, 2, times**2) is None
+    assert step_of_few_rows(32, 2, times) is None and step_of_few_rows(3, 2, times[:10]) is None

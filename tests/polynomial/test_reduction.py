@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import mbconstrained.linalg.eigen
+import mbconstrained.polynomial.reduction
+from mbconstrained.linalg.blocks import block_matrix
 from mbconstrained.linalg.kinds import full
 from mbconstrained.polynomial.factors import Factors
 from mbconstrained.polynomial.matrix import PolynomialMatrix
@@ -246,3 +249,31 @@ def test_units_do_not_change_what_is_plain(unit):
         assert found.state_count == expected.state_count
         assert found.is_symmetric == expected.is_symmetric
         assert found.is_dissipative == expected.is_dissipative
+
+
+def conserving(random, ignorable: bool) -> PolynomialMatrix:
+    """Damped masses, the last one without a spring of its own; where the others' springs pull at it, momentum drives them."""
+    K, C, M = chain(3) + np.eye(3), np.diag(random.uniform(0.1, 0.5, 3)), np.eye(3)
+    K[2] = 0.0
+    K[:2, 2] = 0.0 if ignorable else random.uniform(0.2, 0.5, 2)
+    C[2, :2] = random.uniform(-0.1, 0.1, 2)
+    return PolynomialMatrix([K, C, M])
+
+
+@pytest.mark.parametrize("ignorable", [True, False])
+@pytest.mark.parametrize("seed", range(5))
+def test_what_is_conserved_is_apart_from_the_rest_which_is_balanced_with_all_states_where_it_is_their_part(
+    ignorable, seed, monkeypatch
+):
+    """S is decoupled; balanced once, and what is left of it once more only where conserved numbers drive it."""
+    balanced = []
+    for module in (mbconstrained.linalg.eigen, mbconstrained.polynomial.reduction):
+        found = module.balancing_units
+        monkeypatch.setattr(module, "balancing_units", lambda S, found=found: balanced.append(len(S)) or found(S))
+    reduction = check(conserving(np.random.default_rng(seed), ignorable), states=6)
+    parts, S = reduction.decoupled, reduction.generator
+    assert reduction.is_apart and balanced == ([6] if ignorable else [5, 6])
+    assert np.allclose(parts.inverse @ S @ parts.basis, block_matrix(parts.blocks), rtol=0, atol=1e-13)
+    assert np.allclose(parts.inverse @ parts.basis, np.eye(6), rtol=0, atol=1e-13)
+    expected = np.sort_complex(np.round(np.linalg.eigvals(S), 8))
+    assert np.allclose(np.sort_complex(np.round(np.linalg.eigvals(block_matrix(parts.blocks)), 8)), expected, atol=1e-7)
