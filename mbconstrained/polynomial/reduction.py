@@ -220,21 +220,41 @@ class Reduction:
         """S decoupled, what nothing couples each for itself: a motion that grows in one part is not in the others."""
         if self.conserved is not None and not self.is_symmetric:
             return refined(self, decoupled_beside(full(self.generator), self.conserved, self._decoupled_rest))
-        groups = _groups(self.generator)
-        parts = assembled(groups, [self._decoupled(states) for states in groups])
+        groups, by_couplings = self._groups, self._by_couplings
+        parts = assembled(groups, [found or self._decoupled(states) for found, states in zip(by_couplings, groups)])
         return parts if self.is_symmetric or isinstance(parts, StructuredModes) else refined(self, parts)
 
-    def _decoupled(self, states: np.ndarray) -> BlockDiagonal | StructuredModes:
-        """Of a part of S: by a symmetric eigenproblem of half the size, or by way of a tree, where that is possible."""
-        m, found = len(self.second), None
+    @property
+    def is_refused(self) -> bool:
+        """Whether some part of what is coupled like a chain could not be decoupled by way of its graph."""
+        tried = zip(self._by_couplings, self._groups)
+        return self.is_chain and any(found is None and len(states) >= MANY_STATES for found, states in tried)
+
+    @cached_property
+    def _groups(self) -> list[np.ndarray]:
+        return _groups(self.generator)
+
+    @cached_property
+    def _by_couplings(self) -> list[StructuredModes | None]:
+        """The modes of each part by way of its graph, where that is possible."""
+        if self.is_symmetric or not self.is_chain:
+            return [None] * len(self._groups)
+        return [self._part_by_couplings(states) if len(states) >= MANY_STATES else None for states in self._groups]
+
+    def _part_by_couplings(self, states: np.ndarray) -> StructuredModes | None:
+        m = len(self.second)
         own = states[states < m]
+        every = np.concatenate([own, states[states >= 2 * m] - m])
+        return quadratic_modes(self.M[own][:, own], *(matrix[every][:, every] for matrix in (self.C, self.K)))
+
+    def _decoupled(self, states: np.ndarray) -> BlockDiagonal:
+        """Of a part of S: by a symmetric eigenproblem of half the size, where that is possible."""
+        m, found = len(self.second), None
         if self.is_symmetric:
+            own = states[states < m]
             resting = np.zeros((0, m)) if self.sums is None else self.sums
             resting = resting[resting[:, own].any(axis=1)][:, own]
             found = symmetric_modes(*(csr_array(matrix[own][:, own]) for matrix in (self.M, self.C, self.K)), resting)
-        elif self.is_chain and len(states) >= MANY_STATES:
-            every = np.concatenate([own, states[states >= 2 * m] - m])
-            found = quadratic_modes(self.M[own][:, own], *(matrix[every][:, every] for matrix in (self.C, self.K)))
         return decoupled(full(self.generator[states][:, states]), self.units[states]) if found is None else found
 
     def _decoupled_rest(self, rest: np.ndarray, states: np.ndarray | None) -> BlockDiagonal:

@@ -19,18 +19,19 @@ LEAST_STATES = 48
 GENERAL, GENERAL_SMALL = 40.0, 12000.0
 SYMMETRIC, SYMMETRIC_SMALL = 1.5, 1000.0
 
-#: Of modes by way of few couplings (``linalg.quadratic_modes``), times the number of states to the power of 1.5; up to some 400 states
-#: that is half of what they take: they have a digit more than powers. That is for a chain; for fronts of w coordinates times (1 + w) / 2.
-CHAIN = 7e4
+#: Of modes by way of few couplings (``linalg.quadratic_modes``), by fronts of w coordinates, in (3 + 2 w) / 5 times the number of states
+#: to the power of 1.5; of a chain less than half of that is counted: its modes have a digit more than powers.
+COUPLED, CHAIN = 1.6e5, 7e4
 
 
-def decomposition_cost(reduction: Reduction) -> float:
-    """Of decoupling S; nothing where only that serves: in powers of e^{S h} rounding would push a free body."""
+def decomposition_cost(reduction: Reduction, *, by_couplings: bool = True) -> float:
+    """Of decoupling S, by its few couplings if it has those; nothing where only that serves: powers of e^{S h} would push a free body."""
     if reduction.is_free:
         return 0.0
     n = max(reduction.state_count, 1)
-    if reduction.is_chain and not reduction.is_symmetric:
-        return CHAIN * (1 + reduction.front_width) / 2 / n**1.5
+    if by_couplings and reduction.is_chain and not reduction.is_symmetric:
+        width = reduction.front_width
+        return (CHAIN if width <= 1 else COUPLED * (3 + 2 * width) / 5) / n**1.5
     large, small = (SYMMETRIC, SYMMETRIC_SMALL) if reduction.is_symmetric else (GENERAL, GENERAL_SMALL)
     return large + small / n
 

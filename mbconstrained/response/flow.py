@@ -138,14 +138,20 @@ class Flow:
         turned = None if known or self.reduction.is_small else self.turned(times)
         if turned is None:
             return None
-        step, limit = float(times[-1]) / (len(times) - 1), decomposition_cost(self.reduction)
+        step = float(times[-1]) / (len(times) - 1)
         known = self._propagator if self._propagator and self._propagator.step == step else None
         cost = stepping_cost(self.generator.shape[0], len(times), turned, known is not None)
-        if self.spent + cost > (limit / 2 if self.spent else limit):
+        if not self._is_less((2 if self.spent else 1) * (self.spent + cost)):
             return None
         self._propagator = known or Propagator(self.generator, step)
         self.spent += cost
         return self._propagator.values(output, self.start_with_force, len(times))
+
+    def _is_less(self, cost: float) -> bool:
+        """Than decoupling S; by its couplings that is tried first, as it may turn out not to be possible."""
+        if cost <= decomposition_cost(self.reduction):
+            return True
+        return cost <= decomposition_cost(self.reduction, by_couplings=False) and self.reduction.is_refused
 
     _propagator: Propagator | None = field(default=None, init=False)
 

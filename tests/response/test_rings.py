@@ -39,3 +39,18 @@ def test_the_motion_is_that_of_the_exponential(pairs):
     generator = np.block([[np.zeros_like(K), np.eye(COUNT)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
     expected = np.array([(scipy.linalg.expm(generator * t) @ start.ravel())[:COUNT] for t in UNEVEN]).T
     assert np.abs(solve(A, start)(UNEVEN) - expected).max() <= 2e-12 * np.abs(expected).max()
+
+
+def test_where_modes_are_refused_even_times_take_powers_nevertheless():
+    """Four dampers at equal distances leave half of the zeros of a uniform ring double."""
+    count, even = 4 * 63, np.linspace(0.0, 20.0, 60)
+    shift = np.roll(np.eye(count), 1, axis=0)
+    K, C = 2.1 * np.eye(count) - shift - shift.T, np.diag((np.arange(count) % 63 == 0).astype(float))
+    A = mb.PolynomialMatrix([K, C, np.eye(count)])
+    start = np.random.default_rng(1).normal(size=(2, count))
+    x = solve(A, start)
+    values = x(even)
+    assert A.reduction.is_chain and A.reduction.is_refused and "decoupled" not in A.reduction.__dict__
+    generator = np.block([[np.zeros_like(K), np.eye(count)], [-K, -C]])
+    expected = (scipy.linalg.expm(generator * even[-1]) @ start.ravel())[:count]
+    assert np.abs(values[:, -1] - expected).max() <= 2e-12 * np.abs(expected).max()
