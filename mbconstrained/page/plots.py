@@ -12,14 +12,12 @@ import html
 import numpy as np
 
 from .plot_content import Curve, PhasePlot, Plot
-from .ticks import Axis, axis_of, decimals_of
+from .plot_points import CELLS, PlottedPoints, evenly, moment_steps, plotted
+from .readings import Coordinates, digits_told
+from .ticks import Axis, axis_of
 from .typeset import raised, superscript
 
 HEIGHT = 214  # of the axes, in pixels
-CELLS = 10_000
-
-#: A curve of more points than the picture has pixels is drawn by the lowest and highest value of each pixel column.
-MOST_POINTS = 2400
 
 #: More curves than this in one picture cannot be told apart; the others are there to be shown instead of them.
 MOST_SHOWN = 8
@@ -37,10 +35,15 @@ LONGEST = 40
 COLORS, DASHES = 6, 4
 
 
-def plot_figure(plot: Plot | PhasePlot, *, alone: bool = False) -> str:
-    """One <figure>: title, axes with units, curves, cursor and legend. Every text of the user is escaped."""
+def plot_figure(plot: Plot | PhasePlot, coordinates: Coordinates | None = None, *, alone: bool = False) -> str:
+    """One <figure>: title, axes with units, curves, cursor and legend. Every text of the user is escaped.
+
+    Args:
+        coordinates: of the animation on the same page, from which values of curves that show them are read.
+        alone: whether it has the width of the page for itself.
+    """
     kept, count = plot.curves[:MOST_CURVES], len(plot.curves)
-    body = f"{_svg(plot, kept)}\n{_legend(kept, len(plot.times) > 1)}" if count else '<p class="note">no curves</p>'
+    body = f"{_svg(plot, kept, coordinates)}\n{_legend(kept, len(plot.times) > 1)}" if count else '<p class="note">no curves</p>'
     note = _left_out(count)
     kind = "plot-figure wide" if alone else "plot-figure"
     return f'<figure class="{kind}">\n<h2>{html.escape(plot.title)}</h2>\n{body}{note}\n</figure>'
@@ -53,7 +56,7 @@ def _left_out(count: int) -> str:
     return f'\n<p class="note">{kept}, {MOST_SHOWN} of them are at first: click on a name to show or hide its curve</p>'
 
 
-def _svg(plot: Plot | PhasePlot, curves: tuple[Curve, ...]) -> str:
+def _svg(plot: Plot | PhasePlot, curves: tuple[Curve, ...], coordinates: Coordinates | None) -> str:
     """The picture alone; its data attributes tell the script what its axes stand for."""
     phase = isinstance(plot, PhasePlot)
     along = plot.displacement if phase else plot.times
@@ -62,19 +65,40 @@ def _svg(plot: Plot | PhasePlot, curves: tuple[Curve, ...]) -> str:
     up = axis_of(values.min(), values.max())
     x, y = _cells(across, along), CELLS - _cells(up, values)
     names = _names(plot)
-    parts = [_grid(across, up), _axis_titles(names, across, up)]
+    parts, known = [_grid(across, up), _axis_titles(names, across, up)], _digits(across, 0.0)
     if len(along) == 1:
         parts += [_dot(curve, x[0], row[0]) for curve, row in zip(curves, y)]
     else:
-        drawn = "\n".join(_path(i, curve, x, row, phase) for i, (curve, row) in enumerate(zip(curves, y)))
-        parts.append(f'<svg class="curves" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">\n{drawn}\n</svg>')
+        drawn = [plotted(plot.times, x, row, phase=phase) for row in y]
+        paths = (_path(*each, _reading(plot, *each[1:], up, coordinates)) for each in zip(range(len(curves)), curves, drawn))
+        parts.append(
+            f'<svg class="curves" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">\n' + "\n".join(paths) + "\n</svg>"
+        )
+        known = _digits(across, drawn[0].errors[0]) if phase else known
     told = html.escape(_description(plot, curves, names))
-    moments = f' data-moments="{_moments(plot.times)}"' if phase else ""
     return (
         f'<svg class="plot" role="img" aria-label="{told}"'
-        f' data-start="{float(plot.times[0])!r}" data-end="{float(plot.times[-1])!r}"'
-        f"{moments} {_scale('across', across, names[1])} {_scale('up', up, names[3])}>\n" + "\n".join(parts) + "\n</svg>"
+        f' data-start="{float(plot.times[0])!r}" data-end="{float(plot.times[-1])!r}"{_moments(plot)}'
+        f' {_scale("across", across, names[1])} data-across-digits="{known}" {_scale("up", up, names[3])}>\n'
+        + "\n".join(parts)
+        + "\n</svg>"
     )
+
+
+def _digits(axis: Axis, cells: float) -> str:
+    """Digits of numbers that may be off by some cells; "none" where none are known."""
+    cell = (axis.high - axis.low) / CELLS
+    digits = digits_told(cells * cell, axis, cell)
+    return "none" if digits is None else str(digits)
+
+
+def _reading(plot: Plot | PhasePlot, curve: Curve, drawn: PlottedPoints, up: Axis, coordinates: Coordinates | None) -> str:
+    """Where the script reads values of a curve, if not from its points, and how many digits of them it tells."""
+    cell = (up.high - up.low) / CELLS
+    number = coordinates.number_of(curve, plot.times) if coordinates and isinstance(plot, Plot) else None
+    if number is None:
+        return f'data-digits="{_digits(up, drawn.errors[1])}"'
+    return f'data-digits="{_digits(up, coordinates.error(number) / cell)}" data-coordinate="{number}"'
 
 
 def _names(plot: Plot | PhasePlot) -> tuple[str, str, str, str]:
@@ -84,19 +108,18 @@ def _names(plot: Plot | PhasePlot) -> tuple[str, str, str, str]:
     return plot.titles[0], plot.units[0], plot.titles[1], plot.units[1]
 
 
-def _moments(times: np.ndarray) -> str:
-    """When each point of a phase curve is reached, in cells from point to point; nothing where times are evenly spaced."""
-    shares = (times[_sparse(times)] - times[0]) / ((times[-1] - times[0]) or 1.0)
-    if np.abs(shares - np.linspace(0, 1, len(shares))).max() * CELLS < 0.5 * CELLS / len(shares):
-        return ""
-    return " ".join(map(str, np.diff(np.rint(CELLS * shares).astype(int), prepend=0)))
+def _moments(plot: Plot | PhasePlot) -> str:
+    """When points are reached: those of a phase plane one by one, in cells from point to point, unless evenly."""
+    even = evenly(plot.times)
+    if isinstance(plot, Plot):
+        return ' data-even=""' if even else ""
+    return f' data-moments="{"" if even else " ".join(map(str, moment_steps(plot.times)))}"'
 
 
 def _scale(name: str, axis: Axis, unit: str) -> str:
-    """What the script tells values by: ends of the axis in the unit of its labels, digits after the point, the unit."""
+    """What the script tells values by: ends of the axis in the unit of its labels, the power of ten of that, the unit."""
     ends = " ".join(f"{end / 10.0**axis.exponent:.12g}" for end in (axis.low, axis.high))
-    digits = decimals_of((axis.high - axis.low) / CELLS / 10.0**axis.exponent)
-    return f'data-{name}="{ends} {digits}" data-{name}-unit="{html.escape(_measure(unit, axis.exponent))}"'
+    return f'data-{name}="{ends} {axis.exponent}" data-{name}-unit="{html.escape(_measure(unit, axis.exponent))}"'
 
 
 def _cells(axis: Axis, values: np.ndarray) -> np.ndarray:
@@ -154,30 +177,14 @@ def _course(values: np.ndarray) -> str:
     return f"from {values[0]:.3g} to {values[-1]:.3g}, lowest {values.min():.3g}, highest {values.max():.3g}"
 
 
-def _path(number: int, curve: Curve, x: np.ndarray, y: np.ndarray, phase: bool) -> str:
-    x, y = (x[_sparse(x)], y[_sparse(x)]) if phase else _thinned(x, y)
-    points = np.rint(np.array([x, y])).astype(int)
-    steps = np.diff(points).T.tolist()
-    data = f"M{points[0, 0]} {points[1, 0]}l" + " ".join(f"{a} {b}" for a, b in steps).replace(" -", "-")
-    return f'<path class="{_look(curve.color)}{" off" if number >= MOST_SHOWN else ""}" d="{data}"/>'
+def _path(number: int, curve: Curve, drawn: PlottedPoints, reading: str) -> str:
+    (x, y), steps = drawn.cells[:, 0], np.diff(drawn.cells).T.tolist()
+    data = f"M{x} {y}l" + " ".join(f"{a} {b}" for a, b in steps).replace(" -", "-")
+    return f'<path class="{_look(curve.color)}{" off" if number >= MOST_SHOWN else ""}" d="{data}" {reading}/>'
 
 
 def _dot(curve: Curve, x: float, y: float) -> str:
     return f'<circle class="{_look(curve.color)}" cx="{100 * x / CELLS:.2f}%" cy="{HEIGHT * y / CELLS:.1f}" r="3.5"/>'
-
-
-def _thinned(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    if len(x) <= MOST_POINTS:
-        return x, y
-    edges = np.linspace(0, len(x), MOST_POINTS // 2 + 1).astype(int)
-    extremes = [(a + y[a:b].argmin(), a + y[a:b].argmax()) for a, b in zip(edges, edges[1:])]
-    kept = np.unique(np.concatenate([[0, len(x) - 1], np.ravel(extremes)]))
-    return x[kept], y[kept]
-
-
-def _sparse(times: np.ndarray) -> np.ndarray:
-    """Which points of a phase curve are drawn: at most ``MOST_POINTS``, evenly."""
-    return np.linspace(0, len(times) - 1, min(len(times), MOST_POINTS)).round().astype(int)
 
 
 def _legend(curves: tuple[Curve, ...], lines: bool) -> str:

@@ -10,6 +10,7 @@ from .content import Figure, Formulas, PageContent, Table
 from .mode_content import ModesContent
 from .plot_content import PhasePlot, Plot
 from .plots import plot_figure
+from .readings import Coordinates
 from .typeset import typeset
 from .viewer import viewer_licences
 
@@ -27,10 +28,14 @@ def header(content: PageContent | ModesContent, *, with_theme: bool = False) -> 
     return f"<header>\n<h1>{html.escape(content.title)}</h1>{source}{theme}\n</header>"
 
 
-def plot_figures(plots: tuple[Plot | PhasePlot, ...]) -> str:
-    """All plots, in pairs side by side where the window is wide enough; one without a partner takes the whole width."""
+def plot_figures(plots: tuple[Plot | PhasePlot, ...], coordinates: Coordinates | None = None) -> str:
+    """All plots, in pairs side by side where the window is wide enough; one without a partner takes the whole width.
+
+    Args:
+        coordinates: of the animation on the same page.
+    """
     paired = len(plots) - len(plots) % 2
-    figures = "\n".join(plot_figure(plot, alone=i >= paired) for i, plot in enumerate(plots))
+    figures = "\n".join(plot_figure(plot, coordinates, alone=i >= paired) for i, plot in enumerate(plots))
     return f'<div class="plots">\n{figures}\n</div>' if plots else ""
 
 

@@ -54,12 +54,12 @@ def axis_of(low: float, high: float, *, widen: bool = True) -> Axis:
 
 
 def decimals_of(step: float) -> int:
-    """Digits after the point that numbers are told with which are known to a step.
+    """Digits after the point that numbers are told with which are known to a step; negative before the point.
 
     >>> [decimals_of(step) for step in (20.0, 0.01, 0.0006)]
-    [0, 2, 3]
+    [-2, 2, 3]
     """
-    return min(12, max(0, math.floor(NOISE_SPAN - math.log10(step)))) if step > 0 else 0
+    return min(12, math.floor(NOISE_SPAN - math.log10(step))) if step > 0 else 0
 
 
 def _room(low: float, high: float) -> tuple[float, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -34,15 +35,16 @@ def animation_of(result: Result) -> Animation:
         from .robot_drawing import robot_animation
 
         return robot_animation(result)
-    drawing, frames = _drawing(result), frames_of(result, MOST_FRAMES)
+    table = result.scene.table.drawing
+    scales = {key: getattr(table, key) for key in ("scale", "turn_scale") if table and key in table.model_fields_set}
+    drawing, frames = drawing_of(result.scene, result.values, **scales), frames_of(result, MOST_FRAMES)
     return Animation(drawing, result.scene.equations.coordinates.names, *frames, marks_of(result, drawing, frames[0]))
 
 
-def _drawing(result: Result) -> Drawing:
-    table, equations = result.scene.table.drawing, result.scene.equations
-    scales = {key: getattr(table, key) for key in ("scale", "turn_scale") if table and key in table.model_fields_set}
-    elements = equations.model.elements if equations.model is not None else None
-    return own_drawing(result.scene) or automatic_drawing(result.scene, elements, result.values, **scales)
+def drawing_of(scene: Scene, values=None, **scales: float) -> Drawing:
+    """The drawing of a scene whose coordinates are places, its own or one that is made; arguments as of the latter."""
+    model = scene.equations.model
+    return own_drawing(scene) or automatic_drawing(scene, model and model.elements, values, **scales)
 
 
 def own_drawing(scene: Scene) -> Drawing | None:
@@ -50,9 +52,12 @@ def own_drawing(scene: Scene) -> Drawing | None:
     table = scene.table.drawing
     if table is None or not table.is_own:
         return None
-    with at(scene.path.name, "drawing"):
-        bodies, links = [_body(body) for body in table.body], _links(table)
-        return Drawing(bodies, links, table.scale, table.turn_scale, table.note, view_of(table))
+    bodies = []
+    for number, row in enumerate(table.body, 1):
+        with at(scene.file_name, body_place(number, row)):
+            bodies.append(_body(row))
+    links = _links(scene, [body.name for body in bodies])
+    return Drawing(bodies, links, table.scale, table.turn_scale, table.note, view_of(table))
 
 
 def automatic_drawing(scene: Scene, elements, values, **scales: float) -> Drawing:
@@ -61,11 +66,12 @@ def automatic_drawing(scene: Scene, elements, values, **scales: float) -> Drawin
     Args:
         scene: names and units of the coordinates, and [drawing].
         elements: of the model; None where only its equations are known.
-        values: the motion, or typical values.
+        values: the motion, or typical values; None for 1.
         scales: scale and turn_scale, where they shall not be chosen.
 
     Raises:
-        SceneError: a body that is not drawn and has no shape, two bodies of one name, a link to an unknown body.
+        SceneError: a body that is not drawn and has no shape, a direction of one that does not move so, a link to an unknown
+            body.
     """
     from ..page.layout import coordinate_drawing, lumped_drawing
 
@@ -77,11 +83,10 @@ def automatic_drawing(scene: Scene, elements, values, **scales: float) -> Drawin
     drawing, table = laid_out(), scene.table.drawing
     if table is None:
         return replace(drawing, turn=_upright(scene, drawing))
-    with at(scene.path.name, "drawing"):
-        turn = turn_to(table.along, table.about) if table.along or table.about else _upright(scene, drawing)
-        if directions := _directions(table, drawing, turn):
-            drawing = laid_out(directions=directions)
-        return _changed(replace(drawing, turn=turn), table)
+    turn = turn_to(table.along, table.about) if table.along or table.about else _upright(scene, drawing)
+    if directions := _directions(scene, drawing, turn):
+        drawing = laid_out(directions=directions)
+    return _changed(scene, replace(drawing, turn=turn))
 
 
 def _upright(scene: Scene, drawing: Drawing) -> Vector:
@@ -92,49 +97,76 @@ def _upright(scene: Scene, drawing: Drawing) -> Vector:
     return turn_to((0.0, 0.0, -np.sign(model.gravity)), None) if falls and length <= TALLEST else (0.0, 0.0, 0.0)
 
 
-def _directions(table: DrawingTable, drawing: Drawing, turn: Vector) -> dict[str, Vector]:
+def body_place(number: int, row: BodyTable) -> str:
+    """Where a body stands in the file, for messages."""
+    return f'drawing.body[{number}] (of "{row.name}")'
+
+
+def link_place(number: int) -> str:
+    """The same of a link."""
+    return f"drawing.link[{number}]"
+
+
+def _directions(scene: Scene, drawing: Drawing, turn: Vector) -> dict[str, Vector]:
     """Where bodies go that say it themselves, by name, in the axes of a drawing before all of it is turned."""
     bodies = {body.name: body for body in drawing.bodies}
     found = {}
-    for row in (row for row in table.body if row.along or row.about):
-        key, wanted = ("along", row.along) if row.along else ("about", row.about)
-        body = bodies.get(row.name)
-        own = body and {"along": body.moves, "about": body.turns}
-        if body is not None and row.name not in own[key]:
-            other, moves = ("about", "turns") if key == "along" else ("along", "is displaced")
-            does = f"it {moves}: say {other}" if row.name in own[other] else "it stays where it is"
-            raise InputError(f'the body "{row.name}" has {key}, but {does}')
-        if body is None and row.shape is not None:
-            raise InputError(f'{key} is for bodies of the automatic drawing; of "{row.name}", moves and turns say where it goes')
-        found[row.name] = tuple((matrix_of(turn).T @ wanted).tolist())
+    for number, row in enumerate(scene.table.drawing.body, 1):
+        if row.along or row.about:
+            with at(scene.file_name, body_place(number, row)):
+                _check_direction(row, bodies)
+            found[row.name] = tuple((matrix_of(turn).T @ (row.along or row.about)).tolist())
     return found
 
 
-def _changed(drawing: Drawing, table: DrawingTable) -> Drawing:
-    bodies = {body.name: body for body in drawing.bodies}
-    for row in table.body:
-        if row.name in bodies:
-            bodies[row.name] = replace(bodies[row.name], **_given(row))
-        elif row.shape is None:
-            raise InputError(
-                f'there is no body "{row.name}" in the automatic drawing{nearest(row.name, bodies)}; '
-                "give it a shape to draw a new one"
-            )
-        else:
-            bodies[row.name] = _body(row)
+def _check_direction(row: BodyTable, bodies: dict[str, Body]) -> None:
+    """Whether the body moves so, if it is drawn automatically."""
+    body, key = bodies.get(row.name), "along" if row.along else "about"
+    if body is not None:
+        own = {"along": body.moves, "about": body.turns}
+        if row.name not in own[key]:
+            other, moves = ("about", "turns") if key == "along" else ("along", "is displaced")
+            does = f"it {moves}: say {other}" if row.name in own[other] else "it stays where it is"
+            raise InputError(f"it has {key}, but {does}")
+    elif row.shape is not None:
+        raise InputError(f"{key} is for bodies of the automatic drawing; where this one goes, moves and turns say")
+
+
+def _changed(scene: Scene, drawing: Drawing) -> Drawing:
+    table, bodies = scene.table.drawing, {body.name: body for body in drawing.bodies}
+    for number, row in enumerate(table.body, 1):
+        with at(scene.file_name, body_place(number, row)):
+            bodies[row.name] = _changed_body(row, bodies)
     note = " ".join(filter(None, (drawing.note, table.note)))
-    links = (*drawing.links, *_links(table))
+    links = (*drawing.links, *_links(scene, bodies))
     return replace(drawing, bodies=tuple(bodies.values()), links=links, note=note, view=view_of(table))
+
+
+def _changed_body(row: BodyTable, bodies: dict[str, Body]) -> Body:
+    if row.name in bodies:
+        return replace(bodies[row.name], **_given(row))
+    if row.shape is not None:
+        return _body(row)
+    hint = nearest(row.name, bodies)
+    raise InputError(f"there is no such body in the automatic drawing{hint}; give it a shape to draw a new one")
 
 
 def _body(row: BodyTable) -> Body:
     if row.shape is None:
-        raise InputError(f'the body "{row.name}" has no shape; give it one, or automatic = true where it is drawn anyway')
+        raise InputError("it has no shape; give it one, or automatic = true where it is drawn anyway")
     return Body(**_given(row))
 
 
-def _links(table: DrawingTable) -> tuple[Link, ...]:
-    return tuple(Link(**{"name": f"{link.kind} from {link.start} to {link.end}", **_given(link)}) for link in table.link)
+def _links(scene: Scene, bodies: Collection[str]) -> tuple[Link, ...]:
+    """The links of the scene, between bodies of these names."""
+    found = []
+    for number, link in enumerate(scene.table.drawing.link, 1):
+        with at(scene.file_name, link_place(number)):
+            for name in filter(None, (link.start, link.end, link.over)):
+                if name not in bodies:
+                    raise InputError(f'there is no body "{name}" in the drawing{nearest(name, bodies)}')
+            found.append(Link(**{"name": f"{link.kind} from {link.start} to {link.end}", **_given(link)}))
+    return tuple(found)
 
 
 def view_of(table: DrawingTable | None) -> View | None:

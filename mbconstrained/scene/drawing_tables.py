@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from ..checks import nearest
 from ..errors import InputError
 from .fields import Angle, Name, Number, Table, Text, Vector
+from .origins import EntryError
 from .units import shown
 
 Shape = Literal["box", "sphere", "disc", "gear", "ring", "mark", "rail", "ground", "base"]
@@ -87,6 +88,8 @@ class BodyTable(Table):
         for name in ("along", "about"):
             if getattr(self, name) is not None and (self.moves or self.turns):
                 raise InputError(f"{name}, and moves or turns, say the same thing; leave out one of them")
+        if self.along and self.about:
+            raise InputError("along is for a body that is displaced, about for one that turns; leave out one of them")
         return self
 
 
@@ -133,7 +136,7 @@ class DrawingTable(Table):
         if self.along and self.about:
             product = sum(a * b for a, b in zip(self.along, self.about))
             if abs(product) > 1e-9 * math.hypot(*self.along) * math.hypot(*self.about):
-                raise InputError("along and about are not at right angles; leave out one of them")
+                raise EntryError("along and about are not at right angles; leave out one of them", "about", "along")
         if self.is_own and any(table.along or table.about for table in (self, *self.body)):
             raise InputError("along and about turn the automatic drawing; here moves and turns of the bodies say where they go")
         return self

@@ -16,11 +16,16 @@ _PART = re.compile(r"\.?([^\s.\[\]:]+)|\[(\d+)\]")
 
 
 class EntryError(InputError):
-    """An entry of the table at the place that a message tells is wrong; by its key the file is found that it stands in."""
+    """An entry of the table at the place that a message tells is wrong; by its key the file is found that it stands in.
 
-    def __init__(self, message: str, key: str):
+    Attributes:
+        key: of the entry.
+        beside: the key of another one there, which it does not fit.
+    """
+
+    def __init__(self, message: str, key: str, beside: str | None = None):
         super().__init__(message)
-        self.key = key
+        self.key, self.beside = key, beside
 
 
 class SceneName(str):
@@ -46,13 +51,17 @@ class SceneName(str):
         found.origins, found.settings = origins or {}, settings or {}
         return found
 
-    def located(self, text: str, key: str | None = None) -> tuple[str, str]:
+    def located(self, text: str, key: str | None = None, beside: str | None = None) -> tuple[str, str]:
         """The file that a message is about, and the message with its place, which it begins with, as that file has it.
 
         Args:
             key: in the table at the place, if the message is about this key.
+            beside: another key there that the message is about, whose file is told where it is another one.
         """
         parts, ends = _parts(text)
+        if beside is not None:
+            other = self.file_of((*parts, beside))[0]
+            text += f" ({beside} stands in {other})" if other != self.file_of((*parts, key))[0] else ""
         whole = (*parts, key) if key is not None else tuple(parts)
         for count in range(len(whole), 0, -1):
             if whole[:count] in self.origins:
@@ -77,9 +86,15 @@ class SceneName(str):
         return str(self), place
 
 
-def located(file_name: str, text: str, key: str | None = None) -> tuple[str, str]:
-    """The same for a file that includes none, too."""
-    return file_name.located(text, key) if isinstance(file_name, SceneName) else (file_name, text)
+def located(file_name: str, text: str, problem: Exception | None = None) -> tuple[str, str]:
+    """The same for a file that includes none, too.
+
+    Args:
+        problem: what the message tells of; it may know the keys.
+    """
+    if not isinstance(file_name, SceneName):
+        return file_name, text
+    return file_name.located(text, getattr(problem, "key", None), getattr(problem, "beside", None))
 
 
 def written(place: Place) -> str:

@@ -40,14 +40,14 @@ def validated(data: dict, file_name: str, schema: type | None = None):
     raise SceneError(together(file_name, lines))
 
 
-def _line(problem: dict, data: dict) -> tuple[str, str | None]:
-    """The place with what is wrong there, and the key in the table there that it is about, where it is known."""
+def _line(problem: dict, data: dict) -> tuple[str, Exception | None]:
+    """The place with what is wrong there, and the error that was raised there, if one was."""
     where = place(problem["loc"], data)
-    return f"{where}: {_sentence(problem, where)}", getattr(problem.get("ctx", {}).get("error"), "key", None)
+    return f"{where}: {_sentence(problem, where)}", problem.get("ctx", {}).get("error")
 
 
-def together(file_name: str, lines: Sequence[str | tuple[str, str | None]]) -> str:
-    """One message of one or more problems, each a text that begins with a place, perhaps with the key that is wrong there."""
+def together(file_name: str, lines: Sequence[str | tuple[str, Exception | None]]) -> str:
+    """One message of one or more problems, each a text that begins with a place, perhaps with the error that was raised there."""
     pairs = [(line, None) if isinstance(line, str) else line for line in lines]
     found = list(dict.fromkeys(located(file_name, *pair) for pair in pairs))
     if len(found) == 1:
@@ -66,7 +66,7 @@ def at(file_name: str, where: str):
     except SceneError:
         raise
     except InputError as problem:
-        raise SceneError(": ".join(located(file_name, f"{where}: {problem}", getattr(problem, "key", None)))) from None
+        raise SceneError(": ".join(located(file_name, f"{where}: {problem}", problem))) from None
 
 
 def place(location: tuple, data) -> str:

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from ..checks import nearest
 from ..errors import InputError
 from ..notices import Notice
 from .dimensions import load_units
@@ -39,6 +38,7 @@ class Scene:
         costs: what the stages of reading, from the file to the staircase, took, by name.
         parameters: the named quantities, which everywhere else stand with their values.
         settings: what was set from outside.
+        file_name: of the file, in messages; it knows what comes from other files.
     """
 
     path: Path
@@ -48,6 +48,7 @@ class Scene:
     costs: dict[str, Cost]
     parameters: Parameters = Parameters()
     settings: tuple[Setting, ...] = ()
+    file_name: str = ""
 
     @property
     def name(self) -> str:
@@ -165,13 +166,17 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     costs.lap("read the scene")
     equations = equations_of(table, path.parent, name, costs.lap)
     _check_output(table.output, equations, name)
-    _check_drawing(table.drawing, equations, name)
     if equations.robot_scene and table.output.page and table.output.animation:
         equations.robot_scene.data.check_meshes()
+    scene = Scene(path, table, equations, unit_texts, costs.by_name, parameters, made, name)
+    if table.drawing and (table.drawing.body or table.drawing.link or equations.robot):
+        from .drawing_check import check_drawing
+
+        check_drawing(scene)
     costs.lap("assemble the model")
     equations.polynomial_matrix.jordan_pairs()
     costs.lap("scaling and staircase")
-    return Scene(path, table, equations, unit_texts, costs.by_name, parameters, made)
+    return scene
 
 
 def _check_output(output, equations: Equations, file_name: str) -> None:
@@ -202,27 +207,3 @@ def _check_output(output, equations: Equations, file_name: str) -> None:
             raise InputError("energy is known only where mass, damping and stiffness are given, not for coefficients")
         if "reaction" in output.plots and not (system and system.rows):
             raise InputError("found reaction, but there are no constraint rows; leave it out")
-
-
-def _check_drawing(drawing, equations: Equations, file_name: str) -> None:
-    """Names in the drawing; it is drawn only when a page is made."""
-    if drawing and equations.robot and (drawing.body or drawing.link):
-        with at(file_name, "drawing"):
-            raise InputError("a robot is drawn from its URDF: leave out body and link; scale, view and note may stand here")
-    if drawing and equations.robot and (drawing.along or drawing.about):
-        with at(file_name, "drawing"):
-            raise InputError("a robot stands as its URDF says: leave out along and about; view says from where it is looked at")
-    bodies = [body.name for body in drawing.body] if drawing else []
-    for number, body in enumerate(drawing.body if drawing else (), 1):
-        with at(file_name, f'drawing.body[{number}] (of "{body.name}")'):
-            if bodies.count(body.name) > 1:
-                raise InputError("this name is used twice; names must differ")
-            for name in (*(body.moves or ()), *(body.turns or ())):
-                equations.coordinates.number(name)
-    for number, link in enumerate(drawing.link if drawing else (), 1):
-        with at(file_name, f"drawing.link[{number}]"):
-            if link.start == link.end:
-                raise InputError(f'start and end are the same body, "{link.start}"; name two bodies')
-            for name in filter(None, (link.start, link.end, link.over)):
-                if drawing.is_own and name not in bodies:
-                    raise InputError(f'there is no body "{name}" in the drawing{nearest(name, bodies)}')

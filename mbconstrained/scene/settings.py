@@ -149,6 +149,8 @@ def _set_at(data: dict, name: str, value) -> tuple[Setting, tuple]:
 def _key(data: dict | list, part, place: tuple):
     """The key of a table; the number of an entry of an array, which may be called by its name."""
     if isinstance(data, dict):
+        if isinstance(part, int) and not data:
+            raise InputError(f"the scene has no [[{written(place)}]], so no entry {part}; write it into the file first")
         if isinstance(part, int):
             raise InputError(f"{written(place)} is a table, which has no entry {part}; give a key, e.g. {PLACES}")
         return part

@@ -70,9 +70,10 @@ def any_quantity(value) -> tuple[float, Dimension | None]:
     try:
         if (0 * unit_named(unit)).to_base_units().magnitude:
             raise ValueError("its zero is not that of SI")
-        return _finite((float(number) * unit_named(unit)).to_base_units().magnitude, value, "1"), dimension(unit)
+        found, kind = (float(number) * unit_named(unit)).to_base_units().magnitude, dimension(unit)
     except (TypeError, ValueError):  # what pint says of degrees Celsius and of decibels
         raise InputError(f"found {shown(value)}; expected a unit that is a multiple of one of SI") from None
+    return _finite(found, value, "1"), kind
 
 
 def in_range(number, text: str) -> float:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mbconstrained.page import write_page
+from mbconstrained.page import Animation, Body, Drawing, PageContent, write_page
 from tests.page.browser import needs_chromium
 from tests.page.contents import plotted_content, two_masses
 
@@ -201,3 +201,22 @@ def test_on_a_phone_nothing_is_cut_off_and_texts_are_readable(browser, page):
     rows = browser.evaluate("[...document.querySelectorAll('tbody tr')].map(row => row.getBoundingClientRect().height)")
     assert max(rows) < 120
     browser.size(800, 600)
+
+
+@pytest.mark.parametrize("width", [320, 400, 480])
+def test_the_clock_of_a_long_motion_covers_nothing_on_a_phone(browser, tmp_path, width):
+    times = np.linspace(0.0, 200.0, 11)
+    given = Animation(Drawing((Body("a", moves={"x": (1, 0, 0)}),)), ("x",), times, [np.sin(times)])
+    page = write_page(tmp_path / "page.html", PageContent("t", animation=given))
+    browser.size(width, 800, mobile=True)
+    written, box, others = browser.open(page, "#t=200").evaluate("""(() => {
+        const boxOf = (thing) => (({ left, right, top, bottom }) => [left, right, top, bottom])(thing.getBoundingClientRect());
+        const clock = document.getElementById("clock"), range = document.createRange();
+        range.selectNodeContents(clock);
+        const others = [...document.querySelectorAll(".controls > :not(#clock)")];
+        return [clock.textContent, boxOf(range), others.map(boxOf)];
+    })()""")
+    browser.size(800, 600)
+    left, right, top, bottom = box
+    assert written == "200.0 s"
+    assert all(right <= a or left >= b or bottom <= c or top >= d for a, b, c, d in others)

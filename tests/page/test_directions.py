@@ -51,6 +51,17 @@ def test_bodies_go_ways_of_their_own_and_what_holds_them_is_turned_with_them():
     assert {link.name: any(link.turn) for link in drawing.links} == {"ka": False, "kb": False, "kc": True, "kw": True}
 
 
+def test_it_is_told_which_elements_join_bodies_of_different_directions():
+    model = mixed()
+    note = lumped_drawing(model.elements, model.coordinates, directions=WAYS).note
+    assert note == "kb joins bodies of different directions: drawn as a sketch"
+    turned_round = lumped_drawing(model.elements, model.coordinates, directions={"b": (-1.0, 0.0, 0.0)}).note
+    assert turned_round == note  # the drawn length changes by the sum of the displacements
+    same = {"a": (0.0, 0.0, 2.0), "b": (0.0, 0.0, 1.0)}
+    assert lumped_drawing(model.elements, model.coordinates).note == ""
+    assert lumped_drawing(model.elements, model.coordinates, directions=same).note == ""
+
+
 def inverse(quaternion):
     return quaternion * np.array([[-1.0], [-1.0], [-1.0], [1.0]])
 

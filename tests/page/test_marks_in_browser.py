@@ -87,14 +87,38 @@ def test_an_arrow_of_a_body_that_turns_turns_with_it(browser, tmp_path):
     assert browser.state()["errors"] == []
 
 
-def test_numbers_at_arrows_do_not_cover_each_other(browser, tmp_path):
-    bodies = (Body("a", moves={"x": (0, 0, 0.1)}), Body("b", rest=(0.1, 0, 0), moves={"x": (0, 0, 0.1)}), Body("c", rest=(9, 0, 0)))
-    arrows = tuple((Arrow(name, (0, 0, 1), "N"), 1.0) for name in "abc")
+def test_numbers_at_arrows_make_room_for_each_other(browser, tmp_path):
+    bodies = tuple(Body(name, rest=(0.01 * i, 0, 0), moves={"x": (0, 0, 0.1)}) for i, name in enumerate("abcd"))
+    arrows = tuple((Arrow(name, (0, 0, 1), "N"), 1.0) for name in "abcde")
     force = LastingForce("all", 1 + 0 * X, 0 * X, arrows)
-    given = Animation(Drawing(bodies), ("x",), TIMES, [X], [-np.sin(TIMES)], Marks((), (force,)))
+    drawing = Drawing((*bodies, Body("e", rest=(9, 0, 0))))
+    given = Animation(drawing, ("x",), TIMES, [X], [-np.sin(TIMES)], Marks((), (force,)))
     browser.open(write_page(tmp_path / "page.html", PageContent("t", animation=given)))
-    shown = browser.evaluate("[...document.querySelectorAll('.label.force')].map((label) => label.style.visibility)")
-    assert shown == ["visible", "hidden", "visible"]
+    shown, tops = browser.evaluate("""(() => {
+        const labels = [...document.querySelectorAll(".label.force")];
+        return [labels.map((label) => label.style.visibility), labels.map((label) => label.getBoundingClientRect().top)];
+    })()""")
+    assert shown == ["visible"] * 3 + ["hidden", "visible"]  # three lines, and no more
+    assert np.diff(tops[:3]) == pytest.approx([-16, -16], abs=1)
+
+
+def test_a_small_moment_has_an_arc(browser, tmp_path):
+    moments = (Arrow("wheel", (0, -1, 0), "N m", True), 1.0), (Arrow("other", (0, -1, 0), "N m", True), 0.0187)
+    wheels = (Body("wheel", "disc", turns={"x": (0, -1, 0)}), Body("other", "disc", rest=(4, 0, 0)))
+    force = LastingForce("motor", 0.3 + 0 * X, 0 * X, moments)
+    given = Animation(Drawing(wheels), ("x",), TIMES, [X], [-np.sin(TIMES)], Marks((), (force,)))
+    browser.open(write_page(tmp_path / "page.html", PageContent("t", animation=given)))
+    arcs = browser.evaluate("""[0, 1].map((k) => {
+        const { object } = mbconstrained.viewer.scene_tree.find(["mbconstrained", "marks", `force 0 ${k}`]);
+        let arc = null;
+        object.traverse((part) => { if (part.geometry?.parameters?.arc) arc = part.geometry.parameters.arc; });
+        return [object.visible, arc];
+    })""")
+    assert arcs == [[True, pytest.approx(1.5 * math.pi)], [True, pytest.approx(math.pi / 6)]]
+    assert browser.evaluate("[...document.querySelectorAll('.label.force')].map((l) => l.textContent)") == [
+        "0.3 N m",
+        "0.00561 N m",
+    ]
 
 
 def test_a_line_over_the_picture_that_breaks_has_room_of_its_own(browser, tmp_path):

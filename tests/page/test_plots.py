@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from mbconstrained.page import Curve, PhasePlot, Plot
-from mbconstrained.page.plots import CELLS, MOST_CURVES, MOST_POINTS, MOST_SHOWN, plot_figure
+from mbconstrained.page.plot_points import CELLS, MOST_POINTS
+from mbconstrained.page.plots import MOST_CURVES, MOST_SHOWN, plot_figure
 from tests.page.contents import HOSTILE
 
 TIMES = np.linspace(0, 10, 11)

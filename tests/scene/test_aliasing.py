@@ -34,6 +34,9 @@ points = {points}
 FORCE = '[[force]]\ncoordinate = "slow"\nkind = "harmonic"\nvalue = 1e6\nangular_frequency = 1000\n'
 
 
+STEP = '[[force]]\ncoordinate = "fast"\nkind = "step"\nvalue = 1e4\ndelay = 80\n'
+
+
 def told(folder, slow=1.0, fast=1.0, damping=0.0, amplitude=1.0, end=10.0, points=101, force=""):
     path = folder / "scene.toml"
     damper = f'[[model.damper]]\nbetween = ["ground", "fast"]\ndamping = {damping}' if damping else ""
@@ -52,15 +55,14 @@ def test_an_oscillation_between_the_times_is_told_with_its_period(tmp_path, end,
 
 
 def test_what_is_written_instead_shows_it(tmp_path):
-    given = {"fast": 100.0, "end": 500.0, "points": 101}
-    text = told(tmp_path, **given)
-    end, points = re.search(r'end = "(.*) s" or points = (\d+)', text).groups()
-    period = 2 * np.pi / 10.0
-    for time in ({"end": float(end)}, {"points": int(points)}):
-        step = {**given, **time}
-        assert period / (step["end"] / (step["points"] - 1)) == pytest.approx(SMOOTH, rel=0.05)
-        assert told(tmp_path, **step) == ""
-    assert "points = " not in told(tmp_path, fast=100.0, end=1e9).replace("or points", "points").split("write")[1]
+    """More points, and an earlier end only where there may not be so many."""
+    for end, found in ((500.0, r"write points = (?P<points>\d+) below"), (1e9, r'write end = "(?P<end>.*) s" below')):
+        given = {"fast": 100.0, "end": end, "points": 101}
+        text = told(tmp_path, **given)
+        step = given | {key: float(value) for key, value in re.search(found, text).groupdict().items()}
+        step["points"] = int(step["points"])
+        assert 2 * np.pi / 10.0 / (step["end"] / (step["points"] - 1)) == pytest.approx(SMOOTH, rel=0.05)
+        assert told(tmp_path, **step) == "" and "the values at the times are right" in text
 
 
 def test_one_that_is_met_once_in_a_period_and_seems_to_rest_is_told(tmp_path):
@@ -73,6 +75,7 @@ def test_one_that_is_met_once_in_a_period_and_seems_to_rest_is_told(tmp_path):
     [
         {"fast": 100.0, "amplitude": 1e-3},  # too small to be seen
         {"fast": 1e4, "damping": 2.0},  # decayed
+        {"fast": 1e4, "damping": 2.0, "force": STEP},  # after the force as well
         {"fast": 1e6, "damping": 1e5},  # no oscillation at all
         {"fast": 1e6, "amplitude": 0.0},  # at rest
         {"fast": 1.0, "end": 100.0, "points": 52},  # more than three times in a period
@@ -89,3 +92,50 @@ def test_the_fastest_that_is_seen_counts_and_not_the_fastest_of_all(tmp_path):
 
 def test_forces_count_too(tmp_path):
     assert "has a period of 0.00628 s" in told(tmp_path, force=FORCE)
+
+
+@pytest.mark.parametrize(
+    ("given", "damping"),
+    [
+        ({}, 0.6),  # down to a hundredth after 15 of 100 spacings of times
+        ({"amplitude": 0.0, "force": STEP}, 0.6),
+        ({"amplitude": 0.0, "force": STEP}, 0.0),  # after three quarters of the time, and for good
+        ({"amplitude": 0.0, "force": STEP.replace("step", "pulse").replace("delay", "duration = 12\nstart")}, 0.6),
+    ],
+)
+def test_what_begins_late_or_decays_is_told_where_it_leaves_false_points(tmp_path, given, damping):
+    text = told(tmp_path, slow=0.01, fast=1e4, damping=damping, end=100.0, points=101, **given)
+    assert f"has a period of {2 * np.pi / 100:.3g} s" in text
+
+
+def test_of_a_record_only_what_it_leaves_behind_is_looked_at(tmp_path):
+    """Between its samples there is no time for an oscillation to be seen."""
+    times = np.linspace(0.0, 60.0, 301)
+    record = f'[[force]]\ncoordinate = "fast"\nkind = "sampled"\ntimes = {times.tolist()}\nvalues = {np.cos(5 * times).tolist()}\n'
+    given = {"slow": 0.01, "fast": 1e2, "end": 100.0, "points": 101, "amplitude": 0.0, "force": record}
+    assert "has a period of 0.628 s" in told(tmp_path, **given)
+    assert "aliasing" not in told(tmp_path, **given, damping=4.0)
+
+
+NODE = """
+[[model.node]]
+name = "light"
+[[model.spring]]
+between = ["ground", "light"]
+stiffness = 1
+[[model.damper]]
+between = ["ground", "light"]
+damping = 1
+[[force]]
+coordinate = "light"
+kind = "step"
+value = 5
+delay = 77
+"""
+
+
+@pytest.mark.parametrize("delay", [75.5, 77.0])
+def test_a_kink_is_no_oscillation(tmp_path, delay):
+    """Cosines of any frequency fit a kink a little, in a stretch of time in which there is one."""
+    force = NODE.replace("77", str(delay))
+    assert told(tmp_path, slow=1e-4, fast=50.0, amplitude=0.0, end=100.0, points=101, force=force) == ""

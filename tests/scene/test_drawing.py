@@ -9,9 +9,10 @@ from mbconstrained.page.drawing import View
 from mbconstrained.page.rotation import matrix_of
 from mbconstrained.scene.modes_drawing import mode_drawing
 from tests.scene.robots import SCENE, press
-from tests.scene.scenes import MATRICES, OSCILLATOR, scene_of
+from tests.scene.scenes import COEFFICIENTS, MATRICES, OSCILLATOR, scene_of
 
 CART = '[[drawing.body]]\nname = "cart"\n'
+LINK = '[[drawing.link]]\nkind = "rod"\nstart = "cart"\nend = "hok"\n'
 FALLING = OSCILLATOR.replace('kind = "lumped"', 'kind = "lumped"\ngravity = -9.81')
 CHANGED = f"""
 [drawing]
@@ -96,18 +97,32 @@ def test_one_body_goes_along_what_it_says_itself_in_space(tmp_path):
         ("along = [1, 0, 0]\nabout = [1, 1, 0]", "not at right angles"),
         ('along = [1, 0, 0]\n[[drawing.body]]\nname = "cart"\nshape = "box"', "along and about turn the automatic drawing"),
         (f"{CART}along = [0, 0, 0]", r"body\[1\].*along is \[0, 0, 0\]; give a direction"),
-        (f"{CART}about = [0, 0, 1]", 'the body "cart" has about, but it is displaced: say along'),
+        (f"{CART}about = [0, 0, 1]", r'body\[1\] \(of "cart"\): it has about, but it is displaced: say along'),
+        (f"{CART}along = [1, 0, 0]\nabout = [0, 0, 1]", r"body\[1\].*along is for a body that is displaced.*leave out one"),
         (f"{CART}along = [0, 0, 1]\nmoves = {{ cart = [1, 0, 0] }}", "along, and moves or turns, say the same thing"),
         (f'{CART}shape = "box"\nalong = [0, 0, 1]', "along and about turn the automatic drawing"),
-        ('[[drawing.body]]\nname = "ground left of cart"\nalong = [0, 0, 1]', "has along, but it stays where it is"),
-        ('automatic = true\n[[drawing.body]]\nname = "new"\nshape = "box"\nalong = [0, 0, 1]', 'of "new", moves and turns say'),
-        ('automatic = false\n[[drawing.body]]\nname = "cart"', 'the body "cart" has no shape'),
-        ('[[drawing.body]]\nname = "crat"', r'no body "crat" in the automatic drawing.*cart.*give it a shape'),
+        ('[[drawing.body]]\nname = "ground left of cart"\nalong = [0, 0, 1]', r"body\[1\].*has along, but it stays"),
+        ('automatic = true\n[[drawing.body]]\nname = "new"\nshape = "box"\nalong = [0, 0, 1]', r"body\[1\].*moves and turns say"),
+        ('automatic = false\n[[drawing.body]]\nname = "cart"', r"body\[1\].*it has no shape"),
+        ('[[drawing.body]]\nname = "crat"', r'body\[1\] \(of "crat"\): there is no such body.*cart.*give it a shape'),
+        (f"automatic = true\n{CART}{LINK}", r'link\[1\]: there is no body "hok" in the drawing'),
+        (f'{CART}shape = "box"\n{LINK}', r'link\[1\]: there is no body "hok" in the drawing'),
     ],
 )
 def test_what_is_wrong_is_said_with_its_place(tmp_path, text, message):
-    with pytest.raises(SceneError, match=rf"(?s)scene\.toml: drawing.*{message}"):
-        drawing_of(tmp_path, f"[drawing]\n{text}\n")
+    """When the scene is read: before anything is solved, and without a page."""
+    for output in ("", "[output]\npage = false\n"):
+        with pytest.raises(SceneError, match=rf"(?s)scene\.toml: drawing.*{message}"):
+            scene_of(tmp_path, f"{OSCILLATOR}{output}\n[drawing]\n{text}\n")
+
+
+@pytest.mark.parametrize(("model", "body"), [(MATRICES, "a"), (COEFFICIENTS, "q")])
+def test_so_it_is_of_what_is_drawn_from_its_coordinates(tmp_path, model, body):
+    wrong, right = ("about", "along") if body == "a" else ("along", "about")
+    text = f'{model}[[drawing.body]]\nname = "{body}"\n'
+    assert scene_of(tmp_path, f"{text}{right} = [0, 1, 1]\n").run().animation
+    with pytest.raises(SceneError, match=rf'drawing\.body\[1\] \(of "{body}"\): it has {wrong}, .*: say {right}'):
+        scene_of(tmp_path, f"{text}{wrong} = [0, 1, 1]\n")
 
 
 @pytest.mark.parametrize("text", ['[[drawing.body]]\nname = "crank"\n', "along = [0, 0, 1]\n", "about = [0, 0, 1]\n"])

@@ -98,6 +98,16 @@ def test_mistakes_in_several_files_are_told_together(scene):
     assert lines[0].startswith("  parts/deeper.toml: model.mass[1].mass") and lines[1].startswith("  time.end: found")
 
 
+@pytest.mark.parametrize(("inner", "outer"), [("along", "about"), ("about", "along")])
+def test_of_entries_of_two_files_that_do_not_fit_both_files_are_named(scene, inner, outer):
+    main, deeper = (f"[drawing]\n{key} = {axis}\n" for key, axis in ((outer, [0, 0, 1]), (inner, [0, 1, 1])))
+    with pytest.raises(SceneError) as caught:
+        scene(main=("[time]", f"{main}[time]"), deeper=("\n[[", f"{deeper}[["))
+    file, other = ("main.toml", "parts/deeper.toml") if outer == "about" else ("parts/deeper.toml", "main.toml")
+    wrong = "drawing: along and about are not at right angles; leave out one of them"
+    assert str(caught.value) == f"{file}: {wrong} (along stands in {other})"
+
+
 def test_a_file_that_several_include_is_read_once(scene):
     found = scene(main=('["parts/base.toml"]', '["parts/deeper.toml", "parts/base.toml", "parts/base.toml"]'))
     assert found.equations.coordinates.names == ("load", "cart")

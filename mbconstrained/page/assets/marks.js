@@ -4,6 +4,9 @@
 const afterglow = { share: 0.04, seconds: 1.5 }; // how long a moment is shown: of the whole time, and as it plays
 const markColors = { force: "#b0306a", strike: "#d1344b" };
 
+const lines = [0, 16, 32]; // px, by which what is written at an arrow moves out of the way of others
+const leastBend = Math.PI / 6; // rad, of the arrow of a moment: a shorter one is a head without a shaft
+
 // An arrow that is drawn over what would hide it; along a direction, or around it for a moment.
 class Arrow {
   constructor(stage, { turns }, kind, path) {
@@ -41,25 +44,28 @@ class Arrow {
 
   // Three quarters of a circle at the longest.
   bend(length) {
-    const angle = length * Math.PI;
+    const angle = Math.max(leastBend, length * Math.PI);
     this.shaft.geometry.dispose();
     this.shaft.geometry = new THREE.TorusGeometry(0.62, 0.035, 8, 40, angle);
     this.head.position.set(0.62 * Math.cos(angle), 0.62 * Math.sin(angle), 0);
     this.head.rotation.z = angle + Math.PI / 2;
   }
 
-  // Writes the size where the arrow points to, unless that would cover another.
+  // Writes the size where the arrow points to, or else a line or two further on, unless all that would cover another.
   write(taken) {
     const { x, y } = this.head.getWorldPosition(new THREE.Vector3()).project(this.stage.camera);
     const upwards = !this.turns && y > this.object.getWorldPosition(new THREE.Vector3()).project(this.stage.camera).y + 0.01;
     const [width, height] = this.stage.size;
-    const [left, top] = [((x + 1) / 2) * width, ((1 - y) / 2) * height + (upwards ? -32 : 12)];
+    const left = ((x + 1) / 2) * width;
     const half = 3.5 * this.label.textContent.length + 3; // near enough: to measure it in each frame would be slow
-    const box = { left: left - half, right: left + half, top: top, bottom: top + 15 };
-    const free = taken.every((b) => box.right < b.left || box.left > b.right || box.bottom < b.top || box.top > b.bottom);
+    const tops = lines.map((away) => ((1 - y) / 2) * height + (upwards ? -32 - away : 12 + away));
+    const boxes = tops.map((top) => ({ left: left - half, right: left + half, top: top, bottom: top + 15 }));
+    const apart = (a, b) => a.right < b.left || a.left > b.right || a.bottom < b.top || a.top > b.bottom;
+    const free = boxes.find((box) => taken.every((b) => apart(box, b)));
     this.label.style.visibility = free ? "visible" : "hidden";
-    this.label.style.transform = `translate(-50%, 0) translate(${left}px, ${top}px)`;
-    if (free) taken.push(box);
+    if (!free) return;
+    this.label.style.transform = `translate(-50%, 0) translate(${left}px, ${free.top}px)`;
+    taken.push(free);
   }
 }
 

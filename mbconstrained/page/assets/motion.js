@@ -48,9 +48,13 @@ class Motion {
   // The values of all coordinates at a time, in the order of the names.
   at(time) {
     const key = this.keyBefore(time);
-    return this.values.map((values, i) =>
-      typeof values === "number" ? values : this.between(values, this.rates[i], key, time)
-    );
+    return this.values.map((_, i) => this.value(i, time, key));
+  }
+
+  // The value of one coordinate.
+  value(i, time, key = this.keyBefore(time)) {
+    const values = this.values[i];
+    return typeof values === "number" ? values : this.between(values, this.rates[i], key, time);
   }
 
   // Index of the last key frame, but one at most, that is not after the time.

@@ -1,8 +1,8 @@
 // Plots: cursors at the time that is shown, values of the curves beside their names at the time of the pointer or else of
 // the cursor, and names that show and hide their curves. A press or a drag in a plot goes to its time, where there is a
-// motion that can: plots.seek is then its function.
+// motion that can: plots.seek is then its function, and plots.read that for the value of one of its coordinates at a time.
 const cells = 10000; // of the square in which curves are written, as wide and as high as the axes
-const plots = { all: [], seek: null, time: null, hover: null };
+const plots = { all: [], seek: null, read: null, time: null, hover: null };
 const svgNamespace = "http://www.w3.org/2000/svg";
 
 class PlottedCurve {
@@ -12,6 +12,8 @@ class PlottedCurve {
     this.button = entry.querySelector("button");
     this.value = entry.querySelector(".value");
     this.points = pointsOf(path.getAttribute("d"));
+    this.digits = Number(path.dataset.digits); // NaN where none are known
+    this.coordinate = "coordinate" in path.dataset ? Number(path.dataset.coordinate) : null;
     this.dot = plot.add("circle", { class: path.getAttribute("class").replace("off", ""), r: 4, visibility: "hidden" });
     this.button.addEventListener("click", () => this.toggle());
     for (const [event, lit] of [["pointerenter", true], ["pointerleave", false], ["focus", true], ["blur", false]]) {
@@ -37,7 +39,7 @@ class PlottedCurve {
 
   // The point at a share of the time of the plot, between its neighbours.
   at(share) {
-    const along = this.plot.phase ? this.plot.moments : this.points.x;
+    const along = this.plot.even ? null : this.plot.moments || this.points.x;
     const last = this.points.x.length - 1;
     const position = along ? place(along, share * cells) : share * last;
     const key = Math.min(last - 1, Math.floor(position));
@@ -45,17 +47,23 @@ class PlottedCurve {
     return [between(this.points.x), between(this.points.y)];
   }
 
-  show(share) {
+  show(time) {
+    const share = this.plot.share(time);
     const there = share !== null && this.shown;
     this.dot.setAttribute("visibility", there ? "visible" : "hidden");
-    this.value.textContent = there ? this.tell(...this.at(share)) : "";
+    this.value.textContent = there ? this.tell(share, time) : "";
   }
 
-  tell(x, y) {
+  // As exactly as it is known: a coordinate by the motion itself, anything else by the points that are drawn.
+  tell(share, time) {
+    const { across, up, phase, height } = this.plot;
+    const [x, y] = this.at(share);
+    const read = this.coordinate !== null && plots.read;
+    const upwards = read ? up.share(plots.read(this.coordinate, time)) : 1 - y / cells;
     this.dot.setAttribute("cx", `${(100 * x) / cells}%`);
-    this.dot.setAttribute("cy", (this.plot.height * y) / cells);
-    const up = this.plot.up.text(1 - y / cells);
-    return this.plot.phase ? `${this.plot.across.text(x / cells)}, ${up}` : up;
+    this.dot.setAttribute("cy", height * (1 - upwards));
+    const told = [...(phase ? [across.text(x / cells)] : []), up.text(upwards, this.digits)];
+    return told.every(Boolean) ? told.join(", ") : "";
   }
 }
 
@@ -67,7 +75,8 @@ class PlottedFigure {
     this.end = Number(svg.dataset.end);
     this.phase = "moments" in svg.dataset;
     this.moments = svg.dataset.moments ? sums(svg.dataset.moments.split(" ").map(Number)) : null;
-    this.across = new Scale(svg.dataset.across, svg.dataset.acrossUnit);
+    this.even = "even" in svg.dataset || svg.dataset.moments === "";
+    this.across = new Scale(svg.dataset.across, svg.dataset.acrossUnit, Number(svg.dataset.acrossDigits));
     this.up = new Scale(svg.dataset.up, svg.dataset.upUnit);
     this.cursor = this.add("line", { class: "cursor", y2: this.height, visibility: "hidden" });
     this.pointer = this.add("line", { class: "pointer", y2: this.height, visibility: "hidden" });
@@ -89,7 +98,7 @@ class PlottedFigure {
   // Values are those at the pointer, or else at the time that is shown.
   show() {
     const [time, pointed] = [this.share(plots.time), this.share(plots.hover)];
-    this.curves.forEach((curve) => curve.show(plots.hover === null ? time : pointed));
+    this.curves.forEach((curve) => curve.show(plots.hover === null ? plots.time : plots.hover));
     if (this.phase) return;
     this.put(this.cursor, time);
     this.put(this.pointer, pointed);
@@ -140,16 +149,25 @@ class PlottedFigure {
   }
 }
 
-// An axis: what its ends stand for, how many digits are known, the unit.
+// An axis: what its ends stand for in the unit of its labels, the power of ten in that, the unit, how many digits are known.
 class Scale {
-  constructor(ends, unit) {
-    [this.low, this.high, this.digits] = ends.split(" ").map(Number);
+  constructor(ends, unit, digits) {
+    [this.low, this.high, this.exponent] = ends.split(" ").map(Number);
     this.unit = unit;
+    this.digits = digits;
   }
 
-  text(share) {
-    const number = (this.low + share * (this.high - this.low)).toFixed(this.digits).replace(/^-(?=[0.]*$)/, "");
-    return `${number.replace("-", "−")} ${this.unit}`.trim();
+  share(value) {
+    return (value / 10 ** this.exponent - this.low) / (this.high - this.low);
+  }
+
+  // Digits below zero are tens or hundreds, which are told as "≈ 300": no other zero at the end is one that is not known.
+  text(share, digits = this.digits) {
+    if (Number.isNaN(digits)) return "";
+    const value = this.low + share * (this.high - this.low);
+    const number = digits < 0 ? String(Math.round(value * 10 ** digits) * 10 ** -digits) : value.toFixed(digits);
+    const signed = number.replace(/^-(?=[0.]*$)/, "").replace("-", "−");
+    return `${digits < 0 ? "≈ " : ""}${signed} ${this.unit}`.trim();
   }
 }
 

@@ -35,5 +35,8 @@ control("loop").addEventListener("click", () => {
   say(page.loops() ? "starts again at the end" : "stops at the end");
   publish();
 });
-if (page.plots) plots.seek = seek;
+if (page.plots) {
+  plots.seek = seek;
+  plots.read = (coordinate, time) => player.motion.value(coordinate, time);
+}
 open(new Motion(data.frames));

@@ -18,8 +18,14 @@ from .magnification import angle_scale, displacement_scale
 from .mates import assembled, stacked
 from .piece import Piece
 from .ties import PULLEY, Tie, lever_tie, pulley_tie, rack_tie
-from .turning import turned_pieces
+from .turning import direction_of, turned_pieces
 from .wheels import Train
+
+#: Two directions (unit vectors) that differ by less are one but for rounding.
+ALIKE = 1e-9
+
+#: Of the elements that are drawn as a sketch.
+MOST_NAMED = 3
 
 
 def lumped_drawing(elements: Iterable[Element], names, values=None, scale=None, turn_scale=None, directions=None) -> Drawing:
@@ -78,7 +84,8 @@ class _Sketch:
         whole = stacked(assembled(pieces, [mate for tie in ties for mate in tie.mates]))
         links = (*whole.links, *(link for tie in ties for link in tie.links))
         bodies = tuple(self._at_natural_place(body) for body in whole.bodies)
-        return Drawing(bodies, links, self.scale, self.turn_scale, self._note({link.name for link in links}))
+        notes = self._missing({link.name for link in links}), self._askew(bodies)
+        return Drawing(bodies, links, self.scale, self.turn_scale, " · ".join(filter(None, notes)))
 
     def _all(self, kind: type) -> list:
         return [element for element in self.elements if isinstance(element, kind)]
@@ -128,7 +135,16 @@ class _Sketch:
         shift = sum((self.natural[name] * np.array(move) for name, move in body.moves.items()), np.zeros(3))
         return replace(body, rest=tuple(body.rest - self.scale * shift))
 
-    def _note(self, drawn: set[str]) -> str:
+    def _askew(self, bodies: Iterable[Body]) -> str:
+        """Which elements are drawn longer by something else than they are stretched: their ends go different ways."""
+        ways = {body.name: direction_of(body) for body in bodies if body.moves or body.turns}
+        joints = (joint for joint in self.slides + self.twists if GROUND not in joint.ends)
+        names = [joint.name for joint in joints if not np.allclose(ways[joint.start], ways[joint.end], rtol=0, atol=ALIKE)]
+        further = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+        join = "joins" if len(names) == 1 else "join"
+        return f"{', '.join(names[:MOST_NAMED])}{further} {join} bodies of different directions: drawn as a sketch" if names else ""
+
+    def _missing(self, drawn: set[str]) -> str:
         """Which rows are not in the picture; gears and racks are, as wheels that touch."""
         others = (element for element in self.elements if not isinstance(element, (ModelBody, Gear, Rack)))
         missing = [element.name for element in others if element.name not in drawn]

@@ -75,6 +75,11 @@ def _turned_together(piece: Piece, names: Collection[str], first: Body, directio
     return Piece(tuple(bodies), tuple(links))
 
 
+def direction_of(body: Body) -> np.ndarray:
+    """The unit vector along which a body is displaced by its first coordinate, or about which that turns it."""
+    return _unit(next(iter((*body.moves.values(), *body.turns.values()))))
+
+
 def turned_body(body: Body, rotation: np.ndarray, middle: np.ndarray) -> Body:
     """The body with its motion turned about a point."""
     rest_turn = vector_of(rotation @ matrix_of(body.rest_turn))
