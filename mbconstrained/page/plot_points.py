@@ -23,12 +23,15 @@ class PlottedPoints:
     Attributes:
         cells: whole cells across and down, shape (2, k).
         moments: when they are reached as the script has it, in cells of the time, shape (k,).
-        errors: by how many cells a reading across and one up may be off.
+        errors: by how many cells a reading across and one up may be off; of a whole curve at its points, between them the
+            script sees how it bends.
+        is_whole: whether all points of a curve over time are drawn.
     """
 
     cells: np.ndarray
     moments: np.ndarray
     errors: tuple[float, float]
+    is_whole: bool
 
 
 def plotted(times: np.ndarray, x: np.ndarray, y: np.ndarray, *, phase: bool) -> PlottedPoints:
@@ -40,8 +43,9 @@ def plotted(times: np.ndarray, x: np.ndarray, y: np.ndarray, *, phase: bool) -> 
     else:
         moments = np.cumsum(moment_steps(times)) if phase else cells[0]
     share = CELLS * (times - times[0]) / (times[-1] - times[0])
-    across, up = (path_error(share, exact, moments, read) for exact, read in zip((x, y), cells))
-    return PlottedPoints(cells, moments, (across, up))
+    is_whole = not phase and len(kept) == len(times)
+    across, up = (path_error(share, exact, moments, read, between=not is_whole) for exact, read in zip((x, y), cells))
+    return PlottedPoints(cells, moments, (across, up), is_whole)
 
 
 def evenly(times: np.ndarray) -> bool:

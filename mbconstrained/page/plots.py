@@ -93,9 +93,11 @@ def _digits(axis: Axis, cells: float) -> str:
 
 
 def _reading(plot: Plot | PhasePlot, curve: Curve, drawn: PlottedPoints, up: Axis, coordinates: Coordinates | None) -> str:
-    """Where the script reads values of a curve, if not from its points, and how many digits of them it tells."""
+    """Where the script reads values of a curve, if not from its points, and how many digits of them it tells, or how exact points are."""
     cell = (up.high - up.low) / CELLS
     number = coordinates.number_of(curve, plot.times) if coordinates and isinstance(plot, Plot) else None
+    if number is None and drawn.is_whole:
+        return f'data-error="{drawn.errors[1]:.3g}"'
     if number is None:
         return f'data-digits="{_digits(up, drawn.errors[1])}"'
     return f'data-digits="{_digits(up, coordinates.error(number) / cell)}" data-coordinate="{number}"'

@@ -1,8 +1,8 @@
 """How many digits a page tells of the values beside its curves: no more than what it reads them from carries.
 
 A curve that is a coordinate of the animation is read from the key frames; any other from the points as they are drawn,
-in whole cells and straight from one to the next. A number that is off by at most half a unit of its last digit is, once
-rounded, off by at most one.
+in whole cells and straight from one to the next, where the script looks how much the curve bends there if all are drawn. A number
+that is off by at most half a unit of its last digit is, once rounded, off by at most one.
 """
 
 from __future__ import annotations
@@ -53,13 +53,17 @@ class Coordinates:
         return float(max(off, between) + rounding + self.unseen[number])
 
 
-def path_error(moments: np.ndarray, values: np.ndarray, read_moments: np.ndarray, read: np.ndarray) -> float:
-    """By how much values (T,) at moments (T,) may be off when they are read from lines through other points (k,).
+def path_error(
+    moments: np.ndarray, values: np.ndarray, read_moments: np.ndarray, read: np.ndarray, *, between: bool = True
+) -> float:
+    """By how much values (T,) at moments (T,), and between them, may be off when they are read from lines through other points (k,).
 
     >>> path_error(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 4.0]), np.array([0.0, 2.0]), np.array([0.0, 4.0]))
     1.5
     """
-    off = np.abs(np.interp(moments, read_moments, read) - values).max()
+    off = float(np.abs(np.interp(moments, read_moments, read) - values).max())
+    if not between:
+        return off
     share = (moments[1:-1] - moments[:-2]) / (moments[2:] - moments[:-2])
     bend = values[1:-1] - values[:-2] - share * (values[2:] - values[:-2])
     return float(off + BETWEEN * np.abs(bend).max(initial=0.0))

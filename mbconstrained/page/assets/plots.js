@@ -13,6 +13,7 @@ class PlottedCurve {
     this.value = entry.querySelector(".value");
     this.points = pointsOf(path.getAttribute("d"));
     this.digits = Number(path.dataset.digits); // NaN where none are known
+    this.error = "error" in path.dataset ? Number(path.dataset.error) : null; // of the points, which tell what is between them
     this.coordinate = "coordinate" in path.dataset ? Number(path.dataset.coordinate) : null;
     this.dot = plot.add("circle", { class: path.getAttribute("class").replace("off", ""), r: 4, visibility: "hidden" });
     this.button.addEventListener("click", () => this.toggle());
@@ -39,12 +40,31 @@ class PlottedCurve {
 
   // The point at a share of the time of the plot, between its neighbours.
   at(share) {
-    const along = this.plot.even ? null : this.plot.moments || this.points.x;
     const last = this.points.x.length - 1;
-    const position = along ? place(along, share * cells) : share * last;
+    const position = this.along ? place(this.along, share * cells) : share * last;
     const key = Math.min(last - 1, Math.floor(position));
     const between = (numbers) => numbers[key] + (position - key) * (numbers[key + 1] - numbers[key]);
-    return [between(this.points.x), between(this.points.y)];
+    return [between(this.points.x), between(this.points.y), key];
+  }
+
+  get along() {
+    return this.plot.even ? null : this.plot.moments || this.points.x;
+  }
+
+  // How far a point lies above the line through its neighbours, in cells.
+  bend(key) {
+    const y = this.points.y;
+    if (key <= 0 || key >= y.length - 1) return 0;
+    const [before, here, after] = [key - 1, key, key + 1].map((i) => (this.along ? this.along[i] : i));
+    const part = after > before ? (here - before) / (after - before) : 0.5;
+    return y[key] - y[key - 1] - part * (y[key + 1] - y[key - 1]);
+  }
+
+  // By how many cells a value after a point may be off: of a smooth curve a quarter of the bend; at a jump the bends are opposite.
+  errorAfter(key) {
+    const [one, other] = [this.bend(key), this.bend(key + 1)];
+    const bent = one * other < 0 ? Math.abs(one - other) : Math.max(Math.abs(one), Math.abs(other)) / 2;
+    return this.error + bent;
   }
 
   show(time) {
@@ -57,12 +77,13 @@ class PlottedCurve {
   // As exactly as it is known: a coordinate by the motion itself, anything else by the points that are drawn.
   tell(share, time) {
     const { across, up, phase, height } = this.plot;
-    const [x, y] = this.at(share);
+    const [x, y, key] = this.at(share);
     const read = this.coordinate !== null && plots.read;
     const upwards = read ? up.share(plots.read(this.coordinate, time)) : 1 - y / cells;
     this.dot.setAttribute("cx", `${(100 * x) / cells}%`);
     this.dot.setAttribute("cy", height * (1 - upwards));
-    const told = [...(phase ? [across.text(x / cells)] : []), up.text(upwards, this.digits)];
+    const digits = this.error === null ? this.digits : up.digitsFor(this.errorAfter(key));
+    const told = [...(phase ? [across.text(x / cells)] : []), up.text(upwards, digits)];
     return told.every(Boolean) ? told.join(", ") : "";
   }
 }
@@ -161,11 +182,19 @@ class Scale {
     return (value / 10 ** this.exponent - this.low) / (this.high - this.low);
   }
 
+  // After the point, of numbers that may be off by so many cells; NaN where not even the first digit is known.
+  digitsFor(error) {
+    const cell = (this.high - this.low) / cells;
+    const digits = Math.min(12, Math.floor(1e-9 - Math.log10(Math.max(cell, 2 * error * cell))));
+    return 10 ** -digits > this.high - this.low ? NaN : digits;
+  }
+
   // Digits below zero are tens or hundreds, which are told as "≈ 300": no other zero at the end is one that is not known.
   text(share, digits = this.digits) {
     if (Number.isNaN(digits)) return "";
     const value = this.low + share * (this.high - this.low);
     const number = digits < 0 ? String(Math.round(value * 10 ** digits) * 10 ** -digits) : value.toFixed(digits);
+    if (digits < 0 && Number(number) === 0) return ""; // it is small beside what is known
     const signed = number.replace(/^-(?=[0.]*$)/, "").replace("-", "−");
     return `${digits < 0 ? "≈ " : ""}${signed} ${this.unit}`.trim();
   }
