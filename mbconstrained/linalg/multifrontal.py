@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..tolerances import EPS
 from .elimination import Elimination, Link, Step
 
 #: So many entries of P(s) and of fronts are held at once: they stay near the processor; so many s at least.
@@ -54,12 +55,19 @@ class Multifrontal:
         return found
 
     def factored(self, s: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """1 / d and what the fronts take, by steps, shapes (G, S) and (front, G, S): P = (I + L) D (I + L)^T."""
+        """1 / d and what the fronts take, by steps, shapes (G, S) and (front, G, S): P = (I + L) D (I + L)^T.
+
+        P is wanted near its zeros: a d that is exactly 0, all of it lost to rounding, becomes a rounding of what it was made of
+        (inverse iteration: Wilkinson 1965, chapter 5; LAPACK's stein).
+        """
         powers, found, waiting = np.stack([np.ones_like(s), s, s * s]), [], {}
         for number, (step, coefficients) in enumerate(zip(self.order.steps, self._columns)):
             column = _column(coefficients[:1], powers, step)
             _reduce(column, step.links, waiting)
-            inverse = 1 / column[0, 0]
+            pivot = column[0, 0]
+            if not pivot.all():
+                pivot += (pivot == 0) * (EPS * (np.abs(coefficients[0, : len(pivot)]) @ np.abs(powers)))
+            inverse = 1 / pivot
             factor = column[0, 1:] * inverse
             if len(factor):
                 waiting[number] = _with_others((factor[:, None] * column[0, 1:])[None], step.links, waiting)

@@ -85,5 +85,14 @@ def test_a_long_beam_is_refused_before_its_zeros_are_looked_for(monkeypatch):
     assert front_width(*model) == 3 and quadratic_modes(*model) is None
 
 
+def test_a_beam_of_integers_with_one_damper_keeps_its_modes():
+    """Beside its slow zeros P(s) is K to the last digit, and pivots of integers cancel to exactly 0."""
+    D, one = np.diff(np.eye(2 * EACH + 160), 2, axis=0), np.zeros(2 * EACH + 160)
+    one[len(one) // 2] = 1.0
+    K = D.T @ D
+    K[[0, 1, -1], [0, 1, -1]] += 1.0
+    check(quadratic_modes(np.eye(len(K)), np.diag(one), K), np.eye(len(K)), np.diag(one), K)
+
+
 def test_what_has_too_few_coordinates_for_its_width_is_left_to_others():
     assert quadratic_modes(*ring(2 * EACH - 2)) is None

@@ -59,6 +59,15 @@ def test_real_numbers_are_solved_in_real_arithmetic():
     assert np.abs((K + 2.0 * C + 4.0 * M) @ x[:, 1] - 1).max() <= 1e-13
 
 
+@pytest.mark.parametrize("unit", [1.0, 2.0**-300], ids=["units", "small"])
+def test_a_pivot_that_is_exactly_zero_is_a_rounding(unit):
+    """Integers cancel without any: at its zero one step of inverse iteration finds the vector, in any units."""
+    P = sparse_quadratic(np.eye(9), np.zeros((9, 9)), unit * _free_chain(9))
+    for solver in (P.narrow, P.together):
+        x = solver.solved(solver.factored(np.zeros(1)), np.arange(1.0, 10.0)[:, None])[:, 0]
+        assert np.abs(x / x[0] - 1).max() <= 100 * EPS
+
+
 def test_where_few_numbers_take_fewer_steps():
     """A long chain and a ring; not where the steps would be hardly fewer."""
     P = sparse_quadratic(*model(3, 90, 1))
