@@ -11,6 +11,7 @@ import scipy.sparse
 
 from ..checks import constant_zeros, counted, names_of, nearest, real_array, real_number
 from ..errors import InputError
+from ..linalg.threads import short_work
 from ..notices import Notice
 from ..polynomial.matrix import PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth
@@ -93,7 +94,8 @@ class MechanicalSystem(Loaded):
         self._named_parts = None if energy_parts is None else self._checked_parts(energy_parts)
         self.uncertainty = self._uncertainty(uncertainty or {})
         self.constraints = (constraints,) if isinstance(constraints, Constraint) else tuple(constraints or ())
-        self._independent = independent_rows(constraint_rows(self.constraints, self.units), self.size)
+        with short_work(2 * self.size):
+            self._independent = independent_rows(constraint_rows(self.constraints, self.units), self.size)
         self._load(force, static_force)
 
     @property
@@ -145,7 +147,8 @@ class MechanicalSystem(Loaded):
         return self._form([0] * len(self.rows)) if held else self._constrained_form
 
     def _form(self, orders) -> ConstrainedForm:
-        return constrained_form(self.given, self.uncertainty, self._independent, self.names, orders)
+        with short_work(2 * self.size):
+            return constrained_form(self.given, self.uncertainty, self._independent, self.names, orders)
 
     def polynomial_matrix(self) -> PolynomialMatrix:
         """A(s) of the constrained form, degree 2, size n."""

@@ -29,7 +29,7 @@ def decomposition_cost(reduction: Reduction, *, by_couplings: bool = True) -> fl
     if reduction.is_free:
         return 0.0
     n = max(reduction.state_count, 1)
-    if by_couplings and reduction.is_chain and not reduction.is_symmetric:
+    if by_couplings and not reduction.is_symmetric and reduction.is_chain:
         width = reduction.front_width
         return (CHAIN if width <= 1 else COUPLED * (3 + 2 * width) / 5) / n**1.5
     large, small = (SYMMETRIC, SYMMETRIC_SMALL) if reduction.is_symmetric else (GENERAL, GENERAL_SMALL)
