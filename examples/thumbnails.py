@@ -26,8 +26,12 @@ SIZE, TAKEN = (320, 200), (512, 320)
 
 #: The part of its time at which a scene is shown, where it is not a tenth.
 MOMENTS = {
-    **{"rigid_link": 0.0, "inconsistent_start": 0.0, "quarter_car": 0.16},
-    **{"pulled_joint": 0.604, "four_bar": 0.8, "seven_joint_arm": 0.9},
+    "rigid_link": 0.0,
+    "inconsistent_start": 0.0,
+    "quarter_car": 0.16,
+    "pulled_joint": 0.604,
+    "four_bar": 0.8,
+    "seven_joint_arm": 0.9,
 }
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..signals.restarts import as_slice
 from .pieces import Pieces
 
 if TYPE_CHECKING:
@@ -50,8 +51,7 @@ class EvenPieces(Pieces):
         if self._every is None:
             groups, which = np.unique(piece // GROUP, return_inverse=True)
             return self._within(groups)[piece % GROUP, which]
-        in_order = piece[-1] - piece[0] == len(piece) - 1 and (np.diff(piece) == 1).all()
-        return self._every[piece[0] : piece[-1] + 1] if in_order else self._every[piece]
+        return self._every[as_slice(piece)]
 
     @cached_property
     def _every(self) -> np.ndarray | None:

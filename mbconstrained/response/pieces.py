@@ -20,6 +20,7 @@ from ..linalg.exponential import BlockGroups, block_states
 from ..linalg.kinds import full
 from ..linalg.modes import Modes
 from ..linalg.recursion import advance, powers, scanned, shared_gaps
+from ..signals.restarts import as_slice
 from ..tolerances import EPS
 
 if TYPE_CHECKING:
@@ -273,6 +274,4 @@ class Pieces:
         """Some of ascending places at a time; a slice where they follow one another."""
         width = max(1, TABLE // max(self.flow.generator.shape[0], 1))
         for begin in range(0, len(places), width):
-            part = places[begin : begin + width]
-            in_order = part[-1] - part[0] == len(part) - 1
-            yield slice(part[0], part[-1] + 1) if in_order else part
+            yield as_slice(places[begin : begin + width])

@@ -21,7 +21,7 @@ from ..linalg.oscillations import AT_ONCE, MODERATE, Lasting, Oscillations, of_p
 from ..linalg.threads import short_work
 from .chunks import Piece, in_chunks
 from .merging import Part, merged
-from .restarts import Restarts
+from .restarts import Restarts, as_slice
 from .turning import Turning
 
 
@@ -118,8 +118,7 @@ class BohlFunction:
     def _at_knots(self, piece) -> np.ndarray:
         """C v where the states start anew."""
         coefficients, states = self._used
-        in_order = piece[-1] - piece[0] == len(piece) - 1 and (np.diff(piece) == 1).all()
-        return coefficients @ states[:, slice(piece[0], piece[-1] + 1) if in_order else piece]
+        return coefficients @ states[:, as_slice(piece)]
 
     @cached_property
     def _used(self) -> tuple[np.ndarray, np.ndarray]:

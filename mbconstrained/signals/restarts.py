@@ -13,6 +13,17 @@ from ..errors import InputError
 from ..linalg.exponential import block_states
 
 
+def as_slice(numbers: np.ndarray) -> slice | np.ndarray:
+    """Whole numbers, at least one, as a slice where each follows the one before: of what it takes no copy is made.
+
+    >>> as_slice(np.array([3, 4, 5])), as_slice(np.array([3, 5, 4])).tolist()
+    (slice(3, 6, None), [3, 5, 4])
+    """
+    first, last = int(numbers[0]), int(numbers[-1])
+    follow = last - first == len(numbers) - 1 and (np.diff(numbers) == 1).all()
+    return slice(first, last + 1) if follow else numbers
+
+
 @dataclass(frozen=True, repr=False)
 class Restarts:
     """z(t) = e^{J (t - t_j)} z_j for t_j <= t < t_(j+1), and z = 0 before t = 0.

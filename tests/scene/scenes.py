@@ -50,6 +50,31 @@ end = 1
 points = 5
 """
 
+#: Two masses, each on a spring of its own, to be filled in.
+SLOW_AND_FAST = """
+[model]
+kind = "lumped"
+[[model.mass]]
+name = "slow"
+mass = 1
+[[model.mass]]
+name = "fast"
+mass = 1
+[[model.spring]]
+between = ["ground", "slow"]
+stiffness = {slow}
+[[model.spring]]
+between = ["ground", "fast"]
+stiffness = {fast}
+{damper}
+[initial]
+displacement = {{ slow = 1, fast = {amplitude} }}
+{force}
+[time]
+end = {end}
+points = {points}
+"""
+
 
 def scene_of(folder: Path, text: str, name: str = "scene.toml") -> Scene:
     """The scene of a text, written into a folder."""

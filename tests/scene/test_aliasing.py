@@ -4,43 +4,19 @@ import re
 
 import numpy as np
 import pytest
+from tests.scene.scenes import SLOW_AND_FAST
 
 from mbconstrained.scene.aliasing import SMOOTH, aliasing_notices
 from mbconstrained.scene.scene import read_scene
 
-SCENE = """
-[model]
-kind = "lumped"
-[[model.mass]]
-name = "slow"
-mass = 1
-[[model.mass]]
-name = "fast"
-mass = 1
-[[model.spring]]
-between = ["ground", "slow"]
-stiffness = {slow}
-[[model.spring]]
-between = ["ground", "fast"]
-stiffness = {fast}
-{damper}
-[initial]
-displacement = {{ slow = 1, fast = {amplitude} }}
-{force}
-[time]
-end = {end}
-points = {points}
-"""
 FORCE = '[[force]]\ncoordinate = "slow"\nkind = "harmonic"\nvalue = 1e6\nangular_frequency = 1000\n'
-
-
 STEP = '[[force]]\ncoordinate = "fast"\nkind = "step"\nvalue = 1e4\ndelay = 80\n'
 
 
 def told(folder, slow=1.0, fast=1.0, damping=0.0, amplitude=1.0, end=10.0, points=101, force=""):
     path = folder / "scene.toml"
     damper = f'[[model.damper]]\nbetween = ["ground", "fast"]\ndamping = {damping}' if damping else ""
-    text = SCENE.format(slow=slow, fast=fast, damper=damper, amplitude=amplitude, end=end, points=points, force=force)
+    text = SLOW_AND_FAST.format(slow=slow, fast=fast, damper=damper, amplitude=amplitude, end=end, points=points, force=force)
     path.write_text(text)
     result = read_scene(path).run()
     texts = [notice.text for notice in result.notices if notice.kind == "aliased"]

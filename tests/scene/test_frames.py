@@ -2,36 +2,16 @@
 
 import numpy as np
 import pytest
+from tests.scene.scenes import SLOW_AND_FAST
 
 from mbconstrained.scene.frames import frames_of
 from mbconstrained.scene.scene import read_scene
 
-SCENE = """
-[model]
-kind = "lumped"
-[[model.mass]]
-name = "slow"
-mass = 1
-[[model.mass]]
-name = "fast"
-mass = 1
-[[model.spring]]
-between = ["ground", "slow"]
-stiffness = {slow}
-[[model.spring]]
-between = ["ground", "fast"]
-stiffness = {fast}
-[initial]
-displacement = {{ slow = 1, fast = {amplitude} }}
-[time]
-end = 10
-points = {points}
-"""
-
 
 def frames(folder, slow=1.0, fast=1.0, amplitude=1.0, points=101, most=4001):
     path = folder / "scene.toml"
-    path.write_text(SCENE.format(slow=slow, fast=fast, amplitude=amplitude, points=points))
+    given = {"slow": slow, "fast": fast, "amplitude": amplitude, "points": points}
+    path.write_text(SLOW_AND_FAST.format(**given, damper="", force="", end=10))
     result = read_scene(path).run()
     return result, frames_of(result, most)
 
