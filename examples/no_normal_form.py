@@ -1,4 +1,4 @@
-"""What is said of state-space models that no change of states makes mechanical, q'' + C q' + K q = [0; I] u.
+"""The report on state-space models that have no mechanical normal form, q'' + C q' + K q = [0; I] u.
 
 Run it with ``python examples/no_normal_form.py``.
 """
@@ -6,11 +6,11 @@ Run it with ``python examples/no_normal_form.py``.
 import mbconstrained as mb
 
 CASES = {
-    "the input changes no velocity but a state directly": (
+    "the input acts on a state that is no velocity": (
         [[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 0], [1, 1, 1, 2]],
         [[0], [0], [0], [1]],
     ),
-    "two states grow alike, each by itself, and the input reaches neither": (
+    "two uncoupled states with equal growth that the input does not excite": (
         [[5, 0, 0, 0], [0, 5, 0, 0], [0, 0, 0, 1], [0, 0, 0, 0]],
         [[0], [0], [0], [1]],
     ),
@@ -18,7 +18,7 @@ CASES = {
 
 
 def main() -> None:
-    """Try each and print why it cannot be done."""
+    """Try each and print the failed condition."""
     for name, (A, B) in CASES.items():
         try:
             mb.mechanical_normal_form(A, B)

@@ -1,9 +1,9 @@
-"""Makes examples/thumbnails: a small picture of each scene for the index in README.md.
+"""Write examples/thumbnails: a small picture of each scene for the index in README.md.
 
     python examples/thumbnails.py [SCENE ...]
 
-It shows the model at a time when something is to be seen; of a scene without places, its first plot. A Chromium takes the
-pictures of models. Without names all scenes are run, which takes some minutes.
+It shows the model at a characteristic time, or the first plot of a scene without animation. The pictures of models need
+Chromium. Without names all scenes are run, which takes some minutes.
 """
 
 import io
@@ -14,15 +14,15 @@ from PIL import Image
 
 import mbconstrained as mb
 from mbconstrained.page.photograph import photograph
-from mbconstrained.page.plot_images import plot_images
-from mbconstrained.scene.output_decisions import is_animated
-from mbconstrained.scene.report import page_content
+from mbconstrained.page.plots.images import plot_image
+from mbconstrained.scene.run.decisions import is_animated
+from mbconstrained.scene.run.report.page_report import page_content
 
 HERE = Path(__file__).parent
 FOLDER = HERE / "thumbnails"
 
-#: Of the files, in pixels, and of the pictures that they are made from, on which names are larger.
-SIZE, TAKEN = (320, 200), (512, 320)
+#: Sizes in pixels: of the files, and of the pictures before they are scaled down.
+SIZE, WHOLE = (320, 200), (512, 320)
 
 #: The part of its time at which a scene is shown, where it is not a tenth.
 MOMENTS = {
@@ -36,13 +36,13 @@ MOMENTS = {
 
 
 def thumbnail(path: Path) -> Path:
-    """The file of a scene, which is made anew."""
+    """Write the thumbnail of a scene."""
     result = mb.read_scene(path).run()
     if is_animated(result.scene):
-        taken = photograph(result.animation, MOMENTS.get(path.stem, 0.1) * float(result.times[-1]), *TAKEN)
+        image = photograph(result.animation, MOMENTS.get(path.stem, 0.1) * float(result.times[-1]), *WHOLE)
     else:
-        taken = plot_images(page_content(result).plots)[0].rendered("png")
-    picture = Image.open(io.BytesIO(taken)).convert("RGB")
+        image = plot_image(page_content(result).plots[0], "png")
+    picture = Image.open(io.BytesIO(image)).convert("RGB")
     whole = Image.new("RGB", SIZE, "white")
     picture.thumbnail(SIZE, Image.LANCZOS)
     whole.paste(picture, ((SIZE[0] - picture.width) // 2, (SIZE[1] - picture.height) // 2))

@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from importlib import import_module
+from typing import TYPE_CHECKING
 
-from .errors import (
+from .control.normal_form.normal_form import NormalForm, mechanical_normal_form
+from .control.state_space import StateSpace
+from .control.state_space_response import StateSpaceResponse
+from .control.transfer.matrix_fraction import matrix_fraction_response
+from .control.transfer.transfer_function import TransferFunctionResponse, transfer_function_response
+from .ground.errors import (
     ContradictoryConstraints,
     IllConditioned,
     InputError,
@@ -16,75 +22,73 @@ from .errors import (
     SceneError,
     SingularPolynomialMatrix,
 )
-from .jordan import FinitePair, InfinitePair, JordanPairs
-from .mechanics import Constraint, ElementMatrix, EnergyParts, MechanicalSystem, Modes, Motion, NormalForm, mechanical_normal_form
-from .models import LumpedModel, StateSpace, StateSpaceResponse
-from .notices import Notice
-from .polynomial import PolynomialMatrix
-from .response import (
-    Admissibility,
-    Event,
-    Response,
-    TransferFunctionResponse,
-    admissible,
-    matrix_fraction_response,
-    solve,
-    transfer_function_response,
-)
-from .scene import read_robot, read_scene
-from .signals import (
-    Approximation,
-    Blow,
-    BohlFunction,
-    ImpulsiveSmooth,
-    approximated,
-    harmonic,
-    impulse,
-    power,
-    pulse,
-    ramp,
-    sampled,
-    step,
-    term,
-    zero,
-)
+from .ground.notices import Notice, NoticeKind
+from .mechanics.constraints import Constraint
+from .mechanics.element_matrix import ElementMatrix
+from .mechanics.energy import EnergyParts
+from .mechanics.modes import Modes
+from .mechanics.motion import Motion
+from .mechanics.system import MechanicalSystem
+from .models.lumped import LumpedModel
+from .polynomial.jordan_pairs import FinitePair, InfinitePair, JordanPairs
+from .polynomial.polynomial_matrix import PolynomialMatrix
+from .response.admissible import Admissibility, admissible
+from .response.events import Event
+from .response.response import Response
+from .response.solve import solve
+from .signals.approximated import Approximation, approximated
+from .signals.bohl import BohlFunction
+from .signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
+from .signals.inputs import harmonic, impulse, power, pulse, ramp, sampled, step, term, zero
+
+if TYPE_CHECKING:
+    from . import exact
 
 #: Names of what most do without, imported when they are first asked for: exact answers bring sympy or python-flint, robots
 #: their own half of the models.
 _LATE = {
-    "Enclosure": "exact.enclosure",
-    "ExactResponse": "exact.enclosure",
-    "SymbolicPolynomialMatrix": "exact.symbolic",
-    "SymbolicResponse": "exact.symbolic",
-    "solve_symbolically": "exact.symbolic",
-    "BodySpring": "models.robot",
-    "Bushing": "models.robot",
-    "FlexibleJoint": "models.robot",
-    "LinearizedRobot": "models.robot",
-    "Loop": "models.robot",
+    "Enclosure": "exact.enclosure.intervals",
+    "ExactResponse": "exact.enclosure.exact_response",
+    "SymbolicPolynomialMatrix": "exact.symbolic.symbolic_matrix",
+    "SymbolicResponse": "exact.symbolic.response.symbolic_response",
+    "solve_symbolically": "exact.symbolic.response.symbolic_response",
+    "BodySpring": "robot.connections",
+    "Bushing": "robot.connections",
+    "FlexibleJoint": "robot.flexible_joint",
+    "LinearizedRobot": "robot.linearized",
+    "Loop": "robot.connections",
     "Motions": "mechanics.motions",
-    "PointMotion": "models.robot",
-    "Posture": "models.robot",
+    "PointMotion": "robot.linearized",
+    "Posture": "robot.posture",
     "Responses": "response.many",
-    "Robot": "models.robot",
-    "SparseSystem": "mechanics.sparse",
+    "Robot": "robot.robot",
+    "read_robot": "scene.build.robot_file",
+    "read_scene": "scene.run.scene",
 }
 
 
+def _exact_engine():
+    return import_module(".exact.enclosure.exact_response", __name__)
+
+
+Response.exact_engine = staticmethod(_exact_engine)
+
+
 def __getattr__(name: str):
+    if name == "exact":
+        return import_module(".exact", __name__)
     if name not in _LATE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f".{_LATE[name]}", __name__), name)
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_LATE})
+    return sorted({*globals(), *_LATE, "exact"})
 
 
 __all__ = [
     "Admissibility",
     "Approximation",
-    "Blow",
     "BodySpring",
     "BohlFunction",
     "Bushing",
@@ -98,6 +102,7 @@ __all__ = [
     "FinitePair",
     "FlexibleJoint",
     "IllConditioned",
+    "ImpulsiveLoad",
     "ImpulsiveSmooth",
     "InfinitePair",
     "InputError",
@@ -115,6 +120,7 @@ __all__ = [
     "NormalForm",
     "NotUnique",
     "Notice",
+    "NoticeKind",
     "Overflow",
     "PointMotion",
     "PolynomialMatrix",
@@ -124,7 +130,6 @@ __all__ = [
     "Robot",
     "SceneError",
     "SingularPolynomialMatrix",
-    "SparseSystem",
     "StateSpace",
     "StateSpaceResponse",
     "SymbolicPolynomialMatrix",
@@ -132,6 +137,7 @@ __all__ = [
     "TransferFunctionResponse",
     "admissible",
     "approximated",
+    "exact",
     "harmonic",
     "impulse",
     "matrix_fraction_response",

@@ -7,10 +7,12 @@ import pytest
 import scipy.sparse
 
 import mbconstrained as mb
-from mbconstrained.checks import names_of, nearest, real_array, real_number, whole_number
+from mbconstrained.ground.checks import names_of, nearest, real_array, real_number, whole_number
 
 
-@pytest.mark.parametrize("value", [[[1, 2], [3, 4]], np.array([[1, 2], [3, 4]], dtype=np.int8), scipy.sparse.csr_array([[1, 2], [3, 4]])])
+@pytest.mark.parametrize(
+    "value", [[[1, 2], [3, 4]], np.array([[1, 2], [3, 4]], dtype=np.int8), scipy.sparse.csr_array([[1, 2], [3, 4]])]
+)
 def test_integers_and_sparse_arrays_become_new_floats(value):
     array = real_array(value, "mass", shape=(2, None))
     assert array.dtype == float
@@ -118,5 +120,5 @@ def test_every_error_is_an_mbconstrained_error_and_a_builtin_one():
 
 
 def test_a_notice_prints_as_note_or_warning():
-    assert str(mb.Notice("jump", "x1 jumps")) == "note (jump): x1 jumps"
+    assert str(mb.Notice(mb.NoticeKind.JUMP, "x1 jumps")) == "note (jump): x1 jumps"
     assert str(mb.Notice("rank", "no clear gap", doubtful=True)) == "warning (rank): no clear gap"

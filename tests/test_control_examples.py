@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.scene import read_scene
+from mbconstrained.scene.run.scene import read_scene
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -53,7 +53,7 @@ def test_identified_model_is_that_of_the_two_masses():
     inverse = np.linalg.inv(masses.mass)  # q = M x, so that the forces act as they are
     assert result.system.stiffness == pytest.approx(masses.stiffness @ inverse, rel=1e-10)
     assert result.system.damping == pytest.approx(masses.damping @ inverse, abs=1e-10 * 150)
-    assert result.modes.angular_frequencies == pytest.approx(masses.modes().angular_frequencies, rel=1e-12)
+    assert result.modes.natural_frequencies == pytest.approx(masses.modes().natural_frequencies, rel=1e-12)
     assert result.modes.damping_ratios == pytest.approx(masses.modes().damping_ratios, rel=1e-10)
     assert result.scene.equations.control.form.is_unique
 
@@ -76,7 +76,7 @@ def test_unseen_mass_swings_by_itself():
     states = np.vstack([expected, -0.5 * np.sin(t), 0.5 * np.sin(2 * t)])
     largest = np.abs(states).max()
     assert np.abs(result.values - form.displacement_velocity(states)[0]).max() <= largest * max(result.error_estimate, 1e-13)
-    assert result.modes.angular_frequencies == pytest.approx([1, 2], rel=1e-9)
+    assert result.modes.natural_frequencies == pytest.approx([1, 2], rel=1e-9)
     assert not form.is_unique and form.condition < 10
 
 
@@ -92,7 +92,9 @@ def test_descriptor_has_the_impulse_of_the_capacitor():
     result = run("descriptor")
     t, decay = result.times, np.exp(-2 * result.times)
     assert result.curves("output").values == pytest.approx(np.array([2.5 * decay, 5 * (1 - decay)]), abs=1e-14)
-    assert result.values == pytest.approx(np.array([5 + 0 * t, 5 * (1 - decay), 2.5 * decay, 2.5 * decay, 5 * (1 - decay)]), abs=1e-14)
+    assert result.values == pytest.approx(
+        np.array([5 + 0 * t, 5 * (1 - decay), 2.5 * decay, 2.5 * decay, 5 * (1 - decay)]), abs=1e-14
+    )
     (impulse,) = result.motion.impulses
     assert impulse == pytest.approx([0, 0, 0.5, 0.5, 0], rel=1e-15, abs=0)
     assert "current  δ           0.5 A s" in result.summary()
@@ -103,7 +105,7 @@ def test_descriptor_has_the_impulse_of_the_capacitor():
 
 def test_models_without_a_normal_form_say_why(capsys):
     runpy.run_path(str(EXAMPLES / "no_normal_form.py"), run_name="__main__")
-    first, second = capsys.readouterr().out.split("two states grow alike")
+    first, second = capsys.readouterr().out.split("two uncoupled states")
     assert "rank [B, A B] = 1, but 2 p = 2 is needed" in first
     assert "rank [A - lambda I, B] = 2 at the eigenvalue lambda = 5, but at least n/2 + p = 3 is needed" in second
 
@@ -112,7 +114,12 @@ def test_a_scene_of_such_a_model_is_refused_with_the_same_words(tmp_path):
     text = (EXAMPLES / "unseen_mass.toml").read_text("utf-8")
     assert "[-1, 0, 0, 0], [0, -4, 0, 0]" in text
     path = tmp_path / "scene.toml"
-    path.write_text(text.replace("[[0, 0, 1, 0], [0, 0, 0, 1], [-1, 0, 0, 0], [0, -4, 0, 0]]", "[[5, 0, 0, 0], [0, 0, 0, 1], [0, 0, 5, 0], [0, 0, 0, 0]]"), "utf-8")
+    path.write_text(
+        text.replace(
+            "[[0, 0, 1, 0], [0, 0, 0, 1], [-1, 0, 0, 0], [0, -4, 0, 0]]", "[[5, 0, 0, 0], [0, 0, 0, 1], [0, 0, 5, 0], [0, 0, 0, 0]]"
+        ),
+        "utf-8",
+    )
     with pytest.raises(mb.SceneError, match=r"scene\.toml: model\.normal_form: .*eigenvalue lambda = 5") as caught:
         read_scene(path)
     assert isinstance(caught.value.__cause__, mb.NoNormalForm)
@@ -134,5 +141,8 @@ def value(control, entry, s):
     if control.system is not None:
         row, column = control.system.outputs.index(entry["output"]), control.system.inputs.index(entry["input"])
         return control.system(s)[row, column]
-    b, a = ([float(c) for c in p] for p in (control.transfer_function.fraction.numerator, control.transfer_function.fraction.denominator))
+    b, a = (
+        [float(c) for c in p]
+        for p in (control.transfer_function.fraction.numerator, control.transfer_function.fraction.denominator)
+    )
     return np.polyval(b[::-1], s) / np.polyval(a[::-1], s)

@@ -1,1 +1,81 @@
-"""The same questions with symbols."""
+"""Exact answers: over the rationals, over rational functions of symbols, and in intervals that are sure to contain a response.
+
+May import ``response``, ``polynomial``, ``signals`` and the rooms below them. Nothing heavy is loaded before a function is called.
+Read ``core`` first (root polynomials, chains, blocks and structure over any field), then its two fields, ``rational`` (floats are the
+exact numbers that they are) and ``symbolic``, then ``enclosure`` (guaranteed digits) and ``formulas`` (closed forms as text,
+LaTeX, MathML and source code).
+
+>>> import mbconstrained as mb
+>>> A = mb.PolynomialMatrix([[[1, 0], [0, 1]], [[2, 1], [0, 0]], [[1, 0], [0, 0]]])
+>>> mb.exact.structure(A).finite_zeros[0].partial_multiplicities
+(2,)
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..ground.errors import InputError
+from ..polynomial.polynomial_matrix import PolynomialMatrix
+
+if TYPE_CHECKING:
+    from .core.exact_pairs import ExactJordanPairs, ExactStructure
+    from .symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+
+
+def structure(A: PolynomialMatrix | SymbolicPolynomialMatrix) -> ExactStructure:
+    """The structure of A(s), finite and at infinity, without a rounding error.
+
+    det A(s), the elementary divisors p(s)^k over the field of the entries, the Smith form diag(f_1(s), ..., f_r(s)), the zeros with
+    their partial multiplicities and the orders q_1 >= ... >= q_r at infinity (Moysis et al., Eqs. 5-15).
+
+    Args:
+        A: a ``PolynomialMatrix``, every entry taken as the exact number that it is (the float 0.1 is 3602879701896397/2^55, an entry
+            given by elements their exact sum), or a ``SymbolicPolynomialMatrix`` for generic positive values of its symbols.
+
+    Returns:
+        The structure, its polynomials as tuples of Fractions, the lowest power first, or as Polys of sympy.
+
+    Raises:
+        SingularPolynomialMatrix: det A(s) = 0 for every s; names the dependent equations and the free coordinates.
+        InputError: A is neither of the two.
+
+    >>> import mbconstrained as mb
+    >>> found = mb.exact.structure(mb.PolynomialMatrix([[[2.0]], [[0.0]], [[1.0]]]))
+    >>> [str(c) for c in found.determinant], found.finite_zeros[0].value
+    (['2', '0', '1'], 1.4142135623730951j)
+    """
+    return jordan_pairs(A).structure
+
+
+def jordan_pairs(A: PolynomialMatrix | SymbolicPolynomialMatrix) -> ExactJordanPairs:
+    """The finite and the infinite Jordan pair of A(s) with true Jordan chains, without a rounding error.
+
+    A(s)^-1 = C (s I - J)^-1 B + C_inf (I - s J_inf)^-1 B_inf (Moysis et al., Theorem 2.8). Each part is computed when it is read.
+
+    Args:
+        A: as of ``structure``.
+
+    Returns:
+        The pairs: ``finite`` and ``infinite`` with C, J, B of shapes (r, n), (n, n), (n, r), ``chains``, ``structure`` and
+        ``laurent(i)`` = H_i, shape (r, r); arrays of Fractions, or matrices of sympy.
+
+    Raises:
+        SingularPolynomialMatrix: det A(s) = 0 for every s; names the dependent equations and the free coordinates.
+        InputError: A is neither of the two.
+
+    >>> import mbconstrained as mb
+    >>> pairs = mb.exact.jordan_pairs(mb.PolynomialMatrix([[[1.0]], [[2.0]], [[1.0]]]))
+    >>> pairs.finite.J.astype(int).tolist()
+    [[-1, 1], [0, -1]]
+    """
+    if isinstance(A, PolynomialMatrix):
+        from .core.exact_pairs import ExactJordanPairs
+        from .rational.rational_matrix import regular_matrix
+
+        return ExactJordanPairs(regular_matrix(A))
+    from .symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+
+    if isinstance(A, SymbolicPolynomialMatrix):
+        return A.jordan_pairs()
+    raise InputError(f"A: found an object of type {type(A).__name__}; expected a PolynomialMatrix or a SymbolicPolynomialMatrix")

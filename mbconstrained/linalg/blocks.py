@@ -14,10 +14,11 @@ from itertools import accumulate
 import numpy as np
 from scipy.linalg import lapack
 
-from ..tolerances import DECOUPLING_LIMIT
-from .kinds import Matrix
+from ..ground.tolerances import DECOUPLING_LIMIT
+from .arrays import Matrix
+from .precise import of_kind
 
-#: Largest number of entries that are made at once (bounds the memory used).
+#: Largest number of entries computed at once (bounds the memory used).
 CHUNK_ENTRIES = 2_000_000
 
 
@@ -36,7 +37,7 @@ class BlockDiagonal:
     blocks: tuple[np.ndarray, ...]
     coupling: float
 
-    def seen(self, output: Matrix) -> np.ndarray:
+    def modal_output(self, output: Matrix) -> np.ndarray:
         """output @ basis."""
         used = abs(output).sum(axis=0).nonzero()[0]
         return output[:, used] @ self.basis[used]
@@ -47,21 +48,40 @@ class BlockDiagonal:
 
 
 def block_diagonalize(triangle: np.ndarray, limit: float = DECOUPLING_LIMIT) -> BlockDiagonal:
-    """Block-diagonalize a real quasi-triangular matrix (a real Schur form); what nothing couples is never put together."""
+    """Block-diagonalize a real quasi-triangular matrix (a real Schur form); what nothing couples is never put together.
+
+    Args:
+        triangle: shape (n, n).
+        limit: the largest norm of a decoupling transformation.
+
+    Returns:
+        Blocks in the order of their first rows.
+    """
     groups = coupled_rows(triangle)
     return assembled(groups, [_block_diagonalize(triangle[np.ix_(at, at)], limit) for at in groups])
 
 
 def assembled(groups: Sequence[np.ndarray], parts: Sequence[BlockDiagonal]) -> BlockDiagonal:
-    """A matrix decoupled from its parts on groups of its rows, which no entry couples to each other."""
+    """A matrix decoupled from its parts on groups of its rows, which no entry couples to each other.
+
+    Args:
+        groups: the rows of each part.
+        parts: as many.
+
+    Returns:
+        The whole, its blocks part by part.
+    """
     if len(parts) == 1:
         return parts[0]
     n = sum(map(len, groups))
-    basis, inverse, blocks, worst, begin = np.zeros((n, n)), np.zeros((n, n)), [], 0.0, 0
-    for at, found in zip(groups, parts):
+    basis, inverse = np.zeros((n, n)), np.zeros((n, n))
+    if parts:
+        basis, inverse = of_kind(basis, parts[0].basis), of_kind(inverse, parts[0].basis)
+    blocks, worst, begin = [], 0.0, 0
+    for at, result in zip(groups, parts):
         end = begin + len(at)
-        basis[at, begin:end], inverse[begin:end, at] = found.basis, found.inverse
-        blocks, worst, begin = [*blocks, *found.blocks], max(worst, found.coupling), end
+        basis[at, begin:end], inverse[begin:end, at] = result.basis, result.inverse
+        blocks, worst, begin = [*blocks, *result.blocks], max(worst, result.coupling), end
     return BlockDiagonal(basis, inverse, tuple(blocks), worst)
 
 
@@ -77,10 +97,10 @@ def block_slices(blocks: Sequence[np.ndarray]) -> list[slice]:
 
 def block_matrix(blocks: Sequence[np.ndarray]) -> np.ndarray:
     """diag(blocks) as one array."""
-    found = np.zeros((sum(map(len, blocks)),) * 2)
+    result = np.zeros((sum(map(len, blocks)),) * 2)
     for block, at in zip(blocks, block_slices(blocks)):
-        found[at, at] = block
-    return found
+        result[at, at] = block
+    return result
 
 
 def coupled_rows(matrix: np.ndarray) -> list[np.ndarray]:
@@ -111,19 +131,19 @@ def coupled(pattern: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     >>> [(rows.tolist(), columns.tolist()) for rows, columns in coupled(np.array([[0, 1, 1], [0, 0, 0], [1, 0, 0], [0, 0, 1]]) > 0)]
     [([0, 3], [1, 2]), ([2], [0])]
     """
-    found: list[tuple[int, list[int]]] = []
+    result: list[tuple[int, list[int]]] = []
     met = 0
     for row, line in enumerate(np.packbits(pattern, axis=1)):
         columns, rows = int.from_bytes(line.tobytes(), "big"), [row]
         if columns & met:
-            touched = [group for group in found if group[0] & columns]
-            found = [group for group in found if not group[0] & columns]
+            touched = [group for group in result if group[0] & columns]
+            result = [group for group in result if not group[0] & columns]
             for others, more in touched:
                 columns, rows = columns | others, rows + more
         if columns:
-            found.append((columns, rows))
+            result.append((columns, rows))
         met |= columns
-    groups = sorted(sorted(rows) for _, rows in found)
+    groups = sorted(sorted(rows) for _, rows in result)
     return [(np.array(rows), pattern[rows].any(axis=0).nonzero()[0]) for rows in groups]
 
 
@@ -180,21 +200,21 @@ def zeros_of(blocks: Sequence[np.ndarray]) -> np.ndarray:
     >>> zeros_of([np.array([[-1.0, 2.0], [-2.0, -1.0]]), np.array([[3.0]])]).tolist()
     [(-1+2j), (3+0j)]
     """
-    found: list[complex] = []
+    result: list[complex] = []
     for block in blocks:
         if len(block) > 2:
             values = np.linalg.eigvals(block)
-            found.extend(values[values.imag >= 0].tolist())
+            result.extend(values[values.imag >= 0].tolist())
             continue
         (a, *b), *below = block.tolist()
         if not below:
-            found.append(a)
+            result.append(a)
             continue
         (c, d), half = below[0], (a - below[0][1]) / 2
         square = half * half + b[0] * c
         root, mean = abs(square) ** 0.5, d + half
-        found.extend([complex(mean, root)] if square < 0 else [mean + root, mean - root])
-    return np.array(found, dtype=complex)
+        result.extend([complex(mean, root)] if square < 0 else [mean + root, mean - root])
+    return np.array(result, dtype=complex)
 
 
 def eigenvalues(T: np.ndarray) -> np.ndarray:

@@ -1,26 +1,28 @@
-"""A real matrix decoupled by its eigenvectors: blocks of size one and two, where its zeros stand apart.
+"""A real matrix decoupled by its eigenvectors: blocks of size one and two, where its eigenvalues are well separated.
 
 The eigenvectors x_i and the rows y_i of their inverse give each zero once more as y_i S x_i (Rayleigh's quotient), its error
 the square of theirs: rounding of the QR algorithm grows with the size of S, that of the quotient with that of S x_i. The states are
-measured in units that balance S. How far a zero stands apart from the others tells the sum of |y_i| |x_i| over its states
-(its condition for small relative errors of S, after Skeel 1979), which no unit of theirs enters. Zeros may be well known, and
-their vectors hardly apart: where one of two like parts drives the other alone. The modes are huge then, and cancel.
+measured in units that balance S. How well an eigenvalue is separated from the others is measured by the sum of |y_i| |x_i| over its
+states (its condition for small relative errors of S, after Skeel 1979), which no unit of theirs enters. Zeros may be well known,
+and their vectors hardly independent: where one of two like parts is coupled one way to the other. The modes are huge then, and
+cancel.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import scipy.linalg
 from scipy.linalg import lapack
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
-from ..tolerances import DECOUPLING_LIMIT
-from .blocks import BlockDiagonal, block_diagonalize
-from .kinds import Matrix, alike, full, kept
+from ..ground.threads import one_thread
+from ..ground.tolerances import DECOUPLING_LIMIT, EPS, MODE_AMPLIFICATION, SEPARATION_STEPS, WEAK_COUPLING, noise_of
+from .arrays import Matrix, entries, entry_count, full, kept, of_like_kind
+from .blocks import BlockDiagonal, assembled, block_diagonalize
 from .scaling import balancing_units
-from .threads import one_thread
-
-#: Modes so many times larger than the states that they are made of are not told apart: as many digits would cancel.
-MOST_AMPLIFIED = 1e4
 
 #: So many vectors are looked at at once.
 COLUMNS = 32
@@ -29,11 +31,14 @@ COLUMNS = 32
 def decoupled(matrix: Matrix, units: np.ndarray | None = None) -> BlockDiagonal:
     """inverse @ S @ basis = diag(blocks) for a real square matrix S, dense or sparse.
 
-    Where an eigenvector is hardly apart from the others, by its Schur form and clusters instead (``linalg.blocks``).
+    Where an eigenvector is hardly independent of the others, by its Schur form and clusters instead (``linalg.blocks``).
 
     Args:
         matrix: S.
         units: of the states, in which it is balanced, where they are known.
+
+    Returns:
+        Blocks of size one and two, or clusters.
 
     >>> decoupled(np.array([[0.0, 1.0], [-4.0, 0.0]])).blocks[0].tolist()
     [[0.0, 2.0], [-2.0, 0.0]]
@@ -42,12 +47,12 @@ def decoupled(matrix: Matrix, units: np.ndarray | None = None) -> BlockDiagonal:
         return BlockDiagonal(*np.zeros((2, 0, 0)), (), 0.0)
     matrix = kept(matrix) if isinstance(matrix, np.ndarray) else matrix
     units = balancing_units(matrix) if units is None else units
-    balanced = alike(matrix * units / units[:, None], matrix)
-    found = _by_eigenvectors(balanced) or _by_clusters(balanced)
-    basis, inverse = found.basis, found.inverse
+    balanced = of_like_kind(matrix * units / units[:, None], matrix)
+    result = _by_groups(balanced) or _by_eigenvectors(balanced) or _by_clusters(balanced)
+    basis, inverse = result.basis, result.inverse
     basis *= units[:, None]
     inverse /= units
-    return BlockDiagonal(basis, inverse, found.blocks, found.coupling)
+    return BlockDiagonal(basis, inverse, result.blocks, result.coupling)
 
 
 def _by_clusters(matrix: Matrix) -> BlockDiagonal:
@@ -57,7 +62,7 @@ def _by_clusters(matrix: Matrix) -> BlockDiagonal:
 
 
 def _by_eigenvectors(matrix: Matrix) -> BlockDiagonal | None:
-    """LAPACK's real and imaginary parts of the vectors side by side are the basis: no complex matrix is made."""
+    """LAPACK's real and imaginary parts of the vectors side by side are the basis: no complex matrix is formed."""
     n = matrix.shape[0]
     room = int(lapack.dgeev_lwork(n, compute_vl=0)[0])
     with one_thread(n):
@@ -68,14 +73,14 @@ def _by_eigenvectors(matrix: Matrix) -> BlockDiagonal | None:
     inverse = lapack.dgetri(factors, pivots, lwork=room, overwrite_lu=1)[0]
     single, upper = (imaginary == 0).nonzero()[0], (imaginary > 0).nonzero()[0]
     worst = _worst_condition(basis, inverse, single, upper)
-    if not (worst <= DECOUPLING_LIMIT and _largest_mode(basis, inverse) <= MOST_AMPLIFIED):
+    if not (worst <= DECOUPLING_LIMIT and _largest_mode(basis, inverse) <= MODE_AMPLIFICATION):
         return None
-    found: dict[int, np.ndarray] = {}
+    result: dict[int, np.ndarray] = {}
     for at in _some(single):  # y S x of real x, y
-        found |= zip(at.tolist(), inverse[at].dot(matrix @ basis[:, at]).diagonal()[:, None, None])
+        result |= zip(at.tolist(), inverse[at].dot(matrix @ basis[:, at]).diagonal()[:, None, None])
     for at in _some(upper):
-        found |= zip(at.tolist(), _pairs(matrix, basis, inverse, at))
-    return BlockDiagonal(basis, inverse, tuple(found[at] for at in sorted(found)), worst)
+        result |= zip(at.tolist(), _pairs(matrix, basis, inverse, at))
+    return BlockDiagonal(basis, inverse, tuple(result[at] for at in sorted(result)), worst)
 
 
 def _pairs(matrix, basis, inverse, upper) -> np.ndarray:
@@ -104,10 +109,259 @@ def _sums(columns, rows) -> np.ndarray:
 
 
 def _largest_mode(basis, inverse) -> float:
-    """How many times larger than the states that it is made of a mode may be."""
+    """The largest ratio of a mode to the states that it is a sum of."""
     return float(np.sqrt((np.einsum("ij,ij->j", basis, basis) * np.einsum("ij,ij->i", inverse, inverse)).max()))
 
 
 def _some(columns: np.ndarray) -> list[np.ndarray]:
-    """Some columns at a time: what is made of them stays small beside the matrix."""
+    """Some columns at a time: their products stay small relative to the matrix."""
     return [columns[begin : begin + COLUMNS] for begin in range(0, len(columns), COLUMNS)]
+
+
+# Groups of states that are coupled weakly, or one way only, decoupled each for itself and then from each other.
+#
+# Errors of the QR algorithm are relative to the largest entries: of a coupling of 1e-12 it keeps four digits. With the modes V of the
+# groups V^-1 S V = D + E, and the entries of E, the couplings, have errors relative to their own block of two groups. Then
+# (D + E)(I + X) = (I + X)(D + F) is solved entry by entry (Stewart 1973), F between close rates only and X between all others.
+
+
+def _by_groups(matrix: Matrix) -> BlockDiagonal | None:
+    """None where there is one group, or the couplings of several are not weak relative to the distances of their rates."""
+    groups = weakly_coupled_groups(matrix)
+    if len(groups) == 1:
+        return None
+    S = full(matrix)
+    parts = [_by_eigenvectors(S[np.ix_(at, at)]) for at in groups]
+    if not all(parts):
+        return None
+    whole, between = assembled(groups, parts), S.copy()
+    for at in groups:
+        between[np.ix_(at, at)] = 0.0
+    turn, back, rates = _complex_modes(whole.blocks)
+    separated = _separation(back @ (whole.inverse @ between @ whole.basis) @ turn, rates, len(groups))
+    if separated is None:
+        return None
+    X, D = (turn @ separated[0] @ back).real, (turn @ (separated[1] + np.diag(rates)) @ back).real
+    undone = _inverse_of_sum(X)
+    if undone is None:
+        return None
+    clusters = _clusters(whole.blocks, separated[1])
+    order = np.concatenate(clusters)
+    basis, inverse = (whole.basis + whole.basis @ X)[:, order], (undone @ whole.inverse)[order]
+    worst = float((np.abs(basis) * np.abs(inverse.T)).sum(axis=0).max())
+    blocks = tuple(_paired(D[np.ix_(at, at)]) for at in clusters)
+    return BlockDiagonal(basis, inverse, blocks, worst) if worst <= DECOUPLING_LIMIT else None
+
+
+def weakly_coupled_groups(matrix: Matrix) -> list[np.ndarray]:
+    """The states of a balanced matrix in groups that excite each other by more than weak couplings."""
+    n = matrix.shape[0]
+    row, column, values = entries(matrix)
+    largest, sizes = np.zeros(n), np.abs(values)
+    np.maximum.at(largest, row, sizes)
+    strong = sizes > WEAK_COUPLING * np.minimum(largest[row], largest[column])
+    if strong.all() and WEAK_COUPLING * largest.max(initial=0.0) <= largest.min(initial=np.inf):
+        return [np.arange(n)]
+    joined = csr_array((strong[strong], (row[strong], column[strong])), shape=(n, n))
+    count, which = connected_components(joined, connection="strong")
+    return [np.flatnonzero(which == group) for group in range(count)]
+
+
+def _complex_modes(blocks: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """U, U^-1 and s with U^-1 diag(blocks) U = diag(s) for blocks [a] and [[a, b], [-b, a]]."""
+    turns = [np.array([[1.0, 1.0], [1j, -1j]]) if len(block) == 2 else np.eye(1) for block in blocks]
+    rates = [block[0, 0] + 1j * block[0, 1] * np.array([1.0, -1.0]) if len(block) == 2 else block[0] for block in blocks]
+    turn = scipy.linalg.block_diag(*turns)
+    return turn, (turn / np.abs(turn).sum(axis=0)).conj().T, np.concatenate(rates)
+
+
+def _separation(E: np.ndarray, rates: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray] | None:
+    """X and F for so many groups, None where the couplings are too strong."""
+    gaps, sizes = rates - rates[:, None], np.maximum(np.abs(rates), np.abs(rates)[:, None])
+    close = np.abs(gaps) * DECOUPLING_LIMIT <= sizes
+    gaps[close] = 1.0
+    X = F = np.zeros_like(E)
+    last = np.inf
+    for step in range(SEPARATION_STEPS):
+        change = E + E @ X - X @ F
+        following = np.where(close, 0.0, change / gaps)
+        F = np.where(close, change, 0.0)
+        rounding = 4 * EPS * (np.abs(E) + np.abs(E) @ np.abs(X) + np.abs(X) @ np.abs(F)) / np.abs(gaps)
+        moved = np.abs(following - X)
+        if (moved <= rounding).all():
+            return following, F * ((np.abs(F) > EPS / 2 * sizes) | (E != 0))
+        if moved.max() > DECOUPLING_LIMIT or (step > count and moved.max() > last / 2):
+            return None
+        X, last = following, moved.max()
+    return None
+
+
+def _inverse_of_sum(X: np.ndarray) -> np.ndarray | None:
+    """(I + X)^-1, its small entries as well known as its large ones."""
+    result, size = np.eye(len(X)), np.abs(X)
+    for _ in range(SEPARATION_STEPS):
+        following = np.eye(len(X)) - X @ result
+        if (np.abs(following - result) <= 4 * EPS * (size @ np.abs(result))).all():
+            return following
+        result = following
+    return None
+
+
+def _paired(block: np.ndarray) -> np.ndarray:
+    """A cluster of pairs [[a, b], [-b, a]], coupled alike to rounding error, without that error; any other as it is."""
+    pairs = block[0::2, 0::2], block[0::2, 1::2], -block[1::2, 0::2], block[1::2, 1::2]
+    if len(block) % 2 or not (np.diag(pairs[0]) == np.diag(pairs[3])).all() or not np.diag(pairs[1]).all():
+        return block
+    result = block.copy()
+    result[1::2, 1::2], result[1::2, 0::2] = pairs[0], -pairs[1]
+    return result if np.abs(result - block).max() <= EPS * np.abs(block).max() else block
+
+
+def _clusters(blocks: tuple[np.ndarray, ...], F: np.ndarray) -> list[np.ndarray]:
+    """The modal states in clusters, those of one block and of blocks that F couples together."""
+    number = np.repeat(np.arange(len(blocks)), list(map(len, blocks)))
+    row, column = F.nonzero()
+    joined = csr_array((np.ones(len(row)), (number[row], number[column])), shape=(len(blocks),) * 2)
+    which = connected_components(joined, directed=False)[1][number]
+    return [np.flatnonzero(which == cluster) for cluster in np.unique(which)]
+
+
+# M x'' + C x' + K x = 0 with M, K symmetric, M positive definite, decoupled by one symmetric eigenproblem of half the size.
+#
+# With Phi^T M Phi = I and Phi^T K Phi = diag(k_i) the motion is sum of phi_i eta_i, eta_i'' + c_i eta_i' + k_i eta_i = 0, where
+# C = 0 or Phi^T C Phi is diagonal (proportional damping: Caughey and O'Kelly 1965). Each k_i is found once more from its vector,
+# in a form in which nothing of a slow motion cancels next to a stiff one:
+#
+# phi^T K phi = sum over i of (sum of row i) phi_i^2 - sum over i < j of K_ij (phi_i - phi_j)^2.
+
+#: Where a matrix has at most so many entries in a row the differences of coordinates are taken one by one.
+FEW = 12
+
+
+@dataclass(frozen=True, eq=False)
+class SymmetricModes:
+    """As a ``BlockDiagonal`` of the states (x, x'), its basis and inverse are computed when they are read.
+
+    The states are eta_i and eta_i' / w_i.
+
+    Attributes:
+        M: the mass matrix.
+        shapes: Phi, shape (m, m).
+        rates: w, 1 where a mode has none.
+        blocks: [[0, w], [-w, -c]], [[0, w], [w, -c]] where k_i < 0.
+        coupling: 1, as the modes of a symmetric problem are orthogonal.
+    """
+
+    M: Matrix
+    shapes: np.ndarray
+    rates: np.ndarray
+    blocks: tuple[np.ndarray, ...]
+    coupling: float = 1.0
+
+    @property
+    def basis(self) -> np.ndarray:
+        """Shape (2 m, 2 m)."""
+        return self.modal_output(np.eye(2 * len(self.shapes)))
+
+    @property
+    def inverse(self) -> np.ndarray:
+        """Of the basis, shape (2 m, 2 m)."""
+        return self.coordinates(np.eye(2 * len(self.shapes)))
+
+    def modal_output(self, output: Matrix) -> np.ndarray:
+        """output @ basis, for an output of shape (r, 2 m)."""
+        m = len(self.shapes)
+        result, velocities = np.zeros((output.shape[0], 2 * m)), output[:, m:]
+        result[:, 0::2] = output[:, :m] @ self.shapes
+        if abs(velocities).max() > 0:
+            result[:, 1::2] = velocities @ self.shapes * self.rates
+        return result
+
+    def coordinates(self, states: np.ndarray) -> np.ndarray:
+        """inverse @ states, of shape (2 m, any) or (2 m,)."""
+        m, result = len(self.shapes), np.empty(states.shape)
+        result[0::2], velocities = self.shapes.T @ (self.M @ states[:m]), self.shapes.T @ (self.M @ states[m:])
+        result[1::2] = (velocities.T / self.rates).T
+        return result
+
+
+def symmetric_modes(M: Matrix, C: Matrix, K: Matrix, resting: np.ndarray | None = None) -> SymmetricModes | None:
+    """The states (x, x') decoupled; None where that fails.
+
+    Args:
+        M, C, K: symmetric, shape (m, m).
+        resting: all shapes, one a row, that K has no forces against: exactly then.
+
+    Returns:
+        One block of size two for each mode.
+    """
+    shapes = _shapes(M, K)
+    if shapes is None:
+        return None
+    free = 0 if resting is None else len(resting)
+    if free:
+        shapes = _with_resting(M, K, shapes, resting)
+    damping = np.zeros(len(shapes))
+    if entry_count(C):
+        modal = shapes.T @ (C @ shapes)
+        damping = np.diag(modal).copy()
+        root = np.sqrt(np.einsum("ik,ik->k", np.abs(shapes), abs(C) @ np.abs(shapes)))  # each in the units of its mode
+        if (np.abs(modal - np.diag(damping)) > noise_of(np.multiply.outer(root, root), len(shapes))).any():
+            return None
+        damping[:free] = np.where(np.abs(damping[:free]) > noise_of(root[:free] ** 2, len(shapes)), damping[:free], 0.0)
+    stiffness, blocks = _quotients(K, shapes), np.zeros((len(shapes), 2, 2))
+    stiffness[:free] = 0.0
+    rates = np.sqrt(np.abs(stiffness))
+    rates = np.where(rates > 0, rates, 1.0)
+    blocks[:, 0, 1], blocks[:, 1, 0], blocks[:, 1, 1] = rates, -stiffness / rates, -damping
+    return SymmetricModes(M, shapes, rates, tuple(blocks))
+
+
+def _shapes(M: Matrix, K: Matrix) -> np.ndarray | None:
+    """Phi, or None where M is not positive definite."""
+    diagonal = M.diagonal()
+    if entry_count(M) == len(diagonal) and (diagonal > 0).all():
+        root = np.sqrt(diagonal)
+        vectors = _vectors(of_like_kind(K * (1 / root[:, None]) * (1 / root), K))
+        vectors /= root[:, None]
+        return vectors
+    try:
+        return scipy.linalg.eigh(full(K), full(M))[1]
+    except np.linalg.LinAlgError:
+        return None
+
+
+def _with_resting(M: Matrix, K: Matrix, shapes: np.ndarray, resting: np.ndarray) -> np.ndarray:
+    """The shapes with so many of least frequency replaced, the others without any part in these."""
+    result = resting.T
+    for _ in range(2):  # once more, for shapes that are nearly alike
+        triangle = np.linalg.cholesky(result.T @ (M @ result))
+        result = scipy.linalg.solve_triangular(triangle, result.T, lower=True).T
+    order = np.argsort(np.abs(_quotients(K, shapes)), kind="stable")[result.shape[1] :]
+    others = shapes[:, np.sort(order)]
+    others = others - result @ (result.T @ (M @ others))
+    return np.hstack([result, others / np.sqrt(np.einsum("ik,ik->k", others, M @ others))])
+
+
+def _vectors(matrix: Matrix) -> np.ndarray:
+    """The eigenvectors of a symmetric matrix; of a large tridiagonal one by an algorithm for those."""
+    matrix = (matrix + matrix.T) / 2
+    if isinstance(matrix, np.ndarray):
+        return scipy.linalg.eigh(matrix, driver="evd")[1]
+    order = reverse_cuthill_mckee(csr_array(matrix), symmetric_mode=True)
+    narrow = csr_array(matrix)[order][:, order].tocoo()
+    if len(order) > 2 and np.abs(narrow.row - narrow.col).max(initial=0) <= 1:
+        result = np.empty(matrix.shape)
+        result[order] = scipy.linalg.eigh_tridiagonal(narrow.diagonal(), narrow.diagonal(1))[1]
+        return result
+    return scipy.linalg.eigh(matrix.toarray(), driver="evd")[1]
+
+
+def _quotients(K: Matrix, shapes: np.ndarray) -> np.ndarray:
+    """phi^T K phi for every column."""
+    row, column, values = entries((K + K.T) / 2)
+    upper = row < column
+    if np.count_nonzero(upper) > FEW * len(shapes):
+        return np.einsum("ik,ik->k", shapes, K @ shapes)
+    sums, row, column = np.bincount(row, values, len(shapes)), row[upper], column[upper]
+    return sums @ shapes**2 - values[upper] @ (shapes[row] - shapes[column]) ** 2

@@ -1,10 +1,10 @@
 """Rank decisions against carried rounding noise, with their evidence.
 
-A matrix is reduced by Gauss's elimination with complete pivoting while the rounding noise of every entry is
+A matrix is reduced by Gauss's elimination with complete pivoting while the noise of every entry is
 carried along. What is left when all remaining entries are no larger than their noise is zero, and the pivots
 so far are the rank. Elimination, not orthogonal factors: exact zeros and ratios of the data stay exact, and a
-small entry that is known accurately (a light mass) is not lost beside large ones. The connected components of the
-pattern of nonzeros are decided apart, those of a single entry all at once.
+small entry that is known accurately (a light mass) is not lost next to large ones. The connected components of the
+pattern of nonzeros are decided separately, those of a single entry all at once.
 """
 
 from __future__ import annotations
@@ -14,14 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import lapack
 
-from ..tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY
+from ..ground.tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY, PIVOT_PREFERENCE
 from .blocks import coupled
-from .noise import Noisy, stacked
-from .precise import magnitude, of_kind, rounded_to_float, squared, unit
+from .precise import floats, magnitude, of_kind
+from .rounding import Noisy, eliminate, largest_ratio, stacked
 from .scaling import equilibration
-
-#: By how much a row that is to become a pivot may be smaller than others.
-PREFERENCE = 30.0
 
 #: Below this size the elimination is as fast as asking whether it is needed.
 SMALL = 24
@@ -90,47 +87,57 @@ def compress_rows(
         matrix: S, shape (m, n).
         weights: factors (n,) by which columns count in the choice of pivots.
         preferred: rows (m,) that become pivots rather than others, where this does not cost more than a digit or two.
-        decided: a decision made before, on the same matrix with fewer digits; where it is given the noise only ranks pivots.
+        decided: an earlier decision on the same matrix with fewer digits; where it is given the noise only ranks pivots.
+
+    Returns:
+        Pivot rows, vanishing combinations of rows, and the decision.
     """
     rows, columns = matrix.data.shape
     weights = np.ones(columns) if weights is None else weights
-    favour = np.ones(rows) if preferred is None else np.where(preferred, PREFERENCE, 1.0)
+    favour = np.ones(rows) if preferred is None else np.where(preferred, PIVOT_PREFERENCE, 1.0)
     if decided is not None and decided.rank == rows:
         return RowCompression(np.arange(rows), _zeros_like(matrix, (0, rows)), decided)
     if decided is not None:
         return RowCompression(*_eliminated(matrix, weights, favour, decided))
     cleaned = Noisy(matrix.cleaned(), matrix.noise)
     pattern = cleaned.data != 0
-    dropped = _largest_ratio(matrix[~pattern])
+    dropped = largest_ratio(matrix[~pattern])
     lone, margin = _lone(cleaned, pattern)
     empty = (~pattern.any(axis=1)).nonzero()[0]
     pattern[lone] = False
-    found = [(i, *_eliminated(cleaned[i[:, None], j], weights[j], favour[i])) for i, j in coupled(pattern)]
-    decision = _joined([RankDecision(len(lone), margin, dropped), *(decision for *_, decision in found)])
+    components = [(i, *_eliminated(cleaned[i[:, None], j], weights[j], favour[i])) for i, j in coupled(pattern)]
+    decision = _joined([RankDecision(len(lone), margin, dropped), *(decision for *_, decision in components)])
     pivots, first = [lone], [lone]
-    for i, order, *_ in found:
+    for i, order, *_ in components:
         pivots.append(i[order])
         first.append(np.full(len(order), i[0]))
     in_order = np.argsort(np.concatenate(first), kind="stable")
-    null = _null_rows(matrix, empty, found, rows - decision.rank)
+    null = _null_rows(matrix, empty, components, rows - decision.rank)
     return RowCompression(np.concatenate(pivots)[in_order], null, _with_singular_values(decision, matrix))
 
 
-def _null_rows(matrix: Noisy, empty, found, count: int) -> Noisy:
+def _null_rows(matrix: Noisy, empty, components, count: int) -> Noisy:
     """So many combinations of all rows that vanish: empty rows and those of the components, in the order of their first rows."""
     null, first, end = _zeros_like(matrix, (count, len(matrix.data))), [*empty], len(empty)
     null.data[range(end), empty] = of_kind(np.ones(end), matrix.data)
-    for i, _, combinations, _ in found:
+    for i, _, combinations, _ in components:
         begin, end = end, end + len(combinations.data)
         null[begin:end, i] = combinations
         first += [i[0]] * (end - begin)
     return null[np.argsort(first, kind="stable")] if count else null
 
 
-def null_columns(
-    matrix: Noisy, preferred: np.ndarray | None = None, decided: RankDecision | None = None
-) -> RowCompression:
-    """The same for the columns of S: S[:, pivots] are independent, and S @ null.T = 0; preferred ones become pivots if they can."""
+def null_columns(matrix: Noisy, preferred: np.ndarray | None = None, decided: RankDecision | None = None) -> RowCompression:
+    """The same for the columns of S: S[:, pivots] are independent, and S @ null.T = 0; preferred ones become pivots if they can.
+
+    Args:
+        matrix: S, shape (m, n).
+        preferred: columns (n,) that become pivots rather than others.
+        decided: as for ``compress_rows``.
+
+    Returns:
+        The compression of the rows of the transpose.
+    """
     size = matrix.size.max(axis=1, initial=0.0)
     return compress_rows(matrix.T, 1 / (size + (size == 0)), preferred, decided)
 
@@ -171,7 +178,7 @@ def _eliminated(matrix: Noisy, weights, favour, decided=None) -> tuple[np.ndarra
             order[swap], work[swap] = order[swapped], work[swapped]
         bound = NOISE_SAFETY * work.noise[rank, column]
         kept = min(kept, float(abs(work.data[rank, column])) / bound if bound else np.inf)
-        dropped = max(dropped, _eliminate(work, rank, column, columns, clean=decided is None))
+        dropped = max(dropped, eliminate(work, rank, column, rank + 1, columns, clean=decided is None))
         rank += 1
     decision = decided or _with_singular_values(RankDecision(rank, float(kept), dropped), matrix)
     return order[:rank], work[rank:, columns:], decision
@@ -183,8 +190,8 @@ def _pivot(rest: Noisy, weights, at_any_rate: bool):
     """
     size = rest.size * weights
     if at_any_rate:
-        told = rest.size > NOISE_SAFETY * rest.noise
-        size = size * told if told.any() else rest.size / (rest.noise + (rest.noise == 0))
+        certain = rest.size > NOISE_SAFETY * rest.noise
+        size = size * certain if certain.any() else rest.size / (rest.noise + (rest.noise == 0))
     row, column = divmod(int(size.argmax()), size.shape[1])
     return (row, column) if size[row, column] else (None, None)
 
@@ -193,7 +200,7 @@ def _with_singular_values(decision: RankDecision, matrix: Noisy) -> RankDecision
     if decision.clear or decision.singular_values:
         return decision
     rows, columns = equilibration(matrix.size)
-    values = np.linalg.svd(rows[:, None] * rounded_to_float(matrix.data) * columns, compute_uv=False)
+    values = np.linalg.svd(rows[:, None] * floats(matrix.data) * columns, compute_uv=False)
     return replace(decision, singular_values=tuple(map(float, values)))
 
 
@@ -206,42 +213,12 @@ def _regular_by_far(matrix: Noisy) -> float | None:
     if size < SMALL or matrix.data.shape != (size, size):
         return None
     rows, columns = equilibration(matrix.size)
-    scaled, noise = rows[:, None] * rounded_to_float(matrix.data) * columns, rows[:, None] * matrix.noise * columns
+    scaled, noise = rows[:, None] * floats(matrix.data) * columns, rows[:, None] * matrix.noise * columns
     norm = np.abs(scaled).sum(axis=0).max()
     factors, _, info = lapack.dgetrf(scaled)
     reciprocal = lapack.dgecon(factors, norm)[0] if info == 0 else 0.0
     margin = reciprocal * norm / (NOISE_SAFETY * max(noise.sum(axis=0).max(), EPS * norm))
     return float(margin) if margin >= CLEAR_KEPT else None
-
-
-def _eliminate(work: Noisy, pivot: int, column: int, columns: int, clean: bool) -> float:
-    """Subtract multiples of the pivot row from those below it; return the largest entry dropped as noise, over its bound."""
-    touched = pivot + 1 + work.data[pivot + 1 :, column].nonzero()[0]
-    if not touched.size:
-        return 0.0
-    top, top_noise, rest, noise = work.data[pivot], work.noise[pivot], work.data[touched], work.noise[touched]
-    factor, size = rest[:, column, None] / top[column], magnitude(top)
-    change, times = factor * top, magnitude(factor)
-    factor_noise = np.hypot(noise[:, column, None], times * top_noise[column]) / size[column]
-    data, before, taken = rest - change, squared(rest), squared(change)
-    rounding = (np.minimum(before, taken) > 0) * (unit(change) ** 2 * (before + taken))
-    noise = np.sqrt(noise**2 + (times * top_noise) ** 2 + (factor_noise * size) ** 2 + rounding)
-    data[:, column], noise[:, column] = data[:, column] * 0, 0.0
-    own, own_noise = data[:, :columns], noise[:, :columns]
-    small = magnitude(own) <= NOISE_SAFETY * own_noise
-    dropped = _largest_ratio(Noisy(own[small], own_noise[small]))
-    if clean:
-        own *= ~small
-    work.data[touched], work.noise[touched] = data, noise
-    return dropped
-
-
-def _largest_ratio(dropped: Noisy) -> float:
-    """The largest of the values dropped, over the bound below which they count as zero."""
-    if not np.count_nonzero(dropped.data):
-        return 0.0
-    bound = NOISE_SAFETY * dropped.noise
-    return float((dropped.size / np.where(bound > 0, bound, 1.0)).max())
 
 
 def _joined(decisions) -> RankDecision:

@@ -16,9 +16,9 @@ from scipy.sparse import csr_array, diags_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import spsolve
 
-from ..errors import IllConditioned
-from ..tolerances import EPS, NOISE_SAFETY
-from .kinds import Matrix
+from ..ground.errors import IllConditioned
+from ..ground.tolerances import BALANCE_RATIO, EPS, NOISE_SAFETY
+from .arrays import Matrix
 from .precise import is_precise, power_of_two
 
 #: Factors stay within 2^(+-this), where they and their inverses are normal numbers.
@@ -32,9 +32,6 @@ BALANCING_ROUNDS = 12
 
 #: Beyond so many states what couples them is found by their graph, not by powers of their matrix.
 FEW_STATES = 40
-
-#: Rows and columns that differ by less need no more rounds: units are powers of two.
-NEARLY_BALANCED = 1.5
 
 #: What makes a Laplace equation regular; a matrix with a tenth of its entries is solved as a full one.
 SLIGHT, FILLED = 1e-9, 10
@@ -63,7 +60,7 @@ class Scaling:
 def joint_scaling(coefficients: np.ndarray) -> Scaling:
     """The scaling of time, rows and columns for coefficients of shape (q + 1, r, r).
 
-    Entries that turn out as mere rounding beside others of their row and of their column are left out of a second fit.
+    Entries that turn out as mere rounding error next to others of their row and of their column are left out of a second fit.
     """
     scaling = _fitted(coefficients)
     size = np.abs(scaling.apply(coefficients))
@@ -149,13 +146,13 @@ def balanced_norm(generator: Matrix) -> float:
 
 def _balancing(size: np.ndarray, first: np.ndarray) -> np.ndarray:
     """The same of a small full matrix of magnitudes: the better ones of those of all entries, and of those above rounding."""
-    found = _balanced(size, first)
-    now = size * found / found[:, None]
+    result = _balanced(size, first)
+    now = size * result / result[:, None]
     least = NOISE_SAFETY * EPS * np.minimum(now.max(axis=1, initial=0.0)[:, None], now.max(axis=0, initial=0.0))
     if not ((now > 0) & (now <= least)).any():
-        return found
+        return result
     other = _balanced(np.where(now > least, size, 0.0), first)
-    return min(found, other, key=lambda units: (size * units / units[:, None]).sum())
+    return min(result, other, key=lambda units: (size * units / units[:, None]).sum())
 
 
 def _balanced(size: np.ndarray, first: np.ndarray) -> np.ndarray:
@@ -170,25 +167,25 @@ def _balanced(size: np.ndarray, first: np.ndarray) -> np.ndarray:
     laplacian.reshape(-1)[diagonal] = out[1] + into[1] + SLIGHT
     units = np.exp2(_about_their_mean(lapack.dgesv(laplacian, right)[2], right, *out.sum(axis=1)))
     for _ in range(BALANCING_ROUNDS):
-        apart = (size.dot(units) / units + alone) / ((1 / units).dot(size) * units + alone)
-        units *= apart**0.25
-        if apart.max() < NEARLY_BALANCED * apart.min():
+        ratios = (size.dot(units) / units + alone) / ((1 / units).dot(size) * units + alone)
+        units *= ratios**0.25
+        if ratios.max() < BALANCE_RATIO * ratios.min():
             break
     return _powers_of_two(np.log2(units), first)
 
 
-def _about_their_mean(found, right, total, count) -> np.ndarray:
+def _about_their_mean(result, right, total, count) -> np.ndarray:
     """u of ``_fitted_exponents`` from the answers to both right sides of its equation, of the logarithms and of ones.
 
     Its mean is fitted too: in another unit of time all the units change by that unit, and no digit of the answer does.
     """
-    apart = count - right[:, 1] @ found[:, 1]
-    mean = (total - right[:, 1] @ found[:, 0]) / apart if apart > SLIGHT * count else 0.0
-    return found[:, 0] - mean * found[:, 1]
+    ratios = count - right[:, 1] @ result[:, 1]
+    mean = (total - right[:, 1] @ result[:, 0]) / ratios if ratios > SLIGHT * count else 0.0
+    return result[:, 0] - mean * result[:, 1]
 
 
 def _powers_of_two(exponents: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Rounded beside the first state of each part: what is half way is rounded alike in all units."""
+    """Rounded relative to the first state of each part: exponents half way are rounded alike in all units."""
     return np.exp2(np.floor(exponents - exponents[first] + 0.5 + SLIGHT))
 
 
@@ -211,15 +208,15 @@ def _first_of_parts(part: np.ndarray) -> np.ndarray:
 
 def _fitted_exponents(row, column, logs, n: int) -> np.ndarray:
     """u and m with the least sum of (log_ij + u_j - u_i - m)^2, only u: a Laplace equation on the graph of the entries."""
-    apart = row != column
-    row, column, logs = row[apart], column[apart], logs[apart]
+    ratios = row != column
+    row, column, logs = row[ratios], column[ratios], logs[ratios]
     ones, degree = np.ones(len(row)), np.bincount(row, minlength=n) + np.bincount(column, minlength=n)
     pattern = csr_array((ones, (row, column)), shape=(n, n))
     laplacian = diags_array(degree + SLIGHT) - pattern - pattern.T
-    right = np.array([np.bincount(row, found, n) - np.bincount(column, found, n) for found in (logs, ones)]).T
+    right = np.array([np.bincount(row, result, n) - np.bincount(column, result, n) for result in (logs, ones)]).T
     dense = len(row) * FILLED > n * n
-    found = np.linalg.solve(laplacian.toarray(), right) if dense else spsolve(laplacian.tocsc(), right).reshape(n, 2)
-    return _about_their_mean(found, right, logs.sum(), len(row))
+    result = np.linalg.solve(laplacian.toarray(), right) if dense else spsolve(laplacian.tocsc(), right).reshape(n, 2)
+    return _about_their_mean(result, right, logs.sum(), len(row))
 
 
 def _mutual(generator: csr_array) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -249,7 +246,7 @@ def _log_fit(coefficients):
 def _power_of_two(exponents):
     if np.abs(exponents).max(initial=0.0) > LARGEST_EXPONENT:
         raise IllConditioned(
-            "the entries of A(s) are so far apart that no unit of time keeps its zeros within the range of float64; "
+            "the entries of A(s) differ so much that no unit of time keeps its zeros in the range of float64; "
             "choose other units, or look for an entry that is wrong by hundreds of orders of magnitude"
         )
     return np.exp2(np.rint(exponents))

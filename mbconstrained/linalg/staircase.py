@@ -14,11 +14,11 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from scipy.linalg import lapack
 
-from ..errors import IllConditioned
-from ..tolerances import EPS, NOISE_SAFETY
-from .noise import Noisy, stacked
-from .precise import inverse, is_precise, of_kind, unit
+from ..ground.errors import IllConditioned
+from ..ground.tolerances import EPS, NOISE_SAFETY
+from .precise import inverse, is_precise, magnitude, of_kind, unit
 from .rank import RankDecision, RowCompression, compress_rows, null_columns
+from .rounding import Noisy, stacked
 
 
 class SingularPencil(ArithmeticError):
@@ -91,15 +91,15 @@ class _Work:
         """Replace the rows ``at`` by matrix times them."""
         self.whole[at] = matrix @ self.whole[at]
 
-    def dependent_rows_last(self, at: slice, found: RowCompression) -> None:
+    def dependent_rows_last(self, at: slice, compression: RowCompression) -> None:
         """Reorder and combine the rows ``at``: the independent ones first, then the combinations that vanish."""
-        self.whole[at] = found.apply(self.whole[at])
+        self.whole[at] = compression.apply(self.whole[at])
 
-    def dependent_columns_first(self, at: slice, found: RowCompression) -> None:
+    def dependent_columns_first(self, at: slice, compression: RowCompression) -> None:
         """Reorder and combine the columns ``at``: the combinations that vanish first, then the independent ones."""
         parts, size = (self.E, self.F, self.right), len(self.right.data)
         columns = stacked(*(part[:, at] for part in parts)).T
-        turned = stacked(found.combined(columns), columns[found.pivots]).T
+        turned = stacked(compression.combined(columns), columns[compression.pivots]).T
         for place, part in enumerate(parts):
             part[:, at] = turned[place * size : (place + 1) * size]
 
@@ -111,9 +111,15 @@ GENERIC = (0.7390851 + 0.3183099j, -0.5671433 + 1.2020569j, 1.6180340 - 0.915965
 def split_regular(E: Noisy, F: Noisy) -> SplitPencil:
     """Split s E - F.
 
+    Args:
+        E, F: shape (N, N), with their rounding errors.
+
+    Returns:
+        The pencil split.
+
     Raises:
         SingularPencil: det(s E - F) vanishes identically.
-        IllConditioned: the pencil has full rank at a generic s, but its structure is lost in the rounding noise.
+        IllConditioned: the pencil has full rank at a generic s, but its structure is lost in rounding errors.
     """
     try:
         return split_pencil(E, F)
@@ -141,7 +147,11 @@ def split_pencil(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None = No
     """Split s E - F, square and real, with its noise; split_pencil(F, E) splits the zeros at s = 0 off instead.
 
     Args:
+        E, F: shape (N, N), with their rounding errors.
         decided: the rank decisions of a pencil with the same structure, in order, to be followed.
+
+    Returns:
+        The pencil split.
 
     Raises:
         SingularPencil: det(s E - F) vanishes identically, to within the noise.
@@ -151,26 +161,26 @@ def split_pencil(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None = No
     work = _Work(stacked(E.T, F.T, left.T).T, right)
     deficiencies, decisions = [], []
     while True:
-        found = compress_rows(work.E[:n, :n], decided=_next(decided))
-        decisions.append(found.decision)
-        if found.decision.rank == n:
+        compression = compress_rows(work.E[:n, :n], decided=_next(decided))
+        decisions.append(compression.decision)
+        if compression.decision.rank == n:
             return _finished(work, n, tuple(deficiencies), tuple(decisions))
-        deficiencies.append(n - found.decision.rank)
-        decisions.append(_deflate(work, n, found, _next(decided)))
-        n = found.decision.rank
+        deficiencies.append(n - compression.decision.rank)
+        decisions.append(_deflate(work, n, compression, _next(decided)))
+        n = compression.decision.rank
 
 
 def _next(decided):
     return None if decided is None else next(decided)
 
 
-def _deflate(work: _Work, active: int, found: RowCompression, decided: RankDecision | None) -> RankDecision:
+def _deflate(work: _Work, active: int, compression: RowCompression, decided: RankDecision | None) -> RankDecision:
     """Move the vanishing rows of E to the end, and the columns that they determine through F with them."""
-    rank = found.decision.rank
+    rank = compression.decision.rank
     top, bottom = slice(active), slice(rank, active)
-    work.dependent_rows_last(top, found)
+    work.dependent_rows_last(top, compression)
     work.E[bottom, top] = Noisy.exact(np.zeros((active - rank, active)))
-    still = ~work.E.data[:rank, top].any(axis=0)
+    still = ~(work.E.data[:rank, top] != 0).any(axis=0)
     turned = null_columns(work.F[bottom, top], still, decided)
     if turned.decision.rank < active - rank:
         raise SingularPencil("the pencil is singular")
@@ -205,4 +215,4 @@ def _triangular_inverse(matrix: np.ndarray) -> np.ndarray:
 
 
 def _with_rounding(matrix: np.ndarray) -> Noisy:
-    return Noisy(matrix, unit(matrix) * np.abs(matrix).astype(float))
+    return Noisy(matrix, unit(matrix) * magnitude(matrix))

@@ -2,7 +2,7 @@
 
 Zeros at s = 0 (rigid bodies, the drift of constraints) are split off first, by rank decisions: their part of T is
 nilpotent to the last bit, however stiff the rest is. E^-1 F is never formed from an ill-conditioned E: next
-to fast zeros it has entries so large that the rounding of its eigenvalues swamps the slow ones. The QZ algorithm
+to fast zeros it has entries so large that rounding errors of its eigenvalues swamps the slow ones. The QZ algorithm
 works on the equilibrated pencil instead, where a zero lambda suffers a relative error of about
 eps (|lambda| + 1 / |lambda|) in the pencil's own unit of time, and only then the two factors are divided.
 """
@@ -16,16 +16,16 @@ import numpy as np
 import scipy.linalg
 from scipy.linalg import lapack
 
-from ..errors import IllConditioned
-from ..tolerances import DECOUPLING_LIMIT
+from ..ground.errors import IllConditioned
+from ..ground.threads import one_thread
+from ..ground.tolerances import DECOUPLING_LIMIT
 from .blocks import coupled_rows
-from .noise import Noisy
-from .precise import inverse, is_precise, magnitude, of_kind, power_of_two, precise, solved
+from .precise import inverse, is_precise, magnitude, of_kind, power_of_two, precise, product, solved
+from .precise_blocks import block_diagonal
 from .rank import RankDecision
-from .scales import block_diagonal
+from .rounding import Noisy
 from .scaling import equilibration
 from .staircase import SingularPencil, split_pencil
-from .threads import one_thread
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,11 @@ def triangular_form(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None =
     """Bring s E - F, E regular, to s I - T with T in standardized real Schur form.
 
     Args:
+        E, F: shape (n, n), with their rounding errors.
         decided: the rank decisions of a pencil with the same structure, in order, to be followed.
+
+    Returns:
+        The form, with the decisions.
 
     Raises:
         IllConditioned: E is regular only beyond the precision of float64.
@@ -61,16 +65,16 @@ def triangular_form(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None =
         split = split_pencil(Noisy.exact(F.data), Noisy.exact(E.data))
     n = len(split.E11.data)
     rest = (_by_scales if is_precise(E.data) else _schur)(split.F11.data, split.E11.data)
-    coupling_E, coupling_F = rest.left @ split.F12.data, rest.left @ split.E12.data
+    coupling_E, coupling_F = product(rest.left, split.F12.data), product(rest.left, split.E12.data)
     # the independent chains one after the other
     order = np.concatenate([np.zeros(0, dtype=int), *coupled_rows(split.nilpotent.data)])
     N = split.nilpotent.data[np.ix_(order, order)]
     zero_rows, zero_columns = split.left.data[n:][order], split.right.data[:, n:][:, order]
     coupling_E, coupling_F = coupling_E[:, order], coupling_F[:, order]
     form = TriangularForm(
-        left=np.vstack([rest.left @ split.left.data[:n] - coupling_E @ zero_rows, zero_rows]),
-        right=np.hstack([split.right.data[:, :n] @ rest.right, zero_columns]),
-        T=np.vstack([np.hstack([rest.T, coupling_F - coupling_E @ N]), np.hstack([of_kind(np.zeros((len(N), n)), N), N])]),
+        left=np.vstack([product(rest.left, split.left.data[:n]) - product(coupling_E, zero_rows), zero_rows]),
+        right=np.hstack([product(split.right.data[:, :n], rest.right), zero_columns]),
+        T=np.vstack([np.hstack([rest.T, coupling_F - product(coupling_E, N)]), np.hstack([of_kind(np.zeros((len(N), n)), N), N])]),
         nonzero_count=n,
         decisions=split.decisions,
         zero_divisors=split.infinite_divisors,
@@ -82,9 +86,9 @@ def _by_scales(E: np.ndarray, F: np.ndarray) -> TriangularForm:
     """The same for a precise pencil where no zero is 0, T block diagonal."""
     if not len(E):
         return TriangularForm(E, E, E, 0)
-    found = block_diagonal(solved(E, F))
-    T = precise(scipy.linalg.block_diag(*found.blocks))
-    return TriangularForm(found.inverse @ inverse(E), found.basis, T, len(E))
+    result = block_diagonal(solved(E, F))
+    T = precise(scipy.linalg.block_diag(*result.blocks))
+    return TriangularForm(product(result.inverse, inverse(E)), result.basis, T, len(E))
 
 
 def _measured(form: TriangularForm) -> TriangularForm:
@@ -108,7 +112,7 @@ def _zeros_decoupled(form: TriangularForm) -> TriangularForm:
         return form
     back, X = inverse(T), 0 * G
     for _ in range(m):
-        X = back @ (X @ N - G)
+        X = product(back, product(X, N) - G)
     close = magnitude(X).max(axis=1) > DECOUPLING_LIMIT
     for _ in range(n):
         more = close | ((magnitude(T) > 0) @ close)  # rows that reach those of a close motion stay with them
@@ -116,10 +120,10 @@ def _zeros_decoupled(form: TriangularForm) -> TriangularForm:
             break
         close = more
     X = np.where(close[:, None], 0 * X, X)
-    kept = np.where(close[:, None], G + T @ X, 0 * G)  # rows of a block that stay coupled see those that do not
+    kept = np.where(close[:, None], G + product(T, X), 0 * G)  # rows of a block that stay coupled see those that do not
     left, right, T = form.left.copy(), form.right.copy(), form.T.copy()
-    left[:n] = left[:n] - X @ left[n:]
-    right[:, n:] = right[:, n:] + right[:, :n] @ X
+    left[:n] = left[:n] - product(X, left[n:])
+    right[:, n:] = right[:, n:] + product(right[:, :n], X)
     T[:n, n:] = kept
     return replace(form, left=left, right=right, T=T)
 

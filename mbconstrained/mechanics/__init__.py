@@ -1,11 +1,6 @@
-"""Mechanical systems with constraint rows: constrained form, motion, reactions, modes."""
+"""Mechanical systems M x'' + C x' + K x = f with constraint rows: constrained form, modes, motions, reactions, energy.
 
-from .constraint import Constraint
-from .element_matrix import ElementMatrix
-from .energy_parts import EnergyParts, EnergyShares
-from .modes import Mode, Modes
-from .motion import Motion
-from .normal_form import NormalForm, mechanical_normal_form
-from .system import MechanicalSystem
-
-__all__ = ["Constraint", "ElementMatrix", "EnergyParts", "EnergyShares", "MechanicalSystem", "Mode", "Modes", "Motion", "NormalForm", "mechanical_normal_form"]
+It imports the mathematics below (ground to papers) and no model, robot or scene. Read in this order: constraints,
+element_matrix, constrained_form, system; then motion, motions, reaction, energy, modes, mode_computation; ``sparse`` is the backend for large
+sparse matrices.
+"""

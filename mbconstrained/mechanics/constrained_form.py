@@ -6,30 +6,29 @@ the constraint rows take the freed places (Antoniou et al. 2016; Moysis et al., 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
 
-from ..errors import IllConditioned
-from ..linalg.noise import Noisy
+from ..ground.checks import counted
+from ..ground.display import Displayed
+from ..ground.errors import IllConditioned, NotUnique
+from ..ground.notices import Notice, NoticeKind
+from ..ground.tolerances import ASSEMBLED_SPREAD, DOUBTFUL_SUM, EPS, LARGEST_SPREAD
 from ..linalg.precise import is_worthwhile
-from ..polynomial.factors import Factors
-from ..polynomial.matrix import PolynomialMatrix
+from ..linalg.rank import null_columns
+from ..linalg.rounding import Noisy
+from ..linalg.scaling import equilibration
+from ..polynomial.polynomial_matrix import Factors, PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth, step
+from .constraints import IndependentRows
 from .element_matrix import ElementMatrix
-from .independence import IndependentRows
-
-#: Assembled in float64, elements that differ by more leave the softest fewer than four digits.
-ASSEMBLED_SPREAD = 1e12
-
-#: Springs or dampers that differ by more leave nothing of the softest even in precise arithmetic.
-MOST_SPREAD = 1e40
 
 
-@dataclass(frozen=True)
-class ConstrainedForm:
+@dataclass(frozen=True, repr=False)
+class ConstrainedForm(Displayed):
     """The constrained equations of a system with n coordinates and k independent constraint rows.
 
     Attributes:
@@ -37,22 +36,27 @@ class ConstrainedForm:
         rows: A, shape (k, n).
         values: b, shape (k,).
         polynomial_matrix: [V^T (M s^2 + C s + K); A s^level], always of degree 2.
+        notices: sums of entries of M, C, K that cancel almost.
     """
 
     null_space: np.ndarray
     rows: np.ndarray
     values: np.ndarray
     polynomial_matrix: PolynomialMatrix
+    notices: tuple[Notice, ...] = ()
+
+    def _summary(self) -> str:
+        return f"{counted(len(self.null_space), 'coordinate')}, {counted(len(self.values), 'constraint row')}"
 
     def force(self, applied: ImpulsiveSmooth) -> ImpulsiveSmooth:
-        """f with n rows -> [V^T f; b], b as a step: what stands on the right for t > 0."""
+        """The right-hand side [V^T f; b] for t > 0 from f with n rows; b is a step."""
         if not len(self.values):
             return applied
         padding = np.zeros((len(self.values), self.null_space.shape[0]))
-        held = np.concatenate([np.zeros(self.null_space.shape[1]), self.values])
-        nothing = applied.is_zero and not applied.origins
-        projected = applied if nothing else applied.mapped(np.vstack([self.null_space.T, padding]))
-        return projected + step(held) if held.any() else projected
+        values = np.concatenate([np.zeros(self.null_space.shape[1]), self.values])
+        is_zero = applied.is_zero and not applied.exact_inputs
+        projected = applied if is_zero else applied.mapped(np.vstack([self.null_space.T, padding]))
+        return projected + step(values) if values.any() else projected
 
 
 def constrained_form(
@@ -66,81 +70,153 @@ def constrained_form(
 
     Args:
         motion: K, C, M, the coefficients of s^0, s^1, s^2, each of shape (n, n), assembled or as elements.
-        uncertainty: by how much their entries may be wrong beyond rounding, each of shape (n, n).
+        uncertainty: bounds of the errors of their entries beyond rounding, each of shape (n, n).
         independent: the constraint rows and their null space.
         names: of the n coordinates.
-        orders: for each row the derivative that it holds.
+        orders: the order of the derivative in each row.
+
+    Returns:
+        The form, its polynomial matrix of degree 2 and size n.
     """
     V, A = independent.null_space, independent.matrix
     spread = max((matrix.spread for matrix in motion[:2] if isinstance(matrix, ElementMatrix)), default=1.0)
-    if spread > MOST_SPREAD:
+    if spread > LARGEST_SPREAD:
         raise IllConditioned(
-            f"the stiffest spring or damper is {spread:.3g} times the softest; a ratio above {MOST_SPREAD:g} cannot be solved: "
+            f"the stiffest spring or damper is {spread:.3g} times the softest; a ratio above {LARGEST_SPREAD:g} cannot be solved: "
             "look for a wrong unit, or make the stiffest ones rigid ties"
         )
-    # assembled, the softest element would lose as many digits; where it cannot be helped the answer has to say so
-    apart = is_worthwhile(spread, 2 * len(names)) or spread > ASSEMBLED_SPREAD
+    # assembled, the softest element loses as many digits; where that is unavoidable, the evidence of the answer reports it
+    by_elements = is_worthwhile(spread, 2 * len(names)) or spread > ASSEMBLED_SPREAD
     orders = np.array(orders, dtype=int)
-    held = [orders == power for power in range(len(motion))]
-    coefficients = _all_stacked([matrix if apart else _assembled(matrix) for matrix in motion], V, A, held)
+    selected = [orders == power for power in range(len(motion))]
+    together = np.hstack([_assembled(matrix) for matrix in motion]) if len(A) else np.zeros((len(names), 0))
+    if by_elements or not len(A):
+        given = motion if by_elements else map(_assembled, motion)
+        coefficients = [_stacked(matrix, V, A, rows) for matrix, rows in zip(given, selected)]
+    else:
+        projected = np.hsplit(_projected(V, together), len(motion))
+        coefficients = [np.vstack([part, A * rows[:, None]]) for part, rows in zip(projected, selected)]
     doubt = None
     if independent.uncertainty.any() or any(extra.any() for extra in uncertainty):
-        doubt = [_stacked_uncertainty(matrix, extra, independent, rows) for matrix, extra, rows in zip(motion, uncertainty, held)]
-    equations = [*_motion_names(independent.motions, names), *_row_names(independent.rows)]
+        doubt = [
+            _stacked_uncertainty(matrix, extra, independent, rows) for matrix, extra, rows in zip(motion, uncertainty, selected)
+        ]
+    equations = [f"motion {i + 1}" if free is None else f"motion of {names[free]}" for i, free in enumerate(independent.motions)]
+    equations += [f"constraint {row.name}" for row in independent.rows]
     values = np.array([row.value for row in independent.rows])
-    return ConstrainedForm(V, A, values, PolynomialMatrix(coefficients, names, equations, doubt))
+    matrix = PolynomialMatrix(coefficients, names, equations, doubt)
+    certain = doubt is None and not by_elements and len(A)
+    return ConstrainedForm(V, A, values, matrix, tuple(_cancelled(V, together, equations, names)) if certain else ())
 
 
 def _assembled(matrix: np.ndarray | ElementMatrix) -> np.ndarray:
     return matrix.matrix if isinstance(matrix, ElementMatrix) else matrix
 
 
-def _all_stacked(matrices, V, A, held) -> list[np.ndarray | ElementMatrix | Factors]:
-    """Each with its rows; those that are assembled are projected together."""
-    if not len(A) or any(isinstance(matrix, ElementMatrix) for matrix in matrices):
-        return [_stacked(matrix, V, A, rows) for matrix, rows in zip(matrices, held)]
-    projected, size = _projected(V, np.concatenate(matrices, axis=1)), len(V)
-    parts = (projected[:, power * size : (power + 1) * size] for power in range(len(matrices)))
-    return [np.concatenate([part, A * rows[:, None]]) for part, rows in zip(parts, held)]
-
-
-def _stacked(matrix: np.ndarray | ElementMatrix, V, A, held) -> np.ndarray | ElementMatrix | Factors:
-    """[V^T matrix; the held rows of A], as factors where the matrix is given by its elements; itself without rows, V = I."""
+def _stacked(matrix: np.ndarray | ElementMatrix, V, A, selected) -> np.ndarray | ElementMatrix | Factors:
+    """[V^T matrix; the selected rows of A], as factors of a matrix given by its elements; the matrix itself without rows."""
     if not len(A):
         return matrix
-    rows = A * held[:, None]
+    rows = A * selected[:, None]
     if not isinstance(matrix, ElementMatrix):
         return np.vstack([_projected(V, matrix), rows])
     left = scipy.linalg.block_diag(_projected(V, matrix.directions.T), np.eye(len(rows)))
     return Factors(left, np.concatenate([matrix.constants, np.ones(len(rows))]), np.vstack([matrix.directions, rows]))
 
 
-def _stacked_uncertainty(matrix, uncertainty: np.ndarray, independent: IndependentRows, held) -> np.ndarray:
-    """The same of what entries may be wrong by: V is as uncertain as the rows, dV = -G^T dA V with A G^T = I."""
+def _stacked_uncertainty(matrix, uncertainty: np.ndarray, independent: IndependentRows, selected) -> np.ndarray:
+    """The error bounds of the stacked matrix: V is as uncertain as the rows, dV = -G^T dA V with A G^T = I."""
     V, rows = np.abs(independent.null_space), independent.uncertainty
-    found = V.T @ uncertainty
+    bound = V.T @ uncertainty
     if rows.any():
-        found += (np.abs(independent.left_inverse).T @ rows @ V).T @ np.abs(_assembled(matrix))
-    return np.vstack([found, rows * held[:, None]])
+        bound += (np.abs(independent.left_inverse).T @ rows @ V).T @ np.abs(_assembled(matrix))
+    return np.vstack([bound, rows * selected[:, None]])
 
 
 def _projected(V, matrix) -> np.ndarray:
-    """V^T times the matrix; sums that cancel leave an exact zero, not the rounding of their terms.
+    """V^T times the matrix; sums that cancel leave an exact zero, not rounding errors of their terms.
 
-    Coordinates that no row holds are free: their equations stay as they are.
+    Whole numbers in V are exact, and so are the entries of the matrix: where V has no others, what is left of a sum counts as
+    long as it is more than the rounding errors of its terms. The equations of coordinates in no constraint row stay as they are.
     """
     alone = ((V != 0).sum(axis=0) == 1) & (V.max(axis=0, initial=0.0) == 1.0)
-    found = np.empty((V.shape[1], matrix.shape[1]))
-    found[alone] = matrix[V[:, alone].argmax(axis=0)]
-    held = V[:, ~alone]
-    used = held.any(axis=1)
-    found[~alone] = (Noisy.rounded(held[used].T) @ Noisy.rounded(matrix[used])).cleaned()
-    return found
+    product = np.empty((V.shape[1], matrix.shape[1]))
+    product[alone] = matrix[V[:, alone].argmax(axis=0)]
+    mixed = V[:, ~alone]
+    used = mixed.any(axis=1)
+    product[~alone] = (Noisy.rounded(mixed[used].T) @ Noisy.rounded(matrix[used])).cleaned()
+    whole = ~alone & (V == np.round(V)).all(axis=0)
+    if whole.any():
+        product[whole] = _exact_sums(V[:, whole], matrix)[0]
+    return product
 
 
-def _motion_names(motions, names) -> list[str]:
-    return [f"motion {i + 1}" if free is None else f"motion of {names[free]}" for i, free in enumerate(motions)]
+def _exact_sums(V, matrix) -> tuple[np.ndarray, np.ndarray]:
+    """V^T times the matrix for whole numbers V, zero within the rounding errors of the terms; and each sum relative to that."""
+    used = V.any(axis=1)
+    sums = V[used].T.astype(np.longdouble) @ matrix[used]
+    ratio = np.abs(sums) / np.maximum(EPS * (np.abs(V[used]).T @ np.abs(matrix[used])), np.finfo(float).tiny)
+    return np.where(ratio > 1.0, sums, 0.0).astype(float), ratio.astype(float)
 
 
-def _row_names(rows) -> list[str]:
-    return [f"constraint {row.name}" for row in rows]
+def _cancelled(V, together, equations, names) -> Iterator[Notice]:
+    """Notices on sums of entries of [K, C, M] that are left of their terms by little more, or hardly less, than their rounding."""
+    whole = np.flatnonzero(((V != 0).sum(axis=0) > 1) & (V == np.round(V)).all(axis=0))
+    sums, ratio = _exact_sums(V[:, whole], together)
+    for i, place in np.argwhere((ratio >= DOUBTFUL_SUM[0]) & (ratio < DOUBTFUL_SUM[1])):
+        power, j = divmod(place, len(names))
+        what = ("stiffness", "damping", "mass")[power]
+        kept = f"{sums[i, place]:.3g} is kept" if sums[i, place] else "it counts as zero"
+        text = (
+            f"{what}: the constraints leave of the entries of {names[j]} in the equation {equations[whole[i]]} a sum that is "
+            f"{ratio[i, place]:.2g} times the rounding errors of its terms; {kept}; give the {what} as elements (ElementMatrix) if it is not"
+        )
+        yield Notice(NoticeKind.RANK, text, doubtful=True)
+
+
+# The acceleration of a constrained system at a given state, and the test whether there is only one.
+
+
+def explicit_acceleration(
+    mass: np.ndarray, independent: IndependentRows, load: np.ndarray, values: np.ndarray, names: Sequence[str]
+) -> np.ndarray:
+    """x'' = [(I - A^+ A) M; A]^+ [Q; b], M possibly singular (Udwadia and Phohomsiri 2006).
+
+    The columns of V span the range of I - A^+ A, so that the equations that the pseudo-inverse solves are those of
+    [V^T M; A] x'' = [V^T Q; b]: n equations for n unknowns, whose rows and columns may be scaled freely. M alone and
+    A alone decide whether there is one solution: rank [M; A] = n.
+
+    Args:
+        mass: M, shape (n, n).
+        independent: the rows A, shape (k, n), and the basis V of null(A).
+        load: Q = f - C x' - K x, shape (n,).
+        values: b, the value of A x'', shape (k,).
+        names: of the coordinates.
+
+    Returns:
+        x'', shape (n,).
+
+    Raises:
+        NotUnique: rank [M; A] < n; names the coordinates with undetermined acceleration.
+    """
+    V, A = independent.null_space, independent.matrix
+    stacked = np.vstack([(Noisy.rounded(V.T) @ Noisy.rounded(mass)).cleaned(), A])
+    _check_unique(stacked, names)
+    row_scale, column_scale = equilibration(np.abs(stacked))
+    right = row_scale * np.concatenate([V.T @ load, values])
+    return column_scale * np.linalg.solve(row_scale[:, None] * stacked * column_scale, right)
+
+
+def _check_unique(stacked: np.ndarray, names: Sequence[str]) -> None:
+    """The test rank [M; A] = n on [V^T M; A], which is equivalent for every positive semidefinite M."""
+    columns, size = null_columns(Noisy.rounded(stacked)), len(names)
+    rank = columns.decision.rank
+    if rank == size:
+        return
+    left_open = columns.null.data.any(axis=0)
+    free = ", ".join(f'"{name}"' for name, is_open in zip(names, left_open) if is_open)
+    raise NotUnique(
+        f"the acceleration of {free} is not determined: rank [M; A] = {rank}, with {size} coordinates; "
+        "give them mass or constrain them, or use solve(), which computes the motion of massless "
+        "coordinates from springs and dampers"
+    )

@@ -1,4 +1,4 @@
-"""A mass, damping or stiffness matrix as the sum of its elements, none of which is lost beside stiffer ones."""
+"""A mass, damping or stiffness matrix as the sum of its elements, which keep their digits next to stiffer ones."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from functools import cached_property
 
 import numpy as np
 
-from ..checks import counted, real_array
-from ..errors import InputError
-from ..polynomial.factors import Factors
+from ..ground.checks import counted, real_array
+from ..ground.errors import InputError
+from ..polynomial.polynomial_matrix import Factors
 
 
 class ElementMatrix:
     """B^T diag(k) B: one row of B and one constant for each spring, damper or mass of a system with n coordinates.
 
     ``MechanicalSystem`` takes it in the place of a matrix. Assembled in float64, a spring of 1 N/m that hangs on one of 1e16
-    N/m is gone (1e16 + 1 = 1e16); as elements both keep all their digits, and so do the motions that they make.
+    N/m is lost (1e16 + 1 = 1e16); as elements both keep all their digits, and so do the motions.
 
     Args:
         directions: B, shape (m, n): the elongation of element i is B[i] @ x; entries 0, 1, -1 and lever or gear ratios.

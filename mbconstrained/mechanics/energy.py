@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..ground.checks import counted, real_array
+from ..ground.display import Displayed
+from ..ground.errors import InputError
+from ..ground.tolerances import noise_of
+from ..linalg.arrays import kept
 from .element_matrix import ElementMatrix
 
 if TYPE_CHECKING:
@@ -17,7 +25,7 @@ if TYPE_CHECKING:
 class Energy:
     """Energies in joules, each a number or shape (T,).
 
-    Not included: what dampers have taken up, and the work of forces that vary in time, of impulses and of
+    Not included: the energy dissipated by dampers, and the work of forces that vary in time, of impulses and of
     constraint rows with a value at velocity or acceleration level. Without those the total is constant for t > 0.
 
     Attributes:
@@ -40,17 +48,252 @@ class Energy:
 
 
 def energy_of(system: MechanicalSystem, displacement: np.ndarray, velocity: np.ndarray) -> Energy:
-    """The energies at states (n,) or (n, T)."""
+    """The energies at states.
+
+    Args:
+        system: with n coordinates.
+        displacement, velocity: x and x', shape (n,), (n, T) or (n, S, T).
+
+    Returns:
+        Energies of these shapes without the first axis, in J.
+    """
     stiffness, _, mass = system.given
     return Energy(
         kinetic=_half_square(mass, velocity),
         strain=_half_square(stiffness, displacement),
-        static=-(system.static_force @ displacement),
+        static=-np.tensordot(system.static_force, displacement, 1),
     )
 
 
 def _half_square(matrix, vectors):
-    """1/2 v^T A v, element by element where A is given so: of stiff springs the difference of products would be mere rounding."""
+    """1/2 v^T A v, element by element where A is given so: the difference of products of stiff springs would be rounding error."""
+    columns = vectors.reshape(len(vectors), -1)
     if isinstance(matrix, ElementMatrix):
-        return matrix.constants @ (matrix.directions @ vectors) ** 2 / 2
-    return np.sum(vectors * (matrix @ vectors), axis=0) / 2
+        squares = matrix.constants @ (kept(matrix.directions) @ columns) ** 2
+    else:
+        matrix = kept(matrix) if isinstance(matrix, np.ndarray) else matrix
+        squares = np.einsum("ij,ij->j", columns, matrix @ columns)
+    return squares.reshape(vectors.shape[1:]) / 2
+
+
+# Energy shares of modes: which part of a machine has how much of the kinetic and strain energy, by name.
+
+Matrix = np.ndarray | ElementMatrix
+
+
+@dataclass(frozen=True)
+class CoordinatePart:
+    """The part of a matrix along one coordinate: x_i (P x)_i. It may be negative; over all i the sum is x^T P x.
+
+    Attributes:
+        whole: P, a matrix or its elements.
+        place: i, counted from 0.
+    """
+
+    whole: Matrix
+    place: int
+
+
+EnergyPart = Matrix | CoordinatePart
+
+
+@dataclass(frozen=True)
+class EnergyShares:
+    """Shares of the energies of one shape by part; each of the two sums to 1.
+
+    Attributes:
+        kinetic: of the kinetic energy; None where the shape has none.
+        strain: of the strain energy; None where the shape has none (a rigid body) or only rounding errors.
+    """
+
+    kinetic: Mapping[str, float] | None
+    strain: Mapping[str, float] | None
+
+
+@dataclass(frozen=True, repr=False)
+class EnergyParts(Displayed):
+    """M and K as sums of named parts, and with them the energy of a shape as a sum of shares.
+
+    The share of the part P in the shape u is Re(u^H P u) over the sum of the same over all parts. For a real shape that is its
+    share of 1/2 u^T M u or of 1/2 u^T K u; for a complex one, Re(u e^(i w t)), of the average over a cycle, the decay
+    left out.
+
+    Args:
+        kinetic: parts of M by name: matrices (n, n), in kg or kg m^2, or ``ElementMatrix``. Their sum is M.
+        strain: parts of K by name, in N/m or N m/rad. A part may be negative (gravity that pulls a pendulum over):
+            then other shares are above 1.
+
+    Raises:
+        InputError: a part of another shape, or with entries that are not finite.
+
+    >>> springs = {"soft": ElementMatrix([[1, 0]], [2.0]), "stiff": ElementMatrix([[-1, 1]], [6.0])}
+    >>> parts = EnergyParts({"cart": np.diag([1.0, 0.0]), "load": np.diag([0.0, 3.0])}, springs)
+    >>> parts.shares([1.0, 0.0])
+    EnergyShares(kinetic={'cart': 1.0, 'load': 0.0}, strain={'soft': 0.25, 'stiff': 0.75})
+    """
+
+    kinetic: Mapping[str, EnergyPart]
+    strain: Mapping[str, EnergyPart]
+
+    def __post_init__(self):
+        for kind in ("kinetic", "strain"):
+            parts = {str(name): _checked(part, f'{kind} part "{name}"') for name, part in getattr(self, kind).items()}
+            object.__setattr__(self, kind, MappingProxyType(parts))
+        sizes = {_size(part) for part in self._all}
+        if len(sizes) > 1:
+            raise InputError(f"energy parts: found parts of {' and '.join(map(str, sorted(sizes)))} coordinates; expected one size")
+
+    def _summary(self) -> str:
+        return f"{counted(len(self.kinetic), 'kinetic part')}, {counted(len(self.strain), 'strain part')}"
+
+    @property
+    def _all(self) -> tuple[EnergyPart, ...]:
+        return (*self.kinetic.values(), *self.strain.values())
+
+    @property
+    def size(self) -> int | None:
+        """The number n of coordinates; None where there is no part at all."""
+        return next(map(_size, self._all), None)
+
+    @property
+    def is_by_coordinate(self) -> bool:
+        """Whether any part is that of a coordinate, with shares that may be negative."""
+        return any(isinstance(part, CoordinatePart) for part in self._all)
+
+    def shares(self, shape, eigenvalue: complex | None = None) -> EnergyShares:
+        """The shares of one shape, whatever its length and phase.
+
+        Args:
+            shape: u, shape (n,), real or complex.
+            eigenvalue: s of the mode (1/s). With it, an energy that is rounding error relative to the other counts as zero:
+                |s|^2 u^H M u relative to u^H K u, and conversely; at s = 0 no spring is stretched.
+
+        Returns:
+            The shares by name, each without unit.
+
+        Raises:
+            InputError: a shape of another length, with entries that are not finite, or zero.
+        """
+        shape = _unit_shape(shape, self.size)
+        (kinetic, strain), units = (products.energies(shape) for products in self._products), [p.unit for p in self._products]
+        totals = [_total(*energies) for energies in (kinetic, strain)]
+        if eigenvalue == 0:
+            totals[1] = 0.0
+        elif eigenvalue is not None and all(totals):
+            ratio = np.log2(abs(totals[0] / totals[1])) + units[0] - units[1] + 2 * np.log2(abs(eigenvalue))
+            for place, exponent in enumerate((ratio, -ratio)):
+                if exponent <= np.log2(noise_of(1.0, len(self._products[place].names))):
+                    totals[place] = 0.0
+        shares = (
+            dict(zip(products.names, (values / total).tolist())) if total else None
+            for products, (values, _), total in zip(self._products, (kinetic, strain), totals)
+        )
+        return EnergyShares(*shares)
+
+    @cached_property
+    def _products(self) -> tuple[_Products, _Products]:
+        return _Products.of(self.kinetic), _Products.of(self.strain)
+
+
+def coordinate_parts(names: Sequence[str], mass: Matrix, stiffness: Matrix) -> EnergyParts:
+    """One part for each coordinate, x_i (M x)_i and x_i (K x)_i, where masses and springs are not known.
+
+    Such shares may be negative: they are the work along a coordinate, part of which a neighbour may return.
+
+    Args:
+        names: of the n coordinates.
+        mass, stiffness: M (kg, kg m^2) and K (N/m, N m/rad), shape (n, n), or their elements.
+
+    Returns:
+        The parts by coordinate.
+
+    >>> parts = coordinate_parts(["a", "b"], np.eye(2), np.array([[2.0, -1.0], [-1.0, 2.0]]))
+    >>> parts.shares([4.0, 1.0]).strain
+    {'a': 1.0769230769230769, 'b': -0.07692307692307693}
+    """
+    parts = [{name: CoordinatePart(whole, i) for i, name in enumerate(names)} for whole in (mass, stiffness)]
+    return EnergyParts(*parts)
+
+
+@dataclass(frozen=True)
+class _Products:
+    """The energies of all parts as sums of products c (L u)^* (R u), one product a row, in units of 2^unit.
+
+    That unit lies above all entries, so that no product leaves the range of float64. Elongations of elements that are rounding
+    errors of u are zero, so that these do not strain stiff springs.
+    """
+
+    names: tuple[str, ...]
+    left: np.ndarray
+    constants: np.ndarray
+    right: np.ndarray
+    of_element: np.ndarray
+    owner: np.ndarray
+    unit: int
+
+    @classmethod
+    def of(cls, parts: Mapping[str, EnergyPart]) -> _Products:
+        rows = [_rows(part) for part in parts.values()] or [(np.zeros((0, 0)), np.zeros(0), np.zeros((0, 0)), False)]
+        left, constants, right = (np.concatenate(each) for each in list(zip(*rows))[:3])
+        counts = [len(each) for _, each, _, _ in rows]
+        sizes = constants if all(of_element for *_, of_element in rows) else constants * np.abs(right).max(axis=1, initial=0.0)
+        unit = int(np.frexp(np.abs(sizes).max(initial=0.0))[1])
+        of_element = np.repeat([of_element for *_, of_element in rows], counts)
+        owner = np.repeat(np.arange(len(rows)), counts)
+        return cls(tuple(parts), left, np.ldexp(constants, -unit), right, of_element, owner, unit)
+
+    def energies(self, shape: np.ndarray) -> tuple[np.ndarray, float]:
+        """Re(u^H P u) / 2^unit of each part, and the sum of the sizes of the terms that they are sums of."""
+        if not len(self.owner):
+            return np.zeros(len(self.names)), 0.0
+        a, b, size = self.left @ shape, self.right @ shape, np.abs(self.right) @ np.abs(shape)
+        b = np.where(self.of_element & (np.abs(b) <= noise_of(size, len(shape))), 0.0, b)
+        values = (a.conj() * self.constants * b).real
+        magnitudes = np.abs(a) * np.abs(self.constants) * np.where(self.of_element, np.abs(b), size)
+        return np.bincount(self.owner, values, len(self.names)), float(magnitudes.sum())
+
+
+def _rows(part: EnergyPart) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
+    """L, c, R and whether the rows of R are elongations of elements."""
+    whole = part.whole if isinstance(part, CoordinatePart) else part
+    if isinstance(whole, ElementMatrix):
+        if not isinstance(part, CoordinatePart):
+            return whole.directions, whole.constants, whole.directions, True
+        used = whole.directions[:, part.place].nonzero()[0]
+        left = np.zeros((len(used), whole.size))
+        left[:, part.place] = whole.directions[used, part.place]
+        return left, whole.constants[used], whole.directions[used], True
+    if isinstance(part, CoordinatePart):
+        return np.eye(1, len(whole), part.place), np.ones(1), whole[[part.place]], False
+    return np.eye(len(whole)), np.ones(len(whole)), whole, False
+
+
+def _total(values: np.ndarray, magnitude: float) -> float:
+    """The sum of the energies; 0 where it is no more than the rounding error of its terms."""
+    total = float(values.sum())
+    return total if abs(total) > noise_of(magnitude, len(values)) else 0.0
+
+
+def _checked(part, what: str) -> EnergyPart:
+    if isinstance(part, (ElementMatrix, CoordinatePart)):
+        return part
+    matrix = real_array(part, what, shape=(None, None))
+    if matrix.shape[0] != matrix.shape[1]:
+        raise InputError(f"{what}: expected a square matrix, found {matrix.shape[0]} x {matrix.shape[1]}")
+    matrix.flags.writeable = False
+    return matrix
+
+
+def _size(part: EnergyPart) -> int:
+    whole = part.whole if isinstance(part, CoordinatePart) else part
+    return whole.size if isinstance(whole, ElementMatrix) else len(whole)
+
+
+def _unit_shape(shape, size: int | None) -> np.ndarray:
+    """The shape divided by its largest entry."""
+    shape = np.asarray(shape)
+    parts = [real_array(part, "shape", shape=(size,)) for part in (shape.real, shape.imag)]
+    largest = max(np.abs(part).max(initial=0.0) for part in parts)
+    if not largest:
+        raise InputError("shape: found zeros only; a shape has at least one entry that is not zero")
+    return (parts[0] + 1j * parts[1]) / largest if parts[1].any() else parts[0] / largest

@@ -1,7 +1,7 @@
 """The exact motion of a mechanical system, in multiplier form: [M s^2 + C s + K, -A^T; A s^level, 0] [x; lambda] = [f; b].
 
 It has the motions of the constrained form and needs no null space, whose entries are rounded: masses, springs and rows enter
-as they are, and the multipliers come along.
+as they are, and the multipliers are part of the answer.
 """
 
 from __future__ import annotations
@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..exact.enclosure import ExactResponse, sources_of
-from ..exact.rational import RationalMatrix, regular
-from ..polynomial.matrix import PolynomialMatrix
+from ..exact.enclosure.exact_response import ExactResponse
+from ..exact.enclosure.exact_sources import sources_of
+from ..exact.rational.rational_matrix import RationalMatrix, regular
+from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.inputs import step
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def exact_motion(motion: Motion) -> ExactResponse:
-    """x of the motion, n rows; the k rows below them, which are not asked for, are its multipliers.
+    """x of the motion, n rows; its k multipliers are the rows below them.
 
     Raises:
         SingularPolynomialMatrix: taken exactly, the data determine no motion.
@@ -49,16 +50,24 @@ def _multiplier_form(system) -> list[list[list]]:
 
 
 def with_multipliers(coefficients, rows: np.ndarray, orders: Sequence[int]) -> list[np.ndarray]:
-    """K, C and M, each of shape (n, n), with the rows, of shape (k, n), below, each in the matrix of its order, and beside K
-    the forces of the rows, -A^T."""
+    """[M s^2 + C s + K, -A^T; A s^level, 0]: the rows in the matrix of their order, and next to K the forces of the rows.
+
+    Args:
+        coefficients: K, C and M, shape (n, n).
+        rows: A, shape (k, n).
+        orders: of the derivative in each row.
+
+    Returns:
+        The three coefficients, shape (n + k, n + k).
+    """
     k, n = rows.shape
-    found = []
+    stacked = []
     for power, matrix in enumerate(coefficients):
         whole = np.zeros((n + k, n + k), dtype=rows.dtype)
         whole[:n, :n] = matrix
         if power == 0:
             whole[:n, n:] = -rows.T
-        held = [i for i, order in enumerate(orders) if order == power]
-        whole[[n + i for i in held], :n] = rows[held]
-        found.append(whole)
-    return found
+        selected = [i for i, order in enumerate(orders) if order == power]
+        whole[[n + i for i in selected], :n] = rows[selected]
+        stacked.append(whole)
+    return stacked

@@ -2,37 +2,94 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ..checks import nearest, whole_number
-from ..errors import InputError
-from ..notices import Notice
+from ..ground.checks import counted, nearest, whole_number
+from ..ground.coordinate_units import force_unit, impulse_unit, rate_unit
+from ..ground.errors import InputError
+from ..ground.notices import Notice, NoticeKind
+from ..ground.tolerances import noise_of
+from ..response.choose import Request
 from ..response.estimate import error_estimate
+from ..response.events import Event
+from ..response.problem import Problem
 from ..response.response import Response
-from ..response.solve import solve
+from ..response.response_notices import first_and_count, sides, unsatisfied
 from ..signals.bohl import BohlFunction
-from ..signals.impulsive import Blow, ImpulsiveSmooth
+from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .energy import Energy, energy_of
-from .reaction import later_reaction_impulses, reaction_function, reaction_impulses
+from .reaction import reaction_function, reaction_impulses
 
 if TYPE_CHECKING:
-    from ..exact.enclosure import Enclosure, ExactResponse
+    from ..exact.enclosure.exact_response import ExactResponse
+    from ..exact.enclosure.intervals import Enclosure
+    from .constraints import ConstraintRow
     from .system import MechanicalSystem
 
 Quantity = Literal["displacement", "velocity", "acceleration", "reaction"]
 
-#: What a motion has of the response, in order; the events beside it.
-TAKEN = tuple(field.name for field in fields(Response) if not field.kw_only)
+
+class SystemMotion:
+    """The quantities that one motion and several motions of a system have in common; t = 0 means 0+."""
+
+    system: MechanicalSystem
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The coordinates, in the order of the rows of x."""
+        return self.system.names
+
+    def displacement(self, times) -> np.ndarray:
+        """x(t), as the motion itself when called.
+
+        Args:
+            times: in s, a number or shape (T,), t >= 0; t = 0 means 0+.
+
+        Returns:
+            Shape (n,) or (n, T), in m or rad; of S motions (S, n) or (S, n, T).
+
+        Raises:
+            InputError: times that are negative or not finite.
+            Overflow: a value leaves the range of float64.
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> oscillator = MechanicalSystem([[1.0]], stiffness=[[4.0]])
+        >>> bool(np.isclose(oscillator.solve([1.0]).displacement(0.5)[0], np.cos(1.0)))
+        True
+        """
+        return self._rate(0, times)
+
+    def velocity(self, times) -> np.ndarray:
+        """x'(t), in m/s or rad/s; arguments and shape as ``displacement``."""
+        return self._rate(1, times)
+
+    def acceleration(self, times) -> np.ndarray:
+        """x''(t), in m/s^2 or rad/s^2; arguments and shape as ``displacement``."""
+        return self._rate(2, times)
+
+    def energy(self, times) -> Energy:
+        """Kinetic, strain and static energy at a time or at times (T,), in J; of S motions of shape (S,) or (S, T)."""
+        return energy_of(self.system, *(np.moveaxis(x, self.coordinate_axis, 0) for x in self._states(times)))
+
+    coordinate_axis = 0
+
+    def _states(self, times) -> tuple[np.ndarray, np.ndarray]:
+        """x and x'."""
+        return self._rate(0, times), self._rate(1, times)
+
+    def _rate(self, order: int, times) -> np.ndarray:
+        """The derivative of this order."""
+        return self.derivative(order)(times) if order else self(times)  # type: ignore[attr-defined]
 
 
-@dataclass(frozen=True, repr=False)
-class Motion(Response):
-    """x(t) of a mechanical system, a ``Response`` to the constrained form; t = 0 means 0+ everywhere,
-    the time of an event its right limit.
+@dataclass(frozen=True, repr=False, eq=False)
+class Motion(SystemMotion, Response):
+    """x(t) of a mechanical system, a ``Response`` of the constrained form; t = 0 means 0+, the time of an event its right limit.
 
     Attributes:
         system: the system that moves.
@@ -42,25 +99,40 @@ class Motion(Response):
     system: MechanicalSystem
     applied: ImpulsiveSmooth
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The coordinates, in the order of the rows of x."""
-        return self.system.names
+    @classmethod
+    def started(cls, system: MechanicalSystem, start: np.ndarray, applied: ImpulsiveSmooth, rank_tolerance, request: Request):
+        """The motion from values at 0-.
 
-    def velocity(self, times) -> np.ndarray:
-        """x' at a time (-> (n,)) or at times (T,) (-> (n, T)), in m/s or rad/s."""
-        return self.derivative(1)(times)
-
-    def acceleration(self, times) -> np.ndarray:
-        """x'' at a time (-> (n,)) or at times (T,) (-> (n, T)), in m/s^2 or rad/s^2."""
-        return self.derivative(2)(times)
+        Args:
+            system: with n coordinates.
+            start: x(0-), x'(0-) in its rows, shape (2, n).
+            applied: all forces, n rows.
+            rank_tolerance, request: see ``mbconstrained.solve``.
+        """
+        form = system.constrained_form()
+        x = Response.solved(Problem.checked(form.polynomial_matrix, start, form.force(applied), rank_tolerance), request)
+        return cls(x.problem, x.solution, system, applied)
 
     def reaction(self, times) -> np.ndarray:
-        """The multipliers lambda at a time (-> (k,)) or at times (T,) (-> (k, T)), one per row of ``system.rows``.
+        """The multipliers lambda(t) of the constraint rows.
 
         M x'' + C x' + K x = f + A^T lambda: lambda_i is the force along the i-th row, in N for a row in metres and
-        in N m for a row in radians. What happens at t = 0 itself is in ``constraint_impulses``, what happens at later
-        times in ``later_constraint_impulses``.
+        in N m for a row in radians. Impulses at t = 0 are in ``constraint_impulses``, later ones in
+        ``later_constraint_impulses``.
+
+        Args:
+            times: in s, a number or shape (T,), t >= 0.
+
+        Returns:
+            Shape (k,) or (k, T), one row per row of ``system.rows``.
+
+        Raises:
+            InputError: times that are negative or not finite.
+
+        >>> from mbconstrained import Constraint, MechanicalSystem
+        >>> weight = MechanicalSystem([[2.0]], constraints=[Constraint([1.0])], force=[-9.81 * 2.0])  # a mass on a fixed support
+        >>> weight.solve().reaction(1.0).round(6)
+        array([19.62])
         """
         return self.reaction_function(times)
 
@@ -74,34 +146,46 @@ class Motion(Response):
         return reaction_function(self.system, response, self.applied)
 
     @cached_property
-    def constraint_impulses(self) -> tuple[np.ndarray, ...]:
-        """Arrays (k,); the p-th multiplies the p-th derivative of Dirac's delta in lambda (N s for p = 0, N s^2, ...)."""
+    def _constraint_loads(self) -> tuple[ImpulsiveLoad, ...]:
         return reaction_impulses(self.system, self, self.applied)
 
-    @cached_property
-    def later_constraint_impulses(self) -> tuple[Blow, ...]:
-        """The same after t = 0: for each time at which lambda has impulses a ``Blow``, whose arrays have k rows."""
-        return later_reaction_impulses(self.system, self, self.applied)
+    @property
+    def constraint_impulses(self) -> tuple[np.ndarray, ...]:
+        """Arrays (k,); the p-th multiplies the p-th derivative of Dirac's delta in lambda (N s for p = 0, N s^2, ...)."""
+        return next((load.impulses for load in self._constraint_loads if not load.time), ())
 
-    def energy(self, times) -> Energy:
-        """Kinetic, strain and static energy at a time or at times (T,), in J."""
-        return energy_of(self.system, self(times), self.velocity(times))
+    @property
+    def later_constraint_impulses(self) -> tuple[ImpulsiveLoad, ...]:
+        """The same after t = 0: for each time at which lambda has impulses an ``ImpulsiveLoad``, whose arrays have k rows."""
+        return tuple(load for load in self._constraint_loads if load.time)
+
+    @cached_property
+    def _with_velocity(self) -> BohlFunction:
+        n = self.system.size
+        return self.function.differential(np.eye(2 * n, n), np.eye(2 * n, n, -n))
+
+    def _states(self, times) -> tuple[np.ndarray, np.ndarray]:
+        n = self.system.size
+        if n**2 <= np.size(times) < 4 * n**2:  # twice the rows would be evaluated by a table of all oscillations
+            return super()._states(times)
+        values = self._with_velocity(times)
+        return values[:n], values[n:]
 
     @cached_property
     def exact(self) -> ExactResponse:
-        """The exact motion of the system as it was given, n rows; its null space is not rounded, there is none."""
+        """The exact motion of the system as it was given, n rows, in multiplier form, without a rounded null space."""
         from .exact_motion import exact_motion
 
         return exact_motion(self)
 
     @cached_property
     def exact_reaction(self) -> ExactResponse:
-        """The exact multipliers lambda, one row per row of ``system.rows``; they have no values at 0- and so no jump."""
+        """The exact multipliers lambda, one per row of ``system.rows``; without values at 0-, and so without jumps."""
         n = self.system.size
         return self.exact.with_rows(range(n, n + len(self.system.rows)))
 
     def enclose(self, times, digits: int = 15, *, of: Quantity = "displacement", order: int = 0) -> Enclosure:
-        """Intervals that are sure to contain a quantity of the motion, as ``Response.enclose``.
+        """Intervals that are guaranteed to contain a quantity of the motion, as ``Response.enclose``.
 
         Args:
             times: in s, a number or shape (T,).
@@ -109,16 +193,16 @@ class Motion(Response):
             of: displacement, velocity, acceleration or reaction.
             order: of a derivative of it, if any.
 
+        Returns:
+            Lower and upper ends as decimal strings, shape (n,) or (n, T), of reactions (k,) or (k, T), in SI units.
+
         Raises:
-            InputError, SingularPolynomialMatrix, Overflow: as ``Response.enclose``; another word for a quantity.
+            InputError, SingularPolynomialMatrix, Overflow: as ``Response.enclose``; an unknown quantity.
         """
-        order = whole_number(order, "order")
-        if isinstance(of, str) and of == "reaction":
+        order, own = whole_number(order, "order"), _order_of(of)
+        if own is None:
             return self.exact_reaction.enclose(times, digits, order=order)
-        orders = {"displacement": 0, "velocity": 1, "acceleration": 2}
-        if not isinstance(of, str) or of not in orders:
-            raise InputError(f"of: found {of!r}{nearest(str(of), (*orders, 'reaction'))}; expected {', '.join(orders)} or reaction")
-        return super().enclose(times, digits, order=orders[of] + order)
+        return super().enclose(times, digits, order=own + order)
 
     def error_estimate(self, times, of: Quantity = "displacement", *, order: int = 0) -> float:
         """Estimate of max |error| / max |value| over the times, of displacement, velocity, acceleration or reaction.
@@ -126,34 +210,121 @@ class Motion(Response):
         Args:
             times: in s, a number or shape (T,).
             of: the quantity.
-            order: of the derivative of it that is meant, if any.
+            order: of a derivative of it, if any.
+
+        Returns:
+            A number without unit.
 
         Raises:
-            InputError: another word; times that are negative or not finite; an order that is no whole number of at least 0.
+            InputError: an unknown quantity; times that are negative or not finite; an order that is no whole number of at least 0.
         """
-        views = {
-            "displacement": lambda x: x.function,
-            "velocity": lambda x: x.derivative(1),
-            "acceleration": lambda x: x.derivative(2),
-            "reaction": self.reaction_of,
-        }
-        if not isinstance(of, str) or of not in views:
-            raise InputError(f"of: found {of!r}{nearest(str(of), views)}; expected one of {', '.join(views)}")
-        view, order = views[of], whole_number(order, "order")
-        return error_estimate(self, times, lambda x: view(x).derivative(order) if order else view(x))
+        order, own = whole_number(order, "order"), _order_of(of)
+
+        def view(x: Response) -> BohlFunction:
+            total = order + (own or 0)
+            function = x.function if own is not None else self.reaction_of(x)
+            return function.derivative(total) if total else function
+
+        return error_estimate(self, times, view)
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """What the user should know, with names and units: broken rows, jumps, impulses, drift, doubtful decisions."""
-        from .motion_notices import motion_notices
+        """Violated rows, jumps, impulses, drift and doubtful decisions, with names and units."""
+        at_start = (Event(0.0, self.jump, self.impulses), ImpulsiveLoad(0.0, self.constraint_impulses))
+        return (
+            *self.system.notices,
+            *self.system.constrained_form().notices,
+            *_violated_rows(self),
+            *(notice for event in at_start for notice in _sentences(self, event)),
+            *first_and_count(lambda event: _sentences(self, event), self.events, self.later_constraint_impulses),
+            *self.force.notices,
+            *_drift(self),
+            *_static_offsets(self.system),
+            *self.solution.notices,
+            *unsatisfied(self),
+        )
 
-        return motion_notices(self)
+
+def _order_of(quantity) -> int | None:
+    """The order of the derivative of x that a quantity is; None of the reaction."""
+    orders: dict[str, int | None] = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": None}
+    if not isinstance(quantity, str) or quantity not in orders:
+        raise InputError(f"of: found {quantity!r}{nearest(str(quantity), orders)}; expected one of {', '.join(orders)}")
+    return orders[quantity]
 
 
-def motion_of(
-    system: MechanicalSystem, start: np.ndarray, applied: ImpulsiveSmooth, rank_tolerance: float | None = None
-) -> Motion:
-    """Solve the constrained form from x(0-), x'(0-) in the rows of start, shape (2, n)."""
-    form = system.constrained_form()
-    response = solve(form.polynomial_matrix, start, form.force(applied), rank_tolerance)
-    return Motion(*(getattr(response, name) for name in TAKEN), events=response.events, system=system, applied=applied)
+# The notices of a motion, in sentences with names and units.
+
+STATE_NAMES = ("displacement", "velocity")
+DELTAS = ("a Dirac impulse", *(f"the {order} derivative of a Dirac impulse" for order in ("first", "second", "third")))
+
+
+def _violated_rows(motion: Motion) -> Iterator[Notice]:
+    """Rows that the values at 0- violate, in the constrained derivative or in one that follows from it."""
+    for row in motion.system.rows:
+        for order in range(row.order, 2):
+            value = row.value if order == row.order else 0.0
+            actual, noise = _row_value(row, motion.initial[order])
+            if abs(actual - value) > noise + noise_of(abs(value)):
+                unit = rate_unit(row.unit, order)
+                yield Notice(
+                    NoticeKind.JUMP,
+                    f'constraint "{row.name}" ({row.level} level) is violated at 0-: its {STATE_NAMES[order]} is '
+                    f"{actual:.6g} {unit} instead of {value:.6g} {unit}, off by {actual - value:.6g} {unit}; "
+                    "it is enforced at t = 0",
+                )
+
+
+def _sentences(motion: Motion, event: Event | ImpulsiveLoad) -> Iterator[Notice]:
+    """The jumps of coordinates at an event and their impulses, or the impulses of constraint forces."""
+    when = f"t = {event.time:.6g} s" if event.time else "t = 0"
+    if isinstance(event, Event):
+        subjects = [(f"{name}: its", "displacement", unit) for name, unit in motion.system.units.items()]
+        for order in np.flatnonzero(event.jump.any(axis=1)):
+            before, after = sides(motion, event, order) if event.time else (motion.initial[order], motion.start[order])
+            for i in np.flatnonzero(event.jump[order]):
+                subject, _, unit = subjects[i]
+                text = (
+                    f"{subject} {STATE_NAMES[order]} jumps at {when} by {event.jump[order, i]:.6g} {rate_unit(unit, order)}, "
+                    f"from {before[i]:.6g} {rate_unit(unit, order)} to {after[i]:.6g} {rate_unit(unit, order)}"
+                )
+                yield Notice(NoticeKind.JUMP, text)
+    else:
+        subjects = [(f'constraint "{row.name}": its', "force", force_unit(row.unit)) for row in motion.system.rows]
+    for order, sizes in enumerate(event.impulses):
+        delta = DELTAS[order] if order < len(DELTAS) else f"the derivative of order {order} of a Dirac impulse"
+        for i in np.flatnonzero(sizes):
+            subject, what, unit = subjects[i]
+            size = f"{sizes[i]:.6g} {impulse_unit(unit, order)}"
+            yield Notice(NoticeKind.IMPULSE, f"{subject} {what} contains {delta} of {size} at {when}")
+
+
+def _drift(motion: Motion) -> Iterator[Notice]:
+    """Rows at velocity and acceleration level: the position value at the start, and its rate."""
+    for row in motion.system.rows:
+        if row.order == 0:
+            continue
+        place, _ = _row_value(row, motion.start[0])
+        rate, noise = _row_value(row, motion.start[1])
+        moving = f" and drifts at {rate:.6g} {row.unit}/s" if abs(rate) > noise else ""
+        yield Notice(
+            NoticeKind.DRIFT,
+            f'constraint "{row.name}" is at {row.level} level ({counted(row.order, "drift eigenvalue")}): '
+            f"its position value starts at {place + 0.0:.6g} {row.unit}{moving}; no equation corrects it",
+        )
+
+
+def _static_offsets(system: MechanicalSystem) -> Iterator[Notice]:
+    loads = [
+        f"{name} {load:.6g} {force_unit(unit)}" for (name, unit), load in zip(system.units.items(), system.static_force) if load
+    ]
+    if loads:
+        yield Notice(NoticeKind.STATIC_LOAD, f"constant forces from rest lengths and weights act from t = 0 on: {', '.join(loads)}")
+
+
+def _row_value(row: ConstraintRow, state: np.ndarray) -> tuple[float, float]:
+    """a x with its rounding noise."""
+    size = np.abs(row.coefficients) @ np.abs(state)
+    value = float(row.coefficients @ state)
+    noise = noise_of(float(size), len(state))
+    return (value if abs(value) > noise else 0.0), noise

@@ -1,7 +1,7 @@
-"""Constraint forces of a motion: the regular multipliers as a function of time, and what happens at t = 0 and later.
+"""Constraint forces of a motion: the regular multipliers as a function of time, and their impulses at t = 0 and later.
 
 The force that the constraints exert is L = M x'' + C x' + K x - f = A^T lambda, and lambda = G L with G A^T = I.
-As a distribution on [0, inf), its transform taken from 0-, x' has besides its regular part the jump of x times
+As a distribution on [0, inf), its transform taken from 0-, x' has in addition to its regular part the jump of x times
 delta, x'' the jump of x' times delta and the jump of x times delta', and every impulse c_k delta^(k) of x itself
 is differentiated along: for delta^(p)
 
@@ -12,83 +12,118 @@ The same holds at the time of an event. All events are computed at once, each a 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import cached_property, reduce
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..linalg.noise import Noisy
-from ..response.events import Event
-from ..response.parts import without_zeros
+from ..ground.tolerances import EPS
+from ..linalg.rounding import Noisy
+from ..response.events import Event, without_zeros
 from ..response.response import Response
 from ..signals.bohl import BohlFunction
-from ..signals.impulsive import Blow, ImpulsiveSmooth
-from ..tolerances import EPS
+from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 
 if TYPE_CHECKING:
     from .system import MechanicalSystem
 
 
+class FunctionSum(BohlFunction):
+    """A sum of functions, each evaluated by its own method; its states are put together where they are asked for only."""
+
+    terms: tuple[BohlFunction, ...]
+
+    def __init__(self, terms: Sequence[BohlFunction]):
+        object.__setattr__(self, "terms", tuple(terms))
+
+    @cached_property
+    def _closed(self) -> BohlFunction:
+        return reduce(BohlFunction.__add__, self.terms)
+
+    coefficients = property(lambda self: self._closed.coefficients)
+    blocks = property(lambda self: self._closed.blocks)
+    start = property(lambda self: self._closed.start)
+    size = property(lambda self: self.terms[0].size)
+    state_count = property(lambda self: max(term.state_count for term in self.terms))
+    summed_from = property(lambda self: np.min([term.summed_from for term in self.terms], axis=0))
+
+    def _values(self, times) -> np.ndarray:
+        return sum((term._values(times) for term in self.terms[1:]), self.terms[0]._values(times))
+
+    def derivative(self, order: int = 1) -> BohlFunction:
+        """The classical derivative."""
+        return FunctionSum([term.derivative(order) for term in self.terms])
+
+    def mapped(self, matrix) -> BohlFunction:
+        """matrix @ f(t), matrix of shape (p, r)."""
+        return FunctionSum([term.mapped(matrix) for term in self.terms])
+
+    def rows(self, indices) -> BohlFunction:
+        """Some of its rows, in this order."""
+        return FunctionSum([term.rows(indices) for term in self.terms])
+
+    def __mul__(self, factor: float) -> BohlFunction:
+        return FunctionSum([term * factor for term in self.terms])
+
+    __rmul__ = __mul__
+
+
 def reaction_function(system: MechanicalSystem, response: Response, applied: ImpulsiveSmooth) -> BohlFunction:
-    """The regular part of lambda for t > 0, k rows."""
-    G, x = system.multiplier_map, response.function
-    held = x.mapped(G @ system.stiffness) + x.derivative(1).mapped(G @ system.damping)
-    return held + x.derivative(2).mapped(G @ system.mass) - applied.smooth.mapped(G)
+    """The regular part of lambda = G (K x + C x' + M x'' - f) for t > 0.
+
+    Args:
+        system: with n coordinates and k constraint rows.
+        response: x, n rows.
+        applied: f, n rows.
+
+    Returns:
+        A function with k rows, in N or N m.
+    """
+    G = system.multiplier_map
+    inertial = response.function.differential(*(G @ matrix for matrix in (system.stiffness, system.damping, system.mass)))
+    return inertial if applied.smooth.is_zero else FunctionSum([inertial, applied.smooth.mapped(-G)])
 
 
-def reaction_impulses(system: MechanicalSystem, response: Response, applied: ImpulsiveSmooth) -> tuple[np.ndarray, ...]:
-    """Arrays (k,), the p-th multiplies the p-th derivative of Dirac's delta in lambda; none where there are no impulses."""
-    jumps = [_jump(response, order)[:, None] for order in (0, 1)]
-    own, applied_here = ([g[:, None] for g in impulses] for impulses in (response.impulses, applied.impulses))
-    return without_zeros([impulse[:, 0] for impulse in _impulses(system, jumps, own, applied_here)])
+def reaction_impulses(system: MechanicalSystem, response: Response, applied: ImpulsiveSmooth) -> tuple[ImpulsiveLoad, ...]:
+    """The impulses of lambda at t = 0 and later, by ascending time; none at times without one.
 
+    Args:
+        system: with n coordinates and k rows.
+        response: x, n rows.
+        applied: f, n rows.
 
-def later_reaction_impulses(system: MechanicalSystem, response: Response, applied: ImpulsiveSmooth) -> tuple[Blow, ...]:
-    """The impulses of lambda at later times, by ascending time; none at times without one."""
-    events, blows = ({item.time: item for item in items} for items in (response.events, applied.later))
-    times = sorted({*events, *blows})
-    nothing = Event(0.0, np.zeros_like(response.jump), ())
-    found = [events.get(time, nothing) for time in times]
-    jumps = [_known(np.reshape([event.jump[order] for event in found], (len(times), system.size)).T) for order in (0, 1)]
-    own = _by_order([event.impulses for event in found], system.size)
-    applied_there = _by_order([blows[time].impulses if time in blows else () for time in times], system.size)
-    impulses = _impulses(system, jumps, own, applied_there)
-    each = [without_zeros([impulse[:, k] for impulse in impulses]) for k in range(len(times))]
-    return tuple(Blow(time, own) for time, own in zip(times, each) if own)
-
-
-def _impulses(system, jumps: list[Noisy], own: list[np.ndarray], applied: list[np.ndarray]) -> list[np.ndarray]:
-    """The impulses of lambda by order, shape (k, K), from the jumps of x and x' and the impulses of x and f, (n, K)."""
-    own = [Noisy.rounded(impulse) for impulse in own]
+    Returns:
+        For each time an ``ImpulsiveLoad`` with k rows, in N s, N s^2, ... or N m s, ...
+    """
+    n, none = system.size, Event(0.0, np.zeros_like(response.jump), ())
+    events = {0.0: Event(0.0, response.jump, response.impulses), **{event.time: event for event in response.events}}
+    loads = {0.0: applied.impulses, **{load.time: load.impulses for load in applied.later}}
+    times = sorted({*events, *loads})
+    each = [events.get(time, none) for time in times]
+    # a jump at t = 0 is as inaccurate as the values that it is the difference of, a later one as the largest of its event
+    sizes = np.array([np.abs(event.jump).max(axis=1, keepdims=True) + 0 * event.jump for event in each])
+    sizes[0] = np.abs(response.initial) + np.abs(response.start)
+    jumps = np.array([event.jump for event in each])
+    noise = EPS * np.where(jumps != 0, sizes, 0.0)
+    x = [Noisy(jumps[:, order].T, noise[:, order].T) for order in (0, 1)]
+    own, force = (_by_order(impulses, n) for impulses in ([e.impulses for e in each], [loads.get(time, ()) for time in times]))
     parts = [
-        (system.mass, [jumps[1], jumps[0], *own]),
-        (system.damping, [jumps[0], *own]),
+        (system.mass, [x[1], x[0], *own]),
+        (system.damping, [x[0], *own]),
         (system.stiffness, own),
-        (-np.eye(system.size), [Noisy.rounded(impulse) for impulse in applied]),
+        (-np.eye(n), force),
     ]
-    found = []
+    total = []
     for order in range(max(len(factors) for _, factors in parts)):
-        force = Noisy.exact(np.zeros_like(jumps[0].data))
-        for matrix, factors in parts:
-            if order < len(factors):
-                force = force + Noisy.rounded(matrix) @ factors[order]
-        found.append((Noisy.rounded(system.multiplier_map) @ force).cleaned())
-    return found
+        terms = [Noisy.rounded(matrix) @ factors[order] for matrix, factors in parts if order < len(factors)]
+        total.append((Noisy.rounded(system.multiplier_map) @ reduce(Noisy.__add__, terms)).cleaned())
+    impulses = [without_zeros([impulse[:, k] for impulse in total]) for k in range(len(times))]
+    return tuple(ImpulsiveLoad(time, own) for time, own in zip(times, impulses) if own)
 
 
-def _jump(response: Response, order: int) -> Noisy:
-    """The jump of x^(order), where there is one as inaccurate as the values that it is the difference of."""
-    jump = response.jump[order]
-    size = np.abs(response.initial[order]) + np.abs(response.start[order])
-    return Noisy(jump, EPS * np.where(jump != 0, size, 0.0))
-
-
-def _known(jumps: np.ndarray) -> Noisy:
-    """Jumps (n, K) that a jump of the force or an impulse has caused, each event as accurate as its largest."""
-    return Noisy(jumps, EPS * np.where(jumps != 0, np.abs(jumps).max(axis=0, initial=0.0), 0.0))
-
-
-def _by_order(impulses, size) -> list[np.ndarray]:
+def _by_order(impulses, size) -> list[Noisy]:
     """For each order of derivative an array (n, K), from the impulses of K events."""
     count = max(map(len, impulses), default=0)
-    nothing = np.zeros(size)
-    return [np.array([own[k] if k < len(own) else nothing for own in impulses]).T for k in range(count)]
+    none = np.zeros(size)
+    return [Noisy.rounded(np.array([own[k] if k < len(own) else none for own in impulses]).T) for k in range(count)]

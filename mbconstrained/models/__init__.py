@@ -1,7 +1,4 @@
-"""Ways to a system: lumped elements, matrices from files, state spaces of control engineering."""
+"""Models that assemble into a ``MechanicalSystem``: lumped elements along an axis, and matrices from files.
 
-from .lumped import LumpedModel
-from .state_space import StateSpace
-from .state_space_response import StateSpaceResponse
-
-__all__ = ["LumpedModel", "StateSpace", "StateSpaceResponse"]
+It imports mechanics and the mathematics below. Read in this order: elements, lumped; matrices on its own.
+"""

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Concatenate, ParamSpec, TypeVar
 
-from ..checks import nearest, real_number
-from ..errors import InputError
-from ..mechanics.constraint import Level
+import numpy as np
+
+from ..ground.checks import counted, nearest, real_number
+from ..ground.coordinate_units import GROUND
+from ..ground.display import Displayed, TextTable
+from ..ground.errors import InputError
+from ..mechanics.constraints import Constraint
+from ..mechanics.element_matrix import ElementMatrix
+from ..mechanics.energy import EnergyParts
 from ..mechanics.system import MechanicalSystem
-from ..signals.inputs import ImpulsiveSmooth
-from .assembly import assembled
+from ..signals.inputs import ImpulsiveSmooth, zero
 from .elements import (
-    GROUND,
     Body,
     Damper,
     Element,
     Gear,
     Inertia,
     Lever,
+    Link,
     Mass,
     Node,
     Pulley,
@@ -25,20 +33,37 @@ from .elements import (
     Relation,
     RigidTie,
     Spring,
+    Tie,
     TorsionDamper,
     TorsionSpring,
 )
-from .incidence import Incidence, incidence_of
 
 STATES = {"m": "moves along the axis (m)", "rad": "turns (rad)"}
 
 
-class LumpedModel:
+Fields = ParamSpec("Fields")
+Added = TypeVar("Added", bound=Element)
+
+
+def _adds(kind: Callable[Fields, Added]) -> Callable[Concatenate[LumpedModel, Fields], Added]:
+    """The method of a model that adds an element of a class, with the arguments and the description of the class."""
+
+    def add(self, *args, **kwargs):
+        return self._add(kind(*args, **kwargs))
+
+    parameters = inspect.signature(kind).parameters.values()
+    own = inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY)
+    add.__doc__, add.__dict__["__signature__"] = kind.__doc__, inspect.Signature([own, *parameters])
+    return add
+
+
+class LumpedModel(Displayed):
     """Masses, inertias and massless nodes; springs and dampers between them; rigid ties, levers, gears, ropes.
 
     Each body has one coordinate, named as the body: its absolute position along one axis in m (a displacement
-    where no rest lengths are given), or its angle in rad. "ground" is the body that stays at 0. What joins bodies is
-    added after them; every method returns the element that it added.
+    where no rest lengths are given), or its angle in rad. "ground" is the fixed body. Elements between bodies are
+    added after them; every method takes the arguments of the element's class and returns the element. It raises an
+    ``InputError`` for a name in use, an unknown body, one that moves where it should turn, a number out of range.
 
     >>> model = LumpedModel()
     >>> _ = model.mass("cart", 10.0)
@@ -51,6 +76,16 @@ class LumpedModel:
         self._elements: dict[str, Element] = {}
         self._forces: dict[str, ImpulsiveSmooth] = {}
         self._gravity = 0.0
+
+    def _summary(self) -> str:
+        kinds = [element.kind for element in self.elements]
+        return ", ".join(
+            counted(kinds.count(kind), *([kind] if kind != "inertia" else [kind, "inertias"])) for kind in dict.fromkeys(kinds)
+        )
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        rows = ((name, element.kind, ", ".join(element.ends)) for name, element in self._elements.items())
+        return (TextTable("Elements", ("name", "kind", "ends"), tuple(rows)),)
 
     @property
     def elements(self) -> tuple[Element, ...]:
@@ -67,73 +102,34 @@ class LumpedModel:
         """The unit of every coordinate, "m" or "rad"."""
         return {element.name: element.unit for element in self.elements if isinstance(element, Body)}
 
-    def mass(self, name: str, mass: float, position: float | None = None) -> Mass:
-        """A body of this mass (kg) that moves along the axis; position (m) is for the drawing only."""
-        return self._add(Mass(self._new(name, "mass"), mass, position))
-
-    def inertia(self, name: str, inertia: float) -> Inertia:
-        """A body of this moment of inertia (kg m^2) that turns."""
-        return self._add(Inertia(self._new(name, "inertia"), inertia))
-
-    def node(self, name: str, rotational: bool = False) -> Node:
-        """A joint without mass."""
-        return self._add(Node(self._new(name, "node"), bool(rotational)))
-
-    def spring(self, start: str, end: str, stiffness: float, rest_length: float = 0.0, name: str | None = None) -> Spring:
-        """A spring of this stiffness (N/m), without force at x_end - x_start = rest_length (m)."""
-        return self._add(Spring(self._named("spring", name, start, end), start, end, stiffness, rest_length))
-
-    def damper(self, start: str, end: str, damping: float, name: str | None = None) -> Damper:
-        """A viscous damper (N s/m)."""
-        return self._add(Damper(self._named("damper", name, start, end), start, end, damping))
-
-    def torsion_spring(
-        self, start: str, end: str, stiffness: float, rest_angle: float = 0.0, name: str | None = None
-    ) -> TorsionSpring:
-        """A torsion spring (N m/rad), without torque at q_end - q_start = rest_angle (rad)."""
-        return self._add(TorsionSpring(self._named("torsion spring", name, start, end), start, end, stiffness, rest_angle))
-
-    def torsion_damper(self, start: str, end: str, damping: float, name: str | None = None) -> TorsionDamper:
-        """A viscous torsion damper (N m s/rad)."""
-        return self._add(TorsionDamper(self._named("torsion damper", name, start, end), start, end, damping))
-
-    def rigid_tie(self, start: str, end: str, distance: float = 0.0, name: str | None = None) -> RigidTie:
-        """A rigid link: x_end - x_start = distance (m, or rad between bodies that turn)."""
-        return self._add(RigidTie(self._named("rigid tie", name, start, end), start, end, distance))
-
-    def lever(self, start: str, end: str, start_arm: float, end_arm: float, name: str | None = None) -> Lever:
-        """A massless lever on a fixed pivot, arms on opposite sides (m): x_start / start_arm + x_end / end_arm = 0."""
-        return self._add(Lever(self._named("lever", name, start, end), start, end, start_arm, end_arm))
-
-    def gear(
-        self, start: str, end: str, start_radius: float, end_radius: float, internal: bool = False, name: str | None = None
-    ) -> Gear:
-        """Two wheels in mesh, by radii or numbers of teeth: start_radius q_start + end_radius q_end = 0 (minus: internal)."""
-        name = self._named("gear", name, start, end)
-        return self._add(Gear(name, start, end, start_radius, end_radius, bool(internal)))
-
-    def rack(self, gear: str, rack: str, radius: float, name: str | None = None) -> Rack:
-        """A pinion of this radius (m) and its rack: x_rack = radius q_gear."""
-        return self._add(Rack(self._named("rack", name, gear, rack), gear, rack, radius))
-
-    def pulley(
-        self, start: str, end: str, over: str = GROUND, length: float | None = None, name: str | None = None
-    ) -> Pulley:
-        """A rope over a pulley carried by a body: x_start + x_end - 2 x_over = -length (m), positions upwards, see ``Pulley``."""
-        return self._add(Pulley(self._named("pulley", name, start, end), start, end, over, length))
-
-    def constrain(
-        self, coefficients: Mapping[str, float], value: float = 0.0, level: Level = "position", name: str | None = None
-    ) -> Relation:
-        """Any other constraint row: the sum of factor times coordinate, or of its derivatives, equals the value."""
-        return self._add(Relation(self._named("constraint", name), coefficients, value, level))
+    mass = _adds(Mass)
+    inertia = _adds(Inertia)
+    node = _adds(Node)
+    spring = _adds(Spring)
+    damper = _adds(Damper)
+    torsion_spring = _adds(TorsionSpring)
+    torsion_damper = _adds(TorsionDamper)
+    rigid_tie = _adds(RigidTie)
+    lever = _adds(Lever)
+    gear = _adds(Gear)
+    rack = _adds(Rack)
+    pulley = _adds(Pulley)
+    constrain = _adds(Relation)
 
     def gravity(self, acceleration: float) -> None:
         """A force m g along the axis on every mass; negative where the axis points upwards (m/s^2)."""
         self._gravity = real_number(acceleration, "gravity")
 
     def force(self, name: str, signal: ImpulsiveSmooth) -> None:
-        """A force (N) or torque (N m) on a body from t = 0 on, in addition to those given before; a signal with one row."""
+        """A force on a body from t = 0 on, in addition to earlier ones.
+
+        Args:
+            name: of the body.
+            signal: with one row, in N, or N m on a body that turns; such as ``mb.step([2.0])``.
+
+        Raises:
+            InputError: an unknown body or the ground, a signal with several rows.
+        """
         self._check_body("force", name)
         if name == GROUND:
             raise InputError('force: found "ground", which does not move; name a body')
@@ -146,35 +142,43 @@ class LumpedModel:
         return incidence_of(self.elements)
 
     def assemble(self) -> MechanicalSystem:
-        """The system of all elements: rest lengths and weights are its static force, ties its constraint rows.
+        """M x'' + C x' + K x = f of all elements: rest lengths and weights are its static force, ties its constraint rows.
 
         Raises:
             InputError: the model has no body.
-            ContradictoryConstraints: ties that ask for different values.
+            ContradictoryConstraints: ties with contradictory values.
         """
-        return assembled(self.elements, self._gravity, self._forces)
-
-    def _new(self, name, kind: str) -> str:
-        if not isinstance(name, str) or not name.strip():
-            raise InputError(f"{kind}: found the name {name!r}; expected a text")
-        if name == GROUND:
-            raise InputError(f'{kind}: the name "ground" is that of the body that stays at 0; choose another')
-        if name in self._elements:
-            raise InputError(f'{kind}: the name "{name}" is already in use ({self._elements[name].kind}); names must differ')
-        return name
-
-    def _named(self, kind: str, name, *ends: str) -> str:
-        """The name given, or one made from the kind and the ends."""
-        if name is not None:
-            return self._new(name, kind)
-        plain = f"{kind} {'-'.join(map(str, ends))}" if ends else f"{kind} {1 + self._count(Relation)}"
-        names = (plain, *(f"{plain} {number}" for number in range(2, len(self._elements) + 2)))
-        return next(candidate for candidate in names if candidate not in self._elements)
-
-    def _count(self, kind: type) -> int:
-        return sum(isinstance(element, kind) for element in self.elements)
+        units, names = self.units, self.coordinates
+        if not units:
+            raise InputError("the model has no body; add a mass, an inertia or a node")
+        factors, ties = self.incidence(), [element for element in self.elements if isinstance(element, Tie)]
+        weights = {element.name: self._gravity * element.mass for element in self.elements if isinstance(element, Mass)}
+        signals = [signal.mapped(coordinate_row({name: 1.0}, names)[:, None]) for name, signal in self._forces.items()]
+        return MechanicalSystem(
+            mass=ElementMatrix(np.eye(len(names)), factors.masses),
+            damping=factors.dampers.matrix,
+            stiffness=factors.springs.matrix,
+            constraints=[
+                Constraint(coordinate_row(tie.row, names), level=tie.level, value=tie.row_value, names=tie.name) for tie in ties
+            ],
+            names=names,
+            force=sum(signals, zero(len(names))) if signals else None,
+            static_force=factors.springs.rest_force() + coordinate_row(weights, names),
+            units=units,
+            energy_parts=_energy_parts(factors, names),
+        )
 
     def _add(self, element):
+        name = element.name
+        if not name:
+            element = replace(element, name=next(free for free in element.default_names if free not in self._elements))
+        elif not isinstance(name, str) or not name.strip():
+            raise InputError(f"{element.kind}: found the name {name!r}; expected a text")
+        elif name == GROUND:
+            raise InputError(f'{element.kind}: the name "ground" is that of the fixed body; choose another')
+        elif name in self._elements:
+            kind = self._elements[name].kind
+            raise InputError(f'{element.kind}: the name "{name}" is already in use ({kind}); names must differ')
         for name, unit in element.ends.items():
             self._check_body(element.label, name)
             if unit and name != GROUND and self.units[name] != unit:
@@ -191,4 +195,89 @@ class LumpedModel:
     def _check_body(self, label: str, name) -> None:
         if name != GROUND and name not in self.units:
             known = (GROUND, *self.coordinates)
-            raise InputError(f'{label}: there is no body "{name}"{nearest(name, known)}; bodies are added before what joins them')
+            raise InputError(
+                f'{label}: there is no body "{name}"{nearest(name, known)}; bodies are added before the elements between them'
+            )
+
+
+# The factors of the matrices of a lumped model: K = B^T diag(k) B, C = B^T diag(c) B, M = diag(m).
+
+
+@dataclass(frozen=True)
+class Branches:
+    """The springs or the dampers of a model with n coordinates, one a row.
+
+    Attributes:
+        incidence: B, -1 at the start, 1 at the end, nothing for the ground, shape (p, n).
+        constants: stiffness or damping, all positive, shape (p,).
+        rest: elongation without force, shape (p,); zero for dampers.
+        names: of the elements.
+    """
+
+    incidence: np.ndarray
+    constants: np.ndarray
+    rest: np.ndarray
+    names: tuple[str, ...]
+
+    @property
+    def matrix(self) -> ElementMatrix:
+        """B^T diag(constants) B, shape (n, n)."""
+        return ElementMatrix(self.incidence, self.constants)
+
+    def rest_force(self) -> np.ndarray:
+        """B^T diag(constants) rest: the force of the rest lengths at x = 0, shape (n,)."""
+        return self.incidence.T @ (self.constants * self.rest)
+
+
+@dataclass(frozen=True)
+class Incidence:
+    """All factors of a model.
+
+    Attributes:
+        springs, dampers: the branches of K and of C.
+        masses: masses and inertias by coordinate, zero for nodes, shape (n,).
+    """
+
+    springs: Branches
+    dampers: Branches
+    masses: np.ndarray
+
+
+def incidence_of(elements: Sequence[Element]) -> Incidence:
+    """The factors of the bodies, springs and dampers among these elements."""
+    bodies = [element for element in elements if isinstance(element, Body)]
+    names = [body.name for body in bodies]
+    springs = [element for element in elements if isinstance(element, (Spring, TorsionSpring))]
+    dampers = [element for element in elements if isinstance(element, (Damper, TorsionDamper))]
+    return Incidence(_branches(springs, names), _branches(dampers, names), np.array([body.constant for body in bodies]))
+
+
+def coordinate_row(coefficients: Mapping[str, float], names: Sequence[str]) -> np.ndarray:
+    """Coefficients by name as a row.
+
+    Args:
+        coefficients: those of names that are no coordinate, as the ground, drop out.
+        names: of the n coordinates.
+
+    Returns:
+        Shape (n,).
+    """
+    return np.array([coefficients.get(name, 0.0) for name in names])
+
+
+def _branches(links: Sequence[Link], names) -> Branches:
+    rows = [coordinate_row({link.start: -1.0, link.end: 1.0}, names) for link in links]
+    return Branches(
+        incidence=np.array(rows).reshape(len(links), len(names)),
+        constants=np.array([link.constant for link in links]),
+        rest=np.array([link.rest for link in links]),
+        names=tuple(link.name for link in links),
+    )
+
+
+def _energy_parts(factors: Incidence, names: Sequence[str]) -> EnergyParts:
+    """Every mass and every spring by its name; joints without mass are none."""
+    unit_rows, springs = np.eye(len(names)), factors.springs
+    masses = {name: ElementMatrix(row[None], [mass]) for name, row, mass in zip(names, unit_rows, factors.masses) if mass}
+    by_spring = zip(springs.names, springs.incidence, springs.constants)
+    return EnergyParts(masses, {name: ElementMatrix(row[None], [constant]) for name, row, constant in by_spring})

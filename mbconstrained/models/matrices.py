@@ -1,4 +1,4 @@
-"""Matrices kept in files: NumPy .npz, Matrix Market .mtx and .csv, read as data and never as code."""
+"""Matrices in files: NumPy .npz, Matrix Market .mtx and .csv, read as data and never as code."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..checks import nearest, real_array
-from ..errors import InputError
+from ..ground.checks import nearest, real_array
+from ..ground.errors import InputError
 
 LARGEST_FILE = 200_000_000  # bytes, also of one unpacked array
 LARGEST_SIDE = 5000  # rows or columns: 200 MB as float64
@@ -54,20 +54,20 @@ def _check_file(path: Path) -> None:
         others = [other.name for other in path.parent.glob("*") if other.is_file()] if path.parent.is_dir() else []
         raise InputError(f"{path.name}: there is no such file in the folder{nearest(path.name, others)}")
     if not path.is_file():
-        raise InputError(f"{path.name}: expected a file, found something else of that name")
+        raise InputError(f"{path.name}: expected a file, found another object of that name")
     size = path.stat().st_size
     if size > LARGEST_FILE:
         raise InputError(f"{path.name}: the file has {size:,} bytes; at most {LARGEST_FILE:,} are read")
     if size == 0:
         raise InputError(f"{path.name}: the file is empty")
-    with open(path, "rb"):  # not every reader says so itself when the file may not be read
+    with open(path, "rb"):  # not every reader reports a missing permission itself
         return
 
 
 def _check_size(path: Path, shape: tuple[int, ...]) -> None:
     if any(side > LARGEST_SIDE for side in shape):
-        found = " x ".join(map(str, shape))
-        raise InputError(f"{path.name}: the matrix is {found}; at most {LARGEST_SIDE} rows and columns are read")
+        shape_text = " x ".join(map(str, shape))
+        raise InputError(f"{path.name}: the matrix is {shape_text}; at most {LARGEST_SIDE} rows and columns are read")
 
 
 def _from_npz(path: Path, array: str | None) -> np.ndarray:
@@ -80,12 +80,12 @@ def _from_npz(path: Path, array: str | None) -> np.ndarray:
     except InputError:
         raise
     except (ValueError, EOFError, MemoryError, NotImplementedError, RuntimeError, zipfile.BadZipFile) as problem:
-        raise InputError(f"{path.name}: not an .npz file of plain numbers ({_first_line(problem)})") from None
+        raise InputError(f"{path.name}: not an .npz file of numbers ({_first_line(problem)})") from None
 
 
 def _chosen(path: Path, array: str | None, sizes: dict[str, int]) -> str:
     if array is None and len(sizes) != 1:
-        raise InputError(f"{path.name}: holds the arrays {', '.join(sizes) or 'none'}; say which one is meant")
+        raise InputError(f"{path.name}: holds the arrays {', '.join(sizes) or 'none'}; give the name of one")
     name = next(iter(sizes)) if array is None else array
     if name not in sizes:
         raise InputError(f"{path.name}: no array {name} in it{nearest(name, sizes)}; it holds {', '.join(sizes)}")
@@ -95,7 +95,7 @@ def _chosen(path: Path, array: str | None, sizes: dict[str, int]) -> str:
 
 
 def _from_matrix_market(path: Path) -> np.ndarray:
-    import scipy.io  # costs a quarter of a second: only where a scene has such a file
+    import scipy.io  # takes a quarter of a second
 
     try:
         _check_size(path, scipy.io.mminfo(path)[:2])
@@ -119,7 +119,7 @@ def _row(path: Path, number: int, line: str) -> list[float]:
         return [float(entry) for entry in line.split(",")]
     except ValueError:
         raise InputError(
-            f"{path.name}, line {number}: found {ascii(line[:40])}; expected numbers separated by commas, "
+            f"{path.name}, line {number}: found {line[:40]!a}; expected numbers separated by commas, "
             "with a decimal point; a line that begins with # is left out"
         ) from None
 

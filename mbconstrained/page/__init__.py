@@ -1,12 +1,7 @@
-"""The page: what was solved, as one static HTML file with the model moving, plots and tables."""
+"""The page: a model with its motion, plots and tables as one static HTML file.
 
-from .content import Animation, PageContent, Table
-from .drawing import Body, Drawing, Link
-from .html import page_html
-from .keyframes import KeyFrames, key_frames
-from .mode_content import ModePicture, ModesContent, cycle
-from .modes_html import modes_html
-from .parts import Part
-from .path import Path
-from .plot_content import Curve, PhasePlot, Plot
-from .write import write_page
+It draws lumped models, robots and coordinates; it imports the rooms of the mathematics, ``models`` and ``ground``, and no other
+room that users see. Read ``drawing`` (bodies, links, paths and their layout), ``content`` (plots, tables, figures),
+``animation`` (key frames and figure data), ``plots``, ``sections`` (HTML), ``mode_page`` (mode shapes) and ``html``, which writes
+a page with its scripts and security policy. ``assets`` has the scripts and the style sheet.
+"""

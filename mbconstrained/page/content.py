@@ -1,95 +1,79 @@
-"""What a page shows: an animation, plots, tables, notices and facts. The only input of ``page_html``."""
+"""What a page shows: plots, formulas, figures, tables, notices and facts; the animation has a folder of its own."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..checks import counted, names_of
-from ..errors import InputError
-from ..notices import Notice
-from .drawing import Drawing
-from .marks import Marks
-from .plot_content import PhasePlot, Plot, ascending_times, drawable
-from .still import checked_svg
+from ..ground.checks import real_array
+from ..ground.display import TextTable
+from ..ground.errors import InputError
+from ..ground.notices import Notice
+
+if TYPE_CHECKING:
+    from .animation.animation import Animation
+
+#: Larger numbers cannot be drawn: the arithmetic of axes and of interpolation would overflow.
+LARGEST = 1e290
 
 
 @dataclass(frozen=True)
-class Animation:
-    """A drawing and how its coordinates move.
+class Curve:
+    """One line of a plot.
 
     Attributes:
-        drawing: bodies and links.
-        names: r coordinate names; those that the drawing does not use are still reported by the page.
+        name: for the legend.
+        values: shape (T,), at the plot's times.
+        color: number of its colour and dashes; for a coordinate its number in the animation, so that the curve has the
+            colour of the body that it moves. None for its number in the plot.
+    """
+
+    name: str
+    values: np.ndarray
+    color: int | None = None
+
+
+@dataclass(frozen=True)
+class Plot:
+    """Curves over time, or in a phase plane.
+
+    Attributes:
+        title: heading, such as "displacement".
+        unit: of the curves, such as "m"; an empty string for a pure number.
         times: shape (T,), ascending, in s.
-        values: shape (r, T), in the units of the coordinates.
-        rates: their time derivatives, shape (r, T); estimated from the values when None. With them the motion between
-            the times is exact to fourth order in their spacing.
-        marks: arrows of forces, and jumps and impulses, that are drawn over the model.
+        curves: their values have the shape of the times.
+        across: of a phase plane, a curve along the horizontal axis, whose name is its title; None for the time.
+        across_unit: of the horizontal axis.
+        quantity: title of the vertical axis; an empty string for that of the plot.
 
     Raises:
         InputError: shapes that do not match, NaN, infinity or numbers beyond 1e290, times that do not ascend.
     """
 
-    drawing: Drawing
-    names: tuple[str, ...]
+    title: str
+    unit: str
     times: np.ndarray
-    values: np.ndarray
-    rates: np.ndarray | None = None
-    marks: Marks = Marks()
+    curves: tuple[Curve, ...]
+    across: Curve | None = None
+    across_unit: str = "s"
+    quantity: str = ""
 
     def __post_init__(self):
-        times = ascending_times(self.times, "animation, times")
-        values = drawable(self.values, "animation, values", (None, len(times)))
+        times = ascending_times(self.times, f'plot "{self.title[:60]}", times')
         object.__setattr__(self, "times", times)
-        object.__setattr__(self, "values", values)
-        object.__setattr__(self, "names", names_of(self.names, len(values), "animation, names", "x"))
-        if self.rates is not None:
-            object.__setattr__(self, "rates", drawable(self.rates, "animation, rates", values.shape))
-        for body in self.drawing.bodies:
-            if body.path is not None and body.path.count not in (1, len(times)):
-                poses, expected = counted(body.path.count, "pose"), counted(len(times), "time")
-                raise InputError(f'body "{body.name[:60]}", path: found {poses} for {expected}; give one each, or one alone')
+        object.__setattr__(self, "curves", tuple(self._checked(curve, i) for i, curve in enumerate(self.curves)))
+        object.__setattr__(self, "across", self.across and self._checked(self.across, 0))
+
+    def _checked(self, curve: Curve, place: int) -> Curve:
+        values = drawable(curve.values, f'plot "{self.title[:60]}", curve "{curve.name}"', self.times.shape)
+        return Curve(curve.name, values, place if curve.color is None else curve.color)
 
     @property
-    def with_forces(self) -> tuple[tuple[str, ...], np.ndarray, np.ndarray, np.ndarray | None]:
-        """Names, times, values and rates, the forces that arrows show among them as if they were coordinates."""
-        forces = self.marks.forces
-        names = (*self.names, *(name for force in forces for name in force.names))
-        values = np.vstack([self.values, *(force.values for force in forces)])
-        rates = None if self.rates is None else np.vstack([self.rates, *(force.rates for force in forces)])
-        return names, self.times, values, rates
-
-
-@dataclass(frozen=True)
-class Table:
-    """A titled table of texts; a column in which every entry starts like a number is set flush right.
-
-    Attributes:
-        title: heading.
-        columns, rows: headings, and texts below them.
-        note: a sentence below, or an empty string.
-        folded: only the title is shown until it is clicked; on paper all of it.
-
-    Raises:
-        InputError: a row whose length is not the number of columns.
-    """
-
-    title: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    note: str = ""
-    folded: bool = False
-
-    def __post_init__(self):
-        object.__setattr__(self, "columns", tuple(str(column) for column in self.columns))
-        object.__setattr__(self, "rows", tuple(tuple(str(cell) for cell in row) for row in self.rows))
-        for number, row in enumerate(self.rows, start=1):
-            if len(row) != len(self.columns):
-                raise InputError(
-                    f'table "{self.title}": row {number} has {len(row)} entries for {len(self.columns)} columns; give one each'
-                )
+    def horizontal(self) -> Curve:
+        """The values along the horizontal axis and their name."""
+        return self.across or Curve("time", self.times)
 
 
 @dataclass(frozen=True)
@@ -98,35 +82,24 @@ class Formulas:
 
     Attributes:
         title: heading.
-        lines: elements <math>, made by this package: they are the only markup that a page takes as it is.
+        lines: elements <math>, which the page includes as they are.
         note: a sentence below, or an empty string.
-
-    Raises:
-        InputError: a line that is no element <math>.
     """
 
     title: str
     lines: tuple[str, ...]
     note: str = ""
 
-    def __post_init__(self):
-        for line in self.lines:
-            if not (line.startswith("<math") and line.endswith("</math>")) or "<script" in line.lower():
-                raise InputError(f"formula: found {line[:60]!r}; expected an element <math>")
-
 
 @dataclass(frozen=True)
 class Figure:
-    """A still picture, full width.
+    """A static figure over the full width.
 
     Attributes:
         title: heading.
-        svg: one element <svg>, made by this package: shapes and texts, which refer to nothing outside it.
-        description: what the picture shows, for those who cannot see it.
+        svg: one element <svg> of shapes and texts, without references to anything outside it; the page includes it as it is.
+        description: a text alternative.
         note: a sentence below, or an empty string.
-
-    Raises:
-        InputError: anything else in the picture, such as a script, an image or an address.
     """
 
     title: str
@@ -134,27 +107,65 @@ class Figure:
     description: str
     note: str = ""
 
-    def __post_init__(self):
-        checked_svg(self.svg, f'figure "{self.title[:60]}"')
-
 
 @dataclass(frozen=True)
 class PageContent:
-    """Everything on one page; what is None or empty leaves no trace in the file.
+    """The content of one page; what is None or empty leaves no trace in the file.
 
     Attributes:
-        title, source: heading of the page and the line under it (where the model is from).
-        formulas: in MathML, or None.
+        title, source: heading of the page and the line under it.
         facts: pairs of a label and a text for the end of the page, such as ("Coordinates", "3").
-        figures: still pictures, right after the notices.
+        figures: after the notices.
     """
 
     title: str
     source: str = ""
     animation: Animation | None = None
-    plots: tuple[Plot | PhasePlot, ...] = ()
-    tables: tuple[Table, ...] = ()
+    plots: tuple[Plot, ...] = ()
+    tables: tuple[TextTable, ...] = ()
     notices: tuple[Notice, ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
     formulas: Formulas | None = None
     figures: tuple[Figure, ...] = ()
+
+
+def drawable(value, what: str, shape: tuple[int | None, ...]) -> np.ndarray:
+    """An array of numbers small enough that their differences are finite.
+
+    Args:
+        value: the numbers.
+        what: their name in messages.
+        shape: the expected one; None for any length.
+
+    Returns:
+        The numbers as an array of this shape.
+
+    Raises:
+        InputError: another shape, NaN, infinity or numbers beyond 1e290.
+    """
+    array = real_array(value, what, shape=shape)
+    if np.abs(array).max(initial=0.0) > LARGEST:
+        raise InputError(f"{what}: found {np.abs(array).max():.3g}, which is too large to draw; give an earlier end")
+    return array
+
+
+def ascending_times(value, what: str) -> np.ndarray:
+    """Times, each after the one before.
+
+    Args:
+        value: the times in s.
+        what: their name in messages.
+
+    Returns:
+        The times, shape (T,), at least one.
+
+    Raises:
+        InputError: no times, or times that do not ascend.
+    """
+    times = drawable(value, what, (None,))
+    if len(times) == 0:
+        raise InputError(f"{what}: no times found; give at least one")
+    if (np.diff(times) <= 0).any():
+        place = int(np.argmax(np.diff(times) <= 0))
+        raise InputError(f"{what}: {times[place]:g} s is followed by {times[place + 1]:g} s; times must ascend")
+    return times

@@ -1,77 +1,257 @@
-"""The page of a run: heading, notices, still pictures, the moving picture, plots, tables and facts as one static HTML file."""
+"""A page as one static HTML file: that of a run or that of its mode shapes.
+
+The page fetches nothing, and only the scripts written here can run: its content security policy forbids everything else and
+names the scripts by their hashes. The same content always gives the same bytes.
+"""
 
 from __future__ import annotations
 
-import numpy as np
+import base64
+import gzip
+import hashlib
+import html
+import importlib.util
+import json
+import math
+from pathlib import Path
+from typing import Literal
 
-from .content import Animation, PageContent
-from .document import Delivery, document, page_scripts
-from .figure import figure_data, unseen_errors
-from .keyframes import KeyFrames, key_frames
-from .marks_data import marks_data, moment_frames
-from .marks_reach import with_arrows
-from .readings import Coordinates
-from .sections import footer, formula_section, header, notice_section, plot_figures, still_figure, table_section
-from .stage import decimals, stage_section
+from ..ground.errors import InputError, MbconstrainedError
+from ..ground.files import Replacements
+from .animation.animation import Animation
+from .animation.figure import figure_data, invisible_errors
+from .animation.keyframes import KeyFrames, key_frames
+from .animation.overlay import force_scale
+from .content import PageContent
+from .mode_page import ModesContent, mode_sections
+from .plots.svg_plot import AnimatedCoordinates, plot_figures
+from .sections import figure_section, formula_section, notice_section, stage_section, table_section
+from .typeset import typeset
+
+#: Where the 3-D viewer is: in the page, in a file that many pages share, or in the page and compressed with all scripts.
+Delivery = Literal["inside", "separate", "compressed"]
+
+#: The viewer in a file of its own, next to the pages that share it.
+VIEWER_FILE = "mbconstrained-viewer.js"
+
+_ASSETS = Path(__file__).with_name("assets")
+_ANIMATION = ("motion.js", "shapes.js", "solids.js", "links.js", "names.js", "stage.js", "player.js", "keys.js", "print.js")
 
 
-def page_html(content: PageContent, viewer: Delivery = "inside") -> str:
+def write_page(path, content: PageContent | ModesContent, viewer: Delivery = "inside", files: Replacements | None = None) -> Path:
+    """Write a page; a file that was there before stays as it was unless the new one is complete.
+
+    Args:
+        path: of the page.
+        content: what it shows.
+        viewer: where the script of the 3-D viewer is, as in ``page_html``; a "separate" one is written next to the page.
+        files: takes their places together with others; None for the page alone.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: the content cannot be drawn, or the files cannot be written.
+    """
+    path = Path(path)
+    if files is None:
+        try:
+            with Replacements() as files:
+                return write_page(path, content, viewer, files)
+        except OSError as error:
+            raise InputError(f'the page "{path}" cannot be written: {error.strerror or error}; give another path') from None
+    text = page_html(content, viewer)
+    files.temporary(path).write_bytes(text.encode("utf-8", errors="replace"))
+    if f'src="{VIEWER_FILE}"' in text:
+        files.temporary(path.with_name(VIEWER_FILE)).write_text(viewer_script(), encoding="utf-8")
+    return path
+
+
+def page_html(content: PageContent | ModesContent, viewer: Delivery = "inside") -> str:
     """The whole page as text.
 
     An animation brings the viewer, its controls and one script, plots bring a script; without both there is no script in
     the page at all.
 
     Args:
-        content: what is shown.
-        viewer: where the script of the 3-D viewer is: "inside" the page; "beside" it, in a file that many pages share
-            (``mbconstrained.page.viewer``); or "compressed" inside it.
+        content: what it shows.
+        viewer: where the script of the 3-D viewer is: "inside" the page; in a "separate" file next to it, which many pages
+            share; or "compressed" inside it.
+
+    Returns:
+        The HTML.
 
     Raises:
-        InputError: the drawing names a coordinate that the animation does not have.
+        InputError: the motion is too large to be drawn.
         MbconstrainedError: there is an animation, but meshcat is not installed.
 
-    >>> "<script" in page_html(PageContent("Nothing moves"))
+    >>> "<script" in page_html(PageContent("Only a title"))
     False
     """
-    frames = None if content.animation is None else _frames(content.animation)
-    moves, plots = frames is not None, any(plot.curves and len(plot.times) > 1 for plot in content.plots)
-    figure = _figure(content.animation, frames) if moves else None
-    unseen = unseen_errors(content.animation.drawing, frames.names, figure) if moves else None
-    parts = [
-        header(content, with_theme=moves or plots),
+    names, has_curves = [], False
+    if isinstance(content, ModesContent):
+        sections, data = mode_sections(content)
+    else:
+        sections, data = _run_sections(content)
+        has_curves = any(plot.curves and len(plot.times) > 1 for plot in content.plots)
+    if data:
+        kind = "modes.js" if isinstance(content, ModesContent) else "run.js"
+        names = [*_ANIMATION, *["overlay.js"] * ("overlay" in data["figure"]), kind]
+    if data or has_curves:
+        names = ["theme.js", *["plots.js"] * has_curves, *names]
+    elements, allowed = _scripts(names, data, viewer)
+    body = [
+        _header(content.title, content.source, with_theme=bool(names)),
         "<main>",
         notice_section(content.notices),
-        *(still_figure(figure) for figure in content.figures),
-        stage_section(content.animation, frames) if moves else "",
-        plot_figures(content.plots, Coordinates(content.animation, frames, unseen[0]) if moves else None),
-        formula_section(content.formulas),
-        *(table_section(table) for table in content.tables),
+        *sections,
         "</main>",
-        footer(content.facts, with_viewer=moves),
+        _footer(content.facts, viewer_licences() if data else ""),
+        *elements,
     ]
-    data = _data(figure, frames, unseen) if moves else None
-    scripts = page_scripts("run.js" if moves else "", data, plots=plots, delivery=viewer)
-    return document(content.title, "\n".join(filter(None, parts)), scripts)
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src {allowed}; style-src 'unsafe-inline'; \
+base-uri 'none'; form-action 'none'">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>{html.escape(content.title)}</title>
+<style>
+{_asset("page.css")}</style>
+</head>
+<body>
+{chr(10).join(filter(None, body))}
+</body>
+</html>
+"""
 
 
-def _frames(animation: Animation) -> KeyFrames:
-    return key_frames(animation.drawing, *animation.with_forces)
+def _header(title: str, source: str, *, with_theme: bool) -> str:
+    """Title and source, and with scripts the switch from light to dark."""
+    source = f"\n<p>{html.escape(source)}</p>" if source else ""
+    theme = '\n<button type="button" id="theme" aria-pressed="false">Dark</button>' if with_theme else ""
+    return f"<header>\n<h1>{html.escape(title)}</h1>{source}{theme}\n</header>"
 
 
-def _data(figure: dict, frames: KeyFrames, unseen: tuple[np.ndarray, tuple[float, float]]) -> dict:
-    return {
-        "figure": figure,
-        "frames": frames.as_data(*unseen),
-        "decimals": decimals(frames),
-        "unit": "s",
-    }
+def _footer(facts: tuple[tuple[str, str], ...], licences: str) -> str:
+    """Facts, and the licences of the 3-D viewer where the page contains it."""
+    rows = "".join(f"<dt>{html.escape(label)}</dt><dd>{typeset(text)}</dd>" for label, text in facts)
+    details = f'<details><summary>Licences of the 3-D viewer</summary><pre tabindex="0">{html.escape(licences)}</pre></details>\n'
+    return f"<footer>\n{f'<dl>{rows}</dl>{chr(10)}' if facts else ''}{details if licences else ''}</footer>"
 
 
-def _figure(animation: Animation, frames: KeyFrames) -> dict:
-    drawing, marks = animation.drawing, animation.marks
-    if not marks:
-        return figure_data(drawing, frames)
-    before = (moment_frames(drawing, frames, moment) for moment in marks.moments)
-    figure = figure_data(drawing, frames, *before)
-    drawn = {"marks": marks_data(marks, drawing, frames, figure["unit"])}
-    return {**figure, **drawn, "bounds": with_arrows(figure["bounds"], marks, drawing, frames, figure["unit"])}
+def _run_sections(content: PageContent) -> tuple[list[str], dict]:
+    """The sections of the page of a run, and the data of its animation; none without."""
+    animation, stage, data, coordinates = content.animation, "", {}, None
+    if animation is not None:
+        frames = key_frames(animation)
+        figure = figure_data(animation.drawing, [frames], animation.overlay)
+        errors = invisible_errors(animation.drawing, frames.names, figure)
+        start, end = float(frames.times[0]), float(frames.times[-1])
+        decimals = min(12, max(0, 3 - math.floor(math.log10(end - start)))) if end > start else 3
+        data = {"figure": figure, "frames": frames.as_data(*errors), "decimals": decimals, "unit": "s"}
+        coordinates = AnimatedCoordinates(animation, frames, errors[0])
+        usual = 1.0 if 3 <= end - start <= 90 or end <= start else 10.0 ** round(math.log10((end - start) / 15))
+        speeds = [usual * factor for factor in (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)]  # 1 shows the motion in 3 to 90 s
+        stage = stage_section(start, end, _magnification(animation, frames), ("time in seconds", "s"), speeds, usual)
+    return [
+        *map(figure_section, content.figures),
+        stage,
+        plot_figures(content.plots, coordinates),
+        formula_section(content.formulas) if content.formulas else "",
+        *map(table_section, content.tables),
+    ], data
+
+
+def _magnification(animation: Animation, frames: KeyFrames) -> str:
+    """The drawing's note, the magnification of the motion and the scale of the arrows."""
+    drawing = animation.drawing
+    texts = []
+    if any(body.path and body.path.moves for body in drawing.bodies) and drawing.scale != 1:
+        texts.append(f"motion drawn {drawing.scale:g} × as large")
+    elif any(body.moves for body in drawing.bodies) and drawing.scale != 1:
+        texts.append(f"displacements drawn {drawing.scale:g} × as large")
+    if any(body.turns for body in drawing.bodies) and drawing.turn_scale != 1:
+        texts.append(f"angles drawn {drawing.turn_scale:g} × as large")
+    if animation.overlay.forces:
+        texts.append(f"arrows: {animation.overlay.description}, {force_scale(animation.overlay.forces)}")
+    if frames.stride > 1:
+        texts.append(f"one in {frames.stride} of the times")
+    return " · ".join(filter(None, (drawing.note, *texts)))
+
+
+def _scripts(names: list[str], data: dict, delivery: Delivery) -> tuple[list[str], str]:
+    """The elements at the end of the body, and the sources of scripts that the policy allows.
+
+    The page's own scripts are in one scope, so that the only global name is ``mbconstrained``.
+    """
+    if not names:
+        return [], "'none'"
+    own = '(function () {\n"use strict";\n' + "\n".join(map(_asset, names)) + "})();\n"
+    if not data:
+        return [f"<script>{own}</script>"], _hashes(own)
+    viewer, text = viewer_script(), script_json(data)
+    if delivery == "compressed":
+        unpack = _asset("unpack.js")
+        packed = [
+            f'<script type="application/gzip" data-content="{name}">{_base64(gzip.compress(part.encode(), 9, mtime=0))}</script>'
+            for name, part in (("viewer", viewer), ("motion-data", text), ("own", own))
+        ]
+        return [*packed, f"<script>{unpack}</script>"], _hashes(unpack, viewer, own)
+    data_element = f'<script type="application/json" id="motion-data">{text}</script>'
+    if delivery == "separate":
+        allowed = f"'self' file: {_hashes(own)}"  # not all browsers take file: for 'self'
+        return [data_element, f'<script src="{VIEWER_FILE}"></script>', f"<script>{own}</script>"], allowed
+    return [data_element, f"<script>{viewer}</script>", f"<script>{own}</script>"], _hashes(viewer, own)
+
+
+def _base64(content: bytes) -> str:
+    return base64.b64encode(content).decode("ascii")
+
+
+def _hashes(*texts: str) -> str:
+    return " ".join(f"'sha256-{_base64(hashlib.sha256(text.encode()).digest())}'" for text in texts)
+
+
+def script_json(data) -> str:
+    """JSON that can stand in a script element: nothing in it can end the element or start another.
+
+    >>> script_json("</script>")
+    '"\\\\u003c/script\\\\u003e"'
+    """
+    text = json.dumps(data, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _asset(name: str) -> str:
+    return (_ASSETS / name).read_text(encoding="utf-8")
+
+
+def viewer_script() -> str:
+    """MeshCat's viewer, one file of JavaScript that can be included in a page.
+
+    Raises:
+        MbconstrainedError: meshcat is not installed, or its script cannot be included in a page.
+    """
+    text = (_viewer_folder() / "dist" / "main.min.js").read_text(encoding="utf-8")
+    if "</script" in text.lower() or "<!--" in text:
+        raise MbconstrainedError("meshcat: its script cannot be included in a page; install meshcat 0.3.2")
+    return text
+
+
+def viewer_licences() -> str:
+    """The licences under which MeshCat and the libraries in its script may be passed on."""
+    texts = ["MeshCat\n\n" + (_viewer_folder() / "LICENSE").read_text(encoding="utf-8").strip()]
+    rows = json.loads((_viewer_folder() / "dist" / "main.min.js.THIRD_PARTY_LICENSES.json").read_text(encoding="utf-8"))
+    texts += [f"{row['name']} {row['version']} ({row['license']})\n\n{row['licenseText'] or ''}".strip() for row in rows]
+    return "\n\n\n".join(texts)
+
+
+def _viewer_folder() -> Path:
+    """The package is located, not imported: importing it would load IPython, zmq and tornado."""
+    package = importlib.util.find_spec("meshcat")
+    if package is None:
+        raise MbconstrainedError('the animation needs the package "meshcat", which is not installed: pip install meshcat')
+    return Path(package.submodule_search_locations[0]) / "viewer"

@@ -1,101 +1,88 @@
-"""The parts of the page that need no script: heading, notices, plots, tables, facts. All texts are escaped."""
+"""The sections of a page as HTML: notices, figures, formulas, tables, and the animation with its controls.
+
+All texts are escaped.
+"""
 
 from __future__ import annotations
 
 import html
 import re
+from collections.abc import Sequence
 
-from ..notices import Notice
-from .content import Figure, Formulas, PageContent, Table
-from .mode_content import ModesContent
-from .plot_content import PhasePlot, Plot
-from .plots import plot_figure
-from .readings import Coordinates
+from ..ground.display import TextTable
+from ..ground.notices import Notice
+from .content import Figure, Formulas
 from .typeset import typeset
-from .viewer import viewer_licences
 
-#: A cell of more letters than this is a sentence, or a long one.
+#: A table cell with more letters than the first is a sentence, with more than the second a long one.
 SENTENCE, LONG_SENTENCE = 24, 40
 
-#: Letters of a name that is read out.
-LONGEST_NAME = 100
+#: Letters of a name for assistive technology.
+LONGEST_LABEL = 100
 
-
-def header(content: PageContent | ModesContent, *, with_theme: bool = False) -> str:
-    """Title and source, and where there are scripts the switch from light to dark."""
-    source = f"\n<p>{html.escape(content.source)}</p>" if content.source else ""
-    theme = '\n<button type="button" id="theme" aria-pressed="false">Dark</button>' if with_theme else ""
-    return f"<header>\n<h1>{html.escape(content.title)}</h1>{source}{theme}\n</header>"
-
-
-def plot_figures(plots: tuple[Plot | PhasePlot, ...], coordinates: Coordinates | None = None) -> str:
-    """All plots, in pairs side by side where the window is wide enough; one without a partner takes the whole width.
-
-    Args:
-        coordinates: of the animation on the same page.
-    """
-    paired = len(plots) - len(plots) % 2
-    figures = "\n".join(plot_figure(plot, coordinates, alone=i >= paired) for i, plot in enumerate(plots))
-    return f'<div class="plots">\n{figures}\n</div>' if plots else ""
+_KEYS = (
+    ("Space", "play, pause"),
+    ("←</kbd> <kbd>→", "back, forward by a hundredth of the duration"),
+    ("Home</kbd> <kbd>End", "to the start, to the end"),
+    ("+</kbd> <kbd>−", "faster, slower"),
+    ("L", "loop at the end, or stop there"),
+    ("?", "this list"),
+)
 
 
 def notice_section(notices: tuple[Notice, ...]) -> str:
     """The notices, doubtful ones first and as warnings."""
     if not notices:
         return ""
-    ordered = sorted(notices, key=lambda notice: not notice.doubtful)
-    return f'<section class="notices" aria-label="Notes and warnings">{"".join(_notice(notice) for notice in ordered)}</section>'
+    rows = []
+    for notice in sorted(notices, key=lambda notice: not notice.doubtful):
+        kind, label = ("notice doubtful", "Warning") if notice.doubtful else ("notice", "Note")
+        rows.append(f'<p class="{kind}"><b>{label} ({html.escape(notice.kind)}):</b> {typeset(notice.text)}</p>')
+    return f'<section class="notices" aria-label="Notes and warnings">{"".join(rows)}</section>'
 
 
-def _notice(notice: Notice) -> str:
-    kind, label = ("notice doubtful", "Warning") if notice.doubtful else ("notice", "Note")
-    return f'<p class="{kind}"><b>{label} ({html.escape(notice.kind)}):</b> {typeset(notice.text)}</p>'
+def figure_section(figure: Figure) -> str:
+    """One <figure> over the whole width; in a narrow window it scrolls, so that it stays readable."""
+    labelled = f'<svg role="img" aria-label="{html.escape(figure.description)}"'
+    svg = figure.svg.strip().replace("<svg", labelled, 1)
+    title = f'<figure class="static">\n<h2>{html.escape(figure.title)}</h2>'
+    return f"{title}\n{_scrollable(figure.title)}{svg}</div>{_note(figure.note, before=chr(10))}\n</figure>"
 
 
-def still_figure(figure: Figure) -> str:
-    """One <figure> over the whole width; where the window is narrow the picture scrolls, so that it stays readable."""
-    spoken = f'<svg role="img" aria-label="{html.escape(figure.description)}"'
-    svg = figure.svg.strip().replace("<svg", spoken, 1)
-    note = f'\n<p class="note">{typeset(figure.note)}</p>' if figure.note else ""
-    return f'<figure class="still">\n<h2>{html.escape(figure.title)}</h2>\n<div class="scroll" {_scrolls(figure.title)}>{svg}</div>{note}\n</figure>'
-
-
-def formula_section(formulas: Formulas | None) -> str:
-    """Formulas, each of them in a box of its own that scrolls where it is too wide."""
-    if formulas is None:
-        return ""
+def formula_section(formulas: Formulas) -> str:
+    """Formulas, each in a box of its own that scrolls where it is too wide."""
     lines = "\n".join(f'<div class="formula">{line}</div>' for line in formulas.lines)
-    note = f'<p class="note">{typeset(formulas.note)}</p>' if formulas.note else ""
-    return f'<section class="formulas">\n<h2>{html.escape(formulas.title)}</h2>\n<div class="all-formulas">{lines}</div>{note}\n</section>'
+    title = f'<section class="formulas">\n<h2>{html.escape(formulas.title)}</h2>'
+    return f'{title}\n<div class="all-formulas">{lines}</div>{_note(formulas.note)}\n</section>'
 
 
-def table_section(table: Table) -> str:
+def table_section(table: TextTable) -> str:
     """A titled table; columns of numbers are set flush right. A folded one shows its title only."""
-    title = f"<h2>{html.escape(table.title)}</h2>"
-    if table.folded:
-        return f'<section class="folded">\n<details><summary>{title}</summary>\n{_table(table)}\n</details>\n</section>'
-    return f"<section>\n{title}\n{_table(table)}\n</section>"
-
-
-def _table(table: Table) -> str:
     columns = list(zip(*table.rows)) or [()] * len(table.columns)
     kinds = [_kind(column) for column in columns]
     head = "".join(f'<th scope="col"{kind}>{typeset(text)}</th>' for kind, text in zip(kinds, table.columns))
     rows = "".join(
         "<tr>" + "".join(f"<td{kind}>{typeset(cell)}</td>" for kind, cell in zip(kinds, row)) + "</tr>\n" for row in table.rows
     )
-    note = f'<p class="note">{typeset(table.note)}</p>' if table.note else ""
-    rows = f"<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>"
-    return f'<div class="scroll" {_scrolls(table.title)}><table>\n{rows}\n</table></div>{note}'
+    body = f"<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table>"
+    content = f"{_scrollable(table.title)}{body}</div>{_note(table.note)}"
+    title = f"<h2>{html.escape(table.title)}</h2>"
+    if table.folded:
+        return f'<section class="folded">\n<details><summary>{title}</summary>\n{content}\n</details>\n</section>'
+    return f"<section>\n{title}\n{content}\n</section>"
 
 
-def _scrolls(name: str) -> str:
-    """Attributes of what may be wider than the window, so that the arrow keys can scroll it."""
-    return f'tabindex="0" role="group" aria-label="{html.escape(name[:LONGEST_NAME])}"'
+def _note(text: str, before: str = "") -> str:
+    return f'{before}<p class="note">{typeset(text)}</p>' if text else ""
+
+
+def _scrollable(name: str) -> str:
+    """The start of an element that may be wider than the window, so that the arrow keys can scroll it."""
+    return f'<div class="scroll" tabindex="0" role="group" aria-label="{html.escape(name[:LONGEST_LABEL])}">'
 
 
 def _kind(column: tuple[str, ...]) -> str:
-    """Numbers are flush right; sentences have room for some words in each line."""
+    """Numbers are flush right; columns of sentences are wide enough for some words in each line."""
     if column and all(map(is_number, column)):
         return ' class="number"'
     longest = max(map(len, column), default=0)
@@ -107,13 +94,46 @@ def is_number(cell: str) -> bool:
     return re.match(r"[-+−]?(± ?)?\d|[-–—]?$", cell) is not None
 
 
-def footer(facts: tuple[tuple[str, str], ...], *, with_viewer: bool) -> str:
-    """Facts, and the licences of what the page passes on."""
-    rows = "".join(f"<dt>{html.escape(label)}</dt><dd>{typeset(text)}</dd>" for label, text in facts)
-    facts_list = f"<dl>{rows}</dl>\n" if facts else ""
-    return f"<footer>\n{facts_list}{_licences() if with_viewer else ''}</footer>"
+def stage_section(
+    start: float, end: float, text: str, time: tuple[str, str], speeds: Sequence[float], usual: float, *, loop: bool = True
+) -> str:
+    """The animation: the stage, the controls below it, and the keyboard shortcuts as a closed dialog.
 
+    Args:
+        start, end: of the time slider.
+        text: shown over the picture.
+        time: name and unit of the time.
+        speeds, usual: of the speed menu, and the one that is selected.
+        loop: whether there is a button for looping.
 
-def _licences() -> str:
-    texts = html.escape(viewer_licences())
-    return f'<details><summary>Licences of the 3-D viewer</summary><pre tabindex="0">{texts}</pre></details>\n'
+    Returns:
+        The element <section>.
+    """
+    loop_button = '\n<button type="button" id="loop" aria-pressed="true">Loop</button>' if loop else ""
+    fixed = " disabled" if end == start else ""
+    options = "".join(f'<option value="{speed!r}"{" selected" if speed == usual else ""}>× {speed:g}</option>' for speed in speeds)
+    keys = "".join(f"<dt><kbd>{key}</kbd></dt><dd>{does}</dd>" for key, does in _KEYS if loop or key != "L")
+    return f"""<section class="motion">
+<h2 class="visually-hidden">Animation</h2>
+<div id="stage"><div class="view" role="img" aria-label="the model at the time of the slider" id="meshcat-pane" \
+title="drag to rotate, drag with the right button to pan, turn the wheel with the control key to zoom"></div>
+<div class="labels" aria-hidden="true"></div>
+<p class="magnification">{html.escape(text)}</p>
+<p class="missing">The 3-D view needs WebGL, which this browser does not offer.</p></div>
+<noscript><p class="note">The animation needs JavaScript.</p></noscript>
+<div class="controls">
+<button type="button" id="play"{fixed}>Play</button>
+<input type="range" id="time" min="{start!r}" max="{end!r}" step="any" value="{start!r}"
+ aria-label="{time[0]}" aria-valuetext="{start:g} {time[1]}"{fixed}>
+<span id="clock">{start:g} {time[1]}</span>
+<label>speed <select id="speed">{options}</select></label>{loop_button}
+<button type="button" id="reset">Reset view</button>
+<button type="button" id="keys" aria-label="Keyboard" title="Keyboard">?</button>
+</div>
+<p class="visually-hidden" id="announcement" role="status"></p>
+<dialog id="help" aria-label="Keyboard">
+<h2>Keyboard</h2>
+<dl>{keys}</dl>
+<button type="button" id="close">Close</button>
+</dialog>
+</section>"""

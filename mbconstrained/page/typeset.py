@@ -1,4 +1,4 @@
-"""Plain texts as a page shows them: powers of units raised, a complex number kept on one line."""
+"""Texts as a page shows them: raised powers of units, complex numbers on one line, long names shortened."""
 
 from __future__ import annotations
 
@@ -7,19 +7,17 @@ import re
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
-#: A unit with a power; nothing else is taken for one, so that a name such as "x^2" stays what it is.
+#: A unit with a power, but not a name such as "x^2".
 _POWER = re.compile(r"\b(kg|m|s|A|K|mol|cd|rad|N|J)\^(-?\d+)\b")
-
-_NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
 def typeset(text: str) -> str:
-    """HTML for a text of the user or of a table, escaped.
+    """HTML for a text of the user or of a table, escaped; no line ends within "-0.5 ± 0.25 i".
 
     >>> typeset("5 N s^2 < 1")
     '5 N s² &lt; 1'
     """
-    return html.escape(unbroken(raised(text)))
+    return html.escape(re.sub(r"(?<=\d) (?=±|i\b)|(?<=±) (?=\d)", "\N{NO-BREAK SPACE}", raised(text)))
 
 
 def raised(text: str) -> str:
@@ -40,7 +38,19 @@ def superscript(number: int) -> str:
     return str(number).translate(_SUPERSCRIPT)
 
 
-def unbroken(text: str) -> str:
-    """No line ends within "-0.5 ± 0.25 i"."""
-    text = re.sub(r"(?<=\d) (?=±)|(?<=±) (?=\d)", _NO_BREAK, text)
-    return re.sub(r"(?<=\d) (?=i\b)", _NO_BREAK, text)
+def shortened(text: object, length: int = 40) -> str:
+    """A text on one line, without characters that cannot be printed, cut off where it is longer.
+
+    Args:
+        text: of any kind.
+        length: largest number of letters.
+
+    Returns:
+        The text, or its beginning with an ellipsis.
+
+    >>> shortened("a\\nb"), shortened("abcdefgh", 5)
+    ('a b', 'abcd…')
+    """
+    text = "".join(letter if letter.isprintable() else " " for letter in str(text)[: 8 * length])
+    text = " ".join(text.split())
+    return text if len(text) <= length else text[: length - 1].rstrip() + "…"

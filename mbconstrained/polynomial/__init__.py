@@ -1,5 +1,8 @@
-"""Polynomial matrices A(s) = A_0 + A_1 s + ... + A_q s^q: evaluation, companion pencil, structure."""
+"""Polynomial matrices A(s) = A_0 + A_1 s + ... + A_q s^q: structure, finite and infinite Jordan pairs, reductions to first order.
 
-from .matrix import PolynomialMatrix
-
-__all__ = ["PolynomialMatrix"]
+May import ``ground``, ``linalg`` and ``signals``. ``polynomial_matrix`` stands at the top and imports the rest, which takes A(s) as
+an argument.
+Read in this order: ``polynomial_matrix``; ``companion`` (the scaled pencil), ``decoupling`` (its Weierstrass form), ``zeros`` and
+    ``structure``
+(multiplicities), ``jordan_pairs``; for equations that need no pencil ``direct_reduction``, ``conserved`` and ``reduced_equations``.
+"""

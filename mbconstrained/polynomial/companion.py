@@ -2,7 +2,7 @@
 
 E = diag(I, ..., I, A_q), F = [[0, I, ..., 0], ..., [-A_0, ..., -A_(q-1)]] is a strong linearization: it has the
 finite and the infinite elementary divisors of A(s), and its solutions from values at 0- are those of
-A(d/dt) x = f exactly, impulses included, because every row but the last only says that the next state is
+A(d/dt) x = f exactly, impulses included, because every row but the last only states that the next state is
 the derivative of the one before.
 """
 
@@ -10,16 +10,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..linalg.modular import chains_at_zero, remainders
-from ..linalg.noise import Noisy
+from ..ground.tolerances import EPS, NOISE_SAFETY
+from ..linalg.modular import zero_multiplicity
 from ..linalg.precise import is_precise, magnitude, of_kind, precise
+from ..linalg.rounding import Noisy
 from ..linalg.scaling import Scaling, joint_scaling
 from ..linalg.staircase import SplitPencil, split_regular
-from ..tolerances import EPS, NOISE_SAFETY
-from .matrix import PolynomialMatrix
+
+if TYPE_CHECKING:
+    from .polynomial_matrix import PolynomialMatrix
 
 
 @dataclass(frozen=True)
@@ -97,6 +100,14 @@ def scaled_companion(A: PolynomialMatrix, rank_tolerance: float | None = None, i
 
     Entries given in float64 are known to a unit in the last place, a coefficient given by its factors is known exactly; where
     a rank tolerance is given, a difference of entries counts as zero if it is no larger than that part of them.
+
+    Args:
+        A: A(s).
+        rank_tolerance: relative; None for rounding errors.
+        in_float64: else in precise arithmetic.
+
+    Returns:
+        The pencil with the noise of its entries.
     """
     exact = _with_first_power(A.coefficients if in_float64 else precise(A.exact_coefficients))
     scaling = joint_scaling(_with_first_power(_telling(A)))
@@ -113,16 +124,18 @@ def scaled_companion(A: PolynomialMatrix, rank_tolerance: float | None = None, i
 
 
 def multiplicity_at_zero(A: PolynomialMatrix) -> int:
-    """How often s = 0 is a zero of det A(s), regular, its entries taken as the exact numbers that they are."""
-    known = _with_first_power(remainders(A.exact_coefficients)).astype(float)
-    E, F = ScaledCompanion(Noisy.exact(known), Scaling(1.0, np.ones(A.size), np.ones(A.size))).pencil
-    return chains_at_zero(E.data, F.data)
+    """The multiplicity of s = 0 as a zero of det A(s), regular, its entries taken as the exact numbers that they are."""
+    *lower, highest = _with_first_power(A.exact_coefficients)
+    states, last = len(lower) * A.size, slice((len(lower) - 1) * A.size, None)
+    E, F = np.eye(states, dtype=object), np.eye(states, k=A.size, dtype=object)
+    E[last, last], F[last] = highest, -np.hstack(lower)
+    return zero_multiplicity(E, F)
 
 
 def _telling(A: PolynomialMatrix) -> np.ndarray:
     """The coefficients, without entries that may be nothing: they have no size to be scaled by.
 
-    Those are within their uncertainty, or a rounding of the largest of their row and of the largest of their column, in one
+    Those are within their uncertainty, or rounding errors of the largest of their row and of the largest of their column, in one
     coefficient: what computed matrices have in place of zeros.
     """
     size = np.abs(A.coefficients)
@@ -136,7 +149,15 @@ def _with_first_power(coefficients: np.ndarray) -> np.ndarray:
 
 
 def known_coefficient(A: PolynomialMatrix, power: int) -> Noisy:
-    """A_power with what is uncertain about it: precise and exact where it is given by its factors."""
+    """A_power with what is uncertain about it: precise and exact where it is given by its factors.
+
+    Args:
+        A: A(s).
+        power: of s.
+
+    Returns:
+        Shape (r, r).
+    """
     factors = A.factors[power]
     known = Noisy.rounded(A.coefficients[power]) if factors is None else Noisy.exact(precise(factors.exact))
     return Noisy(known.data, np.maximum(known.noise, A.uncertainty[power]))

@@ -15,10 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from ..linalg.blocks import BlockDiagonal, block_diagonalize, block_matrix
-from ..linalg.kinds import Matrix, filled_rows, full, others
-from ..linalg.sparse import solution
-from ..tolerances import DECOUPLING_LIMIT
+from ..ground.tolerances import DECOUPLING_LIMIT, EPS, FREE_MOTION_GAP, INTEGER_DISTANCE, SEPARATION_STEPS, noise_of
+from ..linalg.arrays import Matrix, filled_rows, full, others
+from ..linalg.blocks import BlockDiagonal, assembled, block_diagonalize, block_matrix
+from ..linalg.division import solution, without_noise
+from ..linalg.scaling import equilibration
 
 
 @dataclass(frozen=True)
@@ -29,15 +30,24 @@ class Conserved:
         rows: L, shape (k, n).
         blocks: of J.
         places: which states they replace, shape (k,).
+        left: R with L S = J L + R, shape (k, n): what soft supports of a free body change of them; None where there are none.
     """
 
     rows: np.ndarray
     blocks: tuple[np.ndarray, ...]
     places: np.ndarray
+    left: np.ndarray | None = None
 
 
 def lowest(M: Matrix, C: Matrix, K: Matrix) -> tuple[Matrix, np.ndarray]:
     """Each row's lowest coefficient that is not zero, and its power of s, for M of shape (m, m), C and K of (m + d, m + d).
+
+    Args:
+        M: shape (m, m).
+        C, K: shape (m + d, m + d).
+
+    Returns:
+        Coefficients, shape (m + d, m + d), and powers 0, 1 or 2 of each row.
 
     >>> lowest(np.array([[5.0]]), np.zeros((2, 2)), np.array([[0.0, 0.0], [0.0, 3.0]]))[0].tolist()
     [[5.0, 0.0], [0.0, 3.0]]
@@ -46,14 +56,16 @@ def lowest(M: Matrix, C: Matrix, K: Matrix) -> tuple[Matrix, np.ndarray]:
     if stiff.all():
         return K, np.zeros(len(stiff), dtype=int)
     powers = ~stiff * (2 - filled_rows(C))
-    found, m = full(K).copy(), M.shape[0]
+    result, m = full(K).copy(), M.shape[0]
     slow, free = powers == 1, (powers == 2).nonzero()[0]
-    found[slow] = full(C)[slow]
-    found[free, :m] = full(M)[free]
-    return found, powers
+    result[slow] = full(C)[slow]
+    result[free, :m] = full(M)[free]
+    return result, powers
 
 
-def conserved(M: Matrix, C: Matrix, rows: np.ndarray, powers: np.ndarray, pivots: np.ndarray) -> Conserved:
+def conserved(
+    M: Matrix, C: Matrix, rows: np.ndarray, powers: np.ndarray, pivots: np.ndarray, freed: Freed | None = None
+) -> Conserved:
     """What rows without stiffness conserve.
 
     Args:
@@ -61,6 +73,10 @@ def conserved(M: Matrix, C: Matrix, rows: np.ndarray, powers: np.ndarray, pivots
         rows: which ones.
         powers: of s that they are divisible by, 1 or 2.
         pivots: a coordinate for each.
+        freed: the equations, where some of their rows are sums of others.
+
+    Returns:
+        One number for each row of power 1, two for each of power 2.
     """
     m, n = M.shape[0], M.shape[0] + C.shape[0]
     M, C = full(M), full(C)
@@ -75,16 +91,31 @@ def conserved(M: Matrix, C: Matrix, rows: np.ndarray, powers: np.ndarray, pivots
         else:
             L += [np.concatenate([M[row], np.zeros(n - m)]), momentum]
             places, blocks = [*places, place, m + pivot], [*blocks, np.array([[0.0, 1.0], [0.0, 0.0]])]
-    return Conserved(np.array(L), tuple(blocks), np.array(places))
+    return Conserved(np.array(L), tuple(blocks), np.array(places), None if freed is None else _left(freed, m, rows, powers))
 
 
-def decoupled_beside(
+def _left(freed: Freed, m: int, rows: np.ndarray, powers: np.ndarray) -> np.ndarray | None:
+    """R of ``Conserved``; with a second power the first of both numbers changes by the second alone."""
+    stiff, damped = freed.left
+    if not stiff.any() and not damped.any():
+        return None
+    own = np.hstack([stiff[rows, :m], (powers > 1)[:, None] * damped[rows, :m], stiff[rows, m:]])
+    return -np.concatenate([np.stack([0 * row, row])[2 - power :] for row, power in zip(own, powers.tolist())])
+
+
+def decoupled_with_conserved(
     S: np.ndarray, given: Conserved, decoupled: Callable[[np.ndarray, np.ndarray | None], BlockDiagonal]
 ) -> BlockDiagonal:
     """S decoupled, what is conserved last.
 
     Args:
-        decoupled: does the same for a matrix without zeros at 0; told which states of S it is the part of, None where it is none.
+        S: shape (n, n), in 1/s.
+        given: the conserved numbers of its states.
+        decoupled: does the same for a matrix without zeros at 0; its second argument is which states of S it is the part of, None
+            where it is none.
+
+    Returns:
+        Blocks, those of J last.
     """
     L, n, J = given.rows, len(S), block_matrix(given.blocks)
     count, rest = n - len(L), others(n, given.places)
@@ -95,12 +126,45 @@ def decoupled_beside(
     moving = S[rest] @ basis  # [A, D] of the other states y' = A y + D z
     A, D = moving[:, :count], moving[:, count:]
     rows, own, is_part = inverse[:count], basis[:, count:], not np.count_nonzero(D)
+    if given.left is not None:
+        return _decoupled_with_slow(A, D, J, given.left @ basis, basis, inverse, decoupled)
     if not is_part:
         X = _separating(A, D, J)
         rows, own = rows - X @ L, own + basis[:, :count] @ X
     if not (np.abs(own) * np.abs(L.T)).sum(axis=0).max() <= DECOUPLING_LIMIT:
         return _by_clusters(A, D, J, basis, inverse)
-    return _beside(decoupled(A, rest if is_part else None), basis[:, :count], rows, own, given)
+    return _with_conserved(decoupled(A, rest if is_part else None), basis[:, :count], rows, own, given)
+
+
+def _decoupled_with_slow(A, D, J, left: np.ndarray, basis, inverse, decoupled) -> BlockDiagonal:
+    """The same where the numbers change slowly: y' = A y + D z, z' = E y + (J + G) z for [E, G] = R basis.
+
+    y - X z and z - Z (y - X z) are decoupled. Their equations are solved by iteration from the small R on, so that the slow motion has
+    as many digits as R has.
+    """
+    count, size = len(A), len(basis)
+    E, slow = left[:, :count], J + left[:, count:]
+    with np.errstate(over="ignore", invalid="ignore"):  # what does not converge is seen at the end
+        X = _fixed_point(lambda X: solution(A, X @ (slow + E @ X) - D), D.shape)
+        fast, slow = A - X @ E, slow + E @ X
+        Z = _fixed_point(lambda Z: solution(fast.T, (E + slow @ Z).T).T, E.shape)
+    if not (np.isfinite(X).all() and np.isfinite(Z).all() and np.abs(Z @ X).max() < 1.0):
+        parts = decoupled(np.block([[A, D], [left[:, :count], J + left[:, count:]]]), None)
+        return BlockDiagonal(basis @ parts.basis, parts.inverse @ inverse, parts.blocks, parts.coupling)
+    parts = assembled([np.arange(count), np.arange(count, size)], [decoupled(fast, None), decoupled(slow, None)])
+    unit_fast, unit_slow = np.eye(count), np.eye(len(slow))
+    columns, rows = np.block([[unit_fast + X @ Z, X], [Z, unit_slow]]), np.block([[unit_fast, -X], [-Z, unit_slow + Z @ X]])
+    return BlockDiagonal(basis @ columns @ parts.basis, parts.inverse @ rows @ inverse, parts.blocks, parts.coupling)
+
+
+def _fixed_point(following: Callable[[np.ndarray], np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
+    """x = following(x), from zeros on; not finite where that does not settle."""
+    x = np.zeros(shape)
+    for _ in range(SEPARATION_STEPS):
+        before, x = x, following(x)
+        if np.abs(x - before).max(initial=0.0) <= 4 * EPS * np.abs(x).max(initial=0.0):
+            return x
+    return np.full(shape, np.inf)
 
 
 def _separating(A: np.ndarray, D: np.ndarray, J: np.ndarray) -> np.ndarray:
@@ -109,7 +173,7 @@ def _separating(A: np.ndarray, D: np.ndarray, J: np.ndarray) -> np.ndarray:
     return X + solution(A, X @ J)
 
 
-def _beside(parts: BlockDiagonal, basis, inverse, own, given: Conserved) -> BlockDiagonal:
+def _with_conserved(parts: BlockDiagonal, basis, inverse, own, given: Conserved) -> BlockDiagonal:
     """The conserved numbers after the others; what grows with a momentum is measured in the others' unit of time."""
     rate = max((float(np.abs(block).max()) for block in parts.blocks), default=0.0)
     unit = float(2.0 ** np.rint(np.log2(rate))) if rate else 1.0
@@ -123,8 +187,121 @@ def _beside(parts: BlockDiagonal, basis, inverse, own, given: Conserved) -> Bloc
 
 
 def _by_clusters(A, D, J, basis, inverse) -> BlockDiagonal:
-    """Where the two are hardly apart: by the Schur form of both, as far as this can be decoupled."""
+    """Where the two are hardly separated: by the Schur form of both, as far as this can be decoupled."""
     triangle, rotation = scipy.linalg.schur(A, output="real")
     turn = scipy.linalg.block_diag(rotation, np.eye(len(J)))
-    found = block_diagonalize(np.block([[triangle, rotation.T @ D], [np.zeros(D.T.shape), J]]))
-    return BlockDiagonal(basis @ turn @ found.basis, found.inverse @ turn.T @ inverse, found.blocks, found.coupling)
+    result = block_diagonalize(np.block([[triangle, rotation.T @ D], [np.zeros(D.T.shape), J]]))
+    return BlockDiagonal(basis @ turn @ result.basis, result.inverse @ turn.T @ inverse, result.blocks, result.coupling)
+
+
+# Motions without a restoring force where every row has stiffness: free bodies, mechanisms, bodies on dampers alone.
+#
+# Rows v with v K = 0 make equations v A(s) = s (v C + s v M) without stiffness: v M x' + v C x is conserved, and where v C = 0 too,
+# v M x grows with it (the momentum and the centre of mass of a free body). They take the places of as many equations, after which
+# the zeros at s = 0 are those of rows without stiffness (``polynomial.conserved``), exactly. How many there are is a decision on
+# rank (Businger and Golub 1965, QR with pivots), taken only where it is clear: dropped pivots are rounding errors, kept ones are
+# far above.
+
+
+@dataclass(frozen=True)
+class Freed:
+    """The same equations, some of them replaced by such sums of all that have no stiffness.
+
+    Attributes:
+        M, C, K: their coefficients, M of shape (m, m), C and K of (m + d, m + d).
+        sums: the rows v, shape (k, m + d).
+        left: what the sums have of stiffness and of damping that counts as none in ``K`` and ``C``: shape (2, m + d, m + d), in the
+            rows of the sums.
+    """
+
+    M: np.ndarray
+    C: np.ndarray
+    K: np.ndarray
+    sums: np.ndarray
+    left: np.ndarray
+
+
+def freed(M: Matrix, C: Matrix, K: Matrix) -> Freed | None:
+    """The equations with those of free motions among them; None where there are none, or that is not clear.
+
+    Args:
+        M: shape (m, m).
+        C, K: shape (m + d, m + d).
+
+    Returns:
+        The equations with these sums in the places of some, or None.
+
+    >>> freed(np.eye(2), np.zeros((2, 2)), np.array([[1.0, -1.0], [-1.0, 1.0]])).sums
+    array([[1., 1.]])
+    """
+    m, (M, C, K) = M.shape[0], (full(matrix).copy() for matrix in (M, C, K))
+    result = null_rows(K)
+    if result is None or not len(result[0]):
+        return None
+    sums, places = result
+    slowed, terms = sums @ C, np.abs(sums) @ np.abs(C)
+    whole = np.equal(sums, np.rint(sums)).all(axis=1, keepdims=True)
+    slowed[(np.abs(slowed) <= np.where(whole, FREE_MOTION_GAP, noise_of(1.0)) * terms).all(axis=1)] = 0.0
+    slowed = without_noise(slowed, terms)
+    left = np.zeros((2, *K.shape))
+    left[0, places], left[1, places] = _left_by(sums, K), _left_by(sums, C)
+    left[1, places[np.flatnonzero(slowed.any(axis=1))]] = 0.0
+    if left[1, :, m:].any():
+        return None
+    if slowed.any():  # sums of the sums that no damper acts on either, in the places of some
+        within = null_rows(slowed) if len(sums) > 1 else (np.zeros((0, 1)), np.zeros(0, dtype=int))
+        if within is None:
+            return None
+        combined, chosen = within
+        if left.any():  # which of them are supported softly is not clear
+            return None
+        sums[chosen], slowed[chosen] = combined @ sums, 0.0
+    heavy = np.abs(sums[:, :m]).any(axis=1)
+    if (heavy & (places >= m)).any():  # an equation of first order has no place for a mass
+        return None
+    M[places[heavy]] = sums[heavy, :m] @ M
+    C[places], K[places] = slowed, 0.0
+    return Freed(M, C, K, sums, left)
+
+
+def _left_by(sums: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """sums @ matrix where the sums are whole numbers and more is left than rounding errors of the terms; else zero."""
+    exact = np.equal(sums, np.rint(sums)).all(axis=1, keepdims=True) * sums
+    left = (exact.astype(np.longdouble) @ matrix).astype(float)
+    counts = np.abs(left) > EPS * (np.abs(exact) @ np.abs(matrix))
+    return left * counts.any(axis=1)[:, None]
+
+
+def null_rows(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """All v with v A = 0, each 1 in a place where the others are 0, and these places; None where the rank is not clear.
+
+    Whole numbers v are exact: with those v A may be small instead of zero, a soft support of the body.
+
+    >>> (v,), _ = null_rows(np.array([[2.0, -2.0], [-1.0, 1.0]]))
+    >>> bool(np.isclose(v[1], 2 * v[0]))
+    True
+    """
+    rows, columns = equilibration(np.abs(matrix))
+    Q, R, _ = scipy.linalg.qr(rows[:, None] * matrix * columns, pivoting=True)
+    sizes = np.zeros(len(matrix))
+    sizes[: min(R.shape)] = np.linalg.norm(R[: min(R.shape)], axis=1)
+    rank = int((sizes > FREE_MOTION_GAP * sizes.max(initial=0.0)).sum())
+    if rank == len(matrix):
+        return np.zeros((0, rank)), np.zeros(0, dtype=int)
+    space = Q[:, rank:].T
+    places = np.sort(scipy.linalg.qr(space, mode="r", pivoting=True)[1][: len(space)])
+    result = np.linalg.solve(space[:, places], space) * rows / rows[places][:, None]
+    size = np.abs(matrix)
+    for sums in (_whole(result), result):
+        exact = np.equal(sums, np.rint(sums)).all(axis=1, keepdims=True)
+        terms = np.abs(sums) @ size
+        soft = exact & (np.abs(sums @ matrix) <= FREE_MOTION_GAP * np.maximum(terms, size.max(axis=0)))
+        if (soft | (np.abs(sums @ matrix) <= noise_of(terms, len(matrix)))).all():
+            return sums, places
+    return None
+
+
+def _whole(result: np.ndarray) -> np.ndarray:
+    """With the whole numbers that entries are near, zero among them: rounding may hide what was meant."""
+    whole = np.rint(result)
+    return np.where(np.abs(result - whole) <= INTEGER_DISTANCE, whole, result)

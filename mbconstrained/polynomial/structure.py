@@ -2,9 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from numbers import Rational
+from typing import TYPE_CHECKING
 
-from ..notices import Notice
+import numpy as np
+
+from ..ground.checks import counted
+from ..ground.display import Displayed, TextTable
+from ..ground.notices import Notice, NoticeKind
+from ..ground.tolerances import EPS, NOISE_SAFETY
+from ..linalg.staircase import GENERIC
+from .companion import scaled_companion
+
+if TYPE_CHECKING:
+    from .polynomial_matrix import PolynomialMatrix
 
 
 @dataclass(frozen=True)
@@ -30,8 +43,8 @@ class FiniteZero:
         return self.multiplicity * (2 if self.value.imag else 1)
 
 
-@dataclass(frozen=True)
-class Structure:
+@dataclass(frozen=True, repr=False)
+class Structure(Displayed):
     """Zeros of A(s), finite and infinite (Moysis et al., Eqs. 5-15, with u counting q_i > 0 only).
 
     Attributes:
@@ -45,6 +58,15 @@ class Structure:
     degree: int
     finite_zeros: tuple[FiniteZero, ...]
     infinite_divisors: tuple[int, ...]
+
+    def _summary(self) -> str:
+        infinite = [degree for degree in self.infinite_divisors if degree]
+        at_infinity = f", infinite elementary divisors of degrees {', '.join(map(str, infinite))}" if infinite else ""
+        return f"size {self.size}, degree {self.degree}, {counted(self.finite_count, 'finite zero')}{at_infinity}"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        rows = ((str(zero.value), str(zero.multiplicity), str(zero.partial_multiplicities)) for zero in self.finite_zeros)
+        return (TextTable("Finite zeros", ("zero (1/s)", "multiplicity", "partial multiplicities"), tuple(rows)),)
 
     @property
     def finite_count(self) -> int:
@@ -71,7 +93,7 @@ class Structure:
         """The zeros whose multiplicities rounding leaves in doubt."""
         return tuple(
             Notice(
-                "multiplicity",
+                NoticeKind.RANK,
                 f"zero {zero.value:.6g}: taken as one zero with the partial multiplicities {zero.partial_multiplicities}, but "
                 "rounding of the data could make it simpler, or split it",
                 doubtful=True,
@@ -79,3 +101,65 @@ class Structure:
             for zero in self.finite_zeros
             if not zero.clear
         )
+
+
+# Which equations and coordinates make a polynomial matrix singular.
+
+
+def singular_message(A: PolynomialMatrix) -> tuple[str, tuple[int, ...], tuple[int, ...]]:
+    """A sentence on why det A(s) = 0 for every s, with the indices of the equations and coordinates involved."""
+    scaled = scaled_companion(A).coefficients
+    involved_rows, involved_columns = np.zeros(A.size, bool), np.zeros(A.size, bool)
+    for s in GENERIC:
+        value = sum(matrix * s**power for power, matrix in enumerate(scaled))
+        u, sizes, vh = np.linalg.svd(value)
+        null = sizes <= NOISE_SAFETY * EPS * A.size * max(sizes[0], EPS)
+        null[-1] = True  # singular at every s: the least one belongs to it
+        involved_rows |= _support(u[:, null])
+        involved_columns |= _support(vh[null].conj().T)
+    equations, coordinates = (tuple(map(int, np.flatnonzero(side))) for side in (involved_rows, involved_columns))
+    return singular_sentence([A.equations[i] for i in equations], [A.coordinates[i] for i in coordinates]), equations, coordinates
+
+
+def singular_sentence(equations: Sequence[str], coordinates: Sequence[str]) -> str:
+    """What is wrong with equations that depend on each other, and with coordinates that are free, and what to do.
+
+    Args:
+        equations, coordinates: names.
+
+    Returns:
+        A sentence.
+    """
+    return (
+        f"det A(s) is zero for every s, the motion is not determined: the equations {_quoted(equations)} are dependent or empty, "
+        f"and the coordinates {_quoted(coordinates)} can move without any force. Attach what is free (by a mass, spring, damper or "
+        "constraint; in a state space by an equation), or take out what is said twice."
+    )
+
+
+def _support(vectors) -> np.ndarray:
+    size = np.abs(vectors).max(axis=1, initial=0.0)
+    return size > EPS**0.5 * size.max(initial=0.0)
+
+
+def _quoted(names) -> str:
+    return ", ".join(f'"{name}"' for name in names)
+
+
+def polynomial_text(coefficients: Sequence[Rational]) -> str:
+    """A polynomial in s as text, with six digits.
+
+    Args:
+        coefficients: the lowest power first.
+
+    >>> polynomial_text((-1, 2.5, 1))
+    's^2 + 2.5 s - 1'
+    """
+    text = ""
+    for power, c in reversed(list(enumerate(coefficients))):
+        if c:
+            sign = (" - " if c < 0 else " + ") if text else "-" * (c < 0)
+            size = f"{float(abs(c)):.6g}" if abs(c) != 1 or not power else ""
+            variable = "s" * (power > 0) + f"^{power}" * (power > 1)
+            text += sign + " ".join(filter(None, (size, variable)))
+    return text or "0"

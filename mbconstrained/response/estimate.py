@@ -1,73 +1,91 @@
-"""How accurate is the answer? The same problem, its data moved by about a rounding error, is solved again.
+"""The error estimate of a response: of a small model proved, of others by solving the same problem with moved data again.
 
-The data of A(s), of the values at 0- and of the force are moved entry by entry by a unit in the last place. The
-largest change of the answer over a few such trials, times a safety factor, is the estimate: it sees the condition
-of the problem and the rounding of the algorithm at once, for whatever is read off the answer, its derivatives too.
-Where a rank decision was not clear, the whole answer stands on it, and the estimate is at least a tenth. Moved data
-are decided upon like the given ones: what counted as zero at s = 0 is seen by one more trial, with the data as they
+The values of a small model are compared with balls of the exact engine, at each time relative to the largest value then.
+
+Of a larger one, or of a function that the exact engine does not know, the data of A(s), of the values at 0- and of the force are
+moved entry by entry by a unit in the last place. The largest change of the answer over a few such trials, times a safety factor, is
+the estimate: it sees the condition of the problem and the rounding errors of the algorithm at once, for the solution and for all
+that is derived from it.
+Where a rank decision was not clear, the whole solution depends on it, and the estimate is at least a tenth. Ranks of moved data
+are decided like those of the given ones: data that counted as zero at s = 0 enter by one more trial, with the data as they
 are written, where that makes more of a difference than a free body may. The trials are seeded: the estimate is reproducible.
-Moved data are summed up by the same rounded functions of time, so what cancels in the sum of modes is told beside the trials, by
-the size of the terms.
+Moved data are summed up by the same rounded functions of time, so cancellation in the sum of modes enters separately, by the
+size of its terms.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..checks import real_array
-from ..errors import Overflow
+from ..ground.checks import real_array
+from ..ground.errors import Overflow
+from ..ground.tolerances import EPS, PROVED_ACCURACY, UNCLEAR_ERROR
 from ..linalg.blocks import CHUNK_ENTRIES
-from ..linalg.exponential import block_states
-from ..polynomial.matrix import PolynomialMatrix
+from ..linalg.exponential.block_exponential import block_states
 from ..signals.bohl import BohlFunction
-from ..signals.impulsive import Blow, ImpulsiveSmooth
-from ..tolerances import EPS, PROBE_SIZE, UNCLEAR_ERROR
+from .methods.proved import ProvedFunction
 
 if TYPE_CHECKING:
     from .response import Response
 
+#: So many problems with moved data are solved.
 TRIALS = 3
-
-#: By how many units in the last place entries are moved: not all by the same, or ratios of theirs would stay as they are.
-MOVES = (-2.0, -1.0, 1.0, 2.0)
 
 #: An algorithm in float64 adds errors of its own to those of the data, of the same kind; precise arithmetic only those of
 #: the evaluation.
 SAFETY, PRECISE_SAFETY = 2.5, 1.0
 
-#: No answer is claimed to be better than so many roundings: its evaluation takes as many.
+#: Values at so many times are compared with the exact engine.
+MOST_PROVED = 64
+
+#: No solution is claimed to be better than so many rounding errors: its evaluation makes as many.
 LEAST = 8 * EPS
 
-
-#: Whether a body is free or held by a stiffness of the size of rounding, data that were rounded do not tell: in a time t that
-#: makes a difference of eps (w t)^2, w the fastest frequency. Over thousands of periods that is a millionth: only more is told.
+#: Rounded data do not decide whether a body is free or constrained by a stiffness of the size of rounding: in a time t that
+#: makes a difference of eps (w t)^2, w the fastest frequency. Over thousands of periods that is a millionth: only more is reported.
 ROUNDED_FREE = 1e-6
 
 
 def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] = lambda response: response.function) -> float:
-    """Estimate of max |error| / max |y| over the times, at least a few rounding errors.
+    """Estimate of max |error| / max |y| over the times, at least a few rounding errors; of a small model a proved bound.
 
     Args:
         x: the response.
         times: in s, a number or shape (T,).
-        view: the function of time y that is read off a response; x itself when not given.
+        view: the function of time y of a response; x itself when not given.
     """
-    times = real_array(times, "time")
-    values = np.asarray(view(x)(times))
+    times, function = real_array(times, "time"), view(x)
+    values = np.asarray(function(times))
     largest = np.abs(values).max(initial=0.0)
     if largest == 0:
         return EPS
-    change = max(_largest_change(lambda: view(other)(times) - values, largest) for other in x.moved)
+    # eigenvalues are known to half a unit at best
+    phase = EPS / 2 * float(np.abs(times * np.asarray(function.derivative()(times)) / largest).max())
+    if isinstance(function, ProvedFunction) and function.is_provable:
+        rounded = max(2 * LEAST, min(phase, PROVED_ACCURACY))  # what rounded data move, within what is proved
+        return max(_proved_error(function, times, values), rounded)
+    change = max(_largest_change(lambda other=other: view(other)(times) - values, largest) for other in x.moved)
     written = 0.0 if x.written is None else _largest_change(lambda: view(x.written)(times) - values, largest)
     change = max(change, written if written > ROUNDED_FREE * largest else 0.0)
-    phase = EPS / 2 * float(np.abs(times * (view(x).derivative()(times) / largest)).max())  # zeros are known to half a unit at best
-    summed = EPS * summands(view(x), times) / largest
+    summed = EPS * summands(function, times) / largest
     estimate = max((PRECISE_SAFETY if x.solution.is_precise else SAFETY) * (change / largest), phase, summed)
-    return max(estimate, LEAST if x.solution.structure_is_clear else UNCLEAR_ERROR)
+    return max(estimate, LEAST if x.solution.has_clear_ranks else UNCLEAR_ERROR)
+
+
+def _proved_error(function: ProvedFunction, times: np.ndarray, values: np.ndarray) -> float:
+    """A bound of the largest |error| / |y| at any of the times, of very many at those with the smallest values and at even ones."""
+    times, values = np.atleast_1d(times), values.reshape(function.size, -1)
+    size = np.abs(values).max(axis=0)
+    if len(times) > MOST_PROVED:
+        even = np.linspace(0, len(times) - 1, MOST_PROVED // 2).astype(int)
+        chosen = np.union1d(np.argsort(size)[: MOST_PROVED // 2], even)
+        times, values, size = times[chosen], values[:, chosen], size[chosen]
+    proved, bounds = function.proved(times)
+    error = (np.abs(values - proved) + bounds).max(axis=0)
+    return float(np.divide(error, size, out=np.where(error > 0, 1.0, 0.0), where=size > 0).max())
 
 
 def summands(function: BohlFunction, times) -> float:
@@ -99,49 +117,3 @@ def _largest_change(changes: Callable[[], np.ndarray], largest: float) -> float:
         return float(np.abs(changes()).max())
     except Overflow:
         return largest
-
-
-def moved_responses(x: Response) -> tuple[Response, ...]:
-    """Answers to the problem of x with its data moved."""
-    from .solve import solve
-
-    found = []
-    for seed in range(TRIALS):
-        random = np.random.default_rng(seed)
-        A = _moved_matrix(x.polynomial_matrix, random)
-        found.append(solve(A, _moved(x.initial, random), _moved_force(x.force, random), x.solution.rank_tolerance))
-    return tuple(found)
-
-
-def written_response(x: Response) -> Response | None:
-    """The answer to the problem of x with its data as they are written, where some of them counted as zero at s = 0."""
-    from .solve import solve_with
-
-    as_written = x.solution.written
-    return None if as_written is None else solve_with(as_written, x.initial, x.force)
-
-
-def _moved_matrix(A: PolynomialMatrix, random) -> PolynomialMatrix:
-    """A coefficient that is known by its factors has its values moved, not the entries that they add up to."""
-    coefficients = [
-        _moved(matrix, random, uncertainty) if factors is None else replace(factors, values=_moved(factors.values, random))
-        for matrix, factors, uncertainty in zip(A.coefficients, A.factors, A.uncertainty)
-    ]
-    return PolynomialMatrix(coefficients, A.coordinates, A.equations, A.uncertainty)
-
-
-def _moved_force(force: ImpulsiveSmooth, random) -> ImpulsiveSmooth:
-    smooth = replace(force.smooth, coefficients=_moved(force.smooth.coefficients, random))
-    later = tuple(Blow(blow.time, _all_moved(blow.impulses, random)) for blow in force.later)
-    return replace(force, smooth=smooth, impulses=_all_moved(force.impulses, random), later=later)
-
-
-def _all_moved(arrays, random) -> tuple[np.ndarray, ...]:
-    return tuple(_moved(array, random) for array in arrays)
-
-
-def _moved(array, random, uncertainty=0.0) -> np.ndarray:
-    """Each entry by a unit in the last place, or by its uncertainty where that is more; zeros stay."""
-    size = np.abs(array)
-    share = np.maximum(EPS, uncertainty / np.where(size > 0, size, np.inf))
-    return array * (1 + PROBE_SIZE * share * random.choice(MOVES, size=np.shape(array)))

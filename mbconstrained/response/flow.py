@@ -1,73 +1,162 @@
-"""Functions of time y = P z of a large linear system z' = S z that are evaluated in the way that costs least.
+"""The reduced equations of a problem with their start and force: z' = G z, x = P z.
 
-For even times and the first time powers of e^{S h} by blocks, no decomposition at all (``linalg.propagation``); for other times,
-few rows, or when it is asked again, the eigenvectors. Just after t = 0 the Taylor series, in which nothing cancels.
+A ``Flow`` holds what follows from the problem alone and is computed when it is first used: the generator, its modes, the powers of
+the Taylor series at t = 0, the matrix e^{G h}. None of it depends on what was evaluated before. Which of them gives the values at
+given times ``response.choose`` decides.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import scipy.sparse
 
-from ..checks import real_array, real_number, whole_number
+from ..ground.tolerances import noise_of
+from ..linalg.arrays import Matrix, entry_count, full, hstack, of_like_kind, vstack, zeros_of_kind
 from ..linalg.blocks import CHUNK_ENTRIES, block_slices
-from ..linalg.kinds import Matrix, alike, below, beside, full, nothing
-from ..linalg.oscillations import even_step
-from ..linalg.propagation import Propagator
+from ..linalg.exponential.powers import Propagator
 from ..linalg.scaling import balanced_norm
-from ..polynomial.reduction import Reduction
+from ..polynomial.reduced_equations import Reduction
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
-from .cost import decomposition_cost, stepping_cost
-from .driven import Driven
-from .even_pieces import pieces_of
-from .forcing import units_of_pieces
-from .pieces import Pieces
-from .records import record_values
-from .regular import FinitePart, driven_motion
+from .events import Event
+from .forcing import Driven, units_of_pieces
+from .methods.finite_motion import FinitePart, driven_motion
+from .methods.record import Record
 
-#: The Taylor series serves for |S t| <= EARLY, with so many terms: 2^27/27! is far below EPS. After a start from rest sums of modes
+#: The Taylor series serves for |G t| <= EARLY, with so many terms: 2^27/27! is far below EPS. After a start from rest sums of modes
 #: still cancel there, by as many digits as a force begins slowly.
 EARLY, TERMS = 2.0, 27
+
+#: States that are still small sums of large modes then have a series of so many terms up to |G t| = LATER, 9^60/60! is far below EPS,
+#: each row as long as its rounding errors are below those of its modes.
+LATER, MORE_TERMS = 9.0, 60
+
+#: A state that is so many times smaller than the modes that it is a sum of has lost as many digits. So many terms of its bound show
+#: that it is not, unless it is far from the start.
+MOST_CANCELLED, FEW_TERMS = 1000.0, 12
+
+#: Where the rounding errors of series and modes are compared, as parts of the longest time.
+PLACES = 2.0 ** (-np.arange(9) / 4)
 
 #: Pieces of a force larger than this are not measured as they are: products of such units leave the range of float64.
 STEEPEST = 2.0**100
 
-#: Fewer times than these are not worth the powers of e^{S h}.
-FEW_TIMES = 32
+
+@dataclass(frozen=True, eq=False)
+class TaylorStart:
+    """The Taylor series of z at 0+.
+
+    Attributes:
+        powers: (G / unit)^k z / k! as columns.
+        unit: a power of two near the largest rate of the motion, in 1/s.
+        end: until when it serves, in s.
+        bounds: the same as powers for absolute values, where rounding errors decide until when a row is evaluated by it.
+    """
+
+    powers: np.ndarray
+    unit: float
+    end: float
+    bounds: np.ndarray | None = None
+
+    def replace(self, values: np.ndarray, times: np.ndarray, output: Matrix, sizes: Callable[[], np.ndarray]) -> None:
+        """Put output @ z in place of the values at early times.
+
+        Args:
+            values: shape (r, T), changed in place.
+            times: in s, shape (T,).
+            output: shape (r, n).
+            sizes: gives the sizes of the sums of modes by which the rows are evaluated otherwise, shape (r,).
+        """
+        early = (times < self.end).nonzero()[0]
+        if not early.size:
+            return
+        series, until = output @ self.powers, None
+        if self.bounds is not None:
+            errors = abs(output) @ (self.bounds @ self._powers(self.end * PLACES))
+            good = np.append(errors <= sizes()[:, None], np.ones((len(errors), 1), dtype=bool), axis=1)
+            until = np.append(self.end * PLACES, self.end * EARLY / LATER)[good.argmax(axis=1), None]
+        width = max(1, CHUNK_ENTRIES // max(series.shape))
+        for part in (early[begin : begin + width] for begin in range(0, len(early), width)):
+            own = series @ self._powers(times[part])
+            values[:, part] = own if until is None else np.where(times[part] < until, own, values[:, part])
+
+    def _powers(self, times: np.ndarray) -> np.ndarray:
+        return np.power.outer(self.unit * times, np.arange(self.powers.shape[1])).T
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Flow:
-    """z = (w, v): the states w of A(s) and v of the force, from their start.
+    """z = (w, v): the states w of the reduced equations and v of the force, from their start.
 
     Attributes:
         reduction: the equations w' = S w + ....
         force: f, its states v.
+        initial: x^(i)(0-) as row i, shape (q, r).
         start: w at 0+, shape (n,).
-        drive: D with w' = S w + D v, shape (n, m).
-        spent: what has been evaluated by powers so far (``response.cost``).
+        excitation: D with w' = S w + D v, shape (n, m).
+        output: P, shape (r, n + m).
     """
 
     reduction: Reduction
     force: ImpulsiveSmooth
+    initial: np.ndarray
     start: np.ndarray
-    drive: Matrix
-    spent: float = field(default=0.0, init=False)
+    excitation: Matrix
+    output: Matrix
+
+    @classmethod
+    def of(cls, reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> Flow:
+        """From values at 0- (q, r) that satisfy the algebraic equations.
+
+        Args:
+            reduction: the reduced equations.
+            initial: x^(i)(0-) as row i, shape (q, r); satisfying the algebraic equations.
+            force: f without Dirac impulses.
+
+        Returns:
+            The ``Flow``.
+        """
+        smooth, start = force.smooth, reduction.state(initial)
+        if not smooth.blocks:
+            return cls(reduction, force, initial, start, zeros_of_kind((len(start), 0), reduction.K), reduction.output)
+        J, columns = (of_like_kind(matrix, reduction.K) for matrix in (smooth.generator, smooth.coefficients))
+        algebraic, right = columns[reduction.algebraic], columns[np.concatenate([reduction.second, reduction.first])]
+        output = hstack(reduction.output, reduction.Y @ algebraic)
+        if entry_count(algebraic):
+            for matrix in reduction.through:
+                right, algebraic = right - matrix @ algebraic, algebraic @ J
+        accelerations, rates = reduction.solved(right)
+        excitation = vstack(zeros_of_kind(accelerations.shape, reduction.K), accelerations, rates)
+        return cls(reduction, force, initial, start, excitation, output)
+
+    def after(self, knot: int, states: np.ndarray) -> Flow:
+        """The motion after a knot of the force as one of its own, for states w there.
+
+        Args:
+            knot: its number.
+            states: w there, shape (n,).
+
+        Returns:
+            A ``Flow`` whose force does not restart.
+        """
+        smooth = self.force.smooth
+        smooth = BohlFunction(smooth.coefficients, smooth.blocks, smooth.restarts.states[:, knot])
+        return Flow(self.reduction, ImpulsiveSmooth(smooth), self.initial, states, self.excitation, self.output)
 
     @cached_property
     def generator(self) -> Matrix:
-        """[[S, D], [0, J]]."""
+        """G = [[S, D], [0, J]]."""
         S, m = self.reduction.generator, self.force.smooth.state_count
         if not m:
             return S
-        J = alike(self.force.smooth.generator, S)
-        return below(beside(S, self.drive), beside(nothing((m, S.shape[0]), S), J))
+        J = of_like_kind(self.force.smooth.generator, S)
+        return vstack(hstack(S, self.excitation), hstack(zeros_of_kind((m, S.shape[0]), S), J))
 
-    @cached_property
+    @property
     def knots(self) -> np.ndarray:
         """The times at which the force may change, the first is 0."""
         return self.force.knots
@@ -79,209 +168,148 @@ class Flow:
 
     @cached_property
     def norm(self) -> float:
-        """Of the generator, its states in units that balance it, in 1/s."""
-        return balanced_norm(self.generator)
+        """Of the generator, its states in units that balance it, in 1/s; where nothing but powers of t is there, any rate serves."""
+        return balanced_norm(self.generator) or 1.0
 
     @cached_property
-    def rate(self) -> float:
-        """What no motion changes faster than, in 1/s: a norm of the generator, its states in units that balance it, or of its modes.
-
-        Where nothing but powers of t is there, any rate serves.
-        """
-        if "decoupled" not in self.reduction.__dict__:
-            return self.norm or 1.0
+    def modal_rate(self) -> float:
+        """What no motion changes faster than, in 1/s, by its modes."""
         blocks = (*self.reduction.decoupled.blocks, *self.force.smooth.blocks)
         return max((sum(map(abs, column)) for block in blocks for column in block.T.tolist()), default=0.0) or 1.0
 
     @cached_property
     def states(self) -> BohlFunction:
-        """z as a sum of modes; where no force acts without rows: the modes of S are seen through what is asked for alone."""
-        return self._decoupled[0]
-
-    def seen(self, place: Matrix) -> np.ndarray:
-        """C of place @ z = C e^{J t} v, J and v those of ``states``."""
-        if not self.force.smooth.state_count:
-            return self.reduction.decoupled.seen(place)
-        used = np.flatnonzero(abs(place).sum(axis=0))
-        return place[:, used] @ self.states.coefficients[used]
+        """z as a sum of modes; where no force acts without rows: the modes of S are read through the requested output alone."""
+        return self._modal[0]
 
     @property
     def coupling(self) -> float:
         """The largest entry of the transformation that separates the modes."""
-        return self._decoupled[1]
+        return self._modal[1]
+
+    def modal_output(self, output: Matrix) -> np.ndarray:
+        """C of output @ z = C e^{J t} v, J and v those of ``states``."""
+        if not self.force.smooth.state_count:
+            return self.reduction.decoupled.modal_output(output)
+        used = np.flatnonzero(abs(output).sum(axis=0))
+        return output[:, used] @ self.states.coefficients[used]
 
     @cached_property
-    def _decoupled(self) -> tuple[BohlFunction, float]:
-        self._propagator = None  # of no more use
+    def _modal(self) -> tuple[BohlFunction, float]:
         smooth, n = self.force.smooth, len(self.start)
         m, free = smooth.coefficients.shape[1], self.reduction.decoupled
         if not m:
             return BohlFunction(np.zeros((0, n)), free.blocks, free.coordinates(self.start)), free.coupling
         units = np.ones(m)
         for block, at in zip(smooth.blocks, block_slices(smooth.blocks)):
-            found = units_of_pieces(smooth, block, at)
-            units[at] = found if found is not None and found.max() <= STEEPEST else 1.0
+            sizes = units_of_pieces(smooth, block, at)
+            units[at] = sizes if sizes is not None and sizes.max() <= STEEPEST else 1.0
         generator, through = smooth.generator * units / units[:, None], np.eye(n + m)[:, n:] * units
-        driven = Driven(full(self.drive) * units, generator, through, units)
-        kicks = np.broadcast_to(np.zeros((n, 1)), (n, len(self.knots) - 1))
-        part = FinitePart(free, scipy.sparse.eye_array(n + m, n), driven, self.start, kicks, 1.0, np.ones(n + m))
+        driven = Driven(full(self.excitation) * units, generator, through, units)
+        no_jumps = np.broadcast_to(np.zeros((n, 1)), (n, len(self.knots) - 1))
+        part = FinitePart(free, scipy.sparse.eye_array(n + m, n), driven, self.start, no_jumps, 1.0, np.ones(n + m))
         return driven_motion(part, self.force)
 
-    def turned(self, times: np.ndarray) -> float | None:
-        """|S| h for even times 0, h, 2 h, ..., None where powers of e^{S h} do not serve."""
-        step = even_step(times) if len(times) >= FEW_TIMES and times[0] == 0 and len(self.knots) == 1 else None
-        return None if step is None else self.rate * step
+    @cached_property
+    def record(self) -> Record | None:
+        """The motion gap by gap, where the force restarts often."""
+        return Record.of(self)
 
-    def stepped(self, output: Matrix, times: np.ndarray) -> np.ndarray | None:
-        """output @ z at even times from 0 on by powers, None where that is not possible or costs more than the modes."""
-        known = "_decoupled" in self.__dict__ or "decoupled" in self.reduction.__dict__
-        turned = None if known or self.reduction.is_small else self.turned(times)
-        if turned is None:
-            return None
-        step = float(times[-1]) / (len(times) - 1)
-        known = self._propagator if self._propagator and self._propagator.step == step else None
-        cost = stepping_cost(self.generator.shape[0], len(times), turned, known is not None)
-        if not self._is_less((2 if self.spent else 1) * (self.spent + cost)):
-            return None
-        self._propagator = known or Propagator(self.generator, step)
-        self.spent += cost
-        return self._propagator.values(output, self.start_with_force, len(times))
-
-    def _is_less(self, cost: float) -> bool:
-        """Than decoupling S; by its couplings that is tried first, as it may turn out not to be possible."""
-        if cost <= decomposition_cost(self.reduction):
-            return True
-        return cost <= decomposition_cost(self.reduction, by_couplings=False) and self.reduction.is_refused
-
-    _propagator: Propagator | None = field(default=None, init=False)
+    def propagator(self, step: float) -> Propagator:
+        """e^{G h} for a step h; the last one is kept."""
+        if step not in self._propagators:
+            self._propagators.clear()  # each has as many numbers as the square of G
+            self._propagators[step] = Propagator(self.generator, step)
+        return self._propagators[step]
 
     @cached_property
-    def pieces(self) -> Pieces | None:
-        """The motion under a force that starts anew often."""
-        self._propagator = None  # of no more use
-        return pieces_of(self)
+    def _propagators(self) -> dict[float, Propagator]:
+        return {}
 
-    def after(self, knot: int, states: np.ndarray) -> Flow:
-        """The motion after a knot as one of its own, for states w there."""
-        smooth = self.force.smooth
-        smooth = BohlFunction(smooth.coefficients, smooth.blocks, smooth.restarts.states[:, knot])
-        return Flow(self.reduction, ImpulsiveSmooth(smooth), states, self.drive)
+    def taylor_start(self, *, modal: bool) -> TaylorStart:
+        """The Taylor series at 0+, as long as the rate of the modes allows, or the norm of G where these are not used."""
+        return self._modal_taylor if modal else self._taylor
 
     @cached_property
-    def _powers(self) -> np.ndarray:
-        """(S / unit)^k z / k! at 0+ for k = 0, 1, ... as columns."""
-        columns, step = [self.start_with_force], self.generator / self._unit
+    def _modal_taylor(self) -> TaylorStart:
+        if not (self.reduction.is_small and self._is_cancelled):
+            return self._taylor_start(self.modal_rate, EARLY, TERMS)
+        start = self._taylor_start(self.modal_rate, LATER, MORE_TERMS)
+        return replace(start, bounds=self._scaled_powers(start.unit, start.powers.shape[1], np.abs))
+
+    @property
+    def _is_cancelled(self) -> bool:
+        """Whether a state of few is small relative to its modes, and to all that couplings make of all states, after EARLY."""
+        rate = self.modal_rate
+        reached = self._scaled_powers(rate, FEW_TERMS, np.abs) @ EARLY ** np.arange(float(FEW_TERMS))
+        sizes = np.abs(self.modal_output(np.eye(len(reached)))) @ np.abs(self.states.start_at_zero)
+        return bool((sizes > MOST_CANCELLED * reached).any())
+
+    @cached_property
+    def _taylor(self) -> TaylorStart:
+        return self._taylor_start(self.norm, EARLY, TERMS)
+
+    def _taylor_start(self, rate: float, turned: float, terms: int) -> TaylorStart:
+        unit = float(2.0 ** np.floor(np.log2(rate)))  # dividing by it costs no rounding
         longest = max(map(len, self.force.smooth.blocks), default=0)  # a force may begin like a power of t
-        for _ in range(1, TERMS + longest):
+        powers = self._scaled_powers(unit, terms + longest)
+        return TaylorStart(powers, unit, min(turned / rate, float(self.knots[1:2].min(initial=np.inf))))
+
+    def _scaled_powers(self, unit: float, count: int, part: Callable = np.asarray) -> np.ndarray:
+        """(G / unit)^k z / k! as columns, or the same of the absolute values of G and z."""
+        columns, step = [part(self.start_with_force)], part(self.generator) / unit
+        for _ in range(1, count):
             columns.append(step.dot(columns[-1]))  # less to do before it starts than @
-        return np.array(columns).T / np.cumprod(np.maximum(np.arange(float(len(columns))), 1.0))
+        return np.array(columns).T / np.cumprod(np.maximum(np.arange(float(count)), 1.0))
 
     @cached_property
-    def _unit(self) -> float:
-        """The rate to a power of two: dividing by it costs no rounding."""
-        return float(2.0 ** np.floor(np.log2(self.rate)))
+    def jump(self) -> np.ndarray:
+        """x^(i)(0+) - x^(i)(0-), shape (q, r)."""
+        if len(self.reduction.second) == self.initial.shape[1]:  # all values are states, which do not jump
+            return np.zeros(self.initial.shape)
+        return self.derivatives_less(self.start_with_force[:, None], self.initial[..., None])[..., 0]
 
     @cached_property
-    def early_end(self) -> float:
-        """Until when the Taylor series at 0+ serves: rate * t <= EARLY, and the force does not change."""
-        return min(EARLY / self.rate, float(self.knots[1:2].min(initial=np.inf)))
+    def events(self) -> tuple[Event, ...]:
+        """Jumps of x and x' where the force jumps after t = 0."""
+        if len(self.knots) == 1:
+            return ()
+        later = self._later_jumps()
+        places = np.flatnonzero(np.any([values.any(axis=0) for _, values in later], axis=0))
+        jumps = np.zeros((len(later), self.output.shape[0], len(places)))
+        for jump, (rows, values) in zip(jumps, later):
+            jump[rows] = values[:, places]
+        return tuple(Event(float(self.knots[1 + k]), jumps[:, :, place].copy(), ()) for place, k in enumerate(places))
 
-    def early(self, output: Matrix, times: np.ndarray) -> np.ndarray:
-        """output @ z before ``early_end``."""
-        series = output @ self._powers
-        return series @ np.power.outer(self._unit * times, np.arange(series.shape[1])).T
+    def derivatives_less(self, states: np.ndarray, given: np.ndarray) -> np.ndarray:
+        """x^(i) of states (n + m, K) less given values, shape (q, r, K); zero where the difference is a rounding error.
 
+        Args:
+            states: of the motion and the force, shape (n + m, K).
+            given: values of x, x', ..., shape (q, r, K).
 
-class FlowFunction(BohlFunction):
-    """P z(t), P of shape (r, n); a Bohl function whose blocks are found when something needs them.
+        Returns:
+            Shape (q, r, K).
+        """
+        differences, sizes, G, reduction = [], np.abs(states), self.generator, self.reduction
+        Y, rows = reduction.Y, reduction.given[0][reduction.algebraic]
+        for order, values in enumerate(given):
+            if order:
+                states, sizes = G @ states, abs(G) @ sizes
+            difference, size = self.output @ states - values, np.abs(values)
+            size = abs(self.output) @ sizes + size + abs(Y) @ (abs(rows) @ size)  # the last: the tolerance of ``satisfying``
+            differences.append(np.where(np.abs(difference) <= noise_of(size, len(size)), 0.0, difference))
+        return np.array(differences).reshape(given.shape)
 
-    >>> from mbconstrained.polynomial.matrix import PolynomialMatrix
-    >>> from mbconstrained.response.reduced import reduced_solution
-    >>> from mbconstrained.signals.inputs import zero
-    >>> A = PolynomialMatrix([[[4.0]], [[0.0]], [[1.0]]])
-    >>> cosine = reduced_solution(A, np.array([[1.0], [0.0]]), zero(1)).function
-    >>> bool(np.isclose(cosine(0.5)[0], np.cos(1.0)))
-    True
-    """
-
-    def __init__(self, flow: Flow, place: Matrix, order: int = 0):
-        """The derivative of this order of place @ z."""
-        output = place
-        for _ in range(order):
-            output = output @ flow.generator
-        for name, value in (("flow", flow), ("place", place), ("order", order), ("output", output)):
-            object.__setattr__(self, name, value)
-
-    @property
-    def modal(self) -> BohlFunction:
-        """The same as a sum of modes: each is differentiated by itself, slow ones lose nothing beside fast ones."""
-        found = BohlFunction(self.flow.seen(self.place), self.blocks, self.start)
-        return found.derivative(self.order) if self.order else found
-
-    @property
-    def _groups(self):
-        return self.flow.states._groups
-
-    @property
-    def _turning(self):
-        return self.flow.states._turning
-
-    @property
-    def coefficients(self) -> np.ndarray:
-        """C of C e^{J t} v."""
-        return self.modal.coefficients
-
-    @property
-    def blocks(self) -> tuple[np.ndarray, ...]:
-        """The diagonal blocks of J."""
-        return self.flow.states.blocks
-
-    @property
-    def start(self):
-        """v, or ``Restarts``."""
-        return self.flow.states.start
-
-    @property
-    def size(self) -> int:
-        """Number of rows."""
-        return self.output.shape[0]
-
-    @property
-    def state_count(self) -> int:
-        """Number of states of A(s) and of the force."""
-        return self.output.shape[1]
-
-    @property
-    def summed_from(self) -> np.ndarray:
-        """As ``BohlFunction``: what cancels in its modes is not solved in them (``response.cancellation``)."""
-        return np.full(self.size, np.inf)
-
-    def _values(self, times) -> np.ndarray:
-        values = self.flow.stepped(self.output, times)
-        if values is None:
-            values = record_values(self, times)
-        if values is None:
-            values = super()._values(times)
-        early = (times < self.flow.early_end).nonzero()[0]
-        width = max(1, CHUNK_ENTRIES // max(self.size, TERMS))
-        for part in (early[begin : begin + width] for begin in range(0, len(early), width)):
-            values[:, part] = self.flow.early(self.output, times[part])
-        return values
-
-    def derivative(self, order: int = 1) -> BohlFunction:
-        """The classical derivative."""
-        return FlowFunction(self.flow, self.place, self.order + whole_number(order, "order"))
-
-    def mapped(self, matrix) -> BohlFunction:
-        """matrix @ y(t), matrix of shape (p, r)."""
-        matrix = real_array(matrix, "matrix", shape=(None, self.size))
-        return FlowFunction(self.flow, alike(matrix, self.place) @ self.place, self.order)
-
-    def rows(self, indices) -> BohlFunction:
-        """Some of its rows, in this order."""
-        return FlowFunction(self.flow, self.place[np.asarray(indices, dtype=int)], self.order)
-
-    def __mul__(self, factor: float) -> BohlFunction:
-        return FlowFunction(self.flow, self.place * real_number(factor, "factor"), self.order)
-
-    __rmul__ = __mul__
+    def _later_jumps(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """For each of x, x', ... the rows that jump where the states of the force do, and by how much, shape (rows, K)."""
+        changes, n, G = self.force.smooth.restarts.jumps[:, 1:], len(self.start), self.generator
+        jumps, matrix, bound = [], self.output, abs(self.output)
+        for order in range(len(self.initial)):
+            if order:
+                matrix, bound = matrix @ G, bound @ abs(G)
+            through, size = full(matrix[:, n:]), full(bound[:, n:])
+            rows = np.flatnonzero(through.any(axis=1))
+            values = through[rows] @ changes
+            jumps.append((rows, np.where(np.abs(values) <= noise_of(size[rows] @ np.abs(changes)), 0.0, values)))
+        return jumps

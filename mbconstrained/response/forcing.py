@@ -7,8 +7,9 @@ from math import log2
 
 import numpy as np
 
-from ..jordan.weierstrass import WeierstrassForm
 from ..linalg.blocks import block_matrix, block_slices
+from ..linalg.rounding import Noisy
+from ..polynomial.decoupling import WeierstrassForm
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.restarts import Restarts
@@ -19,8 +20,8 @@ class ScaledForce:
     """f in the units of the scaled pencil: coefficients C_f, generator J_f, start v at 0+, and Dirac impulses at t = 0.
 
     Attributes:
-        units: what its states are measured in: its start is that of f divided by them.
-        jump: the start, without what is known to be an approximation of nothing.
+        units: of its states: its start is that of f divided by them.
+        jump: the start without the states that approximate zero.
     """
 
     coefficients: np.ndarray
@@ -36,14 +37,22 @@ class ScaledForce:
 
     def derivatives(self, count: int) -> list[np.ndarray]:
         """C_f J_f^i for i = 0 .. count - 1: f^(i) = C_f J_f^i e^{J_f t} v."""
-        found = [self.coefficients]
+        derivatives = [self.coefficients]
         for _ in range(count - 1):
-            found.append(found[-1] @ self.generator)
-        return found[:count]
+            derivatives.append(derivatives[-1] @ self.generator)
+        return derivatives[:count]
 
 
 def scaled_force(form: WeierstrassForm, force: ImpulsiveSmooth) -> ScaledForce:
-    """f' = rows * f as a function of t' = time * t, its states measured so that chains have couplings near their rates."""
+    """f' = rows * f as a function of t' = time * t, its states measured so that chains have couplings near their rates.
+
+    Args:
+        form: the decoupled pencil.
+        force: f.
+
+    Returns:
+        A ``ScaledForce``.
+    """
     scaling = form.companion.scaling
     smooth = force.smooth
     size = _units(smooth, scaling.time)
@@ -58,13 +67,21 @@ def scaled_force(form: WeierstrassForm, force: ImpulsiveSmooth) -> ScaledForce:
 
 
 def scaled_impulses(form: WeierstrassForm, impulses) -> tuple[np.ndarray, ...]:
-    """Factors of delta, delta', ... as functions of t' = time * t, in the units of the scaled pencil's equations."""
+    """Factors of delta, delta', ... as functions of t' = time * t, in the units of the scaled pencil's equations.
+
+    Args:
+        form: the decoupled pencil.
+        impulses: arrays (r,), the k-th multiplies delta^(k).
+
+    Returns:
+        As many arrays (r,).
+    """
     scaling = form.companion.scaling
     return tuple(scaling.rows * g * scaling.time ** (k + 1.0) for k, g in enumerate(impulses))
 
 
 def _units(smooth: BohlFunction, time: float) -> np.ndarray:
-    """Powers of two that the states of the force are measured in."""
+    """Units of the states of the force, powers of two."""
     units = [np.ones(0)]
     for block, at in zip(smooth.blocks, block_slices(smooth.blocks)):
         pieces = units_of_pieces(smooth, block, at)
@@ -73,10 +90,18 @@ def _units(smooth: BohlFunction, time: float) -> np.ndarray:
 
 
 def units_of_pieces(smooth: BohlFunction, block: np.ndarray, at: slice) -> np.ndarray | None:
-    """Powers of two for the states of one block of pieces, which are as large as they are; None for others.
+    """Units near the size of the states of one block of pieces, powers of two; None for other blocks.
 
-    Polynomials of short pieces have large derivatives, and what is far from the size of the others could not be told
-    from a slow zero of A(s).
+    Polynomials of short pieces have large derivatives, and states of very different size could not be distinguished
+    from those of a slow zero of A(s).
+
+    Args:
+        smooth: the regular part of the force.
+        block: one of its blocks.
+        at: the states of this block.
+
+    Returns:
+        Shape (size of the block,).
     """
     largest = np.abs(smooth.restarts.states[at]).max(axis=1)
     pieces = isinstance(smooth.start, Restarts) and _level(block) == 1 and (largest > 0).all() and np.isfinite(largest).all()
@@ -104,7 +129,15 @@ def _chain_units(block) -> np.ndarray:
 def scaled_data(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth) -> tuple[np.ndarray, ScaledForce, float]:
     """The stacked values at 0- and the force, both divided by a power of two near their size, and that power.
 
-    All at t = 0 is linear in them; their size shall not take the squares of noise out of range.
+    All effects at t = 0 are linear in them; divided so, the squares of noise stay in range.
+
+    Args:
+        form: the decoupled pencil.
+        initial: x^(i)(0-) as row i, shape (q, r).
+        force: f.
+
+    Returns:
+        The stack, the force and the power of two.
     """
     stack, f = form.companion.scaled_stack(initial), scaled_force(form, force)
     size = power_of_two_of(np.concatenate([stack, f.coefficients.ravel(), *f.impulses]))
@@ -115,3 +148,51 @@ def power_of_two_of(matrix) -> float:
     """A power of two near the largest entry, 1 where all are zero."""
     size = np.abs(matrix).max(initial=0.0)
     return 2.0 ** round(log2(size)) if size > 0 else 1.0
+
+
+# The finite part driven by the force, in scaled units.
+
+
+@dataclass(frozen=True)
+class Driven:
+    """y' = T y + D w, w' = J_f w, x = C y + G w with the states w of the force.
+
+    Attributes:
+        excitation: D, shape (n, m).
+        generator: J_f, shape (m, m).
+        through: G, shape (r, m), the share of x by the infinite part.
+        units: the states w are those of f divided by these, shape (m,).
+    """
+
+    excitation: np.ndarray
+    generator: np.ndarray
+    through: np.ndarray
+    units: np.ndarray
+
+
+def driven_form(form: WeierstrassForm, force: ImpulsiveSmooth) -> Driven:
+    """Each term of the force in units of its own: a small one must not be lost in the rounding error of a large one.
+
+    Args:
+        form: the decoupled pencil.
+        force: f.
+
+    Returns:
+        A ``Driven``.
+    """
+    f = scaled_force(form, force)
+    if not len(f.start):
+        return Driven(np.zeros((len(form.T), 0)), f.generator, f.coefficients, f.units)
+    size = power_of_two_of(f.coefficients)  # divided by and multiplied again: squares of noise stay in range
+    excitation = size * (form.noisy_B.settled() @ Noisy.rounded(f.divided(size).coefficients)).cleaned()
+    through = np.zeros_like(f.coefficients)
+    for index, derivative in enumerate(f.derivatives(form.highest_impulse + 1)):
+        through = through + form.laurent(index).cleaned() @ derivative
+    amplitude = _amplitudes(np.vstack([excitation, through]), force.smooth.blocks)
+    return Driven(excitation / amplitude, f.generator, through / amplitude, f.units / amplitude)
+
+
+def _amplitudes(columns, blocks) -> np.ndarray:
+    """Powers of two, one for all states of a block, that bring the largest entry of its columns near 1."""
+    parts = [np.full(len(block), power_of_two_of(columns[:, at])) for block, at in zip(blocks, block_slices(blocks))]
+    return np.concatenate([np.ones(0), *parts])

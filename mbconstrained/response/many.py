@@ -1,29 +1,74 @@
-"""Many starts or forces of one A(s): one decomposition, and values that are made together (``response.starts``)."""
+"""Many starts or forces of one A(s): one decomposition, and values that are computed together.
+
+The motion is linear in the values at 0-: x_s = x_0 + sum over j of X_s[j] x_j, x_0 that from rest under the force and x_j that from
+the j-th unit value alone. Where there are more starts than values at 0-, these are evaluated, each with its own digits just after
+t = 0, and one product of matrices gives all motions.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..checks import counted, evaluation_times, places_of, real_array, whole_number
-from ..errors import InputError, Overflow
-from ..notices import Notice
-from ..polynomial.matrix import PolynomialMatrix
-from ..polynomial.reduction import Reduction
+from ..ground.checks import counted, evaluation_times, optional_package, places_of, real_array, whole_number
+from ..ground.display import Displayed, TextTable, notice_table
+from ..ground.errors import InputError, Overflow
+from ..ground.notices import Notice, NoticeKind
+from ..ground.threads import short_work
+from ..linalg.blocks import CHUNK_ENTRIES
+from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..signals.bohl import BohlFunction, Piece, in_chunks
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
-from .cancellation import cancelled
-from .flow import FlowFunction
-from .parts import start_of
-from .reduced import derivatives_of, fitting, flow_of, reduction_for
+from .choose import Method, Request
+from .events import Event
+from .problem import Problem, checked_force
 from .response import Response
-from .solve import checked_force, solve, solve_with
-from .starts import Alone, FlowStarts, UnitStarts, parts
 
-Happening = tuple[np.ndarray, tuple[np.ndarray, ...]]
+if TYPE_CHECKING:
+    from ..exact.enclosure.intervals import Enclosure
+
+#: Products are added in parts so many times smaller than other chunks: they are still at hand in the cache.
+IN_CACHE = 16
+
+
+@dataclass(frozen=True)
+class _Superposed:
+    """x_0 + sum over j of weights[j] x_j(t) for some of the members.
+
+    Attributes:
+        members: their numbers, S of them.
+        base: x_0.
+        units: x_j, m of them; none where the only member is x_0 itself.
+        weights: shape (m, S).
+    """
+
+    members: np.ndarray
+    base: BohlFunction
+    units: tuple[BohlFunction, ...]
+    weights: np.ndarray
+
+    def values_into(self, values: np.ndarray, times: np.ndarray) -> None:
+        """The values, into an array (S, r, T)."""
+        values[...] = self.base._values(times)
+        for at in _parts(len(times) if self.units else 0, len(self.units) * values.shape[1]):
+            table = np.array([unit._values(times[at]) for unit in self.units])
+            flat, finite = table.reshape(len(table), -1), bool(np.isfinite(table).all())
+            for members in _parts(values.shape[0], table[0].size * IN_CACHE):
+                weights = self.weights[:, members].T
+                if finite:
+                    product = weights @ flat
+                else:  # zero stays zero, however fast it would grow
+                    product = np.array([one[one != 0] @ flat[one != 0] for one in weights])
+                values[members, :, at] += product.reshape(-1, *table.shape[1:])
+
+    def mapped(self, change) -> _Superposed:
+        """The same for changed functions."""
+        return replace(self, base=change(self.base), units=tuple(map(change, self.units)))
 
 
 @dataclass(frozen=True)
@@ -36,7 +81,12 @@ class ManyFunctions:
     """
 
     shape: tuple[int, int]
-    groups: tuple[tuple[np.ndarray, Alone | UnitStarts | FlowStarts], ...]
+    groups: tuple[_Superposed, ...]
+
+    @property
+    def size(self) -> int:
+        """The number of rows of all together."""
+        return self.shape[0] * self.shape[1]
 
     def __call__(self, times) -> np.ndarray:
         """All at a time (-> shape (S, r)) or at times (T,) (-> (S, r, T)); t = 0 means 0+.
@@ -46,64 +96,82 @@ class ManyFunctions:
             Overflow: a value leaves the range of float64.
         """
         times = evaluation_times(times)
-        found = np.empty((*self.shape, times.size))
-        with np.errstate(over="ignore", invalid="ignore"):  # reported below
-            for members, functions in self.groups:
-                for at in parts(times.size, 0 if len(members) == len(found) else len(members) * self.shape[1]):
-                    part = found[..., at] if len(members) == len(found) else np.empty((len(members), self.shape[1], at.stop - at.start))
-                    functions.values_into(part, times.reshape(-1)[at])
-                    if len(members) < len(found):
-                        found[members, :, at] = part
-        for member, values in enumerate(found):
-            if not np.isfinite(values).all():
-                raise Overflow(f"values of member {member} lie beyond the range of float64; ask for earlier times")
-        return found if times.ndim else found[..., 0]
+        values = np.empty((*self.shape, times.size))
+        with np.errstate(over="ignore", invalid="ignore"), short_work(self.shape[1]):  # reported below
+            for group in self.groups:
+                for at in _parts(times.size, len(group.members) * self.shape[1]):
+                    part = np.empty((len(group.members), self.shape[1], at.stop - at.start))
+                    group.values_into(part, times.reshape(-1)[at])
+                    values[group.members, :, at] = part
+        for member, own in enumerate(values):
+            if not np.isfinite(own).all():
+                raise Overflow(f"values of member {member} lie beyond the range of float64; choose earlier times")
+        return values if times.ndim else values[..., 0]
 
     def derivative(self, order: int = 1) -> ManyFunctions:
         """The classical derivatives for t > 0."""
         order = whole_number(order, "order")
-        return ManyFunctions(self.shape, tuple((members, functions.derivative(order)) for members, functions in self.groups))
+        return ManyFunctions(self.shape, tuple(group.mapped(lambda one: one.derivative(order)) for group in self.groups))
 
     def rows(self, indices) -> ManyFunctions:
         """Some of the rows of each, in this order."""
         indices = np.asarray(indices, dtype=int)
-        groups = tuple((members, functions.rows(indices)) for members, functions in self.groups)
-        return ManyFunctions((self.shape[0], len(indices)), groups)
+        return ManyFunctions(
+            (self.shape[0], len(indices)), tuple(group.mapped(lambda one: one.rows(indices)) for group in self.groups)
+        )
+
+
+def _parts(count: int, each: int) -> Iterator[slice]:
+    """Slices of so many items, each of so many numbers, that stay below CHUNK_ENTRIES.
+
+    >>> list(_parts(5, CHUNK_ENTRIES // 3))
+    [slice(0, 3, None), slice(3, 5, None)]
+    """
+    width = max(1, CHUNK_ENTRIES // max(each, 1))
+    return (slice(begin, min(begin + width, count)) for begin in range(0, count, width))
 
 
 @dataclass(frozen=True, repr=False)
-class Responses:
-    """The answers to S problems A(d/dt) x_s = f_s, each from its own values at 0-.
+class Responses(Displayed):
+    """The solutions of S problems A(d/dt) x_s = f_s, each from its own values at 0-.
 
-    ``xs(t)`` gives all of them, shape (S, r), ``xs(times)`` shape (S, r, T); ``xs[3]`` is one ``Response``, as it is solved alone,
-    ``for x in xs`` goes through all.
+    ``xs(t)`` gives all of them, shape (S, r), ``xs(times)`` shape (S, r, T); ``xs[3]`` is one ``Response``, as if solved alone,
+    ``for x in xs`` iterates over all.
 
     Attributes:
         polynomial_matrix: A(s).
         initial: x_s^(i)(0-), shape (S, q, r).
-        forces: S of them; what is common to many is the same object.
+        forces: S of them; a force that several have in common is the same object.
         rank_tolerance: as given to ``solve``.
+        request: as given to ``solve``.
     """
 
     polynomial_matrix: PolynomialMatrix
     initial: np.ndarray
     forces: tuple[ImpulsiveSmooth, ...]
     rank_tolerance: float | None = None
+    request: Request = field(default=Request())
 
-    def __repr__(self) -> str:
-        return f"{type(self).__name__}({counted(len(self), 'answer')} of {counted(self.polynomial_matrix.size, 'coordinate')})"
+    def _summary(self) -> str:
+        return f"{counted(len(self), 'solution')} of {counted(self.polynomial_matrix.size, 'coordinate')}"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        return (notice_table(self.notices),)
 
     def __len__(self) -> int:
         return len(self.forces)
 
-    def __getitem__(self, index: int | slice) -> Response | Responses:
+    def __getitem__(self, index: int | slice) -> Response | Any:
         if isinstance(index, slice):
-            return Responses(self.polynomial_matrix, self.initial[index], self.forces[index], self.rank_tolerance)
+            return replace(self, initial=self.initial[index], forces=self.forces[index])
         place = range(len(self))[index]  # IndexError where there is none
-        return solve(self.polynomial_matrix, self.initial[place], self.forces[place], self.rank_tolerance)
+        return self._solved(self.initial[place], self.forces[place])
 
     def __iter__(self) -> Iterator[Response]:
         return (self[index] for index in range(len(self)))
+
+    def _solved(self, initial: np.ndarray, force: ImpulsiveSmooth) -> Response:
+        return Response.solved(Problem(self.polynomial_matrix, initial, force, self.rank_tolerance), self.request)
 
     def __call__(self, times) -> np.ndarray:
         """All at a time (-> shape (S, r)) or at times (T,) (-> (S, r, T)); t = 0 means 0+.
@@ -122,48 +190,124 @@ class Responses:
         """Some coordinates only, by name or number from 0."""
         return self.function.rows(places_of(coordinates, self.polynomial_matrix.coordinates, "coordinate"))
 
+    def chunks(self, times, count: int | None = None) -> Iterator[Piece]:
+        """All at many times as pairs (times, values), for answers larger than memory.
+
+        Args:
+            times: shape (T,), in s; or the first and the last one, where a count is given.
+            count: how many even times there are.
+
+        Returns:
+            Pairs in order, the values of shape (S, r, number of times).
+        """
+        return in_chunks(self.function, times, count)
+
     @cached_property
     def function(self) -> ManyFunctions:
         """The regular parts."""
-        groups = tuple((group.members, group.functions) for group in self._groups)
-        return ManyFunctions((len(self), self.polynomial_matrix.size), groups)
+        by_force: dict[int, list[int]] = {}
+        for member, force in enumerate(self.forces):
+            by_force.setdefault(id(force), []).append(member)
+        shape, groups = self.initial.shape[1:], []
+        for members in map(np.array, by_force.values()):
+            force = self.forces[members[0]]
+            if len(members) > shape[0] * shape[1]:
+                weights = self.initial[members].reshape(len(members), -1).T
+                used, none = weights.any(axis=1), zero(shape[1])
+                units = (self._solved(unit.reshape(shape), none).function for unit in np.eye(len(weights))[used])
+                groups.append(_Superposed(members, self._solved(np.zeros(shape), force).function, tuple(units), weights[used]))
+            else:
+                alone = (self._solved(self.initial[member], force).function for member in members)
+                groups += [_Superposed(members[[k]], one, (), np.zeros((0, 1))) for k, one in enumerate(alone)]
+        return ManyFunctions((len(self), shape[1]), tuple(groups))
 
-    @property
-    def jumps(self) -> np.ndarray:
+    @cached_property
+    def jump(self) -> np.ndarray:
         """x_s^(i)(0+) - x_s^(i)(0-), shape (S, q, r); exactly zero where a start is consistent."""
-        return np.array([jump for jump, _ in self._happenings]).reshape(self.initial.shape)
+        return np.array([x.jump for x in self]).reshape(self.initial.shape)
 
-    @property
+    @cached_property
     def impulses(self) -> tuple[tuple[np.ndarray, ...], ...]:
         """For each member the arrays (r,) of which the k-th multiplies the k-th derivative of Dirac's delta at t = 0."""
-        return tuple(impulses for _, impulses in self._happenings)
+        return tuple(x.impulses for x in self)
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """What all have in common, once, and how many of them jump or have impulses; ``xs[s].notices`` says it of one."""
-        found = {notice: None for group in self._groups for notice in group.notices}
-        jumping = int(self.jumps.any(axis=(1, 2)).sum())
-        struck = sum(any(part.any() for part in impulses) for impulses in self.impulses)
-        for count, kind, what in ((jumping, "jump", "values jump"), (struck, "impulse", "there are Dirac impulses")):
+        """Common notices, once, and how many members jump or have impulses; ``xs[s].notices`` are those of one."""
+        solved = (self[int(group.members[0])] for group in self.function.groups)
+        notices = dict.fromkeys(notice for x in solved for notice in (*x.force.notices, *x.solution.notices))
+        jumping = int(self.jump.any(axis=(1, 2)).sum())
+        impulsive = sum(any(part.any() for part in impulses) for impulses in self.impulses)
+        for count, kind, what in (
+            (jumping, NoticeKind.JUMP, "values jump"),
+            (impulsive, NoticeKind.IMPULSE, "there are Dirac impulses"),
+        ):
             if count:
-                found[Notice(kind, f"{what} at t = 0 in {count} of {counted(len(self), 'answer')}")] = None
-        return tuple(found)
+                notices[Notice(kind, f"{what} at t = 0 in {count} of {counted(len(self), 'solution')}")] = None
+        return tuple(notices)
+
+    @property
+    def methods(self) -> tuple[Method, ...]:
+        """The method of each member, with its reason."""
+        return tuple(x.method for x in self)
+
+    @property
+    def start(self) -> np.ndarray:
+        """x_s^(i)(0+), shape (S, q, r)."""
+        return np.array([x.start for x in self]).reshape(self.initial.shape)
 
     @cached_property
-    def _groups(self) -> tuple[_Group, ...]:
-        return tuple(_groups_of(self))
+    def events(self) -> tuple[tuple[Event, ...], ...]:
+        """For each member its jumps and impulses after t = 0, by ascending time."""
+        return tuple(x.events for x in self)
 
-    @cached_property
-    def _happenings(self) -> list[Happening]:
-        found: list[Happening] = [None] * len(self)
-        for group in self._groups:
-            for member, happening in zip(group.members, group.happenings()):
-                found[member] = happening
-        return found
+    def error_estimate(self, times, **options) -> np.ndarray:
+        """Estimates of max |error| / max |value| over the times for each member.
+
+        Args:
+            times: in s, a number or shape (T,).
+            options: as of ``error_estimate`` of one member.
+
+        Returns:
+            Shape (S,).
+        """
+        return np.array([x.error_estimate(times, **options) for x in self])
+
+    def enclose(self, times, digits: int = 15, **options) -> tuple[Enclosure, ...]:
+        """For each member intervals that are guaranteed to contain its values.
+
+        Args:
+            times: in s, a number or shape (T,).
+            digits: of each value, relative to itself.
+            options: as of ``enclose`` of one member.
+
+        Returns:
+            An ``Enclosure`` for each.
+        """
+        return tuple(x.enclose(times, digits, **options) for x in self)
+
+    def to_xarray(self, times):
+        """All at times (T,) as one ``DataArray`` with the dimensions member, time and coordinate; see ``Response.to_xarray``."""
+        xarray = optional_package("xarray", "to_xarray")
+        return xarray.concat([x.to_xarray(times) for x in self], "member", combine_attrs="drop_conflicts")
+
+    def to_pandas(self, times):
+        """All at times (T,) as one ``DataFrame``, indexed by member and time; see ``Response.to_pandas``."""
+        pandas = optional_package("pandas", "to_pandas")
+        return pandas.concat({member: x.to_pandas(times) for member, x in enumerate(self)}, names=["member"])
 
 
-def solve_many(A: PolynomialMatrix, initial, force, rank_tolerance: float | None = None) -> Responses:
-    """``solve`` of several starts (S, q, r), or several forces, or one of each for every member.
+def solve_many(A: PolynomialMatrix, initial, force, rank_tolerance: float | None = None, request: Request = Request()) -> Responses:
+    """``solve`` of several starts, or several forces, or one of each for every member.
+
+    Args:
+        A: the polynomial matrix, degree q, size r.
+        initial: shape (S, q, r); or (q, r), common to all; None for zeros.
+        force: S forces, or one for all.
+        rank_tolerance, request: as of ``solve``.
+
+    Returns:
+        ``Responses``.
 
     Raises:
         InputError: shapes that do not fit, or not as many starts as forces.
@@ -175,7 +319,9 @@ def solve_many(A: PolynomialMatrix, initial, force, rank_tolerance: float | None
     q, r = A.degree, A.size
     starts = np.zeros((1, q, r)) if initial is None else real_array(initial, "initial")
     if starts.shape[-2:] != (q, r) or starts.ndim not in (2, 3):
-        raise InputError(f"initial: expected shape {q} x {r}, or S x {q} x {r} for S starts, found {' x '.join(map(str, starts.shape))}")
+        raise InputError(
+            f"initial: expected shape {q} x {r}, or S x {q} x {r} for S starts, found {' x '.join(map(str, starts.shape))}"
+        )
     starts = starts.reshape(-1, q, r) if q else np.zeros((len(starts) if starts.ndim == 3 else 1, 0, r))
     forces = tuple(force) if isinstance(force, (list, tuple)) else (force,) * len(starts)
     if not len(starts) or not forces:
@@ -183,95 +329,10 @@ def solve_many(A: PolynomialMatrix, initial, force, rank_tolerance: float | None
     if initial is None or np.ndim(initial) == 2:
         starts = np.broadcast_to(starts, (len(forces), q, r))
     if len(forces) != len(starts):
-        raise InputError(f"force: found {counted(len(forces), 'force')} for {counted(len(starts), 'start')}; give as many, or one for all")
+        raise InputError(
+            f"force: found {counted(len(forces), 'force')} for {counted(len(starts), 'start')}; give as many, or one for all"
+        )
     nothing = zero(r)
     checked = {id(one): checked_force(one, r) for one in forces}
     members = (checked[id(one)] for one in forces)
-    return Responses(A, starts, tuple(nothing if one.is_zero else one for one in members), rank_tolerance)
-
-
-@dataclass(frozen=True)
-class _Group:
-    """Some members that are evaluated together, what they have in common, and how jump and impulses of each are found."""
-
-    members: np.ndarray
-    functions: Alone | UnitStarts | FlowStarts
-    notices: tuple[Notice, ...]
-    happenings: Callable[[], list[Happening]]
-
-
-def _groups_of(x: Responses) -> Iterator[_Group]:
-    by_force: dict[int, list[int]] = {}
-    for member, force in enumerate(x.forces):
-        by_force.setdefault(id(force), []).append(member)
-    alone = []
-    for members in map(np.array, by_force.values()):
-        force, A = x.forces[members[0]], x.polynomial_matrix
-        reduction = reduction_for(A, force) if x.rank_tolerance is None and len(members) > 1 else None
-        if reduction is not None:
-            fits = _serves(x.initial[members], reduction, force)
-            if fits.sum() > 1:
-                yield _reduced(x, members[fits], reduction, force)
-                members = members[~fits]
-        if len(members) > A.degree * A.size:
-            yield _superposed(x, members, force)
-        else:
-            alone.extend(members)
-    if alone:
-        yield _alone(x, np.sort(alone))
-
-
-def _alone(x: Responses, members) -> _Group:
-    found = [x[member] for member in members]
-    notices = dict.fromkeys(notice for one in found for notice in (*one.force.notices, *one.solution.notices))
-    functions = Alone(tuple(one.function for one in found))
-    return _Group(members, functions, tuple(notices), lambda: [(one.jump, one.impulses) for one in found])
-
-
-def _superposed(x: Responses, members, force) -> _Group:
-    pairs, shape = x.polynomial_matrix.jordan_pairs(x.rank_tolerance), x.initial.shape[1:]
-    base, none = solve_with(pairs, np.zeros(shape), force), zero(shape[1])
-    units = tuple(solve_with(pairs, unit.reshape(shape), none).function for unit in np.eye(shape[0] * shape[1]))
-    functions = UnitStarts(base.function, units, x.initial[members].reshape(len(members), -1).T)
-
-    def happenings() -> list[Happening]:
-        starts = (start_of(pairs.form, values, force) for values in x.initial[members])
-        return [(start.jump, start.impulses) for start in starts]
-
-    return _Group(members, functions, (*force.notices, *base.solution.notices), happenings)
-
-
-def _serves(initial: np.ndarray, reduction: Reduction, force) -> np.ndarray:
-    """For which of the starts (S, q, r) the reduced equations serve, as for each alone: shape (S,)."""
-    try:
-        with np.errstate(over="raise", invalid="raise"):
-            found = fitting(reduction, np.moveaxis(initial, 0, 2), force)
-            if found.any() and reduction.is_small:
-                flow, _ = flow_of(reduction, np.zeros(initial.shape[1:]), force)
-                starts = reduction.decoupled.coordinates(_starts(reduction, initial))
-                states = np.tile(flow.states.start_at_zero[:, None], len(initial))
-                states[: len(starts)] += starts
-                found &= ~cancelled(flow, states)
-    except FloatingPointError:  # out of the range of float64 on the way
-        return np.zeros(len(initial), dtype=bool)
-    return found
-
-
-def _starts(reduction: Reduction, initial: np.ndarray) -> np.ndarray:
-    """The states of the reduced equations at 0+ for values at 0- (S, q, r), shape (n, S)."""
-    return np.array([reduction.state(values) for values in initial]).T
-
-
-def _reduced(x: Responses, members, reduction: Reduction, force) -> _Group:
-    initial = x.initial[members]
-    flow, output = flow_of(reduction, np.zeros(initial.shape[1:]), force)
-    free, own = flow_of(reduction, np.zeros(initial.shape[1:]), zero(initial.shape[2]))
-    starts = _starts(reduction, initial)
-    functions = FlowStarts(FlowFunction(flow, output), free, own, starts)
-
-    def happenings() -> list[Happening]:
-        at_zero = np.vstack([starts, np.tile(force.smooth.start_at_zero[:, None], len(members))])
-        return [(jump, ()) for jump in np.moveaxis(derivatives_of(flow, output, at_zero, np.moveaxis(initial, 0, 2)), 2, 0)]
-
-    first = x[int(members[0])]
-    return _Group(members, functions, (*force.notices, *first.solution.notices), happenings)
+    return Responses(A, starts, tuple(nothing if one.is_zero else one for one in members), rank_tolerance, request)

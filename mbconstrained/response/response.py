@@ -1,66 +1,166 @@
-"""The answer: a function of time that you call, with its derivatives, jumps and Dirac impulses."""
+"""The solution: a function of time that you call, with its derivatives, jumps and Dirac impulses."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from types import ModuleType
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..checks import counted, places_of, whole_number
-from ..jordan.evidence import Evidence
-from ..jordan.pairs import JordanPairs
-from ..notices import Notice
-from ..polynomial.matrix import PolynomialMatrix
-from ..signals.bohl import BohlFunction
-from ..signals.chunks import Piece
+from ..ground.checks import counted, optional_package, places_of, real_array, whole_number
+from ..ground.display import Displayed, TextTable, notice_table
+from ..ground.errors import IllConditioned, InputError, MbconstrainedError
+from ..ground.notices import Evidence, Notice
+from ..ground.threads import short_work
+from ..ground.tolerances import noise_of
+from ..polynomial.jordan_pairs import JordanPairs
+from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..signals.bohl import BohlFunction, Piece
 from ..signals.impulsive import ImpulsiveSmooth
-from ..tolerances import noise_of
+from .choose import PAIRS, Method, Request, choose, unproved
+from .estimate import TRIALS, error_estimate
 from .events import Event
-from .solution import PairSolution
+from .methods.defect import Defect
+from .methods.pair_solution import PairSolution
+from .methods.proved import ProvedFunction
+from .methods.reduced_solution import ReducedSolution
+from .problem import Problem
+from .response_notices import response_notices
 
 if TYPE_CHECKING:
-    from ..exact.enclosure import Enclosure, ExactResponse
-    from .reduced import ReducedSolution
+    from ..exact.enclosure.exact_response import ExactResponse
+    from ..exact.enclosure.intervals import Enclosure
 
 #: So many coordinates are named where a response is shown in one line.
 MOST_NAMES = 6
 
 
-@dataclass(frozen=True, repr=False)
-class Response:
+@dataclass(frozen=True, repr=False, eq=False)
+class Response(Displayed):
     """x with A(d/dt) x = f from values at 0-.
 
     ``x(t)`` is the regular part at t > 0 (t = 0 means 0+): a number gives shape (r,), times of shape (T,) give
-    (r, T), in any order and spacing, at the time of an event the right limit. Impulses are apart, never smeared.
+    (r, T), in any order and spacing, at the time of an event the right limit. Impulses are reported separately.
 
     Attributes:
-        polynomial_matrix: A(s).
-        initial: x^(i)(0-) as row i, shape (q, r).
-        force: f.
-        solution: how x was found, from the Jordan pairs or, a large plain problem, from reduced equations.
-        jump: x^(i)(0+) - x^(i)(0-), shape (q, r); exactly zero where the start is consistent.
-        impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta.
-        events: jumps and impulses after t = 0, where the force starts, stops, changes or strikes, by ascending time.
+        problem: A(s), the values at 0-, the force and the rank tolerance.
+        solution: by the chosen method, from the Jordan pairs or from the reduced equations.
     """
 
-    polynomial_matrix: PolynomialMatrix
-    initial: np.ndarray
-    force: ImpulsiveSmooth
+    problem: Problem
     solution: PairSolution | ReducedSolution
-    jump: np.ndarray
-    impulses: tuple[np.ndarray, ...]
-    events: tuple[Event, ...] = field(default=(), kw_only=True)
 
-    def __repr__(self) -> str:
-        names, first = self.polynomial_matrix.coordinates, int(self.jump.any(axis=0).sum())
+    #: Returns the module ``exact.enclosure.exact_response``. ``mbconstrained/__init__.py`` sets it: the exact engine lies above this
+    #: room, which does not import it, and is loaded when the first exact question is asked.
+    exact_engine: ClassVar[Callable[[], ModuleType]]
+
+    @classmethod
+    def solved(cls, problem: Problem, request: Request = Request()) -> Response:
+        """The solution of a problem by the method chosen for it.
+
+        Args:
+            problem: A(d/dt) x = f with values at 0-.
+            request: how often and when it is evaluated.
+
+        Returns:
+            A ``Response``.
+
+        Raises:
+            IllConditioned: the data leave the range of float64.
+        """
+        A = problem.polynomial_matrix
+        try:
+            with (
+                short_work(A.degree * A.size),
+                np.errstate(all="ignore"),
+            ):  # values that are not finite are reported with their time
+                method = choose(problem, request)
+                if method.flow is not None:
+                    return Response(problem, ReducedSolution.of(method))
+                return Response(problem, PairSolution.of(problem, method, A.jordan_pairs(problem.rank_tolerance)))
+        except MbconstrainedError:
+            raise
+        except (np.linalg.LinAlgError, ValueError, OverflowError):  # what is not finite reached an algorithm
+            raise IllConditioned(
+                "products of the data leave the range of float64, or their inverses do; choose other units, in which they are nearer to 1"
+            ) from None
+
+    @classmethod
+    def by_pairs(cls, pairs: JordanPairs, initial: np.ndarray, force: ImpulsiveSmooth) -> Response:
+        """The solution from given pairs, values at 0- of shape (q, r) and force in full.
+
+        Args:
+            pairs: Jordan pairs of A(s).
+            initial: x^(i)(0-) as row i, shape (q, r).
+            force: f.
+
+        Returns:
+            A ``Response``.
+        """
+        problem = Problem(pairs.polynomial_matrix, initial, force, pairs.rank_tolerance)
+        with np.errstate(all="ignore"):  # values that are not finite are reported with their time
+            return Response(problem, PairSolution.of(problem, Method(PAIRS, "by the Jordan pairs, which were given"), pairs))
+
+    @property
+    def polynomial_matrix(self) -> PolynomialMatrix:
+        """A(s)."""
+        return self.problem.polynomial_matrix
+
+    @property
+    def initial(self) -> np.ndarray:
+        """x^(i)(0-) as row i, shape (q, r)."""
+        return self.problem.initial
+
+    @property
+    def force(self) -> ImpulsiveSmooth:
+        """f."""
+        return self.problem.force
+
+    @property
+    def method(self) -> Method:
+        """The method of the solution: its name, and the reason why it was chosen."""
+        return self.solution.method
+
+    @property
+    def jump(self) -> np.ndarray:
+        """x^(i)(0+) - x^(i)(0-), shape (q, r); exactly zero where the initial values are consistent."""
+        return self.solution.jump
+
+    @property
+    def impulses(self) -> tuple[np.ndarray, ...]:
+        """Arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta at t = 0."""
+        return self.solution.impulses
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """Jumps and impulses after t = 0, where the force starts, stops, changes or has impulses, by ascending time."""
+        return self.solution.events
+
+    def _summary(self) -> str:
+        names, jumps = self.polynomial_matrix.coordinates, int(self.jump.any(axis=0).sum())
         shown = ", ".join(names[:MOST_NAMES]) + (", ..." if len(names) > MOST_NAMES else "")
-        struck = int(np.any(self.impulses, axis=0).sum()) if self.impulses else 0
+        impulses = int(np.any(self.impulses, axis=0).sum()) if self.impulses else 0
         return (
-            f"{type(self).__name__}({counted(len(names), 'coordinate')}: {shown}; {counted(first, 'jump')} and "
-            f"{counted(struck, 'impulse')} at t = 0; {counted(len(self.events), 'event')} later)"
+            f"{counted(len(names), 'coordinate')}: {shown}; {counted(jumps, 'jump')} and "
+            f"{counted(impulses, 'impulse')} at t = 0; {counted(len(self.events), 'event')} later"
+        )
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        names = self.polynomial_matrix.coordinates
+        jumps = ((names[i], str(k), f"{self.jump[k, i]:.6g}") for k, i in np.argwhere(self.jump))
+        impulses = ((names[i], str(k), f"{part[i]:.6g}") for k, part in enumerate(self.impulses) for i in np.flatnonzero(part))
+        events = (
+            (f"{event.time:.6g}", str(np.count_nonzero(event.jump)), str(sum(map(np.count_nonzero, event.impulses))))
+            for event in self.events
+        )
+        return (
+            TextTable("Jumps at t = 0", ("coordinate", "order of derivative", "jump"), tuple(jumps)),
+            TextTable("Impulses at t = 0", ("coordinate", "order of the derivative of δ", "factor"), tuple(impulses)),
+            TextTable("Events", ("t (s)", "jumps", "impulses"), tuple(events)),
+            notice_table(self.notices),
         )
 
     def __call__(self, times) -> np.ndarray:
@@ -68,23 +168,35 @@ class Response:
 
         Raises:
             InputError: negative or not finite times.
-            Overflow: the answer leaves the range of float64 within the times asked for.
+            Overflow: a value leaves the range of float64.
         """
         return self.function(times)
 
-    @property
+    @cached_property
     def pairs(self) -> JordanPairs:
-        """The Jordan pairs of A(s)."""
-        return self.solution.pairs
+        """The Jordan pairs of A(s), computed now where the solution did not need them."""
+        return self.polynomial_matrix.jordan_pairs(self.problem.rank_tolerance)
+
+    @cached_property
+    def function(self) -> BohlFunction:
+        """The regular part as a Bohl function C e^{J t} v, of a small model with values that are proved (``response.methods.proved``)."""
+        return self.solution.function if self.unproved else self._proved_function
+
+    @cached_property
+    def unproved(self) -> str:
+        """Why the values are not proved to be right; empty where they are."""
+        return unproved(self.problem)
 
     @property
-    def function(self) -> BohlFunction:
-        """The regular part as a Bohl function C e^{J t} v."""
-        return self.solution.function
+    def _proved_function(self) -> ProvedFunction:
+        flow = self.method.flow
+        bounded = flow is not None and flow.reduction.is_small and len(flow.knots) == 1
+        defect = Defect(flow) if bounded else None
+        return ProvedFunction(self.solution.function, lambda: self.exact, self.solution.finite_count, defect)
 
     @property
     def coupling(self) -> float:
-        """The largest entry of the transformation that separated the zeros."""
+        """The largest entry of the transformation that separates the modes."""
         return self.solution.coupling
 
     def derivative(self, order: int = 1) -> BohlFunction:
@@ -97,7 +209,7 @@ class Response:
         Raises:
             InputError: no such coordinate.
 
-        >>> from mbconstrained.response import solve
+        >>> from mbconstrained import solve
         >>> A = PolynomialMatrix([[[1.0, 0.0], [0.0, 2.0]], [[1.0, 0.0], [0.0, 1.0]]], coordinates=["slow", "fast"])
         >>> solve(A, initial=[[1.0, 3.0]]).of("fast")([0.0, 1.0]).round(3)
         array([[3.   , 0.406]])
@@ -113,6 +225,9 @@ class Response:
             times: shape (T,), in s; or the first and the last one, where a count is given.
             count: how many even times there are.
 
+        Returns:
+            Pairs in order, the values of shape (r, number of times).
+
         Raises:
             InputError: times or a count that are not such.
         """
@@ -120,34 +235,37 @@ class Response:
 
     @property
     def start(self) -> np.ndarray:
-        """x^(i)(0+) as row i, shape (q, r); what a jump leaves of a value below its rounding is zero."""
+        """x^(i)(0+) as row i, shape (q, r); a remainder of a jump within its rounding error is zero."""
         start = self.initial + self.jump
         return np.where(np.abs(start) <= noise_of(np.abs(self.jump)), 0.0, start)
 
     def error_estimate(self, times, *, order: int = 0) -> float:
         """Estimate of max |error| / max |x^(order)| over the given times, of x itself or a derivative (``response.estimate``).
 
+        Args:
+            times: in s, a number or shape (T,).
+            order: of the derivative.
+
+        Returns:
+            Relative to the largest value at these times.
+
         Raises:
             InputError: times that are negative or not finite, an order that is no whole number of at least 0.
         """
-        from .estimate import error_estimate
-
         order = whole_number(order, "order")
         return error_estimate(self, times, lambda x: x.derivative(order) if order else x.function)
 
     @cached_property
     def exact(self) -> ExactResponse:
-        """The exact answer to the same data, floats taken as the exact numbers that they are: impulses, values at 0+, intervals."""
-        from ..exact.enclosure import exact_response
-
-        return exact_response(self.polynomial_matrix, self.initial, self.force)
+        """The exact solution for the same data, floats taken as the exact numbers that they are: impulses, values at 0+, intervals."""
+        return self.exact_engine().exact_response(self.polynomial_matrix, self.initial, self.force)
 
     def enclose(self, times, digits: int = 15, *, order: int = 0) -> Enclosure:
         """Intervals that are sure to contain x(t), or a derivative of it, for the data taken exactly (``exact.enclosure``).
 
-        X(s) is found over the rationals and summed over its certified poles in ball arithmetic, with more bits until each value
-        has its digits; nothing of the numeric answer enters. The data are the entries of A(s), the values at 0- and the numbers
-        that the force was made with; a phase that is a quarter turn to rounding is meant as one, as in the answer itself.
+        X(s) is computed over the rationals and summed over its certified poles in ball arithmetic, with more bits until each value
+        has its digits; nothing of the numeric solution enters. The data are the entries of A(s), the values at 0- and the numbers
+        that the force was made of; a phase that is a quarter turn to rounding is taken for one, as in the solution itself.
 
         Args:
             times: in s, a number or shape (T,).
@@ -164,49 +282,99 @@ class Response:
             Overflow: values beyond 1e100000.
 
         >>> A = PolynomialMatrix([[[1.0]], [[1.0]]])  # x' = -x
-        >>> from mbconstrained.response import solve
+        >>> from mbconstrained import solve
         >>> box = solve(A, initial=[[1.0]]).enclose(1.0, digits=20)
         >>> print(box.lower[0], box.upper[0])
         0.36787944117144232159552 0.36787944117144232159553
         """
-        from ..exact.enclosure import structure_notices
-
-        return self.exact.enclose(times, digits, order=order).with_notices(structure_notices(self, self.exact))
+        notices = self.exact_engine().structure_notices(self, self.exact)
+        return self.exact.enclose(times, digits, order=order).with_notices(notices)
 
     def to_xarray(self, times):
-        """x at times (T,) as an xarray ``DataArray`` with names, units, jumps and impulses (``response.frames``)."""
-        from .frames import to_xarray
+        """x at times (T,) as a ``DataArray`` with the dimensions time (s) and coordinate; of a state space the outputs too.
 
-        return to_xarray(self, times)
+        Its coordinate "unit" gives the unit of each entry, where units are known. Its attributes are arrays with an entry for each
+        coordinate: jump_0, jump_1, ... of x, x', ... at t = 0 and impulse_0, impulse_1, ..., the factors of Dirac's delta and its
+        derivatives there; event_times are the times of the later events.
+
+        Raises:
+            InputError: times that are not a list of numbers, negative or not finite.
+            MissingPackage: xarray is not installed.
+        """
+        xarray = optional_package("xarray", "to_xarray")
+        times, names, values, units = _curves(self, times)
+        coords = {"time": ("time", times, {"units": "s"}), "coordinate": list(names)}
+        if units:
+            coords["unit"] = ("coordinate", [units[name] for name in names])
+        attributes = {"long_name": "regular part of x"}
+        if units and len({units[name] for name in names}) == 1:
+            attributes["units"] = units[names[0]]
+        return xarray.DataArray(values.T, coords, ("time", "coordinate"), "x", {**attributes, **_jumps_and_impulses(self)})
 
     def to_pandas(self, times):
-        """x at times (T,) as a pandas ``DataFrame`` with names, units, jumps and impulses (``response.frames``)."""
-        from .frames import to_pandas
+        """x at times (T,) as a ``DataFrame``: the index is the time in s, a column for each coordinate, of a state space outputs too.
 
-        return to_pandas(self, times)
+        ``.attrs`` has the units by name (where they are known), and the same jumps and impulses as ``to_xarray``, as dictionaries.
+
+        Raises:
+            InputError: times that are not a list of numbers, negative or not finite.
+            MissingPackage: pandas is not installed.
+        """
+        pandas = optional_package("pandas", "to_pandas")
+        times, names, values, units = _curves(self, times)
+        frame = pandas.DataFrame(values.T, pandas.Index(times, name="time"), pandas.Index(names, name="coordinate"))
+        frame.attrs = {"units": {"time": "s", **{name: units[name] for name in names if name in units}}}
+        for key, values in _jumps_and_impulses(self).items():
+            frame.attrs[key] = values.tolist() if key == "event_times" else dict(zip(names, values.tolist()))
+        return frame
 
     @cached_property
     def moved(self) -> tuple[Response, ...]:
-        """Answers to the same problem with its data moved by about a rounding error (see ``response.estimate``)."""
-        from .estimate import moved_responses
-
+        """Solutions of the same problem with its data moved by about a rounding error (see ``response.estimate``)."""
         return moved_responses(self)
 
     @cached_property
     def written(self) -> Response | None:
-        """The answer to the data as they are written, where some counted as zero at s = 0 (see ``response.estimate``)."""
-        from .estimate import written_response
-
-        return written_response(self)
+        """The solution for the data as they are written, where some counted as zero at s = 0 (see ``response.estimate``)."""
+        as_written = self.solution.as_written
+        return None if as_written is None else Response.by_pairs(as_written, self.initial, self.force)
 
     @cached_property
     def evidence(self) -> tuple[Evidence, ...]:
-        """Residuals, conditions and gaps that tell how far the answer can be trusted."""
+        """Residuals, conditions and gaps of the method of the solution."""
         return self.solution.evidence
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """What the user should know: jumps, impulses, growth, doubtful decisions."""
-        from .notices import response_notices
-
+        """Jumps, impulses, growth, doubtful decisions."""
         return response_notices(self)
+
+
+def moved_responses(x: Response) -> tuple[Response, ...]:
+    """Solutions of the problem of x with its data moved by about a rounding error."""
+    request = Request(x.method.evaluations)
+    return tuple(Response.solved(x.problem.moved(seed), request) for seed in range(TRIALS))
+
+
+# A response at given times as a table, with names, units, jumps and impulses.
+
+
+def _curves(x: Response, times) -> tuple[np.ndarray, tuple[str, ...], np.ndarray, dict[str, str]]:
+    """Times, names, values and units; those are known to the system that a response is of, if there is one."""
+    times = real_array(times, "times")
+    if times.ndim != 1:
+        raise InputError(f"times: found {'one number' if times.ndim == 0 else 'a table'}; expected a list of numbers")
+    units, whole = getattr(getattr(x, "system", None), "units", {}), _whole(x)
+    return times, whole.polynomial_matrix.coordinates, whole(times), units
+
+
+def _whole(x: Response) -> Response:
+    """States and outputs together where x has outputs."""
+    return getattr(x, "together", x)
+
+
+def _jumps_and_impulses(x: Response) -> dict[str, np.ndarray]:
+    x = _whole(x)
+    attributes = {f"jump_{order}": row.copy() for order, row in enumerate(x.jump)}
+    attributes |= {f"impulse_{order}": row.copy() for order, row in enumerate(x.impulses)}
+    return attributes | ({"event_times": np.array([event.time for event in x.events])} if x.events else {})

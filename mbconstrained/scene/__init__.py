@@ -1,8 +1,8 @@
-"""Scene files: read, checked, planned, run."""
+"""Scene files: read, validated, assembled, planned, run.
 
-from .plan import Plan, Stage
-from .result import Result
-from .robot_file import RobotData, read_robot
-from .scene import Scene, read_scene
+Read in the order in which data moves: ``file`` (text to tables, messages with places), ``quantities`` (units, parameters),
+``schema`` (every table and key), ``build`` (the equations), ``run`` (plan, stages, result, reports, pictures). A folder imports
+only those before it; the room imports all rooms below it, of ``page`` only while a page or a drawing is made.
+"""
 
-__all__ = ["Plan", "Result", "RobotData", "Scene", "Stage", "read_robot", "read_scene"]
+from __future__ import annotations

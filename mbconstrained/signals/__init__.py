@@ -1,26 +1,6 @@
-"""Functions of time with a closed form: Bohl functions, impulsive-smooth functions, and inputs made of them."""
+"""Functions of time with a closed form: Bohl functions, impulsive-smooth functions and inputs.
 
-from .approximated import Approximation, approximated
-from .bohl import BohlFunction
-from .impulsive import Blow, ImpulsiveSmooth
-from .inputs import harmonic, impulse, power, ramp, step, term, zero
-from .records import pulse, sampled
-from .restarts import Restarts
-
-__all__ = [
-    "Approximation",
-    "Blow",
-    "BohlFunction",
-    "ImpulsiveSmooth",
-    "Restarts",
-    "approximated",
-    "harmonic",
-    "impulse",
-    "power",
-    "pulse",
-    "ramp",
-    "sampled",
-    "step",
-    "term",
-    "zero",
-]
+Imports ``ground`` and ``linalg``. Read ``bohl`` (with ``restarts``, ``sums`` and ``oscillating_part``, on which it rests),
+``impulsive`` and ``inputs``; then ``approximated`` (with ``chebyshev``) for functions given by their values, and
+``exact_inputs``, the descriptions that the room ``exact`` reads.
+"""

@@ -1,32 +1,25 @@
-"""A function of time known by its values: piecewise polynomials through Chebyshev points, to a stated tolerance.
+"""A function of time given by its values: piecewise polynomials through Chebyshev points, to a stated tolerance.
 
-First its edges are found, kinks and jumps. Then the stretches between them are divided evenly, as finely as needed. All
-pieces so have nearly the same length, and one chain of states for t^k, in units of this length, serves all of them.
+The search for edges (kinks and jumps) comes first; then each interval between edges is divided evenly until the tolerance is
+met. All pieces have nearly the same length, so that one chain of states for t^k in units of this length serves all of them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from ..checks import real_number
-from ..errors import InputError
-from ..notices import Notice
-from ..tolerances import EPS
+from ..ground.checks import real_number
+from ..ground.errors import InputError
+from ..ground.notices import Notice, NoticeKind
+from ..ground.tolerances import APPROXIMATION_TOLERANCE, EDGE_UNITS, EPS, LEAST_APPROXIMATION_TOLERANCE
 from .bohl import BohlFunction
-from .chebyshev import DEGREE, Fit
-from .edges import FIRST_HALVINGS, MOST_HALVINGS, REMEDY, edges_of
+from .chebyshev import CHECKS, DEGREE, NODES, Fit, fitted
 from .impulsive import ImpulsiveSmooth
 from .restarts import Restarts
-from .values import Values
-
-#: The tolerance when none is asked for: a little above what rounding leaves of polynomials of this degree.
-TOLERANCE = 1e-12
-
-#: A tolerance below this many roundings of the largest value cannot be reached.
-LEAST_TOLERANCE = 64 * EPS
 
 #: One over the length of a piece, and its products with the values, must stay within the range of float64.
 SHORTEST_END = 1e-280
@@ -34,13 +27,13 @@ SHORTEST_END = 1e-280
 
 @dataclass(frozen=True, repr=False)
 class Approximation(ImpulsiveSmooth):
-    """An input that stands for a function known by its values.
+    """An input that approximates a function given by its values.
 
     Attributes:
-        points: how many times the function was evaluated.
-        pieces: how many polynomials stand for it.
-        error: estimate of max |error| / max |value|, from the polynomials' last coefficients and from values between
-            the points that they go through.
+        points: number of values of the function that were computed.
+        pieces: number of polynomials.
+        error: estimate of max |error| / max |value|, from the last coefficients of the polynomials and from values
+            between their interpolation points. Nothing is known of the function between the times at which it was evaluated.
     """
 
     points: int = 0
@@ -48,46 +41,56 @@ class Approximation(ImpulsiveSmooth):
     error: float = 0.0
 
 
-def approximated(function: Callable, end: float, *, tolerance: float = TOLERANCE) -> Approximation:
-    """The function for 0 <= t < end, zero from then on, by piecewise polynomials of degree 10.
+def approximated(function: Callable, end: float, *, tolerance: float = APPROXIMATION_TOLERANCE) -> Approximation:
+    """The function for 0 <= t < end, zero afterwards, by piecewise polynomials of degree 10.
 
-    Kinks and jumps of the function are found to rounding; a feature shorter than a hundredth of the whole between two
-    smooth stretches may be missed. Derivatives of the answer that need derivatives of the force lose digits with each.
+    Kinks and jumps are located to rounding error (Pachon, Platte and Trefethen, Piecewise-smooth chebfuns, 2010); a feature
+    shorter than a hundredth of the whole between two smooth intervals may be missed. Each derivative of the force that the
+    response needs loses digits.
 
     Args:
         function: takes times of shape (T,) and returns values (r, T) or (T,); or takes one time and returns (r,) or
-            a number. It is evaluated at times between 0 and end only.
+            a number. It is evaluated at times from 0 to end only.
         end: in s.
         tolerance: of the error relative to the largest value.
 
-    Raises:
-        InputError: values that are not real, not finite, of different shapes or not reached to the tolerance, a call that
-            fails; the text says where.
+    Returns:
+        An ``Approximation`` with r rows.
 
+    Raises:
+        InputError: values that are not real, not finite, of different shapes or not approximated to the tolerance, or a
+            call that fails; the text names the time.
+
+    >>> import numpy as np
+    >>> from mbconstrained import approximated
     >>> f = approximated(lambda t: np.abs(np.sin(3 * t)), 2.0)
     >>> float(abs(f(1.0)[0] - abs(np.sin(3.0)))) < 1e-12, f.error < 1e-12
     (True, True)
     """
     end, tolerance = real_number(end, "end", positive=True), real_number(tolerance, "tolerance", positive=True)
-    if tolerance < LEAST_TOLERANCE:
-        raise InputError(f"tolerance: found {tolerance:g}; rounding allows at least {LEAST_TOLERANCE:.2g}")
-    values = Values(function, tolerance)
+    if tolerance < LEAST_APPROXIMATION_TOLERANCE:
+        raise InputError(f"tolerance: found {tolerance:g}; rounding allows at least {LEAST_APPROXIMATION_TOLERANCE:.2g}")
+    values = _Values(function, tolerance)
     if end < SHORTEST_END:
         raise InputError(f"end: found {end:g} s; expected at least {SHORTEST_END:g} s, so that slopes stay in the range of float64")
-    knots, fit = _even_pieces(values, edges_of(values, end), end)
+    knots, fit = _even_pieces(values, _edges_of(values, end), end)
     error = float(fit.error.max() / values.largest) if values.largest else 0.0
-    text = f"the force is approximated by {len(knots) - 1} polynomials from {values.points} values, to {error:.2g} of its largest"
+    unseen = float(np.diff(knots).max() * np.diff(np.sort(np.concatenate([[0.0], NODES, CHECKS, [1.0]]))).max())
+    text = (
+        f"the force is approximated by {len(knots) - 1} polynomials from {values.points} values, at these to {error:.2g} of its "
+        f"largest; what is shorter than {unseen:.2g} s may lie between them"
+    )
     smooth = _function(knots, fit, tolerance * values.largest)
-    return Approximation(smooth, (), (), (Notice("accuracy", text),), values.points, len(knots) - 1, error)
+    return Approximation(smooth, (), (), (Notice(NoticeKind.ACCURACY, text),), values.points, len(knots) - 1, error)
 
 
-def _even_pieces(values: Values, edges: np.ndarray, end: float) -> tuple[np.ndarray, Fit]:
-    """Knots and polynomials, the stretches between the edges divided evenly."""
+def _even_pieces(values: _Values, edges: np.ndarray, end: float) -> tuple[np.ndarray, Fit]:
+    """Knots and polynomials, with the intervals between edges divided evenly."""
     borders = np.concatenate([[0.0], edges, [end]])
     for halvings in range(FIRST_HALVINGS, MOST_HALVINGS + 1):
         counts = np.ceil(np.diff(borders) / end * 2**halvings - EPS**0.5).astype(int).clip(1)
-        stretches = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(borders, borders[1:], counts)]
-        knots = np.append(np.concatenate(stretches), end)
+        intervals = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(borders, borders[1:], counts)]
+        knots = np.append(np.concatenate(intervals), end)
         fit = values.fit(knots[:-1], np.diff(knots))
         if fit.follows.all():
             return knots, fit
@@ -118,3 +121,177 @@ def _function(knots: np.ndarray, fit: Fit, error: float) -> BohlFunction:
 def _by_state(values: np.ndarray) -> np.ndarray:
     """(r, K, m) as (r m, K)."""
     return values.transpose(0, 2, 1).reshape(-1, values.shape[1])
+
+
+#: Larger values leave the range of float64 in the coefficients of polynomials.
+LARGEST_VALUE = 1e280
+
+EXPECTED = "expected a number or a list of r numbers for each time"
+
+
+class _Values:
+    """The checked values of a user's function as arrays (r, ...), with the largest value and the number of times so far."""
+
+    def __init__(self, function: Callable, tolerance: float):
+        if not callable(function):
+            raise InputError(f"function: found {function!r}; expected a function of time, e.g. lambda t: np.sin(3 * t)")
+        self.function, self.tolerance = function, tolerance
+        self.points, self.largest, self.by_array = 0, 0.0, True
+        self.rows: int | None = None
+
+    def __call__(self, times: np.ndarray) -> np.ndarray:
+        flat = times.ravel()
+        with np.errstate(all="ignore"):  # values that are not finite are reported with their time
+            values = self._together(flat)
+            values = self._one_by_one(flat) if values is None else values
+        self._check(flat, values)
+        self.points += len(flat)
+        self.largest = max(self.largest, float(np.abs(values).max(initial=0.0)))
+        return values.reshape(-1, *times.shape)
+
+    def fit(self, begins: np.ndarray, lengths: np.ndarray) -> Fit:
+        """Polynomials on the intervals, with the decision whether they meet the tolerance."""
+        places = np.concatenate([NODES, CHECKS])
+        values = self(begins[:, None] + lengths[:, None] * places)
+        return fitted(values, self.largest, self.tolerance)
+
+    def _check(self, times, values) -> None:
+        fits = (np.abs(values) <= LARGEST_VALUE).all(axis=0)
+        if not fits.all():
+            at = int(np.argmin(fits))
+            what = "too large" if np.isfinite(values[:, at]).all() else "not finite"
+            raise InputError(f"function: it is {what} at t = {times[at]:.17g} s; expected values of a size up to {LARGEST_VALUE:g}")
+        self.rows = len(values) if self.rows is None else self.rows
+        if len(values) != self.rows:
+            raise InputError(
+                f"function: it has {len(values)} rows near t = {times[0]:.17g} s and {self.rows} elsewhere; {EXPECTED}"
+            )
+
+    def _together(self, times) -> np.ndarray | None:
+        """The values at all times in one call, or None where the function accepts one time only."""
+        if self.by_array:
+            try:
+                values = np.asarray(self.function(times.copy()))
+            except Exception:  # the calls with one time that follow report the error with its time
+                values = np.zeros(())
+            if values.dtype.kind in "biuf" and values.ndim in (1, 2) and values.size and values.shape[-1] == len(times):
+                return values.reshape(-1, len(times)).astype(float)
+            self.by_array = False
+        return None
+
+    def _one_by_one(self, times) -> np.ndarray:
+        values = [self._at(float(t)) for t in times]
+        for t, value in zip(times, values):
+            if len(value) != len(values[0]):
+                raise InputError(
+                    f"function: it has {len(value)} rows at t = {t:.17g} s and {len(values[0])} at t = {times[0]:.17g} s; {EXPECTED}"
+                )
+        return np.array(values).T
+
+    def _at(self, t: float) -> np.ndarray:
+        try:
+            value = self.function(t)
+        except ArithmeticError as problem:
+            raise InputError(f"function: it is not finite at t = {t:.17g} s ({problem}); give one that always is") from problem
+        except Exception as problem:
+            raise InputError(
+                f"function: its call with t = {t:.17g} s fails with {type(problem).__name__}: {problem}; {EXPECTED}"
+            ) from problem
+        return _row(value, t)
+
+
+def _row(value, t: float) -> np.ndarray:
+    """A value as an array (r,)."""
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind == "O":  # numbers of other kinds, such as fractions
+            array = np.array([float(item) for item in array.ravel()]).reshape(array.shape)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"function: found {_shown(value)} at t = {t:.17g} s; {EXPECTED}") from None
+    if array.dtype.kind == "c":
+        raise InputError(f"function: found the complex {_shown(value)} at t = {t:.17g} s; expected real numbers, e.g. real parts")
+    if array.dtype.kind not in "biuf" or array.ndim > 1 or not array.size:
+        raise InputError(f"function: found {_shown(value)} at t = {t:.17g} s; {EXPECTED}")
+    return np.atleast_1d(array).astype(float)
+
+
+def _shown(value) -> str:
+    if isinstance(value, np.ndarray) and value.ndim:
+        return f"array of shape {value.shape}"
+    text = repr(value.item() if isinstance(value, np.generic) else value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+# Edges. Intervals on which the polynomial misses the tolerance are halved; a very short one that still misses it contains an
+# edge. Further halving locates a jump to rounding error; a kink, also of a derivative, lies where the polynomials of both
+# sides meet.
+
+#: The first pieces are end / 2^this long, so that no feature longer than a hundredth of the whole is missed.
+FIRST_HALVINGS = 4
+
+#: Pieces are at least end / 2^this long: a shorter interval that misses the tolerance contains an edge.
+MOST_HALVINGS = 14
+
+#: More intervals than this that miss the tolerance mean a function that is rough everywhere.
+MOST_EDGES = 1000
+
+REMEDY = "ask for a larger tolerance, a shorter time, or give a smoother function"
+
+
+def _edges_of(values, end: float) -> np.ndarray:
+    """The times between 0 and end at which the function jumps or has a kink.
+
+    Args:
+        values: the function, with its ``fit``, ``tolerance`` and ``largest`` value (``approximated``).
+
+    Raises:
+        InputError: it is rough everywhere.
+    """
+    length = end / 2**FIRST_HALVINGS
+    begins, leaves = length * np.arange(2**FIRST_HALVINGS), []
+    while len(begins):
+        fit = values.fit(begins, np.full(len(begins), length))
+        last = length < EDGE_UNITS * EPS * end
+        done = fit.follows | last
+        leaves += [(begin, length, fit.at(k)) for k, begin in enumerate(begins) if done[k]]
+        if length * 2**MOST_HALVINGS < end and len(begins) > MOST_EDGES:
+            raise InputError(
+                f"function: it is too rough to be followed to {values.tolerance:g} near t = {begins[0]:.6g} s; {REMEDY}"
+            )
+        length, begins = length / 2, np.sort(np.concatenate([begins[~done], begins[~done] + length / 2]))
+    return _edges_between(sorted(leaves, key=lambda leaf: leaf[0]), values, end)
+
+
+def _edges_between(leaves, values, end) -> np.ndarray:
+    """One edge for each group of very short intervals, and the joints of longer ones that do not match."""
+    shortest, edges, first, error = end / 2**MOST_HALVINGS, [], None, values.tolerance * values.largest
+    for k, (before, after) in enumerate(zip(leaves, [*leaves[1:], None])):
+        last_narrow = before[1] < shortest and (after is None or after[1] >= shortest)
+        if before[1] < shortest and first is None:
+            first = k
+        if last_narrow:
+            edges.append(_edge_among(leaves[max(first - 1, 0) : k + 2]))
+            first = None
+        elif (
+            first is None and after is not None and after[1] >= shortest and before[2].breaks(after[2], before[1] / after[1], error)
+        ):
+            edges.append(after[0])
+    return np.array([edge for edge in edges if 0 < edge < end])
+
+
+def _edge_among(narrow) -> float:
+    """The edge within very short intervals and their two neighbours.
+
+    A jump ends the interval that misses the tolerance to the last; at a kink the polynomials next to the shortest one meet.
+    """
+    begin, length, fit = min(narrow, key=lambda leaf: (leaf[2].follows[0], leaf[1]))
+    if not fit.follows[0]:
+        return begin + length
+    joints = [k for k, pair in enumerate(pairwise(narrow)) if length in (pair[0][1], pair[1][1])]
+    if not joints:
+        return begin + length
+    bend = max(joints, key=lambda k: narrow[k][2].bend(narrow[k + 1][2], length / narrow[k][1], length / narrow[k + 1][1]))
+    left, right = narrow[max(bend - 1, 0)], narrow[min(bend + 2, len(narrow) - 1)]
+    end, place = left[0] + left[1], narrow[bend + 1][0]
+    meetings = [end + since for since in left[2].meetings(right[2], left[1], right[1], right[0] - end)]
+    return min([m for m in meetings if left[0] < m < right[0] + right[1]], key=lambda m: abs(m - place), default=place)

@@ -1,6 +1,6 @@
-"""A Bohl function: a function of time f(t) = C e^{J t} v, that is a sum of t^k e^{a t} (cos w t, sin w t).
+"""Bohl functions f(t) = C e^{J t} v: sums of t^k e^{a t} (cos w t, sin w t).
 
-Where it starts, stops or changes later, it is piecewise: the state e^{J t} v is set anew at given times.
+A function that starts, stops or changes later is piecewise: the state e^{J t} v restarts at given times.
 """
 
 from __future__ import annotations
@@ -9,30 +9,31 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 from scipy.linalg import block_diag
 
-from ..checks import counted, evaluation_times, real_array, real_number, whole_number
-from ..errors import InputError, Overflow
+from ..ground.checks import counted, evaluation_times, real_array, real_number, whole_number
+from ..ground.errors import InputError, Overflow
+from ..ground.threads import short_work
+from ..ground.tolerances import MODERATE_EXPONENT
 from ..linalg.blocks import CHUNK_ENTRIES, block_slices
-from ..linalg.exponential import BlockGroups, block_states
-from ..linalg.oscillations import AT_ONCE, MODERATE, Lasting, Oscillations, of_phasors, step_of_few_rows
-from ..linalg.threads import short_work
-from .chunks import Piece, in_chunks
-from .merging import Part, merged
+from ..linalg.exponential.block_exponential import BlockGroups, block_states
+from ..linalg.exponential.oscillations import AT_ONCE, Lasting, Oscillations, of_phasors, step_of_few_rows
+from .oscillating_part import OscillatingPart
 from .restarts import Restarts, as_slice
-from .turning import Turning
+from .sums import Summand, merged
 
 
 @dataclass(frozen=True, repr=False)
 class BohlFunction:
-    """f(t) = C e^{J t} v for t >= 0, evaluated at any times, in any order, with no stepping.
+    """f(t) = C e^{J t} v for t >= 0, evaluated at any times in any order, without time steps.
 
     Attributes:
         coefficients: C, shape (r, n).
         blocks: the diagonal blocks of J, square arrays whose sizes add up to n.
-        start: v, shape (n,); or ``Restarts``, states that start anew at later times too.
+        start: v, shape (n,); or ``Restarts``, where the states restart at later times.
 
     >>> import numpy as np
     >>> decay = BohlFunction(np.array([[2.0]]), (np.array([[-1.0]]),), np.array([1.0]))
@@ -59,11 +60,17 @@ class BohlFunction:
 
     @property
     def summed_from(self) -> np.ndarray:
-        """From which time on, in s, each row is evaluated as a sum of modes, which may cancel; shape (r,)."""
+        """The times in s from which each row is evaluated as a sum of modes, which may cancel, shape (r,)."""
         return np.zeros(self.size)
 
     def __call__(self, times) -> np.ndarray:
-        """f at a time (-> shape (r,)) or at times of shape (T,) (-> shape (r, T)); each t >= 0, t = 0 means 0+.
+        """The values f(t).
+
+        Args:
+            times: one time, or times of shape (T,), in s, each at least 0; t = 0 means 0+, and a knot its right limit.
+
+        Returns:
+            Shape (r,) for one time, (r, T) for several.
 
         Raises:
             InputError: negative or not finite times.
@@ -72,7 +79,7 @@ class BohlFunction:
         times = evaluation_times(times)
         with np.errstate(over="ignore", invalid="ignore"), short_work(self.state_count):  # reported below, with the time
             values = self._values(np.atleast_1d(times))
-            finite = not values.size or math.isfinite(values.min()) and math.isfinite(values.max())
+            finite = not values.size or (math.isfinite(values.min()) and math.isfinite(values.max()))
         if not finite:
             first = np.atleast_1d(times)[~np.isfinite(values).all(axis=0)].min()
             raise Overflow(f"the value at t = {first:g} s lies beyond the range of float64; ask for earlier times")
@@ -95,14 +102,14 @@ class BohlFunction:
                 return self._at_knots(piece)
             coefficients, size = self._prepared
             return coefficients @ block_states(self._groups, self.start.states[:, piece] * size[:, None], since)
-        turning = self._turning
-        if turning is None or turning.growth.max() * times.max(initial=0.0) >= MODERATE:
+        oscillating = self._oscillating_part
+        if oscillating is None or oscillating.growth.max() * times.max(initial=0.0) >= MODERATE_EXPONENT:
             coefficients, size = self._prepared
             return coefficients @ block_states(self._groups, self.start * size, times)
-        step = step_of_few_rows(self.size, len(turning.first), times)
+        step = step_of_few_rows(self.size, len(oscillating.first), times)
         if step is not None:
             phasors, lines, others = self._phasors
-            values = of_phasors(phasors, turning.rates, times, step)
+            values = of_phasors(phasors, oscillating.rates, times, step)
         else:
             folded, oscillations, lines, others = self._folded
             values = oscillations.combined(folded, times, self._lasting if oscillations.are_many(times) else None)
@@ -116,17 +123,17 @@ class BohlFunction:
         return values
 
     def _at_knots(self, piece) -> np.ndarray:
-        """C v where the states start anew."""
+        """C v at knots, where the states restart."""
         coefficients, states = self._used
         return coefficients @ states[:, as_slice(piece)]
 
     @cached_property
     def _used(self) -> tuple[np.ndarray, np.ndarray]:
-        """C and the states without the last ones if they add nothing at the knots."""
+        """C and the states up to the last one that contributes at the knots."""
         coefficients = self.coefficients
-        used = np.flatnonzero(coefficients.any(axis=0) & self.start.states.any(axis=1))
+        used = np.flatnonzero(coefficients.any(axis=0) & self.restarts.states.any(axis=1))
         count = used[-1] + 1 if used.size else 0
-        return coefficients[:, :count], self.start.states[:count]
+        return coefficients[:, :count], self.restarts.states[:count]
 
     @cached_property
     def _groups(self) -> BlockGroups:
@@ -134,7 +141,7 @@ class BohlFunction:
 
     @cached_property
     def _prepared(self) -> tuple[np.ndarray, np.ndarray]:
-        """C and its size, which is taken into v block by block, as a tiny one may outweigh a huge state."""
+        """C with columns of size one, and the sizes, which multiply v: a small column may meet a large state."""
         coefficients, each = self.coefficients, [len(block) for block in self.blocks]
         size = np.abs(coefficients).max(axis=0, initial=0.0)
         if len(size) and len(coefficients):
@@ -143,41 +150,41 @@ class BohlFunction:
         return coefficients / size, size
 
     @cached_property
-    def _turning(self) -> Turning | None:
-        return Turning.of(self.blocks, self._groups, self.start)
+    def _oscillating_part(self) -> OscillatingPart | None:
+        return OscillatingPart.of(self.blocks, self._groups, self.start)
 
     @cached_property
     def _folded(self) -> tuple[np.ndarray, Oscillations, np.ndarray | None, BohlFunction]:
-        """C e^{J t} v as D (cosines, sines), which of them there are, a and b of a + b t, and the rest of C and J."""
+        """C e^{J t} v as D (cosines, sines), the lines a + b t, and the remaining function."""
         coefficients = self.coefficients
-        return *self._turning.of_rows(coefficients), *self._without_turning(coefficients)
+        return *self._oscillating_part.of_rows(coefficients), *self._remaining(coefficients)
 
     @cached_property
     def _phasors(self) -> tuple[np.ndarray, np.ndarray | None, BohlFunction]:
-        """The same of few rows: phasors of the oscillations."""
+        """The same for few rows: phasors of the oscillations."""
         coefficients = self.coefficients
-        return self._turning.phasors(coefficients), *self._without_turning(coefficients)
+        return self._oscillating_part.phasors(coefficients), *self._remaining(coefficients)
 
-    def _without_turning(self, coefficients) -> tuple[np.ndarray | None, BohlFunction]:
-        """a and b of a + b t, and C and J of what neither oscillates nor drifts."""
-        turning = self._turning
-        lines = coefficients[:, turning.drifting] @ turning.lines if len(turning.drifting) else None
-        return lines, BohlFunction(coefficients[:, turning.others], turning.blocks, turning.start)
+    def _remaining(self, coefficients) -> tuple[np.ndarray | None, BohlFunction]:
+        """The lines a + b t of the drifting states, and the function of the states that neither oscillate nor drift."""
+        oscillating = self._oscillating_part
+        lines = coefficients[:, oscillating.drifting] @ oscillating.lines if len(oscillating.drifting) else None
+        return lines, BohlFunction(coefficients[:, oscillating.others], oscillating.blocks, oscillating.start)
 
     @cached_property
     def _lasting(self) -> Lasting | None:
-        """How long each of the functions that are folded is something."""
+        """How long each oscillation stays above rounding."""
         folded, oscillations, *_ = self._folded
         return Lasting.of(oscillations, folded)
 
     @property
     def is_zero(self) -> bool:
-        """Whether it is known to vanish everywhere."""
+        """Whether the function is known to vanish at all times."""
         return not (self.coefficients.any() and self.restarts.states.any())
 
     @cached_property
     def restarts(self) -> Restarts:
-        """The start as ``Restarts``, where there is no later one with t = 0 alone."""
+        """The start as ``Restarts``, with the knot t = 0 alone where there are no others."""
         if isinstance(self.start, Restarts):
             return self.start
         return Restarts(np.zeros(1), self.start[:, None], self.start[:, None])
@@ -195,9 +202,25 @@ class BohlFunction:
     def derivative(self, order: int = 1) -> BohlFunction:
         """The classical derivative C J^order e^{J t} v."""
         coefficients = self.coefficients
-        for _ in range(whole_number(order, "order")):
-            coefficients = self._times_generator(coefficients)
+        with np.errstate(over="ignore", invalid="ignore"):  # reported when the derivative is evaluated
+            for _ in range(whole_number(order, "order")):
+                coefficients = self._times_generator(coefficients)
         return BohlFunction(coefficients, self.blocks, self.start)
+
+    def differential(self, *matrices: np.ndarray) -> BohlFunction:
+        """matrices[0] @ f + matrices[1] @ f' + ..., of the same states: it costs as much as one of the terms.
+
+        Args:
+            matrices: each of shape (p, r).
+
+        Returns:
+            A function with p rows.
+        """
+        coefficients, total = self.coefficients, matrices[0] @ self.coefficients
+        for matrix in matrices[1:]:
+            coefficients = self._times_generator(coefficients)
+            total = total + matrix @ coefficients
+        return BohlFunction(total, self.blocks, self.start)
 
     def mapped(self, matrix) -> BohlFunction:
         """The function matrix @ f(t), matrix of shape (p, r)."""
@@ -205,15 +228,23 @@ class BohlFunction:
         return BohlFunction(matrix @ self.coefficients, self.blocks, self.start)
 
     def rows(self, indices) -> BohlFunction:
-        """Some of its rows, in this order: what only they need is all that is computed."""
+        """The function of some rows in the given order; evaluation costs these rows alone."""
         return BohlFunction(self.coefficients[np.asarray(indices, dtype=int)], self.blocks, self.start)
 
     def chunks(self, times, count: int | None = None) -> Iterator[Piece]:
-        """f at many times as pairs (times, values), for answers larger than memory (``signals.chunks``)."""
+        """f at many times as pairs (times, values), for answers larger than memory; see ``in_chunks``.
+
+        Args:
+            times: shape (T,), in s; or the first and the last one, where a count is given.
+            count: number of equidistant times.
+
+        Returns:
+            Pairs in order, the values of shape (r, number of times).
+        """
         return in_chunks(self, times, count)
 
     def delayed(self, delay: float) -> BohlFunction:
-        """The function f(t - delay), zero for t < delay; delay >= 0 in s.
+        """The delayed function f(t - delay), zero for t < delay, for a delay of at least 0 s.
 
         >>> import numpy as np
         >>> BohlFunction(np.eye(1), (np.zeros((1, 1)),), np.ones(1)).delayed(2.0)([1.0, 2.0])
@@ -223,19 +254,21 @@ class BohlFunction:
         return self if delay == 0 else BohlFunction(self.coefficients, self.blocks, self.restarts.delayed(delay))
 
     def with_knots(self, knots: np.ndarray) -> BohlFunction:
-        """The same function, its states kept at these times too."""
-        if isinstance(self.start, Restarts) or len(knots) > 1:
-            knots = np.union1d(self.restarts.knots, knots)
-            return BohlFunction(self.coefficients, self.blocks, self.restarts.on(self.blocks, knots))
-        return self
+        """The same function with its states at these knots too."""
+        own = self.restarts
+        if not isinstance(self.start, Restarts) and len(knots) == 1:
+            return self
+        moments = np.union1d(own.moments, np.setdiff1d(knots, own.knots))
+        return BohlFunction(self.coefficients, self.blocks, own.on(self.blocks, moments))
 
     def __add__(self, other: BohlFunction) -> BohlFunction:
         if not isinstance(other, BohlFunction):
             return NotImplemented
         if self.size != other.size:
             raise InputError(f"functions of different sizes cannot be added: {self.size} and {other.size} rows")
-        one, two = self.with_knots(other.restarts.knots), other.with_knots(self.restarts.knots)
-        return _of_parts(merged(one._parts() + two._parts()), self.size)
+        pairs = (one.terms if isinstance(one, BohlSum) else (one,) * bool(one.state_count) for one in (self, other))
+        terms = tuple(chain.from_iterable(pairs)) or (self,)
+        return BohlSum(terms) if len(terms) > 1 else terms[0]
 
     def __mul__(self, factor: float) -> BohlFunction:
         return BohlFunction(self.coefficients * real_number(factor, "factor"), self.blocks, self.start)
@@ -254,22 +287,87 @@ class BohlFunction:
             product[:, at] = coefficients[:, at] @ block
         return product
 
-    def _parts(self) -> list[Part]:
-        parts = []
-        for block, at in zip(self.blocks, block_slices(self.blocks)):
-            start = self.start.rows(at) if isinstance(self.start, Restarts) else self.start[at]
-            parts.append(Part(block, start, self.coefficients[:, at]))
-        return parts
+
+class BohlSum(BohlFunction):
+    """A sum of Bohl functions, whose states are put together when they are first needed, those of all terms at once."""
+
+    terms: tuple[BohlFunction, ...]
+
+    def __init__(self, terms: tuple[BohlFunction, ...]):
+        object.__setattr__(self, "terms", terms)
+
+    @cached_property
+    def _total(self) -> tuple[np.ndarray, tuple[np.ndarray, ...], np.ndarray | Restarts]:
+        restarts = [term.restarts for term in self.terms]
+        moments = np.unique(np.concatenate([one.moments for one in restarts]))
+        restarts = [one.on(term.blocks, moments) for term, one in zip(self.terms, restarts)]
+        summands = [
+            Summand(block, np.stack([own.states[at], own.jumps[at]]), term.coefficients[:, at])
+            for term, own in zip(self.terms, restarts)
+            for block, at in zip(term.blocks, block_slices(term.blocks))
+        ]
+        total = merged(summands)
+        values = np.concatenate([np.zeros((2, 0, len(moments))), *(one.values for one in total)], axis=1)
+        restarting = any(isinstance(term.start, Restarts) for term in self.terms)
+        start = Restarts(restarts[0].knots, *values, restarts[0].remainders) if restarting else values[0, :, 0]
+        coefficients = np.hstack([np.zeros((self.size, 0)), *(one.coefficients for one in total)])
+        return coefficients, tuple(one.block for one in total), start
+
+    @property
+    def size(self) -> int:
+        """Number of rows r of f(t)."""
+        return self.terms[0].size
+
+    @property
+    def coefficients(self) -> np.ndarray:
+        """C."""
+        return self._total[0]
+
+    @property
+    def blocks(self) -> tuple[np.ndarray, ...]:
+        """The diagonal blocks of J."""
+        return self._total[1]
+
+    @property
+    def start(self):
+        """v, or ``Restarts``."""
+        return self._total[2]
 
 
-def _of_parts(parts: list[Part], size: int) -> BohlFunction:
-    if not parts:
-        return BohlFunction(np.zeros((size, 0)), (), np.zeros(0))
-    blocks, starts, coefficients = zip(*parts)
-    return BohlFunction(np.hstack(coefficients), tuple(blocks), _together(starts))
+Piece = tuple[np.ndarray, np.ndarray]
 
 
-def _together(starts) -> np.ndarray | Restarts:
-    if not isinstance(starts[0], Restarts):
-        return np.concatenate(starts)
-    return Restarts(starts[0].knots, np.vstack([start.states for start in starts]), np.vstack([start.jumps for start in starts]))
+def in_chunks(function, times, count: int | None = None) -> Iterator[Piece]:
+    """Values of a function of time in chunks, for answers larger than memory.
+
+    Args:
+        function: a callable of times (T,), with ``size`` rows.
+        times: shape (T,), in s; or the first and the last one, where a count is given.
+        count: number of equidistant times from the first to the last.
+
+    Returns:
+        Pairs (times, values) in order, each with at most CHUNK_ENTRIES values, or one time.
+
+    Raises:
+        InputError: times or a count out of range.
+
+    >>> clock = BohlFunction(np.array([[1.0, 0.0]]), (np.array([[0.0, 1.0], [0.0, 0.0]]),), np.array([0.0, 1.0]))
+    >>> [values.tolist() for _, values in in_chunks(clock, (0.0, 2.0), 3)]
+    [[[0.0, 1.0, 2.0]]]
+    """
+    width = max(1, CHUNK_ENTRIES // max(function.size, 1))
+    if count is None:
+        given = real_array(times, "times", shape=(None,))
+        parts = (given[begin : begin + width] for begin in range(0, len(given), width))
+    else:
+        parts = _even_parts(times, whole_number(count, "count", minimum=2), width)
+    return ((part, function(part)) for part in parts)
+
+
+def _even_parts(ends, count: int, width: int) -> Iterator[np.ndarray]:
+    first, last = real_array(ends, "times with a count, the first and the last one", shape=(2,)).tolist()
+    if not 0 <= first < last:
+        raise InputError(f"times: found {first:g} s to {last:g} s; expected a first one of at least 0 and a later last one")
+    step = (last - first) / (count - 1)
+    numbers = ((begin, min(begin + width, count)) for begin in range(0, count, width))
+    return (np.minimum(first + step * np.arange(*part), last) for part in numbers)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 
-from ..tolerances import EPS
+from ..ground.tolerances import COEFFICIENT_NOISE, EPS, JOINT_SAFETY
 
 #: Polynomials of this degree take four pieces for a period of a harmonic at a tolerance of 1e-12, and their
 #: coefficients of powers from the left end on are larger than the values by no more than the tolerance allows.
@@ -16,18 +16,12 @@ DEGREE = 10
 #: Chebyshev points of the first kind on [0, 1]: none at the ends, where the function may jump.
 NODES = (1 - np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))) / 2
 
-#: Places between them at which the polynomial is held against the function, close to both ends and within.
+#: Places between the nodes at which the polynomial is compared with the function, close to both ends and within.
 CHECKS = np.array([0.001, 0.17, 0.46, 0.79, 0.999])
-
-#: What the error of the polynomials may do to a coefficient at a joint so many times is no kink or jump.
-JOINT_SAFETY = 4.0
-
-#: Coefficients of so many roundings of the largest value are noise.
-NOISE = 16.0
 
 
 def _maps() -> tuple[np.ndarray, np.ndarray]:
-    """Values at the nodes to coefficients of T_j(2 t - 1), and those to coefficients of t^k."""
+    """The maps from values at the nodes to coefficients of T_j(2 t - 1), and from these to coefficients of t^k."""
     basis = chebyshev.chebvander(2 * NODES - 1, DEGREE)
     shifted = np.zeros((DEGREE + 1, DEGREE + 1))
     for j in range(DEGREE + 1):
@@ -46,7 +40,7 @@ TO_CHEBYSHEV, TO_POWERS = _maps()
 #: The same about the right end: T_j is even or odd about the middle.
 TO_POWERS_AT_END = TO_POWERS * (-1.0) ** np.add.outer(np.arange(DEGREE + 1), np.arange(DEGREE + 1))
 
-#: By how much an error of the polynomial at most changes its coefficients of t^k.
+#: Bound on the change of the coefficients of t^k per error of the polynomial.
 SENSITIVITY = np.abs(TO_POWERS).sum(axis=1)
 
 
@@ -72,45 +66,73 @@ class Fit:
         return len(self.powers)
 
     def at(self, k: int) -> Fit:
-        """One of the intervals."""
+        """The fit of one interval."""
         one = slice(k, k + 1)
         return Fit(self.powers[:, one], self.powers_at_end[:, one], self.error[one], self.follows[one])
 
     def begins_from_zero(self, error: float) -> np.ndarray:
-        """The left coefficients, those that the error explains set to zero."""
+        """The left coefficients, with those within the error set to zero."""
         return np.where(np.abs(self.powers) > JOINT_SAFETY * error * SENSITIVITY, self.powers, 0.0)
 
     def ends_at_zero(self, error: float) -> np.ndarray:
-        """The right ones."""
+        """The right coefficients, with those within the error set to zero."""
         return np.where(np.abs(self.powers_at_end) > JOINT_SAFETY * error * SENSITIVITY, self.powers_at_end, 0.0)
 
     def jumps(self, error: float, ratio: np.ndarray) -> np.ndarray:
         """Changes of the coefficients from one interval to the next, in the unit of the next, shape (r, m - 1, DEGREE + 1).
 
         Args:
-            error: what this explains is no change.
-            ratio: something over the length of each interval, shape (m,).
+            error: of the polynomials; changes within it count as zero.
+            ratio: a common length over the length of each interval, shape (m,).
+
+        Returns:
+            Shape (r, m - 1, DEGREE + 1), zero where the change is within the error.
         """
         scale = (ratio[:-1] / ratio[1:])[:, None] ** np.arange(DEGREE + 1.0)
-        found = self.powers[:, 1:] - self.powers_at_end[:, :-1] * scale
-        return np.where(np.abs(found) > JOINT_SAFETY * error * SENSITIVITY * (1 + scale), found, 0.0)
+        change = self.powers[:, 1:] - self.powers_at_end[:, :-1] * scale
+        return np.where(np.abs(change) > JOINT_SAFETY * error * SENSITIVITY * (1 + scale), change, 0.0)
 
     def breaks(self, other: Fit, ratio: float, error: float) -> bool:
-        """Whether value, slope or curvature of the next interval, shorter by the ratio, do not go on from this one's."""
+        """Whether value, slope or curvature jump to the next interval, which is shorter by the ratio.
+
+        Args:
+            other: the fit of the next interval.
+            ratio: the length of this interval over that of the next.
+            error: of the polynomials.
+
+        Returns:
+            Whether one of the three jumps by more than the error.
+        """
         own, others = (max(1.0, side) ** -np.arange(3.0) for side in (ratio, 1 / ratio))  # in units of the shorter one
-        found = np.abs(other.powers[:, 0, :3] * others - self.powers_at_end[:, 0, :3] * own)
-        return bool((found > JOINT_SAFETY * error * SENSITIVITY[:3] * (own + others)).any())
+        change = np.abs(other.powers[:, 0, :3] * others - self.powers_at_end[:, 0, :3] * own)
+        return bool((change > JOINT_SAFETY * error * SENSITIVITY[:3] * (own + others)).any())
 
     def bend(self, other: Fit, own_ratio: float, other_ratio: float) -> float:
-        """Change of slope and curvature to the next interval, with a unit of length over the lengths of both."""
+        """Change of slope and curvature to the next interval, with a unit of length over the lengths of both.
+
+        Args:
+            other: the fit of the next interval.
+            own_ratio, other_ratio: the unit over the lengths of both.
+
+        Returns:
+            The largest change of any row.
+        """
         own, others = (ratio ** np.arange(1.0, 3.0) for ratio in (own_ratio, other_ratio))
         return float(np.abs(other.powers[:, 0, 1:3] * others - self.powers_at_end[:, 0, 1:3] * own).max())
 
     def meetings(self, other: Fit, length: float, other_length: float, gap: float) -> list[float]:
-        """When, from the end of this interval on, its parabola meets that of an interval which begins a gap later.
+        """Times after the end of this interval at which its parabola meets that of an interval that begins a gap later.
 
-        Where they only touch, or nearly so, when they come closest. A kink close to an end of an interval, where it was
-        not seen, is found so.
+        Where the parabolas only touch, or nearly so, it is the time of their least distance. This locates a kink close to
+        an end of an interval, where the interpolation points missed it.
+
+        Args:
+            other: the fit of the other interval.
+            length, other_length: of the two intervals, in s.
+            gap: from the end of this one to the begin of the other, in s.
+
+        Returns:
+            At most two times in s.
         """
         own = self.powers_at_end[:, 0, :3] / length ** np.arange(3.0)
         zero, one, two = (other.powers[:, 0, :3] / other_length ** np.arange(3.0)).T
@@ -121,10 +143,19 @@ class Fit:
 
 
 def fitted(values: np.ndarray, largest: float, tolerance: float) -> Fit:
-    """The polynomials through values at NODES, held against those at CHECKS, shape (r, m, both)."""
+    """Polynomials through the values at NODES, compared with those at CHECKS; values of shape (r, m, nodes and checks).
+
+    Args:
+        values: shape (r, m, nodes and checks).
+        largest: size of all values.
+        tolerance: relative to it.
+
+    Returns:
+        A ``Fit`` of m intervals.
+    """
     at_nodes, at_checks = values[..., : DEGREE + 1], values[..., DEGREE + 1 :]
     coefficients = at_nodes @ TO_CHEBYSHEV.T
-    coefficients = np.where(np.abs(coefficients) <= NOISE * EPS * largest, 0.0, coefficients)
+    coefficients = np.where(np.abs(coefficients) <= COEFFICIENT_NOISE * EPS * largest, 0.0, coefficients)
     missed = np.abs(coefficients @ chebyshev.chebvander(2 * CHECKS - 1, DEGREE).T - at_checks).max(axis=(0, 2))
     tail = np.abs(coefficients[..., -2:]).sum(axis=2).max(axis=0)
     rounding = EPS * (np.abs(coefficients) @ np.abs(TO_POWERS).T).sum(axis=2).max(axis=0)

@@ -1,4 +1,4 @@
-"""Inputs on [0, inf): a Bohl function, which may start anew later, plus Dirac impulses at t = 0 and later."""
+"""Impulsive-smooth functions: a piecewise Bohl function on [0, inf) plus Dirac impulses at t = 0 and later."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..checks import counted, real_array, real_number
-from ..errors import InputError
-from ..notices import Notice
+from ..ground.checks import counted, real_array, real_number
+from ..ground.errors import InputError
+from ..ground.notices import Notice
 from .bohl import BohlFunction
-from .origins import Origin, StatesOrigin
+from .exact_inputs import ExactInput, ExactStates
 from .restarts import later_times
 
 
 @dataclass(frozen=True)
-class Blow:
-    """Dirac impulses at one time.
+class ImpulsiveLoad:
+    """An impulsive load: the sum over k of impulses[k] delta^(k)(t - time).
 
     Attributes:
-        time: when, in s.
-        impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta.
+        time: in s.
+        impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta, in N s^(k+1) for a force in N.
     """
 
     time: float
@@ -30,26 +30,33 @@ class Blow:
 
 @dataclass(frozen=True, repr=False)
 class ImpulsiveSmooth:
-    """f = smooth + sum over k of impulses[k] delta^(k), zero before t = 0.
+    """An impulsive-smooth function f(t) = smooth(t) + sum of impulses[k] delta^(k)(t) + later impulses, zero before t = 0.
+
+    Functions of equal size add; a number, or ``mapped`` a matrix, multiplies them.
 
     Attributes:
         smooth: the regular part, a BohlFunction with r rows.
-        impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta.
+        impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta at t = 0.
         later: the Dirac impulses after t = 0, by ascending time.
-        notices: what is worth knowing about it, such as how well it approximates what was asked for.
-        origins: what it was made of, before any rounding, as far as that is known (``coming_from``); see ``made_of``.
+        notices: reports on the function, such as the accuracy of an approximation.
+        exact_inputs: the summands before any rounding, where they are known; see ``exact_parts``.
+
+    >>> from mbconstrained.signals.inputs import impulse, step
+    >>> f = step([2.0]) + 0.5 * impulse([3.0])
+    >>> f(1.0), f.impulses
+    (array([2.]), (array([1.5]),))
     """
 
     smooth: BohlFunction
     impulses: tuple[np.ndarray, ...] = ()
-    later: tuple[Blow, ...] = ()
+    later: tuple[ImpulsiveLoad, ...] = ()
     notices: tuple[Notice, ...] = ()
-    origins: tuple[Origin, ...] = field(default=(), init=False, compare=False)
+    exact_inputs: tuple[ExactInput, ...] = field(default=(), init=False, compare=False)
 
     def __repr__(self) -> str:
-        told = [counted(self.size, "row"), f"smooth part of {counted(len(self.smooth.coefficients.T), 'state')}"]
-        told += [f"impulses at {counted(len(self._blow_times), 'time')}"] if len(self._blow_times) else []
-        return f"{type(self).__name__}({', '.join(told)})"
+        parts = [counted(self.size, "row"), f"smooth part of {counted(len(self.smooth.coefficients.T), 'state')}"]
+        parts += [f"impulses at {counted(len(self._impulse_times), 'time')}"] if len(self._impulse_times) else []
+        return f"{type(self).__name__}({', '.join(parts)})"
 
     @property
     def size(self) -> int:
@@ -58,26 +65,26 @@ class ImpulsiveSmooth:
 
     @property
     def is_zero(self) -> bool:
-        """Whether nothing acts at any time."""
+        """Whether the function vanishes at all times."""
         return self.smooth.is_zero and not self.impulses and not self.later
 
-    def coming_from(self, *origins: Origin) -> ImpulsiveSmooth:
-        """The same, its origins known. What is made of other parts, by ``dataclasses.replace`` too, does not keep them."""
-        object.__setattr__(self, "origins", origins)
+    def described_by(self, *exact_inputs: ExactInput) -> ImpulsiveSmooth:
+        """The function with its exact description set, which copies by ``dataclasses.replace`` do not keep."""
+        object.__setattr__(self, "exact_inputs", exact_inputs)
         return self
 
     @property
-    def made_of(self) -> tuple[Origin, ...]:
-        """What it was made of; where that is not known, what it is."""
-        if self.origins or self.is_zero:
-            return self.origins
-        return (Origin(StatesOrigin(self.smooth, self.impulses, self.later)),)
+    def exact_parts(self) -> tuple[ExactInput, ...]:
+        """The exact summands; where they are not known, the function itself."""
+        if self.exact_inputs or self.is_zero:
+            return self.exact_inputs
+        return (ExactInput(ExactStates(self.smooth, self.impulses, self.later)),)
 
     @property
     def knots(self) -> np.ndarray:
         """The times in s at which something may start, stop or change, the first is 0."""
         knots = self.smooth.restarts.knots
-        return np.union1d(knots, [blow.time for blow in self.later]) if self.later else knots
+        return np.union1d(knots, [load.time for load in self.later]) if self.later else knots
 
     def __call__(self, times) -> np.ndarray:
         """The regular part at a time (-> (r,)) or at times (T,) (-> (r, T)); t = 0 means 0+, a knot its right limit."""
@@ -88,29 +95,32 @@ class ImpulsiveSmooth:
         return self.smooth.derivative(order)
 
     def distribution_derivative(self) -> ImpulsiveSmooth:
-        """f' on [0, inf) in the sense of distributions: with the jump of f at 0 and at each knot as a Dirac impulse there.
+        """The derivative f' on [0, inf) in the sense of distributions: each jump of f gives a Dirac impulse at its time.
 
-        >>> from .inputs import step
+        >>> from mbconstrained.signals.inputs import step
         >>> step([2.0]).distribution_derivative().impulses
         (array([2.]),)
         """
         restarts = self.smooth.restarts
         jumps = (self.smooth.coefficients @ restarts.jumps).T
-        found = {float(time): (jump,) for time, jump in zip(restarts.knots, jumps) if jump.any()}
-        for time, impulses in ((0.0, self.impulses), *((blow.time, blow.impulses) for blow in self.later)):
+        impulses_at = {float(time): (jump,) for time, jump in zip(restarts.knots, jumps) if jump.any()}
+        for time, impulses in ((0.0, self.impulses), *((load.time, load.impulses) for load in self.later)):
             if impulses:
-                found[time] = (*found.get(time, (np.zeros(self.size),)), *impulses)
-        later = tuple(Blow(time, found[time]) for time in sorted(found) if time)
-        derivative = ImpulsiveSmooth(self.smooth.derivative(), found.get(0.0, ()), later, self.notices)
-        return derivative.coming_from(*(origin.differentiated() for origin in self.made_of))
+                impulses_at[time] = (*impulses_at.get(time, (np.zeros(self.size),)), *impulses)
+        later = tuple(ImpulsiveLoad(time, impulses_at[time]) for time in sorted(impulses_at) if time)
+        derivative = ImpulsiveSmooth(self.smooth.derivative(), impulses_at.get(0.0, ()), later, self.notices)
+        return derivative.described_by(*(summand.differentiated() for summand in self.exact_parts))
 
     def delayed(self, delay: float) -> ImpulsiveSmooth:
-        """The input f(t - delay), zero before; delay >= 0 in s.
+        """The delayed function f(t - delay), zero before.
+
+        Args:
+            delay: in s, at least 0.
 
         Raises:
-            InputError: a delay that is negative, or so long that two changes of the input would be rounded to one time.
+            InputError: a negative delay, or one so long that two changes of the input would be rounded to one time.
 
-        >>> from .inputs import impulse, step
+        >>> from mbconstrained.signals.inputs import impulse, step
         >>> late = (step([1.0]) + impulse([3.0])).delayed(0.5)
         >>> late([0.25, 0.5, 2.0]), late.later[0].time, late.later[0].impulses
         (array([[0., 1., 1.]]), 0.5, (array([3.]),))
@@ -118,13 +128,13 @@ class ImpulsiveSmooth:
         delay = real_number(delay, "delay", minimum=0.0)
         if delay == 0:
             return self
-        blows = [self.impulses] * bool(self.impulses) + [blow.impulses for blow in self.later]
-        later = tuple(Blow(float(time), blow) for time, blow in zip(later_times(self._blow_times, delay), blows))
-        found = ImpulsiveSmooth(self.smooth.delayed(delay), (), later, self.notices)
-        return found.coming_from(*(origin.delayed(delay) for origin in self.made_of))
+        loads = [self.impulses] * bool(self.impulses) + [load.impulses for load in self.later]
+        later = tuple(ImpulsiveLoad(float(time), load) for time, load in zip(later_times(self._impulse_times, delay), loads))
+        delayed = ImpulsiveSmooth(self.smooth.delayed(delay), (), later, self.notices)
+        return delayed.described_by(*(summand.delayed(delay) for summand in self.exact_parts))
 
     def mapped(self, matrix) -> ImpulsiveSmooth:
-        """matrix @ f, matrix of shape (p, r)."""
+        """The product matrix @ f for a matrix of shape (p, r)."""
         matrix = real_array(matrix, "matrix", shape=(None, self.size))
         return self._changed(self.smooth.mapped(matrix), lambda impulse: matrix @ impulse, matrix)
 
@@ -136,7 +146,7 @@ class ImpulsiveSmooth:
         notices = dict.fromkeys((*self.notices, *other.notices))
         impulses, later = _sum(self.impulses, other.impulses), _joined([*self.later, *other.later])
         total = ImpulsiveSmooth(self.smooth + other.smooth, impulses, later, tuple(notices))
-        return total.coming_from(*self.made_of, *other.made_of)
+        return total.described_by(*self.exact_parts, *other.exact_parts)
 
     def __radd__(self, other) -> ImpulsiveSmooth:
         """0 + f, so that sum() of inputs works."""
@@ -154,22 +164,22 @@ class ImpulsiveSmooth:
         return self + -other
 
     @property
-    def _blow_times(self) -> np.ndarray:
+    def _impulse_times(self) -> np.ndarray:
         """The times of the Dirac impulses."""
-        return np.array([0.0] * bool(self.impulses) + [blow.time for blow in self.later])
+        return np.array([0.0] * bool(self.impulses) + [load.time for load in self.later])
 
     def _changed(self, smooth, change, factor) -> ImpulsiveSmooth:
-        later = tuple(Blow(blow.time, tuple(map(change, blow.impulses))) for blow in self.later)
-        found = ImpulsiveSmooth(smooth, tuple(map(change, self.impulses)), later, self.notices)
-        return found.coming_from(*(origin.multiplied(factor) for origin in self.made_of))
+        later = tuple(ImpulsiveLoad(load.time, tuple(map(change, load.impulses))) for load in self.later)
+        changed = ImpulsiveSmooth(smooth, tuple(map(change, self.impulses)), later, self.notices)
+        return changed.described_by(*(summand.multiplied(factor) for summand in self.exact_parts))
 
 
-def _joined(blows: Sequence[Blow]) -> tuple[Blow, ...]:
-    """By ascending time, those at the same time added."""
-    found: dict[float, tuple[np.ndarray, ...]] = {}
-    for blow in blows:
-        found[blow.time] = _sum(found.get(blow.time, ()), blow.impulses)
-    return tuple(Blow(time, found[time]) for time in sorted(found))
+def _joined(loads: Sequence[ImpulsiveLoad]) -> tuple[ImpulsiveLoad, ...]:
+    """Impulsive loads by ascending time, those at the same time added."""
+    sums: dict[float, tuple[np.ndarray, ...]] = {}
+    for load in loads:
+        sums[load.time] = _sum(sums.get(load.time, ()), load.impulses)
+    return tuple(ImpulsiveLoad(time, sums[time]) for time in sorted(sums))
 
 
 def _sum(one, two) -> tuple[np.ndarray, ...]:

@@ -1,6 +1,7 @@
-"""Inputs in closed form from t = 0 on: steps, ramps, powers, impulses, harmonics and their products.
+"""Inputs in closed form from t = 0 on: steps, ramps, powers, impulses, harmonics, pulses and records.
 
-Every constructor takes the vector v of shape (r,) that the scalar function of time multiplies.
+Every constructor but ``sampled`` takes the vector v of shape (r,) that a scalar function of time multiplies. Its entries have
+the units of the rows that the input loads, such as N or N m. Inputs add, and ``delayed`` moves them to later times.
 """
 
 from __future__ import annotations
@@ -9,11 +10,13 @@ import math
 
 import numpy as np
 
-from ..checks import real_array, real_number, whole_number
-from ..errors import InputError
+from ..ground.checks import real_array, real_number, whole_number
+from ..ground.errors import InputError
+from ..ground.tolerances import noise_of
 from .bohl import BohlFunction
+from .exact_inputs import ExactImpulse, ExactInput, ExactRecord, ExactTerm, without_phase_noise
 from .impulsive import ImpulsiveSmooth
-from .origins import ImpulseOrigin, Origin, TermOrigin, beyond_noise
+from .restarts import Restarts
 
 #: The largest n with (n - 1)! in the range of float64.
 LARGEST_FACTORIAL = 171
@@ -23,14 +26,32 @@ LARGEST_UNIT_EXPONENT = 300
 
 
 def zero(size: int) -> ImpulsiveSmooth:
-    """The input that is zero, with the given number of rows."""
+    """The input f(t) = 0.
+
+    Args:
+        size: number of rows r.
+    """
     size = whole_number(size, "size")
     return ImpulsiveSmooth(BohlFunction(np.zeros((size, 0)), (), np.zeros(0)))
 
 
 def term(vector, *, power: int = 0, rate: float = 0.0, angular_frequency: float = 0.0, phase: float = 0.0) -> ImpulsiveSmooth:
-    """v t^k e^{a t} cos(w t + p) for t >= 0, with k = power, a = rate (1/s), w in rad/s, p = phase in rad.
+    """The input f(t) = v t^k e^{a t} cos(w t + p) for t >= 0.
 
+    Args:
+        vector: v, shape (r,).
+        power: k, at least 0.
+        rate: a in 1/s.
+        angular_frequency: w in rad/s.
+        phase: p in rad.
+
+    Returns:
+        An ImpulsiveSmooth with r rows.
+
+    Raises:
+        InputError: an argument that is not a finite number, or a negative power.
+
+    >>> from mbconstrained import term
     >>> float(term([2.0], power=2)(3.0)[0])
     18.0
     """
@@ -38,8 +59,8 @@ def term(vector, *, power: int = 0, rate: float = 0.0, angular_frequency: float 
     power = whole_number(power, "power")
     rate, phase = real_number(rate, "rate"), real_number(phase, "phase")
     frequency = real_number(angular_frequency, "angular_frequency")
-    cosine, sine = (beyond_noise(turned, phase) for turned in (math.cos(phase), math.sin(phase)))
-    origin = Origin(TermOrigin(vector, power, rate, frequency, phase))
+    cosine, sine = (without_phase_noise(turned, phase) for turned in (math.cos(phase), math.sin(phase)))
+    origin = ExactInput(ExactTerm(vector, power, rate, frequency, phase))
     if frequency == 0:
         return _chain(vector[:, None] * cosine, np.array([[rate]]), power, origin)
     turn = np.array([[rate, -frequency], [frequency, rate]])
@@ -47,8 +68,9 @@ def term(vector, *, power: int = 0, rate: float = 0.0, angular_frequency: float 
 
 
 def step(vector) -> ImpulsiveSmooth:
-    """v for t >= 0 (I_1 of Hauksdottir's inputs).
+    """The step f(t) = v for t >= 0, I_1 of Hauksdottir's inputs, for v of shape (r,).
 
+    >>> from mbconstrained import step
     >>> step([1.0, 2.0])(5.0)
     array([1., 2.])
     """
@@ -56,14 +78,31 @@ def step(vector) -> ImpulsiveSmooth:
 
 
 def ramp(vector) -> ImpulsiveSmooth:
-    """v t for t >= 0 (I_2)."""
+    """The ramp f(t) = v t for t >= 0, I_2 of Hauksdottir's inputs, for v of shape (r,) per second.
+
+    >>> from mbconstrained import ramp
+    >>> ramp([1.0, 2.0])(5.0)
+    array([ 5., 10.])
+    """
     return term(vector, power=1)
 
 
 def power(vector, gamma: int) -> ImpulsiveSmooth:
-    """v I_gamma(t) of Hauksdottir for every integer gamma: t^(gamma-1)/(gamma-1)! for gamma >= 1,
-    the (-gamma)-th derivative of Dirac's delta for gamma <= 0.
+    """The input f(t) = v I_gamma(t) of Hauksdottir, whose Laplace transform is v s^(-gamma).
 
+    I_gamma(t) = t^(gamma-1) / (gamma-1)! for gamma >= 1, and the (-gamma)-th derivative of Dirac's delta for gamma <= 0.
+
+    Args:
+        vector: v, shape (r,).
+        gamma: a whole number up to 171.
+
+    Returns:
+        An ``ImpulsiveSmooth`` with r rows.
+
+    Raises:
+        InputError: a gamma that is not a whole number, or whose factorial leaves the range of float64.
+
+    >>> from mbconstrained import power
     >>> float(power([6.0], 3)(2.0)[0])
     12.0
     """
@@ -74,20 +113,45 @@ def power(vector, gamma: int) -> ImpulsiveSmooth:
     if gamma > LARGEST_FACTORIAL:
         raise InputError(f"gamma: found {gamma}; (gamma - 1)! leaves the range of float64 beyond {LARGEST_FACTORIAL}")
     vector, divisor = _vector(vector), math.factorial(gamma - 1)
-    origin = Origin(TermOrigin(vector, power=int(gamma) - 1, divisor=divisor))
+    origin = ExactInput(ExactTerm(vector, power=int(gamma) - 1, divisor=divisor))
     return _chain(vector[:, None] / divisor, np.zeros((1, 1)), int(gamma) - 1, origin)
 
 
 def impulse(vector, order: int = 0) -> ImpulsiveSmooth:
-    """v delta^(order)(t): a Dirac impulse at t = 0, or its derivative."""
+    """The Dirac impulse f(t) = v delta^(order)(t) at t = 0.
+
+    Args:
+        vector: v, shape (r,), e.g. in N s for order 0.
+        order: of the derivative of Dirac's delta.
+
+    Returns:
+        An ``ImpulsiveSmooth`` with r rows.
+
+    >>> from mbconstrained import impulse
+    >>> impulse([2.0], order=1).impulses
+    (array([0.]), array([2.]))
+    """
     vector = _vector(vector)
     order = whole_number(order, "order")
     zeros = tuple(np.zeros_like(vector) for _ in range(order))
-    return ImpulsiveSmooth(zero(len(vector)).smooth, (*zeros, vector)).coming_from(Origin(ImpulseOrigin(vector, order)))
+    return ImpulsiveSmooth(zero(len(vector)).smooth, (*zeros, vector)).described_by(ExactInput(ExactImpulse(vector, order)))
 
 
 def harmonic(vector, *, angular_frequency: float, phase: float = 0.0) -> ImpulsiveSmooth:
-    """v cos(w t + p) for t >= 0, w in rad/s, p in rad."""
+    """The harmonic f(t) = v cos(w t + p) for t >= 0.
+
+    Args:
+        vector: v, shape (r,).
+        angular_frequency: w in rad/s.
+        phase: p in rad; -pi/2 gives a sine.
+
+    Returns:
+        An ``ImpulsiveSmooth`` with r rows.
+
+    >>> from mbconstrained import harmonic
+    >>> harmonic([2.0], angular_frequency=3.0)(0.0)
+    array([2.])
+    """
     return term(vector, angular_frequency=angular_frequency, phase=phase)
 
 
@@ -110,7 +174,7 @@ def _chain(coefficients, diagonal, power, origin) -> ImpulsiveSmooth:
     start[-size] = 1.0
     rows = np.zeros((len(coefficients), size * (power + 1)))
     rows[:, :size] = coefficients / unit**power
-    return ImpulsiveSmooth(BohlFunction(rows, (generator,), start)).coming_from(origin)
+    return ImpulsiveSmooth(BohlFunction(rows, (generator,), start)).described_by(origin)
 
 
 def _rate_unit(diagonal, power) -> float:
@@ -120,3 +184,133 @@ def _rate_unit(diagonal, power) -> float:
         return 1.0
     largest = LARGEST_UNIT_EXPONENT / power
     return float(2.0 ** np.round(np.clip(np.log2(rate), -largest, largest)))
+
+
+#: J of a linear piece of a record, whose two states are its value and its slope.
+LINEAR = np.array([[0.0, 1.0], [0.0, 0.0]])
+
+
+def pulse(vector, *, start: float = 0.0, duration: float) -> ImpulsiveSmooth:
+    """The rectangular pulse f(t) = v for start <= t < start + duration, zero before and after.
+
+    Args:
+        vector: v, shape (r,).
+        start: in s, at least 0.
+        duration: in s, greater than 0.
+
+    Returns:
+        An ``ImpulsiveSmooth`` with r rows.
+
+    Raises:
+        InputError: times out of range, or a duration that rounding removes.
+
+    >>> from mbconstrained import pulse
+    >>> pulse([2.0], start=1.0, duration=0.5)([0.5, 1.0, 1.4, 1.5])
+    array([[0., 2., 2., 0.]])
+    """
+    start, duration = real_number(start, "start", minimum=0.0), real_number(duration, "duration", positive=True)
+    end = start + duration
+    if end == start:
+        raise InputError(f"duration: {duration:g} s vanishes next to the start at {start:g} s; give a longer one")
+    if end == np.inf:
+        raise InputError(f"duration: {duration:g} s after the start at {start:g} s is beyond the range of float64; shorten it")
+    vector = _vector(vector)
+    restarts = Restarts(np.array([0.0, duration]), np.array([[1.0, 0.0]]), np.array([[1.0, -1.0]]))
+    pulse_at_zero = ImpulsiveSmooth(BohlFunction(vector[:, None], (np.zeros((1, 1)),), restarts))
+    parts = ExactInput(ExactTerm(vector)), ExactInput(ExactTerm(-vector)).delayed(duration)
+    return pulse_at_zero.described_by(*parts).delayed(start)
+
+
+def sampled(times, values) -> ImpulsiveSmooth:
+    """A record: linear between its samples, zero before the first and after the last one.
+
+    The record jumps at its first and last sample where the values there are not zero. Two samples at the same time are a
+    jump from the first value to the second.
+
+    Args:
+        times: shape (T,), T >= 2, in s, ascending, the first at least 0; a time may appear twice.
+        values: shape (r, T).
+
+    Returns:
+        An ``ImpulsiveSmooth`` with r rows.
+
+    Raises:
+        InputError: shapes that do not match; times that do not ascend, appear three times or are too close.
+
+    >>> from mbconstrained import sampled
+    >>> triangle = sampled([1.0, 2.0, 3.0], [[0.0, 4.0, 0.0]])
+    >>> triangle([0.5, 1.5, 2.0, 2.25, 9.0])
+    array([[0., 2., 4., 3., 0.]])
+    """
+    times = real_array(times, "times", shape=(None,))
+    values = _rows(values, len(times))
+    first = _first_samples(times)
+    last = np.append(first[1:], len(times)) - 1
+    acting = np.flatnonzero(values.any(axis=1))  # rows that stay zero need no states
+    knots, left, right = times[first], values[np.ix_(acting, first)], values[np.ix_(acting, last)]
+    slopes, changes = _slopes(knots, left, right)
+    jumps = right - left
+    jumps[:, 0], jumps[:, -1] = right[:, 0], -left[:, -1]
+    right[:, -1] = 0.0
+    start = _from_zero(Restarts(knots, _alternating(right, slopes), _alternating(jumps, changes)))
+    rows = np.kron(np.eye(len(values))[:, acting], [1.0, 0.0])
+    record = ImpulsiveSmooth(BohlFunction(rows, (LINEAR,) * len(acting), start))
+    return record.described_by(ExactInput(ExactRecord(times, values)))
+
+
+def _rows(values, count: int) -> np.ndarray:
+    values = real_array(values, "values")
+    if values.ndim != 2 or values.shape[1] != count:
+        shape = " x ".join(map(str, values.shape)) or "a single number"
+        raise InputError(f"values: found shape {shape}; expected one row per coordinate, each of {count} values, e.g. [[1, 2]]")
+    return values
+
+
+def _first_samples(times) -> np.ndarray:
+    """The index of the first sample at each time."""
+    if len(times) < 2:
+        raise InputError(f"times: found {len(times)}; a record needs at least two samples")
+    if times[0] < 0:
+        raise InputError(f"times: the first is {times[0]:g} s; a record begins at t = 0 or later")
+    gaps = np.diff(times)
+    if (gaps < 0).any():
+        at = int(np.argmax(gaps < 0))
+        raise InputError(f"times: {times[at]:.17g} s is followed by {times[at + 1]:.17g} s; times must ascend")
+    if (same := (gaps[1:] == 0) & (gaps[:-1] == 0)).any():
+        raise InputError(
+            f"times: {times[int(np.argmax(same))]:.17g} s appears three times; twice is a jump, from the value before to the value after"
+        )
+    first = np.flatnonzero(np.append(True, gaps > 0))
+    if len(first) < 2:
+        raise InputError(f"times: all are {times[0]:g} s; a record needs a duration")
+    return first
+
+
+def _slopes(knots, left, right) -> tuple[np.ndarray, np.ndarray]:
+    """The slope after each knot, and its change there, zero where that is rounding error."""
+    gaps = np.diff(knots)
+    with np.errstate(over="ignore", invalid="ignore"):
+        slopes = (left[:, 1:] - right[:, :-1]) / gaps
+        size = np.abs(left[:, 1:]) + np.abs(right[:, :-1]) + np.abs(slopes) * (knots[1:] + knots[:-1])
+        noise = noise_of(size / gaps)
+    if not np.isfinite(noise).all():
+        at = int(np.argmin(np.isfinite(noise).all(axis=0)))
+        raise InputError(f"values: the slope after t = {knots[at]:.17g} s is beyond the range of float64; the times are too close")
+    nothing = np.zeros((len(left), 1))
+    slopes, noise = np.hstack([nothing, slopes, nothing]), np.hstack([nothing, noise, nothing])
+    changes = np.diff(slopes, axis=1)
+    real = np.abs(changes) > np.maximum(noise[:, 1:], noise[:, :-1])
+    return slopes[:, 1:], np.where(real, changes, 0.0)
+
+
+def _alternating(values, slopes) -> np.ndarray:
+    """Value and slope of every row, one below the other, shape (2 r, K)."""
+    return np.stack([values, slopes], axis=1).reshape(2 * len(values), values.shape[1])
+
+
+def _from_zero(record: Restarts) -> Restarts:
+    """The record with the knot 0 in front, where it starts later."""
+    if record.knots[0] == 0:
+        return record
+    nothing = np.zeros((len(record.states), 1))
+    return Restarts(np.append(0.0, record.knots), np.hstack([nothing, record.states]), np.hstack([nothing, record.jumps]))

@@ -1,4 +1,4 @@
-"""States that start anew at given times: what makes a Bohl function piecewise, with one generator for all pieces."""
+"""Restarts: states of a piecewise Bohl function at its knots, with one generator J for all pieces."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from functools import cached_property
 
 import numpy as np
 
-from ..checks import counted
-from ..errors import InputError
-from ..linalg.exponential import block_states
+from ..ground.checks import counted
+from ..ground.errors import InputError
+from ..linalg.exponential.block_exponential import block_states
 
 
 def as_slice(numbers: np.ndarray) -> slice | np.ndarray:
-    """Whole numbers, at least one, as a slice where each follows the one before: of what it takes no copy is made.
+    """Consecutive whole numbers as a slice, which indexes without a copy; others unchanged.
 
     >>> as_slice(np.array([3, 4, 5])), as_slice(np.array([3, 5, 4])).tolist()
     (slice(3, 6, None), [3, 5, 4])
@@ -24,95 +24,151 @@ def as_slice(numbers: np.ndarray) -> slice | np.ndarray:
     return slice(first, last + 1) if follow else numbers
 
 
+#: Gaps between knots that are this many times shorter than the spacing of float64 numbers there keep too few of their digits.
+LOST_GAP = 2.0**-10
+
+
 @dataclass(frozen=True, repr=False)
 class Restarts:
     """z(t) = e^{J (t - t_j)} z_j for t_j <= t < t_(j+1), and z = 0 before t = 0.
 
-    What is known to change at a knot is kept beside the states themselves: the difference of two states is only known
-    to rounding, and whether a force jumps at all decides whether there is an impulse.
+    The jumps are stored next to the states, since a difference of states has rounding errors, and whether a force jumps
+    decides whether there is an impulse. The remainders are the rounding errors of the knots: a short pulse at a late time keeps
+    the digits of its duration.
 
     Attributes:
-        knots: t_j in s, shape (K,), ascending, the first is 0.
+        knots: t_j in s as float64 numbers, shape (K,), ascending, the first is 0.
         states: z_j = z(t_j+), shape (n, K).
         jumps: z(t_j+) - z(t_j-), shape (n, K); exactly zero where nothing changes.
+        remainders: t_j less the knots, shape (K,); 0.0 where there are none.
     """
 
     knots: np.ndarray
     states: np.ndarray
     jumps: np.ndarray
+    remainders: np.ndarray | float = 0.0
 
     def __repr__(self) -> str:
         return f"Restarts({counted(len(self.states), 'state')}, set at {counted(len(self.knots), 'time')})"
 
+    @property
+    def moments(self) -> np.ndarray:
+        """The knots as real, the remainders as imaginary parts: sorting and comparing take the remainders second."""
+        return self.knots + 1j * self.remainders
+
+    @property
+    def gaps(self) -> np.ndarray:
+        """t_(j+1) - t_j, shape (K - 1,)."""
+        return _differences(np.diff(self.moments))
+
     def located(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """For each time the number of its piece, and the time since this began."""
-        piece = np.searchsorted(self.knots, times, side="right") - 1
-        return piece, times - self.knots[piece]
+        """For each time (T,) the index of its piece, and the time since that knot."""
+        piece = self.knots.searchsorted(times, side="right") - 1
+        since = times - self.knots[piece]
+        if isinstance(self.remainders, np.ndarray):
+            since = np.maximum(since - self.remainders[piece], 0.0)
+        return piece, since
 
     def rows(self, at: slice) -> Restarts:
-        """Some of the states."""
-        return Restarts(self.knots, self.states[at], self.jumps[at])
+        """The restarts of some of the states."""
+        return Restarts(self.knots, self.states[at], self.jumps[at], self.remainders)
 
     def delayed(self, delay: float) -> Restarts:
-        """The same, later by delay > 0.
+        """The restarts delayed by delay > 0, in s.
 
         Raises:
             InputError: as ``later_times``.
         """
-        first = 0 if self.jumps[:, 0].any() else 1  # without the knot 0 of what is delayed already
-        nothing, later = np.zeros((len(self.states), 1)), later_times(self.knots[first:], delay)
-        return Restarts(
-            np.append(0.0, later), np.hstack([nothing, self.states[:, first:]]), np.hstack([nothing, self.jumps[:, first:]])
-        )
+        first = 0 if self.jumps[:, 0].any() else 1  # without the knot 0 of a function that is delayed already
+        knots = self.knots[first:]
+        later, nothing = later_times(knots, delay, self.gaps[first:]), np.zeros((len(self.states), 1))
+        added = later - knots
+        errors = (knots - (later - added)) + (delay - added)  # of the sum, exactly (Knuth's two-sum)
+        errors += np.broadcast_to(self.remainders, self.knots.shape)[first:]
+        rounded = later + errors
+        moments = np.append(0.0, rounded + 1j * (errors - (rounded - later)))
+        return _restarts(moments, *(np.hstack([nothing, values[:, first:]]) for values in (self.states, self.jumps)))
 
-    def on(self, blocks: Sequence[np.ndarray], knots: np.ndarray) -> Restarts:
-        """The same function of time with more knots; blocks are those of J."""
-        if np.array_equal(knots, self.knots):
+    def on(self, blocks: Sequence[np.ndarray], moments: np.ndarray) -> Restarts:
+        """The restarts of the same function at more knots.
+
+        Args:
+            blocks: the diagonal blocks of J.
+            moments: the new knots with their remainders, its own included, as ``moments``; shape (K,).
+
+        Returns:
+            Restarts with K knots.
+        """
+        own = self.moments
+        if np.array_equal(moments, own):
             return self
-        piece, local = self.located(knots)
-        with np.errstate(over="ignore", invalid="ignore"):  # told when the function is evaluated
-            states = block_states(blocks, self.states[:, piece], local)
-        jumps, own = np.zeros_like(states), np.searchsorted(knots, self.knots)
-        states[:, own], jumps[:, own] = self.states, self.jumps
-        return Restarts(knots, states, jumps)
+        piece = np.searchsorted(own, moments, side="right") - 1
+        with np.errstate(over="ignore", invalid="ignore"):  # reported when the function is evaluated
+            states = block_states(blocks, self.states[:, piece], _differences(moments - own[piece]))
+        jumps, places = np.zeros_like(states), np.searchsorted(moments, own)
+        states[:, places], jumps[:, places] = self.states, self.jumps
+        return _restarts(moments, states, jumps)
+
+
+def _restarts(moments: np.ndarray, states: np.ndarray, jumps: np.ndarray) -> Restarts:
+    """Where two knots are rounded to the same number, the later one gets the next number, and a remainder."""
+    knots, remainders = moments.real.copy(), moments.imag.copy()
+    while (same := np.flatnonzero(np.diff(knots) <= 0) + 1).size:
+        later = np.nextafter(knots[same - 1], np.inf)
+        knots[same], remainders[same] = later, remainders[same] + (knots[same] - later)
+    return Restarts(knots, states, jumps, remainders if remainders.any() else 0.0)
 
 
 class FreeRestarts(Restarts):
-    """Restarts of which the states alone are given; what changes at the knots is found when something asks for it.
+    """Restarts given by their states alone; the jumps at the knots are computed when they are first read.
 
     Args:
-        knots, states: as of ``Restarts``; before t = 0 the state is zero.
+        knots, states, remainders: as of ``Restarts``; before t = 0 the state is zero.
         blocks: those of J.
     """
 
-    def __init__(self, knots: np.ndarray, states: np.ndarray, blocks: Sequence[np.ndarray]):
-        for name, value in (("knots", knots), ("states", states), ("blocks", blocks)):
+    blocks: Sequence[np.ndarray]
+
+    def __init__(self, knots: np.ndarray, states: np.ndarray, remainders: np.ndarray | float, blocks: Sequence[np.ndarray]):
+        for name, value in (("knots", knots), ("states", states), ("remainders", remainders), ("blocks", blocks)):
             object.__setattr__(self, name, value)
 
     @cached_property
     def jumps(self) -> np.ndarray:
         """z(t_j+) - z(t_j-), shape (n, K)."""
         jumps = self.states.copy()
-        with np.errstate(over="ignore", invalid="ignore"):  # told when the function is evaluated
-            jumps[:, 1:] -= block_states(self.blocks, self.states[:, :-1], np.diff(self.knots))
+        with np.errstate(over="ignore", invalid="ignore"):  # reported when the function is evaluated
+            jumps[:, 1:] -= block_states(self.blocks, self.states[:, :-1], self.gaps)
         return jumps
 
 
-def later_times(times: np.ndarray, delay: float) -> np.ndarray:
-    """Ascending times, later by delay.
+def _differences(moments: np.ndarray) -> np.ndarray:
+    return moments.real + moments.imag
+
+
+def later_times(times: np.ndarray, delay: float, gaps: np.ndarray | float = 0.0) -> np.ndarray:
+    """Ascending times plus a delay.
+
+    Args:
+        times: shape (T,), in s.
+        delay: in s, greater than 0.
+        gaps: between the times, shape (T - 1,), where remainders keep them if they are not far below rounding errors of the sums.
+
+    Returns:
+        The sums, ascending, shape (T,).
 
     Raises:
-        InputError: one would leave the range of float64, or two would be rounded to the same time: what acts between
-            them would be lost, however much it is.
+        InputError: a sum leaves the range of float64, or two times would be rounded to the same one, so that the load
+            between them would be lost.
     """
     with np.errstate(over="ignore"):
         later = times + delay
     if not np.isfinite(later).all():
         raise InputError(f"delay: {delay:g} s after {times.max():g} s is beyond the range of float64; give a shorter delay")
-    if (joined := np.diff(later) <= 0).any():
+    if (joined := (np.diff(later) <= 0) & (gaps <= LOST_GAP * np.spacing(later[1:]))).any():
         at = int(np.argmax(joined))
         raise InputError(
             f"delay: {delay:g} s would bring the changes of the signal at {times[at]:.6g} s and {times[at + 1]:.6g} s to one and "
-            "the same float64 time, and what acts between them would be lost; give a shorter delay, or count time from later on"
+            "the same float64 time, and the load between them would be lost; give a shorter delay, or a later origin of time"
         )
     return later

@@ -4,13 +4,28 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
-HEAVY = ["pinocchio", "coal", "meshcat", "sympy", "flint", "matplotlib", "pydantic", "pint", "typer", "rich", "control", "xarray", "pandas"]
+HEAVY = [
+    "pinocchio",
+    "coal",
+    "meshcat",
+    "sympy",
+    "flint",
+    "matplotlib",
+    "pydantic",
+    "pint",
+    "typer",
+    "rich",
+    "control",
+    "xarray",
+    "pandas",
+]
 
 
 def loaded_by(statement: str) -> set[str]:
@@ -74,7 +89,13 @@ def test_check_and_plan_load_what_reading_the_scene_needs(tmp_path, command, sce
 
 
 def test_importing_leaves_out_robots_pages_exact_answers_and_reports():
-    parts = ("models.robot", "page", "exact", "reports", "scene.schema")
+    parts = ("robot", "page", "exact", "studies", "scene.schema")
     script = f"import mbconstrained, sys; print(*[part for part in {parts} if 'mbconstrained.' + part in sys.modules])"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == ""
+
+
+def test_the_types_are_shipped():
+    """Checkers of users' own code read the annotations of a package that has this file."""
+    data = tomllib.loads((EXAMPLES.parent / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["package-data"]
+    assert (EXAMPLES.parent / "mbconstrained" / "py.typed").is_file() and "py.typed" in data["*"]

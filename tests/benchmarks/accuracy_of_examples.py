@@ -3,7 +3,7 @@
     python tests/benchmarks/accuracy_of_examples.py [FOLDER [EXAMPLE ...]]
 
 Measures each example as ``mbconstrained accuracy`` does, writes EXAMPLE.accuracy.html, .png and .json into the folder
-(results/accuracy when not given), and prints a table for the README: what the closed form takes, and of each kind of other method
+(results/accuracy when not given), and prints a table for the documentation: what the closed form takes, and of each kind of other method
 the fastest with an error of 1e-9 or less, its time over that of the closed form, one run and each further evaluation.
 """
 
@@ -12,13 +12,18 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from mbconstrained.reports.accuracy.page import page_content, picture_of
-from mbconstrained.reports.accuracy.report import AccuracyReport, accuracy_report, fastest, further, one_run
-from mbconstrained.reports.accuracy.tables import ratio
-from mbconstrained.reports.problem import problem_of
-from mbconstrained.reports.timing import duration
-from mbconstrained.reports.writing import writable, write_report
-from mbconstrained.scene import read_scene
+from mbconstrained.scene.run.scene import read_scene
+from mbconstrained.studies.accuracy.accuracy_report import (
+    AccuracyReport,
+    accuracy_report,
+    fastest,
+    further,
+    one_run,
+    ratio,
+)
+from mbconstrained.studies.study_problem import problem_of
+from mbconstrained.studies.study_report import writable
+from mbconstrained.studies.timing import duration
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -37,9 +42,8 @@ KINDS = {
 def main(folder: Path, names: list[str]) -> None:
     rows = []
     for path in [EXAMPLES / f"{name}.toml" for name in names] or sorted(EXAMPLES.glob("*.toml")):
-        report = accuracy_report(problem_of(read_scene(path)), tell=lambda text, path=path: say(f"{path.stem}: {text}"))
-        picture = picture_of(report)
-        write_report(writable(folder), f"{path.stem}.accuracy", page_content(report, picture), [picture], report.as_json())
+        report = accuracy_report(problem_of(read_scene(path)), progress=lambda text, path=path: say(f"{path.stem}: {text}"))
+        report.write(writable(folder), f"{path.stem}.accuracy")
         rows.append(row(path.stem, report))
     say("")
     print(f"| example | states | error | one run | further | reduction | {' | '.join(KINDS)} |")
@@ -51,12 +55,20 @@ def main(folder: Path, names: list[str]) -> None:
 def row(name: str, report: AccuracyReport) -> str:
     """One line: what the closed form takes, and how many times as long others take."""
     states, ours = len(report.problem.solve().pairs.finite.J), report.closed_form
-    cells = [f"[{name}](examples/accuracy/{name}.accuracy.png)", str(states), f"{ours.error:.0e}", duration(one_run(ours)), duration(further(ours))]
+    cells = [
+        f"[{name}](examples/accuracy/{name}.accuracy.png)",
+        str(states),
+        f"{ours.error:.0e}",
+        duration(one_run(ours)),
+        duration(further(ours)),
+    ]
     cells.append(duration(report.reduction.median))
     for beginnings in KINDS.values():
         runs = [run for run in report.answers if run.method.name.startswith(beginnings)]
         best = [fastest(runs, ERROR, time) for time in (one_run, further)]
-        cells.append("–" if None in best else f"{ratio(one_run(best[0]) / one_run(ours))}, {ratio(further(best[1]) / further(ours))}")
+        cells.append(
+            "–" if None in best else f"{ratio(one_run(best[0]) / one_run(ours))}, {ratio(further(best[1]) / further(ours))}"
+        )
     return f"| {' | '.join(cells)} |"
 
 

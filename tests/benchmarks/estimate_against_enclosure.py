@@ -36,8 +36,8 @@ def main(count: int) -> None:
     print(
         f"{'kind':18s} {'systems':>7s} {'low':>4s} {'high':>5s} {'least':>8s} {'most':>8s} {'median digits':>13s} {'least digits':>12s} {'exact/numeric time':>19s}"
     )
-    for kind, rows in [*found.items(), ("all", sum(found.values(), []))]:
-        ratio, error, exact, numeric, told, seeds = map(np.array, zip(*rows))
+    for kind, rows in [*found.items(), ("all", [row for cases in found.values() for row in cases])]:
+        ratio, error, exact, numeric, _, seeds = map(np.array, zip(*rows))
         low, high = np.count_nonzero(ratio < 0.1), np.count_nonzero(ratio > 1e3)
         digits = -np.log10(error)
         print(

@@ -19,11 +19,12 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
-from mbconstrained.errors import MbconstrainedError
+from mbconstrained.ground.errors import MbconstrainedError
 from mbconstrained.response.estimate import error_estimate
-from mbconstrained.scene import Result, read_scene
-from mbconstrained.scene.curves import PARTS
-from mbconstrained.scene.stage_costs import Meter
+from mbconstrained.scene.run.curves import PARTS
+from mbconstrained.scene.run.result import Result
+from mbconstrained.scene.run.scene import read_scene
+from mbconstrained.scene.run.stage_costs import Costs
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 REPETITIONS = 2
@@ -75,12 +76,12 @@ def once(path: str) -> None:
 
 def all_the_same(stage: str, result: Result) -> dict:
     """What a stage takes that was left out; nothing where it has no sense for the scene."""
-    meter = Meter()
+    costs = Costs()
     try:
         ALL_THE_SAME[stage](result)
     except (MbconstrainedError, NotImplementedError):
         return {}
-    cost = meter.lap()
+    cost = costs.lap("")
     return {"seconds": cost.seconds, "memory": cost.memory}
 
 
@@ -120,14 +121,13 @@ def modes(result: Result) -> object:
 def animation(result: Result) -> object:
     if result.scene.equations.has_outputs_among_coordinates:
         raise NotImplementedError
-    from mbconstrained.page.keyframes import key_frames
+    from mbconstrained.page.animation.keyframes import key_frames
 
-    found = result.animation
-    return key_frames(found.drawing, found.names, found.times, found.values, found.rates)
+    return key_frames(result.animation)
 
 
 def normal_form(result: Result) -> object:
-    from mbconstrained.mechanics import mechanical_normal_form
+    from mbconstrained.control.normal_form.normal_form import mechanical_normal_form
 
     system = result.scene.equations.control.system
     E = system.E if system.is_descriptor else None
@@ -166,17 +166,17 @@ def certificate(result: Result) -> object:
 
 def formula(result: Result) -> object:
     """For as long as a page would wait; sympy alone where no formula is looked for."""
-    from mbconstrained.scene.formula import too_large
+    from mbconstrained.scene.run.decisions import too_large_for_formula
 
-    if result.scene.equations.robot or too_large(result.scene):
+    if result.scene.equations.robot or too_large_for_formula(result.scene):
         return imported("sympy")(result)
     return with_output(result, formula=True).formula
 
 
 #: Left-out stages that could be done all the same, by name.
 ALL_THE_SAME: dict[str, Callable[[Result], object]] = {
-    "units": lambda result: import_module("mbconstrained.scene.dimensions").load_units(),
-    "robot model (pinocchio)": imported("pinocchio", "mbconstrained.models.robot"),
+    "units": lambda result: import_module("mbconstrained.scene.quantities.dimensions").registry(),
+    "robot model (pinocchio)": imported("pinocchio", "mbconstrained.robot"),
     "robot meshes": lambda result: result.scene.equations.robot.visuals(),
     "collision geometry": collision_geometry,
     "mechanical normal form": normal_form,

@@ -15,8 +15,8 @@ import numpy as np
 import pinocchio  # noqa: F401  (imports are not timed)
 
 import mbconstrained as mb
-import mbconstrained.models.robot
-from tests.models.robot import example_robot_data
+import mbconstrained.robot
+from tests.robot import example_robot_data
 
 STAGES = ("read", "equilibrium", "linearize", "solve", "evaluate")
 TIMES = np.linspace(0, 5, 500)

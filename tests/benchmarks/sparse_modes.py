@@ -40,17 +40,17 @@ def tasks(n: int) -> dict:
     inertia = sp.csc_array(sp.block_diag([M, sp.csc_array((rows.shape[0],) * 2)]))
     shape = np.sin(np.pi * np.arange(1, M.shape[0] + 1) / (M.shape[0] + 1))
     shape[n : n + rows.shape[0]] = shape[5:n:10][: rows.shape[0]]
-    known = mb.SparseSystem(M, None, K, rows)
+    known = mb.MechanicalSystem(M, None, K, rows)
 
     def motion():
         answer = known.solve(shape, count=COUNT)
-        return answer(np.linspace(0, 1e3 * n, 1000), of=range(0, n, n // 100))
+        return answer.of(*range(0, n, n // 100))(np.linspace(0, 1e3 * n, 1000))
 
     return {
-        "undamped": lambda: mb.SparseSystem(M, None, K, rows).modes(count=COUNT),
+        "undamped": lambda: mb.MechanicalSystem(M, None, K, rows).modes(count=COUNT),
         "arpack": lambda: eigsh(whole, COUNT, inertia, sigma=0.0),
-        "damped": lambda: mb.SparseSystem(M, C, K, rows).modes(count=COUNT),
-        "motion": lambda: (known.undamped(COUNT), motion())[1],
+        "damped": lambda: mb.MechanicalSystem(M, C, K, rows).modes(count=COUNT),
+        "motion": lambda: (known.pencil.undamped(COUNT), motion())[1],
     }
 
 

@@ -10,16 +10,14 @@ from hypothesis import strategies as st
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from mbconstrained.ground.tolerances import DECOUPLING_LIMIT
 from mbconstrained.linalg.blocks import block_diagonalize, block_matrix, coupled, coupled_rows, eigenvalues
-from mbconstrained.tolerances import DECOUPLING_LIMIT
 
 
 def schur(eigenvalue_list, coupling=1.0, seed=0) -> np.ndarray:
     """A real Schur form with these zeros (a complex number stands for its pair) and random entries above."""
     random = np.random.default_rng(seed)
-    blocks = [
-        [[z.real, z.imag], [-z.imag, z.real]] if isinstance(z, complex) else [[z]] for z in eigenvalue_list
-    ]
+    blocks = [[[z.real, z.imag], [-z.imag, z.real]] if isinstance(z, complex) else [[z]] for z in eigenvalue_list]
     T = scipy.linalg.block_diag(*blocks) if blocks else np.zeros((0, 0))
     mask = scipy.linalg.block_diag(*[np.ones_like(b) for b in blocks]) if blocks else np.zeros((0, 0))
     return T + coupling * np.triu(random.normal(size=T.shape), 1) * (1 - mask)
@@ -71,7 +69,10 @@ def test_coupled_equal_zeros_share_a_block_even_from_afar():
     assert sorted(len(b) for b in block_diagonalize(schur(ZEROS["equal complex pairs"])).blocks) == [1, 4]
 
 
-@given(st.lists(st.one_of(st.integers(-3, 1).map(float), st.builds(complex, st.integers(-2, 0), st.integers(1, 3))), max_size=6), st.integers(0, 5))
+@given(
+    st.lists(st.one_of(st.integers(-3, 1).map(float), st.builds(complex, st.integers(-2, 0), st.integers(1, 3))), max_size=6),
+    st.integers(0, 5),
+)
 def test_any_schur_form_is_decoupled(zeros, seed):
     T = schur(zeros, seed=seed)
     result = block_diagonalize(T)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import scipy.linalg
 
+from mbconstrained.ground.tolerances import DECOUPLING_LIMIT, EPS
 from mbconstrained.linalg.blocks import block_matrix
 from mbconstrained.linalg.eigen import decoupled
-from mbconstrained.tolerances import DECOUPLING_LIMIT, EPS
 
 
 def stiff_chain(masses: int, ratio: float) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbconstrained.linalg.elimination import WIDEST, are_worth, as_slice, couplings, elimination, front_width
+from mbconstrained.linalg.tree_modes.ordering import WIDEST, are_worth, as_slice, coupled_pairs, elimination, front_width
 
 from .few_couplings import band, beam, ladder, ring
 from .test_quadratic_modes import chain_between_walls, random_tree, tree
@@ -36,7 +36,7 @@ def test_chains_rings_ladders_and_beams_have_the_fronts_of_their_kind_in_any_num
 def test_fronts_are_the_columns_of_the_factor(model, width, together):
     """No entry of Cholesky's factor of a matrix with this pattern is outside of the fronts; none of a round is in one of the same."""
     M, C, K = shuffled(model)
-    order = elimination(len(K), couplings(M, C, K), 2 * WIDEST, together)
+    order = elimination(len(K), coupled_pairs(M, C, K), 2 * WIDEST, together)
     pattern = (np.abs(M) + np.abs(C) + np.abs(K))[np.ix_(order.nodes, order.nodes)]
     factor = np.linalg.cholesky(pattern * np.random.default_rng(0).uniform(0.5, 1.0) + np.diag(pattern.sum(axis=0)))
     ends = np.cumsum(order.rounds)
@@ -49,7 +49,7 @@ def test_fronts_are_the_columns_of_the_factor(model, width, together):
 @pytest.mark.parametrize(("model", "width"), MODELS.values(), ids=MODELS)
 def test_steps_are_the_order_and_each_child_is_taken_over_once(model, width, together):
     M, C, K = shuffled(model, 1)
-    order = elimination(len(K), couplings(M, C, K), 2 * WIDEST, together)
+    order = elimination(len(K), coupled_pairs(M, C, K), 2 * WIDEST, together)
     assert np.array_equal(np.concatenate([np.arange(len(K))[step.own] for step in order.steps]), np.arange(len(K)))
     taken, open_steps = [], set()
     for number, step in enumerate(order.steps):
@@ -84,7 +84,7 @@ def test_where_fronts_are_worth_their_width():
 
 def test_a_part_of_the_elimination_tree_is_coupled_to_one_front_only():
     M, C, K = shuffled(ladder(60))
-    order = elimination(60, couplings(M, C, K))
+    order = elimination(60, coupled_pairs(M, C, K))
     below = order.subtree(0.45)
     rest = np.setdiff1d(np.arange(60), below)
     assert 20 <= len(below) <= 34

@@ -7,8 +7,8 @@ import pytest
 import scipy.linalg
 
 from mbconstrained.linalg.blocks import block_diagonalize
-from mbconstrained.linalg.exponential import block_states
-from mbconstrained.linalg.modes import Modes
+from mbconstrained.linalg.exponential.block_exponential import block_states
+from mbconstrained.linalg.exponential.recursion import Modes
 
 RANDOM = np.random.default_rng(2)
 
@@ -46,7 +46,7 @@ def test_derivatives_of_an_output(name, order):
     S = MATRICES[name]
     modes, start, output = modes_of(S), np.ones(len(S)), RANDOM.normal(size=(2, len(S)))
     scalars, rest = modes.split(modes.decoupled.coordinates(start))
-    own, others = modes.seen(output, order)
+    own, others = modes.modal_output(output, order)
     known = output @ np.linalg.matrix_power(S, order) @ start
     size = (np.abs(output) @ np.linalg.matrix_power(np.abs(S), order) @ start).max()
     assert np.allclose(own @ scalars.view(float) + others @ rest, known, rtol=0, atol=1e-12 * size)

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbconstrained.linalg.noise import Noisy
 from mbconstrained.linalg.precise import precise, precise_arithmetic
+from mbconstrained.linalg.rounding import Noisy
 
 seeds = st.integers(0, 10**6)
 

@@ -7,11 +7,16 @@ import pytest
 import scipy.linalg
 
 from mbconstrained.linalg.blocks import block_matrix
-from mbconstrained.linalg.exponential import block_states
-from mbconstrained.linalg.quadratic_modes import DENSE, quadratic_modes
+from mbconstrained.linalg.exponential.block_exponential import block_states
+from mbconstrained.linalg.tree_modes.topology import DENSE, SparseTopology
 
 #: Coordinates, so that a model is divided at least twice.
 MANY = 150
+
+
+def quadratic_modes(M, C, K):
+    """The modes of the whole model by its topology, whatever its width."""
+    return SparseTopology(M, C, K, 1).modes(np.arange(len(K)))
 
 
 def tree(parents, stiffness, damping, mass, ground=1.0, ground_damping=0.0):
@@ -63,7 +68,7 @@ def check(found, M, C, K, accuracy=1e-11):
     assert np.abs(S @ found.basis - found.basis @ block_matrix(found.blocks)).max() <= 1e-13 * size * len(S)
     start, times = np.random.default_rng(0).normal(size=len(S)), np.array([0.0, 0.3, 2.0])
     output = np.random.default_rng(1).normal(size=(3, len(S)))
-    values = found.seen(output) @ block_states(found.blocks, found.coordinates(start), times)
+    values = found.modal_output(output) @ block_states(found.blocks, found.coordinates(start), times)
     expected = output @ np.array([scipy.linalg.expm(S * t) @ start for t in times]).T
     assert np.abs(values - expected).max() <= 1e-11 * np.abs(expected).max()
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbconstrained.linalg.noise import Noisy
 from mbconstrained.linalg.rank import RankDecision, compress_rows, null_columns
+from mbconstrained.linalg.rounding import Noisy
 
 
 def rank(matrix) -> int:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbconstrained.linalg.multifrontal import FRONTS
-from mbconstrained.linalg.sparse_quadratic import FEW, sparse_quadratic
-from mbconstrained.tolerances import EPS
+from mbconstrained.ground.tolerances import EPS
+from mbconstrained.linalg.tree_modes.fronts import FEW, FRONTS, sparse_quadratic
 
 from .few_couplings import band, beam, ladder, ring
 from .test_quadratic_modes import random_tree, tree

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
-from mbconstrained.linalg.recursion import powers, scanned
-from mbconstrained.linalg.stepping import best_length, values_of_steps
+from mbconstrained.linalg.exponential.powers import best_length, values_of_steps
+from mbconstrained.linalg.exponential.recursion import powers, scanned
 
 
 def one_by_one(output, step, drive, start, inputs):

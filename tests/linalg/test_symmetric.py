@@ -8,10 +8,10 @@ import pytest
 import scipy.linalg
 from scipy.sparse import csr_array
 
+from mbconstrained.ground.tolerances import EPS
 from mbconstrained.linalg.blocks import block_matrix
-from mbconstrained.linalg.exponential import block_states
-from mbconstrained.linalg.symmetric import symmetric_modes
-from mbconstrained.tolerances import EPS
+from mbconstrained.linalg.eigen import symmetric_modes
+from mbconstrained.linalg.exponential.block_exponential import block_states
 
 
 def generator(M, C, K) -> np.ndarray:

@@ -7,7 +7,7 @@ import pytest
 import scipy.linalg
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from mbconstrained.linalg.threads import SHORT, SMALL, one_thread, short_work
+from mbconstrained.ground.threads import SHORT, SMALL, one_thread, short_work
 
 
 def counts() -> list[int]:

@@ -3,7 +3,8 @@
 import numpy as np
 
 import mbconstrained as mb
-from mbconstrained.mechanics import Constraint, MechanicalSystem
+from mbconstrained.mechanics.constraints import Constraint
+from mbconstrained.mechanics.system import MechanicalSystem
 
 
 def two_masses(level="acceleration", m=10.0, k=2.0, value=0.0):

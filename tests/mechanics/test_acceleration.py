@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mbconstrained import InputError, NotUnique, step
-from mbconstrained.mechanics import Constraint, MechanicalSystem
+from mbconstrained.mechanics.constraints import Constraint
+from mbconstrained.mechanics.system import MechanicalSystem
 from tests.mechanics.systems import massless_joints, two_masses
 
 STATE = [0.8, 1.2, 2.0]
@@ -89,7 +90,6 @@ def constrained_systems(draw, singular=False):
     return system, *(np.array(draw(st.lists(whole, min_size=n, max_size=n)), float) for _ in range(3))
 
 
-@settings(max_examples=60, deadline=None)
 @given(constrained_systems())
 def test_it_is_udwadia_and_kalaba_for_a_regular_mass_matrix(case):
     system, x, v, f = case
@@ -101,12 +101,11 @@ def test_it_is_udwadia_and_kalaba_for_a_regular_mass_matrix(case):
     assert np.allclose(system.acceleration(x, v, f), expected, rtol=1e-9, atol=1e-9 * (1 + np.abs(free).max()))
 
 
-@settings(max_examples=60, deadline=None)
 @given(constrained_systems(singular=True))
 def test_it_is_udwadia_and_phohomsiri_or_is_refused(case):
     system, x, v, f = case
     form = system.constrained_form()
-    K, C, M = form.polynomial_matrix.coefficients
+    M = form.polynomial_matrix.coefficients[2]
     if np.linalg.matrix_rank(M) < system.size:
         with pytest.raises(NotUnique, match="is not determined"):
             system.acceleration(x, v, f)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.mechanics import Constraint, MechanicalSystem
+from mbconstrained.mechanics.constraints import Constraint
+from mbconstrained.mechanics.system import MechanicalSystem
 from tests.mechanics.systems import massless_joints, two_masses
 
 TIMES = np.linspace(0, 40, 81)

@@ -5,12 +5,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scipy.linalg
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.mechanics import Constraint, ElementMatrix, EnergyParts, MechanicalSystem
-from mbconstrained.mechanics.energy_parts import coordinate_parts
+from mbconstrained.mechanics.constraints import Constraint
+from mbconstrained.mechanics.element_matrix import ElementMatrix
+from mbconstrained.mechanics.energy import EnergyParts, coordinate_parts
+from mbconstrained.mechanics.modes import Mode
+from mbconstrained.mechanics.system import MechanicalSystem
 
 EPS = np.finfo(float).eps
 numbers = st.floats(0.5, 2.0)
@@ -36,7 +39,7 @@ def values(shares):
 
 def test_two_masses_between_walls_by_hand():
     # in phase the coupling is not stretched; out of phase it is stretched twice as far as the walls' springs
-    slow, fast = chain([3, 3], [2, 5, 2]).assemble().modes().zeros
+    slow, fast = chain([3, 3], [2, 5, 2]).assemble().modes()
     assert slow.shares[0].kinetic == pytest.approx({"m0": 0.5, "m1": 0.5}, abs=1e-14)
     assert slow.shares[0].strain == pytest.approx({"s0": 0.5, "s1": 0.0, "s2": 0.5}, abs=1e-14)
     assert fast.shares[0].kinetic == pytest.approx({"m0": 0.5, "m1": 0.5}, abs=1e-14)
@@ -45,7 +48,7 @@ def test_two_masses_between_walls_by_hand():
 
 def test_two_masses_on_one_wall_by_hand():
     # m = k = 1: w^2 = (3 -+ sqrt 5)/2, u2/u1 = 2 - w^2 = (1 +- sqrt 5)/2 = g; strain 1 : (g - 1)^2, kinetic 1 : g^2
-    for mode, g in zip(chain([1, 1], [1, 1], walls=1).assemble().modes().zeros, [(1 + 5**0.5) / 2, (1 - 5**0.5) / 2]):
+    for mode, g in zip(chain([1, 1], [1, 1], walls=1).assemble().modes(), [(1 + 5**0.5) / 2, (1 - 5**0.5) / 2]):
         assert mode.shares[0].kinetic == pytest.approx({"m0": 1 / (1 + g**2), "m1": g**2 / (1 + g**2)}, abs=1e-14)
         assert mode.shares[0].strain == pytest.approx(
             {"s0": 1 / (1 + (g - 1) ** 2), "s1": (g - 1) ** 2 / (1 + (g - 1) ** 2)}, abs=1e-14
@@ -61,8 +64,8 @@ def test_torsion_springs_and_gears_count_too():
     model.gear("pinion", "wheel", start_radius=1.0, end_radius=2.0)
     # on the shaft of the motor: 2 and 8/4 kg m^2, springs 6 and 16/4 N m/rad; w^2 = 4 -+ sqrt 10
     squares, shapes = scipy.linalg.eigh([[6.0, -6.0], [-6.0, 10.0]], [[2.0, 0.0], [0.0, 2.0]])
-    found = model.assemble().modes().zeros
-    assert [mode.angular_frequency**2 for mode in found] == pytest.approx(squares, rel=1e-13)
+    found = model.assemble().modes()
+    assert [mode.natural_frequency**2 for mode in found] == pytest.approx(squares, rel=1e-13)
     for mode, (motor, pinion) in zip(found, shapes.T):
         kinetic, strain = 2 * np.array([motor, pinion]) ** 2, np.array([6 * (motor - pinion) ** 2, 4 * pinion**2])
         assert list(mode.shares[0].kinetic) == ["motor", "wheel"]  # the pinion has no inertia
@@ -71,7 +74,6 @@ def test_torsion_springs_and_gears_count_too():
         assert values(mode.shares[0].strain) == pytest.approx(strain / strain.sum(), abs=1e-13)
 
 
-@settings(max_examples=40, deadline=None)
 @given(st.integers(1, 6), st.data())
 def test_shares_agree_with_the_symmetric_eigenproblem(count, data):
     masses = np.array(data.draw(st.lists(numbers, min_size=count, max_size=count)))
@@ -80,7 +82,7 @@ def test_shares_agree_with_the_symmetric_eigenproblem(count, data):
     squares, shapes = scipy.linalg.eigh(system.stiffness, np.diag(masses))
     assume(count == 1 or np.diff(squares).min() > 0.05)  # nearer ones have shapes that rounding turns into each other
     B = np.eye(count + 1, count) - np.eye(count + 1, count, k=-1)
-    modes = system.modes().zeros
+    modes = system.modes()
     assert len(modes) == count
     for mode, shape in zip(modes, shapes.T):
         kinetic, strain = masses * shape**2, springs * (B @ shape) ** 2
@@ -88,7 +90,6 @@ def test_shares_agree_with_the_symmetric_eigenproblem(count, data):
         assert np.allclose(values(mode.shares[0].strain), strain / strain.sum(), rtol=0, atol=1e-12)
 
 
-@settings(max_examples=30, deadline=None)
 @given(st.integers(2, 4), st.data())
 def test_shares_of_damped_modes_are_averages_over_a_cycle(count, data):
     def draw(size, largest=2.0):
@@ -108,7 +109,6 @@ def test_shares_of_damped_modes_are_averages_over_a_cycle(count, data):
             assert np.allclose(values(shares.strain), strain / strain.sum(), rtol=0, atol=1e-13)
 
 
-@settings(max_examples=60, deadline=None)
 @given(st.integers(1, 5), st.data())
 def test_shares_sum_to_one_whatever_length_and_phase(count, data):
     def draw(*shape):
@@ -132,7 +132,6 @@ def test_shares_sum_to_one_whatever_length_and_phase(count, data):
             assert getattr(other, kind) == pytest.approx(shares, abs=1e-12)
 
 
-@settings(max_examples=30, deadline=None)
 @given(st.integers(1, 5), st.data())
 def test_by_coordinate_both_energies_of_a_free_mode_are_shared_alike(count, data):
     # K u = w^2 M u row by row
@@ -148,7 +147,7 @@ def test_by_coordinate_a_share_may_be_negative():
     row = Constraint([1, -1, 0], level="position")
     system = MechanicalSystem([[10, 0, 0], [0, 10, 10], [0, 10, 10]], stiffness=np.diag([2, 0, 2]), constraints=row)
     assert system.energy_parts.is_by_coordinate and not chain([1], [1, 1]).assemble().energy_parts.is_by_coordinate
-    slow, fast = (mode.shares[0] for mode in system.modes().zeros)
+    slow, fast = (mode.shares[0] for mode in system.modes())
     assert values(slow.kinetic) == pytest.approx([(5 - 5**0.5) / 10, 1 / 5**0.5, (5 - 5**0.5) / 10], abs=1e-13)
     assert values(fast.kinetic) == pytest.approx([(5 + 5**0.5) / 10, -1 / 5**0.5, (5 + 5**0.5) / 10], abs=1e-13)
 
@@ -159,7 +158,7 @@ def test_a_rigid_body_strains_nothing(gear):
     model.inertia("a", 1.0), model.inertia("b", 2.0), model.node("c", rotational=True)
     model.torsion_spring("a", "c", 1e9)
     model.gear("c", "b", start_radius=gear, end_radius=1.0)
-    rigid = model.assemble().modes().zeros[0]
+    rigid = model.assemble().modes()[0]
     assert (rigid.kind, rigid.shares[0].strain) == ("rigid body", None)
     assert rigid.shares[0].kinetic == pytest.approx({"a": 1 / (1 + 2 * gear**2), "b": 2 * gear**2 / (1 + 2 * gear**2)})
 
@@ -170,21 +169,23 @@ def test_a_massless_mode_has_no_kinetic_energy():
     model.spring("ground", "joint", stiffness=5.0, name="soft")
     model.damper("ground", "joint", damping=2.0)
     model.spring("ground", "far", stiffness=700.0, name="aside")
-    decay, oscillation = model.assemble().modes().zeros
-    assert (decay.kind, decay.shares[0].kinetic, decay.shares[0].strain) == ("decay", None, {"soft": 1.0, "aside": 0.0})
-    assert (oscillation.shares[0].kinetic, oscillation.shares[0].strain) == ({"far": 1.0}, {"soft": 0.0, "aside": 1.0})
+    decay, oscillation = model.assemble().modes()
+    assert (decay.kind, decay.shares[0].kinetic) == ("decay", None)
+    assert decay.shares[0].strain == pytest.approx({"soft": 1.0, "aside": 0.0}, abs=1e-15)
+    assert oscillation.shares[0].kinetic == {"far": 1.0}
+    assert oscillation.shares[0].strain == pytest.approx({"soft": 0.0, "aside": 1.0}, abs=1e-15)
 
 
 def test_what_does_not_move_or_is_not_known_has_no_shares():
     model = mb.LumpedModel()
     model.mass("sled", 2.0)
     model.damper("ground", "sled", damping=6.0)
-    offset, decay = model.assemble().modes().zeros
+    offset, decay = model.assemble().modes()
     assert (offset.kind, offset.shares[0].kinetic, offset.shares[0].strain) == ("offset", None, None)
     assert (decay.shares[0].kinetic, decay.shares[0].strain) == ({"sled": 1.0}, None)
     tied = MechanicalSystem(np.eye(2), constraints=Constraint([1, -1], level="acceleration"))
-    assert [len(mode.shares) for mode in tied.modes().zeros] == [1, 0]  # rigid body, drift
-    assert mb.mechanics.Mode("decay", -1.0, 1, np.ones((1, 1))).shares == ()
+    assert [len(mode.shares) for mode in tied.modes()] == [1, 0]  # rigid body, drift
+    assert Mode("decay", -1.0, 1, np.ones((1, 1))).shares == ()
 
 
 def test_each_shape_of_a_repeated_zero_has_its_own_shares():
@@ -192,7 +193,7 @@ def test_each_shape_of_a_repeated_zero_has_its_own_shares():
     for name in "ab":
         model.mass(name, 2.0)
         model.spring("ground", name, stiffness=8.0, name=f"spring of {name}")
-    (mode,) = model.assemble().modes().zeros
+    (mode,) = model.assemble().modes()
     assert mode.multiplicity == len(mode.shares) == 2
     for shape, shares in zip(mode.shapes.T, mode.shares):
         expected = shape**2 / (shape @ shape)
@@ -200,20 +201,20 @@ def test_each_shape_of_a_repeated_zero_has_its_own_shares():
 
 
 def test_a_critically_damped_zero_has_one_shape():
-    (mode,) = MechanicalSystem([[1.0]], [[2.0]], [[1.0]]).modes().zeros
+    (mode,) = MechanicalSystem([[1.0]], [[2.0]], [[1.0]]).modes()
     assert [(shares.kinetic, shares.strain) for shares in mode.shares] == [({"x1": 1.0}, {"x1": 1.0})]
 
 
 @pytest.mark.parametrize("stiff", [1e8, 1e12, 1e16, 1e20])
 def test_beside_stiff_springs_the_soft_ones_keep_their_shares(stiff):
     # masses 1, 1, 2 on a spring of 1 N/m and tied by stiff ones: slow mode rigid, the stiff ones carry 3/4 and 1/2 N
-    slow, *fast = chain([1, 1, 2], [1.0, stiff, 2 * stiff], walls=1).assemble().modes().zeros
+    slow, *fast = chain([1, 1, 2], [1.0, stiff, 2 * stiff], walls=1).assemble().modes()
     strain = slow.shares[0].strain
     assert strain["s0"] == pytest.approx(1.0, rel=0, abs=4 * EPS + 2 / stiff)
     assert 0 <= strain["s1"] <= 2 / stiff and 0 <= strain["s2"] <= 2 / stiff
     for mode in fast:
         shares = mode.shares[0]  # 1 N/m u^2 and w^2 1 kg u^2, and as much strain energy as kinetic energy
-        assert shares.strain["s0"] == pytest.approx(shares.kinetic["m0"] / mode.angular_frequency**2)
+        assert shares.strain["s0"] == pytest.approx(shares.kinetic["m0"] / mode.natural_frequency**2)
 
 
 def test_an_assembled_matrix_that_has_lost_its_soft_spring_says_so():
@@ -229,7 +230,7 @@ def test_gravity_may_be_a_negative_part():
     parts = EnergyParts({"bob": [[1.0]]}, {"spring": [[5.0]], "gravity": [[-9.0]]})
     pendulum = MechanicalSystem([[1.0]], stiffness=[[-4.0]], energy_parts=parts)
     assert pendulum.energy_parts is parts
-    for mode in pendulum.modes().zeros:
+    for mode in pendulum.modes():
         assert mode.shares[0].strain == pytest.approx({"spring": -1.25, "gravity": 2.25})
     balanced = EnergyParts({"bob": [[1.0]]}, {"spring": [[9.0]], "gravity": [[-9.0]]})
     assert balanced.shares([1.0]).strain is None

@@ -1,4 +1,4 @@
-"""What begins, ends or strikes later on a mechanical system: velocities, reactions, energy, notices, by momentum and by hand."""
+"""Forces that begin, end or have impulses later on a mechanical system: velocities, reactions, energy, notices, by momentum and by hand."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ import mbconstrained as mb
 ROD = mb.MechanicalSystem(
     np.diag([1.0, 3.0]), constraints=[mb.Constraint([1, -1], level="position", names="rod")], names=["a", "b"]
 )
-BLOW = mb.impulse([4.0, 0.0]).delayed(1.0)
+IMPULSE = mb.impulse([4.0, 0.0]).delayed(1.0)
 
 
-def test_a_later_blow_on_a_rod_is_shared():
+def test_a_later_impulse_on_a_rod_is_shared():
     """4 N s on 4 kg: both get 1 m/s, and the rod carries 3 N s, on the second body."""
-    motion = ROD.solve(force=BLOW)
+    motion = ROD.solve(force=IMPULSE)
     (event,) = motion.events
     assert event.jump == pytest.approx(np.array([[0, 0], [1, 1]]), abs=1e-15)
-    (blow,) = motion.later_constraint_impulses
-    assert blow.time == 1.0 and blow.impulses[0] == pytest.approx([-3.0])
+    (load,) = motion.later_constraint_impulses
+    assert load.time == 1.0 and load.impulses[0] == pytest.approx([-3.0])
     assert motion.velocity([0.5, 1.0, 2.0]) == pytest.approx(np.array([[0, 1, 1]] * 2))
     assert motion.energy([0.5, 1.5]).total == pytest.approx([0.0, 2.0])
     assert motion.constraint_impulses == () and not motion.jump.any()
 
 
-def test_a_blow_that_the_rod_carries_alone_moves_nothing():
+def test_an_impulse_that_the_rod_carries_alone_moves_nothing():
     motion = ROD.solve(force=mb.impulse([3.0, -3.0]).delayed(2.0))
     assert motion.events == ()
-    (blow,) = motion.later_constraint_impulses
-    assert (blow.time, blow.impulses[0]) == (2.0, pytest.approx([-3.0]))
+    (load,) = motion.later_constraint_impulses
+    assert (load.time, load.impulses[0]) == (2.0, pytest.approx([-3.0]))
 
 
 def test_the_reaction_follows_a_pulse():
@@ -62,14 +62,14 @@ def test_momentum_is_what_the_force_has_given():
 
 
 def test_notices_have_names_units_and_times():
-    texts = [notice.text for notice in ROD.solve(force=BLOW).notices]
+    texts = [notice.text for notice in ROD.solve(force=IMPULSE).notices]
     assert "a: its velocity jumps at t = 1 s by 1 m/s, from 0 m/s to 1 m/s" in texts
     assert 'constraint "rod": its force contains a Dirac impulse of -3 N s at t = 1 s' in texts
 
 
 def test_thousands_of_events_are_a_few_lines():
-    blows = sum(mb.impulse([1.0, 1.0]).delayed(0.5 * k) for k in range(1, 1001))
-    motion = ROD.solve(force=blows)
+    loads = sum(mb.impulse([1.0, 1.0]).delayed(0.5 * k) for k in range(1, 1001))
+    motion = ROD.solve(force=loads)
     later = [notice.text for notice in motion.notices]
     assert len(motion.events) == len(motion.later_constraint_impulses) == 1000
     assert len(later) < 10

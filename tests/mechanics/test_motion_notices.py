@@ -3,7 +3,8 @@
 import numpy as np
 
 import mbconstrained as mb
-from mbconstrained.mechanics import Constraint, MechanicalSystem
+from mbconstrained.mechanics.constraints import Constraint
+from mbconstrained.mechanics.system import MechanicalSystem
 from tests.mechanics.systems import massless_joints, two_masses
 
 
@@ -19,7 +20,7 @@ def test_a_gap_in_a_link():
     link = Constraint([1, -1], names="link")
     motion = MechanicalSystem(np.eye(2), constraints=link, names=["cart", "wagon"]).solve([1, 0])
     assert texts(motion, "jump") == [
-        'constraint "link" (position level) does not hold at 0-: its displacement is 1 m instead of 0 m, off by 1 m; it is '
+        'constraint "link" (position level) is violated at 0-: its displacement is 1 m instead of 0 m, off by 1 m; it is '
         "enforced at t = 0",
         "cart: its displacement jumps at t = 0 by -0.5 m, from 1 m to 0.5 m",
         "wagon: its displacement jumps at t = 0 by 0.5 m, from 0 m to 0.5 m",
@@ -48,7 +49,7 @@ def test_massless_joints_that_jump():
 
 
 def test_an_impulse_of_a_coordinate():
-    # a blow on a massless joint on a damper moves it at once; on a spring alone it passes through as an impulse
+    # an impulse on a massless joint on a damper moves it at once; on a spring alone it passes through
     spring = MechanicalSystem([[0.0]], stiffness=[[2.0]], names=["joint"]).solve(force=mb.impulse([3.0]))
     assert texts(spring, "impulse") == ["joint: its displacement contains a Dirac impulse of 1.5 m s at t = 0"]
 
@@ -56,17 +57,17 @@ def test_an_impulse_of_a_coordinate():
 def test_velocity_rows_that_do_not_hold():
     belt = MechanicalSystem([[1.0]], constraints=Constraint([1], level="velocity", value=2.0, names="belt"))
     (text, jump) = texts(belt.solve([5.0]), "jump")
-    assert 'constraint "belt" (velocity level) does not hold at 0-: its velocity is 0 m/s instead of 2 m/s, off by -2 m/s' in text
+    assert 'constraint "belt" (velocity level) is violated at 0-: its velocity is 0 m/s instead of 2 m/s, off by -2 m/s' in text
     assert jump == "x1: its velocity jumps at t = 0 by 2 m/s, from 0 m/s to 2 m/s"
 
 
 def test_levels_below_position_say_what_they_keep():
     assert texts(two_masses().solve([0.8, 1.2, 2.0], [0, 0.1, 0]), "drift") == [
-        'constraint "link" is held at acceleration level (2 drift zeros): its position value starts at -0.4 m and moves on at '
-        "-0.1 m/s; nothing corrects it"
+        'constraint "link" is at acceleration level (2 drift eigenvalues): its position value starts at -0.4 m and drifts at '
+        "-0.1 m/s; no equation corrects it"
     ]
     assert texts(two_masses("velocity").solve([0.8, 1.2, 2.0]), "drift") == [
-        'constraint "link" is held at velocity level (1 drift zero): its position value starts at -0.4 m; nothing corrects it'
+        'constraint "link" is at velocity level (1 drift eigenvalue): its position value starts at -0.4 m; no equation corrects it'
     ]
 
 
@@ -78,7 +79,7 @@ def test_redundant_rows_and_static_offsets():
         static_force=[-9.81, 0.0],
     )
     notices = system.solve().notices
-    assert [notice.kind for notice in notices] == ["redundant", "offset"]
+    assert [notice.kind for notice in notices] == ["redundant", "static load"]
     assert notices[1].text == "constant forces from rest lengths and weights act from t = 0 on: a -9.81 N"
     assert not any(notice.doubtful for notice in notices)
 

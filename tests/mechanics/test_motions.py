@@ -27,7 +27,7 @@ SYSTEM = mb.MechanicalSystem(
         ({"displacement": [1.0, 0, 0], "velocity": RANDOM.normal(size=(12, 3)), "force": mb.ramp([0, 1.0, 0])}, 12),
         ({"force": [mb.step([1.0, 0, 0]), mb.impulse([0, 1.0, 0])]}, 2),
         ({"force": np.eye(3)}, 3),
-        ({"displacement": RANDOM.normal(size=(2, 3)), "force": (mb.step([1.0, 0, 0]),) * 2}, 2),
+        ({"displacement": RANDOM.normal(size=(2, 3)), "force": (mb.step([1.0, 0, 0]).delayed(1.0),) * 2}, 2),
     ],
 )
 def test_each_is_the_motion_solved_alone(given, count):
@@ -38,7 +38,15 @@ def test_each_is_the_motion_solved_alone(given, count):
     for many, one in ((xs, lambda x: x), (xs.velocity, lambda x: x.velocity), (xs.acceleration, lambda x: x.acceleration)):
         known = np.array([one(x)(TIMES) for x in alone])
         assert np.abs(many(TIMES) - known).max() <= 1e-13 * np.abs(known).max()
-    assert np.array_equal(xs.jumps, [x.jump for x in alone])
+    assert np.array_equal(xs.jump, [x.jump for x in alone])
+    assert [len(events) for events in xs.events] == [len(x.events) for x in alone]
+    assert np.array_equal(xs.displacement(TIMES), xs(TIMES))
+    known = np.array([x.reaction(TIMES) for x in alone])
+    assert np.abs(xs.reaction(TIMES) - known).max() <= 1e-12 * max(np.abs(known).max(), 1.0)
+    for times in (TIMES, 0.5):
+        for name in ("kinetic", "strain", "static", "total"):
+            known = np.array([getattr(x.energy(times), name) for x in alone])
+            assert np.allclose(getattr(xs.energy(times), name), known, rtol=1e-12, atol=1e-12 * np.abs(known).max())
     assert np.allclose(xs.of("joint")(TIMES)[:, 0], xs(TIMES)[:, 2], rtol=1e-14, atol=1e-14)
 
 
@@ -57,7 +65,10 @@ def test_what_is_common_reaches_every_motion():
         ({"displacement": np.zeros((4, 3)), "velocity": np.zeros((3, 3))}, "found 4 of displacement, 3 of velocity, 1 of force"),
         ({"displacement": np.zeros((4, 2))}, "displacement: expected shape any x 3, found 4 x 2"),
         ({"displacement": np.zeros((0, 3))}, "found 0 of displacement"),
-        ({"displacement": np.zeros((4, 3)), "force": [mb.step([1.0, 0, 0])] * 2}, "2 of force; give as many of each, or one for all"),
+        (
+            {"displacement": np.zeros((4, 3)), "force": [mb.step([1.0, 0, 0])] * 2},
+            "2 of force; give as many of each, or one for all",
+        ),
         ({"displacement": np.zeros((4, 3)), "velocity": {"lefd": 1.0}}, 'there is no coordinate "lefd"; did you mean "left"?'),
         ({"displacement": [[1.0, 2, 3], [1.0]]}, "displacement: the rows have different lengths"),
     ],

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.models import LumpedModel
+from mbconstrained.models.lumped import LumpedModel
 from tests.mechanics.systems import assert_same
 
 G = 9.81

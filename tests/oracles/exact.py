@@ -7,7 +7,7 @@ of r x r lists of Fractions, A_0 first; a polynomial is a list of Fractions, low
 from __future__ import annotations
 
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, pairwise
 from math import factorial
 
 
@@ -94,7 +94,7 @@ def orders_at_infinity(A):
     for size in range(1, r + 1):
         choices = list(combinations(range(r), size))
         highest.append(max(len(minor(A, rows, columns)) - 1 for rows in choices for columns in choices))
-    return [after - before for before, after in zip(highest, highest[1:])]
+    return [after - before for before, after in pairwise(highest)]
 
 
 def laurent(A, lowest: int) -> dict:
@@ -167,7 +167,7 @@ class ExactResponse:
         r = len(A[0])
         force = force_derivatives(terms, r, count + 3 * r * len(A)) if terms else []
         X = transform(A, initial, force, impulses, -count)
-        self.impulses = [X[p] for p in range(0, max(X) + 1)]
+        self.impulses = [X[p] for p in range(max(X) + 1)]
         while self.impulses and not any(self.impulses[-1]):
             self.impulses.pop()
         self.derivatives = [X.get(-1 - k, [Fraction(0)] * r) for k in range(count)]

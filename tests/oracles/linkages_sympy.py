@@ -71,12 +71,12 @@ def frequency(build, name):
     method = LagrangesMethod(L, q, hol_coneqs=loops, frame=ReferenceFrame("N"))
     equations = method.form_lagranges_equations()
     rates, accelerations = [x.diff(t) for x in q], [x.diff(t, 2) for x in q]
-    rest = {x: 0 for x in [*accelerations, *rates]}
+    rest = dict.fromkeys([*accelerations, *rates], 0)
     point = {x: Float(value, DIGITS) for x, value in zip(q, known["posture"].values())}
-    balance = equations.subs({x: 0 for x in accelerations}).subs({x: 0 for x in rates}).subs(point)
+    balance = equations.subs(dict.fromkeys(accelerations, 0)).subs(dict.fromkeys(rates, 0)).subs(point)
     lam = list(method.lam_vec)
     J = balance.jacobian(lam)
-    free = balance.subs({x: 0 for x in lam})
+    free = balance.subs(dict.fromkeys(lam, 0))
     pulls = dict(zip(lam, (J.T * J).LUsolve(-J.T * free)))
     assert max(abs(x) for x in balance.subs(pulls)) < 1e-28, "this is not an equilibrium"
     linearizer = method.to_linearizer(q_ind=[q[0]], qd_ind=[rates[0]], q_dep=q[1:], qd_dep=rates[1:])

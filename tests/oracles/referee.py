@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -84,7 +84,7 @@ class Case:
         return worst
 
 
-@lru_cache(maxsize=None)
+@cache
 def case(name: str) -> Case:
     """The case with this name."""
     record = json.loads((CASES / f"{name}.json").read_text())
@@ -100,7 +100,7 @@ def case(name: str) -> Case:
     )
 
 
-@lru_cache(maxsize=None)
+@cache
 def answer(name: str) -> mb.Response:
     """The package's answer to the case."""
     problem = case(name)

@@ -9,11 +9,18 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from tests.models.robot.linkages import BUILDERS, TABLE, given, known, known_frequencies, null_space
 from tests.oracles import linkages
+from tests.robot.linkages import BUILDERS, TABLE, given, known, known_frequencies, null_space
 
 SYMPY = json.loads(Path(__file__).with_name("linkages_sympy.json").read_text())
 RIGID = ("rx", "ry", "rz")
+
+
+@pytest.fixture(autouse=True)
+def all_digits():
+    """The precision of mpmath is one for all modules, and others may have changed it."""
+    with linkages.mp.workdps(80):
+        yield
 
 
 def test_closed_forms():

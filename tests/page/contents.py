@@ -6,8 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from mbconstrained.notices import Notice
-from mbconstrained.page import Animation, Body, Curve, Drawing, Link, PageContent, PhasePlot, Plot, Table
+from mbconstrained.ground.display import TextTable
+from mbconstrained.ground.notices import Notice
+from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.animation.keyframes import KeyFrames, body_poses
+from mbconstrained.page.content import Curve, PageContent, Plot
+from mbconstrained.page.drawing.bodies import Body, Drawing, Link
 
 TIMES = np.linspace(0, 50, 401)
 HOSTILE = """</script><script>alert(1)</script><img src=x onerror=alert(2)>&amp;"'\u2028]]>-->"""
@@ -21,6 +25,13 @@ def two_masses(times=TIMES) -> np.ndarray:
     x1 = a * square * np.cos(fast * times) + b / square * np.cos(slow * times)
     q2 = -(2 + 5**0.5) * a * np.cos(fast * times) + (5**0.5 - 2) * b * np.cos(slow * times)
     return np.array([x1, x1 + 0.4, q2])
+
+
+def positions(drawing: Drawing, body: Body, names, values) -> np.ndarray:
+    """The positions of a body for values (r, T) of the coordinates, shape (3, T)."""
+    values = np.asarray(values, dtype=float)
+    frames = KeyFrames(tuple(names), np.arange(values.shape[1]), values, 0 * values, paths=(None,) * len(drawing.bodies))
+    return body_poses(drawing, frames)[body.name].positions
 
 
 def two_masses_drawing() -> Drawing:
@@ -47,19 +58,25 @@ def two_masses_content() -> PageContent:
         source="Moysis et al., section 5.1",
         animation=Animation(two_masses_drawing(), names, TIMES, values),
         plots=(Plot("displacement", "m", TIMES, tuple(Curve(name, row) for name, row in zip(names, values))),),
-        tables=(Table("Finite zeros", ("kind", "rad/s"), (("oscillation", "0.7236"), ("drift", "0")), "note below"),),
+        tables=(TextTable("Finite zeros", ("kind", "rad/s"), (("oscillation", "0.7236"), ("drift", "0")), "note below"),),
         notices=(Notice("drift", "a row drifts"), Notice("rank", "a doubtful decision", doubtful=True)),
         facts=(("Coordinates", "3"),),
     )
 
 
+def phase_plane(title, name, times, displacement, velocity, units=("m", "m/s")) -> Plot:
+    """The velocity of a coordinate over its displacement."""
+    across, curves = Curve("displacement", displacement), (Curve(name, velocity),)
+    return Plot(title, units[1], times, curves, across=across, across_unit=units[0], quantity="velocity")
+
+
 def plotted_content() -> PageContent:
     """The same with a phase plane of x1 and a plot of ten curves, and a table that is wide."""
     content, x1 = two_masses_content(), two_masses()[0]
-    plane = PhasePlot("phase plane of x1", "x1", ("displacement", "velocity"), ("m", "m/s"), TIMES, x1, np.gradient(x1, TIMES))
+    plane = phase_plane("phase plane of x1", "x1", TIMES, x1, np.gradient(x1, TIMES))
     many = Plot("many", "N", TIMES, tuple(Curve(f"f{i}", np.sin(0.1 * (i + 1) * TIMES)) for i in range(10)))
     row = (*"1234567", "A sentence that says what all of these numbers mean.")
-    wide = Table("Wide", tuple(f"column {i}" for i in range(8)), (row,) * 3)
+    wide = TextTable("Wide", tuple(f"column {i}" for i in range(8)), (row,) * 3)
     tables = (*content.tables, wide, replace(wide, title="Folded", folded=True))
     return replace(content, plots=(*content.plots, plane, many), tables=tables)
 
@@ -70,7 +87,7 @@ def hostile_content() -> PageContent:
     drawing = Drawing((Body(HOSTILE, moves={HOSTILE: (1, 0, 0)}), Body(long, rest=(2, 0, 0))), note=HOSTILE)
     values = np.array([[0.0, 1.0]])
     plots = tuple(Plot(text, text, [0, 1], (Curve(text, [0, 1]),)) for text in (HOSTILE, long))
-    tables = tuple(Table(text, (text,), ((text,),), text) for text in (HOSTILE, long))
+    tables = tuple(TextTable(text, (text,), ((text,),), text) for text in (HOSTILE, long))
     notices = tuple(Notice("rank", text) for text in (HOSTILE, long))
     animation = Animation(drawing, (HOSTILE,), [0, 1], values)
     return PageContent(HOSTILE + long, HOSTILE + long, animation, plots, tables, notices, ((HOSTILE, HOSTILE), (long, long)))

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbconstrained.notices import Notice
-from mbconstrained.page import Body, Drawing, Link, ModePicture, ModesContent, Path, cycle
+from mbconstrained.ground.notices import Notice
+from mbconstrained.page.drawing.bodies import Body, Drawing, Link
+from mbconstrained.page.drawing.paths import Path
+from mbconstrained.page.mode_page import ModePicture, ModesContent, cycle
 from tests.page.contents import HOSTILE
 from tests.page.robots import four_bar
 
@@ -33,9 +35,7 @@ def two_modes() -> ModesContent:
         for i, (name, shape) in enumerate(SHAPES.items())
     ]
     modes.append(ModePicture("drift", (("meaning", "drift"),), note="It does not move: a row drifts."))
-    return ModesContent(
-        "Two", "made up", two_bodies(), NAMES, tuple(modes), (Notice("rank", "a notice"),), (("Coordinates", "2"),)
-    )
+    return ModesContent("Two", "made up", two_bodies(), NAMES, tuple(modes), (Notice("rank", "a notice"),), (("Coordinates", "2"),))
 
 
 def robot_modes() -> ModesContent:
@@ -50,9 +50,7 @@ def robot_modes() -> ModesContent:
 def many_modes(count: int) -> ModesContent:
     """As many as asked for."""
     phase = np.exp(1j * np.arange(count))
-    modes = tuple(
-        ModePicture(f"mode {i + 1}", (("Hz", f"{i}"),), values=cycle([1, p]), period=1.0) for i, p in enumerate(phase)
-    )
+    modes = tuple(ModePicture(f"mode {i + 1}", (("Hz", f"{i}"),), values=cycle([1, p]), period=1.0) for i, p in enumerate(phase))
     return ModesContent("Many", "", two_bodies(), NAMES, modes)
 
 
@@ -61,8 +59,7 @@ def hostile_modes() -> ModesContent:
     long = "W" * 10_000
     drawing = Drawing((Body(HOSTILE, moves={HOSTILE: (1, 0, 0)}), Body(long, rest=(2, 0, 0))), note=HOSTILE)
     modes = tuple(
-        ModePicture(text, ((text, text),), ((text, 0.5, -0.5),), cycle([1.0]), period=1.0, note=text)
-        for text in (HOSTILE, long)
+        ModePicture(text, ((text, text),), ((text, 0.5, -0.5),), cycle([1.0]), period=1.0, note=text) for text in (HOSTILE, long)
     )
     return ModesContent(HOSTILE + long, HOSTILE, drawing, (HOSTILE,), modes, (Notice("rank", HOSTILE),), ((HOSTILE, long),))
 

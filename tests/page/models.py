@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbconstrained.models import LumpedModel
-from mbconstrained.page import Animation
-from mbconstrained.page.layout import coordinate_drawing, lumped_drawing
+from mbconstrained.models.lumped import LumpedModel
+from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.drawing.automatic_drawing import coordinate_drawing, lumped_drawing
 
 
 def gallery() -> dict[str, Animation]:

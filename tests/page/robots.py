@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from mbconstrained.page import Animation, Path
-from mbconstrained.page.layout import parts_of, robot_drawing
+from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.drawing.paths import Path
+from mbconstrained.page.drawing.robot_layout import robot_drawing, solids_of
 
 
 @dataclass(frozen=True)
@@ -17,7 +18,7 @@ class Seen:
     link: str
     kind: str
     size: object
-    placement: np.ndarray = None
+    placement: np.ndarray = field(default_factory=lambda: np.eye(4))
     color: tuple | None = None
     vertices: np.ndarray | None = None
     faces: np.ndarray | None = None
@@ -71,7 +72,7 @@ def four_bar(times, size: float = 1.0, **options) -> Animation:
         Tie("spring", "spring", "ground", (0.28 * size, 0, 0), "coupler", (COUPLER / 2 * size, 0, 0)),
         Tie("bush", "bushing", "crank", (CRANK * size, 0, 0), "coupler", (0, 0, 0)),
     ]
-    return Animation(robot_drawing(parts_of(seen), poses, ties, **options), ("crank",), times, angles[:1])
+    return Animation(robot_drawing(solids_of(seen), poses, ties, **options), ("crank",), times, angles[:1])
 
 
 def shifted(shift) -> np.ndarray:

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from mbconstrained.page import modes_html, write_page
+from mbconstrained.page.html import page_html, write_page
 from tests.page.browser import needs_chromium
 from tests.page.contents import plotted_content
 from tests.page.mode_pages import two_modes
 
-pytestmark = needs_chromium
+pytestmark = [needs_chromium, pytest.mark.long]
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,7 @@ def violations(browser, axe):
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages")
-    (folder / "modes.html").write_text(modes_html(two_modes()), encoding="utf-8")
+    (folder / "modes.html").write_text(page_html(two_modes()), encoding="utf-8")
     return {"run": write_page(folder / "run.html", plotted_content()), "modes": folder / "modes.html"}
 
 

@@ -6,13 +6,15 @@ import os
 import numpy as np
 import pytest
 
-from mbconstrained.page import Animation, Body, Curve, Drawing, Link, PageContent, Plot, modes_html, write_page
-from mbconstrained.page.viewer import VIEWER_FILE
+from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.content import Curve, PageContent, Plot
+from mbconstrained.page.drawing.bodies import Body, Drawing, Link
+from mbconstrained.page.html import VIEWER_FILE, page_html, write_page
 from tests.page.browser import needs_chromium
 from tests.page.contents import many, two_masses, two_masses_content
 from tests.page.mode_pages import two_modes
 
-pytestmark = needs_chromium
+pytestmark = [needs_chromium, pytest.mark.long]
 
 
 def ready(browser):
@@ -22,13 +24,13 @@ def ready(browser):
     return browser.state()
 
 
-@pytest.mark.parametrize("viewer", ["compressed", "beside"])
+@pytest.mark.parametrize("viewer", ["compressed", "separate"])
 def test_the_picture_moves_wherever_its_viewer_comes_from(browser, tmp_path, viewer):
     page = write_page(tmp_path / "page.html", two_masses_content(), viewer)
     state = ready(browser.open(page, "#t=1.25"))
     assert list(state["coordinates"].values()) == pytest.approx(two_masses(np.array([1.25]))[:, 0], rel=1e-11)
     assert (browser.messages, state["errors"]) == ([], [])
-    files = {"page.html"} | ({VIEWER_FILE} if viewer == "beside" else set())
+    files = {"page.html"} | ({VIEWER_FILE} if viewer == "separate" else set())
     assert {os.path.basename(address) for address in browser.requests} == files == set(os.listdir(tmp_path))
     assert browser.evaluate("mbconstrained.viewer.renderer.info.render.triangles") > 1000
     browser.click("#play")
@@ -49,21 +51,21 @@ def test_a_large_page_moves_as_the_motion_does_between_its_times_too(browser, tm
     assert page.stat().st_size < 1_400_000
 
 
-@pytest.mark.parametrize("viewer", ["compressed", "beside"])
+@pytest.mark.parametrize("viewer", ["compressed", "separate"])
 def test_modes_move_too(browser, tmp_path, viewer):
     page = tmp_path / "modes.html"
-    page.write_text(modes_html(two_modes(), viewer), encoding="utf-8")
-    if viewer == "beside":
+    page.write_text(page_html(two_modes(), viewer), encoding="utf-8")
+    if viewer == "separate":
         write_page(tmp_path / "other.html", two_masses_content(), viewer)  # brings the viewer for both
     assert ready(browser.open(page, "#mode=2&t=0.5"))["mode"] == 2
     assert (browser.messages, browser.state()["errors"]) == ([], [])
 
 
 def test_a_viewer_that_was_left_behind_is_named_and_the_rest_is_shown(browser, tmp_path):
-    page = write_page(tmp_path / "page.html", two_masses_content(), "beside")
+    page = write_page(tmp_path / "page.html", two_masses_content(), "separate")
     (tmp_path / VIEWER_FILE).unlink()
     browser.open(page)
-    missing = "The 3-D view needs the file mbconstrained-viewer.js, which does not lie beside this page."
+    missing = "The 3-D view needs the file mbconstrained-viewer.js in the folder of this page."
     assert browser.evaluate("document.querySelector('.missing').textContent") == missing
     browser.click("svg.plot")
     assert browser.state()["time"] == pytest.approx(25, abs=0.5)
@@ -74,7 +76,7 @@ def test_a_browser_that_cannot_unpack_says_so_and_shows_plots_and_tables(browser
     old = browser.call("Page.addScriptToEvaluateOnNewDocument", source="delete window.DecompressionStream")
     browser.open(page).wait(0.1)
     browser.call("Page.removeScriptToEvaluateOnNewDocument", **old)
-    assert "too old to unpack it" in browser.evaluate("document.querySelector('.missing').innerText")
+    assert "too old to decompress it" in browser.evaluate("document.querySelector('.missing').innerText")
     assert browser.evaluate("document.querySelectorAll('svg.plot path').length") == 3
     assert browser.messages == []
 

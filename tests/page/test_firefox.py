@@ -4,11 +4,11 @@ import json
 
 import pytest
 
-from mbconstrained.scene import read_scene
+from mbconstrained.scene.run.scene import read_scene
 from tests.page.firefox import Firefox, needs_firefox
 from tests.scene.scenes import EXAMPLES
 
-pytestmark = needs_firefox
+pytestmark = [needs_firefox, pytest.mark.long]
 
 #: Whether the 3-D view is there, or the words that say why not are seen.
 VIEW = "[Boolean(mbconstrained.viewer), getComputedStyle(document.querySelector('.missing')).display]"

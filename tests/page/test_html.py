@@ -15,11 +15,13 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from mbconstrained.errors import MbconstrainedError
-from mbconstrained.notices import Notice
-from mbconstrained.page import Animation, Curve, Drawing, PageContent, Plot, Table, page_html
-from mbconstrained.page.document import script_json
-from mbconstrained.page.viewer import VIEWER_FILE, viewer_script
+from mbconstrained.ground.display import TextTable
+from mbconstrained.ground.errors import MbconstrainedError
+from mbconstrained.ground.notices import Notice
+from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.content import Curve, PageContent, Plot
+from mbconstrained.page.drawing.bodies import Drawing
+from mbconstrained.page.html import VIEWER_FILE, page_html, script_json, viewer_script
 from tests.page.contents import HOSTILE, hostile_content, two_masses_content
 
 
@@ -35,7 +37,7 @@ def test_the_page_of_two_masses_is_small():
 def test_the_same_content_gives_the_same_bytes_in_every_process(seed):
     code = (
         "import hashlib\n"
-        "from mbconstrained.page import PageContent, page_html\n"
+        "from mbconstrained.page.content import PageContent; from mbconstrained.page.html import page_html\n"
         "from tests.page.contents import two_masses_content\n"
         "from tests.page.models import gallery\n"
         "pages = [page_html(two_masses_content()), *(page_html(PageContent(k, animation=a)) for k, a in gallery().items())]\n"
@@ -52,7 +54,7 @@ def test_the_same_content_gives_the_same_bytes_in_every_process(seed):
 def test_meshcat_is_read_but_not_imported():
     code = (
         "import sys\n"
-        "from mbconstrained.page import page_html\n"
+        "from mbconstrained.page.html import page_html\n"
         "from tests.page.contents import two_masses_content\n"
         "page_html(two_masses_content())\n"
         "print(*sorted({'meshcat', 'zmq', 'tornado', 'matplotlib', 'pydantic', 'pinocchio', 'sympy'} & set(sys.modules)))\n"
@@ -141,7 +143,7 @@ def test_without_plots_there_is_no_script_of_theirs():
 
 def test_compressed_the_page_is_a_third_and_holds_the_same():
     page, plain = (page_html(two_masses_content(), viewer) for viewer in ("compressed", "inside"))
-    held = re.findall(r'data-holds="([^"]*)">([^<]*)<', page)
+    held = re.findall(r'data-content="([^"]*)">([^<]*)<', page)
     texts = {name: gzip.decompress(base64.b64decode(packed)).decode() for name, packed in held}
     assert texts["viewer"] == viewer_script()
     assert json.loads(texts["motion-data"]) == data_of(plain)
@@ -152,15 +154,23 @@ def test_compressed_the_page_is_a_third_and_holds_the_same():
 
 
 def test_beside_its_viewer_a_page_holds_its_own_data_only():
-    page = page_html(two_masses_content(), "beside")
+    page = page_html(two_masses_content(), "separate")
     assert len(page) < 200_000
     assert re.findall(r'<script src="([^"]*)"></script>', page) == [VIEWER_FILE]
-    assert "script-src 'sha256-" in page_html(replace(two_masses_content(), animation=None), "beside")
+    assert "script-src 'sha256-" in page_html(replace(two_masses_content(), animation=None), "separate")
 
 
 def test_without_plots_tables_notices_and_facts_there_is_no_trace_of_them():
     page = page_html(PageContent("t", animation=two_masses_content().animation))
-    for word in ('<div class="plots"', "<figure", "<svg", "<table", '<section class="notices"', "<footer>\n<dl", "<header>\n<h1>t</h1>\n<p"):
+    for word in (
+        '<div class="plots"',
+        "<figure",
+        "<svg",
+        "<table",
+        '<section class="notices"',
+        "<footer>\n<dl",
+        "<header>\n<h1>t</h1>\n<p",
+    ):
         assert word not in page
 
 
@@ -178,12 +188,12 @@ def test_columns_of_numbers_are_flush_right():
 
 @pytest.mark.parametrize("cell", ["± 0.276393 i", "-0.5 ± 2 i", "−3", "± 1e-05 i", "0.5 N s^2", "–"])
 def test_a_column_of_complex_numbers_is_flush_right_too(cell):
-    page = page_html(PageContent("t", tables=(Table("t", ("zero",), ((cell,), ("1",))),)))
+    page = page_html(PageContent("t", tables=(TextTable("t", ("zero",), ((cell,), ("1",))),)))
     assert page.count('<td class="number">') == 2
 
 
 def test_tables_and_notices_raise_powers_and_keep_complex_numbers_together():
-    table = Table("t", ("zero", "m/s^2"), (("-0.5 ± 0.25 i", "1 N s^2"),), "in kg m^2")
+    table = TextTable("t", ("zero", "m/s^2"), (("-0.5 ± 0.25 i", "1 N s^2"),), "in kg m^2")
     page = page_html(PageContent("t", tables=(table,), notices=(Notice("rank", "± 0.25 i is in rad/s^2"),)))
     for text in (">-0.5\xa0±\xa00.25\xa0i<", ">m/s²<", ">1 N s²<", ">in kg m²<", "±\xa00.25\xa0i is in rad/s²"):
         assert text in page

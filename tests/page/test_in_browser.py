@@ -5,12 +5,15 @@ import json
 import numpy as np
 import pytest
 
-from mbconstrained.page import Animation, Body, Drawing, Link, PageContent, write_page
+from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.content import PageContent
+from mbconstrained.page.drawing.bodies import Body, Drawing, Link
+from mbconstrained.page.html import write_page
 from tests.page.browser import Browser, needs_chromium
-from tests.page.contents import HOSTILE, TIMES, hostile_content, two_masses, two_masses_content, two_masses_drawing
+from tests.page.contents import HOSTILE, TIMES, hostile_content, positions, two_masses, two_masses_content, two_masses_drawing
 from tests.page.models import gallery
 
-pytestmark = needs_chromium
+pytestmark = [needs_chromium, pytest.mark.long]
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +51,7 @@ def test_bodies_stand_where_the_drawing_puts_them(browser, page):
     state = browser.open(page, "#t=1.25").state()
     drawing, values = two_masses_drawing(), two_masses(np.array([1.25]))
     for body in drawing.bodies:
-        place = drawing.positions(body, ("x1", "q1", "q2"), values)[:, 0]
+        place = positions(drawing, body, ("x1", "q1", "q2"), values)[:, 0]
         assert state["nodes"][body.name]["position"] == pytest.approx(place, abs=1e-9)
 
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from mbconstrained.page import modes_html
+from mbconstrained.page.html import page_html
 from tests.page.browser import needs_chromium
 from tests.page.contents import HOSTILE
 from tests.page.mode_pages import hostile_modes, many_modes, robot_modes, two_modes
 from tests.page.robots import CRANK, four_bar_angles
 
-pytestmark = needs_chromium
+pytestmark = [needs_chromium, pytest.mark.long]
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,7 @@ def page(tmp_path_factory):
 
 def written(folder, content):
     path = folder / "modes.html"
-    path.write_text(modes_html(content), encoding="utf-8")
+    path.write_text(page_html(content), encoding="utf-8")
     return path
 
 
@@ -66,7 +66,7 @@ def test_a_click_on_a_row_picks_its_mode_and_it_moves(browser, page):
     state = browser.state()
     assert (state["mode"], state["playing"]) == (2, True)
     assert 0.05 < state["time"] < 0.9
-    assert browser.evaluate("document.querySelector('tr.picked').dataset.mode") == "1"
+    assert browser.evaluate("document.querySelector('tr.selected').dataset.mode") == "1"
     assert browser.evaluate("document.querySelector('input[name=mode]:checked').value") == "1"
     assert browser.evaluate("[...document.querySelectorAll('.details section')].map(s => s.hidden)") == [True, False, True]
 
@@ -124,7 +124,7 @@ def test_a_mode_that_does_not_move_says_why_and_cannot_be_played(browser, page):
     assert browser.state()["playing"] is True
 
 
-def test_with_little_motion_wanted_a_mode_that_is_picked_waits(browser, page):
+def test_with_little_motion_wanted_a_mode_that_is_selected_waits(browser, page):
     browser.prefers(reduced_motion="reduce")
     browser.open(page)
     browser.click("tr[data-mode='1']")
@@ -137,7 +137,7 @@ def test_modes_by_paths_move_the_links(browser, tmp_path):
     crank = four_bar_angles([0.4 * 2 * np.pi / 1.3])[0, 0]
     place = CRANK * np.array([np.cos(crank), 0, np.sin(crank)])
     assert browser.state()["nodes"]["coupler"]["position"] == pytest.approx(place, abs=1e-4)
-    browser.evaluate("mbconstrained.pick(2)")
+    browser.evaluate("mbconstrained.select(2)")
     crank = four_bar_angles([0.0])[0, 0]
     assert browser.state()["nodes"]["coupler"]["position"] == pytest.approx(
         CRANK * np.array([np.cos(crank), 0, np.sin(crank)]), abs=1e-6
@@ -145,10 +145,10 @@ def test_modes_by_paths_move_the_links(browser, tmp_path):
     assert (browser.messages, browser.state()["errors"]) == ([], [])
 
 
-def test_sixty_modes_can_all_be_picked(browser, tmp_path):
+def test_sixty_modes_can_all_be_selected(browser, tmp_path):
     browser.open(written(tmp_path, many_modes(60)))
     browser.evaluate("void (mbconstrained.viewer.render = () => {})")  # the software renderer is slow
-    found = browser.evaluate("Array.from({length: 60}, (_, i) => (mbconstrained.pick(i + 1), mbconstrained.state().mode))")
+    found = browser.evaluate("Array.from({length: 60}, (_, i) => (mbconstrained.select(i + 1), mbconstrained.state().mode))")
     assert found == list(range(1, 61))
     assert (browser.messages, browser.state()["errors"]) == ([], [])
 
@@ -166,8 +166,8 @@ def test_hostile_texts_are_shown_as_texts(browser, tmp_path):
     assert browser.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
 
 
-def test_programs_are_told_what_cannot_be_picked(browser, page):
+def test_programs_are_told_what_cannot_be_selected(browser, page):
     browser.open(page)
-    assert browser.evaluate("(() => { try { mbconstrained.pick(4) } catch (error) { return error.message } })()") == (
-        "pick: found 4; expected a number from 1 to 3"
+    assert browser.evaluate("(() => { try { mbconstrained.select(4) } catch (error) { return error.message } })()") == (
+        "select: found 4; expected a number from 1 to 3"
     )

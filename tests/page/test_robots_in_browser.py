@@ -3,11 +3,15 @@
 import numpy as np
 import pytest
 
-from mbconstrained.page import Animation, Body, Drawing, Link, PageContent, Part, Path, write_page
+from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.content import PageContent
+from mbconstrained.page.drawing.bodies import Body, Drawing, Link, Solid
+from mbconstrained.page.drawing.paths import Path
+from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
 from tests.page.robots import COUPLER, CRANK, four_bar, four_bar_angles, octahedron, turned
 
-pytestmark = needs_chromium
+pytestmark = [needs_chromium, pytest.mark.long]
 TIMES = np.linspace(0, 6, 121)
 
 
@@ -105,12 +109,12 @@ def test_the_picture_moves(browser, tmp_path):
 
 
 def still(*parts, name="b", **given):
-    return Body(name, "parts", parts=parts, path=Path(np.zeros((3, 1)), [[0], [0], [0], [1]]), **given)
+    return Body(name, "solids", solids=parts, path=Path(np.zeros((3, 1)), [[0], [0], [0], [1]]), **given)
 
 
 def test_a_mesh_is_the_mesh_and_two_bodies_share_it(browser, tmp_path):
     vertices, faces = octahedron(0.2)
-    bodies = [still(Part("mesh", vertices=vertices, faces=faces), name=name) for name in "ab"]
+    bodies = [still(Solid("mesh", vertices=vertices, faces=faces), name=name) for name in "ab"]
     opened(browser, tmp_path, Animation(Drawing(bodies), (), [0.0], np.zeros((0, 1))))
     found = browser.evaluate("""(() => {
         const meshes = [];
@@ -134,7 +138,7 @@ def test_shallow_edges_are_smooth(browser, tmp_path):
     opened(
         browser,
         tmp_path,
-        Animation(Drawing([still(Part("mesh", vertices=vertices, faces=faces))]), (), [0.0], np.zeros((0, 1))),
+        Animation(Drawing([still(Solid("mesh", vertices=vertices, faces=faces))]), (), [0.0], np.zeros((0, 1))),
     )
     places, normals = browser.evaluate("""(() => {
         let mesh;
@@ -149,9 +153,9 @@ def test_shallow_edges_are_smooth(browser, tmp_path):
     "parts, times",
     [
         ((), [0.5]),
-        ((Part("mesh"),), [0.0, 2.0]),
-        ((Part("box", (0, 0, 0)),), [0.5]),
-        ((Part("cylinder", (0, 1)), Part("sphere", 0), Part("box", (1, 1, 0))), [0.0, 2.0]),
+        ((Solid("mesh"),), [0.0, 2.0]),
+        ((Solid("box", (0, 0, 0)),), [0.5]),
+        ((Solid("cylinder", (0, 1)), Solid("sphere", (0,)), Solid("box", (1, 1, 0))), [0.0, 2.0]),
     ],
     ids=["no parts", "a mesh without faces", "a box of no size", "solids without volume"],
 )
@@ -164,7 +168,7 @@ def test_robots_with_little_to_show(browser, tmp_path, parts, times):
 
 
 def test_links_between_coinciding_points_are_drawn(browser, tmp_path):
-    bodies = [still(Part("box", (1, 1, 1)), name="a"), still(name="b")]
+    bodies = [still(Solid("box", (1, 1, 1)), name="a"), still(name="b")]
     kinds = ("spring", "damper", "strut", "rod", "bushing", "loop")
     links = [Link(kind, kind, "a", "b", start_point=(0, 0, 0.5), end_point=(0, 0, 0.5)) for kind in kinds]
     opened(browser, tmp_path, Animation(Drawing(bodies, links), (), [0, 1], np.zeros((0, 2))), "#t=1").wait(0.1)
@@ -172,9 +176,9 @@ def test_links_between_coinciding_points_are_drawn(browser, tmp_path):
 
 
 def test_an_open_loop_shows_a_bar_across_its_gap(browser, tmp_path):
-    other = Body("b", "parts", path=Path([[0, 3], [0, 0], [0, 4]], [[0, 0], [0, 0], [0, 0], [1, 1]]))
+    other = Body("b", "solids", path=Path([[0, 3], [0, 0], [0, 4]], [[0, 0], [0, 0], [0, 0], [1, 1]]))
     link = Link("l", "loop", "a", "b", start_point=(0, 0, 0), end_point=(0, 0, 0))
-    animation = Animation(Drawing([still(Part("box", (1, 1, 1)), name="a"), other], (link,)), (), [0, 1], np.zeros((0, 2)))
+    animation = Animation(Drawing([still(Solid("box", (1, 1, 1)), name="a"), other], (link,)), (), [0, 1], np.zeros((0, 2)))
     opened(browser, tmp_path, animation)
     gaps = [
         browser.evaluate(f"""(() => {{
@@ -189,14 +193,14 @@ def test_an_open_loop_shows_a_bar_across_its_gap(browser, tmp_path):
 
 
 def test_a_body_of_parts_can_be_moved_by_coordinates_too(browser, tmp_path):
-    body = Body("b", "parts", rest=(1, 0, 0), moves={"x": (0, 0, 1)}, parts=(Part("box", (0.1, 0.1, 0.1)),), label="</script>")
+    body = Body("b", "solids", rest=(1, 0, 0), moves={"x": (0, 0, 1)}, solids=(Solid("box", (0.1, 0.1, 0.1)),), label="</script>")
     opened(browser, tmp_path, Animation(Drawing((body,)), ("x",), [0, 1], [[0, 0.5]]), "#t=1")
     assert browser.state()["nodes"]["b"]["position"] == [1, 0, 0.5]
     assert browser.evaluate("document.querySelector('.label').textContent") == "</script>"
 
 
 def placed(name, place, size, **given):
-    return Body(name, "parts", parts=(Part("box", size, **given),), path=Path(np.array(place)[:, None], [[0], [0], [0], [1]]))
+    return Body(name, "solids", solids=(Solid("box", size, **given),), path=Path(np.array(place)[:, None], [[0], [0], [0], [1]]))
 
 
 def names_shown(browser):

@@ -4,8 +4,11 @@ import os
 
 import pytest
 
-from mbconstrained.errors import InputError
-from mbconstrained.page import Animation, Body, Drawing, PageContent, page_html, write_page
+from mbconstrained.ground.errors import InputError
+from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.content import PageContent
+from mbconstrained.page.drawing.bodies import Body, Drawing
+from mbconstrained.page.html import page_html, write_page
 
 
 def test_the_file_is_the_page(tmp_path):
@@ -18,8 +21,8 @@ def test_the_file_is_the_page(tmp_path):
 def test_a_failure_leaves_the_earlier_file(tmp_path):
     path = tmp_path / "page.html"
     path.write_text("earlier")
-    wrong = Animation(Drawing((Body("b", moves={"y": (1, 0, 0)}),)), ("x",), [0, 1], [[0, 1]])
-    with pytest.raises(InputError, match='"y" moves a body but is no coordinate'):
+    wrong = Animation(Drawing((Body("b", moves={"x": (1, 0, 0)}),)), ("x",), [0, 1], [[0, 1e200]])
+    with pytest.raises(InputError, match='body "b" is drawn up to 1e'):
         write_page(path, PageContent("t", animation=wrong))
     assert path.read_text() == "earlier"
     assert os.listdir(tmp_path) == ["page.html"]
@@ -33,7 +36,7 @@ def test_a_failure_while_writing_leaves_the_earlier_file(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("os.replace", full)
-    with pytest.raises(InputError, match="cannot be written: No space left on device; give another place"):
+    with pytest.raises(InputError, match="cannot be written: No space left on device; give another path"):
         write_page(path, PageContent("t"))
     assert path.read_text() == "earlier"
     assert os.listdir(tmp_path) == ["page.html"]
@@ -41,7 +44,7 @@ def test_a_failure_while_writing_leaves_the_earlier_file(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("place", ["missing/page.html", "."])
 def test_a_place_that_cannot_be_written_is_named(tmp_path, place):
-    with pytest.raises(InputError, match=r'the page ".*" cannot be written: .*; give another place'):
+    with pytest.raises(InputError, match=r'the page ".*" cannot be written: .*; give another path'):
         write_page(tmp_path / place, PageContent("t"))
     assert os.listdir(tmp_path) == []
 

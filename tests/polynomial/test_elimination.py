@@ -7,8 +7,8 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from mbconstrained.polynomial import elimination
-from mbconstrained.polynomial.elimination import FEW_ROWS, matching_rows
+from mbconstrained.polynomial import direct_reduction as elimination
+from mbconstrained.polynomial.direct_reduction import FEW_ROWS, matching_rows
 
 
 def unlike(seed: int, size: int, part: float = 0.6) -> np.ndarray:

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 import mbconstrained.linalg.eigen
-import mbconstrained.polynomial.reduction
+import mbconstrained.polynomial.reduced_equations
+from mbconstrained.linalg.arrays import full
 from mbconstrained.linalg.blocks import block_matrix
-from mbconstrained.linalg.kinds import full
-from mbconstrained.polynomial.factors import Factors
-from mbconstrained.polynomial.matrix import PolynomialMatrix
-from mbconstrained.polynomial.plain import reduction_of
-from mbconstrained.polynomial.reduction import Reduction
+from mbconstrained.polynomial.direct_reduction import reduction_of
+from mbconstrained.polynomial.polynomial_matrix import Factors, PolynomialMatrix
+from mbconstrained.polynomial.reduced_equations import NotReducible, Reduction
 
 POINTS = (0.3, 1.7 + 0.4j, -0.2 + 2.5j, 30.0)
 
@@ -39,7 +38,7 @@ def inverse_at(reduction: Reduction, s: complex) -> np.ndarray:
 
 def check(A: PolynomialMatrix, states: int | None = None) -> Reduction:
     reduction = reduction_of(A)
-    assert reduction is not None
+    assert isinstance(reduction, Reduction)
     for s in POINTS:
         value, found = A(s), inverse_at(reduction, s)
         size = np.abs(value).max() * np.abs(found).max() * A.size
@@ -78,7 +77,7 @@ def test_joints_without_mass(static, damped, states, seed):
     if states:
         check(PolynomialMatrix(masses_and(static=static, damped=damped, seed=seed)), states=states)
     else:
-        assert reduction_of(PolynomialMatrix(masses_and(static=static)[:1])) is None
+        assert isinstance(reduction_of(PolynomialMatrix(masses_and(static=static)[:1])), NotReducible)
 
 
 def test_a_mass_whose_equation_is_that_of_another_coordinate():
@@ -147,7 +146,7 @@ def test_random_models_with_ties_to_joints_and_dampers():
         K, C, M = masses_and(static=int(random.integers(0, 3)), damped=int(random.integers(0, 3)), size=8, seed=seed)
         rows = random.integers(-2, 3, (int(random.integers(1, 3)), 8))
         A = tied(K, C, M, rows=rows)
-        if np.linalg.matrix_rank(rows) == len(rows) and reduction_of(A) is not None:
+        if np.linalg.matrix_rank(rows) == len(rows) and isinstance(reduction_of(A), Reduction):
             check(A)
             found += 1
     assert found >= 5
@@ -177,24 +176,24 @@ NOT_PLAIN = {
 
 @pytest.mark.parametrize("name", NOT_PLAIN)
 def test_what_is_not_plain_is_left_to_the_general_way(name):
-    assert reduction_of(PolynomialMatrix(NOT_PLAIN[name])) is None
+    assert isinstance(reduction_of(PolynomialMatrix(NOT_PLAIN[name])), NotReducible)
 
 
 @pytest.mark.parametrize("difference", [0.0, 1e-15, 1e-6])
 def test_ties_that_depend_on_each_other_or_nearly_so(difference):
     rows = np.array([[1.0, -1, 0, 0, 0, 0], [1, -1, 0, 0, difference, 0]])
     coefficients = [np.vstack([matrix[:4], other]) for matrix, other in zip((K, C, M), (rows, 0 * rows, 0 * rows))]
-    assert reduction_of(PolynomialMatrix(coefficients)) is None
+    assert isinstance(reduction_of(PolynomialMatrix(coefficients)), NotReducible)
 
 
 def test_uncertain_entries_and_factors_are_left_to_the_general_way():
     plain = PolynomialMatrix([K, C, M])
-    assert reduction_of(plain) is not None
+    assert isinstance(reduction_of(plain), Reduction)
     uncertainty = np.zeros((3, 6, 6))
     uncertainty[0, 0, 0] = 1e-6
-    assert reduction_of(PolynomialMatrix([K, C, M], uncertainty=list(uncertainty))) is None
+    assert isinstance(reduction_of(PolynomialMatrix([K, C, M], uncertainty=list(uncertainty))), NotReducible)
     factors = Factors(np.eye(6), np.diag(M).copy(), np.eye(6))
-    assert reduction_of(PolynomialMatrix([K, C, factors])) is None
+    assert isinstance(reduction_of(PolynomialMatrix([K, C, factors])), NotReducible)
 
 
 def test_a_damper_that_ties_take_away_but_for_rounding_is_none():
@@ -204,7 +203,7 @@ def test_a_damper_that_ties_take_away_but_for_rounding_is_none():
     rows = np.array([[1.0, 0.0, -0.3], [0.0, 1.0, -3 * 0.1]])
     A = PolynomialMatrix([np.vstack([V @ np.eye(3), rows]), np.vstack([V @ (1e3 * damper), 0 * rows])])
     assert A.coefficients[1][0].any()
-    assert reduction_of(A) is None
+    assert isinstance(reduction_of(A), NotReducible)
 
 
 def test_symmetry_is_told_beside_each_row_not_beside_the_largest_one():
@@ -267,13 +266,22 @@ def test_what_is_conserved_is_apart_from_the_rest_which_is_balanced_with_all_sta
 ):
     """S is decoupled; balanced once, and what is left of it once more only where conserved numbers drive it."""
     balanced = []
-    for module in (mbconstrained.linalg.eigen, mbconstrained.polynomial.reduction):
+    for module in (mbconstrained.linalg.eigen, mbconstrained.polynomial.reduced_equations):
         found = module.balancing_units
         monkeypatch.setattr(module, "balancing_units", lambda S, found=found: balanced.append(len(S)) or found(S))
     reduction = check(conserving(np.random.default_rng(seed), ignorable), states=6)
     parts, S = reduction.decoupled, reduction.generator
-    assert reduction.is_apart and balanced == ([6] if ignorable else [5, 6])
+    assert reduction.is_well_separated and balanced == ([6] if ignorable else [5, 6])
     assert np.allclose(parts.inverse @ S @ parts.basis, block_matrix(parts.blocks), rtol=0, atol=1e-13)
     assert np.allclose(parts.inverse @ parts.basis, np.eye(6), rtol=0, atol=1e-13)
     expected = np.sort_complex(np.round(np.linalg.eigvals(S), 8))
     assert np.allclose(np.sort_complex(np.round(np.linalg.eigvals(block_matrix(parts.blocks)), 8)), expected, atol=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_bound_of_the_spread_is_one(seed):
+    """|s| of every eigenvalue lies between 1/|S^-1| and |S|, in any units of the states."""
+    K, C, M = masses_and(static=1, damped=1, size=30, seed=seed)
+    reduction = reduction_of(PolynomialMatrix([K, C, M]))
+    assert not reduction.is_small
+    assert reduction.spread <= reduction.spread_bound <= 1e6 * reduction.spread

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.linalg.arrays import full
 from mbconstrained.linalg.eigen import decoupled
-from mbconstrained.linalg.kinds import full
-from mbconstrained.polynomial.plain import reduction_of
-from mbconstrained.polynomial.refinement import refined
+from mbconstrained.polynomial.direct_reduction import reduction_of
+from mbconstrained.polynomial.reduced_equations import refined
 
 
 def chain(count: int, joints: int = 0) -> mb.PolynomialMatrix:

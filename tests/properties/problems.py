@@ -86,9 +86,7 @@ def problems(draw, largest_size: int = 3, forced: bool = True, with_impulses: bo
     """Problems of size up to largest_size; the force may hit a zero of A(s), that is, be in resonance."""
     sample = draw(samples(largest_size, over_declared=False))
     vectors = st.tuples(*[st.integers(-3, 3)] * sample.size)
-    terms = st.builds(
-        Term, vectors, st.integers(0, 2), st.integers(-2, 1), st.integers(0, 2), st.sampled_from(["cos", "sin"])
-    )
+    terms = st.builds(Term, vectors, st.integers(0, 2), st.integers(-2, 1), st.integers(0, 2), st.sampled_from(["cos", "sin"]))
     initial = draw(st.lists(vectors, min_size=sample.degree, max_size=sample.degree))
     return Problem(
         sample,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 
 import mbconstrained as mb
 from tests.oracles.exact import ExactResponse
@@ -37,7 +37,6 @@ def conditions(problem: Problem):
     return [(np.array([column[kind] for column in columns]).T, -offsets[kind]) for kind in (0, 1)]
 
 
-@settings(max_examples=40)
 @given(problems(largest_size=3, with_impulses=False))
 def test_nearest_values_are_those_of_least_squares_on_exact_conditions(problem: Problem):
     q, r = problem.sample.degree, problem.sample.size
@@ -58,7 +57,6 @@ def test_nearest_values_are_those_of_least_squares_on_exact_conditions(problem: 
         assert np.abs(matrix @ values.ravel() - right).max() <= BAR * size * scale_of(matrix)
 
 
-@settings(max_examples=40)
 @given(problems(largest_size=3, with_impulses=False))
 def test_dimensions_of_the_sets_are_those_of_the_exact_conditions(problem: Problem):
     q, r = problem.sample.degree, problem.sample.size

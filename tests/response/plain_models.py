@@ -6,7 +6,6 @@ import numpy as np
 
 import mbconstrained as mb
 from mbconstrained.response.response import Response
-from mbconstrained.response.solve import solve_with
 
 
 def edges(kind: str, size: int, random) -> list[tuple[int, int]]:
@@ -75,7 +74,7 @@ def fitting_start(system: mb.MechanicalSystem, seed: int = 0) -> tuple[np.ndarra
 
 def general(x: Response) -> Response:
     """The answer to the same problem through the pencil of A(s)."""
-    return solve_with(x.polynomial_matrix.jordan_pairs(), x.initial, x.force)
+    return Response.by_pairs(x.polynomial_matrix.jordan_pairs(), x.initial, x.force)
 
 
 def difference(found, expected) -> float:

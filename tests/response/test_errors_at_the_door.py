@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.response.apostol_kolodner import apostol_kolodner
+from mbconstrained.papers.apostol_kolodner import apostol_kolodner
 from mbconstrained.response.estimate import error_estimate
 
 A = mb.PolynomialMatrix([np.eye(2), np.zeros((2, 2)), np.eye(2)])
@@ -117,7 +119,7 @@ def test_a_tolerance_is_no_truth_value(value):
 @pytest.mark.parametrize("exponent", [200, 300, 307])
 def test_times_that_float64_cannot_hold_together_are_told(exponent):
     oscillator = mb.PolynomialMatrix([[[1.0]], [[0.5]], [[1.0]]])
-    with pytest.raises(mb.errors.IllConditioned, match="changes within times too short beside the others"):
+    with pytest.raises(mb.IllConditioned, match="changes within times too short relative to the others"):
         mb.solve(oscillator, force=mb.sampled([0.0, 10.0**-exponent, 1.0], [[0.0, 1.0, 0.0]]))
 
 
@@ -126,4 +128,23 @@ def test_a_response_is_shown_in_one_line():
     assert repr(x) == "Response(2 coordinates: x1, x2; 0 jumps and 0 impulses at t = 0; 1 event later)"
     jumping = mb.solve(mb.PolynomialMatrix([np.eye(8), np.eye(8, k=1)]), np.ones((1, 8)))
     assert repr(jumping) == "Response(8 coordinates: x1, x2, x3, x4, x5, x6, ...; 8 jumps and 7 impulses at t = 0; 0 events later)"
-    assert repr(x.function.series).startswith("Series(2 rows, ") and "array" not in repr(x.function)
+    assert repr(x.solution.function.series).startswith("Series(2 rows, ") and "array" not in repr(x.function)
+
+
+@given(st.integers(0, 10**6))
+def test_data_of_any_size_give_an_answer_or_a_reason(seed):
+    """No warning of NumPy, no error of its algorithms, no value that is not finite."""
+    random = np.random.default_rng(seed)
+    n, span = random.integers(1, 4), random.choice([1, 10, 100, 300])
+
+    def data(*shape):
+        return random.normal(size=shape) * 10.0 ** random.uniform(-span, span, shape)
+
+    forces = [mb.zero(n), mb.step(data(n)), mb.pulse(data(n), start=random.uniform(0, 9), duration=0.1), mb.impulse(data(n))]
+    try:
+        A = mb.PolynomialMatrix([data(n, n), data(n, n) * random.integers(0, 2), data(n, n) * (random.random((n, n)) > 0.3)])
+        x = mb.solve(A, data(2, n), forces[random.integers(len(forces))])
+        assert np.isfinite(x([0.1, 1.0])).all() and np.isfinite(x.derivative(1)(0.5)).all()
+        assert isinstance(x.notices, tuple) and isinstance(x.evidence, tuple)
+    except mb.MbconstrainedError as reason:
+        assert str(reason)

@@ -1,4 +1,4 @@
-"""Events: what starts, stops, changes or strikes after t = 0, against restarts, closed forms and other solvers."""
+"""Events: forces that start, stop, change or have an impulse after t = 0, against restarts, closed forms and other solvers."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def test_nothing_happens_where_the_force_only_bends():
     assert x.events == ()
 
 
-def test_a_blow_changes_the_velocity():
+def test_an_impulse_changes_the_velocity():
     x = mb.solve(
         mb.PolynomialMatrix([np.zeros((2, 2)), np.zeros((2, 2)), np.diag([2.0, 4.0])]), force=mb.impulse([6.0, 0.0]).delayed(3.0)
     )
@@ -237,7 +237,10 @@ def test_notices_tell_the_first_events_and_count_the_others():
     "coefficients", [(4.0, 0.1, 1.0), (0.0, 0.0, 1.0), (1e-6, 1e-4, 1.0), (1e8, 1e8, 1.0), (9.0, 0.0, 1.0), (1.0, 2.0, 1.0)]
 )
 def test_a_delayed_force_gives_the_delayed_response(coefficients, delay):
-    """For long times too, near and in resonance, and where the delay is short beside everything else."""
+    """For long times too, near and in resonance, and where the delay is short relative to everything else.
+
+    Half a unit in the last place of t turns the harmonic by 3 t eps / 2: at t = 1e5 s that is 3e-11.
+    """
     A = scalar(*coefficients)
     force = mb.term([1.0], power=1, rate=-0.5, angular_frequency=2.0) + mb.harmonic([2.0], angular_frequency=3.0) + mb.step([1.0])
     x, late = mb.solve(A, force=force), mb.solve(A, force=force.delayed(delay))
@@ -245,5 +248,6 @@ def test_a_delayed_force_gives_the_delayed_response(coefficients, delay):
     times = since + delay
     exact = times - delay  # the times that float64 has since the delay
     known = x(exact)
-    assert np.abs(late(times) - known).max() <= 1e-11 * np.abs(known).max()
+    phase = 3.0 * np.finfo(float).eps * times
+    assert (np.abs(late(times) - known) <= (1e-11 + 2 * phase) * np.abs(known).max()).all()
     assert np.abs(late(times[:3]) - known[:, :3]).max() <= 1e-12 * max(np.abs(known[:, :3]).max(), 1e-3 * np.abs(known).max())

@@ -1,4 +1,4 @@
-"""Forces that start, strike and stop later: jumps, impulses and motion against superposition in rational arithmetic.
+"""Forces that start, stop and have impulses later: jumps, impulses and motion against superposition in rational arithmetic.
 
 By linearity and time invariance the answer is that of what acts from t = 0 on, plus that of each delayed part from
 rest, later: ``tests.oracles.exact`` knows all of them as Laurent and Taylor series.
@@ -11,6 +11,7 @@ from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -84,6 +85,7 @@ def late_problems(draw):
     return Late(problem, tuple(parts))
 
 
+@pytest.mark.long
 @given(late_problems())
 def test_motion_is_the_sum_of_the_delayed_motions(late: Late):
     assert np.abs(late.answer(TIMES) - late.known).max() <= BAR * scale_of(late.known)
@@ -95,6 +97,7 @@ def test_events_are_where_something_happens_and_nowhere_else(late: Late):
     assert [event.time for event in late.answer.events] == happens
 
 
+@pytest.mark.long
 @given(late_problems())
 def test_jumps_and_impulses_of_events(late: Late):
     """A coordinate that goes on without a jump is not said to jump: zeros are exact, and only those."""

@@ -6,14 +6,19 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.models import StateSpace
+from mbconstrained.control.state_space import StateSpace
 
 TIMES = [0.0, 0.5, 2.0]
 # 2 q'' + 8 q = 0: q = 0.1 cos 2 t
 MOTION = mb.MechanicalSystem([[2.0]], stiffness=[[8.0]], names=["cart"], units={"cart": "rad"}).solve([0.1])
 # lambda of a rigid link, 1 m torn apart: -1/2 delta' (by hand)
-LINK = mb.solve(mb.PolynomialMatrix([[[1, 0, -1], [0, 0, 1], [1, -1, 0]], np.zeros((3, 3)), np.diag([1.0, 1, 0])], ["q1", "q2", "force"]), [[1, 0, 0], [0, 0, 0]])
-LAG = StateSpace([[-2.0]], [[2.0]], [[3.0]], [[1.0]], units={"y1": "V"}).solve(input=mb.step([1.0]) + mb.pulse([1.0], start=1.0, duration=1.0))
+LINK = mb.solve(
+    mb.PolynomialMatrix([[[1, 0, -1], [0, 0, 1], [1, -1, 0]], np.zeros((3, 3)), np.diag([1.0, 1, 0])], ["q1", "q2", "force"]),
+    [[1, 0, 0], [0, 0, 0]],
+)
+LAG = StateSpace([[-2.0]], [[2.0]], [[3.0]], [[1.0]], units={"y1": "V"}).solve(
+    input=mb.step([1.0]) + mb.pulse([1.0], start=1.0, duration=1.0)
+)
 
 
 def test_an_array_with_names_units_and_times():
@@ -56,7 +61,9 @@ def test_a_frame_with_names_and_attributes():
 
 
 @pytest.mark.parametrize("method", ["to_xarray", "to_pandas"])
-@pytest.mark.parametrize(("times", "message"), [(1.0, "times: found one number"), ([[1.0]], "times: found a table"), ([-1.0], "found -1 s")])
+@pytest.mark.parametrize(
+    ("times", "message"), [(1.0, "times: found one number"), ([[1.0]], "times: found a table"), ([-1.0], "found -1 s")]
+)
 def test_times_are_checked(method, times, message):
     pytest.importorskip(method[3:])
     with pytest.raises(mb.InputError, match=message):

@@ -7,7 +7,7 @@ import pytest
 import scipy.linalg
 
 import mbconstrained as mb
-from mbconstrained.response.solve import solve_with
+from mbconstrained.response.response import Response
 from mbconstrained.signals.restarts import FreeRestarts
 from tests.response.chains import COUNT, chain, first_order, masses
 
@@ -36,7 +36,9 @@ def by_steps(A, times, samples) -> np.ndarray:
     return np.array(found).T
 
 
-@pytest.mark.parametrize("gaps", [np.full(700, 0.5), np.tile([0.25, 0.5, 1.0], 200), np.full(900, 2.0**-7)], ids=["even", "three", "short"])
+@pytest.mark.parametrize(
+    "gaps", [np.full(700, 0.5), np.tile([0.25, 0.5, 1.0], 200), np.full(900, 2.0**-7)], ids=["even", "three", "short"]
+)
 def test_a_record_is_followed_as_steps_follow_it(gaps):
     A, times = chain(), np.append(0.0, np.cumsum(gaps))
     samples, force = record(times)
@@ -53,7 +55,7 @@ def test_the_two_ways_to_solve_agree_between_the_samples_too(count):
     start = np.zeros((2, COUNT))
     start[0] = np.sin(np.arange(COUNT))
     asked = np.union1d(np.append(times, times[:-1] + 0.4 * np.diff(times)), [1e-5, times[-1] + 3.0])
-    reduced, general = mb.solve(A, start, force), solve_with(A.jordan_pairs(), start, force)
+    reduced, general = mb.solve(A, start, force), Response.by_pairs(A.jordan_pairs(), start, force)
     for one, other in ((reduced, general), (reduced.derivative(1), general.derivative(1))):
         assert np.abs(one(asked) - other(asked)).max() <= 1e-12 * np.abs(other(asked)).max()
 

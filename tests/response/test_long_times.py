@@ -140,7 +140,9 @@ def test_growth_is_followed_to_the_end_of_float64_and_then_told():
         x([1.0, 710.0, 800.0])
 
 
-@pytest.mark.parametrize("ask", [lambda x: x, lambda x: x.derivative(), lambda x: x.function, lambda x: x.function.mapped([[0.0, 1.0]])])
+@pytest.mark.parametrize(
+    "ask", [lambda x: x, lambda x: x.derivative(), lambda x: x.function, lambda x: x.function.mapped([[0.0, 1.0]])]
+)
 def test_growth_in_one_coordinate_is_told_by_every_function_that_has_it(ask):
     x = mb.solve(mb.PolynomialMatrix([np.diag([1.0, -1.0]), np.eye(2)]), [[1.0, 1.0]])
     with pytest.raises(mb.Overflow, match="beyond the range of float64"):

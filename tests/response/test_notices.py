@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -82,3 +84,19 @@ def test_a_very_light_mass_is_a_mass():
     assert not [notice for notice in (*light.notices, *none.notices) if notice.doubtful]
     times = np.linspace(0.5, 10, 20)
     assert np.abs(light(times) - none(times)).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("problem", "text"),
+    [
+        (lambda x: replace(x.problem, force=x.force + 1e-15 * mb.step([0.0, 1.0])), 'equation "equation 2" is not satisfied'),
+        (lambda x: replace(x.problem, initial=x.initial + [[0.0, 1e-20], [0.0, 0.0]]), "x2: derivative 0 is off by"),
+    ],
+)
+@pytest.mark.parametrize("slow", [-1.0, 9.0])
+def test_a_solution_that_lost_something_small_is_reported(problem, text, slow):
+    """The solution of another problem, whose force or start differs by far less than rounding errors of the largest."""
+    x = mb.solve(mb.PolynomialMatrix([np.diag([4.0, slow]), np.diag([0.1, 0.2]), np.eye(2)]), [[1.0, 0], [0, 0]], mb.step([1.0, 0]))
+    assert not any(notice.doubtful for notice in x.notices)
+    wrong = [notice.text for notice in mb.Response(problem(x), x.solution).notices if notice.doubtful]
+    assert any(text in sentence for sentence in wrong)

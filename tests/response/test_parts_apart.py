@@ -7,8 +7,8 @@ import pytest
 from scipy.linalg import block_diag
 
 import mbconstrained as mb
-from mbconstrained.linalg.kinds import full
-from mbconstrained.response.reduced import ReducedSolution
+from mbconstrained.linalg.arrays import full
+from mbconstrained.response.methods.reduced_solution import ReducedSolution
 
 from .plain_models import difference, fitting_start, general, plain_system
 

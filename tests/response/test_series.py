@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 
 import mbconstrained as mb
-from mbconstrained.response.series import Series, series_of, with_series
-from mbconstrained.response.taylor import taylor_series
+from mbconstrained.response.methods.series import Series, series_of, with_series
+from mbconstrained.response.methods.taylor import taylor_series
 from mbconstrained.signals.bohl import BohlFunction
 from tests.properties.problems import Problem, problems
 
@@ -107,6 +107,7 @@ def test_a_far_body_begins_with_its_own_power_of_time(body):
 # the sum
 
 
+@pytest.mark.long
 def test_far_bodies_are_accurate_from_the_first_moment_on():
     """The last body at t = 1e-4 has moved by 1e-64; its modes sum up to 1e-17 there."""
     times = np.array([1e-4, 1e-2, 0.3, 1.0])

@@ -8,7 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.response.reduced import ReducedSolution
+from mbconstrained.ground.tolerances import DIVISOR_CONDITION
+from mbconstrained.polynomial.reduced_equations import NotReducible, Reduction
+from mbconstrained.response.methods.reduced_solution import ReducedSolution
 
 from .plain_models import assembled, fitting_start, general, plain_system
 
@@ -34,7 +36,10 @@ def agree(x, tolerance: float = 3e-12) -> None:
     for one, two in zip(x.events, expected.events):
         assert np.array_equal(one.jump != 0, two.jump != 0)
     assert [notice.text for notice in x.notices] == [notice.text for notice in expected.notices]
-    assert [item.name for item in x.evidence] == [item.name for item in expected.evidence]
+    if is_reduced(x):  # the evidence is that of the method
+        residual, decoupling, condition = x.evidence
+        assert (residual.name, decoupling.name, condition.name) == ("residual", "decoupling", "condition")
+        assert residual.value <= 1e-10 and condition.value <= DIVISOR_CONDITION
 
 
 @given(
@@ -56,7 +61,7 @@ def test_chains_and_trees_with_joints_and_ties(seed, size, parts, damping, force
         "late": mb.step(F).delayed(3.0),
     }[force]
     x = system.solve(*fitting_start(system), applied)
-    if force != "late" and x.polynomial_matrix.reduction is not None and x.polynomial_matrix.reduction.spread <= 100:
+    if force != "late" and isinstance(x.polynomial_matrix.reduction, Reduction) and x.polynomial_matrix.reduction.spread <= 100:
         assert is_reduced(x)
     agree(mb.solve(x.polynomial_matrix, x.initial, x.force))
 
@@ -116,9 +121,8 @@ def test_repeated_and_nearly_repeated_zeros(what, ratio):
         K, C = K + [[0.0, 0.5], [0.0, 0.0]], 0 * C
     x = mb.solve(mb.PolynomialMatrix([K, C, M]), [[1.0, -2.0], [0.5, 3.0]])
     box = x.enclose(TIMES[3:], 20)
-    own, other = (np.array(box.error_bounds(y(TIMES[3:])), dtype=float).max() for y in (x, general(x)))
-    assert own <= max(3 * other, 1e-14)
-    assert own <= x.error_estimate(TIMES[3:]) * np.abs(x(TIMES)).max()
+    proved = np.array(box.error_bounds(x(TIMES[3:])), dtype=float).max()
+    assert proved <= x.error_estimate(TIMES[3:]) * np.abs(x(TIMES)).max() <= 1e-12 * np.abs(x(TIMES)).max()
 
 
 @pytest.mark.parametrize("mass", [1e-14, 1e-6, 1e14])
@@ -132,7 +136,7 @@ def test_what_is_stiff_goes_to_precise_arithmetic(mass):
 def test_stiffness_that_rounding_took_away_is_not_taken_for_none():
     """Tied, 1e15 - 1e15 + 3: whether a body is free the rank decisions have to say."""
     K = 1e15 * np.array([[1.0, -1.0], [-1.0, 1.0]]) + np.diag([3.0, 2.0])
-    assert mb.PolynomialMatrix([K, 0 * K, np.diag([1.0, 0.0])]).reduction is None
+    assert isinstance(mb.PolynomialMatrix([K, 0 * K, np.diag([1.0, 0.0])]).reduction, NotReducible)
 
 
 def test_units_that_lie_far_apart():
@@ -186,7 +190,9 @@ def test_a_record_with_steep_slopes():
 def test_many_samples_that_do_nothing_or_move_nothing(mass, value):
     """A record of zeros, and one of a spring without mass, however many samples they have."""
     values = value * np.sin(np.arange(100.0))[None]
-    x = mb.solve(mb.PolynomialMatrix([[[2.0]], [[0.0]], [[mass]]]), [[values[0, 0] / 2], [0.0]], mb.sampled(np.linspace(0, 3, 100), values))
+    x = mb.solve(
+        mb.PolynomialMatrix([[[2.0]], [[0.0]], [[mass]]]), [[values[0, 0] / 2], [0.0]], mb.sampled(np.linspace(0, 3, 100), values)
+    )
     assert np.abs(x(TIMES) - general(x)(TIMES)).max() <= 1e-13
 
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.response.series import with_series
-from mbconstrained.response.taylor import taylor_series
+from mbconstrained.response.methods.series import with_series
+from mbconstrained.response.methods.taylor import taylor_series
 
 DENOMINATOR = (
     "9009004301/31250000000000 11673172709/1562500000000 18352013733/250000000000 185730207/500000000 "

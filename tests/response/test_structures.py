@@ -86,7 +86,7 @@ def test_hammers_of_any_order(order):
     assert np.allclose(x(1.0), after[0] * (2 * np.exp(-1) - np.exp(-2)) + after[1] * (np.exp(-1) - np.exp(-2)), rtol=1e-9)
 
 
-def test_a_blow_on_an_algebraic_row_moves_nothing_else():
+def test_an_impulse_on_an_algebraic_row_moves_nothing_else():
     """x1 = delta and (s^3 + 2 s^2 + 2 s)(x1 + x2) = 0: x2 = -x1 and no jump is left behind."""
     A = mb.PolynomialMatrix([[[1, 0], [0, 0]], [[0, 0], [2, 2]], [[0, 0], [2, 2]], [[0, 0], [1, 1]]])
     x = mb.solve(A, force=mb.impulse([1.0, 0.0]))

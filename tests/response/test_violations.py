@@ -61,7 +61,7 @@ def test_a_sentence_says_what_a_mechanical_engineer_asks():
     (violation,) = mb.admissible(LINK, [[0, 0, 0], [1, 0, 0.5]]).violations
     assert violation.text == (
         'condition 2: "tie" differentiated once, on the velocity of "q1" and the velocity of "q2", does not hold at 0-: '
-        "the left side less the right is 1; this makes a Dirac impulse"
+        "the left side less the right is 1; this causes a Dirac impulse"
     )
 
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from mbconstrained.scene import Scene, read_scene
+from mbconstrained.scene.run.scene import Scene, read_scene
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

@@ -18,7 +18,7 @@ class Watched:
 
     Attributes:
         taken: names of the stages that the plan lists as taken.
-        called: functions of the package as "scene/result.py:Result.curves"; where one has an argument ``kind``, also with its
+        called: functions of the package as "scene/run/result.py:Result.curves"; where one has an argument ``kind``, also with its
             value in brackets.
         loaded: all modules in memory at the end.
     """
@@ -41,13 +41,13 @@ def main() -> None:
     """In the other process."""
     called: set[str] = set()
     sys.setprofile(lambda frame, event, _: event == "call" and called.update(_names(frame)))
-    from mbconstrained.scene import read_scene
+    from mbconstrained.scene.run.scene import read_scene
 
     scene = read_scene(sys.argv[1])
     result = scene.run(sys.argv[2])
     result.summary(), result.as_json()
     sys.setprofile(None)
-    taken = [stage.name for stage in result.plan.taken]
+    taken = [stage.name for stage in result.plan.needed]
     print(json.dumps({"taken": taken, "called": sorted(called), "loaded": sorted(sys.modules)}))
 
 

@@ -42,7 +42,7 @@ def test_the_function_is_reached_to_the_tolerance(name):
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
-def test_less_is_asked_for_less(tolerance):
+def test_a_larger_tolerance_takes_fewer_pieces(tolerance):
     f, full = (mb.approximated(lambda t: np.sin(40 * t), 10.0, tolerance=wanted) for wanted in (tolerance, 1e-12))
     assert np.abs(f(TIMES)[0] - np.sin(40 * TIMES)).max() <= 2 * tolerance
     assert f.points < full.points and f.pieces < full.pieces
@@ -65,7 +65,7 @@ def test_a_function_of_one_time_will_do():
         ("harmonic", (0, 1, 2), []),
     ],
 )
-def test_kinks_and_jumps_are_found_and_only_those(name, orders, places):
+def test_kinks_and_jumps_are_located_and_nothing_else(name, orders, places):
     """Within the interval; at its ends the input itself begins and stops."""
     restarts = mb.approximated(FUNCTIONS[name], 10.0).smooth.restarts
     at = restarts.knots[restarts.jumps[list(orders)].any(axis=0)]
@@ -88,11 +88,12 @@ def test_the_response_is_that_to_the_closed_form():
         assert np.abs(mb.solve(A, force=f)(t) - known).max() <= 1e-11 * np.abs(known).max()
 
 
-def test_what_it_cost_is_told():
+def test_the_notice_reports_values_and_pieces():
     f = mb.approximated(lambda t: np.array([np.sin(t)]), 3.0)
     x = mb.solve(mb.PolynomialMatrix([[[1.0]], [[1.0]]]), force=2 * f.delayed(1.0) + mb.step([1.0]))
     (notice,) = [notice for notice in x.notices if notice.kind == "accuracy"]
-    assert f"{f.pieces} polynomials from {f.points} values" in notice.text and not notice.doubtful
+    assert f"{f.pieces} polynomials from {f.points} values" in notice.text and "may lie between them" in notice.text
+    assert not notice.doubtful
 
 
 @pytest.mark.parametrize(
@@ -111,14 +112,15 @@ def test_what_cannot_be_followed_is_said_with_its_place(function, keys, text):
 
 
 def test_the_maps_between_values_and_coefficients():
-    """Of a polynomial with known coefficients c_j of T_j(2 t - 1)."""
+    """Of a polynomial with known coefficients c_j of T_j(2 t - 1); the powers of t cancel digits, at most |maps| |c| in units of eps."""
     c = np.random.default_rng(2).normal(size=DEGREE + 1)
     values = chebyshev.chebval(2 * NODES - 1, c)
     assert TO_CHEBYSHEV @ values == pytest.approx(c, abs=1e-14)
+    rounding = (DEGREE + 1) * np.finfo(float).eps * (np.abs(TO_POWERS) @ np.abs(c)).sum()
     for t in (0.0, 0.3, 1.0):
         known = chebyshev.chebval(2 * t - 1, c)
-        assert (TO_POWERS @ c) @ t ** np.arange(DEGREE + 1) == pytest.approx(known, abs=1e-9)
-        assert (TO_POWERS_AT_END @ c) @ (t - 1) ** np.arange(DEGREE + 1) == pytest.approx(known, abs=1e-9)
+        assert (TO_POWERS @ c) @ t ** np.arange(DEGREE + 1) == pytest.approx(known, abs=rounding)
+        assert (TO_POWERS_AT_END @ c) @ (t - 1) ** np.arange(DEGREE + 1) == pytest.approx(known, abs=rounding)
 
 
 @pytest.mark.parametrize(
@@ -138,8 +140,8 @@ def test_the_maps_between_values_and_coefficients():
         (lambda t: np.exp(1j * t), r"found the complex \S+ at t = \S+ s; expected real numbers"),
         (lambda t: 1j * float(t), r"found the complex \S+ at t = \S+ s; expected real numbers"),
         (lambda t: math.exp(1000 * t), r"it is not finite at t = 0\.70\d+ s \(math range error\)"),
-        (lambda t: np.exp(2000 * t), r"it is (not finite|larger than can be used) at t = 0\.3\d+ s"),
-        (lambda t: 1e300 + 0 * t, r"it is larger than can be used at t = \S+ s; expected values of a size up to"),
+        (lambda t: np.exp(2000 * t), r"it is (not finite|too large) at t = 0\.3\d+ s"),
+        (lambda t: 1e300 + 0 * t, r"it is too large at t = \S+ s; expected values of a size up to"),
         (lambda t: 1 / 0, r"it is not finite at t = \S+ s \(division by zero\)"),
     ],
 )
@@ -153,6 +155,6 @@ def test_a_shortest_end():
         mb.approximated(np.sin, 1e-307)
 
 
-def test_numbers_of_other_kinds_are_taken():
+def test_numbers_of_other_types_are_accepted():
     f = mb.approximated(lambda t: [Fraction(3, 2), Fraction(float(t))], 1.0)
     assert np.allclose(f(0.25), [1.5, 0.25], rtol=0, atol=1e-14)

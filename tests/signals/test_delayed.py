@@ -1,6 +1,8 @@
-"""Inputs that begin later: values, derivatives, algebra, and how few states they need."""
+"""Delayed inputs: values, derivatives, algebra, and how few states they need."""
 
 from __future__ import annotations
+
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -41,9 +43,9 @@ def test_sums_are_delayed_together(one, first, two, second, both):
 def test_derivatives_are_delayed(name, delay, order):
     signal = SIGNALS[name][0]
     late, early = TIMES[TIMES >= delay], TIMES[TIMES < delay]
-    found = signal.delayed(delay).derivative(order)
-    assert np.allclose(found(late), signal.derivative(order)(late - delay), rtol=1e-13, atol=1e-13)
-    assert not found(early).any()
+    derivative = signal.delayed(delay).derivative(order)
+    assert np.allclose(derivative(late), signal.derivative(order)(late - delay), rtol=1e-13, atol=1e-13)
+    assert not derivative(early).any()
 
 
 @given(names, delays)
@@ -53,8 +55,8 @@ def test_a_matrix_maps_it(name, delay):
 
 
 def test_impulses_are_delayed_and_added_at_equal_times():
-    blow = mb.impulse([1.0, 0.0]) + mb.impulse([0.0, 2.0], order=1)
-    total = blow.delayed(1.0) + mb.impulse([3.0, 0.0]).delayed(1.0) + mb.impulse([5.0, 5.0]) - blow.delayed(0.5)
+    load = mb.impulse([1.0, 0.0]) + mb.impulse([0.0, 2.0], order=1)
+    total = load.delayed(1.0) + mb.impulse([3.0, 0.0]).delayed(1.0) + mb.impulse([5.0, 5.0]) - load.delayed(0.5)
     assert [g.tolist() for g in total.impulses] == [[5.0, 5.0]]
     assert [(b.time, [g.tolist() for g in b.impulses]) for b in total.later] == [
         (0.5, [[-1.0, 0.0], [0.0, -2.0]]),
@@ -89,7 +91,7 @@ def test_a_pulse_is_a_step_and_a_step_back():
     [
         ({"start": -1.0, "duration": 1.0}, "start: found -1"),
         ({"duration": 0.0}, "duration: found 0"),
-        ({"start": 1e20, "duration": 1.0}, "vanishes beside the start"),
+        ({"start": 1e20, "duration": 1.0}, "vanishes next to the start"),
         ({"start": 1e308, "duration": 1e308}, "^duration: 1e\\+308 s after the start at 1e\\+308 s is beyond the range"),
     ],
 )
@@ -117,8 +119,8 @@ def test_what_cancels_leaves_exactly_nothing():
     ("signal", "delay"),
     [
         (mb.pulse([1e20], duration=1e-20), 5.0),
-        (mb.pulse([1.0], start=1.0, duration=1e-9), 1e9),
-        (mb.sampled([0.0, 1e-12, 2e-12], [[0.0, 2e12, 0.0]]), 1e5),
+        (mb.pulse([1.0], start=1.0, duration=1e-9), 1e13),
+        (mb.sampled([0.0, 1e-12, 2e-12], [[0.0, 2e12, 0.0]]), 1e9),
         (mb.impulse([1.0]) - mb.impulse([1.0]).delayed(1e-20), 1.0),
     ],
 )
@@ -155,3 +157,39 @@ def test_a_sine_written_as_a_cosine_begins_at_zero():
     assert mb.harmonic([1.0], angular_frequency=2.0, phase=-np.pi / 2)(0.0)[0] == 0.0
     assert mb.harmonic([1.0], angular_frequency=2.0, phase=1e-20)(0.0)[0] == 1.0
     assert mb.harmonic([1.0], angular_frequency=2.0, phase=np.pi / 2 + 1e-12)(0.0)[0] == pytest.approx(-1e-12, rel=1e-3)
+
+
+@given(st.floats(0.0, 1e6), st.floats(1e-9, 1.0))
+def test_a_pulse_keeps_its_duration_at_late_times(start, duration):
+    """The velocity of a free mass after it is the impulse: force times duration."""
+    free = mb.PolynomialMatrix([[[0.0]], [[0.0]], [[2.0]]])
+    velocity = mb.solve(free, force=mb.pulse([4.0], start=start, duration=duration)).derivative()
+    assert np.allclose(velocity(start + duration + 1.0), 2.0 * duration, rtol=1e-14, atol=0.0)
+    again = mb.solve(free, force=mb.pulse([4.0], duration=duration).delayed(start / 2).delayed(start / 2)).derivative()
+    assert np.allclose(again(start + duration + 1.0), 2.0 * duration, rtol=1e-14, atol=0.0)
+
+
+@given(
+    st.lists(
+        st.tuples(st.sampled_from(sorted(SIGNALS)), st.integers(0, 12), st.floats(-9, 9), st.floats(-9, 9)), min_size=3, max_size=40
+    )
+)
+def test_many_delayed_inputs_need_few_states(terms):
+    """With as many vectors as terms: no more chains of states for each function of time than there are rows."""
+    matrices = [np.diag([a, b]) for _, _, a, b in terms]
+    inputs = [SIGNALS[name][0].mapped(A).delayed(delay / 4) for (name, delay, *_), A in zip(terms, matrices)]
+    total = sum(inputs)
+    expected = sum(one(TIMES) for one in inputs)
+    assert np.allclose(total(TIMES), expected, rtol=1e-12, atol=1e-12 * (1 + np.abs([one(TIMES) for one in inputs]).max()))
+    largest = max(len(one.smooth.blocks[0]) for one in inputs)
+    assert total.smooth.state_count <= 2 * len({name for name, *_ in terms}) * largest
+
+
+def test_times_that_rounding_brings_together_stay_apart():
+    """0.1 + 0.2 and 0.3 are neighbours of which a delay makes one number."""
+    pulse = mb.step([1.0]).delayed(0.1).delayed(0.2) - mb.step([1.0]).delayed(0.3)
+    free = mb.PolynomialMatrix([[[0.0]], [[0.0]], [[1.0]]])
+    velocity = mb.solve(free, force=1e20 * pulse.delayed(0.7)).derivative()(2.0)
+    assert np.isclose(velocity[0], 1e20 * float(Fraction(0.3) - Fraction(0.1) - Fraction(0.2)), rtol=1e-13, atol=0.0)
+    later = mb.sampled([0.0, 1e-12, 2e-12], [[0.0, 2e12, 0.0]]).delayed(1e3)
+    assert np.isclose(mb.solve(free, force=later).derivative()(1e3 + 1.0)[0], 2.0, rtol=1e-13, atol=0.0)

@@ -1,4 +1,4 @@
-"""Inputs: what the constructors mean, and that Dirac impulses are kept apart from the regular part."""
+"""Inputs: what the constructors mean, and that Dirac impulses are separate from the regular part."""
 
 from __future__ import annotations
 

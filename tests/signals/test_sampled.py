@@ -88,7 +88,7 @@ def test_ten_thousand_samples_need_two_states_a_row():
         ([1.0, 1.0], [[1.0, 2.0]], "times: all are 1 s"),
         ([-1.0, 1.0], [[1.0, 2.0]], "times: the first is -1 s"),
         ([0.0, 2.0, 1.0], [[1.0, 2.0, 3.0]], "times: 2 s is followed by 1 s"),
-        ([0.0, 1.0, 1.0, 1.0], [[1.0] * 4], "times: 1 s stands there three times"),
+        ([0.0, 1.0, 1.0, 1.0], [[1.0] * 4], "times: 1 s appears three times"),
         ([0.0, 1.0], [[1.0, 2.0, 3.0]], "values: found shape 1 x 3; expected one row per coordinate, each of 2 values"),
         ([0.0, 1.0], [1.0, 2.0], r"values: found shape 2; expected one row per coordinate, .* e.g. \[\[1, 2\]\]"),
         ([0.0, np.nan], [[1.0, 2.0]], "times: the entry"),

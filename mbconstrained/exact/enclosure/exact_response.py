@@ -1,32 +1,34 @@
 """The exact answer to A(d/dt) x = f: impulses, values at 0+, and intervals of any width that contain x(t).
 
-Not the way of the numeric engine: no pencil, no eigenvalue, no rank decision. The transform X(s) is found as a vector of
+Independent of the numeric engine: no pencil, no eigenvalue, no rank decision. The transform X(s) is computed as a vector of
 rational functions over the rationals, and summed over its certified poles in ball arithmetic (FLINT's Arb), with more bits
-until the digits asked for are there.
+until the requested digits are there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 
 import flint
 import numpy as np
 
-from ...checks import real_array, whole_number
-from ...errors import InputError, SingularPolynomialMatrix
-from ..rational.arithmetic import fraction, rational, working_precision
-from ..rational.matrix import RationalMatrix
-from .balls import bits_of, is_told
-from .enclosure import Enclosure
-from .factors import Factor, added, ball
-from .partial_fractions import Exponentials, PartialFractions
-from .rational_response import ZERO, RationalResponse
-from .shapes import ONE, S
-from .sources import Source, vector_of
+from ...ground.checks import counted, real_array, whole_number
+from ...ground.display import Displayed
+from ...ground.errors import InputError, SingularPolynomialMatrix
+from ...ground.notices import Notice, NoticeKind
+from ...polynomial.polynomial_matrix import PolynomialMatrix
+from ...response.response import Response
+from ...signals.impulsive import ImpulsiveSmooth
+from ..rational.flint_numbers import fraction, polynomial, rational, working_precision
+from ..rational.rational_matrix import RationalMatrix, regular_matrix
+from .exact_sources import ONE, Factor, S, Shape, Source, added, ball, sources_of, vector_of
+from .fractions import ZERO, RationalResponse
+from .intervals import Enclosure, bits_of, has_digits
 
-#: Bits to begin with, beyond those of the digits asked for.
+#: Bits to begin with, beyond those of the requested digits.
 FIRST_BITS = 40
 
 #: Where so many bits do not give the digits, the value is zero or cancels to so many bits: its interval is as narrow as it is.
@@ -34,6 +36,12 @@ MOST_BITS = 1 << 13
 
 #: Who asks for more digits has mistyped.
 MOST_DIGITS = 1000
+
+#: Bits of values that are rounded to float64, relative to the largest row at each time, and those of the first attempt.
+ROUNDED_BITS, FIRST_ROUNDED_BITS = 56, 128
+
+#: Values below this power of two vanish in float64.
+SMALLEST_EXPONENT = -1080
 
 
 @dataclass(frozen=True)
@@ -54,14 +62,14 @@ class Part:
         return [factor for time, factor in self.calls if time == 0]
 
 
-class ExactResponse:
-    """x with A(d/dt) x = f from values at 0-, all data taken as the exact numbers that they are.
+class ExactResponse(Displayed):
+    """x with A(d/dt) x = f from values at 0-, all data being the exact numbers that they are.
 
     Args:
         matrix: A(s), regular.
         initial: x^(i)(0-) as row i, q rows of r exact numbers.
         sources: f.
-        rows: which of the r rows of x are asked for, all by default.
+        rows: the requested rows of x, all by default.
 
     Raises:
         SingularPolynomialMatrix: A(s) is not regular.
@@ -73,13 +81,16 @@ class ExactResponse:
         if not matrix.determinant:
             raise SingularPolynomialMatrix("det A(s) is zero for every s: the motion is not determined", (), ())
 
+    def _summary(self) -> str:
+        return f"{counted(self.size, 'row')}, degree {len(self.matrix.coefficients) - 1}"
+
     @property
     def size(self) -> int:
-        """How many rows of x are asked for."""
+        """The number of requested rows of x."""
         return len(self.rows)
 
     def with_rows(self, rows: range) -> ExactResponse:
-        """The same answer with other rows of x asked for; det A(s) is not found again."""
+        """The same answer for other rows of x; det A(s) is not computed again."""
         return ExactResponse(self.matrix, self.initial, self.sources, rows)
 
     @cached_property
@@ -99,11 +110,10 @@ class ExactResponse:
         """The impulses at t = 0 as intervals: the k-th multiplies the k-th derivative of Dirac's delta."""
         digits = _checked_digits(digits)
 
-        def found() -> list[list[flint.arb]]:
-            return self._impulses(ball)
-
-        count = len(found())
-        return tuple(Enclosure.of(_certain(lambda k=k: [found()[k]], digits)[0], np.zeros(()), digits) for k in range(count))
+        return tuple(
+            Enclosure.of(_certain(lambda k=k: [self._impulses(ball)[k]], digits)[0], np.zeros(()), digits)
+            for k in range(len(self._impulses(ball)))
+        )
 
     @cached_property
     def start(self) -> np.ndarray:
@@ -131,10 +141,13 @@ class ExactResponse:
         """Intervals that contain x^(order)(t), t > 0 (t = 0 means 0+, the time of an event its right limit).
 
         Args:
-            times: in s, a number or shape (T,); the floats are taken exactly.
+            times: in s, a number or shape (T,); the floats are exact numbers.
             digits: of each value, relative to itself. A value that is zero, or that cancels to thousands of bits, has an
                 interval about zero instead.
             order: of the derivative.
+
+        Returns:
+            An ``Enclosure`` of shape (r,) for a number, (r, T) for T times.
 
         Raises:
             InputError: times that are negative or not finite, digits or an order that are no whole numbers in range.
@@ -143,7 +156,8 @@ class ExactResponse:
         if times.ndim > 1 or (times.size and times.min() < 0):
             raise InputError("time: expected a number or a list of numbers, none of them negative (0 means 0+)")
         digits, order = _checked_digits(digits), whole_number(order, "order")
-        exact = [rational(float(time)) for time in np.atleast_1d(times)]
+        events = {float(fraction(begin)): begin for begin in sorted({source.time for source in self.sources})}
+        exact = [max(rational(time), events.get(time, ZERO)) for time in np.atleast_1d(times).tolist()]  # right limits
         columns = _certain(lambda: self._values(exact, order), digits)
         rows = [list(row) for row in zip(*columns)] if columns else [[] for _ in self.rows]
         return Enclosure.of(rows if times.ndim else [row[0] for row in rows], times, digits)
@@ -188,7 +202,7 @@ class ExactResponse:
                 yield Part(RationalResponse(self.matrix, b, shape.denominator, self.rows), calls)
 
     def _impulses(self, number) -> list[list]:
-        """Factors of delta, delta', ... at t = 0, made of numbers of one kind."""
+        """Factors of delta, delta', ... at t = 0, in numbers of one kind."""
         total: list[list] = []
         for part in self._parts:
             for factor in part.factors_at_0:
@@ -200,21 +214,61 @@ class ExactResponse:
             total.pop()
         return total
 
-    def _values(self, times: Sequence[flint.fmpq], order: int) -> list[list[flint.arb]]:
-        """Columns (r,) of balls, one for each time, at the working precision."""
-        columns, exponentials = [_Sum(self.size) for _ in times], Exponentials()
+    def rounded(self, times, order: int = 0, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """y = matrix @ x^(order) in float64, each time to ``ROUNDED_BITS`` bits of its largest row.
+
+        Args:
+            times: in s, shape (T,).
+            order: of the derivative.
+            matrix: shape (p, r), floats as the exact numbers that they are; None for x itself.
+
+        Returns:
+            The values, shape (p, T), and proved bounds of their errors, shape (p, T).
+        """
+        exact = [self._events.get(time) or rational(time) for time in times.tolist()]
+        through = None if matrix is None else flint.arb_mat(*matrix.shape, [flint.arb(entry) for entry in matrix.ravel().tolist()])
+        rows, precision = self.size if matrix is None else len(matrix), FIRST_ROUNDED_BITS
+        values, errors = np.zeros((rows, len(times))), np.zeros((rows, len(times)))
+        pending = list(range(len(times))) if rows else []
+        while pending:
+            with working_precision(precision):
+                columns, late = self._values([exact[k] for k in pending], order, through), []
+                for k, column in zip(pending, columns):
+                    if _is_rounded(column) or precision >= MOST_BITS:
+                        values[:, k], errors[:, k] = zip(*map(_as_float, column))
+                    else:
+                        late.append(k)
+            pending, precision = late, 2 * precision
+        return values, errors
+
+    @cached_property
+    def _events(self) -> dict[float, flint.fmpq]:
+        """The exact times of events by the nearest floats: the right limit of an event is meant by either."""
+        return {float(fraction(begin)): begin for part in self._parts for begin, _ in part.calls}
+
+    def _values(self, times: Sequence[flint.fmpq], order: int, through: flint.arb_mat | None = None) -> list[list[flint.arb]]:
+        """Columns (r,) of balls, one for each time, at the working precision; through a matrix (p, r) columns (p,)."""
+        if not times or not self.size:
+            return [[] for _ in times]
+        sums = [_Sum(self.size) for _ in times]
+        total = flint.arb_mat(self.size, len(times))
         for part in self._parts:
-            modes = part.response.partial_fractions().derivative(order)
+            modes, weights = part.response.partial_fractions().derivative(order), []
             calls = [(begin, factor, ball(factor)) for begin, factor in part.calls]
-            for column, time in zip(columns, times):
+            for column, time in zip(sums, times):
                 acting = [(time - begin, factor, amount) for begin, factor, amount in calls if begin <= time]
+                later = [call for call in acting if call[0]]
                 column.add_start(part.response, order, [call for call in acting if not call[0]])
-                column.add_later(part.response, order, modes, [call for call in acting if call[0]], exponentials)
-        return [column.total() for column in columns]
+                column.add_polynomial(part.response, order, later)
+                weights += modes.weights([(since, amount) for since, _, amount in later])
+            if modes.poles:
+                total += modes.matrix * flint.arb_mat(len(times), modes.matrix.ncols(), weights).transpose()
+        total += flint.arb_mat([column.total() for column in sums]).transpose()
+        return (total if through is None else through * total).transpose().tolist()
 
 
 class _Sum:
-    """x at one time: what is rational is added up exactly, so that what cancels leaves nothing, the rest in balls."""
+    """What is rational in x at one time, summed exactly so that it cancels exactly, and what is not, in balls."""
 
     def __init__(self, size: int):
         self.exact, self.balls = [ZERO] * size, [flint.arb(0)] * size
@@ -228,21 +282,36 @@ class _Sum:
             else:
                 self.balls = [a + amount * b for a, b in zip(self.balls, start)]
 
-    def add_later(self, response: RationalResponse, order: int, modes: PartialFractions, calls, exponentials: Exponentials) -> None:
-        """What has begun before."""
+    def add_polynomial(self, response: RationalResponse, order: int, calls) -> None:
+        """What the zeros at s = 0 add of what has begun before."""
         known = [(since, factor) for since, factor, _ in calls if isinstance(factor, flint.fmpq)]
         others = [(since, amount) for since, factor, amount in calls if not isinstance(factor, flint.fmpq)]
         if known:
             self.exact = [a + b for a, b in zip(self.exact, response.polynomial_part(order, known))]
         if others:
             self.balls = [a + b for a, b in zip(self.balls, response.polynomial_part(order, others))]
-        if calls and modes.poles:
-            added = modes.sum_of([(since, amount) for since, _, amount in calls], exponentials)
-            self.balls = [a + b for a, b in zip(self.balls, added)]
 
     def total(self) -> list[flint.arb]:
         """The two together."""
         return [flint.arb(a) + b for a, b in zip(self.exact, self.balls)]
+
+
+def _is_rounded(column: list[flint.arb]) -> bool:
+    """Whether the largest entry of a column has its bits, and the others as many as that."""
+    radius, size = (
+        max((entry.rad() for entry in column), default=flint.arb(0)),
+        max((entry.abs_lower() for entry in column), default=flint.arb(0)),
+    )
+    return bool(radius * 2**ROUNDED_BITS <= size) or bool(size + radius < flint.arb(2) ** SMALLEST_EXPONENT)
+
+
+def _as_float(entry: flint.arb) -> tuple[float, float]:
+    """The nearest float64 number, and a bound of its error."""
+    value = float(entry.mid())
+    if not np.isfinite(value):
+        return value, np.inf
+    error = (entry - value).abs_upper()
+    return value, float(np.nextafter(float(error), np.inf)) if error > 0 else 0.0
 
 
 def _is_immediate(source: Source) -> bool:
@@ -256,7 +325,7 @@ def _certain(compute, digits: int) -> list[list[flint.arb]]:
         with working_precision(precision):
             columns = compute()
         entries = [entry for column in columns for entry in column]
-        if all(is_told(entry, digits) for entry in entries):
+        if all(has_digits(entry, digits) for entry in entries):
             return columns
         if precision >= max(MOST_BITS, 4 * bits_of(digits)) and all(entry.is_finite() for entry in entries):
             return columns
@@ -268,3 +337,66 @@ def _checked_digits(digits) -> int:
     if digits > MOST_DIGITS:
         raise InputError(f"digits: found {digits}; at most {MOST_DIGITS}")
     return digits
+
+
+# The exact response to the data of a numeric one.
+
+
+def exact_response(A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth) -> ExactResponse:
+    """x with A(d/dt) x = f from values at 0- of shape (q, r), the data being exact numbers.
+
+    Args:
+        A: degree q, size r.
+        initial: x^(i)(0-) as row i, shape (q, r).
+        force: r rows.
+
+    Returns:
+        The exact response.
+
+    Raises:
+        SingularPolynomialMatrix: det A(s) = 0 for every s, exactly.
+    """
+    return ExactResponse(regular_matrix(A), initial, sources_of(force))
+
+
+def exact_fraction_response(
+    numerator: Sequence[Fraction], denominator: Sequence[Fraction], gamma: int | ImpulsiveSmooth
+) -> ExactResponse:
+    """y with a(d/dt) y = b(d/dt) u from rest, u = I_gamma or an input with one row; b and a with the lowest power first.
+
+    Args:
+        numerator, denominator: b and a, the lowest power first.
+        gamma: the index of I_gamma, or an input with one row.
+
+    Returns:
+        The exact response, one row.
+    """
+    b, unit = polynomial(numerator), (flint.fmpq(1),)
+    if isinstance(gamma, ImpulsiveSmooth):
+        acting = sources_of(gamma)
+    else:
+        shape = Shape(ONE, S**gamma) if gamma > 0 else Shape(S**-gamma)
+        acting = (Source(shape, unit, flint.fmpq(0), flint.fmpq(1)),)
+    sources = [Source(Shape(b * one.shape.numerator, one.shape.denominator), one.vector, one.time, one.factor) for one in acting]
+    a = RationalMatrix([[[c]] for c in denominator])
+    return ExactResponse(a, np.zeros((len(denominator) - 1, 1)), sources)
+
+
+def structure_notices(x: Response, exact: ExactResponse) -> tuple[Notice, ...]:
+    """A notice where the number of finite zeros of the exact data differs from that of the numeric answer.
+
+    Args:
+        x: the numeric response.
+        exact: the exact response to the same data.
+
+    Returns:
+        One notice where the numbers of finite zeros differ, none otherwise.
+    """
+    numeric_count, exact_count = x.solution.finite_count, exact.matrix.determinant.degree()
+    if numeric_count == exact_count:
+        return ()
+    text = (
+        f"the exact data have {counted(exact_count, 'finite zero')} where the answer has {numeric_count}: it treats differences of the "
+        "size of rounding errors as zero; the bounds belong to the exact data, whose motion is a different one"
+    )
+    return (Notice(NoticeKind.RANK, text, doubtful=True),)

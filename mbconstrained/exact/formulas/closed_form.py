@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 
 import sympy
 
-from ...checks import names_of
-from ...errors import InputError
+from ...ground.checks import names_of
+from ...ground.errors import InputError
+from ..symbolic.field.fields import exact_expression
 
 #: Digits that values are computed with where a decision or an output needs numbers.
 DIGITS = 40
@@ -91,21 +91,23 @@ class ClosedForm:
             names: of the coordinates; those of the response when not given.
             parameters: default values by symbol, numbers.
 
+        Returns:
+            The formula.
+
         Raises:
             InputError: not as many names as coordinates, or a name used twice.
         """
         if isinstance(x, cls):
-            found = x
+            form = x
         else:
-            found = cls(tuple(x.coordinates), tuple(x.regular), x.time, **_happenings(x))
-        found = replace(found, names=names_of(names if names is not None else found.names, len(found.values), "names", "x"))
-        given = parameters if parameters is not None else {p.symbol: p.value for p in found.parameters}
-        known = {p.symbol: p for p in found.parameters}
-        symbols = sorted(
-            found.symbols | set(given), key=lambda symbol: list(given).index(symbol) if symbol in given else len(given)
-        )
-        made = tuple(known.get(s) or Parameter(s, s.name, exact(given.get(s))) for s in _stable(symbols, given))
-        return replace(found, parameters=made)
+            form = cls(tuple(x.coordinates), tuple(x.regular), x.time, **_jumps_and_impulses(x))
+        form = replace(form, names=names_of(names if names is not None else form.names, len(form.values), "names", "x"))
+        given = parameters if parameters is not None else {p.symbol: p.value for p in form.parameters}
+        known = {p.symbol: p for p in form.parameters}
+        symbols = [*given, *sorted(form.symbols - set(given), key=lambda symbol: symbol.name)]
+        values = {s: exact_expression(value, s.name) for s, value in given.items() if value is not None}
+        named = tuple(known.get(s) or Parameter(s, s.name, values.get(s)) for s in symbols)
+        return replace(form, parameters=named)
 
     @property
     def symbols(self) -> set[sympy.Symbol]:
@@ -113,11 +115,19 @@ class ClosedForm:
         return set().union(*(value.free_symbols for value in self.values)) - {self.time}
 
     @property
-    def everything(self) -> tuple[sympy.Basic, ...]:
-        """All expressions and equations in it."""
-        parts = [*self.values, *(each.factor for each in self.impulses), *(each.time for each in self.impulses)]
-        parts += [each.size for each in self.jumps]
-        return tuple(map(sympy.sympify, (*parts, *self.admissible, *self.continuous, *self.assumptions)))
+    def quantities(self) -> list[sympy.Expr]:
+        """The expressions of the coordinates, their impulses and their jumps."""
+        impulses = [part for each in self.impulses for part in (each.factor, each.time)]
+        return [*map(sympy.sympify, (*self.values, *impulses, *(each.size for each in self.jumps)))]
+
+    def mapped(self, change: Callable[[sympy.Expr], sympy.Expr]) -> ClosedForm:
+        """The formula with another expression for each coordinate, factor of an impulse and jump."""
+        return replace(
+            self,
+            values=tuple(map(change, self.values)),
+            impulses=tuple(replace(each, factor=change(each.factor)) for each in self.impulses),
+            jumps=tuple(replace(each, size=change(each.size)) for each in self.jumps),
+        )
 
     @property
     def defaults(self) -> dict[sympy.Symbol, sympy.Expr]:
@@ -146,23 +156,7 @@ class ClosedForm:
         return replace(self, names=tuple(names), values=values, **kept)
 
 
-def exact(value) -> sympy.Expr | None:
-    """A number as an exact expression: floats are the decimals that they are written as.
-
-    >>> exact(0.1)
-    1/10
-    """
-    if value is None or isinstance(value, sympy.Expr):
-        return value
-    fraction = Fraction(repr(float(value))) if isinstance(value, float) else Fraction(value)
-    return sympy.Rational(fraction.numerator, fraction.denominator)
-
-
-def _stable(symbols, given) -> list[sympy.Symbol]:
-    return [s for s in symbols if s in given] + sorted((s for s in symbols if s not in given), key=lambda s: s.name)
-
-
-def _happenings(x) -> dict:
+def _jumps_and_impulses(x) -> dict:
     """Impulses, jumps and conditions of a symbolic response."""
     times = ((sympy.S.Zero, x.impulses), *x.later_impulses)
     impulses = tuple(

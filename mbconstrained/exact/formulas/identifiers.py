@@ -7,164 +7,25 @@ import re
 import unicodedata
 from collections.abc import Iterable
 
-C_KEYWORDS = frozenset(
-    [
-        "auto",
-        "break",
-        "case",
-        "char",
-        "const",
-        "continue",
-        "default",
-        "do",
-        "double",
-        "else",
-        "enum",
-        "extern",
-        "float",
-        "for",
-        "goto",
-        "if",
-        "inline",
-        "int",
-        "long",
-        "register",
-        "restrict",
-        "return",
-        "short",
-        "signed",
-        "sizeof",
-        "static",
-        "struct",
-        "switch",
-        "typedef",
-        "union",
-        "unsigned",
-        "void",
-        "volatile",
-        "while",
-        "asm",
-        "typeof",
-        "bool",
-        "true",
-        "false",
-        "nullptr",
-        "main",
-        "fortran",
-        "complex",
-        "imaginary",
-        "unix",
-        "linux",
-    ]
+from sympy.printing.c import reserved_words
+from sympy.printing.pretty.pretty_symbology import greek_letters
+
+#: Words of C beyond those of sympy's printer: C99, C23, and common extensions of compilers.
+C_KEYWORDS = frozenset(reserved_words) | set(
+    "asm bool complex false fortran imaginary inline linux main nullptr restrict true typeof unix".split()
 )
-C_NAMES = frozenset(  # of math.h, which a variable would hide
-    [
-        "acos",
-        "asin",
-        "atan",
-        "atan2",
-        "cos",
-        "sin",
-        "tan",
-        "acosh",
-        "asinh",
-        "atanh",
-        "cosh",
-        "sinh",
-        "tanh",
-        "exp",
-        "exp2",
-        "expm1",
-        "frexp",
-        "ilogb",
-        "ldexp",
-        "log",
-        "log10",
-        "log1p",
-        "log2",
-        "logb",
-        "modf",
-        "cbrt",
-        "fabs",
-        "hypot",
-        "pow",
-        "sqrt",
-        "erf",
-        "erfc",
-        "lgamma",
-        "tgamma",
-        "ceil",
-        "floor",
-        "nearbyint",
-        "rint",
-        "round",
-        "trunc",
-        "fmod",
-        "remainder",
-        "nan",
-        "fdim",
-        "fmax",
-        "fmin",
-        "fma",
-        "j0",
-        "j1",
-        "jn",
-        "y0",
-        "y1",
-        "yn",
-        "gamma",
-        "signgam",
-        "div",
-        "abs",
-        "labs",
-        "NAN",
-        "INFINITY",
-        "HUGE",
-        "HUGE_VAL",
-        "HUGE_VALF",
-        "HUGE_VALL",
-        "MATH_ERRNO",
-        "MATH_ERREXCEPT",
-        "OVERFLOW",
-        "UNDERFLOW",
-        "DOMAIN",
-        "SING",
-        "PLOSS",
-        "TLOSS",
-        "MAXFLOAT",
-        "X_TLOSS",
-    ]
+#: Names of math.h, which a variable would hide.
+C_NAMES = frozenset(
+    "acos asin atan atan2 cos sin tan acosh asinh atanh cosh sinh tanh exp exp2 expm1 frexp ilogb ldexp log log10 log1p log2 logb "
+    "modf cbrt fabs hypot pow sqrt erf erfc lgamma tgamma ceil floor nearbyint rint round trunc fmod remainder nan fdim fmax fmin "
+    "fma j0 j1 jn y0 y1 yn gamma signgam div abs labs NAN INFINITY HUGE HUGE_VAL HUGE_VALF HUGE_VALL MATH_ERRNO MATH_ERREXCEPT "
+    "OVERFLOW UNDERFLOW DOMAIN SING PLOSS TLOSS MAXFLOAT X_TLOSS".split()
 )
 C_MACROS = re.compile(r"(M|FP)_[A-Z0-9_]+")  # M_E, M_PI, FP_NAN, … of math.h
 PYTHON_NAMES = frozenset(("np", "t", "x", "value", "values"))
 AMBIGUOUS = frozenset("lIO")  # which look like 1 and 0
 
-_GREEK = [
-    "alpha",
-    "beta",
-    "gamma",
-    "delta",
-    "epsilon",
-    "zeta",
-    "eta",
-    "theta",
-    "iota",
-    "kappa",
-    "lambda",
-    "mu",
-    "nu",
-    "xi",
-    "omicron",
-    "pi",
-    "rho",
-    "sigma",
-    "tau",
-    "upsilon",
-    "phi",
-    "chi",
-    "psi",
-    "omega",
-]
+_GREEK = ["lambda" if letter == "lamda" else letter for letter in greek_letters]
 _LATEX_GREEK = frozenset([*_GREEK, "Gamma", "Delta", "Theta", "Lambda", "Xi", "Pi", "Sigma", "Upsilon", "Phi", "Psi", "Omega"]) - {
     "omicron"
 }
@@ -181,28 +42,35 @@ _LATEX_SPECIAL = {
 }  # fmt: skip
 
 
-def identifiers(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
-    """An identifier of both Python and C for each name, none of them twice, none of those taken.
+def identifiers(names: Iterable[str], reserved: Iterable[str] = ()) -> dict[str, str]:
+    """An identifier of both Python and C for each name, each different from the others and from the reserved ones.
+
+    Args:
+        names: any texts.
+        reserved: identifiers that are in use.
+
+    Returns:
+        The identifier of each name, in the order of the names.
 
     >>> identifiers(["k", "lambda", "left joint", "I", "θ1", "k_", "left.joint"])
     {'k': 'k', 'lambda': 'lambda_', 'left joint': 'left_joint', 'I': 'I_', 'θ1': 'theta1', 'k_': 'k_', 'left.joint': 'left_joint_2'}
     """
-    names, used, found = list(dict.fromkeys(names)), set(taken), {}
-    for name in sorted(names, key=lambda name: identifier(name) != name):  # who can keep its name keeps it
-        plain = identifier(name)
-        tries = (plain, *(f"{plain.rstrip('_')}_{number}" for number in range(2, len(names) + len(used) + 3)))
-        found[name] = next(each for each in tries if each not in used)
-        used.add(found[name])
-    return {name: found[name] for name in names}
+    names, used, chosen = list(dict.fromkeys(names)), set(reserved), {}
+    for name in sorted(names, key=lambda name: identifier(name) != name):  # valid names are kept
+        own = identifier(name)
+        tries = (own, *(f"{own.rstrip('_')}_{number}" for number in range(2, len(names) + len(used) + 3)))
+        chosen[name] = next(each for each in tries if each not in used)
+        used.add(chosen[name])
+    return {name: chosen[name] for name in names}
 
 
 def identifier(name: str) -> str:
-    """A valid identifier made of a name.
+    """A valid identifier for a name.
 
     >>> identifier("2 wheels"), identifier("Ü"), identifier(""), identifier("class")
     ('v2_wheels', 'U', 'v', 'class_')
     """
-    text = re.sub(r"[^A-Za-z0-9]+", "_", "".join(map(_plain_letters, name))).lstrip("_")
+    text = re.sub(r"[^A-Za-z0-9]+", "_", "".join(map(_ascii, name))).lstrip("_")
     text = text.rstrip("_") + ("_" if name.endswith("_") and text else "")
     if not text or text[0].isdigit():
         text = f"v{text}"
@@ -211,7 +79,7 @@ def identifier(name: str) -> str:
 
 
 def index_of(name: str) -> tuple[str, str]:
-    """A letter, or the name of a Greek one, and the index behind it; the name and nothing where it is not made like that.
+    """A letter, or the name of a Greek one, and the index behind it; the name and an empty text otherwise.
 
     >>> index_of("k12"), index_of("m_x"), index_of("omega1"), index_of("left")
     (('k', '12'), ('m', 'x'), ('omega', '1'), ('left', ''))
@@ -225,7 +93,7 @@ def index_of(name: str) -> tuple[str, str]:
 
 def spelled(name: str) -> str:
     """A name that begins with a Greek letter, with the name of the letter, where that and an index is all of it."""
-    word = _plain_letters(name[:1]) if name and not name[0].isascii() else ""
+    word = _ascii(name[:1]) if name and not name[0].isascii() else ""
     return word + name[1:] if word in LETTERS and re.fullmatch(r"[0-9_]*", name[1:]) else name
 
 
@@ -250,11 +118,11 @@ def _latex_letter(letter: str) -> str:
     """A letter in math: Greek ones by their names, others beyond ASCII as text, which is what LaTeX knows them in."""
     if letter.isascii():
         return _LATEX_SPECIAL.get(letter, letter)
-    word = _plain_letters(letter)
+    word = _ascii(letter)
     return rf"\{word}{{}}" if word in _LATEX_GREEK else rf"\text{{{letter}}}"
 
 
-def _plain_letters(letter: str) -> str:
+def _ascii(letter: str) -> str:
     """ASCII for a letter: Greek ones by their names, accents left out, others by their numbers."""
     if letter.isascii():
         return letter
@@ -262,5 +130,5 @@ def _plain_letters(letter: str) -> str:
     if words[:1] == ["greek"] and words[3:4] and words[3] in (*_GREEK, "lamda"):
         word = "lambda" if words[3] == "lamda" else words[3]
         return word.capitalize() if words[1] == "capital" else word
-    plain = unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode()
-    return plain or (f"u{ord(letter):x}" if letter.isalpha() else "_")
+    ascii_letters = unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode()
+    return ascii_letters or (f"u{ord(letter):x}" if letter.isalpha() else "_")

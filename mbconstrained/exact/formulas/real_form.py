@@ -10,10 +10,10 @@ from dataclasses import replace
 
 import sympy
 
-from ...errors import InputError
+from ...ground.errors import InputError
+from ..symbolic.response.inverse_transform import divisors_of
 from .closed_form import DIGITS, ClosedForm
-from .divisors import divisors, with_needed_assumptions
-from .plain_text import text_printer
+from .formula_text import TextPrinter
 from .terms import decimal, terms_of
 
 ADVICE = "insert numbers for the symbols (mbconstrained formula --numbers), or give other default values"
@@ -39,32 +39,25 @@ def real_form(form: ClosedForm) -> ClosedForm:
     """
     form = with_needed_assumptions(form)
     _check_defaults(form)
-    turned = _turned([*form.values, *(each.factor for each in form.impulses), *(each.size for each in form.jumps)], form)
-    changed = replace(
-        form,
-        values=tuple(_real(value, turned) for value in form.values),
-        impulses=tuple(replace(each, factor=_real(each.factor, turned)) for each in form.impulses),
-        jumps=tuple(replace(each, size=_real(each.size, turned)) for each in form.jumps),
-    )
+    turned = _turned(form)
+    changed = form.mapped(lambda expression: _real(expression, turned))
     changed = replace(changed, positive=_open_signs(changed))
     return replace(changed, values=tuple(_decaying(value, changed) for value in changed.values)) if turned else changed
 
 
 def _check_defaults(form: ClosedForm) -> None:
     """Whether the formula holds and is finite with the default values, as far as all symbols have one."""
-    tell = text_printer(form).doprint
+    text_of = TextPrinter(form).doprint
     for expression in form.assumptions:
         if _vanishes(form.at_defaults(expression)):
             raise InputError(
-                f"with the default values {tell(expression)} is 0, where the formula with symbols does not hold (zeros coincide, "
+                f"with the default values {text_of(expression)} is 0, where the formula with symbols does not hold (zeros coincide, "
                 f"or the equations change their structure); {ADVICE}"
             )
-    for expression in divisors(form):
+    for expression in divisors_of(form.quantities, form.time):
         if _vanishes(form.at_defaults(expression)):
-            raise InputError(f"with the default values {tell(expression)} is 0, by which the formula divides; {ADVICE}")
-    later = {form.time: SOME_TIME}
-    numbers = [form.at_defaults(value).xreplace(later) for value in form.values]
-    numbers += [form.at_defaults(each) for each in (*(i.factor for i in form.impulses), *(j.size for j in form.jumps))]
+            raise InputError(f"with the default values {text_of(expression)} is 0, by which the formula divides; {ADVICE}")
+    numbers = [form.at_defaults(each).xreplace({form.time: SOME_TIME}) for each in form.quantities]
     if any(number.has(*_INFINITE) or number.evalf(DIGITS).has(*_INFINITE) for number in numbers):
         raise InputError(f"with the default values the formula is not finite; {ADVICE}")
 
@@ -75,39 +68,39 @@ def _vanishes(value: sympy.Expr) -> bool:
 
 def _roots(expressions, form: ClosedForm) -> list[sympy.Pow]:
     """Square roots of what depends on symbols and is not positive for all."""
-    found = set().union(*(expression.atoms(sympy.Pow) for expression in expressions))
-    odd = [root for root in found if root.exp.is_Rational and root.exp.q == 2 and not root.base.is_positive]
+    powers = set().union(*(expression.atoms(sympy.Pow) for expression in expressions))
+    odd = [root for root in powers if root.exp.is_Rational and root.exp.q == 2 and not root.base.is_positive]
     return sorted((root for root in odd if not root.base.has(form.time)), key=sympy.default_sort_key)
 
 
-def _turned(expressions, form: ClosedForm) -> dict[sympy.Expr, sympy.Expr]:
+def _turned(form: ClosedForm) -> dict[sympy.Expr, sympy.Expr]:
     """Roots of what is negative with the default values, as i times the root of minus that."""
-    found = {}
-    for root in _roots(expressions, form):
+    replaced = {}
+    for root in _roots(form.quantities, form):
         value = form.at_defaults(root.base)
         if not value.is_number:
             continue
         real, imaginary = value.evalf(DIGITS).as_real_imag()
         if abs(imaginary) > abs(real) * sympy.Float(10) ** -(DIGITS - 10):
             raise InputError(
-                f"with the default values the root of {root.base} is complex, which this formula is not made for; {ADVICE}"
+                f"with the default values the root of {root.base} is complex, for which this formula does not hold; {ADVICE}"
             )
         if real < 0:
-            found[root] = (sympy.I * sympy.sqrt(-root.base)) ** (2 * root.exp)
-    return found
+            replaced[root] = (sympy.I * sympy.sqrt(-root.base)) ** (2 * root.exp)
+    return replaced
 
 
 def _real(expression: sympy.Expr, turned: dict) -> sympy.Expr:
     if not turned:
         return expression
-    found = expression.xreplace(turned)
-    if found.has(sympy.I):
-        found = sympy.expand_mul(found)
-    if found.has(sympy.I):
-        found = sympy.expand(found)
-    if found.has(sympy.I):
+    value = expression.xreplace(turned)
+    if value.has(sympy.I):
+        value = sympy.expand_mul(value)
+    if value.has(sympy.I):
+        value = sympy.expand(value)
+    if value.has(sympy.I):
         raise InputError(f"with the default values the formula has complex parts; {ADVICE}")
-    return found
+    return value
 
 
 def _decaying(value: sympy.Expr, form: ClosedForm) -> sympy.Expr:
@@ -141,3 +134,27 @@ def _exponentials(function: sympy.Expr, hyperbolic: sympy.Expr, form: ClosedForm
 def _open_signs(form: ClosedForm) -> tuple[sympy.Expr, ...]:
     bases = (root.base for root in _roots(form.values, form) if root.base.free_symbols)
     return tuple(dict.fromkeys(base for base in bases if form.at_defaults(base).is_number))
+
+
+def with_needed_assumptions(form: ClosedForm) -> ClosedForm:
+    """The formula without the assumptions that only coordinates need that are not in it.
+
+    For values of the parameters where A(s) stays regular, X(s) = A(s)^-1 b(s) is continuous in them, and so is the transform
+    of a formula that does not divide by the assumption: they stay equal there.
+
+    >>> a, b, t = sympy.symbols("a b t", positive=True)
+    >>> form = ClosedForm(("x",), (t / (a - b),), t, assumptions=(a - b, a - 2 * b))
+    >>> with_needed_assumptions(form).assumptions
+    (a - b,)
+    """
+    below = divisors_of(form.quantities, form.time)
+    return replace(form, assumptions=tuple(each for each in form.assumptions if any(_meets(each, other) for other in below)))
+
+
+def _meets(assumption: sympy.Expr, divisor: sympy.Expr) -> bool:
+    """Whether the divisor may vanish where the assumption does: they share a factor, or there are roots in it, where this cannot be decided."""
+    if not assumption.free_symbols & divisor.free_symbols:
+        return False
+    if any(not power.exp.is_Integer for power in divisor.atoms(sympy.Pow)):
+        return True
+    return bool(sympy.gcd(assumption, divisor).free_symbols)

@@ -10,7 +10,9 @@ from sympy.functions.elementary.hyperbolic import HyperbolicFunction
 from sympy.functions.elementary.trigonometric import TrigonometricFunction
 
 from .closed_form import DIGITS, VANISHING, ClosedForm
-from .text_printer import LAST
+
+#: Stands for the time in terms: by its name it comes last in products, w t instead of t w.
+LAST = sympy.Symbol("zzzz", real=True)
 
 #: A rate of more operations gets a name of its own, and what is under a root.
 SHORT, LONG = 2, 8
@@ -41,12 +43,19 @@ class Shorthand:
 def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[Term]:
     """The terms of a sum of products, those with the same function of time together, in order of appearance.
 
+    Args:
+        expression: in the time t.
+        t: the symbol of the time.
+
+    Returns:
+        The terms, each a coefficient times a function of time.
+
     >>> t, k = sympy.symbols("t k")
     >>> [(each.coefficient, each.function) for each in terms_of((k + 1) * (t + sympy.cos(k * t)) + 2 * t, t)]
     [(k + 3, t), (k + 1, cos(k*t))]
     """
-    found = [Term(coefficient, function) for function, coefficient in _split(expression, t).items() if coefficient != 0]
-    return [Term(part, each.function) for each in found for part in _parts(each)]
+    terms = [Term(coefficient, function) for function, coefficient in _split(expression, t).items() if coefficient != 0]
+    return [Term(part, each.function) for each in terms for part in _parts(each)]
 
 
 def _parts(term: Term) -> tuple[sympy.Expr, ...]:
@@ -55,7 +64,15 @@ def _parts(term: Term) -> tuple[sympy.Expr, ...]:
 
 
 def in_order(terms: list[Term], form: ClosedForm) -> list[Term]:
-    """Powers of t first, then by ascending frequency and rate with the default values, cosines before sines."""
+    """Powers of t first, then by ascending frequency and rate with the default values, cosines before sines.
+
+    Args:
+        terms: in any order.
+        form: with the default values.
+
+    Returns:
+        The terms in order.
+    """
     return sorted(terms, key=lambda term: _rank(term.function, form))
 
 
@@ -79,10 +96,10 @@ def _split(expression: sympy.Expr, t: sympy.Symbol) -> dict[sympy.Expr, sympy.Ex
     if expression.is_Add:
         return _sum(pair for part in expression.args for pair in _split(part, t).items())
     if expression.is_Mul:
-        found = {sympy.S.One: sympy.S.One}
+        parts_by_function = {sympy.S.One: sympy.S.One}
         for part in expression.args:
-            found = _product(found, _split(part, t))
-        return found
+            parts_by_function = _product(parts_by_function, _split(part, t))
+        return parts_by_function
     if expression.is_Pow and expression.exp.is_Integer and expression.exp > 1 and expression.base.is_Add:
         return _product(_split(expression.base, t), _split(expression.base ** (expression.exp - 1), t))
     return {expression: sympy.S.One}
@@ -93,29 +110,38 @@ def _product(one: dict, two: dict) -> dict:
 
 
 def _sum(pairs: Iterable[tuple[sympy.Expr, sympy.Expr]]) -> dict:
-    found: dict[sympy.Expr, list[sympy.Expr]] = {}
+    groups: dict[sympy.Expr, list[sympy.Expr]] = {}
     for function, coefficient in pairs:
-        found.setdefault(function, []).append(coefficient)
-    return {function: sympy.Add(*parts) for function, parts in found.items()}
+        groups.setdefault(function, []).append(coefficient)
+    return {function: sympy.Add(*parts) for function, parts in groups.items()}
 
 
 def in_numbers(terms: list[Term], form: ClosedForm, digits: int) -> list[Term]:
-    """The terms with default values put in and all numbers as decimals; what is zero by cancelling drops out."""
-    found = []
+    """The terms with default values put in and all numbers as decimals, without those that cancel.
+
+    Args:
+        terms: exact.
+        form: with the default values.
+        digits: of the decimals.
+
+    Returns:
+        Terms with decimals.
+    """
+    decimals = []
     for term in terms:
         constant, function = _split_exponentials(form.at_defaults(term.function), LAST)
         coefficient = decimal(form.at_defaults(term.coefficient) * constant, digits)
         if coefficient != 0:
-            found.append(Term(coefficient, _decimal_arguments(function, LAST, digits)))
-    return found
+            decimals.append(Term(coefficient, _decimal_arguments(function, LAST, digits)))
+    return decimals
 
 
 def _split_exponentials(function: sympy.Expr, t: sympy.Symbol) -> tuple[sympy.Expr, sympy.Expr]:
     """e^(r (t - T)) as e^(-r T), which belongs to the coefficient, and e^(r t)."""
     constant, factors = sympy.S.One, []
     for factor in sympy.Mul.make_args(function):
-        if isinstance(factor, sympy.exp) and (found := _linear(factor.args[0], t)):
-            slope, shift, offset = found
+        if isinstance(factor, sympy.exp) and (line := _linear(factor.args[0], t)):
+            slope, shift, offset = line
             constant, factor = constant * sympy.exp(offset - slope * shift), sympy.exp(slope * t)
         factors.append(factor)
     return constant, sympy.Mul(*factors)
@@ -123,6 +149,13 @@ def _split_exponentials(function: sympy.Expr, t: sympy.Symbol) -> tuple[sympy.Ex
 
 def decimal(expression: sympy.Expr, digits: int) -> sympy.Expr:
     """A number as a decimal of so many digits, a whole one as it is.
+
+    Args:
+        expression: without symbols.
+        digits: of the result.
+
+    Returns:
+        A decimal, or exactly 0.
 
     >>> decimal(sympy.sqrt(2), 5), decimal(sympy.Rational(1, 4), 5), decimal(sympy.sqrt(2) - sympy.sqrt(2), 5)
     (1.4142, 0.25000, 0)
@@ -144,10 +177,10 @@ def _decimal_arguments(function: sympy.Expr, t: sympy.Symbol, digits: int) -> sy
 
 
 def _decimal_argument(part: sympy.Expr, t: sympy.Symbol, digits: int) -> sympy.Expr:
-    found = _linear(part.args[0], t)
-    if not found:
+    line = _linear(part.args[0], t)
+    if not line:
         return part
-    slope, shift, offset = found
+    slope, shift, offset = line
     return part.func(decimal(slope, digits) * t + decimal(offset - slope * shift, digits), *part.args[1:])
 
 
@@ -168,8 +201,18 @@ def _linear(argument: sympy.Expr, t: sympy.Symbol) -> tuple[sympy.Expr, sympy.Ex
 
 
 def with_shorthands(rows: list[list[Term]], form: ClosedForm) -> tuple[list[list[Term]], list[Shorthand]]:
-    """The terms with names for what is long: w1, … in cosines and sines, a1, … in exponentials, d1, … under roots."""
-    names = _names({p.name for p in form.parameters} | {p.symbol.name for p in form.parameters} | set(form.names))
+    """The terms with names for what is long: w1, … in cosines and sines, a1, … in exponentials, d1, … under roots.
+
+    Args:
+        rows: terms by coordinate.
+        form: where they are from.
+
+    Returns:
+        The rows with the names in them, and the names with their values.
+    """
+    reserved = {p.name for p in form.parameters} | {p.symbol.name for p in form.parameters} | set(form.names)
+    used = [sympy.Symbol(name, positive=True) for name in reserved]
+    names = {letter: sympy.numbered_symbols(letter, start=1, exclude=used, positive=True) for letter in "wad"}
     radicands = _radicands(rows, names)
     short = {base: each.symbol for base, each in radicands.items()}
     rows = [[Term(_put(term.coefficient, short), _put(term.function, short)) for term in row] for row in rows]
@@ -181,9 +224,9 @@ def with_shorthands(rows: list[list[Term]], form: ClosedForm) -> tuple[list[list
         if kind and rate.count_ops() > SHORT:
             rates.setdefault(rate, kind)
     ordered = sorted(rates.items(), key=lambda item: _size(form.at_defaults(item[0].xreplace(long))))
-    made = {rate: Shorthand(sympy.Symbol(next(names[kind]), positive=True), rate) for rate, kind in ordered}
-    rows = [[Term(_put(term.coefficient, made), _in_function(term.function, made, LAST)) for term in row] for row in rows]
-    return rows, [*made.values(), *radicands.values()]
+    named = {rate: Shorthand(next(names[kind]), rate) for rate, kind in ordered}
+    rows = [[Term(_put(term.coefficient, named), _in_function(term.function, named, LAST)) for term in row] for row in rows]
+    return rows, [*named.values(), *radicands.values()]
 
 
 def _shared(coefficient: sympy.Expr) -> sympy.Expr:
@@ -197,13 +240,13 @@ def _radicands(rows: list[list[Term]], names: dict) -> dict[sympy.Expr, Shorthan
     roots = sorted(set().union(*(part.atoms(sympy.Pow) for part in parts)), key=sympy.default_sort_key)
     bases = [root.base for root in roots if root.exp.is_Rational and root.exp.q == 2 and not root.base.has(LAST)]
     short: dict[sympy.Expr, sympy.Symbol] = {}
-    found: dict[sympy.Expr, Shorthand] = {}
+    shorthands: dict[sympy.Expr, Shorthand] = {}
     for base in sorted(dict.fromkeys(bases), key=lambda base: base.count_ops()):  # those inside others first
         if base.free_symbols and base.is_Add and _weight(base, parts) > LONG:
-            symbol = sympy.Symbol(next(names["d"]), positive=True)
-            found[base] = Shorthand(symbol, base.xreplace(short), base)
+            symbol = next(names["d"])
+            shorthands[base] = Shorthand(symbol, base.xreplace(short), base)
             short[base] = symbol
-    return found
+    return shorthands
 
 
 def _weight(base: sympy.Expr, parts: list[sympy.Expr]) -> int:
@@ -216,27 +259,27 @@ def _rate(part: sympy.Expr, t: sympy.Symbol) -> tuple[str, sympy.Expr]:
     """Whether a function of rate times t, and which: "w" or "a", or an empty text."""
     if not isinstance(part, (sympy.exp, TrigonometricFunction, HyperbolicFunction)) or not part.has(t):
         return "", sympy.S.Zero
-    found = _linear(part.args[0], t)
-    if not found:
+    line = _linear(part.args[0], t)
+    if not line:
         return "", sympy.S.Zero
-    rate = -found[0] if found[0].could_extract_minus_sign() else found[0]
+    rate = -line[0] if line[0].could_extract_minus_sign() else line[0]
     return "a" if isinstance(part, sympy.exp) else "w", rate
 
 
-def _in_function(function: sympy.Expr, made: dict, t: sympy.Symbol) -> sympy.Expr:
+def _in_function(function: sympy.Expr, named: dict, t: sympy.Symbol) -> sympy.Expr:
     inner = {}
     for part in sympy.preorder_traversal(function):
         kind, rate = _rate(part, t)
-        if kind and rate in made:
+        if kind and rate in named:
             slope, shift, offset = _linear(part.args[0], t)
-            symbol = made[rate].symbol if slope == rate else -made[rate].symbol
+            symbol = named[rate].symbol if slope == rate else -named[rate].symbol
             inner[part] = part.func(symbol * (t - shift) + offset)
     return function.xreplace(inner)
 
 
-def _put(expression: sympy.Expr, made: dict) -> sympy.Expr:
+def _put(expression: sympy.Expr, named: dict) -> sympy.Expr:
     """An expression with names for what has one."""
-    return expression.xreplace({value: getattr(each, "symbol", each) for value, each in made.items()})
+    return expression.xreplace({value: getattr(each, "symbol", each) for value, each in named.items()})
 
 
 def _size(value: sympy.Expr) -> float:
@@ -244,14 +287,3 @@ def _size(value: sympy.Expr) -> float:
         return float(abs(sympy.N(value, 15)))
     except TypeError:
         return 0.0
-
-
-def _names(taken: set[str]) -> dict:
-    def counted(letter):
-        number = 1
-        while True:
-            if f"{letter}{number}" not in taken:
-                yield f"{letter}{number}"
-            number += 1
-
-    return {letter: counted(letter) for letter in "wad"}

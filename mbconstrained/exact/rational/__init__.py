@@ -1,8 +1,5 @@
-"""The same questions over the rationals: floats are the exact numbers that they are, and nothing is rounded."""
+"""Exact answers over the rationals: floats are the exact numbers that they are, and nothing is rounded.
 
-from .blocks import ExactBlock
-from .chains import Chain
-from .matrix import RationalMatrix
-from .pairs import ExactFinitePair, ExactJordanPairs, exact_jordan_pairs
-from .singular import regular, regular_matrix
-from .structure import ElementaryDivisor, ExactStructure
+Read ``rational_matrix`` (determinant and minors by interpolation), ``rational_smith`` (root polynomials), ``rational_ring`` (the
+polynomials as the core takes them); ``flint_numbers`` has conversions and roots.
+"""

@@ -1,10 +1,5 @@
-"""The same questions with symbols: masses, stiffnesses and dampings that are positive and otherwise free."""
+"""Exact answers with symbols: masses, stiffnesses and dampings that are positive and otherwise free.
 
-from .algebra.blocks import Block
-from .algebra.chains import Chain
-from .algebra.local_smith import LocalSmithForm
-from .algebra.matrix import SymbolicPolynomialMatrix
-from .algebra.pairs import SymbolicInfinitePair, SymbolicJordanPairs, SymbolicPair
-from .algebra.structure import ElementaryDivisor, SymbolicStructure, SymbolicZero
-from .response.response import SymbolicResponse, solve_symbolically
-from .response.sources import initial_symbols
+Read ``symbolic_matrix`` (A(s), its adjugate and determinant), ``symbolic_smith`` (root polynomials), ``symbolic_ring`` and
+``symbolic_pairs`` (zeros in radicals, Jordan blocks, assumptions), then ``response``; ``field`` has the arithmetic below them.
+"""

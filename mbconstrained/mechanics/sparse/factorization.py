@@ -14,14 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 import scipy.sparse
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
-from ...errors import SingularPolynomialMatrix
-from ...tolerances import EPS, NOISE_SAFETY
-
-#: The signs of the pivots are believed where the factors leave at most this part of a right side, far below 1: no pivot of
-#: another sign can hide in it unless an eigenvalue is that close to s, and then the next s is tried.
-LARGEST_RESIDUAL = 1e-6
+from ...ground.errors import SingularPolynomialMatrix
+from ...ground.tolerances import EPS, NOISE_SAFETY, PIVOT_RESIDUAL
 
 
 @dataclass(frozen=True)
@@ -36,7 +32,7 @@ class Factorization:
         rows: L.
     """
 
-    lower_upper: object
+    lower_upper: SuperLU
     negative: int | None
     reach: np.ndarray | None = None
     schur: tuple | None = None
@@ -44,18 +40,23 @@ class Factorization:
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """x in the null space of L with P x = right up to forces of the rows, for one or several right sides."""
-        found = self.lower_upper.solve(np.asfortranarray(right))
+        solution = self.lower_upper.solve(np.asfortranarray(right))
         if self.rows is None:
-            return found
-        return found - self.reach @ scipy.linalg.lu_solve(self.schur, self.rows @ found)
+            return solution
+        return solution - self.reach @ scipy.linalg.lu_solve(self.schur, self.rows @ solution)
 
 
 def factorize(matrix: scipy.sparse.csc_array, rows: scipy.sparse.csr_array, describe, counted: bool = True) -> Factorization:
     """Factorize a symmetric matrix (real or complex) bordered by sparse rows.
 
     Args:
+        matrix: shape (r, r).
+        rows: L, shape (k, r).
         describe: names for places of coordinates, for the error.
         counted: whether the signs of the pivots shall be counted.
+
+    Returns:
+        The factors.
 
     Raises:
         SingularPolynomialMatrix: a pivot is no more than rounding.
@@ -80,20 +81,20 @@ def factorize(matrix: scipy.sparse.csc_array, rows: scipy.sparse.csr_array, desc
 
 
 def _negative(matrix, factors) -> int | None:
-    """The number of negative eigenvalues of the matrix, None where the pivots do not tell."""
+    """The number of negative eigenvalues of the matrix, None where the pivots are not accurate enough."""
     if not np.array_equal(factors.perm_r, factors.perm_c):
         return None
     pivots = factors.U.diagonal()
     probe = np.where(np.arange(matrix.shape[0]) % 2, 1.0, -0.75)
-    found = factors.solve(probe)
-    size = abs(matrix) @ np.abs(found) + np.abs(probe)
-    if not np.isfinite(found).all() or (np.abs(matrix @ found - probe) > LARGEST_RESIDUAL * size).any():
+    solution = factors.solve(probe)
+    size = abs(matrix) @ np.abs(solution) + np.abs(probe)
+    if not np.isfinite(solution).all() or (np.abs(matrix @ solution - probe) > PIVOT_RESIDUAL * size).any():
         return None
     return int((pivots < 0).sum())
 
 
 def _singular(matrix, describe) -> SingularPolynomialMatrix:
-    """The error for coordinates that neither mass nor stiffness hold, found by pivots of a slightly changed matrix."""
+    """The error for coordinates with neither mass nor stiffness, from the pivots of a slightly changed matrix."""
     size = abs(matrix.diagonal())
     added = NOISE_SAFETY * EPS * np.where(size > 0, size, size.max(initial=0.0) or 1.0)
     changed = scipy.sparse.csc_array(matrix + scipy.sparse.diags_array(added))
@@ -102,7 +103,7 @@ def _singular(matrix, describe) -> SingularPolynomialMatrix:
     loose = np.flatnonzero(pivots <= NOISE_SAFETY * added)
     named = describe(loose[:3]) if len(loose) else "some coordinates"
     return SingularPolynomialMatrix(
-        f"neither mass nor stiffness holds {named}{f' and {len(loose) - 3} more' if len(loose) > 3 else ''}: the modes are not "
+        f"{named}{f' and {len(loose) - 3} more' if len(loose) > 3 else ''} have neither mass nor stiffness: the modes are not "
         "determined; give them mass or stiffness (a damper alone does not do), or tie them by a constraint",
         coordinates=tuple(map(int, loose)),
     )

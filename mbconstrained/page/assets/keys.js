@@ -1,4 +1,4 @@
-// The keyboard: what each key does while nothing else on the page wants it.
+// Keyboard shortcuts, for keys that the focused element does not use.
 const keys = {
   " ": toggle,
   ArrowLeft: () => step(-0.01),
@@ -11,15 +11,15 @@ const keys = {
   "?": () => control("help").showModal(),
 };
 
-// What has keys of its own: the slider all but space, a radio button its arrows, a list of speeds everything.
-function hasItsOwn(element, key) {
+// Whether an element uses a key itself.
+function usesKey(element, key) {
   if (document.querySelector("dialog[open]") || /^(SELECT|TEXTAREA)$/.test(element.tagName)) return true;
   if (element.tagName === "INPUT") return /^(Arrow|Home|End)/.test(key);
   if (/^(BUTTON|SUMMARY|A)$/.test(element.tagName)) return key === " ";
   return /^(Arrow|Home|End)/.test(key) && !["BODY", "HTML"].includes(element.tagName) && !element.closest(".motion");
 }
 
-// A share of the whole time further; past an end, that end.
+// Moves the time by a share of the duration, at most to an end.
 function step(share) {
   seek(player.time + share * (player.motion.end - player.motion.start));
 }
@@ -30,12 +30,12 @@ function speedUp(by) {
   if (!choice.options[wanted]) return;
   choice.selectedIndex = wanted;
   choice.dispatchEvent(new Event("change"));
-  say(`speed ${choice.options[wanted].textContent}`);
+  announce(`speed ${choice.options[wanted].textContent}`);
 }
 
 document.addEventListener("keydown", (event) => {
   const act = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-  if (!act || event.ctrlKey || event.altKey || event.metaKey || hasItsOwn(event.target, event.key)) return;
+  if (!act || event.ctrlKey || event.altKey || event.metaKey || usesKey(event.target, event.key)) return;
   event.preventDefault();
   act();
 });

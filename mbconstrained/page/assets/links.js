@@ -3,7 +3,7 @@
 
 const along = () => new THREE.Vector3(1, 0, 0);
 
-// Lays an object whose own x axis is the link from one point to another; returns their distance.
+// Places an object whose own x axis is the link from one point to another; returns their distance.
 function lay(object, from, to) {
   const direction = to.clone().sub(from);
   const length = direction.length();
@@ -90,7 +90,7 @@ class Spring {
   update(from, to) {
     const length = lay(this.object, from.position, to.position);
     const stretched = length / this.drawn;
-    const near = detail.coarse && stretched > 0.6 && stretched < 1.6; // of many springs the wires need not stay quite round
+    const near = detail.coarse && stretched > 0.6 && stretched < 1.6; // with many springs the wires may be slightly elliptic
     this.object.scale.x = near ? stretched : 1;
     if (near) return;
     this.drawn = length;
@@ -108,7 +108,7 @@ class Spring {
 }
 
 class Damper {
-  // The cylinder is as long as the stroke asks for, and no longer than the shortest length of the damper leaves.
+  // The cylinder is as long as the stroke needs, and no longer than the shortest length of the damper allows.
   constructor(reach) {
     const stroke = reach.longest - reach.shortest;
     this.lead = Math.min(0.15, 0.15 * reach.shortest);
@@ -152,7 +152,7 @@ class Strut {
   }
 }
 
-// What a solid body around it would hide is drawn over it.
+// Drawn over the body around it, which would hide it.
 function overlay(geometry, color, opacity, order) {
   const mesh = solid(geometry, color, { depthTest: false, transparent: true, opacity: opacity });
   mesh.castShadow = false;
@@ -177,8 +177,8 @@ class Loop {
   }
 }
 
-// A soft block between two bodies: as long as their points are apart, and round where these coincide. A pale one is
-// drawn over what hides it.
+// A soft block between two bodies: from point to point, and round where these coincide. A pale copy is
+// drawn over bodies in front of it.
 class Bushing {
   constructor() {
     const shape = new THREE.SphereGeometry(0.15, 32, 20);
@@ -206,7 +206,7 @@ class Rod {
   }
 }
 
-// Between two wheels on one axis: a helix that winds with their angles. Around one wheel, or beside it: a flat spiral
+// Between two wheels on one axis: a helix that winds with their angles. Around one wheel, or next to it: a flat spiral
 // from its fixed end to the hub.
 class TorsionSpring {
   constructor(reach) {
@@ -247,7 +247,7 @@ class TorsionSpring {
   }
 }
 
-// Between two wheels on one axis: a drum that turns with the first around a vane that turns with the second. Beside a
+// Between two wheels on one axis: a drum that turns with the first around a vane that turns with the second. Next to a
 // wheel: a brake shoe on its rim.
 class TorsionDamper {
   constructor(reach) {

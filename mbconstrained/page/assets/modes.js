@@ -1,6 +1,6 @@
-// The page of mode shapes: one cycle of each mode, of which the one that is picked is shown.
+// The page of mode shapes: one cycle of the selected mode.
 const page = {
-  rate: 1 / data.cycle, // the time of the player is the part of the cycle
+  rate: 1 / data.cycle, // the player's time is the phase, from 0 to 1
   mode: data.first,
 
   state() {
@@ -16,76 +16,76 @@ const page = {
 
   // Such as #mode=2&t=0.25
   follow(fragment) {
-    const asked = new URLSearchParams(fragment.slice(1));
-    const number = Number(asked.get("mode") || NaN);
-    const time = Number(asked.get("t") || NaN);
-    if (Number.isInteger(number) && data.modes[number - 1]) pick(number - 1);
+    const parameters = new URLSearchParams(fragment.slice(1));
+    const number = Number(parameters.get("mode") || NaN);
+    const time = Number(parameters.get("t") || NaN);
+    if (Number.isInteger(number) && data.modes[number - 1]) select(number - 1);
     if (Number.isNaN(time) && Number.isNaN(number)) return;
     pause();
     seek(Number.isFinite(time) ? time : 0);
   },
 };
 
-const motions = data.modes.map(() => null); // unpacked when they are first shown
+const motions = data.modes.map(() => null); // unpacked when first shown
 
 function motionOf(mode) {
   motions[mode] = motions[mode] || new Motion(Object.assign({ names: data.names }, data.modes[mode].frames));
   return motions[mode];
 }
 
-function pick(mode) {
+function select(mode) {
   page.mode = mode;
   player.motion = motionOf(mode);
-  const still = player.motion.end === player.motion.start;
-  control("play").disabled = still;
-  control("time").disabled = still;
+  const isStill = player.motion.end === player.motion.start;
+  control("play").disabled = isStill;
+  control("time").disabled = isStill;
   document.querySelectorAll("tr[data-mode]").forEach((row, i) => {
-    row.classList.toggle("picked", i === mode);
+    row.classList.toggle("selected", i === mode);
     row.querySelector("input").checked = i === mode;
   });
   document.querySelectorAll(".details section").forEach((section, i) => (section.hidden = i !== mode));
-  tell();
-  if (still) player.playing = false;
+  showNote();
+  if (isStill) player.playing = false;
   show(player.time);
 }
 
-// What is not as it is: size and pace.
-function tell() {
-  const { told } = data.modes[page.mode];
-  document.querySelector(".magnification").textContent = [told, pace()].filter(Boolean).join("\n");
+// The factors of size and time.
+function showNote() {
+  const { note } = data.modes[page.mode];
+  document.querySelector(".magnification").textContent = [note, pace()].filter(Boolean).join("\n");
 }
 
 function pace() {
   const { period, frames } = data.modes[page.mode];
   if (frames.times.count === 1) return "";
   const shown = data.cycle / Number(control("speed").value);
-  const plain = (number) => Number(number.toPrecision(3));
-  if (period === null) return `no oscillation: its shape shown swaying, once in ${plain(shown)} s`;
+  const rounded = (number) => Number(number.toPrecision(3));
+  if (period === null) return `no oscillation: its shape is shown as an oscillation, once in ${rounded(shown)} s`;
   const factor = shown / period;
-  const how = factor > 1 ? `slowed down ${plain(factor)} ×` : `sped up ${plain(1 / factor)} ×`;
-  return `a cycle of ${plain(period)} s shown in ${plain(shown)} s` + (Math.abs(factor - 1) < 5e-4 ? "" : `: ${how}`);
+  const how = factor > 1 ? `slowed down ${rounded(factor)} ×` : `sped up ${rounded(1 / factor)} ×`;
+  return `a cycle of ${rounded(period)} s shown in ${rounded(shown)} s` + (Math.abs(factor - 1) < 5e-4 ? "" : `: ${how}`);
 }
 
-// What is picked moves, unless the system is set to show as little motion as possible.
-function pickAndPlay(mode) {
-  pick(mode);
+// The selected mode moves, unless the system is set to reduced motion.
+function selectAndPlay(mode) {
+  select(mode);
   if (!window.matchMedia("(prefers-reduced-motion: reduce)").matches) play();
 }
 
-control("speed").addEventListener("change", tell);
+control("speed").addEventListener("change", showNote);
 document.querySelectorAll("tr[data-mode]").forEach((row, i) => {
   const button = row.querySelector("input");
-  button.addEventListener("change", () => pickAndPlay(i));
+  button.addEventListener("change", () => selectAndPlay(i));
   row.addEventListener("click", (event) => {
-    if (event.target.closest("label")) return; // the button hears of it by itself
+    if (event.target.closest("label")) return; // the label activates the button itself
     button.focus();
-    pickAndPlay(i);
+    selectAndPlay(i);
   });
 });
 
 open(motionOf(data.first));
-pick(page.mode);
-window.mbconstrained.pick = (number) => {
-  if (!data.modes[number - 1]) throw new RangeError(`pick: found ${number}; expected a number from 1 to ${data.modes.length}`);
-  pick(number - 1);
+select(page.mode);
+window.mbconstrained.select = (number) => {
+  if (!data.modes[number - 1]) throw new RangeError(`select: found ${number}; expected a number from 1 to ${data.modes.length}`);
+  select(number - 1);
 };

@@ -1,7 +1,7 @@
 // The motion: each coordinate as a function of time, cubic between the key frames and exact on them; and the poses of
-// bodies that have paths, cubic too.
+// bodies on paths, cubic too.
 
-// Numbers that were packed as base64.
+// Numbers packed as base64.
 function unpack(text, Type) {
   const letters = atob(text);
   const bytes = new Uint8Array(letters.length);
@@ -9,7 +9,7 @@ function unpack(text, Type) {
   return new Type(bytes.buffer);
 }
 
-// Numbers that were packed as they are, or as a track: codes of 16 bits with the lowest value and the step of each row.
+// Packed numbers, or a track: codes of 16 bits with the lowest value and the step of each row.
 function unpacked(numbers, Type) {
   if (typeof numbers === "string") return unpack(numbers, Type);
   const { low, step, codes } = numbers;
@@ -57,7 +57,7 @@ class Motion {
     return typeof values === "number" ? values : this.between(values, this.rates[i], key, time);
   }
 
-  // Index of the last key frame, but one at most, that is not after the time.
+  // Index of the last key frame that is not after the time, at most the last but one.
   keyBefore(time) {
     let low = 0;
     let high = this.times.length - 1;
@@ -81,15 +81,15 @@ class Motion {
   }
 
   path(poses) {
-    if (poses.length === 7) return { still: Array.from(poses) };
+    if (poses.length === 7) return { constant: Array.from(poses) };
     return { poses: poses, rates: [0, 1, 2, 3, 4, 5, 6].map((row) => this.slopes(poses, row, 7)) };
   }
 
-  // Place and unit quaternion of a body with a path.
+  // Position and unit quaternion of a body with a path.
   poseOnPath(body, time) {
-    const { still, poses, rates } = this.paths[body];
+    const { constant, poses, rates } = this.paths[body];
     const key = this.keyBefore(time);
-    const pose = still || rates.map((rate, row) => this.between(poses, rate, key, time, row, 7));
+    const pose = constant || rates.map((rate, row) => this.between(poses, rate, key, time, row, 7));
     const length = Math.hypot(...pose.slice(3));
     return { position: pose.slice(0, 3), quaternion: pose.slice(3).map((value) => value / length), turn: [0, 0, 0] };
   }
@@ -116,7 +116,7 @@ class Motion {
     return { first: first, weights: weights };
   }
 
-  // Where a body is and how it is turned: by its path, or both linear in the coordinates.
+  // The pose of a body: on its path, or linear in the coordinates.
   pose(body, number, coordinates, time) {
     if (this.paths[number]) return this.poseOnPath(number, time);
     const sum = (start, terms) => {

@@ -1,15 +1,15 @@
-// The player: time, controls, and the state that programs can read and set. What differs from page to page, it asks of
-// the page's own object, which the last script makes:
+// The player: time, controls, and the state that programs can read and set. The last script defines an object `page` with
+// what differs from page to page:
 //   page.rate       seconds of the motion for a second of the viewer at speed 1
-//   page.state()    what the state says besides time and places
+//   page.state()    further entries of the state
 //   page.shown()    called after each change of time
-//   page.after(t)   where to go on when the motion has passed its end
-//   page.follow(fragment)  what the part of the address after the # asks for
+//   page.after(t)   the time to continue from when the motion has passed its end
+//   page.follow(fragment)  applies the part of the address after the #
 const data = JSON.parse(document.getElementById("motion-data").textContent);
 const control = (id) => document.getElementById(id);
 const player = { time: 0, playing: false, published: 0, motion: null, stage: null, errors: [] };
 
-const pauseBetween = 100; // ms between two states that are published while it plays
+const publishInterval = 100; // ms between published states while it plays
 
 window.addEventListener("error", (event) => report(event.message));
 window.addEventListener("unhandledrejection", (event) => report(String(event.reason)));
@@ -32,16 +32,16 @@ function state() {
   });
 }
 
-// Shows the state at a time; everything on the page that depends on the time is written before it returns.
+// Shows the state at a time; everything on the page that depends on the time is updated before it returns.
 function show(time) {
   player.time = player.motion.clamp(time);
   if (player.stage) player.stage.show(player.motion, player.time);
-  const told = `${player.time.toFixed(data.decimals)} ${data.unit}`;
+  const text = `${player.time.toFixed(data.decimals)} ${data.unit}`;
   control("time").value = player.time;
-  control("time").setAttribute("aria-valuetext", told);
-  control("clock").textContent = told;
+  control("time").setAttribute("aria-valuetext", text);
+  control("clock").textContent = text;
   page.shown();
-  if (!player.playing || performance.now() - player.published > pauseBetween) publish();
+  if (!player.playing || performance.now() - player.published > publishInterval) publish();
 }
 
 function publish() {
@@ -50,9 +50,9 @@ function publish() {
   document.body.dataset.state = JSON.stringify(state());
 }
 
-// What changes without being seen by all, for those who hear the page.
-function say(text) {
-  control("said").textContent = text;
+// For assistive technology.
+function announce(text) {
+  control("announcement").textContent = text;
 }
 
 function seek(time) {
@@ -75,7 +75,7 @@ function pause() {
 function toggle() {
   if (player.playing) pause();
   else play();
-  say(player.playing ? "plays" : `paused at ${control("clock").textContent}`);
+  announce(player.playing ? "playing" : `paused at ${control("clock").textContent}`);
 }
 
 function frame(now) {
@@ -95,20 +95,20 @@ function listen() {
   control("time").addEventListener("input", (event) => seek(event.target.value));
   control("reset").addEventListener("click", () => player.stage && player.stage.reset());
   window.addEventListener("hashchange", () => page.follow(location.hash));
-  window.addEventListener("themechange", () => player.stage && player.stage.dress(theme.dark));
+  window.addEventListener("themechange", () => player.stage && player.stage.setTheme(theme.dark));
 }
 
-const apart = "The 3-D view needs the file mbconstrained-viewer.js, which does not lie beside this page.";
+const viewerMissing = "The 3-D view needs the file mbconstrained-viewer.js in the folder of this page.";
 
 function open(motion) {
   player.motion = motion;
   try {
-    if (!window.MeshCat) throw new Error(apart);
+    if (!window.MeshCat) throw new Error(viewerMissing);
     player.stage = new Stage(control("stage"), data.figure);
-    player.stage.dress(theme.dark);
+    player.stage.setTheme(theme.dark);
   } catch (error) {
     control("stage").classList.add("unavailable");
-    if (error.message === apart) document.querySelector(".missing").textContent = apart;
+    if (error.message === viewerMissing) document.querySelector(".missing").textContent = viewerMissing;
     report(`The 3-D view cannot be shown: ${error.message}`);
   }
   listen();

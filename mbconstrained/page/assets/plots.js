@@ -1,6 +1,6 @@
-// Plots: cursors at the time that is shown, values of the curves beside their names at the time of the pointer or else of
-// the cursor, and names that show and hide their curves. A press or a drag in a plot goes to its time, where there is a
-// motion that can: plots.seek is then its function, and plots.read that for the value of one of its coordinates at a time.
+// Plots: cursors at the current time, values of the curves next to their names at the time of the pointer or else of the
+// cursor, and names that show and hide their curves. On a page with an animation plots.seek(time) is called by a press or
+// a drag in a plot, and plots.read(coordinate, time) gives the value of a coordinate.
 const cells = 10000; // of the square in which curves are written, as wide and as high as the axes
 const plots = { all: [], seek: null, read: null, time: null, hover: null };
 const svgNamespace = "http://www.w3.org/2000/svg";
@@ -13,7 +13,7 @@ class PlottedCurve {
     this.value = entry.querySelector(".value");
     this.points = pointsOf(path.getAttribute("d"));
     this.digits = Number(path.dataset.digits); // NaN where none are known
-    this.error = "error" in path.dataset ? Number(path.dataset.error) : null; // of the points, which tell what is between them
+    this.error = "error" in path.dataset ? Number(path.dataset.error) : null; // of the points; between them it is estimated from the curvature
     this.coordinate = "coordinate" in path.dataset ? Number(path.dataset.coordinate) : null;
     this.dot = plot.add("circle", { class: path.getAttribute("class").replace("off", ""), r: 4, visibility: "hidden" });
     this.button.addEventListener("click", () => this.toggle());
@@ -48,7 +48,7 @@ class PlottedCurve {
   }
 
   get along() {
-    return this.plot.even ? null : this.plot.moments || this.points.x;
+    return this.plot.even ? null : this.plot.times || this.points.x;
   }
 
   // How far a point lies above the line through its neighbours, in cells.
@@ -60,7 +60,7 @@ class PlottedCurve {
     return y[key] - y[key - 1] - part * (y[key + 1] - y[key - 1]);
   }
 
-  // By how many cells a value after a point may be off: of a smooth curve a quarter of the bend; at a jump the bends are opposite.
+  // Error in cells of a value after a point: of a smooth curve a quarter of the bend; at a jump the bends are opposite.
   errorAfter(key) {
     const [one, other] = [this.bend(key), this.bend(key + 1)];
     const bent = one * other < 0 ? Math.abs(one - other) : Math.max(Math.abs(one), Math.abs(other)) / 2;
@@ -71,11 +71,11 @@ class PlottedCurve {
     const share = this.plot.share(time);
     const there = share !== null && this.shown;
     this.dot.setAttribute("visibility", there ? "visible" : "hidden");
-    this.value.textContent = there ? this.tell(share, time) : "";
+    this.value.textContent = there ? this.read(share, time) : "";
   }
 
-  // As exactly as it is known: a coordinate by the motion itself, anything else by the points that are drawn.
-  tell(share, time) {
+  // The value with its known digits: of a coordinate from the motion itself, of any other curve from its drawn points.
+  read(share, time) {
     const { across, up, phase, height } = this.plot;
     const [x, y, key] = this.at(share);
     const read = this.coordinate !== null && plots.read;
@@ -83,8 +83,8 @@ class PlottedCurve {
     this.dot.setAttribute("cx", `${(100 * x) / cells}%`);
     this.dot.setAttribute("cy", height * (1 - upwards));
     const digits = this.error === null ? this.digits : up.digitsFor(this.errorAfter(key));
-    const told = [...(phase ? [across.text(x / cells)] : []), up.text(upwards, digits)];
-    return told.every(Boolean) ? told.join(", ") : "";
+    const texts = [...(phase ? [across.text(x / cells)] : []), up.text(upwards, digits)];
+    return texts.every(Boolean) ? texts.join(", ") : "";
   }
 }
 
@@ -94,14 +94,14 @@ class PlottedFigure {
     this.height = svg.clientHeight || 214;
     this.start = Number(svg.dataset.start);
     this.end = Number(svg.dataset.end);
-    this.phase = "moments" in svg.dataset;
-    this.moments = svg.dataset.moments ? sums(svg.dataset.moments.split(" ").map(Number)) : null;
-    this.even = "even" in svg.dataset || svg.dataset.moments === "";
+    this.phase = "times" in svg.dataset;
+    this.times = svg.dataset.times ? sums(svg.dataset.times.split(" ").map(Number)) : null;
+    this.even = "even" in svg.dataset || svg.dataset.times === "";
     this.across = new Scale(svg.dataset.across, svg.dataset.acrossUnit, Number(svg.dataset.acrossDigits));
     this.up = new Scale(svg.dataset.up, svg.dataset.upUnit);
     this.cursor = this.add("line", { class: "cursor", y2: this.height, visibility: "hidden" });
     this.pointer = this.add("line", { class: "pointer", y2: this.height, visibility: "hidden" });
-    this.told = this.add("text", { class: "told", y: -3, "text-anchor": "middle" });
+    this.pointerTime = this.add("text", { class: "pointer-time", y: -3, "text-anchor": "middle" });
     const entries = svg.closest("figure").querySelectorAll(".legend li");
     this.curves = [...svg.querySelectorAll("path")].map((path, i) => new PlottedCurve(this, path, entries[i]));
     svg.addEventListener("pointerdown", (event) => this.press(event));
@@ -116,15 +116,15 @@ class PlottedFigure {
     return element;
   }
 
-  // Values are those at the pointer, or else at the time that is shown.
+  // Values are those at the pointer, or else at the current time.
   show() {
     const [time, pointed] = [this.share(plots.time), this.share(plots.hover)];
     this.curves.forEach((curve) => curve.show(plots.hover === null ? plots.time : plots.hover));
     if (this.phase) return;
     this.put(this.cursor, time);
     this.put(this.pointer, pointed);
-    this.told.textContent = pointed === null ? "" : this.across.text(pointed);
-    this.told.setAttribute("x", `${100 * pointed}%`);
+    this.pointerTime.textContent = pointed === null ? "" : this.across.text(pointed);
+    this.pointerTime.setAttribute("x", `${100 * pointed}%`);
   }
 
   // The part of the plot's time that has passed, or null where it has no such time.
@@ -145,14 +145,14 @@ class PlottedFigure {
     return this.start + share * (this.end - this.start);
   }
 
-  // The part of the time at which a phase curve comes nearest to the pointer; where it crosses itself, that next to now.
+  // The part of the time at which a phase curve is nearest to the pointer; where it crosses itself, the one nearest to now.
   nearest(x, y, box) {
     const { points } = this.curves[0];
-    const away = points.x.map((px, i) => Math.hypot((px / cells - x) * box.width, (points.y[i] / cells - y) * box.height));
-    const closest = Math.min(...away);
-    const moment = (i) => (this.moments ? this.moments[i] / cells : i / (away.length - 1));
+    const distances = points.x.map((px, i) => Math.hypot((px / cells - x) * box.width, (points.y[i] / cells - y) * box.height));
+    const closest = Math.min(...distances);
+    const shareAt = (i) => (this.times ? this.times[i] / cells : i / (distances.length - 1));
     const now = this.share(plots.time) || 0;
-    const shares = away.flatMap((distance, i) => (distance < closest + 5 ? [moment(i)] : []));
+    const shares = distances.flatMap((distance, i) => (distance < closest + 5 ? [shareAt(i)] : []));
     return shares.reduce((best, share) => (Math.abs(share - now) < Math.abs(best - now) ? share : best));
   }
 
@@ -170,7 +170,7 @@ class PlottedFigure {
   }
 }
 
-// An axis: what its ends stand for in the unit of its labels, the power of ten in that, the unit, how many digits are known.
+// An axis: its ends in the unit of its labels, the power of ten of that unit, the unit, and the number of known digits.
 class Scale {
   constructor(ends, unit, digits) {
     [this.low, this.high, this.exponent] = ends.split(" ").map(Number);
@@ -182,25 +182,25 @@ class Scale {
     return (value / 10 ** this.exponent - this.low) / (this.high - this.low);
   }
 
-  // After the point, of numbers that may be off by so many cells; NaN where not even the first digit is known.
+  // Digits after the decimal point of numbers with an error in cells; NaN where not even the first is known.
   digitsFor(error) {
     const cell = (this.high - this.low) / cells;
     const digits = Math.min(12, Math.floor(1e-9 - Math.log10(Math.max(cell, 2 * error * cell))));
     return 10 ** -digits > this.high - this.low ? NaN : digits;
   }
 
-  // Digits below zero are tens or hundreds, which are told as "≈ 300": no other zero at the end is one that is not known.
+  // With digits below zero tens or hundreds, as in "≈ 300"; all other zeros at the end are known digits.
   text(share, digits = this.digits) {
     if (Number.isNaN(digits)) return "";
     const value = this.low + share * (this.high - this.low);
     const number = digits < 0 ? String(Math.round(value * 10 ** digits) * 10 ** -digits) : value.toFixed(digits);
-    if (digits < 0 && Number(number) === 0) return ""; // it is small beside what is known
+    if (digits < 0 && Number(number) === 0) return ""; // it is smaller than its error
     const signed = number.replace(/^-(?=[0.]*$)/, "").replace("-", "−");
     return `${digits < 0 ? "≈ " : ""}${signed} ${this.unit}`.trim();
   }
 }
 
-// "M0 5l1 2 3-4": a first point, then the way from each point to the next.
+// "M0 5l1 2 3-4": the first point, then the steps from point to point.
 function pointsOf(data) {
   const numbers = data.match(/-?\d+/g).map(Number);
   return { x: sums(numbers.filter((_, i) => i % 2 === 0)), y: sums(numbers.filter((_, i) => i % 2 === 1)) };
@@ -211,7 +211,7 @@ function sums(numbers) {
   return numbers.map((number) => (total += number));
 }
 
-// The position of a number in an ascending list: 2.5 is half way between the third entry and the fourth.
+// The position of a number in an ascending list: 2.5 is in the middle between the third entry and the fourth.
 function place(list, number) {
   let [low, high] = [0, list.length - 1];
   while (high - low > 1) {

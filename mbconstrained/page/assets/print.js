@@ -1,4 +1,4 @@
-// On paper: a browser does not print what WebGL has drawn, so a flat copy of the picture with its names stands in for it.
+// Printing: browsers do not print WebGL canvases, so a flat copy of the picture with its names replaces it.
 function copyForPaper() {
   const { viewer, size } = player.stage;
   const [width, height] = size;
@@ -6,7 +6,7 @@ function copyForPaper() {
   const sharp = viewer.renderer.domElement.width / width;
   Object.assign(flat, { className: "paper", width: sharp * width, height: sharp * height });
   const pen = flat.getContext("2d");
-  player.stage.dress(false); // paper is light
+  player.stage.setTheme(false); // paper is light
   viewer.render();
   pen.drawImage(viewer.renderer.domElement, 0, 0, flat.width, flat.height);
   pen.scale(sharp, sharp);
@@ -24,5 +24,5 @@ function copyForPaper() {
 window.addEventListener("beforeprint", () => player.stage && copyForPaper());
 window.addEventListener("afterprint", () => {
   document.querySelectorAll("canvas.paper").forEach((flat) => flat.remove());
-  if (player.stage) player.stage.dress(theme.dark);
+  if (player.stage) player.stage.setTheme(theme.dark);
 });

@@ -1,7 +1,7 @@
 // The page of a run: one motion, and plots whose cursors follow it.
 const page = {
   rate: 1,
-  plots: typeof plots === "undefined" ? null : plots, // without plots there is no script of theirs
+  plots: typeof plots === "undefined" ? null : plots, // their script is included only where needed
 
   state() {
     const { start, end } = player.motion;
@@ -23,16 +23,16 @@ const page = {
   },
 
   follow(fragment) {
-    const asked = /^#t=(.+)$/.exec(fragment);
-    if (!asked || !Number.isFinite(Number(asked[1]))) return;
+    const match = /^#t=(.+)$/.exec(fragment);
+    if (!match || !Number.isFinite(Number(match[1]))) return;
     pause();
-    seek(asked[1]);
+    seek(match[1]);
   },
 };
 
 control("loop").addEventListener("click", () => {
   control("loop").setAttribute("aria-pressed", !page.loops());
-  say(page.loops() ? "starts again at the end" : "stops at the end");
+  announce(page.loops() ? "loops at the end" : "stops at the end");
   publish();
 });
 if (page.plots) {

@@ -5,15 +5,15 @@ const THREE = window.MeshCat ? window.MeshCat.THREE : null;
 const ink = "#3d4852";
 const steel = "#8795a1";
 
-// Of many bodies each is small: then fewer faces do, and no shadows.
+// With many bodies each is small: fewer faces suffice, without shadows.
 const detail = { coarse: false };
 
-function matter(color, options) {
+function material(color, options) {
   return new THREE.MeshPhongMaterial(Object.assign({ color: color, shininess: 20, specular: "#222222" }, options));
 }
 
 function solid(geometry, color, options) {
-  const mesh = new THREE.Mesh(geometry, matter(color, options));
+  const mesh = new THREE.Mesh(geometry, material(color, options));
   mesh.castShadow = !detail.coarse;
   mesh.receiveShadow = !detail.coarse;
   return mesh;
@@ -24,9 +24,9 @@ function at(object, x, y, z) {
   return object;
 }
 
-function group(...parts) {
+function group(...objects) {
   const whole = new THREE.Group();
-  if (parts.length) whole.add(...parts);
+  if (objects.length) whole.add(...objects);
   return whole;
 }
 
@@ -73,7 +73,7 @@ function toothed(radius, teeth, depth) {
   return new THREE.Shape(points);
 }
 
-// What makes a turning wheel readable: a hub, a spoke and a dot on its front.
+// A hub, a spoke and a dot on the front of a wheel, which show its rotation.
 function face(radius, thickness) {
   const front = -thickness / 2 - 0.012;
   const wheel = (r, y, color) => at(solid(new THREE.CylinderGeometry(r, r, 0.04, 40), color), 0, y, 0);
@@ -126,7 +126,7 @@ const shapes = {
   },
 };
 
-// Diagonal strokes over the front of the ground, cut at its border.
+// Diagonal strokes on the front of the ground, clipped at its border.
 function hatching(width, height, y, pitch = 0.14) {
   const points = [];
   for (let offset = -(width + height) / 2 + pitch / 2; offset < (width + height) / 2; offset += pitch) {

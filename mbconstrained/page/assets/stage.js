@@ -1,5 +1,5 @@
 // The stage: the meshcat viewer with the bodies and links of the figure in its scene tree, a camera that shows the
-// whole motion, and names as text over the picture.
+// whole motion, and names over the picture.
 class Stage {
   constructor(pane, figure) {
     this.pane = pane;
@@ -8,23 +8,27 @@ class Stage {
     this.viewer.gui.domElement.remove();
     detail.coarse = figure.bodies.length + figure.links.length > 100;
     this.viewer.renderer.shadowMap.enabled = !detail.coarse;
-    for (const command of figure.commands) this.viewer.handle_command(command);
-    const parts = new Parts(figure.meshes);
-    const objects = figure.bodies.map((body) => bodyObject(body, parts, figure.unit));
-    const boxes = objects.map((object, i) => (figure.bodies[i].shape === "parts" ? boxAround(object) : null));
+    for (const name of ["Grid", "Axes", "Background", "Lights/PointLightNegativeX", "Lights/PointLightPositiveX", "Lights/FillLight"]) {
+      this.viewer.handle_command({ type: "set_property", path: `/${name}`, property: "visible", value: false });
+    }
+    // a soft light from everywhere instead of spot lights
+    this.viewer.handle_command({ type: "set_property", path: "/Lights/AmbientLight/\x3cobject>", property: "intensity", value: 0.68 });
+    const solids = new Solids(figure.meshes);
+    const objects = figure.bodies.map((body) => bodyObject(body, solids, figure.unit));
+    const boxes = objects.map((object, i) => (figure.bodies[i].shape === "solids" ? boxAround(object) : null));
     this.bodies = objects.map((object, i) => this.place(["bodies", `body ${i}`], object));
     this.turn = new THREE.Quaternion(...figure.turn);
-    for (const all of ["bodies", "links", "marks"]) this.node(all).quaternion.copy(this.turn);
+    for (const all of ["bodies", "links", "overlay"]) this.node(all).quaternion.copy(this.turn);
     this.node("bodies").scale.setScalar(1 / figure.unit);
-    this.links = figure.links.map((link, i) => this.hang(link, i));
+    this.links = figure.links.map((link, i) => this.addLink(link, i));
     this.names = new Names(this, boxes);
-    this.marks = figure.marks ? new Marks(this, figure.marks) : null; // without them there is no script of theirs
-    this.light();
-    this.camera = this.aim();
-    this.viewer.controls.addEventListener("end", () => this.lookAgain());
-    this.viewer.set_3d_pane_size = () => this.fit(); // the viewer's own fills the window
+    this.overlay = figure.overlay ? new Overlay(this, figure.overlay) : null; // its script is included only where needed
+    this.addLight();
+    this.camera = this.addCamera();
+    this.viewer.controls.addEventListener("end", () => this.updateNames());
+    this.viewer.set_3d_pane_size = () => this.fit(); // instead of the viewer's own, which fills the window
     this.fit();
-    this.quietWheel();
+    this.restrictWheel();
   }
 
   // Puts an object into the scene tree; returns the node's object, which is the one to move.
@@ -34,13 +38,13 @@ class Stage {
     return this.viewer.scene_tree.find(full).object;
   }
 
-  // What has all objects of a kind below it.
+  // The parent of all objects of a kind.
   node(kind) {
     return this.viewer.scene_tree.find(["mbconstrained", kind]).object;
   }
 
-  // On a dark ground what is of a dark grey glows a little: it would not be seen otherwise.
-  dress(dark) {
+  // On a dark background dark greys are lightened a little, to remain visible.
+  setTheme(dark) {
     const glow = new THREE.Color(dark ? "#2f3942" : "#000000");
     const hsl = {};
     this.viewer.scene.traverse(({ material }) => {
@@ -51,7 +55,7 @@ class Stage {
     this.viewer.set_dirty();
   }
 
-  hang(link, i) {
+  addLink(link, i) {
     const drawn = new kinds[link.kind](link);
     const frame = this.place(["links", `link ${i}`], link.turn ? group(drawn.object) : drawn.object);
     if (!link.turn) return Object.assign({ drawn: drawn }, link);
@@ -59,7 +63,7 @@ class Stage {
     return Object.assign({ drawn: drawn }, link, { back: frame.quaternion.clone().conjugate() });
   }
 
-  light() {
+  addLight() {
     const { low, high } = this.figure.bounds;
     const middle = new THREE.Vector3(...low).add(new THREE.Vector3(...high)).multiplyScalar(0.5);
     const reach = new THREE.Vector3(...high).distanceTo(new THREE.Vector3(...low));
@@ -78,43 +82,43 @@ class Stage {
     this.place(["floor"], floor);
   }
 
-  // A camera without perspective, turned and raised a little. The viewer's camera lives in axes with y up.
-  aim() {
+  // A camera without perspective, turned and raised a little. The axes of the viewer's camera have y up.
+  addCamera() {
     const camera = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.01, 1000);
-    this.viewer.controls.dispose(); // those of the camera that the viewer began with
+    this.viewer.controls.dispose(); // those of the camera of the viewer at first
     this.viewer.set_camera(camera);
     this.viewer.set_object(["Cameras", "default", "rotated"], camera);
     this.viewer.controls.enableKeys = false;
-    this.look(camera);
+    this.setView(camera);
     return camera;
   }
 
-  look(camera) {
+  setView(camera) {
     const { low, high } = this.figure.bounds;
     const { yaw, pitch } = this.figure.view;
     const middle = low.map((value, axis) => (value + high[axis]) / 2);
-    const away = 4 * Math.hypot(...high.map((value, axis) => value - low[axis]));
+    const distance = 4 * Math.hypot(...high.map((value, axis) => value - low[axis]));
     const eye = [Math.sin(yaw) * Math.cos(pitch), -Math.cos(yaw) * Math.cos(pitch), Math.sin(pitch)];
     const upright = ([x, y, z]) => new THREE.Vector3(x, z, -y);
-    camera.far = 3 * away;
+    camera.far = 3 * distance;
     camera.zoom = this.figure.view.zoom || 1;
-    camera.position.copy(upright(middle.map((value, axis) => value + away * eye[axis])));
+    camera.position.copy(upright(middle.map((value, axis) => value + distance * eye[axis])));
     this.viewer.controls.target.copy(upright(middle));
     this.viewer.controls.update();
   }
 
   reset() {
-    this.look(this.camera);
+    this.setView(this.camera);
     this.fit();
-    this.lookAgain();
+    this.updateNames();
   }
 
-  lookAgain() {
-    this.names.lookAgain();
+  updateNames() {
+    this.names.viewChanged();
     this.draw();
   }
 
-  // Half width and half height of the figure as the camera sees it.
+  // Half width and half height of the figure in the view.
   extent() {
     const { low, high } = this.figure.bounds;
     const { yaw, pitch } = this.figure.view;
@@ -131,25 +135,25 @@ class Stage {
     const margin = 1 + 70 / width;
     const wanted = Math.round(Math.min(520, Math.max(240, (width * (up + 0.25)) / across)));
     const lines = this.pane.querySelector(".magnification").offsetHeight;
-    const told = lines > 30 ? lines : 0; // more than one line over the picture has room of its own
-    this.pane.style.height = `${wanted + told}px`;
-    const height = this.pane.clientHeight - told; // a style sheet may hold it to another
+    const header = lines > 30 ? lines : 0; // more than one line over the picture has space of its own
+    this.pane.style.height = `${wanted + header}px`;
+    const height = this.pane.clientHeight - header; // a style sheet may set another
     const half = Math.max(across * margin, ((up + Math.max(0.3, (70 * up) / height)) * width) / height);
-    const [top, bottom] = [(half * (height + 2 * told)) / width, (-half * height) / width];
+    const [top, bottom] = [(half * (height + 2 * header)) / width, (-half * height) / width];
     Object.assign(this.camera, { left: -half, right: half, top: top, bottom: bottom });
     this.camera.updateProjectionMatrix();
-    this.size = [width, height + told];
+    this.size = [width, height + header];
     this.viewer.renderer.setSize(...this.size);
     this.viewer.set_dirty();
   }
 
   // The wheel scrolls the page; with the control key it zooms the picture.
-  quietWheel() {
+  restrictWheel() {
     const stop = (event) => event.ctrlKey || event.stopPropagation();
     this.pane.addEventListener("wheel", stop, { capture: true });
   }
 
-  // Moves everything to where it is at a time.
+  // Moves everything to its position at a time.
   show(motion, time) {
     const coordinates = motion.at(time);
     const poses = this.figure.bodies.map((body, i) => motion.pose(body, i, coordinates, time));
@@ -162,11 +166,11 @@ class Stage {
       const from = this.end(poses[link.start], link.start_point, link.start_turns, link.back);
       link.drawn.update(from, this.end(poses[link.end], link.end_point, link.end_turns, link.back), over);
     }
-    if (this.marks) this.marks.show(poses, coordinates, time, motion);
+    if (this.overlay) this.overlay.show(poses, coordinates, time, motion);
     this.draw();
   }
 
-  // A link's end in drawing units, turned with the body where it is fixed in its frame; as the link's own frame has it.
+  // The end of a link in drawing units and in the frame of the link; it turns with the body where it is fixed in its frame.
   end({ position, quaternion, turn }, point, turns, back) {
     const place = new THREE.Vector3(...point);
     if (turns) place.applyQuaternion(new THREE.Quaternion(...quaternion));
@@ -177,14 +181,14 @@ class Stage {
 
   draw() {
     this.viewer.render();
-    this.names.write(this.marks ? this.marks.write() : []);
+    this.names.place(this.overlay ? this.overlay.placeLabels() : []);
   }
 
   drawIfNeeded() {
     if (this.viewer.needs_render) this.draw();
   }
 
-  // What the viewer's scene tree says about each body.
+  // The state of each body in the viewer's scene tree.
   nodes() {
     const nodes = Object.create(null);
     this.figure.bodies.forEach((body, i) => {
@@ -200,8 +204,8 @@ class Stage {
   }
 }
 
-function bodyObject(body, parts, unit) {
-  if (body.shape === "parts") return group(...body.parts.map((part) => parts.object(part)));
+function bodyObject(body, solids, unit) {
+  if (body.shape === "solids") return group(...body.solids.map((solid) => solids.object(solid)));
   const whole = shapes[body.shape](body.size, body.color, body.teeth);
   for (const [x, y, z] of body.posts) {
     const post = bar(0.04 * unit, ink);

@@ -1,4 +1,4 @@
-// Light or dark: as the system has it until the button is pressed, then as it was left, on every page of this place.
+// Light or dark: the setting of the system until the button is pressed, then the last choice on any page of this site.
 const theme = {
   button: document.getElementById("theme"),
   system: window.matchMedia("(prefers-color-scheme: dark)"),
@@ -20,12 +20,12 @@ const theme = {
 
   toggle() {
     theme.choose(theme.dark ? "light" : "dark");
-    remembered((storage) => storage.setItem("mbconstrained theme", document.documentElement.dataset.theme));
+    withStorage((storage) => storage.setItem("mbconstrained theme", document.documentElement.dataset.theme));
   },
 };
 
-// Browsers may forbid pages from a disk to remember anything.
-function remembered(use) {
+// Browsers may forbid storage for local files.
+function withStorage(use) {
   try {
     return use(window.localStorage);
   } catch (error) {
@@ -33,7 +33,7 @@ function remembered(use) {
   }
 }
 
-const chosenTheme = remembered((storage) => storage.getItem("mbconstrained theme"));
+const chosenTheme = withStorage((storage) => storage.getItem("mbconstrained theme"));
 if (chosenTheme === "light" || chosenTheme === "dark") document.documentElement.dataset.theme = chosenTheme;
 theme.show();
 theme.button.addEventListener("click", theme.toggle);

@@ -1,4 +1,4 @@
-// Unpacks what was compressed and runs it: first the viewer, then the data, then the page's own script, which alone may run.
+// Decompresses and runs the scripts: first the viewer, then the data, then the page's own script.
 (async function () {
   "use strict";
 
@@ -18,11 +18,11 @@
   if (!("DecompressionStream" in window)) {
     document.getElementById("stage").classList.add("unavailable");
     document.querySelector(".missing").textContent =
-      "The moving picture on this page is compressed, and this browser is too old to unpack it: " +
-      "use a newer one, or write the page without compressing it.";
+      "The animation on this page is compressed, and this browser is too old to decompress it: " +
+      "use a newer one, or write the page without compression.";
     return;
   }
-  const packed = [...document.querySelectorAll("[data-holds]")];
+  const packed = [...document.querySelectorAll("[data-content]")];
   const texts = await Promise.all(packed.map(unpacked));
-  packed.forEach((element, i) => add(element.dataset.holds, texts[i]));
+  packed.forEach((element, i) => add(element.dataset.content, texts[i]));
 })();

@@ -1,4 +1,4 @@
-"""All that was asked for, one after another, and what becomes of it: text, data, picture, a part of the README."""
+"""All that was asked for, one after another, and what becomes of it: text, data, picture, a part of a page of the documentation."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mbconstrained.replacing import replacing
-from mbconstrained.reports.machine import machine
-from mbconstrained.reports.timing import SMALL
+from mbconstrained.ground.files import replacing
+from mbconstrained.studies.timing import SMALL, machine
 from tests.benchmarks.speed import growth
 from tests.benchmarks.speed.growth import Grown, grown
 from tests.benchmarks.speed.measure import Effort, Measured, measured
@@ -48,7 +47,7 @@ class Report:
 
     @property
     def summary(self) -> str:
-        """For the README: ratios, errors, set-up, and growth in a sentence."""
+        """For the documentation: ratios, errors, set-up, and growth in a sentence."""
         parts = [ratio_table(self.rows), error_table(self.rows)] if self.rows else []
         parts += [set_up_table(self.set_ups)] if self.set_ups else []
         parts += [growth_sentence(self.growth)] if self.growth else []

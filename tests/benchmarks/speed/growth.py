@@ -11,7 +11,7 @@ from time import perf_counter
 
 import numpy as np
 
-from mbconstrained.scene.stage_costs import Meter
+from mbconstrained.scene.run.stage_costs import Costs
 from tests.benchmarks.speed.measure import LESS, SHORTER, WARMING
 from tests.benchmarks.speed.models import chain, even_times, forty_periods
 from tests.benchmarks.speed.workloads import chain_system
@@ -81,7 +81,7 @@ def grow(count: int) -> None:
     for size in (10, 60):
         chain_system(chain(size)).solve(chain(size).start)(even_times(forty_periods(size), TIMES))
     given, times = chain(count), even_times(forty_periods(count), TIMES)
-    meter = Meter()
+    costs = Costs()
     begun = perf_counter()
     motion = chain_system(given).solve(given.start)
     motion(times)
@@ -91,7 +91,7 @@ def grow(count: int) -> None:
     begun = perf_counter()
     motion((SHORTER - LESS * WARMING) * times)
     further = perf_counter() - begun
-    print(json.dumps({"seconds": seconds, "further": further, "memory": meter.lap().memory or 0}))
+    print(json.dumps({"seconds": seconds, "further": further, "memory": costs.lap("").memory or 0}))
 
 
 def exponent(sizes, values) -> float | None:

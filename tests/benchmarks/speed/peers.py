@@ -27,6 +27,7 @@ class Method:
         prepare: the set-up, from a problem to what evaluates it.
         suits: whether it can be tried on a problem.
         keeps: whether the set-up is worth keeping: a further evaluation at other times does without it.
+        prepare_many: the set-up for further evaluations, where that is another one.
         once: whether it takes so long that it runs a single time.
     """
 
@@ -35,6 +36,7 @@ class Method:
     suits: Callable[[Problem], bool] = lambda problem: True
     keeps: bool = False
     once: bool = False
+    prepare_many: Callable[[Problem], Evaluate] | None = None
 
 
 def lsim(problem: Problem) -> Evaluate:

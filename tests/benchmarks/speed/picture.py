@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mbconstrained.page.look import GREY, INK, MUTED, RED
-from mbconstrained.reports.accuracy.tables import ratio as shown_ratio
-from mbconstrained.reports.figures import Picture, nothing_to_show, power_of_ten
+from mbconstrained.page.plots.images import GREY, INK, MUTED, RED
+from mbconstrained.studies.accuracy.accuracy_report import ratio as shown_ratio
+from mbconstrained.studies.figures import Picture, nothing_to_show, power_of_ten
 from tests.benchmarks.speed.report import PARTS, Row
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def _axes(axes, rows: list[Row]) -> None:
     ratios = [row.ratio(part) for row in rows for part in PARTS]
     wanted = [value for row in rows for part in PARTS if (value := getattr(row.workload.target, part))]
     axes.set_xscale("log")
-    axes.xaxis.set_major_formatter(FuncFormatter(power_of_ten))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda ratio, _: power_of_ten(ratio)))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.set_xlim(min(*ratios, *wanted, 0.5) / 3, max(*ratios, *wanted, 2.0) * 3)
     axes.axvline(1.0, color=GREY, linewidth=1.0)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mbconstrained.replacing import replacing
+from mbconstrained.ground.files import replacing
 from tests.benchmarks.speed.reductions import Equations
 
 Reference = Callable[..., np.ndarray]

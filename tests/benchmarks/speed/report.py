@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mbconstrained.reports.accuracy.tables import ratio as shown_ratio
-from mbconstrained.reports.timing import Timing, duration
+from mbconstrained.studies.accuracy.accuracy_report import ratio as shown_ratio
+from mbconstrained.studies.timing import Timing, duration
 from tests.benchmarks.speed.growth import Grown, exponent
 from tests.benchmarks.speed.measure import Measured
 from tests.benchmarks.speed.setup import WANTED, SetUp
@@ -55,7 +55,7 @@ class Row:
     def is_met(self, part: str, name: str = "") -> bool | None:
         """Whether the ratio to the rival, or a named peer, is as small as wanted; None where nothing is wanted or comparable."""
         wanted, found = getattr(self.workload.target, part), self.beside(name, part) if name else self.ratio(part)
-        if wanted is None or self.ours.failure and not wanted:
+        if wanted is None or (self.ours.failure and not wanted):
             return None
         return False if self.ours.failure else None if found is None else found <= wanted
 

@@ -9,6 +9,7 @@ from functools import cache, partial
 import numpy as np
 
 import mbconstrained as mb
+from mbconstrained.response.choose import Evaluations
 from tests.benchmarks.speed.examples import example_equations, example_system
 from tests.benchmarks.speed.models import Chain, chain, even_times, forty_periods
 from tests.benchmarks.speed.reductions import Equations, reduced_chain, with_oscillator
@@ -32,7 +33,7 @@ class Problem:
     """One question, as we are asked and as peers are.
 
     Attributes:
-        solve: model and solution by the public names of the package, to what evaluates it.
+        solve: model and solution by the public names of the package, for one or many evaluations, to what evaluates it.
         equations: reduced by hand, float64.
         times: even ones from 0 on, s.
         truth: gives x at the times, shape (N, T).
@@ -41,7 +42,7 @@ class Problem:
         is_integrated: whether solve_ivp is tried, which takes seconds or hours for the others.
     """
 
-    solve: Callable[[], Evaluate]
+    solve: Callable[[Evaluations], Evaluate]
     equations: Equations
     times: np.ndarray
     truth: Callable[[], np.ndarray]
@@ -116,7 +117,7 @@ def example(name: str) -> Problem:
 
     times, exact = even_times(50.0), example_equations(name)
     return Problem(
-        lambda: example_system(name).solve(STARTS[name]),
+        lambda evaluations: example_system(name).solve(STARTS[name], evaluations=evaluations),
         as_floats(exact),
         times,
         lambda: by_balls(exact, times),
@@ -134,8 +135,8 @@ def free_chain(count: int, damped: bool = True, chosen: tuple[int, ...] | None =
     given, times = chain(count, damped, damped_joints=damped), even_times(forty_periods(count))
     equations = reduced_chain(given)
 
-    def solve() -> Evaluate:
-        motion = chain_system(given).solve(given.start)
+    def solve(evaluations: Evaluations) -> Evaluate:
+        motion = chain_system(given).solve(given.start, evaluations=evaluations)
         return motion if chosen is None else only(motion, list(chosen))
 
     def truth() -> np.ndarray:
@@ -155,9 +156,9 @@ def harmonic_chain(count: int) -> Problem:
     """W4: from rest under a harmonic force on the mass in the middle."""
     given, times, at = chain(count, damped_joints=False), even_times(forty_periods(count)), count // 2
 
-    def solve() -> Evaluate:
+    def solve(evaluations: Evaluations) -> Evaluate:
         force = mb.harmonic(np.eye(given.size)[at], angular_frequency=ANGULAR_FREQUENCY)
-        return chain_system(given).solve(force=force)
+        return chain_system(given).solve(force=force, evaluations=evaluations)
 
     def truth() -> np.ndarray:
         exact = at_rest(reduced_chain(given, np.longdouble, pushed=at))
@@ -172,10 +173,10 @@ def recorded_chain(count: int) -> Problem:
     record = np.random.default_rng(4).standard_normal(SAMPLES)
     record[[0, -1]] = 0.0
 
-    def solve() -> Evaluate:
+    def solve(evaluations: Evaluations) -> Evaluate:
         values = np.zeros((given.size, SAMPLES))
         values[at] = record
-        return chain_system(given).solve(force=mb.sampled(times, values))
+        return chain_system(given).solve(force=mb.sampled(times, values), evaluations=evaluations)
 
     def truth() -> np.ndarray:
         return record_by_taylor(at_rest(reduced_chain(given, np.longdouble, pushed=at)), times, record)
@@ -195,8 +196,8 @@ def stack(damping: float) -> Problem:
     start = dict(zip(names, stack_start().tolist()))
     exact = stack_equations(RATIO, damping, exactly=True)
 
-    def solve() -> Evaluate:
-        return stack_model(RATIO, damping).assemble().solve(start)
+    def solve(evaluations: Evaluations) -> Evaluate:
+        return stack_model(RATIO, damping).assemble().solve(start, evaluations=evaluations)
 
     return Problem(solve, stack_equations(RATIO, damping, exactly=False), times, lambda: by_balls(exact, times))
 

@@ -14,10 +14,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.exact.enclosure import ExactResponse, Source
-from mbconstrained.exact.enclosure.factors import turned
-from mbconstrained.exact.enclosure.shapes import turning_powers
-from mbconstrained.exact.rational import RationalMatrix
+from mbconstrained.exact.enclosure.exact_response import ExactResponse
+from mbconstrained.exact.enclosure.exact_sources import Source, harmonic_powers, phase_factors
+from mbconstrained.exact.rational.rational_matrix import RationalMatrix
 from tests.oracles import exact as oracle
 
 whole = st.integers(-3, 3)
@@ -33,21 +32,21 @@ def problems(draw):
     initial = np.array(draw(st.lists(st.lists(whole, min_size=r, max_size=r), min_size=q, max_size=q)), float)
     power, rate, w = draw(st.integers(0, 2)), draw(st.sampled_from([0.0, -1.0, 0.5])), draw(st.sampled_from([0.0, 1.0, 2.0]))
     vector = np.array(draw(st.lists(whole, min_size=r, max_size=r)), float)
-    blow = np.array(draw(st.lists(whole, min_size=r, max_size=r)), float)
-    return A, initial, (vector, power, rate, w), blow
+    load = np.array(draw(st.lists(whole, min_size=r, max_size=r)), float)
+    return A, initial, (vector, power, rate, w), load
 
 
 @given(problems())
 def test_impulses_and_values_at_0_are_those_of_rational_arithmetic(problem):
-    A, initial, (vector, power, rate, w), blow = problem
+    A, initial, (vector, power, rate, w), load = problem
     R = oracle.rational(A)
     if not oracle.determinant(R):
         return
-    force = mb.term(vector, power=power, rate=rate, angular_frequency=w) + mb.impulse(blow)
+    force = mb.term(vector, power=power, rate=rate, angular_frequency=w) + mb.impulse(load)
     x = mb.solve(mb.PolynomialMatrix(A), initial, force).exact
     terms = [([Fraction(v) for v in vector], power, Fraction(rate), Fraction(w), "cos")]
     start = [[Fraction(v) for v in row] for row in initial]
-    truth = oracle.ExactResponse(R, start, terms, [[Fraction(v) for v in blow]], count=12)
+    truth = oracle.ExactResponse(R, start, terms, [[Fraction(v) for v in load]], count=12)
     assert [list(impulse) for impulse in x.impulses] == truth.impulses
     assert x.start.tolist() == truth.derivatives[: len(initial)]
     assert x.jump.tolist() == [[a - b for a, b in zip(*rows)] for rows in zip(truth.derivatives, start)]
@@ -250,8 +249,8 @@ def test_hundreds_of_frequencies_do_not_mix_up_their_modes():
 
 
 def _harmonic(w, p):
-    cosine, sine = turning_powers(0, 0.0, w)
-    return (cosine, turned(p)[0]), (sine, turned(p)[1] * flint.fmpq(-1))
+    cosine, sine = harmonic_powers(0, 0.0, w)
+    return (cosine, phase_factors(p)[0]), (sine, phase_factors(p)[1] * flint.fmpq(-1))
 
 
 def test_what_does_not_grow_keeps_its_digits_beside_what_does():
@@ -271,7 +270,7 @@ def test_poles_at_0_are_no_other_structure(b, a, gamma):
 
 def test_derivatives_of_inputs_are_those_of_the_numbers_given():
     """The derivative of t^4 / 4! is t^3 / 3!, though 1 / 4! is rounded in the input: by a fraction of matrices and of polynomials."""
-    one = mb.matrix_fraction_response([[[1.0]], [[1.0]]], [[[0.0]], [[1.0]]], mb.power([1.0], 5))
+    one = mb.matrix_fraction_response([[[0.0]], [[1.0]]], [[[1.0]], [[1.0]]], mb.power([1.0], 5))
     other = mb.transfer_function_response([1, 0], [1, 1], mb.power([1.0], 5))
     assert one.enclose(1.0, 25).lower[0] == other.enclose(1.0, 25).lower[0]
 

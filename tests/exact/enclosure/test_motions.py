@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.reports.simulators import example_47
+from examples.simulators import example_47
 
 KNOWN = json.loads((Path(__file__).parents[2] / "oracles" / "hauksdottir.json").read_text())
 

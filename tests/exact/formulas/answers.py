@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import sympy
 
-from mbconstrained.exact.formulas import ClosedForm, c_source, python_source
-from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.response.response import solve_symbolically
+from mbconstrained.exact.formulas.closed_form import ClosedForm
+from mbconstrained.exact.formulas.source_code import c_source, python_source
+from mbconstrained.exact.symbolic.response.symbolic_response import solve_symbolically
+from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
 t = sympy.Symbol("t", real=True)
 m, k, c = sympy.symbols("m k c", positive=True)

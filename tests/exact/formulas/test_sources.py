@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.exact.formulas import ClosedForm, Impulse, c_source, python_source
+from mbconstrained.exact.formulas.closed_form import ClosedForm, Impulse
 from mbconstrained.exact.formulas.identifiers import C_KEYWORDS, identifiers
 from mbconstrained.exact.formulas.real_form import real_form
-from mbconstrained.exact.formulas.squares import with_square
+from mbconstrained.exact.formulas.source_code import c_source, python_source, with_square
 from tests.exact.formulas.answers import HOSTILE, c_values, damped, hostile, python_values, t
 
 TIMES = np.linspace(0.01, 20, 50)
@@ -98,7 +98,7 @@ def test_c_compiles_whatever_the_headers_define(standard, tmp_path):
     names = ("M_E", "M_PI", "NAN", "INFINITY", "HUGE_VAL", "linux", "unix", "FP_NAN", "OVERFLOW", "DOMAIN")
     symbols = [sympy.Symbol(name, positive=True) for name in names]
     value = sympy.sqrt(2) * sympy.exp(t) * sympy.log(2) / sympy.pi + sum(symbols)
-    form = ClosedForm.of(ClosedForm(("x",), (value,), t), parameters={symbol: 2 for symbol in symbols})
+    form = ClosedForm.of(ClosedForm(("x",), (value,), t), parameters=dict.fromkeys(symbols, 2))
     assert "M_SQRT2" not in c_source(form)
     known = np.sqrt(2) * np.exp(TIMES) * np.log(2) / np.pi + 2 * len(names)
     assert c_values(form, TIMES, tmp_path, standard)[0] == pytest.approx(known, rel=1e-14)

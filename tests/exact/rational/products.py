@@ -105,7 +105,7 @@ class Known:
 
     def __init__(self, coefficients: np.ndarray):
         self.matrix = mb.PolynomialMatrix(coefficients)
-        self.pairs = self.matrix.jordan_pairs(exact=True)
+        self.pairs = mb.exact.jordan_pairs(self.matrix)
         self.A = np.array([[[Fraction(float(c)) for c in row] for row in matrix] for matrix in coefficients], dtype=object)
         self.q, self.r = len(self.A) - 1, self.A.shape[1]
         self.structure = self.pairs.structure

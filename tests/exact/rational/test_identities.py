@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+import mbconstrained as mb
 from tests.exact.rational.products import MATRICES, identity, known, power, rank, same, zeros
 from tests.oracles import exact
 
@@ -128,8 +129,8 @@ def test_infinite_pair_is_made_of_chains_of_the_dual(name):
 def test_finite_and_whole_infinite_pair_fill_the_space(name):
     """[C J^k, C_b J_b^(q-1-k)], k < q, is square and regular; sum A_j C_b J_b^(q-j) = 0 (the pair of the dual at 0)."""
     x = known(name)
-    blocks = [block for block in x.matrix.dual.jordan_pairs(exact=True).finite.blocks if block.p.coeffs() == [0, 1]]
-    sizes = [block.exponent for block in blocks]
+    blocks = [block for block in mb.exact.jordan_pairs(x.matrix.dual).finite.blocks if block.polynomial == (0, 1)]
+    sizes = [block.length for block in blocks]
     assert sizes == [degree for degree in x.structure.infinite_divisors if degree]
     C = np.hstack([zeros(x.r, 0), *(block.C for block in blocks)])
     J = _nilpotent(sizes)

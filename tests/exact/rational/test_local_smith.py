@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.exact.rational import RationalMatrix, modular
-from mbconstrained.exact.rational.cramer import WholeMatrix
-from mbconstrained.exact.rational.local_smith import local_smith
-from mbconstrained.exact.rational.roots import enclosed_roots, rounded_roots
+from mbconstrained.exact.rational import rational_smith as modular
+from mbconstrained.exact.rational.flint_numbers import enclosed_roots, rounded_roots
+from mbconstrained.exact.rational.rational_matrix import RationalMatrix
 from tests.exact.rational.products import MATRICES, known, product
 from tests.oracles import exact
 
@@ -23,16 +22,16 @@ from tests.oracles import exact
 def test_unlucky_primes_are_found_out(seed, monkeypatch):
     """Beginning with 3 they often divide something that matters: the answer is the same."""
     A = product(seed)
-    expected = mb.PolynomialMatrix(A).structure(exact=True)
+    expected = mb.exact.structure(mb.PolynomialMatrix(A))
     monkeypatch.setattr(modular, "FIRST_NUMBER", 3)
-    assert mb.PolynomialMatrix(A).structure(exact=True) == expected
+    assert mb.exact.structure(mb.PolynomialMatrix(A)) == expected
 
 
 def test_a_prime_that_lowers_a_rank_is_unlucky(monkeypatch):
     """[[s, 3], [0, s]]: modulo 3 there are two chains of length 1 at 0, in truth there is one of length 2."""
     A = [[[0, 3], [0, 0]], [[1, 0], [0, 1]]]
     monkeypatch.setattr(modular, "FIRST_NUMBER", 3)
-    assert mb.PolynomialMatrix(A).structure(exact=True).elementary_divisors[0].exponents == (2,)
+    assert mb.exact.structure(mb.PolynomialMatrix(A)).elementary_divisors[0].exponents == (2,)
 
 
 def test_primes_have_roots():
@@ -43,39 +42,23 @@ def test_primes_have_roots():
 
 @pytest.mark.parametrize("name", MATRICES)
 def test_root_polynomials_are_divided_by_their_power(name):
-    """p^k divides W Phi, and Psi W, for every block of every local Smith form."""
+    """p^k divides A phi and psi^T A for every elementary divisor p^k."""
     x = known(name)
-    W = WholeMatrix.of(RationalMatrix.of(x.matrix))
-    for divisor in x.structure.elementary_divisors:
-        p = flint.fmpq_poly([flint.fmpq(c.numerator, c.denominator) for c in divisor.polynomial]).numer()
-        for block in local_smith(W, p, sum(divisor.exponents)):
-            power = flint.fmpq_poly(p) ** block.exponent
-            for vector in (*block.right, *(_transposed(row) for row in block.left)):
-                for entry in _product(W, vector):
-                    assert power.degree() < 1 or not entry % power
-
-
-class _transposed(list):
-    """A row vector, to be multiplied from the left."""
-
-
-def _product(W, vector):
-    zero = flint.fmpq_poly([0])
-    entries = [[flint.fmpq_poly([M[i, j] for M in W.coefficients]) for j in range(W.size)] for i in range(W.size)]
-    if isinstance(vector, _transposed):
-        entries = list(zip(*entries))
-    return [sum((a * b for a, b in zip(row, vector)), zero) for row in entries]
+    A = RationalMatrix.of(x.matrix).entries
+    for term in x.pairs.terms:
+        power = term.divisor**term.length
+        for rows, vector in ((A, term.right), (list(zip(*A)), term.left)):
+            for row in rows:
+                assert not sum((a * b for a, b in zip(row, vector)), flint.fmpq_poly([0])) % power
 
 
 @pytest.mark.parametrize("name", MATRICES)
-def test_part_gives_minors_and_the_adjugate(name):
+def test_minor_gives_the_determinant_and_the_adjugate(name):
     x = known(name)
-    W = WholeMatrix.of(RationalMatrix.of(x.matrix))
-    A = [[[Fraction(int(M[i, j])) for j in range(x.r)] for i in range(x.r)] for M in W.coefficients]
-    part = W.part(range(x.r), range(x.r))
-    assert _fractions(part.determinant) == exact.determinant(A)
-    adjugate = [[exact.trimmed(entry) for entry in row] for row in exact.adjugate(A)]
-    assert [[_fractions(entry) for entry in row] for row in part.left(range(x.r))] == adjugate
+    R = RationalMatrix.of(x.matrix)
+    assert _fractions(R.determinant) == exact.determinant(x.A.tolist())
+    adjugate = [[exact.trimmed(entry) for entry in row] for row in exact.adjugate(x.A.tolist())]
+    assert [[_fractions(entry) for entry in row] for row in R.adjugate] == adjugate
 
 
 def _fractions(p) -> list[Fraction]:

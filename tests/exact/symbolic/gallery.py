@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
-from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
+from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from tests.exact.symbolic.models import MASSLESS_JOINTS, RIGID_LINK, STEP_OF_A_DERIVATIVE, TWO_MASSES, k, m
 
 s = sympy.Symbol("s")

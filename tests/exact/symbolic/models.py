@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy
 
-from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
+from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
 m, k, c, k1, k2, c1, c2 = sympy.symbols("m k c k1 k2 c1 c2", positive=True)
 ZERO = sympy.zeros(3, 3)

@@ -5,10 +5,9 @@ from __future__ import annotations
 import pytest
 import sympy
 
-from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.response.conditions import continuity_equations, impulse_equations
-from mbconstrained.exact.symbolic.response.response import solve_symbolically
-from mbconstrained.exact.symbolic.response.sources import initial_symbols
+from mbconstrained.exact.symbolic.response.symbolic_response import continuity_equations, impulse_equations, solve_symbolically
+from mbconstrained.exact.symbolic.response.symbolic_sources import initial_symbols
+from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from tests.exact.symbolic.models import (
     DAMPED,
     FREE_AND_DECAYING,
@@ -27,6 +26,8 @@ F, w, p = sympy.symbols("F w p", positive=True)
 NILPOTENT = SymbolicPolynomialMatrix([sympy.eye(3), [[0, -k1, 0], [0, 0, -k2], [0, 0, 0]]])  # x1 = k1 x2', x2 = k2 x3', x3 = f3
 CUBIC = SymbolicPolynomialMatrix([[[1, 0], [0, 1]], [[0, 0], [0, 0]], [[0, 0], [0, 0]], [[0, -k1], [0, 0]]])  # x1 = k1 x2'''
 MODELS = [DAMPED, TWO_MASSES, MASSLESS_JOINTS, RIGID_LINK, STEP_OF_A_DERIVATIVE, FREE_AND_DECAYING, NILPOTENT, CUBIC]
+#: Five symbols make the formulas of the massless joints long.
+CASES = [pytest.param(A, id=f"{A.size}x{A.degree}", marks=[pytest.mark.long] * (A is MASSLESS_JOINTS)) for A in MODELS]
 FORCES = [None, [F * sympy.cos(w * t + p), sympy.exp(-2 * t), t**2]]
 
 
@@ -100,7 +101,7 @@ def test_conditions_of_a_rigid_link():
 
 
 @pytest.mark.parametrize("force", FORCES, ids=["free", "forced"])
-@pytest.mark.parametrize("A", MODELS, ids=lambda A: f"{A.size}x{A.degree}")
+@pytest.mark.parametrize("A", CASES)
 def test_they_hold_exactly_where_there_are_no_impulses_and_no_jumps(A, force):
     """Values that fulfil them make none; the number of conditions is the rank of the maps to impulses and to jumps."""
     f = None if force is None else force[: A.size]

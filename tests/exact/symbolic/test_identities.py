@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 import sympy
 
-from mbconstrained.exact.symbolic.algebra.blocks import rational_block
+from mbconstrained.exact.core.jordan_blocks import HypercompanionBlock
 from tests.exact.symbolic.gallery import MODELS, coefficients_of, identity, over_field, powers, s, same, stacked
 
 every = pytest.mark.parametrize("A", MODELS.values(), ids=MODELS)
@@ -27,6 +27,11 @@ def sums(A, terms, size=None):
 def finite(A):
     pair = A.jordan_pairs().rational
     return tuple(over_field(A, matrix) for matrix in (pair.C, pair.J, pair.B))
+
+
+def laurent(A):
+    """i -> H_i over the field."""
+    return lambda index: over_field(A, A.jordan_pairs().laurent(index))
 
 
 def first_matrix(A):
@@ -74,8 +79,8 @@ def test_infinite_divisors_are_the_zeros_of_the_dual_at_0(A):
 @every
 def test_laurent_coefficients_are_those_of_the_inverse(A):
     """sum of H_(k-j) A_j = sum of A_j H_(k-j) = delta_k I, and H_i = 0 above the highest zero at infinity (28)."""
-    H, coefficients, top = A.jordan_pairs().laurent.elements, coefficients_of(A), A.structure().highest_impulse
-    for index in range(-5, top + A.degree + 1):
+    H, coefficients, top = laurent(A), coefficients_of(A), A.structure().highest_impulse
+    for index in range(-2, top + A.degree + 1):
         expected = identity(A, A.size) if index == 0 else zero(A, A.size, A.size)
         assert same(sums(A, (H(index - j) * matrix for j, matrix in enumerate(coefficients))), expected)
         assert same(sums(A, (matrix * H(index - j) for j, matrix in enumerate(coefficients))), expected)
@@ -88,8 +93,8 @@ def test_finite_pair_gives_the_laurent_coefficients_below(A):
     """C J^(i-1) B = H_-i (27b)."""
     C, J, B = finite(A)
     assert J.shape[0] == A.structure().finite_count
-    for i, power in enumerate(powers(J, 7)):
-        assert same(C * power * B, A.jordan_pairs().laurent.elements(-1 - i))
+    for i, power in enumerate(powers(J, 4)):
+        assert same(C * power * B, laurent(A)(-1 - i))
 
 
 @every
@@ -101,7 +106,7 @@ def test_infinite_pair_gives_the_laurent_coefficients_above(A):
     C, J, B = (over_field(A, matrix) for matrix in (pair.C, pair.J, pair.B))
     *known, last = powers(J, structure.highest_impulse + 2)
     for i, power in enumerate(known):
-        assert same(C * power * B, A.jordan_pairs().laurent.elements(i))
+        assert same(C * power * B, laurent(A)(i))
     assert same(last, zero(A, *J.shape))
 
 
@@ -133,14 +138,14 @@ def test_jump_projector(A):
     assert same(P, built)
     assert same(P * P, P)
     assert P.rank() == J.shape[0]
-    toeplitz = stacked(A, [[A.jordan_pairs().laurent.elements(c - a) for c in range(q)] for a in range(q)])
+    toeplitz = stacked(A, [[laurent(A)(c - a) for c in range(q)] for a in range(q)])
     assert same(P + toeplitz * second_matrix(A), identity(A, q * A.size))
 
 
 @of_some_degree
 def test_impulses_of_initial_values_row_by_row(A):
     """[H_(p-q+1) ... H_p] M1 = -[H_(p+1) ... H_(p+q)] M0 for p >= 0 (29), and the rank of all of them is the sum of the zero orders."""
-    H, q, top = A.jordan_pairs().laurent.elements, A.degree, A.structure().highest_impulse
+    H, q, top = laurent(A), A.degree, A.structure().highest_impulse
     rows = []
     for p in range(q + top):
         left = stacked(A, [[H(p - q + 1 + c) for c in range(q)]]) * first_matrix(A)
@@ -153,7 +158,7 @@ def test_impulses_of_initial_values_row_by_row(A):
 def test_infinite_jordan_pair(A):
     """Chains of the dual at 0: sum of A_j Cb Jb^(q-j) = 0, and with the finite pair they span everything."""
     q, n = A.degree, A.structure().finite_count
-    blocks = [rational_block(term) for term in A.dual.local_smith_form(0).terms]
+    blocks = [HypercompanionBlock(term) for term in A.dual.local_smith_form(0).terms]
     size = sum(block.J.rows for block in blocks)
     Cb = over_field(A, sympy.Matrix.hstack(sympy.zeros(A.size, 0), *(block.C for block in blocks)))
     Jb = over_field(A, sympy.diag(*(block.J for block in blocks)))

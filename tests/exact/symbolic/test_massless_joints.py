@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy
 from sympy import sqrt
 
-from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
+from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from tests.exact.symbolic.gallery import s
 from tests.exact.symbolic.models import MASSLESS_JOINTS, c1, c2, k1, k2, m
 

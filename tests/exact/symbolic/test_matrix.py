@@ -7,7 +7,7 @@ import pytest
 import sympy
 
 import mbconstrained as mb
-from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
+from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from tests.exact.symbolic.gallery import MODELS, s
 from tests.exact.symbolic.models import MASSLESS_JOINTS, OSCILLATOR, TWO_MASSES, k, m
 
@@ -68,46 +68,12 @@ def test_determinant_is_that_of_the_values(A):
     assert sympy.cancel(A.determinant.as_expr() - A(s).det(method="laplace"), extension=True) == 0
 
 
-@every
-def test_numerators_solve_with_new_symbols(A):
-    """A(s) N(s) = det A(s) b(s)."""
-    x0, mass = sympy.symbols("x0 mass")
-    b = [s**2 * x0, x0 / mass + k, sympy.Poly(3 * s - k, s), 0][: A.size]
-    N = A.numerators(b)
-    right = [entry.as_expr() if isinstance(entry, sympy.Poly) else sympy.sympify(entry) for entry in b]
-    left = A(s) * sympy.Matrix([p.as_expr() for p in N]) - A.determinant.as_expr() * sympy.Matrix(right)
-    assert all(sympy.cancel(entry, extension=True) == 0 for entry in left)
-    assert all(p.gen == s for p in N)
-
-
 @pytest.mark.parametrize(
     "entries", [[[0, 1], [1, 0]], [[0, 0], [0, 0]], [[0, 1, 0], [0, 0, 1], [k, 0, 0]], [[1, 1], [1, -1]]], ids=str
 )
 def test_adjugates_where_the_characteristic_polynomial_has_gaps(entries):
     A = SymbolicPolynomialMatrix([entries])
     assert sympy.Matrix([[p.as_expr() for p in row] for row in A.adjugate]) == sympy.Matrix(entries).adjugate()
-
-
-def test_numerators_are_over_the_field_of_all_symbols():
-    assert OSCILLATOR.numerators([1])[0].domain == OSCILLATOR.field
-    x0 = sympy.Symbol("x0")
-    assert set(OSCILLATOR.numerators([x0])[0].domain.symbols) == {k, m, x0}
-
-
-@pytest.mark.parametrize(
-    "b, message",
-    [
-        ([1, 2], "b: 2 entries given, expected 1"),
-        ([1 / s], "b\\[0\\]"),
-        (["1"], "found '1'"),
-        ([s**k], "s"),
-        (3, "b: found 3; expected 1 expressions"),
-        ("1", "b: found '1'"),
-    ],
-)
-def test_other_right_hand_sides_are_refused(b, message):
-    with pytest.raises(mb.InputError, match=message):
-        OSCILLATOR.numerators(b)
 
 
 def test_a_singular_matrix_names_equations_and_coordinates():

@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.response.response import solve_symbolically
-from mbconstrained.exact.symbolic.response.sources import initial_symbols
+from mbconstrained.exact.symbolic.response.symbolic_response import solve_symbolically
+from mbconstrained.exact.symbolic.response.symbolic_sources import initial_symbols
+from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from tests.exact.symbolic.laplace import at_infinity, inverted
 from tests.exact.symbolic.models import (
     DAMPED,
@@ -54,7 +54,10 @@ VALUES = {
 #: The tables have 25 digits after the point, or more.
 PUBLISHED = sympy.Float("1e-24", 40)
 MODELS = [OSCILLATOR, DAMPED, TWO_MASSES, MASSLESS_JOINTS, RIGID_LINK, STEP_OF_A_DERIVATIVE, FREE_AND_DECAYING]
-names = [f"{A.size}x{A.degree}:{','.join(A.coordinates)}" for A in MODELS]
+#: Three coordinates with symbols make long formulas.
+CASES = [
+    pytest.param(A, id=",".join(A.coordinates), marks=[pytest.mark.long] * (A in (TWO_MASSES, MASSLESS_JOINTS))) for A in MODELS
+]
 
 
 def numbers(matrix, values, digits=40):
@@ -146,7 +149,7 @@ def force_and_transform(kind, r):
     return force, laplace
 
 
-@pytest.mark.parametrize("A", MODELS, ids=names)
+@pytest.mark.parametrize("A", CASES)
 @pytest.mark.parametrize("kind", KINDS)
 def test_impulses_and_values_at_0_are_the_transform_s_at_infinity(A, kind):
     """From general values at 0-, most of which make impulses or jumps where they can."""
@@ -163,7 +166,7 @@ def test_impulses_and_values_at_0_are_the_transform_s_at_infinity(A, kind):
         np.testing.assert_allclose(numbers(x.start[i, :], VALUES), [complex(e) for e in known], rtol=1e-14, atol=1e-25)
 
 
-@pytest.mark.parametrize("A", MODELS, ids=names)
+@pytest.mark.parametrize("A", CASES)
 @pytest.mark.parametrize("kind", KINDS)
 def test_values_are_those_of_the_inverted_transform(A, kind):
     """From general values at 0-, changed where these would make impulses: Talbot needs X(s) -> 0 at infinity."""
@@ -182,7 +185,7 @@ def test_values_are_those_of_the_inverted_transform(A, kind):
         np.testing.assert_allclose(numbers(x.regular, {**VALUES, t: time}), [complex(e) for e in known], rtol=1e-12, atol=1e-14)
 
 
-@pytest.mark.parametrize("A", MODELS, ids=names)
+@pytest.mark.parametrize("A", CASES)
 def test_the_equations_hold_after_0_and_the_start_is_that_of_the_formula(A):
     """A(d/dt) x - f = 0 for t > 0, and the Laurent coefficients of X are the derivatives of x at 0+."""
     force = sympy.Matrix([F * sympy.cos(R(4, 3) * t + p), t**2, sympy.exp(-t)][: A.size])
@@ -195,7 +198,8 @@ def test_the_equations_hold_after_0_and_the_start_is_that_of_the_formula(A):
         np.testing.assert_allclose(at_start, numbers(x.start[i, :], values), rtol=1e-14, atol=1e-25)
 
 
-@settings(max_examples=8)
+@pytest.mark.long
+@settings(max_examples=8)  # formulas in five symbols each time
 @given(
     st.sampled_from([DAMPED, TWO_MASSES, MASSLESS_JOINTS]),
     st.lists(st.integers(1, 12), min_size=7, max_size=7),
@@ -333,9 +337,9 @@ def test_a_later_start_is_the_same_motion_later():
 
 
 def test_an_impulse_of_the_force_is_a_velocity():
-    struck = solve_symbolically(DAMPED, None, [F * sympy.DiracDelta(t)], t)
+    answer = solve_symbolically(DAMPED, None, [F * sympy.DiracDelta(t)], t)
     moving = solve_symbolically(DAMPED, [[0], [F / m]], None, t)
-    assert sympy.simplify(struck.regular[0] - moving.regular[0]) == 0 and list(struck.start) == [0, F / m]
+    assert sympy.simplify(answer.regular[0] - moving.regular[0]) == 0 and list(answer.start) == [0, F / m]
 
 
 def test_linearity_in_values_and_force():

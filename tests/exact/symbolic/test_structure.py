@@ -7,11 +7,11 @@ from itertools import pairwise
 
 import pytest
 import sympy
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
+from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from tests.exact.symbolic.gallery import PRODUCTS, from_polynomials, s
 from tests.exact.symbolic.models import STEP_OF_A_DERIVATIVE, k, m
 from tests.oracles import exact
@@ -95,7 +95,6 @@ def matrices(size, degree):
 
 
 @given(st.integers(1, 3).flatmap(lambda r: st.integers(0, 2).flatmap(lambda q: matrices(r, q))))
-@settings(max_examples=60, deadline=None)
 def test_against_minors_in_rational_arithmetic(matrices):
     A, known = SymbolicPolynomialMatrix(matrices), exact.rational(matrices)
     if not exact.determinant(known):

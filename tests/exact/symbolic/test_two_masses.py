@@ -6,7 +6,7 @@ import pytest
 import sympy
 from sympy import Rational, sqrt
 
-from mbconstrained.exact.symbolic import SymbolicPolynomialMatrix
+from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from tests.exact.symbolic.gallery import s, two_masses, with_multiplier
 from tests.exact.symbolic.models import TWO_MASSES, k, m
 

@@ -1,1 +1,1 @@
-"""Numbers with symbols: rational functions, their factors, signs and roots."""
+"""The field of the entries: rational functions of symbols, their factors, signs, square roots and zeros."""

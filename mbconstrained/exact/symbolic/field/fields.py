@@ -1,6 +1,6 @@
 """The field of the entries: rational functions of the symbols and of pi, with rational or quadratic numbers in them.
 
-What users write is turned into exact expressions here, once, at the door; from then on all arithmetic happens in the field,
+Entries become exact expressions here, once, when the matrix is made; from then on all arithmetic happens in the field,
 where equal things are equal without any simplification.
 """
 
@@ -16,8 +16,8 @@ import sympy
 from sympy.polys.domains.domain import Domain
 from sympy.polys.polyerrors import CoercionFailed
 
-from ....checks import counted
-from ....errors import InputError
+from ....ground.checks import counted
+from ....ground.errors import InputError
 
 #: Different square roots that one matrix may have: the primitive element of more of them takes long to find.
 MOST_ROOTS = 2
@@ -28,6 +28,13 @@ DOUBLE = 53
 
 def exact_expression(entry, what: str) -> sympy.Expr:
     """An entry as an exact expression; floats are the shortest decimals that they are written as.
+
+    Args:
+        entry: an expression, a number, or a decimal.
+        what: the name of the entry in messages.
+
+    Returns:
+        The expression.
 
     Raises:
         InputError: text, not a number, not finite, not real, or nothing that can be calculated with.
@@ -41,12 +48,19 @@ def exact_expression(entry, what: str) -> sympy.Expr:
         return sympy.Rational(int(entry.numerator), int(entry.denominator))
     if isinstance(entry, (numbers.Real, Decimal)) and not isinstance(entry, bool):
         return _decimal(entry, what)
-    found = repr(entry) if isinstance(entry, (str, bool, complex)) else f"an object of type {type(entry).__name__}"
-    raise InputError(f"{what}: found {found}; expected a number or an expression, a rational function of sympy symbols")
+    given = repr(entry) if isinstance(entry, (str, bool, complex)) else f"an object of type {type(entry).__name__}"
+    raise InputError(f"{what}: found {given}; expected a number or an expression, a rational function of sympy symbols")
 
 
 def exact_rows(matrix, what: str) -> list[list[sympy.Expr]]:
     """A square matrix, given as sympy matrix, array or nested lists, as rows of exact expressions.
+
+    Args:
+        matrix: square.
+        what: the name of the matrix in messages.
+
+    Returns:
+        The rows.
 
     Raises:
         InputError: not a square matrix, or an entry is refused.
@@ -62,8 +76,8 @@ def exact_rows(matrix, what: str) -> list[list[sympy.Expr]]:
 
 def symbols_of(expressions: Iterable[sympy.Expr]) -> tuple[sympy.Symbol, ...]:
     """The symbols in them, sorted by name."""
-    found = set().union(*(e.free_symbols for e in expressions))
-    return tuple(sorted(found, key=lambda symbol: (symbol.name, str(symbol.assumptions0))))
+    symbols = set().union(*(e.free_symbols for e in expressions))
+    return tuple(sorted(symbols, key=lambda symbol: (symbol.name, str(symbol.assumptions0))))
 
 
 def generators_of(expressions: Iterable[sympy.Expr]) -> tuple[sympy.Expr, ...]:
@@ -103,14 +117,19 @@ def field_of(expressions: list[sympy.Expr]) -> Domain:
     check_positive(symbols_of(expressions))
     roots = sorted({root for e in expressions for root in e.atoms(sympy.Pow) if _is_square_root(root)}, key=sympy.default_sort_key)
     if len(roots) > MOST_ROOTS:
-        found = f"{counted(len(roots), 'square root')}, {', '.join(map(str, roots))}"
-        raise InputError(f"found {found}; expected {MOST_ROOTS} at most: write a symbol for each and put in its value afterwards")
+        listed = f"{counted(len(roots), 'square root')}, {', '.join(map(str, roots))}"
+        raise InputError(f"found {listed}; expected {MOST_ROOTS} at most: write a symbol for each and put in its value afterwards")
     numbers_field = sympy.QQ.algebraic_field(*roots) if roots else sympy.ZZ if generators else sympy.QQ
     return numbers_field.frac_field(*generators) if generators else numbers_field
 
 
 def element(field: Domain, expression: sympy.Expr, what: str):
     """An exact expression as an element of the field.
+
+    Args:
+        field: the field.
+        expression: exact.
+        what: the name of the entry in messages.
 
     Raises:
         InputError: it is no rational function, or its denominator is zero.
@@ -129,6 +148,13 @@ def element(field: Domain, expression: sympy.Expr, what: str):
 def expression_of(field: Domain, value) -> sympy.Expr:
     """An element as an expression, its numerator and denominator in factors.
 
+    Args:
+        field: the field.
+        value: an element of it.
+
+    Returns:
+        The expression.
+
     >>> a, b = sympy.symbols("a b")
     >>> K = field_of([a, b])
     >>> expression_of(K, K.from_sympy(1 / (a * b + b)))
@@ -136,9 +162,36 @@ def expression_of(field: Domain, value) -> sympy.Expr:
     """
     if not field.is_FractionField:
         return field.to_sympy(value)
-    ring = field.get_ring()
+    ring, value = field.get_ring(), in_one_form(field, value)
     (front, above), (under, below) = (_factored(ring, part) for part in (field.numer(value), field.denom(value)))
     return sympy.Mul(front / under, above, 1 / below)  # numbers together: 2 / (2 a + 2 b) would stay as it is
+
+
+def in_one_form(field: Domain, value):
+    """The same element with 1 in front of its denominator: fractions over algebraic numbers are not reduced that far by themselves.
+
+    Args:
+        field: the field.
+        value: an element of it.
+    """
+    if not field.is_FractionField or not field.domain.is_Algebraic:
+        return value
+    factor = field.domain.one / value.denom.LC
+    return field.field.raw_new(value.numer.mul_ground(factor), value.denom.mul_ground(factor))
+
+
+def coefficients(p: sympy.Poly, count: int) -> list:
+    """The first coefficients, the lowest power first.
+
+    Args:
+        p: a Poly over the field.
+        count: how many.
+
+    Returns:
+        Elements of the field, zero above the degree.
+    """
+    given = p.rep.to_list()[::-1][:count]
+    return given + [p.domain.zero] * (count - len(given))
 
 
 def polynomial_expression(p: sympy.Poly) -> sympy.Expr:
@@ -183,3 +236,92 @@ def _is_rational_step(part) -> bool:
 def _shape(rows) -> str:
     lengths = {len(row) if isinstance(row, list) else 0 for row in rows}
     return f"{counted(len(rows), 'row')} of {' or '.join(str(n) for n in sorted(lengths))} entries" if rows else "no rows"
+
+
+# The names of symbols: one symbol for each, and the time and the values at 0- are not among the parameters.
+#
+# Symbols of one name and different assumptions are different to sympy, and the same to everybody who reads a formula.
+
+#: The time, where the user names none.
+TIME = sympy.Symbol("t", real=True)
+
+#: The variable of every A(s) and of all transforms.
+VARIABLE = "s"
+
+
+def checked_time(time, others: Iterable[sympy.Symbol], of: str, what: str = "time") -> sympy.Symbol:
+    """The symbol of the time, whose name no other has.
+
+    Args:
+        time: what the user gave; None for a real symbol t.
+        others: the symbols of everything that does not depend on time.
+        of: where those are from, for messages.
+        what: the argument.
+
+    Returns:
+        The symbol.
+
+    Raises:
+        InputError: no symbol, or one of the others is called like it.
+
+    >>> checked_time(None, sympy.symbols("k m"), "A")
+    t
+    """
+    time = TIME if time is None else time
+    if not isinstance(time, sympy.Symbol):
+        raise InputError(f"{what}: found {time!r}; expected a sympy.Symbol, e.g. sympy.Symbol('t', real=True)")
+    if time.name in {symbol.name for symbol in others}:
+        raise InputError(f"{what}: the symbol {time} is also one of {of}; name the time otherwise")
+    return time
+
+
+def check_one_each(symbols: Iterable[sympy.Symbol]) -> None:
+    """One symbol for each name, and none that is called like the variable of A(s).
+
+    Raises:
+        InputError: otherwise.
+    """
+    names: dict[str, sympy.Symbol] = {}
+    for symbol in symbols:
+        if symbol.name == VARIABLE:
+            raise InputError(f'the symbol "{symbol}" is the variable of A(s); name parameters of values and forces otherwise')
+        if names.setdefault(symbol.name, symbol) != symbol:
+            raise InputError(
+                f'found two symbols "{symbol}" of different assumptions; use the same one in A, values, force and time'
+            )
+
+
+def check_start_names(coordinates: Iterable[str], degree: int, parameters: Iterable[sympy.Symbol]) -> None:
+    """No parameter that is called like a value at 0-: the two could not be distinguished.
+
+    Args:
+        coordinates: names of the coordinates.
+        degree: the number of derivatives of each that have a value at 0-.
+        parameters: symbols.
+
+    Raises:
+        InputError: there is one.
+
+    >>> check_start_names(["u"], 2, sympy.symbols("k u_1"))
+    Traceback (most recent call last):
+    ...
+    mbconstrained.ground.errors.InputError: coordinate u and parameter u_1: derivative 1 of u at 0- is called u_1 too; rename one
+    """
+    names = {parameter.name for parameter in parameters}
+    for coordinate in coordinates:
+        for order in range(degree):
+            name = f"{coordinate}_{order}"
+            if name in names:
+                value = f"the value of {coordinate}" if order == 0 else f"derivative {order} of {coordinate}"
+                raise InputError(f"coordinate {coordinate} and parameter {name}: {value} at 0- is called {name} too; rename one")
+
+
+def as_positive(symbols: Iterable) -> dict[sympy.Symbol, sympy.Symbol]:
+    """Positive symbols of the same names for those that are not declared so: sqrt(k/m) is sqrt(k)/sqrt(m) of positive ones only.
+
+    >>> k, m = sympy.Symbol("k"), sympy.Symbol("m", positive=True)
+    >>> [symbol.is_positive for symbol in as_positive([k, m]).values()]
+    [True]
+    """
+    others = (symbol for symbol in symbols if isinstance(symbol, sympy.Symbol) and not symbol.is_positive)
+    return {symbol: sympy.Symbol(symbol.name, positive=True) for symbol in others}

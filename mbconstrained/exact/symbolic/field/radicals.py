@@ -1,25 +1,22 @@
-"""Zeros of irreducible polynomials, and the values of polynomials there: all that responses and Jordan forms know of zeros.
+"""Zeros of irreducible polynomials, and the values of polynomials there: as responses and Jordan forms take them.
 
 In radicals over the field K of the entries: degrees 1 and 2, s^4 + b s^2 + c (undamped systems of two degrees of freedom) and
-other products of two quadratics over K(sqrt(g)). Values are found in K(sqrt(g)) exactly and written down once: nothing is
+other products of two quadratics over K(sqrt(g)). Values are computed in K(sqrt(g)) exactly and written down once: nothing is
 simplified afterwards. Other polynomials with numbers have zeros of 30 digits, others with symbols none.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial, reduce
 
 import sympy
+from sympy.polys.domains import Domain
 
-from .compact import compact_expression, compact_root, factored
-from .factoring import coefficients
-from .numerical_roots import numerical_roots, rounded, value_at
-from .quadratic_factors import quadratic_factors
-from .quadratics import Quadratic
-from .signs import root_expression, sign, sign_with_root
-from .surds import Surd
+from ....ground.errors import InputError
+from .fields import coefficients, expression_of
+from .surds import Surd, compact_expression, compact_root, quadratic_factors, root_expression, sign, sign_with_root
 
 #: Real and imaginary part of the value of a polynomial.
 Parts = tuple[sympy.Expr, sympy.Expr]
@@ -50,6 +47,11 @@ class Root:
         """True where it stands for a pair of complex zeros."""
         return self.imaginary != 0
 
+    def weights(self, c: sympy.Poly) -> Parts:
+        """The factors of cos(w t) and sin(w t) in the sum of c(x) e^{(x - rate) t} over the zero or the pair, w the imaginary part."""
+        real, imaginary = self.at(c)
+        return (2 * real, -2 * imaginary) if self.is_pair else (real, sympy.S.Zero)
+
 
 def roots(p: sympy.Poly, split: bool = True) -> tuple[Root, ...] | None:
     """The zeros of an irreducible monic p over the field, of each complex pair one; None where there are symbols and no short closed form.
@@ -58,6 +60,9 @@ def roots(p: sympy.Poly, split: bool = True) -> tuple[Root, ...] | None:
         split: two zeros of which it depends on the symbols whether they are real: True: as two, with imaginary part 0; False: as
             a pair. Either may have the square root of a negative number.
 
+    Returns:
+        The zeros, each with its parts and the values of polynomials there; None where they have no closed form.
+
     >>> s, k, m = sympy.symbols("s k m")
     >>> p = sympy.Poly(s**4 + 3 * k / m * s**2 + k**2 / m**2, s, domain=sympy.ZZ.frac_field(k, m))
     >>> [root.imaginary for root in roots(p)]
@@ -65,19 +70,37 @@ def roots(p: sympy.Poly, split: bool = True) -> tuple[Root, ...] | None:
     """
     field = p.domain
     if p.degree() == 1:
-        return (_root(p, lambda e: (factored(field, coefficients(e, 1)[0]), sympy.S.Zero)),)
+        return (_root(p, lambda e: (expression_of(field, coefficients(e, 1)[0]), sympy.S.Zero)),)
     if p.degree() == 2:
         b, a = (Surd(field, c, field.zero, field.one) for c in coefficients(p, 2))
         return _of_quadratic(p, Quadratic(a, b), split)
-    found = quadratic_factors(p) if p.degree() == 4 else None
-    if found is not None:
-        one = Quadratic(*found)
+    factors = quadratic_factors(p) if p.degree() == 4 else None
+    if factors is not None:
+        one = Quadratic(*factors)
         if sign(field, one.b.g) == -1:
-            return tuple(_of_complex_quadratic(p, one, way) for way in (1, -1))
+            return tuple(_of_complex_quadratic(p, one, branch) for branch in (1, -1))
         return (*_of_quadratic(p, one, split), *_of_quadratic(p, one.conjugate, split))
     if p.free_symbols_in_domain:  # pi is none
         return None
-    return tuple(Root(*map(rounded, root), lambda e, root=root: value_at(root, e.rem(p))) for root in numerical_roots(p))
+    return tuple(Root(*map(_rounded, root), lambda e, root=root: _value_at(root, e.rem(p))) for root in _numerical_roots(p))
+
+
+def modes(q: sympy.Poly) -> tuple[Root, ...]:
+    """The zeros of an irreducible polynomial as exponents of functions of time: e^{a t} cos(w t) and e^{a t} sin(w t).
+
+    Where the sign of w^2 depends on the values of the symbols, as that of 4 k m - c^2 does, the pair a +- i w is given: cos(w t) and
+    w sin(w t) are even in w, so that they hold for w^2 < 0 as well, with the root of a negative number, and for w^2 = 0 as a limit.
+
+    Raises:
+        InputError: no closed form, and symbols.
+    """
+    zeros = roots(q.monic(), split=False)
+    if zeros is None:
+        raise InputError(
+            f"the factor {q.as_expr()} of the determinant has no roots in closed form; give some of its symbols "
+            f"({', '.join(map(str, q.domain.symbols))}) as numbers, or use numbers throughout (mb.solve)"
+        )
+    return zeros
 
 
 def _root(p: sympy.Poly, parts: Callable[[sympy.Poly], Parts]) -> Root:
@@ -99,22 +122,22 @@ def _of_quadratic(p, quadratic: Quadratic, split: bool) -> tuple[Root, ...]:
         return (Root(compact_expression(quadratic.middle), frequency, lambda e: parts(e.rem(p))),)
     middle, distance = compact_expression(quadratic.middle), _root_of_difference(quadratic, -1)
 
-    def part(way: int, e) -> Parts:
+    def part(branch: int, e) -> Parts:
         even, odd, turned = quadratic.value(e.rem(p))
-        return compact_expression(even) + way * _multiple(odd, -turned, distance), sympy.S.Zero
+        return compact_expression(even) + branch * _multiple(odd, -turned, distance), sympy.S.Zero
 
-    return tuple(Root(middle + way * distance, sympy.S.Zero, partial(part, way)) for way in (-1, 1))
+    return tuple(Root(middle + branch * distance, sympy.S.Zero, partial(part, branch)) for branch in (-1, 1))
 
 
-def _root_of_difference(quadratic: Quadratic, way: int) -> sympy.Expr:
-    """The root of b - middle^2 (way 1) or of middle^2 - b (way -1), with a difference of factors under it where that is shorter."""
+def _root_of_difference(quadratic: Quadratic, branch: int) -> sympy.Expr:
+    """The root of b - middle^2 (branch 1) or of middle^2 - b (branch -1), with a difference of factors under it where that is shorter."""
     b, middle, field = quadratic.b, quadratic.middle, quadratic.b.field
-    plain = _number_in_front(compact_root(quadratic.square.times(field.convert(way))))
+    direct = _number_in_front(compact_root(quadratic.square if branch == 1 else -quadratic.square))
     if b.v or middle.v or not field.is_FractionField:
-        return plain
+        return direct
     below = field.convert(field.denom(middle.u), field.get_ring())
-    inside = way * (factored(field, b.u * below**2) - factored(field, (middle.u * below) ** 2))
-    return min(plain, sympy.sqrt(inside) / factored(field, below), key=sympy.count_ops)
+    inside = branch * (expression_of(field, b.u * below**2) - expression_of(field, (middle.u * below) ** 2))
+    return min(direct, sympy.sqrt(inside) / expression_of(field, below), key=sympy.count_ops)
 
 
 def _multiple(number: Surd, turned: Surd, root: sympy.Expr) -> sympy.Expr:
@@ -131,22 +154,118 @@ def _number_in_front(product: sympy.Expr) -> sympy.Expr:
     return sympy.expand(sympy.radsimp(number)) * rest
 
 
-def _of_complex_quadratic(p, quadratic: Quadratic, way: int) -> Root:
-    """x = middle + way (alpha + i beta), with sqrt(g) = i r and (alpha + i beta)^2 = -square; the conjugates are the other zeros."""
+def _of_complex_quadratic(p, quadratic: Quadratic, branch: int) -> Root:
+    """x = middle + branch (alpha + i beta), with sqrt(g) = i r and (alpha + i beta)^2 = -square; the conjugates are the other zeros."""
     field, middle, square = p.domain, quadratic.middle, -quadratic.square
     norm, r = square.u**2 - square.v**2 * square.g, root_expression(field, -square.g)
     twice = 2 * root_expression(field, norm)
-    alpha = way * sympy.sqrt(twice + factored(field, square.u + square.u)) / 2
+    alpha = branch * sympy.sqrt(twice + expression_of(field, square.u + square.u)) / 2
     side = sign(field, square.v)
-    beta = factored(field, square.v) * r / (2 * alpha)
+    beta = expression_of(field, square.v) * r / (2 * alpha)
     if side:
-        beta = way * side * sympy.sqrt(twice - factored(field, square.u + square.u)) / 2
+        beta = branch * side * sympy.sqrt(twice - expression_of(field, square.u + square.u)) / 2
     longer = sign_with_root(field, 2 * middle.v**2 * middle.g - square.u, field.one, norm)  # of beta^2 - (middle.v r)^2
-    up = {1: way * side if side else 1, -1: sign(field, middle.v)}.get(longer) or 1
+    up = {1: branch * side if side else 1, -1: sign(field, middle.v)}.get(longer) or 1
 
     def parts(e) -> Parts:
         even, odd, _ = quadratic.value(e)
-        (e0, e1), (o0, o1) = ((factored(field, part.u), factored(field, part.v) * r) for part in (even, odd))
+        (e0, e1), (o0, o1) = ((expression_of(field, part.u), expression_of(field, part.v) * r) for part in (even, odd))
         return e0 + o0 * alpha - o1 * beta, up * (e1 + o1 * alpha + o0 * beta)
 
     return _root(p, parts)
+
+
+# Zeros that have no closed form, as decimals.
+
+#: Of zeros, and of what polynomials are there.
+DIGITS = 30
+
+
+def _numerical_roots(p: sympy.Poly) -> list[tuple[sympy.Expr, sympy.Expr]]:
+    """Real and imaginary parts of the zeros of a polynomial with numbers, twice ``DIGITS`` digits, of each pair the one above."""
+    if not p.domain.is_QQ:
+        p = sympy.Poly([c.evalf(3 * DIGITS) for c in p.all_coeffs()], p.gen)
+    parts = [root.as_real_imag() for root in p.nroots(n=2 * DIGITS, maxsteps=500)]
+    return [(real, imaginary) for real, imaginary in parts if imaginary >= 0]
+
+
+def _value_at(root: tuple[sympy.Expr, sympy.Expr], e: sympy.Poly) -> tuple[sympy.Expr, sympy.Expr]:
+    """Real and imaginary part of e(root), _rounded to ``DIGITS`` digits."""
+    real, imaginary = root
+    above, below = sympy.S.Zero, sympy.S.Zero
+    for c in e.all_coeffs():
+        number = sympy.N(c, 2 * DIGITS)
+        above, below = above * real - below * imaginary + number, above * imaginary + below * real
+    return _rounded(above), _rounded(below)
+
+
+def _rounded(number: sympy.Expr) -> sympy.Expr:
+    """To ``DIGITS`` digits; zero stays exact."""
+    return sympy.N(number, DIGITS) if number != 0 else sympy.S.Zero
+
+
+# Values of polynomials at the zeros of a quadratic over K(sqrt(g)): linear in one square root, and in sqrt(g).
+
+
+class Quadratic:
+    """s^2 + a s + b, with zeros x = middle + y, y^2 = -square.
+
+    Attributes:
+        b: its last coefficient.
+        middle, square: -a/2 and b - a^2/4.
+    """
+
+    def __init__(self, a: Surd, b: Surd):
+        one = a.field.one
+        self.b, self.middle = b, a * a.of(-one / (one + one))
+        self.square = b - self.middle * self.middle
+        self._powers = [(a.of(one), a.of(a.field.zero), a.of(a.field.zero))]
+        self._values: dict[sympy.Poly, tuple[Surd, Surd, Surd]] = {}
+
+    @cached_property
+    def conjugate(self) -> Quadratic:
+        """The same with -sqrt(g) for sqrt(g); both share the values that are known."""
+        other = Quadratic(-(self.middle + self.middle).conjugate, self.b.conjugate)
+        other.value = lambda c: tuple(part.conjugate for part in self.value(c))
+        return other
+
+    def value(self, c: sympy.Poly) -> tuple[Surd, Surd, Surd]:
+        """e, o and o square with c(x) = e + o y, by the powers of x: each is computed once, and c is linear in them."""
+        if c not in self._values:
+            factors = coefficients(c, max(1, len(c.rep.to_list())))
+            self._values[c] = tuple(self._combined(factors, powers) for powers in zip(*self._powers_below(len(factors))))
+        return self._values[c]
+
+    def _powers_below(self, count: int) -> list[tuple[Surd, Surd, Surd]]:
+        """1, x, x^2, ... as such sums."""
+        while len(self._powers) < count:
+            even, odd, turned = self._powers[-1]
+            following = even + odd * self.middle
+            self._powers.append((even * self.middle - turned, following, following * self.square))
+        return self._powers[:count]
+
+    def _combined(self, factors, powers) -> Surd:
+        field = self.middle.field
+        parts = (combination(field, factors, [getattr(power, name) for power in powers]) for name in "uv")
+        return Surd(field, *parts, self.middle.g)
+
+
+def combination(field: Domain, ones: Sequence, others: Sequence):
+    """The sum of the products of elements; fractions are brought over one denominator and cancelled once, at the end.
+
+    Args:
+        field: K.
+        ones, others: as many elements of K each.
+
+    >>> k = sympy.Symbol("k")
+    >>> K = sympy.ZZ.frac_field(k)
+    >>> combination(K, [K(1), K(2)], [1 / K(k), K(k)])
+    (2*k**2 + 1)/k
+    """
+    pairs = [(one, other) for one, other in zip(ones, others, strict=True) if one and other]
+    if not field.is_FractionField:
+        return sum((one * other for one, other in pairs), field.zero)
+    ring = field.get_ring()
+    first, second = (reduce(ring.lcm, {pair[which].denom for pair in pairs}, ring.one) for which in (0, 1))
+    above = ((one.numer * first.exquo(one.denom)) * (other.numer * second.exquo(other.denom)) for one, other in pairs)
+    return field.field.new(sum(above, ring.zero), first * second)

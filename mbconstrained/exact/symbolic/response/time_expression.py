@@ -1,8 +1,6 @@
 """The inverse Laplace transform of b(s) / (a(s) s^gamma) as an expression in t.
 
-a(s) s^gamma is factored over the field of its coefficients: the rational numbers, or the rational functions of symbols. The
-principal parts are exact (``principal_parts``), and only then roots are put in (``modes``): exact where they have a closed form,
-with ``DIGITS`` digits otherwise.
+a(s) s^gamma is factored over the field of its coefficients: the rational numbers, or the rational functions of symbols.
 """
 
 from __future__ import annotations
@@ -13,13 +11,12 @@ from fractions import Fraction
 
 import sympy
 
-from ....errors import InputError
-from ..algebra.matrix import S
-from ..field.factoring import factors_of
-from ..field.fields import element, exact_expression, expression_of, field_of, symbols_of
-from ..field.names import as_positive, check_one_each, checked_time
-from .modes import modes
-from .principal_parts import delta, principal_parts
+from ....ground.errors import InputError
+from ..field.fields import as_positive, check_one_each, checked_time, element, exact_expression, expression_of, field_of, symbols_of
+from ..symbolic_matrix import S
+from ..symbolic_ring import factors_of
+from .inverse_transform import Quotient, regular_parts
+from .transform import delta
 
 
 def time_expression(
@@ -30,7 +27,7 @@ def time_expression(
 ) -> sympy.Expr:
     """y(t), t >= 0, whose transform is b(s) / (a(s) s^gamma), its polynomial part as derivatives of Dirac's delta.
 
-    Symbols in the coefficients are taken as positive and generic: the result holds where no two roots of different
+    Symbols in the coefficients are positive and generic: the result holds where no two roots of different
     factors meet and no root of a factor is double, and everywhere else as a limit. Where the sign of w^2 in a factor
     (s + d)^2 + w^2 depends on the values of the symbols, the result is written with cos(w t) and sin(w t) and holds for
     w^2 < 0 as well; w^2 = 0 is a limit. Roots of degree 1 and 2 and quartics over one square root are in radicals.
@@ -39,6 +36,9 @@ def time_expression(
         numerator, denominator: b and a, exact, lowest power first: numbers, or expressions rational in symbols.
         gamma: any whole number.
         t: the symbol; None for a real one called t.
+
+    Returns:
+        y(t) as an expression.
 
     Raises:
         InputError: t is not a symbol, or is called like one of the coefficients'; a coefficient is not rational in its symbols;
@@ -57,8 +57,8 @@ def time_expression(
     t = checked_time(t, symbols, "the coefficients'", "t")
     check_one_each([*symbols, t])
     names = as_positive(symbols)
-    found = _inverse(*_polynomials([[c.xreplace(names) for c in p] for p in given]), int(gamma), t)
-    return found.xreplace({positive: symbol for symbol, positive in names.items()})
+    expression = _inverse(*_polynomials([[c.xreplace(names) for c in p] for p in given]), int(gamma), t)
+    return expression.xreplace({positive: symbol for symbol, positive in names.items()})
 
 
 def _inverse(b: sympy.Poly, a: sympy.Poly, gamma: int, t: sympy.Symbol) -> sympy.Expr:
@@ -72,10 +72,7 @@ def _inverse(b: sympy.Poly, a: sympy.Poly, gamma: int, t: sympy.Symbol) -> sympy
     impulses, rest = b.div(product)
     coefficients = reversed(impulses.rep.to_list())
     total = [expression_of(a.domain, c) * delta(t, k) for k, c in enumerate(coefficients) if c]
-    if not rest.is_zero:
-        for (q, _), (parts,) in zip(factors, principal_parts([rest], factors), strict=True):
-            total += _terms(q, parts, t)
-    return sympy.Add(*total)
+    return sympy.Add(*total, *regular_parts(1, [Quotient({sympy.S.One: [rest]}, factors)], t))
 
 
 def _exact(coefficients, what: str) -> list[sympy.Expr]:
@@ -103,14 +100,3 @@ def _cancelled(b, factors, leading):
             b, k = quotient, k - 1
         left += [(q, k)] if k else []
     return left, b
-
-
-def _terms(q, parts, t) -> list[sympy.Expr]:
-    """The sum over the roots x of q of c_j(x) t^(j-1)/(j-1)! e^(x t), pairs of complex roots together."""
-    found = []
-    for mode in modes(q):
-        for j, c in enumerate(parts):
-            cosine, sine = mode.weights(c)
-            power = t**j / sympy.factorial(j) * sympy.exp(mode.rate * t)
-            found += [cosine * sympy.cos(mode.frequency * t) * power, sine * sympy.sin(mode.frequency * t) * power]
-    return found

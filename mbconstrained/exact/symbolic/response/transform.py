@@ -1,4 +1,4 @@
-"""Forces as expressions in time, taken apart into terms, and the Laplace transforms of the terms.
+"""Forces as expressions in time, split into terms, and the Laplace transforms of the terms.
 
 A term is c t^k e^{a t} cos(w t + p) from a time t_0 on, or c delta^(l)(t - t_0). Sums, products and powers of constants, t,
 exp, cos, sin, cosh, sinh, Heaviside and DiracDelta are sums of such terms; nothing else is.
@@ -11,10 +11,10 @@ from functools import reduce
 
 import sympy
 
-from ....errors import InputError
+from ....ground.errors import InputError
 from ..field.fields import check_positive
 
-#: What a force may be made of, for messages.
+#: The functions that a force may contain, for messages.
 EXPECTED = "expected sums and products of constants, t, exp, cos, sin, cosh, sinh, Heaviside(t - t0) and DiracDelta(t - t0, k)"
 
 
@@ -51,11 +51,31 @@ class Term:
         ]
 
 
+def delta(t: sympy.Expr, order: int) -> sympy.Expr:
+    """A derivative of Dirac's delta.
+
+    Args:
+        t: its argument.
+        order: of the derivative.
+
+    Returns:
+        The expression.
+    """
+    return sympy.DiracDelta(t, order) if order else sympy.DiracDelta(t)
+
+
 def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[Term]:
     """An expression in t as a sum of terms.
 
+    Args:
+        expression: sums and products of constants, t, exp, cos, sin, cosh, sinh, Heaviside and DiracDelta.
+        t: the symbol of the time.
+
+    Returns:
+        The terms, each with its coefficient, power, rate, frequency, phase and start.
+
     Raises:
-        InputError: a function that no term is made of; the text names it.
+        InputError: a function that no term contains; the message names it.
 
     >>> t = sympy.Symbol("t")
     >>> [(term.coefficient, term.frequency) for term in terms_of(sympy.cos(t) ** 2, t)]
@@ -75,11 +95,11 @@ def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[Term]:
 
 
 def _constant(expression, t) -> sympy.Expr:
-    """What has no time in it, and no function of nothing but time."""
+    """An expression without the time, and without a step or impulse that lacks it."""
     if odd := expression.atoms(sympy.Heaviside, sympy.DiracDelta):
-        found = min(odd, key=sympy.default_sort_key)
+        function = min(odd, key=sympy.default_sort_key)
         raise InputError(
-            f"force: found {found}, in which there is no {t}; if the time is called otherwise, pass time=... to say so"
+            f"force: found {function}, in which there is no {t}; if the time is called otherwise, pass time=... to say so"
         )
     return expression
 
@@ -195,7 +215,14 @@ def transform_of(term: Term, s: sympy.Symbol) -> Transform:
     """The Laplace transform of a term that starts at 0.
 
     With n = k + 1: k!/(s - a - i w)^n = k! ((s - a) + i w)^n / ((s - a)^2 + w^2)^n, so that w enters the denominator squared: the
-    frequency sqrt(k/m) meets the factor m s^2 + k of a determinant there. A rate a + r with r^2 rational is done the same way.
+    frequency sqrt(k/m) meets the factor m s^2 + k of a determinant there. A rate a + r with r^2 rational is treated in the same manner.
+
+    Args:
+        term: with start 0.
+        s: the variable of the transform.
+
+    Returns:
+        Amplitudes and numerators over one denominator.
 
     Raises:
         InputError: neither the rate nor its square, or not the square of the frequency, is rational in the symbols.
@@ -206,18 +233,15 @@ def transform_of(term: Term, s: sympy.Symbol) -> Transform:
     rate, root = _rational_and_root(term.rate)
     if root != 0 and term.frequency != 0:
         raise InputError(
-            f"force: found the rate {term.rate} beside the frequency {term.frequency}; expected one without square roots"
+            f"force: found the rate {term.rate} with the frequency {term.frequency}; expected one without square roots"
         )
+    cosine = factor * sympy.cos(term.phase)
     if root == 0 and term.frequency == 0:
-        return Transform(((factor * sympy.cos(term.phase), sympy.S.One),), s - rate, n)
+        return Transform(((cosine, sympy.S.One),), s - rate, n)
     square = sympy.expand(term.frequency**2 - root**2)
     even, odd = _binomial(s - rate, -square, n)
-    if root != 0:
-        return Transform(
-            ((factor * sympy.cos(term.phase), even), (factor * sympy.cos(term.phase) * root, odd)), (s - rate) ** 2 + square, n
-        )
-    turned = -factor * sympy.sin(term.phase) * term.frequency
-    return Transform(((factor * sympy.cos(term.phase), even), (turned, odd)), (s - rate) ** 2 + square, n)
+    turned = cosine * root if root != 0 else -factor * sympy.sin(term.phase) * term.frequency
+    return Transform(((cosine, even), (turned, odd)), (s - rate) ** 2 + square, n)
 
 
 def _binomial(base, square, n) -> tuple[sympy.Expr, sympy.Expr]:

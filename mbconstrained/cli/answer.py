@@ -1,0 +1,90 @@
+"""What all commands share: their options, the reading of the scene, the exit codes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from ..scene.run.scene import Scene
+
+ScenePath = Annotated[str, typer.Argument(metavar="SCENE", help="The scene file, a .toml.")]
+Json = Annotated[bool, typer.Option("--json", help="Print plain data (JSON) instead of text.")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="NAME=VALUE", help="Take this value of a parameter, or of what stands at a place; repeat it for others."
+    ),
+]
+SharedViewer = Annotated[
+    bool, typer.Option("--shared-viewer", help="Write the 3-D viewer once next to the pages of a folder, not into each.")
+]
+Compress = Annotated[bool, typer.Option("--compress", help="Compress the scripts in the page, to a third; for new browsers.")]
+Out = Annotated[str, typer.Option("--out", metavar="DIR", help="Folder to write into; results/NAME_OF_SCENE by default.")]
+
+FINE, SCENE_WRONG, COMMAND_WRONG, NOT_TRUSTED = 0, 1, 2, 3
+
+
+def answer(path: str, json: bool, work: Callable[[Scene], int | None], settings: Sequence[str] | None = None) -> None:
+    """Read the scene, do the work, and leave with the exit code of the outcome.
+
+    Args:
+        path: of the scene.
+        json: whether an error is printed as plain data.
+        work: returns the exit code, or None for 0.
+        settings: NAME=VALUE of each --set.
+    """
+    values = dict(_setting(text) for text in settings or ())
+    leave(Path(path).name, json, lambda: work(_read(path, values)))
+
+
+def _setting(text: str) -> tuple[str, Any]:
+    """Name and value of a --set."""
+    from ..scene.quantities.settings import value_of
+
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not (name and equals and value):
+        raise typer.BadParameter(f'found "{text}"; expected NAME=VALUE, e.g. k="3 N/mm" or time.end=20', param_hint="--set")
+    return name, value_of(value)
+
+
+def leave(name: str, json: bool, work: Callable[[], int | None]) -> None:
+    """Do the work, and leave with the exit code of the outcome.
+
+    Args:
+        name: of the object of the work, for messages.
+        json: whether an error is printed as plain data.
+        work: returns the exit code, or None for 0.
+    """
+    from ..ground.errors import MbconstrainedError, SceneError
+    from .printing import show_error
+
+    try:
+        code = work() or FINE
+    except MbconstrainedError as problem:
+        named = str(problem) if isinstance(problem, SceneError) else f"{name}: {problem}"
+        code = show_error(named, json, SCENE_WRONG)
+    except OSError as problem:
+        code = show_error(f"the results cannot be written: {_cause(problem)}", json, COMMAND_WRONG)
+    except MemoryError:
+        code = show_error(f"{name}: this needs more memory than there is; ask for fewer points", json, SCENE_WRONG)
+    raise typer.Exit(code)
+
+
+def _cause(problem: OSError) -> str:
+    """The file and the message of the system about it."""
+    return f"{problem.filename}: {problem.strerror}" if problem.filename and problem.strerror else str(problem)
+
+
+def _read(path: str, settings: Mapping[str, Any]) -> Scene:
+    """The scene; errors of the system while it is read are about the scene, not about the results."""
+    from ..ground.errors import SceneError
+    from ..scene.run.scene import read_scene
+
+    try:
+        return read_scene(path, settings)
+    except OSError as problem:
+        raise SceneError(f"{Path(path).name}: the scene or a file of it cannot be read: {_cause(problem)}") from None

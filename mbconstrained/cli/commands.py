@@ -1,0 +1,290 @@
+"""The commands run, modes, plan, check and formula; each imports what it needs when it is called."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .answer import FINE, NOT_TRUSTED, Compress, Json, Out, ScenePath, Settings, SharedViewer, answer
+
+if TYPE_CHECKING:
+    from ..exact.formulas.closed_form import ClosedForm
+    from ..scene.run.scene import Scene
+
+LONGEST_WORK = 86400.0  # s, that anybody waits for a formula
+
+HELP = """Closed-form motion of constrained mechanical systems, from a scene file to an animated page.
+
+A scene is a text file (TOML): masses, springs, dampers, gears and constraints, or matrices; a start;
+a time. The answer is not stepped but computed as a sum of t^k e^(a t) cos(w t + p), with jumps and
+Dirac impulses at t = 0 where the start does not fit the constraints."""
+
+EPILOG = """Examples:
+  mbconstrained new two-masses.toml              a scene to begin with, a comment on every line; --list: others
+  mbconstrained run examples/two_masses.toml     page, CSV and npz into results/two_masses/
+  mbconstrained run bridge.toml --out work/b1    the same into another folder
+  mbconstrained run bridge.toml --json           eigenvalues, jumps, impulses, evidence for a program
+  mbconstrained run bridge.toml --set k="3 N/m"  another value of a parameter; --set time.end=20: of any entry
+  mbconstrained run bridge.toml --plots          the plots as SVG and PNG too, for reports
+  mbconstrained run bridge.toml --still 1.25s    a picture of the model at that time too, by an installed Chromium
+  mbconstrained run bridge.toml --certify        digits proved by exact arithmetic
+  mbconstrained run bridge.toml --compress       a page of less than half the size; --shared-viewer: one viewer for many
+  mbconstrained modes bridge.toml                frequencies, damping, shapes, shares of energy
+  mbconstrained modes bridge.toml --page         the same with a page in which each mode moves
+  mbconstrained formula bridge.toml --as python  the motion as a formula, here as a function of NumPy
+  mbconstrained plan bridge.toml                 the stages of a run, taken or left out, and why
+  mbconstrained plan bridge.toml --run           the same with the time and memory that each stage takes
+  mbconstrained accuracy bridge.toml             error against run time, compared with other methods
+  mbconstrained stability bridge.toml            correct digits when masses, springs, ... vary over decades
+  mbconstrained stability                        the same for a gallery of stiff and extreme systems
+  mbconstrained check bridge.toml                is the scene correct? nothing is written
+  mbconstrained schema --out scene.schema.json   the JSON Schema of scenes for editors
+
+Exit codes:
+  0  fine
+  1  the scene is wrong: the message names the place, what was found and what was expected
+  2  the command line is wrong, or the results cannot be written
+  3  there is an answer, and it is written, but it cannot be trusted; a warning gives the reason"""
+
+app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
+
+
+def _verbatim(text: str) -> str:
+    """A help text that keeps its line breaks."""
+    return "\n\n".join("\b\n" + block for block in text.split("\n\n"))
+
+
+@app.callback(help=_verbatim(HELP), epilog=_verbatim(EPILOG))
+def _group() -> None:
+    pass
+
+
+@app.command("run", short_help="Solve a scene and write its page, CSV and npz.")
+def _run(
+    scene: ScenePath,
+    out: Out = "",
+    certify: Annotated[bool, typer.Option("--certify", help="Prove digits of the answer by exact arithmetic.")] = False,
+    plots: Annotated[bool, typer.Option("--plots", help="Write the plots as SVG and PNG too.")] = False,
+    still: Annotated[str, typer.Option("--still", metavar="TIME", help="Write a picture of the model then too, as PNG.")] = "",
+    shared_viewer: SharedViewer = False,
+    compress: Compress = False,
+    settings: Settings = None,
+    json: Json = False,
+) -> None:
+    """Solve a scene, write page, CSV and npz, and print the summary.
+
+    With --certify the answer is compared with intervals that exact arithmetic proves to contain the true values, for the
+    coordinates named in [output] certify or coordinates, or for all; how many digits are proved is printed and stands on the page."""
+    from ..scene.run.report.summary import blocks
+    from .printing import show, stage_progress
+
+    viewer, moment = _viewer(shared_viewer, compress), _moment(still)
+
+    def work(loaded: Scene) -> int:
+        loaded = loaded.certified() if certify else loaded
+        loaded = loaded.with_viewer(viewer) if viewer else loaded
+        loaded = loaded.with_plot_images() if plots else loaded
+        loaded = loaded if moment is None else loaded.with_still(moment)
+        with stage_progress() as progress:
+            result = loaded.run(Path(out or Path("results") / loaded.name), progress)
+        show(json, result.as_json, lambda: blocks(result))
+        return FINE if result.is_trusted else NOT_TRUSTED
+
+    answer(scene, json, work, settings)
+
+
+@app.command("modes", short_help="List the modes of a scene, with shapes and energies.")
+def _modes(
+    scene: ScenePath,
+    page: Annotated[bool, typer.Option("--page", help="Write NAME.modes.html too, in which each mode moves.")] = False,
+    out: Out = "",
+    shared_viewer: SharedViewer = False,
+    compress: Compress = False,
+    settings: Settings = None,
+    json: Json = False,
+) -> None:
+    """List the modes: frequencies, damping, meaning, shares of kinetic and strain energy, shape.
+
+    No motion is solved for, so that neither a start nor forces matter; a page is written only with --page."""
+    from .printing import show
+
+    if out and not page:
+        raise typer.BadParameter("only the page is written; give --page too", param_hint="--out")
+    viewer = _viewer(shared_viewer, compress)
+
+    def work(loaded: Scene) -> int:
+        from ..scene.run.modes.mode_summary import as_json, blocks
+        from ..scene.run.modes.scene_modes import SceneModes
+
+        answer = SceneModes(loaded.with_viewer(viewer) if viewer else loaded)
+        if page:
+            answer.write_page(Path(out or Path("results") / loaded.name))
+        show(json, lambda: as_json(answer), lambda: blocks(answer))
+        return FINE if answer.is_trusted else NOT_TRUSTED
+
+    answer(scene, json, work, settings)
+
+
+@app.command("plan", short_help="List the stages of a run, taken or left out, and why.")
+def _plan(
+    scene: ScenePath,
+    run: Annotated[
+        bool, typer.Option("--run", help="Run it too, into a temporary folder that is removed; list the cost of each stage.")
+    ] = False,
+    settings: Settings = None,
+    json: Json = False,
+) -> None:
+    """List the stages that a scene needs, and those that are left out, each with its reason.
+
+    Nothing is solved or written, but with --run: then all is done as by the command run, files are written into a temporary
+    folder, so that writing counts too, and removed; each stage is listed with its time and memory. Exit codes are those of run."""
+    answer(scene, json, lambda loaded: _measured(loaded, json) if run else _planned(loaded, json), settings)
+
+
+def _planned(scene: Scene, json: bool) -> None:
+    from .printing import show
+
+    plan = scene.plan()
+    show(json, lambda: {"title": scene.heading, "plan": plan.as_json()}, lambda: [scene.heading, plan.table()])
+
+
+def _measured(scene: Scene, json: bool) -> int:
+    from tempfile import TemporaryDirectory
+
+    from ..scene.run.report.summary import notices_json
+    from .printing import show, stage_progress
+
+    with TemporaryDirectory(prefix="mbconstrained-") as folder, stage_progress() as progress:
+        result = scene.run(folder, progress)
+    plan, doubts = result.plan, [notice for notice in result.notices if notice.doubtful]
+    data: dict = {"title": scene.heading, "plan": plan.as_json(), "totals": plan.totals_as_json()}
+    data |= {"notices": notices_json(doubts), "trusted": result.is_trusted}
+    show(json, lambda: data, lambda: [scene.heading, *plan.cost_tables(), *map(str, doubts)])
+    return FINE if result.is_trusted else NOT_TRUSTED
+
+
+@app.command("check", short_help="Check a scene; write nothing.")
+def _check(scene: ScenePath, settings: Settings = None, json: Json = False) -> None:
+    """Read a scene and see whether everything in it is right; write nothing.
+
+    It lists unconstrained bodies and, where the start violates the constraints, the jumps and impulses at t = 0."""
+    answer(scene, json, lambda loaded: _checked(loaded, json), settings)
+
+
+def _checked(scene: Scene, json: bool) -> None:
+    from ..ground.checks import counted
+    from ..scene.run.report.jumps import start_notices
+    from .printing import show
+
+    names, count = scene.equations.coordinates.names, len(scene.plan().needed)
+    notices = [str(notice) for notice in (*scene.notices, *start_notices(scene.equations))]
+    size = f"{counted(len(names), 'coordinate')} ({', '.join(names)}), {counted(count, 'stage')} to run"
+    lines = [f"{scene.path.name} is fine: {scene.title}", size, *notices]
+    data = {"title": scene.title, "coordinates": list(names), "stages": count, "notices": notices}
+    show(json, lambda: data, lambda: ["\n".join(lines)])
+
+
+def _viewer(shared: bool, compressed: bool) -> str:
+    """Where the viewer's script shall be, or an empty string for that in the scene."""
+    if shared and compressed:
+        raise typer.BadParameter("a viewer in a separate file is not compressed; leave out one of the two", param_hint="--compress")
+    return "separate" if shared else "compressed" if compressed else ""
+
+
+def _moment(still: str) -> float | None:
+    """The time of a still picture in s; None where there shall be none."""
+    if not still:
+        return None
+    from ..ground.errors import InputError
+    from ..page.photograph import NONE_INSTALLED, browser
+    from ..scene.quantities.quantities import quantity
+    from ..scene.quantities.settings import value_of
+
+    try:
+        time = quantity(value_of(still), "s")
+    except InputError as problem:
+        raise typer.BadParameter(f"{problem}", param_hint="--still") from None
+    if browser() is None:
+        raise typer.BadParameter(f"{NONE_INSTALLED}; install one, or leave it out", param_hint="--still")
+    return time
+
+
+class As(StrEnum):
+    """How a formula is written."""
+
+    TEXT, LATEX, PYTHON, C, JSON = "text", "latex", "python", "c", "json"
+
+
+@app.command("formula", short_help="The formula of each coordinate, with parameters as symbols.")
+def _formula(
+    scene: ScenePath,
+    kind: Annotated[As, typer.Option("--as", help="As what it is written.")] = As.TEXT,
+    numbers: Annotated[
+        bool, typer.Option("--numbers", help="Insert the default values of the parameters, write decimals.")
+    ] = False,
+    digits: Annotated[int | None, typer.Option("--digits", min=2, max=30, help="Of the decimals with --numbers; 6.")] = None,
+    coordinates: Annotated[str, typer.Option("--coordinates", metavar="A,B", help="Only these coordinates.")] = "",
+    out: Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")] = "",
+    seconds: Annotated[float, typer.Option("--seconds", min=1.0, max=LONGEST_WORK, help="Break off after so long.")] = 120.0,
+    settings: Settings = None,
+    json: Json = False,
+) -> None:
+    """Print the formula of each coordinate: text, LaTeX, a function of Python (NumPy) or C, or plain data (JSON).
+
+    The [parameters] of the scene are symbols in it; all other numbers are the decimals that they are written as."""
+    names = [name.strip() for name in coordinates.split(",") if name.strip()]
+    kind = As.JSON if json else kind
+    written = (kind.value, numbers, digits, names, out, seconds)
+    answer(scene, kind is As.JSON, lambda loaded: _show_formula(loaded, *written), settings)
+
+
+def _show_formula(
+    scene: Scene, kind: str, numbers: bool, digits: int | None, coordinates: Sequence[str], out: str, seconds: float
+) -> None:
+    """The formula of a scene, printed or written into a file.
+
+    Raises:
+        InputError: there is no such formula, digits without numbers.
+        OSError: the file cannot be written.
+    """
+    from ..ground.errors import InputError
+    from ..scene.run.formula import DIGITS, formula_of, written
+    from .printing import show_text, step_progress
+
+    if digits is not None and not numbers:
+        raise InputError("--digits is of the decimals with --numbers; add --numbers")
+    with step_progress() as progress:
+        form = formula_of(scene, numbers=numbers, coordinates=coordinates or None, seconds=seconds, progress=progress)
+    text = written(form, kind, (digits or DIGITS) if numbers else None)
+    if kind == "text":
+        text = "\n\n".join(filter(None, [form.title, text, _notes(form, scene)]))
+    if out:
+        _write(Path(out), text + "\n", scene.path)
+    else:
+        show_text(text)
+
+
+def _notes(form: ClosedForm, scene: Scene) -> str:
+    from ..scene.run.formula import parameters_text
+
+    notices = [str(notice) for notice in scene.notices]
+    return "\n".join(filter(None, [parameters_text(form), form.step_note, *notices]))
+
+
+def _write(path: Path, text: str, scene: Path) -> None:
+    from ..ground.errors import InputError
+    from ..ground.files import replacing
+
+    path = path.resolve()  # a link stays, the file that it leads to is replaced
+    if path.exists() and path.samefile(scene):
+        raise InputError(f"--out: {path.name} is the scene itself; give another file")
+    if path.exists() and not path.is_file():  # a terminal or another device is written to
+        path.write_text(text, encoding="utf-8")
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")

@@ -1,0 +1,167 @@
+"""The commands new and schema: templates of scenes, in which a comment explains every line, and the JSON Schemas for editors."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..ground.checks import nearest
+from ..ground.display import TextTable, table_text
+from ..ground.errors import InputError
+from ..scene.file.messages import quoted, shown
+from ..scene.schema.editors import ROBOT_SCHEMA_FILE, SCHEMA_FILE
+from .answer import COMMAND_WRONG, leave
+
+
+def add_to(app: typer.Typer) -> None:
+    """Give the command line the two commands."""
+    app.command("new", short_help="Write a template of a scene, a comment on every line.")(_new)
+    app.command("schema", short_help="Print the JSON Schema of scenes for editors.")(_schema)
+
+
+def _new(
+    file: Annotated[str, typer.Argument(metavar="FILE", help="The scene to write, a .toml; never one that is there.")] = "",
+    template: Annotated[
+        str, typer.Option("--template", metavar="NAME", help="Which; left out: the one that FILE is named after, or two-masses.")
+    ] = "",
+    listed: Annotated[bool, typer.Option("--list", help="List the templates.")] = False,
+) -> None:
+    """Write a scene from a template, in which a comment explains every line.
+
+    A file that is there is never overwritten. Change the values, and ask mbconstrained check whether all is right."""
+    from .printing import show_text
+
+    if not (listed or file):
+        raise typer.BadParameter("give the name of the scene to write, e.g. two-masses.toml, or --list", param_hint="FILE")
+
+    def work() -> int | None:
+        if listed:
+            show_text(template_table())
+            return None
+        try:
+            written = write_template(Path(file), template)
+        except FileExistsError as problem:
+            typer.echo(f"{problem.filename}: there is such a file already, and it is left as it is; give another name", err=True)
+            return COMMAND_WRONG
+        show_text(written)
+        return None
+
+    leave(file, False, work)
+
+
+def _schema(
+    out: Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")] = "",
+    robot: Annotated[bool, typer.Option("--robot", help="That of a robot.toml instead of that of a scene.")] = False,
+) -> None:
+    """Print the JSON Schema of scenes, or of a robot.toml: every key with description and unit, for completion and checks."""
+    from ..scene.schema.editors import EDITORS, schema_text
+    from .printing import show_text
+
+    def work() -> None:
+        if not out:
+            return show_text(schema_text(robot=robot))
+        from ..ground.files import replacing
+
+        with replacing(Path(out)) as temporary:
+            temporary.write_text(schema_text(robot=robot) + "\n", encoding="utf-8")
+        show_text(EDITORS.format(file=Path(out).as_posix(), name=Path(out).name, what="robot.toml" if robot else "scene"))
+
+    leave(Path(out).name or "schema", False, work)
+
+
+DEFAULT = "two-masses"
+ROBOT = "pendulum"  # the files next to the template of a robot are named after it
+COMPANIONS = {"robot": (f"{ROBOT}.robot.toml", f"{ROBOT}.urdf")}
+_FOLDER = files(__package__).joinpath("templates")
+
+
+def template_names() -> tuple[str, ...]:
+    """The names of all templates, the one to begin with first.
+
+    >>> template_names()[0]
+    'two-masses'
+    """
+    names = [file.name.removesuffix(".toml") for file in _FOLDER.iterdir() if file.name.endswith(".toml")]
+    return tuple(sorted((name for name in names if "." not in name), key=lambda name: (name != DEFAULT, name)))
+
+
+def template_text(name: str) -> str:
+    """The text of a template.
+
+    Raises:
+        InputError: there is no such template.
+    """
+    if name not in template_names():
+        known = template_names()
+        raise InputError(f"--template: there is no template {shown(name)}{nearest(name, known)}; there are {', '.join(known)}")
+    return _text(f"{name}.toml")
+
+
+def template_table() -> str:
+    """All templates with a sentence each, which is the first line of each."""
+    rows = tuple((name, template_text(name).splitlines()[0].removeprefix("# ")) for name in template_names())
+    note = "Write one: mbconstrained new FILE --template NAME, or name the file after it."
+    return table_text(TextTable("Templates", ("name", "what it shows"), rows, note))
+
+
+def write_template(path: Path, template: str = "") -> str:
+    """Write a template, and the files that belong to it, under a name, and name the next commands.
+
+    Args:
+        path: of the scene.
+        template: left out: the one that the file is named after, or the one to begin with.
+
+    Returns:
+        The files written, and the next commands.
+
+    Raises:
+        InputError: no such template, a name that no scene can have.
+        FileNotFoundError: there is no such folder.
+        FileExistsError: a file is there already; nothing is written then.
+    """
+    path = _scene_path(path)
+    if not path.parent.is_dir():
+        raise FileNotFoundError(None, "there is no such folder; make it first", str(path.parent))
+    named = path.stem.replace("_", "-")
+    template = template or (named if named in template_names() else DEFAULT)
+    texts = {path: _with_schema(path, SCHEMA_FILE) + _named(template_text(template), path.stem)}
+    for other in COMPANIONS.get(template, ()):
+        schema = _with_schema(path, ROBOT_SCHEMA_FILE) if other.endswith(".toml") else ""
+        texts[path.with_name(other.replace(ROBOT, path.stem, 1))] = schema + _named(_text(other), path.stem)
+    for each in texts:
+        if each.exists() or each.is_symlink():
+            raise FileExistsError(None, "there is such a file already", str(each))
+    for each, text in texts.items():
+        with open(each, "x", encoding="utf-8") as file:
+            file.write(text)
+    written = ", ".join(map(str, texts))
+    shown_path = f'"{path}"' if " " in str(path) else path
+    return (
+        f"{written} {'is' if len(texts) == 1 else 'are'} written from the template {template}. Next:\n\n"
+        f"  mbconstrained run {shown_path}      and open the page that it names\n"
+        f"  mbconstrained check {shown_path}    after each change: is everything right?"
+    )
+
+
+def _with_schema(path: Path, schema: str) -> str:
+    """The line by which an editor finds the schema, if it is there."""
+    return f"#:schema ./{schema}\n" if path.with_name(schema).is_file() else ""
+
+
+def _scene_path(path: Path) -> Path:
+    path = path if path.suffix == ".toml" else path.with_name(path.name + ".toml")
+    if not path.stem or not path.name.isprintable() or {*path.name} & {*"\"'\\"}:
+        raise InputError(f"found the name {quoted(path.name)}; expected one without quotes and backslashes, e.g. bridge.toml")
+    return path
+
+
+def _named(text: str, stem: str) -> str:
+    """The text with the names of the files next to it after the scene."""
+    return text.replace(f'"{ROBOT}.', f'"{stem}.')
+
+
+def _text(file: str) -> str:
+    return _FOLDER.joinpath(file).read_text(encoding="utf-8")

@@ -1,0 +1,247 @@
+"""E x' = A x + B u, y = C x + D u, with E singular or not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from functools import cached_property
+from numbers import Number
+
+import numpy as np
+
+from ..ground.checks import counted, names_of, nearest, real_array
+from ..ground.display import Displayed
+from ..ground.errors import InputError
+from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..response.solve import solve
+from ..signals.impulsive import ImpulsiveSmooth
+from ..signals.inputs import zero
+from .conversions import ordinary_form, realization_of, to_control, to_scipy
+from .poles_and_zeros import transfer_of
+from .realization import factored_realization, rational_realization
+from .state_space_response import StateSpaceResponse
+from .transfer.matrix_fraction import checked_input
+
+
+class StateSpace(Displayed):
+    """E x' = A x + B u, y = C x + D u, real, in continuous time, with E singular or not.
+
+    Args:
+        A: shape (n, n), n >= 1.
+        B, C, D: shapes (n, p), (q, n), (q, p); no inputs, no outputs and zero by default.
+        descriptor: E, shape (n, n); the identity by default.
+        states, inputs, outputs: names; x1, ..., u1, ..., y1, ... by default.
+        units: of states, inputs and outputs by name; "1" by default.
+
+    Raises:
+        InputError: shapes that do not match, entries that are not finite real numbers, names used twice.
+
+    >>> motor = StateSpace([[-2.0]], [[2.0]], [[1.0]], outputs=["speed"], units={"speed": "rad/s"})
+    >>> motor
+    StateSpace(1 state, 1 input, 1 output)
+    >>> from mbconstrained import step
+    >>> bool(np.isclose(motor.solve(input=step([1.0])).output(0.5)[0], 1 - np.exp(-1)))
+    True
+    """
+
+    def __init__(
+        self,
+        A,
+        B=None,
+        C=None,
+        D=None,
+        descriptor=None,
+        states: Sequence[str] | None = None,
+        inputs: Sequence[str] | None = None,
+        outputs: Sequence[str] | None = None,
+        units: Mapping[str, str] | None = None,
+    ):
+        self.A = _square(A)
+        n = len(self.A)
+        self.B = _fixed(np.zeros((n, _width(D))) if B is None else real_array(B, "B", shape=(n, None)))
+        p = self.B.shape[1]
+        self.C = _fixed(np.zeros((_height(D), n)) if C is None else real_array(C, "C", shape=(None, n)))
+        q = len(self.C)
+        self.D = _fixed(np.zeros((q, p)) if D is None else real_array(D, "D", shape=(q, p)))
+        self.is_descriptor = descriptor is not None
+        self.E = _fixed(np.eye(n) if descriptor is None else real_array(descriptor, "descriptor", shape=(n, n)))
+        self.states, self.inputs = names_of(states, n, "states", "x"), names_of(inputs, p, "inputs", "u")
+        self.outputs = names_of(outputs, q, "outputs", "y")
+        names_of((*self.states, *self.outputs), n + q, "states and outputs", "x")  # unknowns of one problem
+        self.units = _units(units, (*self.states, *self.inputs, *self.outputs))
+
+    def _summary(self) -> str:
+        named = ((self.states, "state"), (self.inputs, "input"), (self.outputs, "output"))
+        return ", ".join(counted(len(names), what) for names, what in named)
+
+    def __call__(self, s: complex) -> np.ndarray:
+        """G(s) = C (s E - A)^-1 B + D at a finite number s, shape (q, p).
+
+        Raises:
+            InputError: s is a pole.
+            SingularPolynomialMatrix: det (s E - A) = 0 for every s.
+        """
+        if not isinstance(s, Number) or not np.isfinite(s):
+            raise InputError(f"s: found {s!r}; expected a finite number, real or complex")
+        if not self._is_regular:
+            self._pencil.jordan_pairs()  # raises the error that names rows and states
+        try:
+            return self.C @ np.linalg.solve(s * self.E - self.A, self.B) + self.D
+        except np.linalg.LinAlgError:
+            raise InputError(f"s: found {s:g}, where s E - A is singular; G(s) has no value there") from None
+
+    def polynomial_matrix(self) -> PolynomialMatrix:
+        """s E - A, degree 1, size n: its zeros are the poles of the system."""
+        return self._pencil
+
+    def polynomial_matrix_with_outputs(self) -> PolynomialMatrix:
+        """[[s E - A, 0], [-C, I]], size n + q: with the force [B; D] u it gives x and y together."""
+        return self._pencil_with_outputs
+
+    @cached_property
+    def _pencil(self) -> PolynomialMatrix:
+        return PolynomialMatrix([-self.A, self.E], self.states, [f"row {i + 1}" for i in range(len(self.A))])
+
+    @cached_property
+    def _is_regular(self) -> bool:
+        return not self.is_descriptor or self._pencil.is_regular
+
+    @cached_property
+    def _pencil_with_outputs(self) -> PolynomialMatrix:
+        n, q = len(self.A), len(self.C)
+        names = names_of((*self.states, *self.outputs), n + q, "states and outputs", "x")
+        rows = [f"row {i + 1}" for i in range(n)] + [f"output {name}" for name in self.outputs]
+        constant = np.block([[-self.A, np.zeros((n, q))], [-self.C, np.eye(q)]])
+        return PolynomialMatrix([constant, np.pad(self.E, (0, q))], names, rows)
+
+    def solve(self, initial=None, input: ImpulsiveSmooth | None = None, rank_tolerance: float | None = None) -> StateSpaceResponse:
+        """x and y on t >= 0 in closed form, from any x(0-), also where E is singular and x(0-) is inconsistent.
+
+        Args:
+            initial: x(0-), shape (n,), or a mapping from names of states to numbers, zero for the others; None for zeros.
+            input: u with p rows, see ``mbconstrained.signals``; it acts from t = 0 on. None for zero.
+            rank_tolerance: see ``mbconstrained.solve``.
+
+        Returns:
+            The states, a ``Response``, with the outputs.
+
+        Raises:
+            InputError: shapes that do not match, unknown names.
+            SingularPolynomialMatrix: det (s E - A) = 0 for every s.
+        """
+        u = zero(len(self.inputs)) if input is None else checked_input(input, len(self.inputs), "input")
+        response = solve(self._pencil, self.start(initial)[None, :], u.mapped(self.B), rank_tolerance)
+        return StateSpaceResponse(response.problem, response.solution, self, u)
+
+    def start(self, initial) -> np.ndarray:
+        """x(0-), shape (n,), from an array, a mapping from names, or None for zeros."""
+        if not isinstance(initial, Mapping):
+            return np.zeros(len(self.A)) if initial is None else real_array(initial, "initial", shape=(len(self.A),))
+        for name in initial:
+            if name not in self.states:
+                raise InputError(f'initial: there is no state "{name}"{nearest(name, self.states)}')
+        return np.array([float(real_array(initial.get(name, 0.0), f"initial {name}", shape=())) for name in self.states])
+
+    def start_with_outputs(self, start: np.ndarray) -> np.ndarray:
+        """[x(0-); C x(0-)] as the only row, shape (1, n + q), the sums rounded once."""
+        exact = [Fraction(value) for value in start.tolist()]
+        outputs = [float(sum((Fraction(c) * x for c, x in zip(row, exact)), Fraction(0))) for row in self.C.tolist()]
+        return np.array([[*start, *outputs]])
+
+    def force_with_outputs(self, u: ImpulsiveSmooth) -> ImpulsiveSmooth:
+        """[B; D] u, n + q rows."""
+        return u.mapped(np.vstack([self.B, self.D]))
+
+    transfer = transfer_of
+    ordinary = ordinary_form
+    to_scipy = to_scipy
+    to_control = to_control
+
+    def dc_gains(self) -> np.ndarray | None:
+        """G(0), shape (q, p); None where s E - A has a zero at 0."""
+        if any(not zero.value for zero in self.polynomial_matrix().jordan_pairs().structure.finite_zeros):
+            return None
+        return self(0.0)
+
+    @classmethod
+    def from_transfer_function(cls, numerator, denominator, **names) -> StateSpace:
+        """A realization of b(s)/a(s), coefficients with the highest power first as in scipy.signal (``control.realization``).
+
+        Args:
+            numerator, denominator: of one input and output; or of each, as lists of lists: numerator[output][input].
+            names: states, inputs, outputs, units, as for the class.
+
+        Returns:
+            The state space.
+
+        >>> double = StateSpace.from_transfer_function([2.0, 1.0], [1.0, 0.0, 0.0])  # (2 s + 1)/s^2
+        >>> double(2.0).item()
+        1.25
+        """
+        E, *matrices = rational_realization(numerator, denominator)
+        return cls(*matrices, descriptor=E, **names)
+
+    @classmethod
+    def from_zeros_poles_gain(cls, zeros, poles, gain: float, **names) -> StateSpace:
+        """A realization of gain prod(s - zeros)/prod(s - poles) as a chain of sections of second order.
+
+        Args:
+            zeros, poles: complex numbers with their conjugates.
+            gain: the factor.
+            names: states, inputs, outputs, units, as for the class.
+
+        Returns:
+            The state space.
+
+        >>> bool(np.isclose(StateSpace.from_zeros_poles_gain([], [-1 + 1j, -1 - 1j], 4.0)(0).item(), 2.0))
+        True
+        """
+        E, *matrices = factored_realization(zeros, poles, gain)
+        return cls(*matrices, descriptor=E, **names)
+
+    @classmethod
+    def from_scipy(cls, system) -> StateSpace:
+        """From a scipy.signal ``StateSpace``, ``TransferFunction`` or ``ZerosPolesGain``, continuous in time.
+
+        Raises:
+            InputError: a discrete-time system, or another object.
+
+        >>> import scipy.signal
+        >>> StateSpace.from_scipy(scipy.signal.TransferFunction([1.0], [1.0, 2.0]))(0).item()
+        0.5
+        """
+        return cls(**realization_of(system))
+
+    @classmethod
+    def from_control(cls, system) -> StateSpace:
+        """From a python-control ``StateSpace`` or ``TransferFunction``, with its names; as ``from_scipy``."""
+        return cls(**realization_of(system))
+
+
+def _square(A) -> np.ndarray:
+    matrix = real_array(A, "A", shape=(None, None))
+    if matrix.shape[0] != matrix.shape[1]:
+        raise InputError(f"A: expected a square matrix, found {matrix.shape[0]} x {matrix.shape[1]}")
+    if not len(matrix):
+        raise InputError("A: found no entries; a state space needs at least one state")
+    return _fixed(matrix)
+
+
+def _width(D) -> int:
+    return 0 if D is None else real_array(D, "D", shape=(None, None)).shape[1]
+
+
+def _height(D) -> int:
+    return 0 if D is None else len(real_array(D, "D", shape=(None, None)))
+
+
+def _fixed(matrix: np.ndarray) -> np.ndarray:
+    matrix.flags.writeable = False
+    return matrix
+
+
+def _units(units, names) -> dict[str, str]:
+    for name in units or {}:
+        if name not in names:
+            raise InputError(f'units: there is no state, input or output "{name}"{nearest(name, names)}')
+    return {name: str((units or {}).get(name, "1")) for name in names}

@@ -1,0 +1,242 @@
+"""Responses of b(s)/a(s) to the inputs I_gamma of Hauksdottir and Sigurdsson, for every integer gamma, and to any other input."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...ground.errors import InputError
+from ...ground.notices import Notice, NoticeKind
+from ...ground.tolerances import EPS, PROBE_SIZE, rounding_radius
+from ...papers.residue_form import ResidueForm
+from ...polynomial.structure import polynomial_text
+from ...response.estimate import TRIALS
+from ...response.problem import MOVES, Problem
+from ...response.response import Response, moved_responses
+from ...response.response_notices import response_notices
+from ...response.solve import solve
+from ...signals.impulsive import ImpulsiveSmooth
+from .early_response import exact_start, with_exact_start
+from .matrix_fraction import checked_input, scalar_force, scalar_matrix
+from .rational import ONE, Polynomial, RationalFunction, rational_function
+
+if TYPE_CHECKING:
+    from ...exact.enclosure.exact_response import ExactResponse
+
+#: With more impulses than this in its force a response is computed from its values at 0+: Laurent coefficients take long.
+MOST_IMPULSES = 24
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class TransferFunctionResponse(Response):
+    """y with a(d/dt) y = b(d/dt) u from rest, a ``Response`` with the one row y.
+
+    The objects of Hauksdottir and Sigurdsson belong to it: ``fundamental_solution`` y_f, ``basic_response`` y_b,gamma,
+    ``with_input`` for other gamma, and ``residue_form``, their sums of modes. They are computed when first used; y itself comes from
+    ``mb.solve``, and just after t = 0, where the sums of modes cancel, from its exact Taylor series.
+
+    Attributes:
+        fraction: b(s)/a(s), exactly.
+        gamma: of the input I_gamma, or the input itself.
+    """
+
+    fraction: RationalFunction = field(kw_only=True)
+    gamma: int | ImpulsiveSmooth = field(kw_only=True)
+
+    @property
+    def numerator(self) -> Polynomial:
+        """b as given, Fractions, the highest power first; (0,) where it is zero."""
+        return self.fraction.numerator[::-1] or (0 * ONE[0],)
+
+    @property
+    def denominator(self) -> Polynomial:
+        """a as given, Fractions, the highest power first."""
+        return self.fraction.denominator[::-1]
+
+    @property
+    def common_factor(self) -> Polynomial:
+        """The common factor of b and a, the highest power first; (1,) if there is none.
+
+        It leaves the response from rest exactly, and so it is left out of what is computed: the rounding error of a growing common
+        factor would not. ``notices`` reports it.
+        """
+        return self.fraction.common_factor[::-1]
+
+    def with_input(self, gamma: int | ImpulsiveSmooth) -> TransferFunctionResponse:
+        """The response y_gamma of the same system to another input; by (8) y_(gamma+1)' = y_gamma."""
+        return _response(self.fraction, gamma)
+
+    def basic_response(self, gamma: int | ImpulsiveSmooth | None = None) -> TransferFunctionResponse:
+        """y_b,gamma of Theorem 1, Eq. (28): with the numerator one, the denominator divided by a_n; gamma as here by default.
+
+        >>> y = transfer_function_response([3.0], [2.0, 2.0])  # 2 y' + 2 y = 3, y_b' + y_b = 1
+        >>> y(1.0) / y.basic_response()(1.0)
+        array([1.5])
+        """
+        a = self.fraction.denominator
+        return _response(RationalFunction((a[-1],), a, rounded=self.fraction.rounded), self.gamma if gamma is None else gamma)
+
+    @cached_property
+    def basic_responses(self) -> tuple[TransferFunctionResponse, ...]:
+        """y_b,(gamma - l) for l = 0 ... m: y is the sum of b_l / a_n times these (Eq. 32).
+
+        Raises:
+            InputError: the input is none of the I_gamma.
+        """
+        gamma = self._gamma("the basic responses belong to")
+        return tuple(self.basic_response(gamma - l) for l in range(len(self.numerator)))
+
+    @cached_property
+    def fundamental_solution(self) -> Response:
+        """y_f with a(d/dt) y_f = 0 from zeros and y_f^(n-1)(0) = 1 (Eqs. 12, 13), poles at s = 0 left out of a (Eq. 34).
+
+        It and its derivatives are accurate just after t = 0 too. Integrals y_f^(-gamma) have no polynomial part; they are in
+        ``residue_form``.
+
+        Raises:
+            InputError: a(s) has no other poles than s = 0: there is nothing fundamental, the response is Eq. (35).
+        """
+        a = self.fraction.denominator[self.fraction.zero_poles :]
+        if len(a) == 1:
+            raise InputError("denominator: it has no poles but s = 0; a fundamental solution needs others (see Eq. 35)")
+        return solve(scalar_matrix(a), np.eye(1, len(a) - 1, len(a) - 2).T)
+
+    @cached_property
+    def residue_form(self) -> ResidueForm:
+        """kappa, J, E(t) and the sums of modes of the paper, Eqs. (28)-(53): for study, and for times that are not small."""
+        fraction = self.fraction
+        a = fraction.denominator[fraction.zero_poles :]
+        zeros = scalar_matrix(a, fraction.rounded).structure().finite_zeros if len(a) > 1 else ()
+        return ResidueForm.of(np.array([float(b / a[-1]) for b in fraction.numerator] or [0.0]), zeros, fraction.zero_poles)
+
+    def expression(self, t=None):
+        """y(t) for t >= 0 as a SymPy expression, its impulses as DiracDelta; for t < 0 it is zero.
+
+        Sums of t^k e^{at} (cos wt, sin wt). Rational poles and pairs of quadratic factors are exact, others numbers of 30
+        digits. A float stands for the shortest decimal that it is written as: 0.1 for 1/10.
+
+        Args:
+            t: a sympy.Symbol; None for a real one called t.
+
+        Returns:
+            A sympy.Expr.
+
+        Raises:
+            InputError: the input is none of the I_gamma; add expressions for a sum of them.
+        """
+        from ...exact.symbolic.response.time_expression import time_expression
+
+        fraction = self.fraction.written_reduced
+        return time_expression(fraction.numerator, fraction.denominator, self._gamma("an expression is made for"), t)
+
+    @cached_property
+    def exact(self) -> ExactResponse:
+        """The exact answer for b and a as given, without their common factor."""
+        from ...exact.enclosure.exact_response import exact_fraction_response
+
+        fraction, gamma = self.fraction.reduced, self.gamma
+        if not isinstance(gamma, ImpulsiveSmooth):
+            fraction, gamma = fraction.without_zero_poles(gamma)
+        return exact_fraction_response(fraction.numerator, fraction.denominator, gamma)
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """What was left out of the coefficients, and the notices of the response."""
+        return (*self.fraction.notices, *_growth_left_out(self.fraction), *response_notices(self))
+
+    @cached_property
+    def moved(self) -> tuple[Response, ...]:
+        """Answers to the same problem with its data moved by about a rounding error, those too from their exact series at first."""
+        if isinstance(self.gamma, ImpulsiveSmooth):
+            return moved_responses(self)
+        trials = [_moved(self.fraction.reduced, np.random.default_rng(seed)) for seed in range(TRIALS)]
+        return tuple(_response(fraction, self.gamma) for fraction in trials)
+
+    def _gamma(self, what: str) -> int:
+        if isinstance(self.gamma, ImpulsiveSmooth):
+            raise InputError(f"gamma: {what} the inputs I_gamma, gamma a whole number; this response has another input")
+        return self.gamma
+
+
+def transfer_function_response(numerator, denominator, gamma: int | ImpulsiveSmooth = 1) -> TransferFunctionResponse:
+    """y with a(d/dt) y = b(d/dt) u from rest, u = I_gamma (Hauksdottir and Sigurdsson, Theorem 2).
+
+    I_1 is the step, I_2 the ramp, I_3 the parabola t^2/2, I_0 Dirac's impulse and I_-k its k-th derivative. Poles may be
+    real, complex, repeated, zero or unstable, b may be of any degree: where y has Dirac impulses they are in ``impulses``. A
+    factor that b and a have in common exactly leaves the response, as in (2), and is reported in ``notices``; its zeros are not in ``pairs``. For I_gamma powers of s in a and b are taken into the input, gamma + n0 as in (34): what of them cancels is gone
+    exactly, and ``polynomial_matrix`` has no zeros at 0. The engine solves A(s) = a(s) with the force b(d/dt) u, and no modes
+    cancel where y is small.
+
+    Args:
+        numerator, denominator: b and a, highest power first as in scipy.signal. Whole numbers, Fractions and Decimals are taken
+            exactly, other floats as known to a rounding error.
+        gamma: a whole number, or an input with one row (``mb.harmonic``, sums of ``mb.power``, ...).
+
+    Returns:
+        y, one row.
+
+    Raises:
+        InputError: coefficients that are missing, not real or not finite, a denominator that is zero, an input that is none.
+
+    >>> y = transfer_function_response([1], [1, 2, 1])  # step response of 1 / (s + 1)^2
+    >>> bool(np.isclose(y(2.0)[0], 1 - 3 * np.exp(-2)))
+    True
+    >>> transfer_function_response([1, 0, 0], [1, 1], 0).impulses  # s^2 / (s + 1) = s - 1 + 1 / (s + 1)
+    (array([-1.]), array([1.]))
+    """
+    return _response(rational_function(numerator, denominator), gamma)
+
+
+def _response(fraction: RationalFunction, gamma) -> TransferFunctionResponse:
+    u, reduced = _checked_gamma(gamma), fraction.reduced
+    if isinstance(u, ImpulsiveSmooth):
+        x = solve(scalar_matrix(reduced.denominator), force=scalar_force(reduced.numerator, u))
+    else:
+        x = _from_exact_start(*reduced.without_zero_poles(u))
+    return TransferFunctionResponse(x.problem, x.solution, fraction=fraction, gamma=u)
+
+
+def _from_exact_start(fraction: RationalFunction, gamma: int) -> Response:
+    """What the impulses of the force do at 0 is known exactly; what is left of it in each mode comes from the impulses.
+
+    The values at 0+ are sums over all modes: those of fast ones would hide what slow ones have.
+    """
+    A, force = scalar_matrix(fraction.denominator), scalar_force(fraction.numerator, gamma)
+    jump, impulses, in_range = exact_start(fraction, gamma, A.degree)
+    many = len(force.impulses) > MOST_IMPULSES
+    x = solve(A, jump, ImpulsiveSmooth(force.smooth)) if many and in_range else solve(A, force=force)
+    own = x.solution.function
+    function = with_exact_start(own, fraction, gamma) if fraction.numerator else own
+    solution = replace(x.solution, function=function, jump=jump, impulses=impulses)
+    return Response(Problem(A, np.zeros_like(jump), force), solution)
+
+
+def _growth_left_out(fraction: RationalFunction) -> Iterator[Notice]:
+    """Growth of the common factor, which a response from rest does not have."""
+    factor = fraction.common_factor
+    zeros = scalar_matrix(factor, fraction.rounded).structure().finite_zeros if len(factor) > 1 else ()
+    if any(zero.value.real > rounding_radius(zero.multiplicity) * abs(zero.value) for zero in zeros):
+        text = "has a zero in the right half plane: from any start but rest that motion grows"
+        yield Notice(NoticeKind.UNSTABLE, f"the common factor {polynomial_text(factor)} {text}")
+
+
+def _checked_gamma(gamma) -> int | ImpulsiveSmooth:
+    if isinstance(gamma, ImpulsiveSmooth):
+        return checked_input(gamma, 1, "gamma")
+    if isinstance(gamma, bool) or not isinstance(gamma, (int, np.integer)):
+        raise InputError(f"gamma: found {gamma!r}; expected a whole number, of the input I_gamma, or an input with one row")
+    return int(gamma)
+
+
+def _moved(fraction: RationalFunction, random) -> RationalFunction:
+    """Every coefficient moved by about a unit in the last place."""
+    numerator, denominator = (
+        tuple(c * (1 + Fraction(PROBE_SIZE * EPS * random.choice(MOVES))) for c in polynomial)
+        for polynomial in (fraction.numerator, fraction.denominator)
+    )
+    return RationalFunction(numerator, denominator, rounded=fraction.rounded)

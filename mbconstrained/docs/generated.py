@@ -1,0 +1,165 @@
+"""The generated parts of the documentation: Python names, keys of a scene file, commands, notices and errors, and the rooms of the package, as Markdown."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import typer
+
+import mbconstrained as mb
+from mbconstrained.ground import errors
+from mbconstrained.ground.notices import NoticeKind
+
+PACKAGE = Path(mb.__file__).parent
+
+
+def api() -> str:
+    """One autodoc directive for each public name, classes first."""
+    names = [name for name in mb.__all__ if not inspect.ismodule(getattr(mb, name))]
+    classes = [name for name in names if inspect.isclass(getattr(mb, name))]
+    groups = {
+        "Functions": [name for name in names if name not in classes],
+        "Classes": [name for name in classes if not issubclass(getattr(mb, name), Exception)],
+    }
+    return "\n\n".join(f"## {title}\n\n" + "\n\n".join(map(_directive, group)) for title, group in groups.items())
+
+
+def _directive(name: str) -> str:
+    value = getattr(mb, name)
+    kind, options = ("autoclass", ":members:\n") if inspect.isclass(value) else ("autofunction", "")
+    return f"### {name}\n\n```{{eval-rst}}\n.. {kind}:: {value.__module__}.{value.__qualname__}\n   {options}```"
+
+
+def notices() -> str:
+    """The kinds of notices with their meanings."""
+    return "| kind | meaning |\n|---|---|\n" + "\n".join(f"| {kind} | {kind.meaning} |" for kind in NoticeKind)
+
+
+def exceptions() -> str:
+    """The exceptions with the first line of their docstrings."""
+    classes = [value for value in vars(errors).values() if inspect.isclass(value) and issubclass(value, Exception)]
+    rows = (f"| `{c.__name__}` | `{c.__bases__[0].__name__}` | {inspect.getdoc(c).splitlines()[0]} |" for c in classes)
+    return "| exception | base | meaning |\n|---|---|---|\n" + "\n".join(rows)
+
+
+def commands() -> str:
+    """Every command with its help, arguments and options."""
+    from mbconstrained.cli import commands as module
+    from mbconstrained.cli import new, studies
+
+    app = typer.Typer(add_completion=False)
+    app.registered_commands += module.app.registered_commands
+    studies.add_to(app)
+    new.add_to(app)
+    group: Any = typer.main.get_command(app)
+    return "\n\n".join(_command(name, command) for name, command in sorted(group.commands.items()))
+
+
+def _command(name: str, command) -> str:
+    rows = [_option(parameter) for parameter in command.params if getattr(parameter, "help", None)]
+    text = inspect.cleandoc(command.help or "")
+    return f"## {name}\n\n{text}\n\n| argument or option | meaning |\n|---|---|\n" + "\n".join(rows)
+
+
+def _option(parameter) -> str:
+    names = ", ".join(f"`{name}`" for name in parameter.opts)
+    return f"| {names} | {_cell(parameter.help)} |"
+
+
+def scene() -> str:
+    """The tables and keys of a scene file."""
+    from mbconstrained.scene.schema.editors import scene_schema
+
+    return "\n\n".join(_tables(scene_schema()))
+
+
+def robot() -> str:
+    """The tables and keys of a robot.toml."""
+    from mbconstrained.scene.schema.editors import robot_schema
+
+    return "\n\n".join(_tables(robot_schema()))
+
+
+def _tables(schema: dict) -> Iterator[str]:
+    """A section for each table, headed by the place at which it is written."""
+    for table, place, repeats in _places(schema):
+        rows = [f"| `{key}` | {_cell(field.get('description', ''))} |" for key, field in table["properties"].items()]
+        title = f"`[[{place}]]`" if repeats else f"`[{place}]`" if place else "Top level"
+        yield f"## {title}\n\n{_cell(table.get('description', ''))}\n\n| key | meaning |\n|---|---|\n" + "\n".join(rows)
+
+
+def _places(schema: dict) -> Iterator[tuple[dict, str, bool]]:
+    """(table, place, whether it repeats) of the top level and then of every table below it, each once."""
+    waiting, known = [(schema, "", False)], {id(schema)}
+    while waiting:
+        table, place, repeats = waiting.pop(0)
+        yield table, place, repeats
+        for key, field in table["properties"].items():
+            for name, below in _references(field):
+                entry = schema["$defs"][name]
+                if entry.get("properties") and id(entry) not in known:
+                    known.add(id(entry))
+                    waiting.append((entry, f"{place}.{key}".strip("."), below))
+
+
+def _references(field, repeats: bool = False) -> Iterator[tuple[str, bool]]:
+    """Names of the tables that a key may contain, and whether as an array of tables."""
+    if isinstance(field, dict):
+        if "$ref" in field:
+            yield field["$ref"].rpartition("/")[2], repeats
+        for key, part in field.items():
+            if key not in ("discriminator", "description"):
+                yield from _references(part, repeats or key == "items")
+    elif isinstance(field, list):
+        for part in field:
+            yield from _references(part, repeats)
+
+
+#: The rooms in the order in which they import each other.
+ROOMS = ("ground linalg signals polynomial response exact papers mechanics control models robot page scene studies cli").split()
+
+
+def rooms() -> str:
+    """Every room of the package with the purpose of its files, from their docstrings."""
+    present = [PACKAGE / room for room in ROOMS if (PACKAGE / room).is_dir()]
+    return "\n\n".join(f"### {room.name}\n\n{_module_text(room / '__init__.py')}\n\n{_files(room)}" for room in present)
+
+
+def _files(room: Path) -> str:
+    files = sorted(room.rglob("*.py"), key=lambda file: (len(file.relative_to(room).parts), file))
+    rows = (
+        f"| `{_name(file)}` | {_cell(_module_text(file).split(chr(10) * 2)[0])} |"
+        for file in files
+        if file.parent != room or file.stem != "__init__"
+    )
+    return "| file | contents |\n|---|---|\n" + "\n".join(rows)
+
+
+def _name(file: Path) -> str:
+    place = file.relative_to(PACKAGE)
+    return f"{place.parent}/" if file.stem == "__init__" else str(place)
+
+
+def _module_text(file: Path) -> str:
+    """The docstring of a module, up to its first example."""
+    text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+    return text.split("\n\n>>>")[0].replace("``", "`")
+
+
+def _cell(text: str) -> str:
+    return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;").replace("*", "\\*")
+
+
+GENERATED = {
+    "api": api,
+    "notices": notices,
+    "exceptions": exceptions,
+    "commands": commands,
+    "scene": scene,
+    "robot": robot,
+    "rooms": rooms,
+}

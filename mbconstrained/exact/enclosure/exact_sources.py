@@ -1,0 +1,294 @@
+"""An input as a sum of vectors times scalar functions that start at given times, from the exact data of the input."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from itertools import pairwise
+from math import factorial
+from typing import Any
+
+import flint
+import numpy as np
+
+from ...linalg.blocks import block_slices
+from ...signals.exact_inputs import ExactImpulse, ExactInput, ExactRecord, ExactStates, ExactTerm, without_phase_noise
+from ...signals.impulsive import ImpulsiveSmooth
+from ..rational.flint_numbers import rational
+from ..rational.rational_matrix import RationalMatrix
+
+Vector = tuple[flint.fmpq, ...]
+
+
+@dataclass(frozen=True)
+class Source:
+    """factor * vector * g(t - time), g given by its shape."""
+
+    shape: Shape
+    vector: Vector
+    time: flint.fmpq
+    factor: Factor
+
+    def normalized(self) -> Source:
+        """The same with a vector whose first entry that is not zero is one."""
+        first = next(entry for entry in self.vector if entry)
+        return replace(self, vector=tuple(entry / first for entry in self.vector), factor=self.factor * first)
+
+    def mapped(self, matrix: Sequence[Sequence[flint.fmpq]]) -> Source:
+        """matrix @ the source."""
+        return replace(self, vector=_product(matrix, self.vector))
+
+
+def sources_of(force: ImpulsiveSmooth) -> tuple[Source, ...]:
+    """The sources that the input is a sum of, without those that vanish."""
+    sources = (source for origin in force.exact_parts for source in _of_origin(origin))
+    return tuple(source for source in sources if any(source.vector) and source.factor != 0)
+
+
+def vector_of(values: Iterable) -> Vector:
+    """Exact numbers."""
+    return tuple(rational(value) for value in values)
+
+
+def _of_origin(origin: ExactInput) -> Iterator[Source]:
+    make: dict[type, Callable[..., Iterator[Source]]] = {
+        ExactTerm: _of_term,
+        ExactImpulse: _of_impulse,
+        ExactRecord: _of_record,
+        ExactStates: _of_states,
+    }
+    for source in make[type(origin.data)](origin.data, origin):
+        for change in origin.maps:
+            if np.ndim(change):
+                source = source.mapped([vector_of(row) for row in np.asarray(change)])
+            else:
+                source = replace(source, factor=source.factor * rational(change))
+        yield replace(source, shape=source.shape.derivative(origin.derivatives))
+
+
+def _of_term(term: ExactTerm, origin: ExactInput) -> Iterator[Source]:
+    time = rational(origin.time())
+    vector = tuple(entry / term.divisor for entry in vector_of(term.vector))
+    cosine, sine = phase_factors(term.phase)
+    if term.angular_frequency == 0:
+        yield Source(exponential_power(term.power, term.rate), vector, time, cosine)
+        return
+    with_cosine, with_sine = harmonic_powers(term.power, term.rate, term.angular_frequency)
+    yield Source(with_cosine, vector, time, cosine)
+    yield Source(with_sine, vector, time, sine * flint.fmpq(-1))
+
+
+def _of_impulse(impulse: ExactImpulse, origin: ExactInput) -> Iterator[Source]:
+    yield Source(delta(impulse.order), vector_of(impulse.vector), rational(origin.rounded_time()), flint.fmpq(1))
+
+
+def _of_record(record: ExactRecord, origin: ExactInput) -> Iterator[Source]:
+    """Steps and ramps at the samples, one row after the other."""
+    times = [rational(origin.time(float(time))) for time in record.times]
+    for row, values in enumerate(record.values):
+        unit = tuple(flint.fmpq(int(k == row)) for k in range(len(record.values)))
+        before, slope = flint.fmpq(0), flint.fmpq(0)
+        samples = list(zip(times, map(rational, values)))
+        for (time, value), (end, next_value) in pairwise([*samples, (times[-1], flint.fmpq(0))]):
+            new = (next_value - value) / (end - time) if end != time else flint.fmpq(0)
+            yield Source(power(0), unit, time, value - before)
+            yield Source(power(1), unit, time, new - slope)
+            before, slope = (next_value if end != time else value), new
+        yield Source(power(0), unit, times[-1], -before)
+
+
+def _of_states(data: ExactStates, origin: ExactInput) -> Iterator[Source]:
+    """e^{J (t - t_j)} z_j from each knot to the next: it starts, and its continuation beyond the next knot is subtracted."""
+    for order, vector in enumerate(data.impulses):
+        yield Source(delta(order), vector_of(vector), rational(origin.rounded_time()), flint.fmpq(1))
+    for load in data.later:
+        for order, vector in enumerate(load.impulses):
+            yield Source(delta(order), vector_of(vector), rational(origin.rounded_time(load.time)), flint.fmpq(1))
+    restarts = data.smooth.restarts
+    moments = restarts.moments.tolist()
+    knots = [rational(origin.time(moment.real)) + rational(moment.imag) for moment in moments]
+    for block, at in zip(data.smooth.blocks, block_slices(data.smooth.blocks)):
+        shapes = _states_shapes(block)
+        for row, vector in enumerate(data.smooth.coefficients[:, at].T):
+            if vector.any():
+                yield from _pieces(shapes[row], vector_of(vector), block, knots, restarts.states[at].T)
+
+
+def _pieces(shapes: Sequence[Shape], vector: Vector, block, knots, states) -> Iterator[Source]:
+    """At each knot the new states begin, and the continuation of those before is subtracted."""
+    generator = tuple(vector_of(line) for line in block)
+    nothing = (flint.fmpq(0),) * len(generator)
+    before, since = nothing, knots[0]
+    for knot, state in zip(knots, map(vector_of, states)):
+        left = _propagated(generator, before, knot - since)
+        for entry, shape in enumerate(shapes):
+            if left is not None:
+                yield Source(shape, vector, knot, state[entry] - left[entry])
+            else:
+                yield Source(shape, vector, knot, state[entry])
+                yield Source(shape, vector, knot, PropagatedState(flint.fmpq(-1), generator, before, knot - since, entry))
+        before, since = state, knot
+
+
+def _propagated(generator, start: Vector, time: flint.fmpq) -> Vector | None:
+    """e^{J t} v where it is rational, because J is nilpotent or v is zero."""
+    total, power = start, start
+    for k in range(1, len(generator) + 1):
+        power = tuple(entry * time / k for entry in _product(generator, power))
+        if not any(power):
+            return total
+        total = tuple(a + b for a, b in zip(total, power))
+    return None
+
+
+def _states_shapes(block: np.ndarray) -> list[list[Shape]]:
+    """The entries of (s I - J)^-1."""
+    size = len(block)
+    pencil = RationalMatrix([(-block).tolist(), np.eye(size).tolist()])
+    below = pencil.determinant
+    columns = [pencil.numerators([flint.fmpq_poly([int(k == entry)]) for k in range(size)]) for entry in range(size)]
+    return [[_reduced(columns[column][row], below) for column in range(size)] for row in range(size)]
+
+
+def _reduced(above: flint.fmpq_poly, below: flint.fmpq_poly) -> Shape:
+    common = above.gcd(below)
+    return Shape(above // common, below // common)
+
+
+def _product(matrix, vector: Vector) -> Vector:
+    return tuple(sum((a * b for a, b in zip(row, vector) if a and b), flint.fmpq(0)) for row in matrix)
+
+
+# Real factors of inputs: rational ones, and those that are known as balls of any precision, such as the cosine of a phase.
+
+
+@dataclass(frozen=True)
+class PhaseFactor:
+    """amount times the cosine or the sine of a phase other than 0, which is no rational number."""
+
+    amount: flint.fmpq
+    phase: flint.fmpq
+    sine: bool
+
+    def __mul__(self, factor: flint.fmpq) -> PhaseFactor:
+        return PhaseFactor(self.amount * factor, self.phase, self.sine)
+
+    def ball(self) -> flint.arb:
+        """At the working precision."""
+        phase = flint.arb(self.phase)
+        return flint.arb(self.amount) * (phase.sin() if self.sine else phase.cos())
+
+
+@dataclass(frozen=True)
+class PropagatedState:
+    """amount times one entry of e^{J t} v: the states of a piece at its end."""
+
+    amount: flint.fmpq
+    generator: tuple[tuple[flint.fmpq, ...], ...]
+    start: tuple[flint.fmpq, ...]
+    time: flint.fmpq
+    entry: int
+
+    def __mul__(self, factor: flint.fmpq) -> PropagatedState:
+        return PropagatedState(self.amount * factor, self.generator, self.start, self.time, self.entry)
+
+    def ball(self) -> flint.arb:
+        """At the working precision."""
+        return flint.arb(self.amount) * _propagated_ball(self.generator, self.start, self.time, flint.ctx.prec)[self.entry]
+
+
+@lru_cache(maxsize=4096)
+def _propagated_ball(generator, start, time, precision: int) -> list[flint.arb]:
+    """e^{J t} v at the working precision."""
+    moved = flint.arb_mat([[flint.arb(entry * time) for entry in row] for row in generator]).exp()
+    return (moved * flint.arb_mat([[flint.arb(value)] for value in start])).entries()
+
+
+Factor = flint.fmpq | PhaseFactor | PropagatedState
+
+
+def ball(factor: Factor) -> flint.arb:
+    """A ball that contains it, at the working precision."""
+    return flint.arb(factor) if isinstance(factor, flint.fmpq) else factor.ball()
+
+
+def added(calls: Iterable[tuple[flint.fmpq, Factor]]) -> tuple[tuple[flint.fmpq, Factor], ...]:
+    """Times and factors, factors of one kind at equal times added; those that cancel exactly are left out."""
+    total: dict[tuple, Factor] = {}
+    for time, factor in calls:
+        key = time, None if isinstance(factor, flint.fmpq) else replace(factor, amount=flint.fmpq(1))
+        total[key] = factor if key not in total else _sum(total[key], factor)
+    return tuple((time, factor) for (time, _), factor in total.items() if _amount(factor))
+
+
+def _sum(one: Any, two: Any) -> Factor:
+    """Of one kind."""
+    return one + two if isinstance(one, flint.fmpq) else replace(one, amount=one.amount + two.amount)
+
+
+def _amount(factor: Factor) -> flint.fmpq:
+    return factor if isinstance(factor, flint.fmpq) else factor.amount
+
+
+def phase_factors(phase: float) -> Sequence[Factor]:
+    """cos p and sin p; a phase that is a quarter turn to rounding is meant as one (``signals.exact_inputs``)."""
+    factors, values = [], (math.cos(phase), math.sin(phase))
+    for sine, value in enumerate(values):
+        other = values[1 - sine]
+        if without_phase_noise(value, phase) == 0:
+            factors.append(flint.fmpq(0))
+        elif without_phase_noise(other, phase) == 0:
+            factors.append(flint.fmpq(round(value)))
+        else:
+            factors.append(PhaseFactor(flint.fmpq(1), rational(phase), bool(sine)))
+    return factors
+
+
+# Scalar functions of time by their Laplace transforms, which are rational: t^k e^{at} cos wt, Dirac's delta and its derivatives.
+
+ONE = flint.fmpq_poly([1])
+S = flint.fmpq_poly([0, 1])
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A function of time, zero before t = 0, with the transform numerator / denominator."""
+
+    numerator: flint.fmpq_poly
+    denominator: flint.fmpq_poly = field(default_factory=lambda: flint.fmpq_poly([1]))
+
+    def derivative(self, order: int) -> Shape:
+        """In the sense of distributions, jumps and impulses at t = 0 included."""
+        return Shape(self.numerator * S**order, self.denominator) if order else self
+
+    @property
+    def key(self) -> tuple:
+        """Equal for equal transforms."""
+        return tuple(map(str, self.numerator.coeffs())), tuple(map(str, self.denominator.coeffs()))
+
+
+def delta(order: int) -> Shape:
+    """The derivative of this order of Dirac's delta."""
+    return Shape(S**order)
+
+
+def power(k: int) -> Shape:
+    """t^k / k!."""
+    return Shape(ONE, S ** (k + 1))
+
+
+def harmonic_powers(k: int, rate: float, angular_frequency: float) -> tuple[Shape, Shape]:
+    """t^k e^{at} cos wt and t^k e^{at} sin wt: real and imaginary part of k! / (s - a - i w)^(k + 1) for real s."""
+    moved, w = S - rational(rate), flint.fmpq_poly([rational(angular_frequency)])
+    real, imaginary = flint.fmpq_poly([factorial(k)]), flint.fmpq_poly([0])
+    for _ in range(k + 1):
+        real, imaginary = real * moved - imaginary * w, real * w + imaginary * moved
+    below = (moved**2 + w**2) ** (k + 1)
+    return Shape(real, below), Shape(imaginary, below)
+
+
+def exponential_power(k: int, rate: float) -> Shape:
+    """t^k e^{at}."""
+    return Shape(flint.fmpq_poly([factorial(k)]), (S - rational(rate)) ** (k + 1))

@@ -1,0 +1,202 @@
+"""Intervals that are sure to contain the values of a response."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from fractions import Fraction
+from math import ceil, floor, log10
+
+import flint
+import numpy as np
+
+from ...ground.checks import counted
+from ...ground.errors import InputError, Overflow
+from ...ground.notices import Notice
+from ..rational.flint_numbers import working_precision
+
+
+@dataclass(frozen=True, repr=False)
+class Enclosure:
+    """Lower and upper bounds of values, proved by ball arithmetic.
+
+    Attributes:
+        lower, upper: decimal strings, of the shape of x(t): (r,) for a number t, (r, T) for times. ``astype(float)`` rounds them to
+            the nearest floats, which are values but no bounds any more.
+        times: t in s.
+        digits: the requested number of digits.
+        notices: remarks about the values.
+    """
+
+    lower: np.ndarray
+    upper: np.ndarray
+    times: np.ndarray
+    digits: int
+    notices: tuple[Notice, ...] = ()
+
+    @classmethod
+    def of(cls, balls: Sequence, times: np.ndarray, digits: int) -> Enclosure:
+        """Of balls (r,) or (r, T).
+
+        Args:
+            balls: shape (r,) or (r, T).
+            times: in s.
+            digits: the requested number of digits.
+
+        Returns:
+            The balls as decimal strings, rounded outwards.
+        """
+        bounds = [
+            [decimal_bounds(b, digits) for b in row] if isinstance(row, list) else decimal_bounds(row, digits) for row in balls
+        ]
+        table = np.array(bounds, dtype=str).reshape(len(balls), *np.shape(times), 2)
+        return cls(table[..., 0], table[..., 1], times, digits)
+
+    def __repr__(self) -> str:
+        shape = " x ".join(map(str, self.lower.shape))
+        remark = f"; {counted(len(self.notices), 'notice')}: {self.notices[0].text}" if self.notices else ""
+        return f"Enclosure({shape} values, {self.digits} requested digits{remark})"
+
+    def with_notices(self, notices: tuple[Notice, ...]) -> Enclosure:
+        """The same with more to know."""
+        return replace(self, notices=(*self.notices, *notices))
+
+    def contains(self, values) -> np.bool_:
+        """Whether every value lies between its bounds.
+
+        Args:
+            values: of the same shape: ints, Fractions, Decimals or decimal strings, exact numbers; or floats, each of which stands
+                for all numbers that round to it (half a unit in the last place to both sides).
+
+        Raises:
+            InputError: another shape, or an entry that is no number.
+        """
+        given = self._shaped(values)
+        low, high, exact, around = _exact(self.lower), _exact(self.upper), _exact(given), _each(_rounding, given)
+        return np.bool_(np.all((low <= exact + around) & (exact - around <= high)))
+
+    def error_bounds(self, values) -> np.ndarray:
+        """A proved bound of the error of each value, as floats, rounded up.
+
+        Args:
+            values: of the same shape; floats are the exact numbers that they are.
+
+        Raises:
+            InputError: as ``contains``.
+        """
+        low, high, exact = _exact(self.lower), _exact(self.upper), _exact(self._shaped(values))
+        bounds = np.maximum(exact - low, high - exact)
+        return np.vectorize(_rounded_up, otypes=[float])(bounds) if bounds.size else np.zeros(bounds.shape)
+
+    def _shaped(self, values) -> np.ndarray:
+        """The values as they are, in an array."""
+        try:
+            array = np.array(values, dtype=object)
+        except ValueError:
+            raise InputError("values: the rows have different lengths; expected the shape of the bounds") from None
+        if array.shape != self.lower.shape:
+            raise InputError(f"values: found shape {array.shape}; expected {self.lower.shape}, that of the bounds")
+        return array
+
+
+def _exact(values: np.ndarray) -> np.ndarray:
+    return _each(_number, values)
+
+
+def _each(function, values: np.ndarray) -> np.ndarray:
+    result = np.empty(values.shape, dtype=object)
+    for place, value in np.ndenumerate(values):
+        result[place] = function(value)
+    return result
+
+
+def _number(value) -> Fraction:
+    try:
+        return Fraction(Decimal(value)) if isinstance(value, str) else Fraction(value.item() if hasattr(value, "item") else value)
+    except (ArithmeticError, TypeError, ValueError):
+        raise InputError(f"values: found {value!r}; expected finite numbers, or decimal strings") from None
+
+
+def _rounding(value) -> Fraction:
+    """Half a unit in the last place of a float of any size, nothing for other numbers."""
+    return Fraction(float(np.spacing(abs(value)))) / 2 if isinstance(value, (float, np.floating)) else Fraction(0)
+
+
+def _rounded_up(value: Fraction) -> float:
+    try:
+        near = float(value)
+    except OverflowError:
+        return np.inf
+    return near if Fraction(near) >= value else float(np.nextafter(near, np.inf))
+
+
+# From balls to decimal strings: rounded outwards, so that what they bound stays between them.
+
+#: Digits of the strings beyond the requested ones.
+MORE_DIGITS = 3
+
+#: Ends of balls are rounded outwards to so many bits more than the strings have.
+GUARD_BITS = 24
+
+#: The largest power of ten that is written out; what is smaller than its inverse has an interval of that size about zero.
+LARGEST_POWER = 100_000
+
+
+def bits_of(digits: int) -> int:
+    """So many bits have at least so many decimal digits."""
+    return digits * 10 // 3 + 2
+
+
+def has_digits(value: flint.arb, digits: int) -> bool:
+    """Whether the ball has the digits, or is so small that it has not to.
+
+    Args:
+        value: a ball.
+        digits: decimal, relative to the value.
+
+    Returns:
+        True or False.
+    """
+    return value.rel_accuracy_bits() >= bits_of(digits) or bool(value.abs_upper() < flint.arb(10) ** -LARGEST_POWER)
+
+
+def decimal_bounds(value: flint.arb, digits: int) -> tuple[str, str]:
+    """Two decimal numbers with the ball between them, with a few digits more than requested.
+
+    Args:
+        value: a ball.
+        digits: the requested number of digits.
+
+    Returns:
+        The lower and the upper bound.
+
+    Raises:
+        Overflow: it may be larger than any number that is written out.
+    """
+    with working_precision(bits_of(digits) + GUARD_BITS):
+        return _bounds(value, digits)
+
+
+def _bounds(value: flint.arb, digits: int) -> tuple[str, str]:
+    largest = value.abs_upper()
+    if not largest < flint.arb(10) ** LARGEST_POWER:
+        raise Overflow(
+            f"a value may be larger than 1e{LARGEST_POWER}: a zero of A(s) in the right half plane grows beyond; ask for earlier times"
+        )
+    if not largest.is_zero() and largest < flint.arb(10) ** -LARGEST_POWER:
+        low, high = value.lower() < 0, value.upper() > 0
+        return f"-1E-{LARGEST_POWER}" if low else "0", f"1E-{LARGEST_POWER}" if high else "0"
+    return _decimal(value.lower(), digits + MORE_DIGITS, floor), _decimal(value.upper(), digits + MORE_DIGITS, ceil)
+
+
+def _decimal(value: flint.arb, digits: int, rounded: Callable[[Fraction], int]) -> str:
+    """An exact ball, that is a number, rounded to so many digits in one direction."""
+    mantissa, exponent = (int(part) for part in value.man_exp())
+    number = Fraction(mantissa) * Fraction(2) ** exponent
+    power = floor((mantissa.bit_length() + exponent) * log10(2)) - digits
+    whole = rounded(number / Fraction(10) ** power)
+    while abs(whole) >= 10**digits or (whole and whole % 10 == 0):
+        power += 1
+        whole = rounded(number / Fraction(10) ** power) if abs(whole) >= 10**digits else whole // 10
+    return str(Decimal(f"{whole}E{power}")) if whole else "0"

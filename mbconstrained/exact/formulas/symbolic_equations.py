@@ -1,0 +1,323 @@
+"""The constrained form [V^T (M s^2 + C s + K); A s^level] x = [V^T f; b] with symbols, as ``mechanics`` has it in numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import sympy
+from sympy.polys.matrices import DomainMatrix
+
+from ...ground.errors import ContradictoryConstraints, InputError
+from ..symbolic.field.fields import exact_expression
+from ..symbolic.response.transform import delta
+from ..symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+from .closed_form import ClosedForm, Parameter
+from .formula_text import TextPrinter
+
+
+@dataclass(frozen=True)
+class Row:
+    """A constraint row: the sum of coefficient times coordinate, in the derivative of this order, equals the value."""
+
+    name: str
+    coefficients: np.ndarray
+    order: int
+    value: sympy.Expr
+
+
+@dataclass(frozen=True)
+class ExactForm:
+    """The constrained equations, exactly.
+
+    Attributes:
+        polynomial_matrix: [V^T (M s^2 + C s + K); A s^level].
+        null_space: V, an array (n, n - k) of expressions.
+        rows: the independent rows, those of position level first.
+    """
+
+    polynomial_matrix: SymbolicPolynomialMatrix
+    null_space: np.ndarray
+    rows: tuple[Row, ...]
+
+    def force(self, applied: Sequence[sympy.Expr]) -> list[sympy.Expr]:
+        """[V^T f; b]."""
+        return [*(self.null_space.T @ np.array(applied, dtype=object)), *(row.value for row in self.rows)]
+
+
+def exact_form(matrices: Sequence[np.ndarray], rows: Sequence[Row], names: Sequence[str]) -> ExactForm:
+    """The constrained form of M x'' + C x' + K x = f.
+
+    Args:
+        matrices: K, C, M, arrays (n, n) of expressions.
+        rows: any number, dependent ones too.
+        names: of the n coordinates.
+
+    Returns:
+        The polynomial matrix, the basis V of its null space, and the rows that are independent.
+
+    Raises:
+        ContradictoryConstraints: dependent rows that ask for different values.
+
+    >>> k, m = sympy.symbols("k m", positive=True)
+    >>> K, C, M = np.diag([k, 0]), np.zeros((2, 2), dtype=int), np.diag([m, m])
+    >>> form = exact_form([K, C, M], [Row("link", np.array([1, -1]), 0, sympy.S.Zero)], ["a", "b"])
+    >>> form.polynomial_matrix.determinant.as_expr()
+    -k - 2*m*s**2
+    """
+    kept = _independent(sorted(rows, key=lambda row: row.order))
+    size = len(names)
+    A = np.array([row.coefficients for row in kept], dtype=object).reshape(len(kept), size)
+    V = _null_space(A, size)
+    coefficients = []
+    for order, matrix in enumerate(matrices):
+        constrained = [row.coefficients if row.order == order else np.zeros(size, dtype=int) for row in kept]
+        coefficients.append([*(V.T @ matrix).tolist(), *(list(row) for row in constrained)])
+    return ExactForm(SymbolicPolynomialMatrix(coefficients, names), V, tuple(kept))
+
+
+def _independent(rows: Sequence[Row]) -> list[Row]:
+    """The rows that are no combination of those before them: each column without a pivot has the factors of its combination."""
+    if not rows:
+        return []
+    columns = sympy.Matrix([list(row.coefficients) for row in rows]).T
+    reduced, pivots = DomainMatrix.from_Matrix(columns).to_field().rref()
+    kept, factors = [rows[pivot] for pivot in pivots], reduced.to_Matrix()
+    for place, row in enumerate(rows):
+        combination = sum((c * each.value for c, each in zip(factors[:, place], kept) if each.order == row.order), sympy.S.Zero)
+        if place not in pivots and sympy.simplify(row.value - combination) != 0:
+            text_of = TextPrinter().doprint
+            raise ContradictoryConstraints(
+                f'constraint "{row.name}" has the value {text_of(row.value)}, but it follows from the rows before it with the value '
+                f"{text_of(sympy.simplify(combination))}; make the values agree or take one of the rows out"
+            )
+    return kept
+
+
+def _null_space(A: np.ndarray, size: int) -> np.ndarray:
+    """A basis of null(A), as columns."""
+    if not A.size:
+        return np.array(sympy.eye(size).tolist(), dtype=object)
+    matrix = DomainMatrix.from_Matrix(sympy.Matrix(A.tolist())).to_field()
+    basis = matrix.nullspace(divide_last=True).to_Matrix().tolist()
+    return np.array(basis, dtype=object).reshape(len(basis), size).T
+
+
+def followed(given: np.ndarray, known: np.ndarray, rows: Sequence[Row], order: int) -> np.ndarray:
+    """Values of one order at 0-, those that are not known chosen so that the rows hold.
+
+    Args:
+        given: values (n,), zero where not known.
+        known: which of them were given, (n,).
+        rows: of the constrained form.
+        order: of the derivative that these are values of.
+
+    Returns:
+        All values, shape (n,).
+    """
+    chosen = [row for row in rows if row.order <= order]
+    rest = [sympy.expand((row.value if row.order == order else 0) - row.coefficients @ given) for row in chosen]
+    if not any(rest):
+        return given
+    free = [i for i in range(len(given)) if not known[i] and any(row.coefficients[i] != 0 for row in chosen)]
+    A = sympy.Matrix([[row.coefficients[i] for i in free] for row in chosen])
+    solution, _ = A.gauss_jordan_solve(sympy.Matrix(rest))
+    factored = given.copy()
+    for i, value in zip(free, solution):
+        factored[i] = sympy.factor(value)
+    return factored
+
+
+# Parameters as symbols: numbers and expressions of parameters as exact expressions of sympy.
+
+#: Of pi, where it is a number among rational ones.
+PI_DIGITS = 45
+
+#: Ends the names that parameters have in the engine: no name of a user, nor s, t or a value at 0- (x1_0), ends with it.
+MARK = "·"
+
+
+class Symbols:
+    """The symbols of named parameters, or their default values, and the conversion of entries to expressions.
+
+    To the engine all symbols are positive, with names of their own, so that a parameter may be called s or x1_0. A parameter
+    whose default value is negative is minus one there, and pi, which is no rational number, is a symbol; ``finished`` puts
+    back what they stand for.
+
+    Args:
+        values: default values by name.
+        units: in which they are, by name.
+        numbers: whether the parameters are their default values from the start.
+
+    >>> from mbconstrained.scene.quantities.expressions import read_expression
+    >>> symbols = Symbols({"k": 2.0, "g": -9.81})
+    >>> symbols.of(0.1), symbols.expression(read_expression("2*k*g"))
+    (1/10, -2*g·*k·)
+    >>> symbols.readable("k· is 0")
+    'k is 0'
+    """
+
+    def __init__(self, values: Mapping[str, float], units: Mapping[str, str] | None = None, numbers: bool = False):
+        self.time = sympy.Symbol("t", real=True)
+        self.numbers = numbers
+        self.pi = sympy.Symbol("π", positive=True)
+        self._engine: dict[str, sympy.Expr] = {}
+        self._back: dict[sympy.Symbol, sympy.Expr] = {self.pi: sympy.pi}
+        self.parameters: list[Parameter] = []
+        for name, value in values.items():
+            self._add(name, value, (units or {}).get(name, ""))
+        if numbers:
+            self.pi = sympy.Rational(str(sympy.pi.evalf(PI_DIGITS)))
+
+    def _add(self, name: str, value: float, unit: str) -> None:
+        if self.numbers:
+            self._engine[name] = exact_expression(value, name)
+            return
+        inner = sympy.Symbol(f"{name}{MARK}", positive=True)
+        shown = sympy.Symbol(name, negative=True) if value < 0 else sympy.Symbol(name, positive=True)
+        self._engine[name], self._back[inner] = (-inner, -shown) if value < 0 else (inner, shown)
+        self.parameters.append(Parameter(shown, name, exact_expression(value, name), unit))
+
+    def of(self, entry) -> sympy.Expr:
+        """A number as the decimal that it is written as, an expression of parameters as such."""
+        tree = getattr(entry, "tree", None)
+        return exact_expression(entry, "number") if tree is None else self.expression(tree)
+
+    def expression(self, tree) -> sympy.Expr:
+        """A tree of operations, numbers and names."""
+        return tree.value(sympy.Rational, {**self._engine, "pi": self.pi})
+
+    def all_of(self, entries) -> np.ndarray:
+        """An array of entries as an array of expressions."""
+        entries = np.asarray(entries, dtype=object)
+        expressions = np.empty(entries.shape, dtype=object)
+        for place in np.ndindex(expressions.shape):
+            expressions[place] = self.of(entries[place])
+        return expressions
+
+    @staticmethod
+    def readable(text: str) -> str:
+        """A message of the engine with the names that the user gave."""
+        return text.replace(MARK, "")
+
+    def finished(self, form: ClosedForm) -> ClosedForm:
+        """The formula with what the symbols of the engine stand for, and the parameters that are left in it."""
+
+        def back(expression):
+            return expression.xreplace(self._back) if isinstance(expression, sympy.Basic) else expression
+
+        conditions = {kind: tuple(map(back, getattr(form, kind))) for kind in ("admissible", "continuous", "assumptions")}
+        conditions["assumptions"] = tuple(each for each in conditions["assumptions"] if not each.is_number)
+        form = replace(form.mapped(back), **conditions)
+        form = replace(form, impulses=tuple(replace(each, time=back(each.time)) for each in form.impulses))
+        parts = (*form.quantities, *map(sympy.sympify, (each for kind in conditions.values() for each in kind)))
+        used = set().union(*(each.free_symbols for each in parts))
+        return replace(form, parameters=tuple(p for p in self.parameters if p.symbol in used))
+
+
+# Forces as expressions in t, zero before they begin.
+
+#: A record of more samples gives a formula that nobody reads.
+MOST_SAMPLES = 30
+
+
+def begun(expression: sympy.Expr, t: sympy.Symbol, delay: sympy.Expr) -> sympy.Expr:
+    """f(t - delay), zero before.
+
+    Args:
+        expression: f(t).
+        t: the time.
+        delay: at least 0.
+
+    Returns:
+        The expression in t.
+
+    >>> t = sympy.Symbol("t")
+    >>> begun(t, t, sympy.Integer(2))
+    (t - 2)*Heaviside(t - 2)
+    """
+    if delay == 0:
+        return expression
+    later = expression.subs(t, t - delay)
+    return later if expression.has(sympy.DiracDelta) else later * sympy.Heaviside(t - delay)
+
+
+def term(value, t: sympy.Symbol, power: int = 0, rate=0, frequency=0, phase=0) -> sympy.Expr:
+    """value t^power e^(rate t) cos(frequency t + phase).
+
+    Args:
+        value, power, rate, frequency, phase: numbers or expressions without t.
+        t: the time.
+
+    Returns:
+        The expression in t.
+    """
+    cosine = sympy.cos(frequency * t + phase) if frequency != 0 else sympy.cos(phase)
+    return value * t**power * sympy.exp(rate * t) * cosine
+
+
+def power_input(value, t: sympy.Symbol, gamma: int) -> sympy.Expr:
+    """value I_gamma: t^(gamma-1)/(gamma-1)!, for gamma <= 0 a derivative of Dirac's delta.
+
+    Args:
+        value: a number or an expression without t.
+        t: the time.
+        gamma: any whole number.
+
+    Returns:
+        The expression in t.
+    """
+    if gamma <= 0:
+        return value * delta(t, -gamma)
+    return value * t ** (gamma - 1) / sympy.factorial(gamma - 1)
+
+
+def pulse(value, t: sympy.Symbol, start, duration) -> sympy.Expr:
+    """A constant for some time, zero before and after.
+
+    Args:
+        value, start, duration: numbers or expressions without t.
+        t: the time.
+
+    Returns:
+        The expression in t.
+    """
+    end = start + duration
+    return value * ((sympy.Heaviside(t - start) if start != 0 else sympy.S.One) - sympy.Heaviside(t - end))
+
+
+def sampled(times: Sequence, values: Sequence, t: sympy.Symbol) -> sympy.Expr:
+    """Linear between samples, zero outside.
+
+    Args:
+        times, values: of the samples, as many of the one as of the other.
+        t: the time.
+
+    Returns:
+        The expression in t.
+
+    Raises:
+        InputError: too many samples for a formula.
+    """
+    if len(times) > MOST_SAMPLES:
+        raise InputError(f"a record of {len(times)} samples makes no formula that can be read; expected at most {MOST_SAMPLES}")
+    total = sympy.S.Zero
+    for start, end, first, last in zip(times, times[1:], values, values[1:]):
+        if end != start:
+            line = first + (last - first) / (end - start) * (t - start)
+            total += sympy.expand(line) * (sympy.Heaviside(t - start) - sympy.Heaviside(t - end))
+    return total
+
+
+def angle(radians: sympy.Expr) -> sympy.Expr:
+    """A phase; a decimal that is a whole number of degrees but for its rounding is that.
+
+    >>> angle(sympy.Rational("0.5235987755982988")), angle(sympy.Rational(1, 2))
+    (pi/6, 1/2)
+    """
+    if not radians.is_Rational or radians == 0:
+        return radians
+    degrees = sympy.Integer(round(radians * 180 / sympy.pi.evalf(40)))
+    exact = degrees * sympy.pi / 180
+    return exact if abs((radians - exact).evalf(40)) <= abs(radians) * sympy.Float(2) ** -51 else radians

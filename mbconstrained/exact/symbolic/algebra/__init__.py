@@ -1,1 +1,0 @@
-"""Polynomial matrices with symbols: determinants, Smith forms, Jordan chains and pairs, Laurent coefficients."""

@@ -1,0 +1,253 @@
+"""Validation of arguments: converts them to arrays and numbers, or raises an InputError with what was found and expected."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from types import ModuleType
+
+import numpy as np
+
+from .errors import InputError, MissingPackage
+
+#: The extra with the packages for data exchange: python-control, xarray and pandas.
+EXTRA = "mbconstrained[exchange]"
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The closest known name as a hint to append to a message, or an empty string.
+
+    Args:
+        word: as a user wrote it.
+        known: the names that there are.
+
+    Returns:
+        ; did you mean ...? or nothing.
+
+    >>> nearest("stifness", ["stiffness", "damping"])
+    '; did you mean "stiffness"?'
+    """
+    match = difflib.get_close_matches(str(word), [str(k) for k in known], n=1, cutoff=0.6)
+    return f'; did you mean "{match[0]}"?' if match else ""
+
+
+def optional_package(name: str, what_for: str) -> ModuleType:
+    """An optional package, imported on demand.
+
+    Args:
+        name: of the module.
+        what_for: the function that needs it, for the message.
+
+    Returns:
+        The module.
+
+    Raises:
+        MissingPackage: it is not installed.
+
+    >>> optional_package("math", "to_numbers").sqrt(4.0)
+    2.0
+    """
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError as problem:
+        if problem.name != name.split(".")[0]:
+            raise
+        raise MissingPackage(
+            f"{what_for} needs the package {problem.name}, which is not installed: pip install '{EXTRA}'"
+        ) from None
+
+
+def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None) -> np.ndarray:
+    """A new float64 array of finite real numbers.
+
+    Args:
+        value: an array, nested lists or a scipy.sparse matrix.
+        what: the name of the argument, for the message.
+        shape: the expected shape, None for any length; without it any shape.
+
+    Returns:
+        Float64, writable.
+
+    Raises:
+        InputError: other data or another shape.
+
+    >>> real_array([[1, 2], [3, 4]], "mass", shape=(2, 2))
+    array([[1., 2.],
+           [3., 4.]])
+    """
+    if hasattr(value, "toarray"):  # scipy.sparse
+        value = value.toarray()
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise InputError(f"{what}: the rows have different lengths; give a rectangular array of numbers") from None
+    kind = array.dtype.kind
+    if kind not in "biuf" and array.size:
+        if kind == "c":
+            raise InputError(f"{what}: complex numbers found; only real data is accepted")
+        raise InputError(f"{what}: found {_sample(array)}; expected numbers")
+    array = np.array(array, dtype=float)
+    if shape is not None and not _fits(array.shape, shape):
+        wanted = " x ".join("any" if n is None else str(n) for n in shape) or "a single number"
+        actual = " x ".join(map(str, array.shape)) or "a single number"
+        raise InputError(f"{what}: expected shape {wanted}, found {actual}")
+    if not np.isfinite(array).all():
+        place = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        problem = f"the entry at {place} is {array[place]}; every entry must be" if place else f"found {array}; expected"
+        raise InputError(f"{what}: {problem} a finite number")
+    return array
+
+
+def real_number(value, what: str, *, positive: bool = False, minimum: float | None = None) -> float:
+    """A finite float, optionally greater than 0 or at least a minimum; otherwise an InputError.
+
+    Args:
+        value: of a user.
+        what: the name of the argument, for the message.
+        positive: zero is refused.
+        minimum: smaller numbers are refused.
+
+    Returns:
+        The number.
+
+    >>> real_number(2, "stiffness", positive=True)
+    2.0
+    """
+    if isinstance(value, (bool, np.bool_)):
+        raise InputError(f"{what}: found {value}; expected a number")
+    is_number = isinstance(value, (int, float)) and -np.inf < value < np.inf
+    number = float(value) if is_number else float(real_array(value, what, shape=()))
+    if positive and not number > 0:
+        raise InputError(f"{what}: found {number:g}; expected a number greater than zero")
+    if minimum is not None and number < minimum:
+        raise InputError(f"{what}: found {number:g}; expected at least {minimum:g}")
+    return number
+
+
+def whole_number(value, what: str, *, minimum: int = 0) -> int:
+    """A whole number of at least a minimum; otherwise an InputError.
+
+    Args:
+        value: of a user.
+        what: the name of the argument, for the message.
+        minimum: smaller numbers are refused.
+
+    Returns:
+        The number.
+
+    >>> whole_number(3, "power")
+    3
+    """
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < minimum:
+        raise InputError(f"{what}: found {value!r}; expected a whole number of at least {minimum}")
+    return int(value)
+
+
+def evaluation_times(value) -> np.ndarray:
+    """A time (shape ()) or times (T,) of a function of t >= 0; otherwise an InputError.
+
+    >>> evaluation_times([0, 1])
+    array([0., 1.])
+    """
+    times = real_array(value, "time")
+    if times.ndim > 1:
+        raise InputError(f"time: expected a number or a list of numbers, found an array of shape {times.shape}")
+    if times.size and times.min() < 0:
+        raise InputError(f"time: found {times.min():g} s; the function is defined for t >= 0 (0 means 0+)")
+    return times
+
+
+def counted(count: int, one: str, several: str | None = None) -> str:
+    """A count with its noun in the singular or plural.
+
+    Args:
+        count: how many.
+        one, several: the noun in the singular and, where it is not made with an s, in the plural.
+
+    Returns:
+        Both as text.
+
+    >>> counted(1, "row"), counted(0, "row"), counted(2, "entry", "entries")
+    ('1 row', '0 rows', '2 entries')
+    """
+    return f"{count} {one if count == 1 else several or one + 's'}"
+
+
+def names_of(names, count: int, what: str, prefix: str) -> tuple[str, ...]:
+    """A tuple of distinct names, numbered from the prefix where none are given.
+
+    Args:
+        names: of a user, or None.
+        count: how many are needed.
+        what: the name of the argument, for the message.
+        prefix: of numbered names.
+
+    Returns:
+        As many names.
+
+    >>> names_of(None, 2, "names", "x")
+    ('x1', 'x2')
+    """
+    if names is None:
+        return tuple(f"{prefix}{i + 1}" for i in range(count))
+    if isinstance(names, str):
+        raise InputError(f'{what}: found the text "{names}"; expected a list of names')
+    names = tuple(map(str, names))
+    if len(names) != count:
+        raise InputError(f"{what}: {len(names)} names given for {count}; give one each")
+    if len(set(names)) == count:
+        return names
+    repeated = sorted(name for name, count in Counter(names).items() if count > 1)
+    raise InputError(f'{what}: the name "{repeated[0]}" is used twice; names must differ')
+
+
+def constant_zeros(shape: tuple[int, ...]) -> np.ndarray:
+    """A read-only array of zeros that needs the memory of one number.
+
+    >>> constant_zeros((2, 3)).any(), constant_zeros((2, 3)).shape
+    (np.False_, (2, 3))
+    """
+    return np.ndarray(shape, float, bytes(8), 0, (0,) * len(shape))
+
+
+def places_of(chosen: Iterable, names: Sequence[str], what: str) -> list[int]:
+    """The indices of items that are chosen by name or by index; an InputError for others.
+
+    Args:
+        chosen: names and numbers from 0.
+        names: all of them.
+        what: the noun for the message.
+
+    Returns:
+        Numbers from 0.
+
+    >>> places_of(["b", 0], ["a", "b"], "coordinate")
+    [1, 0]
+    """
+    indices = []
+    for one in chosen:
+        if isinstance(one, str):
+            if one not in names:
+                raise InputError(f'there is no {what} "{one}"{nearest(one, names)}')
+            indices.append(names.index(one))
+        elif isinstance(one, bool) or not isinstance(one, (int, np.integer)) or not 0 <= one < len(names):
+            raise InputError(f"{what}: found {one!r}; expected a name, or a whole number from 0 to {len(names) - 1}")
+        else:
+            indices.append(int(one))
+    if not indices:
+        raise InputError(f"{what}: none was named; give one or several of {', '.join(names[:6])}{', ...' * (len(names) > 6)}")
+    return indices
+
+
+def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
+    return len(shape) == len(wanted) and all(w is None or n == w for n, w in zip(shape, wanted))
+
+
+def _sample(array: np.ndarray) -> str:
+    first = array.reshape(-1)[:1].tolist()[0]
+    text = repr(first)
+    if " at 0x" in text:  # a memory address has no meaning for users
+        return f"an object of type {type(first).__name__}"
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,98 @@
+"""Units of the rates, forces and impulses of a coordinate in metres, radians or without unit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from .checks import nearest
+from .errors import InputError
+
+#: The name of the fixed body, which has no coordinate.
+GROUND = "ground"
+
+_FORCES = {"m": "N", "rad": "N m", "1": "J"}
+
+
+def coordinate_units(units, names: Sequence[str]) -> dict[str, str]:
+    """The unit of every coordinate by name, metres by default.
+
+    Args:
+        units: a mapping from names to units, a sequence in the order of the names, or None.
+
+    Returns:
+        Units by name, in the order of the names.
+    """
+    if units is None:
+        units = {}
+    if not isinstance(units, Mapping):
+        units = tuple(units)
+        if len(units) != len(names):
+            raise InputError(f"units: {len(units)} given for {len(names)} coordinates; give one each")
+        units = dict(zip(names, units))
+    known = set(names)
+    unknown = [name for name in units if name not in known]
+    if unknown:
+        raise InputError(f'units: there is no coordinate "{unknown[0]}"{nearest(unknown[0], names)}')
+    for name, unit in units.items():
+        check_unit(unit, f"unit of {name}")
+    return {name: units.get(name, "m") for name in names}
+
+
+def check_unit(unit, what: str) -> str:
+    """The unit, if it is one that a coordinate or a constraint row may have.
+
+    Args:
+        unit: of a user.
+        what: what it belongs to, for the message.
+
+    Returns:
+        The unit.
+    """
+    if unit not in _FORCES:
+        raise InputError(f'{what}: found {unit!r}; expected "m", "rad" or "1"{nearest(unit, _FORCES)}')
+    return unit
+
+
+def rate_unit(unit: str, order: int = 1) -> str:
+    """The unit of the derivative of this order.
+
+    Args:
+        unit: of the quantity.
+        order: of the derivative.
+
+    Returns:
+        As text.
+
+    >>> rate_unit("m", 2)
+    'm/s^2'
+    """
+    return unit if order == 0 else f"{unit}/{_seconds(order)}"
+
+
+def force_unit(unit: str) -> str:
+    """The unit of the force along a quantity of this unit.
+
+    >>> force_unit("rad")
+    'N m'
+    """
+    return _FORCES.get(unit, f"J/{unit}")
+
+
+def impulse_unit(unit: str, order: int = 0) -> str:
+    """The unit of the factor of the derivative of this order of Dirac's delta, for a quantity of this unit.
+
+    Args:
+        unit: of the quantity.
+        order: of the derivative of Dirac's delta.
+
+    Returns:
+        As text.
+
+    >>> impulse_unit("N"), impulse_unit("N", 1)
+    ('N s', 'N s^2')
+    """
+    return f"{unit} {_seconds(order + 1)}"
+
+
+def _seconds(power: int) -> str:
+    return "s" if power == 1 else f"s^{power}"

@@ -1,0 +1,75 @@
+"""The exceptions of the package; every error that a user sees is one of them."""
+
+from __future__ import annotations
+
+
+class MbconstrainedError(Exception):
+    """The base of all errors of this package; its text is one message that ends with the remedy."""
+
+
+class InputError(MbconstrainedError, ValueError):
+    """An invalid value of an argument; the text states what was found, what was expected and the remedy."""
+
+
+class SceneError(InputError):
+    """A scene file cannot be used; the text names the file, the place in it and the nearest known name."""
+
+
+class SingularPolynomialMatrix(MbconstrainedError, ValueError):
+    """det A(s) = 0 for every s: some equations depend on each other, or some coordinates are free.
+
+    Attributes:
+        equations: indices of the rows that depend on each other.
+        coordinates: indices of the coordinates that the equations leave undetermined.
+    """
+
+    def __init__(self, message: str, equations: tuple[int, ...] = (), coordinates: tuple[int, ...] = ()):
+        super().__init__(message)
+        self.equations = equations
+        self.coordinates = coordinates
+
+
+class ContradictoryConstraints(InputError):
+    """Dependent constraint rows with different right-hand sides; the text names the rows."""
+
+
+class NotUnique(MbconstrainedError, ValueError):
+    """The acceleration is not determined: rank [M; A] < n (Udwadia and Phohomsiri's test)."""
+
+
+class NoNormalForm(MbconstrainedError, ValueError):
+    """No transformation of the states makes the system mechanical; the text names the condition that fails, and its margin.
+
+    Attributes:
+        condition: "rank [B, A B]", "rank [A - lambda I, B]" or "descriptor", the one that fails.
+        rank, needed: the actual rank, and the necessary one.
+        eigenvalue: lambda in 1/s, where the second condition fails.
+        margin: how far the data is from a system that fails clearly, relative to A; a margin near rounding error counts as failure.
+        doubtful: True where rounding errors of the data may decide.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        condition: str = "",
+        rank: int = 0,
+        needed: int = 0,
+        eigenvalue: float | None = None,
+        margin: float = 0.0,
+        doubtful: bool = False,
+    ):
+        super().__init__(message)
+        self.condition, self.rank, self.needed = condition, rank, needed
+        self.eigenvalue, self.margin, self.doubtful = eigenvalue, margin, doubtful
+
+
+class Overflow(MbconstrainedError, OverflowError):
+    """The answer grows beyond the range of float64; the text names the first such time."""
+
+
+class IllConditioned(MbconstrainedError, ArithmeticError):
+    """The data spans so many orders of magnitude that float64 arithmetic cannot give an answer."""
+
+
+class MissingPackage(MbconstrainedError, ImportError):
+    """An optional package is not installed; the text names it with the command that installs it."""

@@ -1,0 +1,79 @@
+"""Notices: what a result reports about itself, such as jumps, impulses, redundant rows and doubtful decisions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class NoticeKind(StrEnum):
+    """The subject of a notice, printed in brackets before its text.
+
+    Attributes:
+        meaning: what a notice of this kind reports.
+
+    >>> NoticeKind.RANK == "rank", NoticeKind("rank").meaning
+    (True, 'a numerical rank decision and what it decided')
+    """
+
+    meaning: str
+
+    def __new__(cls, value: str, meaning: str):
+        """A member that prints as its value."""
+        member = str.__new__(cls, value)
+        member._value_, member.meaning = value, meaning
+        return member
+
+    JUMP = "jump", "a value differs just before and just after a time, because the values at 0- are inconsistent or a load jumps"
+    IMPULSE = "impulse", "a value or a reaction contains Dirac's delta or one of its derivatives"
+    REDUNDANT = "redundant", "a constraint row follows from others; the equations leave it out"
+    DRIFT = "drift", "a constraint at velocity or acceleration level, of which no equation corrects the position"
+    RIGID_BODY = "rigid body", "an unconstrained motion, and the force or constraint that would remove it"
+    UNSTABLE = "unstable", "an eigenvalue with a positive real part"
+    RANK = "rank", "a numerical rank decision and what it decided"
+    ACCURACY = "accuracy", "how accurate the values are, and what limits them"
+    STATIC_LOAD = "static load", "constant forces of rest lengths and weights that act from t = 0 on"
+    OMITTED = "omitted", "a part of the input or of the requested output that was left out"
+    UNSYMMETRIC = "unsymmetric", "a matrix that is unsymmetric, and the load that causes it"
+    DISTANT_POSTURE = "distant posture", "an equilibrium of a robot far from the guess"
+    LARGE_MOTION = "large motion", "a motion beyond the range in which the linear equations represent the model"
+    OVERRIDE = "override", "a value of the scene file that the command line replaced"
+    AT_REST = "at rest", "nothing moves in the given time"
+    ALIASING = "aliasing", "the fastest motion is too fast for the times of the output"
+
+
+@dataclass(frozen=True)
+class Notice:
+    """One sentence about a result.
+
+    Attributes:
+        kind: its subject.
+        text: the sentence, with names and units.
+        doubtful: True where the answer itself may be wrong (a rank decision without a clear gap, an
+            ill-conditioned answer); False for physics that is merely worth knowing.
+
+    >>> print(Notice(NoticeKind.JUMP, "cart: its velocity jumps at t = 0 by 2 m/s"))
+    note (jump): cart: its velocity jumps at t = 0 by 2 m/s
+    """
+
+    kind: NoticeKind
+    text: str
+    doubtful: bool = False
+
+    def __str__(self) -> str:
+        return f"{'warning' if self.doubtful else 'note'} ({self.kind}): {self.text}"
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """One measured number with its meaning.
+
+    Attributes:
+        name: a short name.
+        value: the number.
+        text: its meaning, in a sentence.
+    """
+
+    name: str
+    value: float
+    text: str

@@ -1,0 +1,334 @@
+"""The tolerances: every constant that decides something numerical, by subject, each with its reason.
+
+A computed number counts as zero when it is no larger than its rounding noise. The noise is computed with the data
+(``linalg.rank``, ``linalg.staircase``) from half a unit in the last place of every entry of the input, so that no decision
+needs an absolute threshold and none depends on units. Constants of speed and of memory stay with their algorithms.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+# Rounding.
+
+#: Spacing of float64 numbers relative to their size.
+EPS = float(np.finfo(float).eps)
+
+#: The computed noise is of first order, one rounding error each; over the steps of a staircase true errors reached ten times
+#: that in experiments. A number below this many times its noise counts as zero.
+NOISE_SAFETY = 16.0
+
+
+def noise_of(size, count: int = 1):
+    """Rounding noise of a sum of ``count`` terms of magnitude ``size``.
+
+    Args:
+        size: of the terms, a number or an array.
+        count: how many terms.
+    """
+    return NOISE_SAFETY * EPS * max(count, 1) ** 0.5 * size
+
+
+# Rank decisions.
+
+#: A rank decision is clear when the smallest kept value is this many times above that bound, and the largest dropped one
+#: below this share of it, near its noise itself; other decisions are reported.
+CLEAR_KEPT, CLEAR_DROPPED = 1e3, 0.1
+
+# Eigenvalues.
+
+#: Largest entry norm of a decoupling transformation between two blocks of J. A larger bound separates closer eigenvalues, a
+#: smaller one loses fewer digits; clusters up to this bound are evaluated as one block instead.
+DECOUPLING_LIMIT = 1e3
+
+#: Two eigenvalues are one of higher multiplicity when they differ by less than this many noise radii.
+CLUSTER_SAFETY = 1e3
+
+
+def rounding_radius(multiplicity: int) -> float:
+    """The largest relative change of the parts of an eigenvalue of this multiplicity by rounding errors of the data."""
+    return (CLUSTER_SAFETY * EPS) ** (1 / multiplicity)
+
+
+# Precise arithmetic (``linalg.precise``).
+
+#: Digits of precise arithmetic. A stiffness ratio of 1e16 takes 16 digits of the slowest motion away, its elimination and the
+#: couplings between fast and slow motions about as many again; this leaves more than float64 holds, also
+#: where multiple eigenvalues take most of the digits of their perturbation. Five words of 64 bits hold them.
+PRECISE_DIGITS = 96
+
+#: Digits that the eigenvalues of precise matrices are computed with, in turn, until they resolve the slowest one: what float64 can
+#: hold spans up to 600 orders of magnitude.
+PRECISE_LEVELS = (PRECISE_DIGITS, 4 * PRECISE_DIGITS, 8 * PRECISE_DIGITS)
+
+#: Digits that the vectors of multiple eigenvalues of precise matrices may lose: the perturbation that separates them is so many
+#: digits above rounding errors, and as many below the slowest eigenvalue.
+PRECISE_GUARD_DIGITS = 36
+
+#: Most QR steps for each eigenvalue of a precise matrix: convergence to a multiple eigenvalue is linear until they are separated.
+QR_STEPS = 1000
+
+#: Largest ratio of the couplings of a complex pair: one that is stretched more is nearly a double eigenvalue on the real axis.
+STRETCH_LIMIT = 1e4
+
+#: Relative rounding error of one precise operation.
+PRECISE_EPS = 10.0 ** (2 - PRECISE_DIGITS)
+
+#: Precise blocks are decoupled to this, far below float64, so that what is neglected of fast motions is negligible next to slow
+#: ones; bases and inverses are right to as much.
+PRECISE_DECOUPLING = 1e-30
+
+#: More states are not computed in precise arithmetic: 120 take a quarter of a minute, these two minutes.
+PRECISE_STATES = 240
+
+#: Losing this many digits in float64 is not worth precise arithmetic, nor one more for every so many states, for its time grows
+#: with their cube.
+WORTHWHILE_DIGITS, WORTHWHILE_STATES_PER_DIGIT = 2, 12
+
+# Matrices, eigenvalues and exponentials (``linalg``, ``polynomial``).
+
+#: Condition up to which a matrix is not brought to better scales: at most two digits are at stake.
+GOOD_CONDITION = 100.0
+
+#: A preferred row becomes a pivot where its entry is at most this many times smaller than the largest.
+PIVOT_PREFERENCE = 30.0
+
+#: Rows and columns whose sizes differ by less than this ratio are balanced: units are powers of two.
+BALANCE_RATIO = 1.5
+
+#: Modes this many times larger than the states that they add up to are taken in clusters: as many digits would cancel.
+MODE_AMPLIFICATION = 1e4
+
+#: The same for models of few states, for which the general method costs little: two digits.
+REDUCED_AMPLIFICATION = 100.0
+
+#: Couplings below this part of the rates of both states are weak: states coupled so are decoupled in groups, and the groups from each
+#: other entry by entry. LAPACK keeps thirteen digits of a coupling of this size.
+WEAK_COUPLING = 2.0**-10
+
+#: Most steps of that: each gains a factor of weak coupling over the distance of rates.
+SEPARATION_STEPS = 60
+
+#: Condition of the lowest coefficients of all rows beyond which a body may be unconstrained, which rank decisions settle.
+STIFFNESS_CONDITION = 1e10
+
+#: Condition, rows and columns brought to one size, up to which a matrix is divided by: as many digits may be lost.
+DIVISOR_CONDITION = 1e4
+
+#: The rank of a stiffness matrix is clear where no pivot lies between rounding error and this share of the largest.
+FREE_MOTION_GAP = EPS**0.5
+
+#: Entries of a free motion nearer than this to whole numbers are tried as these.
+INTEGER_DISTANCE = EPS**0.5
+
+#: Multiplicities for which separate eigenvalues are joined on trial; within one block any multiplicity is.
+JOINED_MULTIPLICITIES = range(2, 7)
+
+#: Where the ranks are not those of one eigenvalue they are tried again with the rounding error multiplied by these.
+RANK_TRIALS = (1.0, 10.0, 100.0, CLUSTER_SAFETY)
+
+#: Up to this many states the pairs of the data taken exactly are computed in precise arithmetic: a quarter of a second.
+AS_WRITTEN_STATES = 24
+
+#: Where the moduli of all eigenvalues are within this ratio nothing cancels in the generator, and they need no refinement.
+SIMILAR_EIGENVALUES = 4.0
+
+#: Degree of the Taylor polynomial of e^X for clusters: exact to rounding error for |X| <= 1, as 1/19! < 1e-17.
+CLUSTER_DEGREE = 18
+
+#: 1-norm up to which the Pade approximant of e^X of degree 13 is exact to rounding error (Al-Mohy and Higham 2009); a larger X is
+#: halved. That approximant takes about so many products of matrices.
+PADE_NORM, EXPONENTIAL_PRODUCTS = 4.25, 9
+
+#: A product of a matrix and a vector takes so many times as long as its part of a product of matrices: it waits for memory.
+NARROW_PRODUCT = 6.0
+
+#: Exponents up to this keep e^x well within the range of float64.
+MODERATE_EXPONENT = 690.0
+
+#: P(s) is factored at this relative distance from an eigenvalue s, where it is regular.
+FACTOR_DISTANCE = 1e-11
+
+#: Error of the modal coordinates recovered from a sum of modes up to which all modes are there; those of states are refined
+#: once.
+MODE_SUM_ERROR = 1e-9
+
+#: Relative steps smaller than this that do not become smaller are rounding error.
+STALLED_STEP = 1e-7
+
+# Functions of time given by their values (``signals.approximated``).
+
+#: Default tolerance: a little above the rounding error of polynomials of degree 10.
+APPROXIMATION_TOLERANCE = 1e-12
+
+#: Least tolerance: rounding errors of the values and of their polynomials stay below it.
+LEAST_APPROXIMATION_TOLERANCE = 64 * EPS
+
+#: Coefficients up to this many rounding errors of the largest value count as zero.
+COEFFICIENT_NOISE = 16.0
+
+#: A change of a coefficient at a joint up to this many times its error is no kink or jump.
+JOINT_SAFETY = 4.0
+
+#: The search for edges ends with intervals of this many units in the last place of the end.
+EDGE_UNITS = 8
+
+# Error estimates.
+
+#: Every value of a small model is right to this part of the largest value at that time; the rounding errors of a well-conditioned
+#: problem stay a hundred times below it.
+PROVED_ACCURACY = 1e-12
+
+#: Models of up to so many states are small: the exact engine answers within a second.
+PROVED_STATES = 48
+
+#: A force that restarts more often is not summed exactly: each restart is a function of time of its own.
+PROVED_RESTARTS = 32
+
+#: The error estimate compares the answer with answers to data perturbed by this many units in the last place.
+PROBE_SIZE = 1.0
+
+#: Least estimate of the relative error where a rank decision is not clear, since a wrong one invalidates all values.
+UNCLEAR_ERROR = 0.1
+
+#: An answer with a larger estimated relative error than this cannot be trusted (exit code 3).
+TRUST_LIMIT = 1e-3
+
+# Mechanical systems: matrices of elements, constraint rows, modes of sparse matrices.
+
+#: Assembled in float64, springs or dampers with a larger ratio leave the softest fewer than four digits.
+ASSEMBLED_SPREAD = 1e12
+
+#: Springs or dampers with a larger ratio leave no digit of the softest even in precise arithmetic.
+LARGEST_SPREAD = 1e40
+
+#: Largest entry of X for which [-X; I] is the basis of a null space; beyond it (nearly dependent rows) an orthonormal one is better.
+NULL_SPACE_LIMIT = 1e3
+
+#: Sums of given entries that cancel up to this many units in the last place of their terms may be data as well as rounding errors of
+#: the entries: two additions leave half a unit. They count from one unit on, and are reported.
+DOUBTFUL_SUM = (0.5, 4.0)
+
+#: Forces of a rigid body are this part of their terms, by rounding; those of an elastic chain of a million parts are more.
+RIGID_BODY_FORCE = 64 * EPS
+
+#: Sparse modes: frequencies closer than this, relative to the larger, are a group; modes are counted in larger gaps only.
+FREQUENCY_GAP = EPS**0.5
+
+#: Sparse modes: a vector has converged with a residual of this part of its value; the error of the value is the square of it.
+RITZ_RESIDUAL = EPS**0.75
+
+#: Signs of pivots count eigenvalues where the factors leave at most this part of a right side: a wrong sign needs an eigenvalue
+#: that close to the shift, and then another shift is tried.
+PIVOT_RESIDUAL = 1e-6
+
+#: A sparse constraint row is solved for an entry of at least this part of its largest: entries of N grow at most tenfold a step.
+PIVOT_RATIO = 0.1
+
+#: The first shift of sparse modes, as a part of a typical K_ii / M_ii below zero: far above rounding for free bodies, and below the
+#: lowest eigenvalues of all but the longest chains.
+FIRST_SHIFT = 1e-9
+
+#: Two damped modes of one eigenvalue with a larger cosine between their shapes are one mode.
+SAME_SHAPE = 1 - EPS**0.5
+
+#: Directions below this part of the others in the square of the energy norm are rounding errors.
+DEPENDENT_DIRECTION = EPS**0.75
+
+#: A Newton step below this part of the gap leaves a vector that is right to this times its square root.
+NEWTON_STEP = EPS**0.5
+
+#: Static corrections are refined to a residual of this part of the force.
+CORRECTION_RESIDUAL = EPS**0.75
+
+#: Free and forced motion of a mode are separated where the transformation, times the largest rate, is at most this many times the
+#: coupling: below resonance.
+RESONANCE_RATIO = 32.0
+
+# Control: transfer functions and the mechanical normal form.
+
+#: G(s) and gain prod(s - zeros)/prod(s - poles) agree to this, relatively; multiple zeros are known to few digits.
+GAIN_AGREEMENT = 1e-6
+
+#: Roots whose conjugates agree to this, relatively, are pairs: other packages print them with rounding errors.
+CONJUGATE_ROOTS = 1e-10
+
+#: Units of one model differ by at most twelve orders of magnitude: a coupling below this part of its row and column may be rounding
+#: error in other units.
+WEAK_COUPLING = 1e12 * EPS
+
+#: From this many times its noise bound on a distance to non-existence counts, half-way in digits to a clear decision.
+COUNTED_DISTANCE = CLEAR_KEPT**0.5
+
+#: Eigenvalues of a compression with an imaginary part above this part of |A| are not the trace of a real one.
+NEARLY_REAL = 1e-4
+
+#: Above this part of |A| no refinement of an eigenvalue brings the distance near the noise.
+FAR_FROM_EIGENVALUE = 1e-3
+
+#: A transformation with a larger condition is singular: no digit of it is known.
+SINGULAR_CONDITION = 1 / (1e3 * EPS)
+
+#: Eigenvectors with a larger condition belong to a defective matrix: the square root of what rounding allows.
+DEFECTIVE_CONDITION = 1 / (10 * EPS**0.5)
+
+#: Eigenvalues of G closer than this part of |G| cannot be paired.
+PAIRED_EIGENVALUES = 1e-6
+
+#: An early value of a response is accurate when its error is at most this part of it.
+EARLY_ERROR = 32 * EPS
+
+# Robots at rest (``robot.equilibrium``); gaps are in rad or relative to the size of the robot.
+
+#: A residual this small, relative to the largest force, is that of an equilibrium: Newton's method reaches 1e-13 where there
+#: is one, and stays above 1e-3 where there is none.
+BALANCED = 1e-9
+
+#: Loops are closed below this gap: near a singular posture a gap hides a posture error of its square root.
+LOOPS_CLOSED = 1e-12
+
+#: Loops that the joints keep open by less are closed to the accuracy of a URDF with five digits.
+LOOPS_CLOSED_AS_ROUNDED = 1e-5
+
+#: Loops that stay open by less may do so because angles in the URDF have two digits: near a posture where rows become
+#: dependent the gap is the square root of their error.
+LOOPS_TILTED = 0.05
+
+#: Rows of loops with a smaller relative singular value count as dependent: the axes of a URDF are often rounded to five or six
+#: digits (1.5708), and loops that are planar to that accuracy are meant to be planar.
+LOOP_RANK = 1e-5
+
+#: Rows between LOOP_RANK and this are kept and reported as almost dependent.
+LOOP_RANK_DOUBTFUL = 1e-4
+
+#: Rows with a smaller relative singular value may be independent only because angles have two digits.
+LOOP_RANK_TILTED = 5e-3
+
+#: Rows below this are dependent to rounding error; those up to LOOP_RANK to the rounded digits of the URDF, which is reported.
+LOOP_RANK_EXACT = 1e-10
+
+#: Second derivative along the motion, relative to that of single rows, above which a posture is singular; rounded axes cause up
+#: to LOOP_RANK.
+SINGULAR_POSTURE = 1e-4
+
+#: A stiffness below this share of the largest is rounding error.
+ZERO_STIFFNESS = 1e-13
+
+#: Asymmetry of a stiffness matrix along the motion, relative to its largest entry, below which the load has a potential: the
+#: residual of an equilibrium leaves 1e-12 there.
+SYMMETRIC_STIFFNESS = 1e-9
+
+#: Tolerance of joint limits (rad, m), for the rounding error of a guess at the limit.
+JOINT_LIMIT = 1e-9
+
+#: Relative difference (rad, m for values below 1) below which two values of a locked mimic joint are equal.
+SAME_JOINT_VALUE = 1e-9
+
+# Scenes: consistent initial values and drawings (``scene``).
+
+#: Motion, forces and impulses of a result below this share of the largest of their kind are rounding error, which is not drawn.
+NOT_DRAWN = 1e-9
+
+#: A singular value or a residual below this, relative to scaled constraint rows, is rounding error when consistent initial values
+#: are computed: rows come from geometry known to 1e-12, and a mechanism this near to a dead centre counts as being in it.
+CONSISTENT_ROWS = 1e-9

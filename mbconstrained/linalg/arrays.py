@@ -1,0 +1,162 @@
+"""Matrices that are sparse where they are large and full where they are small: one formula serves both kinds.
+
+A sparse operation takes ten to a hundred times as long as one of NumPy on a few entries; products, sums, rows and columns are
+written alike for both. The rest is here.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+import scipy.sparse
+from scipy.sparse import csr_array
+
+Matrix: TypeAlias = np.ndarray | csr_array
+
+#: Matrices with so many rows are kept sparse.
+LARGE = 150
+
+
+def kept(matrix: np.ndarray) -> Matrix:
+    """The matrix as the kind that suits its size."""
+    return compressed(matrix) if len(matrix) >= LARGE else matrix
+
+
+def compressed(matrix: np.ndarray) -> csr_array:
+    """The matrix without its zeros, which are looked for in one pass.
+
+    >>> compressed(np.array([[0.0, 2.0], [3.0, 0.0]])).indices.tolist()
+    [1, 0]
+    """
+    values = np.ascontiguousarray(matrix).reshape(-1)
+    places = np.flatnonzero(values != 0)
+    rows, columns = np.divmod(places, max(matrix.shape[1], 1))
+    return csr_array((values[places], columns, np.searchsorted(rows, np.arange(len(matrix) + 1))), shape=matrix.shape)
+
+
+def of_like_kind(matrix, other: Matrix) -> Matrix:
+    """A matrix of the kind of another one.
+
+    Args:
+        matrix: sparse or full.
+        other: of the wanted kind.
+
+    Returns:
+        The same entries.
+    """
+    if isinstance(other, np.ndarray):
+        return full(matrix)
+    return compressed(matrix) if isinstance(matrix, np.ndarray) else csr_array(matrix)
+
+
+def full(matrix: Matrix) -> np.ndarray:
+    """All entries.
+
+    >>> full(csr_array([[0.0, 2.0]])).tolist()
+    [[0.0, 2.0]]
+    """
+    return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()
+
+
+def hstack(*parts: Matrix) -> Matrix:
+    """[A, B, ...], of the kind of the first."""
+    if isinstance(parts[0], np.ndarray):
+        return np.concatenate(parts, axis=1)
+    return scipy.sparse.hstack(parts, format="csr")
+
+
+def vstack(*parts: Matrix) -> Matrix:
+    """[A; B; ...], of the kind of the first."""
+    if isinstance(parts[0], np.ndarray):
+        return np.concatenate(parts)
+    return scipy.sparse.vstack(parts, format="csr")
+
+
+def zeros_of_kind(shape: tuple[int, int], like: Matrix) -> Matrix:
+    """Zeros, of the kind of another matrix.
+
+    Args:
+        shape: rows and columns.
+        like: of the wanted kind.
+
+    Returns:
+        No entries.
+    """
+    return np.zeros(shape) if isinstance(like, np.ndarray) else csr_array(shape)
+
+
+def shifted_unit(rows: int, columns: int, shift: int, like: Matrix) -> Matrix:
+    """Ones where column = row + shift, of the kind of another matrix.
+
+    Args:
+        rows, columns: the shape.
+        shift: the diagonal of the ones.
+        like: of the wanted kind.
+
+    Returns:
+        Shape (rows, columns).
+
+    >>> shifted_unit(1, 3, 1, np.zeros((1, 1))).tolist()
+    [[0.0, 1.0, 0.0]]
+    """
+    if isinstance(like, np.ndarray):
+        return np.eye(rows, columns, shift)
+    return csr_array(scipy.sparse.eye_array(rows, columns, k=shift))
+
+
+def entries(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows, columns and values of the entries that are there.
+
+    >>> [part.tolist() for part in entries(np.array([[0.0, 2.0]]))]
+    [[0], [1], [2.0]]
+    """
+    if isinstance(matrix, np.ndarray):
+        row, column = matrix.nonzero()
+        return row, column, matrix[row, column]
+    result = matrix.tocoo()
+    return result.row, result.col, result.data
+
+
+def others(size: int, places: np.ndarray) -> np.ndarray:
+    """All numbers below a size that are not among these.
+
+    Args:
+        size: how many numbers there are.
+        places: some of them.
+
+    Returns:
+        The others, ascending.
+
+    >>> others(4, np.array([2, 0])).tolist()
+    [1, 3]
+    """
+    free = np.ones(size, dtype=bool)
+    free[places] = False
+    return free.nonzero()[0]
+
+
+def entry_count(matrix: Matrix) -> int:
+    """How many entries are there."""
+    return np.count_nonzero(matrix) if isinstance(matrix, np.ndarray) else matrix.nnz
+
+
+def filled_rows(matrix: Matrix) -> np.ndarray:
+    """Which rows have entries."""
+    return matrix.any(axis=1) if isinstance(matrix, np.ndarray) else np.diff(matrix.indptr) > 0
+
+
+def filled_columns(matrix: Matrix) -> np.ndarray:
+    """Which columns have entries."""
+    return matrix.any(axis=0) if isinstance(matrix, np.ndarray) else np.diff(matrix.tocsc().indptr) > 0
+
+
+def is_finite(matrix: Matrix) -> bool:
+    """Whether all entries are in the range of float64."""
+    return bool(np.isfinite(matrix if isinstance(matrix, np.ndarray) else matrix.data).all())
+
+
+def is_diagonal(matrix: Matrix) -> bool:
+    """Whether a square matrix has all its entries on the diagonal, none of them zero."""
+    count = np.count_nonzero(matrix.diagonal())
+    return count == matrix.shape[0] == entry_count(matrix)

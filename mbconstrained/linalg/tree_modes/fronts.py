@@ -1,0 +1,315 @@
+"""Symmetric P(s) = M s^2 + C s + K of sparse topology, a chain, a tree, a ring, a ladder or a beam, by its entries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+import scipy.sparse
+from scipy.sparse import csr_array
+
+from ...ground.tolerances import EPS
+from ..arrays import Matrix, entries
+from .ordering import WIDEST, Elimination, Link, Step, coupled_pairs, elimination
+
+#: What is cut off is near this part of the whole: two halves of a uniform chain would have the same zeros.
+PART = 0.45
+
+#: For so few s an order with wider fronts and fewer steps is faster, if it has this many times fewer steps.
+FEW, FEWER = 128, 4
+
+
+@dataclass(frozen=True, eq=False)
+class SparseQuadratic:
+    """P(s) by the entries of its coefficients.
+
+    Attributes:
+        diagonal: of K, C and M, shape (3, N).
+        off_diagonal: the entries of K, C and M that couple two coordinates, shape (3, E).
+        ends: which these are, shape (2, E).
+        places: where the coordinates are in what was given, shape (N,).
+        narrow: P(s) in the order of least fill.
+    """
+
+    diagonal: np.ndarray
+    off_diagonal: np.ndarray
+    ends: np.ndarray
+    places: np.ndarray
+    narrow: Multifrontal
+
+    @property
+    def size(self) -> int:
+        """N."""
+        return len(self.places)
+
+    @cached_property
+    def is_heavy(self) -> np.ndarray:
+        """Which coordinates have a mass, shape (N,)."""
+        return self.diagonal[2] != 0
+
+    @property
+    def zero_count(self) -> int:
+        """The degree of det P(s)."""
+        return self.size + int(np.count_nonzero(self.is_heavy))
+
+    @cached_property
+    def together(self) -> Multifrontal:
+        """P(s) in an order of few steps, where there is one."""
+        width = 2 * self.narrow.order.width
+        order = elimination(self.size, self.ends, 2 * WIDEST, together=width)
+        if order is None or FEWER * len(order.rounds) > len(self.narrow.order.rounds):
+            return self.narrow
+        return Multifrontal(order, self.diagonal, self.off_diagonal, self.ends)
+
+    def dense(self) -> np.ndarray:
+        """K, C and M, shape (3, N, N)."""
+        result, every, (one, other) = np.zeros((3, self.size, self.size)), np.arange(self.size), self.ends
+        result[:, every, every] = self.diagonal
+        result[:, one, other] = result[:, other, one] = self.off_diagonal
+        return result
+
+    def newton(self, s: np.ndarray) -> np.ndarray:
+        """p'(s) / p(s) where p = det P, shape as s."""
+        return (self.narrow if len(s) > FEW else self.together).newton(s)
+
+    def applied(self, s: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """P(s) x, C x and M x of a vector x for each s, shape (N, S).
+
+        Where it costs nothing P(s) x is a sum of differences of neighbours, in which nothing large cancels.
+
+        Args:
+            s: shape (S,), in 1/s.
+            x: shape (N, S).
+
+        Returns:
+            Three arrays of shape (N, S).
+        """
+        of_each, of_differences = self._parts
+        differences = x[self.ends[1]] - x[self.ends[0]]
+        stiff, damped, damping, inertia = (of_each @ x.view(float)).view(x.dtype).reshape(4, *x.shape)
+        more_stiff, more_damped = (of_differences @ differences.view(float)).view(x.dtype).reshape(2, *x.shape)
+        return stiff + more_stiff + s * (damped + more_damped) + s * s * inertia, damping, inertia
+
+    def kept_digits(self, x: np.ndarray) -> float:
+        """x^T K x by the sum of the sizes of its terms as ``applied`` has them, x of shape (N, 1)."""
+        (of_each, of_differences), n = self._parts, self.size
+        terms = np.abs(of_each[:n]) @ np.abs(x) + np.abs(of_differences[:n]) @ np.abs(x[self.ends[1]] - x[self.ends[0]])
+        return float(np.abs((x * self.applied(np.zeros(1), x)[0]).sum()) / (np.abs(x) * terms).sum())
+
+    @cached_property
+    def _parts(self) -> tuple[csr_array, csr_array]:
+        """For x parts of K and C and all of C and M, shape (4 N, N), for differences of x at two ends the rest, (2 N, E).
+
+        Rows are sums of differences where their off-diagonal entries are not the larger ones: else units of neighbours differ.
+        """
+        n, (one, other), every = self.size, self.ends, np.arange(self.size)
+        rows, columns, each = np.concatenate([every, one, other]), np.concatenate([every, other, one]), np.arange(len(one))
+        whole = [
+            csr_array((line, (rows, columns)), shape=(n, n))
+            for line in np.hstack([self.diagonal, self.off_diagonal, self.off_diagonal])
+        ]
+        of_each, of_differences = [], []
+        for matrix, diagonal, off_diagonal in zip(whole[:2], self.diagonal, self.off_diagonal):
+            both = np.concatenate([off_diagonal, off_diagonal])
+            near = np.bincount(rows[n:], np.abs(both), n) <= 2 * np.abs(diagonal)
+            sums = diagonal.astype(np.longdouble)
+            np.add.at(sums, rows[n:], both)
+            of_each.append(_scaled_rows(1.0 - near, matrix) + _diagonal(near * sums.astype(float)))
+            signed = np.concatenate([off_diagonal, -off_diagonal]) * near[rows[n:]]
+            of_differences.append(csr_array((signed, (rows[n:], np.concatenate([each, each]))), shape=(n, len(each))))
+        return (_without_zeros([*of_each, *whole[1:]]), _without_zeros(of_differences))
+
+    def halves(self) -> tuple[SparseQuadratic, SparseQuadratic]:
+        """What is eliminated because of one coordinate, and all else, the couplings of both taken out: their ends are fixed."""
+        below = np.zeros(self.size, dtype=bool)
+        below[self.narrow.order.subtree(PART)] = True
+        return self._part(below), self._part(~below)
+
+    def _part(self, chosen: np.ndarray) -> SparseQuadratic:
+        kept, number = chosen[self.ends].all(axis=0), np.cumsum(chosen) - 1
+        return _sparse_quadratic(
+            self.diagonal[:, chosen], self.off_diagonal[:, kept], number[self.ends[:, kept]], self.places[chosen]
+        )
+
+
+def sparse_quadratic(M: Matrix, C: Matrix, K: Matrix) -> SparseQuadratic | None:
+    """From symmetric matrices, M of the first coordinates only; None where a front is wider than ``WIDEST``.
+
+    Args:
+        M: shape (m, m).
+        C, K: shape (m + d, m + d).
+
+    Returns:
+        P(s), or None.
+    """
+    size, ends, result = K.shape[0], coupled_pairs(M, C, K), [entries(matrix) for matrix in (K, C, M)]
+    if ends.shape[1] > WIDEST * size:
+        return None
+    diagonal, off_diagonal, pairs = np.zeros((3, size)), np.zeros((3, ends.shape[1])), ends[0] * size + ends[1]
+    for on, couple, (row, column, values) in zip(diagonal, off_diagonal, result):
+        own, above = row == column, row < column
+        on[row[own]] = values[own]
+        couple[np.searchsorted(pairs, row[above].astype(np.int64) * size + column[above])] = values[above]
+    return _sparse_quadratic(diagonal, off_diagonal, ends, np.arange(size))
+
+
+def _sparse_quadratic(diagonal, off_diagonal, ends, places) -> SparseQuadratic | None:
+    order = elimination(len(places), ends)
+    return (
+        None
+        if order is None
+        else SparseQuadratic(diagonal, off_diagonal, ends, places, Multifrontal(order, diagonal, off_diagonal, ends))
+    )
+
+
+def _diagonal(entries: np.ndarray) -> csr_array:
+    return csr_array(scipy.sparse.diags_array(entries))
+
+
+def _scaled_rows(factors: np.ndarray, matrix: csr_array) -> csr_array:
+    return csr_array(_diagonal(factors) @ matrix)
+
+
+def _without_zeros(parts: list[csr_array]) -> csr_array:
+    result = csr_array(scipy.sparse.vstack(parts, format="csr"))
+    result.eliminate_zeros()
+    return result
+
+
+# Symmetric P(s) = M s^2 + C s + K of sparse topology eliminated for many s at once.
+#
+# Each coordinate is eliminated with the small dense matrix of its front alone, and hands what it changes there on to the first of
+# it (multifrontal method: Duff and Reid 1983). All operations are on vectors over s, of coordinates that do not touch together.
+# Nothing is
+# pivoted: where fronts are one coordinate, in a tree, small pivots do no harm, since every rounding is a relative one of an entry
+# of P(s) (Demmel and Gragg 1993, for acyclic matrices); in wider ones a small pivot costs digits, gained back from what is left of
+# the equations.
+
+#: So many entries of P(s) and of fronts are computed at once: they stay near the processor; so many s at least.
+FRONTS, LEAST = 1 << 15, 32
+
+
+class Multifrontal:
+    """P(s) by the entries of K, C and M, in an order of elimination."""
+
+    def __init__(self, order: Elimination, diagonal: np.ndarray, off_diagonal: np.ndarray, ends: np.ndarray) -> None:
+        """Coordinates as they were given.
+
+        Args:
+            diagonal: shape (3, N).
+            off_diagonal: what couples two coordinates, shape (3, E).
+            ends: which these are, shape (2, E).
+        """
+        self.order, self._data = order, (diagonal, off_diagonal, ends)
+
+    def newton(self, s: np.ndarray) -> np.ndarray:
+        """p'(s) / p(s) where p = det P, shape as s: the sum of d'/d over all pivots d."""
+        if len(s) > self._width:
+            return np.concatenate([self.newton(part) for part in np.array_split(s, -(-len(s) // self._width))])
+        powers, result, waiting = np.stack([np.ones_like(s), s, s * s]), np.zeros_like(s), {}
+        for number, (step, coefficients) in enumerate(zip(self.order.steps, self._columns)):
+            column = _column(coefficients, powers, step)
+            _reduce(column, step.links, waiting)
+            pivot, off_diagonal = column[:, 0], column[:, 1:]
+            inverse = 1 / pivot[0]
+            pivot[1] *= inverse
+            result += pivot[1].sum(axis=0)
+            if len(step.fronts):
+                factor = off_diagonal[0] * inverse
+                pivot[1] *= -0.5
+                off_diagonal[1] += pivot[1] * off_diagonal[0]
+                change = factor[:, None] * off_diagonal[:, None]
+                change[1] += change[1].swapaxes(0, 1)
+                waiting[number] = _with_others(change, step.links, waiting)
+        return result
+
+    def factored(self, s: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """1 / d and what the fronts take, by steps, shapes (G, S) and (front, G, S): P = (I + L) D (I + L)^T.
+
+        P is wanted near its zeros: a d that is exactly 0, all of it lost to rounding, becomes a rounding error of its terms
+        (inverse iteration: Wilkinson 1965, chapter 5; LAPACK's stein).
+        """
+        powers, result, waiting = np.stack([np.ones_like(s), s, s * s]), [], {}
+        for number, (step, coefficients) in enumerate(zip(self.order.steps, self._columns)):
+            column = _column(coefficients[:1], powers, step)
+            _reduce(column, step.links, waiting)
+            pivot = column[0, 0]
+            if not pivot.all():
+                pivot += (pivot == 0) * (EPS * (np.abs(coefficients[0, : len(pivot)]) @ np.abs(powers)))
+            inverse = 1 / pivot
+            factor = column[0, 1:] * inverse
+            if len(factor):
+                waiting[number] = _with_others((factor[:, None] * column[0, 1:])[None], step.links, waiting)
+            result.append((inverse, factor))
+        return result
+
+    def solved(self, factors: list[tuple[np.ndarray, np.ndarray]], right: np.ndarray) -> np.ndarray:
+        """P(s)^-1 right for each s, shape (N, S), from ``factored``.
+
+        Args:
+            factors: from ``factored``.
+            right: shape (N, S).
+
+        Returns:
+            Shape (N, S).
+        """
+        x, steps = right[self.order.nodes], list(zip(self.order.steps, factors))
+        for step, (inverse, factor) in steps:
+            own = x[step.own]
+            for places, row, column in step.spread:
+                x[places] -= factor[row, column] * own[column]
+            own *= inverse
+        for step, (_, factor) in reversed(steps):
+            if len(factor):
+                x[step.own] -= (factor * x[step.fronts]).sum(axis=0)
+        result = np.empty_like(x)
+        result[self.order.nodes] = x
+        return result
+
+    @cached_property
+    def _width(self) -> int:
+        """How many s at once."""
+        entries = [(1 + len(step.fronts)) ** 2 * step.fronts.shape[1] for step in self.order.steps]
+        return max(LEAST, FRONTS // max(entries))
+
+    @cached_property
+    def _columns(self) -> list[np.ndarray]:
+        """By steps (1, s, s^2)-coefficients of the columns of P and of P', shape (2, (1 + front) G, 3)."""
+        (diagonal, off_diagonal, ends), steps, fronts = self._data, self.order.steps, self.order.fronts
+        place, begins = np.empty(len(fronts), dtype=int), [0]
+        place[self.order.nodes] = np.arange(len(place))
+        first, strides = np.empty((2, len(place)), dtype=int)  # where a column begins, and the distance of its entries
+        for step in steps:
+            count = step.own.stop - step.own.start
+            first[step.own], strides[step.own] = np.arange(begins[-1], begins[-1] + count), count
+            begins.append(begins[-1] + count * (1 + len(step.fronts)))
+        own, other = np.sort(place[ends], axis=0)
+        rows = np.array([1 + fronts[one].index(two) for one, two in zip(own.tolist(), other.tolist())], dtype=int)
+        K, C, M = result = np.zeros((3, begins[-1]))
+        result[:, first], result[:, first[own] + rows * strides[own]] = diagonal[:, self.order.nodes], off_diagonal
+        both = np.stack([np.stack([K, C, M], axis=1), np.stack([C, 2 * M, 0 * M], axis=1)])
+        return [both[:, begin:end] for begin, end in pairwise(begins)]
+
+
+def _column(coefficients, powers, step: Step) -> np.ndarray:
+    """Entries of P(s), and of P'(s), on and off the diagonal, shape (_, 1 + front, G, S)."""
+    front, count = step.fronts.shape
+    return (coefficients @ powers.view(float)).view(powers.dtype).reshape(len(coefficients), 1 + front, count, -1)
+
+
+def _reduce(column: np.ndarray, links: tuple[Link, ...], waiting: dict[int, np.ndarray]) -> None:
+    """Less what the children take from the coordinates, in place."""
+    for link in links:
+        column[link.first] -= waiting[link.step][:, 0][:, :, link.given]
+
+
+def _with_others(change: np.ndarray, links: tuple[Link, ...], waiting: dict[int, np.ndarray]) -> np.ndarray:
+    """What the coordinates and, still, their children take from the fronts, shape (_, front, front, G, S)."""
+    for link in links:
+        if link.others is not None:
+            change[link.others] += waiting[link.step][:, 1:, 1:, link.given]
+        if link.is_last:
+            del waiting[link.step]
+    return change

@@ -1,0 +1,345 @@
+"""Constraint rows A x^(level) = b: a combination of coordinates or of their derivatives has a given value."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+import scipy.sparse
+
+from ..ground.checks import names_of, nearest, real_array
+from ..ground.coordinate_units import check_unit, rate_unit
+from ..ground.errors import ContradictoryConstraints, InputError
+from ..ground.notices import Notice, NoticeKind
+from ..ground.tolerances import CLEAR_KEPT, DOUBTFUL_SUM, EPS, NOISE_SAFETY, NULL_SPACE_LIMIT
+from ..linalg.arrays import full, others
+from ..linalg.division import solution
+from ..linalg.rounding import Noisy, reduce_in_order
+from ..linalg.scaling import column_units
+
+Level = Literal["position", "velocity", "acceleration"]
+
+#: The accepted forms of constraints, for messages.
+EXPECTED = "mb.Constraint(rows, ...), a sparse matrix of rows that are zero, or a list of these"
+
+#: So many coordinates are listed in a message.
+MOST_NAMES = 12
+
+#: The levels, strongest first; the place of a level is the order of its derivative.
+LEVELS: tuple[Level, ...] = ("position", "velocity", "acceleration")
+
+
+class Constraint:
+    """The rows A x^(level) = b of one constraint, b constant for t > 0.
+
+    Args:
+        rows: A, shape (k, n), or (n,) for a single row; kept sparse where it is ``scipy.sparse``.
+        level: the constrained derivative: "position" A x = b, "velocity" A x' = b, or "acceleration" A x'' = b
+            (the form of Udwadia and Phohomsiri 2006). The stronger level implies the weaker one with b = 0; a weaker
+            level keeps an initial violation of the stronger one, and adds drift eigenvalues.
+        value: b, a number or shape (k,).
+        names: one name per row; "constraint 1", ... by default.
+        unit: unit of A x, "m" or "rad" ("1" for none), from which multipliers have theirs. By default that of the
+            coordinates in the row, metres where both kinds meet (a radius turns angles into lengths).
+        uncertainty: bounds of the errors of A, shape of the rows; rounding errors by default.
+
+    Raises:
+        InputError: rows that are no matrix of finite real numbers, an unknown level, values of another number.
+
+    >>> Constraint([1, -1, 0], level="velocity", value=0.5)
+    Constraint(1 row at velocity level)
+    """
+
+    def __init__(
+        self,
+        rows,
+        level: Level = "position",
+        value=0.0,
+        names: Sequence[str] | str | None = None,
+        unit: str | None = None,
+        uncertainty=None,
+    ):
+        matrix = _sparse_rows(rows) if scipy.sparse.issparse(rows) else real_array(rows, "constraint rows")
+        if matrix.ndim not in (1, 2):
+            raise InputError(f"constraint rows: expected one row or a matrix, found an array of shape {matrix.shape}")
+        self.rows = matrix if scipy.sparse.issparse(matrix) else np.atleast_2d(matrix)
+        self.level = checked_level(level, "constraint")
+        values = real_array(value, "constraint value")
+        if values.ndim > 1 or (values.ndim == 1 and len(values) != self.rows.shape[0]):
+            raise InputError(
+                f"constraint value: found shape {values.shape}; expected a number, or one for each of the {self.rows.shape[0]} rows"
+            )
+        self.values = values + np.zeros(self.rows.shape[0])
+        if isinstance(names, str):
+            names = (names,)
+        self.names = None if names is None else names_of(names, self.rows.shape[0], "constraint rows", "")
+        self.unit = unit if unit is None else check_unit(unit, "unit of the constraint")
+        if uncertainty is None:
+            self.uncertainty = abs(0.0 * self.rows)
+        else:
+            self.uncertainty = np.abs(np.atleast_2d(real_array(uncertainty, "constraint uncertainty", shape=matrix.shape)))
+        self.values.flags.writeable = False
+        if not scipy.sparse.issparse(self.rows):
+            self.rows.flags.writeable = False
+
+    def __repr__(self) -> str:
+        count = self.rows.shape[0]
+        return f"Constraint({count} row{'s' if count != 1 else ''} at {self.level} level)"
+
+
+@dataclass(frozen=True)
+class ConstraintRow:
+    """One row a x^(level) = value of a system.
+
+    Attributes:
+        name: its name.
+        coefficients: a, shape (n,).
+        level: "position", "velocity" or "acceleration".
+        value: the right-hand side.
+        unit: unit of a x, "m", "rad" or "1".
+        uncertainty: bounds of the errors of a beyond rounding, shape (n,) or one number.
+    """
+
+    name: str
+    coefficients: np.ndarray = field(repr=False)
+    level: Level
+    value: float
+    unit: str
+    uncertainty: np.ndarray | float = field(default=0.0, repr=False)
+
+    @property
+    def order(self) -> int:
+        """Order of the constrained derivative: 0, 1 or 2."""
+        return LEVELS.index(self.level)
+
+
+def checked_level(level, what: str) -> Level:
+    """A known level, or an InputError with the nearest one.
+
+    Args:
+        level: position, velocity or acceleration.
+        what: the argument, for the message.
+
+    Returns:
+        The level.
+    """
+    if level not in LEVELS:
+        raise InputError(f"{what}: found the level {level!r}; expected one of {', '.join(LEVELS)}{nearest(level, LEVELS)}")
+    return level
+
+
+def checked_constraints(given, names: Sequence[str]) -> tuple[Constraint, ...]:
+    """The constraints of a system with these coordinates; a sparse matrix stands for rows that are zero at position level.
+
+    Args:
+        given: a ``Constraint``, a sparse matrix of rows, a list of these, or None.
+        names: of the n coordinates.
+
+    Returns:
+        The constraints.
+
+    Raises:
+        InputError: an object that is no constraint, rows of another length than the number of coordinates.
+    """
+    if given is None or isinstance(given, Constraint) or scipy.sparse.issparse(given):
+        given = () if given is None else (given,)
+    if isinstance(given, (str, bytes, np.ndarray)) or not isinstance(given, Sequence):
+        raise InputError(f"constraints: found {type(given).__name__}; expected {EXPECTED}")
+    constraints = tuple(Constraint(item) if scipy.sparse.issparse(item) else item for item in given)
+    for constraint in constraints:
+        if not isinstance(constraint, Constraint):
+            raise InputError(f"constraints: found {type(constraint).__name__}; expected {EXPECTED}")
+        if constraint.rows.shape[1] != len(names):
+            listed = f" ({', '.join(names)})" if len(names) <= MOST_NAMES else ""
+            raise InputError(
+                f"constraint rows: found {constraint.rows.shape[1]} entries in a row; expected one for each of the "
+                f"{len(names)} coordinates{listed}"
+            )
+    return constraints
+
+
+def row_names(constraints: Sequence[Constraint]) -> tuple[str, ...]:
+    """A name for each row of the constraints, "constraint 1" and so on by default.
+
+    Raises:
+        InputError: a name is used twice.
+    """
+    names: list[str] = []
+    for constraint in constraints:
+        count = constraint.rows.shape[0]
+        names += constraint.names or [f"constraint {len(names) + i + 1}" for i in range(count)]
+    return names_of(names, len(names), "constraint rows", "")
+
+
+def constraint_rows(constraints: Sequence[Constraint], units: dict[str, str]) -> tuple[ConstraintRow, ...]:
+    """All rows of the constraints of a system with coordinates of these units.
+
+    Args:
+        constraints: of a system.
+        units: by coordinate, "m" or "rad".
+
+    Returns:
+        One ``ConstraintRow`` for each row.
+    """
+    rows: list[ConstraintRow] = []
+    names, each = row_names(constraints), tuple(units.values())
+    for constraint in constraints:
+        for coefficients, value, uncertainty in zip(full(constraint.rows), constraint.values, full(constraint.uncertainty)):
+            unit = constraint.unit or _unit(coefficients, each)
+            rows.append(ConstraintRow(names[len(rows)], coefficients, constraint.level, float(value), unit, uncertainty))
+    return tuple(rows)
+
+
+def _unit(coefficients, units) -> str:
+    present = {units[place] for place in coefficients.nonzero()[0]}
+    if len(present) == 1:
+        return present.pop()
+    return "m" if "m" in present else "1"
+
+
+def _sparse_rows(rows) -> scipy.sparse.csr_array:
+    """Sparse rows of finite real numbers, as a matrix."""
+    matrix = scipy.sparse.csr_array(rows if rows.ndim == 2 else rows.reshape((1, -1)))
+    entries = real_array(matrix.data, "constraint rows")
+    return scipy.sparse.csr_array((entries, matrix.indices, matrix.indptr), shape=matrix.shape)
+
+
+# Independent rows. The rows are reduced strongest level first, so that of rows that coincide the strongest is kept. A row at
+# position level implies that the derivatives of a x are zero: only kept rows of its own level contribute to the value that is
+# implied for a dependent row.
+
+
+@dataclass(frozen=True)
+class IndependentRows:
+    """The independent constraint rows of a system with n coordinates, and what they leave free.
+
+    Attributes:
+        rows: the k independent rows, strongest level first.
+        matrix: A, their coefficients, shape (k, n).
+        uncertainty: bounds of their errors beyond rounding, shape (k, n).
+        null_space: V, a basis of null(A), shape (n, n - k).
+        motions: the coordinate that each column of V moves, None where it mixes several.
+        pivots: columns in which A is regular, shape (k,).
+        notices: one for each dependent row, and for each that is kept by a narrow margin.
+    """
+
+    rows: tuple[ConstraintRow, ...]
+    matrix: np.ndarray
+    uncertainty: np.ndarray
+    null_space: np.ndarray
+    motions: tuple[int | None, ...]
+    pivots: tuple[int, ...]
+    notices: tuple[Notice, ...]
+
+    @cached_property
+    def left_inverse(self) -> np.ndarray:
+        """G with G A^T = I, shape (k, n): turns a constraint force A^T lambda into lambda."""
+        inverse, pivots = np.zeros(self.matrix.shape), list(self.pivots)
+        inverse[:, pivots] = solution(self.matrix[:, pivots], np.eye(len(pivots))).T
+        return inverse
+
+
+def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRows:
+    """The rows without dependent ones, and the null space of their matrix.
+
+    Args:
+        rows: all rows of a system.
+        size: the number n of coordinates.
+
+    Returns:
+        The k independent rows, strongest level first, with the null space of their matrix.
+
+    Raises:
+        ContradictoryConstraints: a dependent row with another value than the rows that it depends on imply.
+    """
+    if not rows:
+        none = np.zeros((0, size))
+        return IndependentRows((), none, none, np.eye(size), tuple(range(size)), (), ())
+    rows = sorted(rows, key=lambda row: row.order)
+    matrix = np.array([row.coefficients for row in rows])
+    uncertainty = np.array([row.uncertainty + np.zeros(size) for row in rows])
+    scale = column_units(np.abs(matrix))
+    noise = np.maximum(EPS * np.abs(matrix), uncertainty) * scale
+    kept, pivots, reduced = _reduced(rows, Noisy(matrix * scale, noise))
+    own = reduced[kept]
+    margins = own.size[range(len(kept)), pivots] / (NOISE_SAFETY * own.noise[range(len(kept)), pivots])
+    notices = [_redundant(rows, place, reduced.data[place, size:]) for place in range(len(rows)) if place not in kept]
+    notices += [_doubtful(rows[place], margin) for place, margin in zip(kept, margins) if margin < CLEAR_KEPT]
+    null_space, motions = _null_space(own.data[:, :size], pivots, scale)
+    independent = tuple(rows[place] for place in kept)
+    return IndependentRows(independent, matrix[kept], uncertainty[kept], null_space, motions, tuple(pivots), tuple(notices))
+
+
+def _reduced(rows, matrix: Noisy) -> tuple[list[int], list[int], Noisy]:
+    """Which rows are kept, their pivot columns, and all rows after elimination.
+
+    Columns that are reduced with them: the value of each row in the column of its level, and an exact unit vector.
+    """
+    attached = Noisy.exact(np.zeros((len(rows), len(LEVELS) + len(rows))))
+    for place, row in enumerate(rows):
+        attached.data[place, row.order], attached.noise[place, row.order] = row.value, EPS * abs(row.value)
+        attached.data[place, len(LEVELS) + place] = 1.0
+    work = Noisy(np.hstack([matrix.data, attached.data]), np.hstack([matrix.noise, attached.noise]))
+    return *map(list, reduce_in_order(work, matrix.data.shape[1])), work
+
+
+def _null_space(reduced: np.ndarray, pivots: list[int], scale: np.ndarray) -> tuple[np.ndarray, tuple[int | None, ...]]:
+    """V, shape (n, n - k), and the coordinate that each column moves, None where it mixes several.
+
+    Rows of 0, 1, -1 and ratios of small whole numbers keep their exact zeros in the elimination, and so does [-X; I], X the reduced
+    rows in scaled columns solved for the pivot coordinates.
+    """
+    size, free = len(scale), others(len(scale), pivots)
+    solved = reduced[:, free]
+    if solved.size:
+        solved = solution(reduced[:, pivots], solved)  # LAPACK's dtrtrs wakes all threads for a single row
+    if np.abs(solved).max(initial=0.0) > NULL_SPACE_LIMIT:
+        orthogonal = np.linalg.qr(reduced.T, mode="complete")[0]
+        return scale[:, None] * orthogonal[:, len(pivots) :], (None,) * len(free)
+    basis = np.zeros((size, len(free)))
+    basis[pivots] = 0.0 - solved  # not -solved: no negative zeros
+    basis[free, range(len(free))] = 1.0
+    return scale[:, None] * basis / scale[free], tuple(free.tolist())
+
+
+def _redundant(rows, place, rest) -> Notice:
+    """The notice of a row that the rows before it imply, or the error where they imply another value."""
+    row, levels = rows[place], len(LEVELS)
+    others = [f'"{rows[i].name}" ({rows[i].level} level)' for i in np.flatnonzero(rest[levels:]) if i != place]
+    reason = f"it follows from {' and '.join(others)}" if others else "all its coefficients are zero"
+    left_over = rest[row.order]
+    if left_over:
+        unit = rate_unit(row.unit, row.order)
+        raise ContradictoryConstraints(
+            f'constraint "{row.name}" ({row.level} level) has the value {row.value:.6g} {unit}, but {reason}, '
+            f"with the value {row.value - left_over:.6g} {unit}; make the values agree or take one of the rows out"
+        )
+    nearly = _is_nearly_dependent(rows, rest[levels:])
+    to_rounding = " to a rounding error, which is not zero" if nearly else ""
+    return Notice(
+        NoticeKind.REDUNDANT,
+        f'constraint "{row.name}" ({row.level} level) is redundant and was left out: {reason}{to_rounding}; '
+        "the multipliers are those of the independent rows",
+        doubtful=nearly,
+    )
+
+
+def _is_nearly_dependent(rows, factors: np.ndarray) -> bool:
+    """Whether a combination of rows with whole factors, which counts as zero, is more than the rounding errors of its terms."""
+    whole = np.round(factors)
+    if (np.abs(factors - whole) > CLEAR_KEPT * EPS).any() or any(np.any(row.uncertainty) for row in rows):
+        return False
+    terms = whole[:, None] * np.array([row.coefficients for row in rows], dtype=np.longdouble)
+    return bool((np.abs(terms.sum(axis=0)) > DOUBTFUL_SUM[0] * EPS * np.abs(terms).sum(axis=0)).any())
+
+
+def _doubtful(row: ConstraintRow, margin: float) -> Notice:
+    return Notice(
+        NoticeKind.RANK,
+        f'constraint "{row.name}" ({row.level} level) is almost a combination of other rows: the rest of it is only '
+        f"{margin:.3g} times its rounding error; it was kept",
+        doubtful=True,
+    )

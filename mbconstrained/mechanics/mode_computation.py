@@ -1,0 +1,318 @@
+"""The modes of a mechanical system: eigenvalues and shapes by LAPACK where equations reduce to a regular matrix, else by Jordan pairs.
+
+A row at acceleration or velocity level is the row at position level with a factor s^2 or s,
+det [V^T P(s); A s^level] = s^(sum of levels) det [V^T P(s); A]: those eigenvalues 0 are the drift of the constraints and
+no motion of the bodies. All others are therefore computed from the form with every row at position level. There an eigenvalue 0
+with an elementary divisor s^2 (or higher) is a rigid-body motion, of which displacement and velocity are free; one with the
+divisor s is an offset, a displacement without restoring force.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.linalg
+
+from ..ground.threads import short_work
+from ..ground.tolerances import DECOUPLING_LIMIT, EPS, NOISE_SAFETY, noise_of, rounding_radius
+from ..linalg.arrays import full
+from ..linalg.blocks import block_slices
+from ..linalg.division import is_symmetric
+from ..linalg.precise import floats, is_precise, is_worthwhile, precise_arithmetic
+from ..linalg.rank import null_columns
+from ..linalg.rounding import Noisy
+from ..polynomial.companion import known_coefficient
+from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..polynomial.reduced_equations import NotReducible, Reduction
+from ..response.choose import serving_reduction
+from ..signals.inputs import zero
+from .modes import Kind, Mode, Modes
+
+if TYPE_CHECKING:
+    from .system import MechanicalSystem
+
+
+def modes_of(system: MechanicalSystem) -> Modes:
+    """The modes of the constrained form: by the reduced equations, which motions share, else by the Jordan pairs.
+
+    Raises:
+        SingularPolynomialMatrix: the motion is not determined.
+    """
+    A = system.position_form().polynomial_matrix
+    with short_work(2 * system.size):
+        try:
+            moving, resting = _by_reduction(A)
+        except NotReducible:
+            moving, resting = _by_pairs(A)
+    conservation, parts = conservation_of(system), system.energy_parts
+    if drift := sum(row.order for row in system.rows):
+        resting.append(Mode("drift", 0j, drift, np.zeros((system.size, 0))))
+    modes = [replace(mode, energy_parts=parts) for mode in resting]
+    for value, multiplicity, shapes, precise in moving:
+        value = cleaned(value, multiplicity, conservation, precise)
+        modes.append(Mode(_kind(value), value, multiplicity, shapes, parts))
+    return Modes(tuple(modes), system.names, polynomial_matrix=A)
+
+
+#: With at most so many entries in a row, forms of a matrix are sums over differences of coordinates.
+FEW_DIFFERENCES = 4
+
+#: Eigenvalue, multiplicity, shapes, and whether the eigenvalue is that of a precise computation.
+Moving = tuple[complex, int, np.ndarray, bool]
+
+
+def _by_reduction(A: PolynomialMatrix) -> tuple[list[Moving], list[Mode]]:
+    """The modes from the decoupled first-order equations: those that move, and those of eigenvalue 0.
+
+    Raises:
+        NotReducible: the equations are not directly reducible, or eigenvalues form clusters, whose structure ranks decide.
+    """
+    if isinstance(A.reduction, Reduction) and (symmetric := _symmetric_modes(A.reduction)):
+        return [*_grouped(*symmetric)], []
+    reduction = serving_reduction(A, zero(A.size))
+    parts = reduction.decoupled
+    sizes = np.array([len(block) for block in parts.blocks], dtype=int)
+    begin, outputs = np.cumsum(sizes) - sizes, parts.modal_output(reduction.output)
+    if (sizes > 2).any():
+        raise NotReducible("eigenvalues form a cluster")
+    single, double = begin[sizes == 1], begin[sizes == 2]
+    rates = np.array([block[0, 0] for block in parts.blocks if len(block) == 1])
+    (a, b), (c, d) = np.array([block for block in parts.blocks if len(block) == 2]).reshape(-1, 2, 2).transpose(1, 2, 0)
+    half, square = (a + d) / 2, ((a - d) / 2) ** 2 + b * c
+    if (np.sqrt(np.abs(square)) <= rounding_radius(2) * np.abs(half))[half != 0].any():
+        raise NotReducible("an eigenvalue is double to rounding errors")
+    root = np.sqrt(square.astype(complex))
+    larger = np.where(square < 0, half + root, half + np.copysign(root.real, half))
+    smaller = np.where(square < 0, 0, (a * d - b * c) / np.where(larger == 0, 1, larger))
+    real = square >= 0  # of the others, the conjugates are left out
+    values = np.concatenate([rates, larger, smaller[real]])
+    vectors = [outputs[:, double] * b + outputs[:, double + 1] * (s - a) for s in (larger, smaller)]
+    shapes = np.hstack([outputs[:, single], vectors[0], vectors[1][:, real]])
+    count = int((values == 0).sum())
+    moving = values != 0
+    return [*_grouped(values[moving], shapes[:, moving])], [*_at_rest(A, count)]
+
+
+def _symmetric_modes(reduction: Reduction) -> tuple[np.ndarray, np.ndarray] | None:
+    """Eigenvalues and shapes where M, C and K are symmetric, M and K regular: LAPACK's, refined; None where that does not serve.
+
+    The shape x is its own left vector then, and s a root of x^T (M s^2 + C s + K) x, wrong by the square of the error of x
+    (Lancaster 1961). Where x^T (2 M s + C) x is small next to its terms, the eigenvalue is nearly double.
+    """
+    if not len(reduction.second) or len(reduction.first) or reduction.conserved is not None:
+        return None
+    if not (reduction.is_finite and reduction.is_reciprocal):
+        return None
+    M, C, K = map(full, (reduction.M, reduction.C, reduction.K))
+    n = len(M)
+    try:
+        if C.any():
+            rate = np.exp2(np.round(np.log2(np.abs(K).max() / np.abs(M).max()) / 2))
+            lower = np.linalg.solve(M, np.hstack([K / rate, C]))
+            values, vectors = np.linalg.eig(np.vstack([np.eye(n, 2 * n, n) * rate, -lower]))
+            upper = values.imag >= 0
+            values, X = values[upper], vectors[:n, upper]
+        else:
+            squares, X = scipy.linalg.eigh(K, M, driver="gvd")
+            values = np.sqrt((-squares).astype(complex))
+    except np.linalg.LinAlgError:
+        return None
+    inertia, damping, stiffness = (_forms(matrix, X) for matrix in (M, C, K))
+    if C.any():
+        slope, size = 2 * values * inertia + damping, np.abs(X)
+        terms = (size * (np.abs(M) @ (2 * np.abs(values) * size) + np.abs(C) @ size)).sum(axis=0)
+        if not (terms <= DECOUPLING_LIMIT * np.abs(slope)).all():
+            return None
+        change = -((values * inertia + damping) * values + stiffness) / slope
+        values = np.where(np.abs(change) <= EPS**0.5 * np.abs(values), values + change, values)
+    else:
+        values = np.sqrt((-stiffness / inertia).astype(complex))
+        real = values.imag == 0
+        values, X = np.concatenate([values, -values[real]]), np.hstack([X, X[:, real]])
+    moduli = np.abs(values)
+    return None if is_worthwhile(moduli.max() / moduli.min(), 2 * n) else (values, reduction.V @ X)
+
+
+def _forms(matrix: np.ndarray, X: np.ndarray) -> np.ndarray:
+    """x^T A x for each column; of a sparse A by differences of coordinates, in which nothing of a slow motion cancels."""
+    row, column = np.nonzero(np.triu(matrix, 1))
+    if len(row) > FEW_DIFFERENCES * len(matrix):
+        return np.einsum("ij,ij->j", X, matrix @ X)
+    sums = matrix.astype(np.longdouble).sum(axis=1).astype(float)
+    return sums @ X**2 - matrix[row, column] @ (X[row] - X[column]) ** 2
+
+
+def _grouped(values: np.ndarray, shapes: np.ndarray) -> Iterator[Moving]:
+    """Eigenvalues with their multiplicities, ascending, and their shapes."""
+    shapes = _normalized(shapes)
+    real = np.abs(shapes.imag).max(axis=0, initial=0.0) <= noise_of(1.0, len(shapes))
+    for own in _equal(values):
+        value = complex(values[own[0]] if len(own) == 1 else values[own].mean())
+        yield value, len(own), shapes[:, own].real if real[own].all() else shapes[:, own], False
+
+
+def _equal(values: np.ndarray) -> Iterator[np.ndarray]:
+    """Places of eigenvalues that differ by rounding errors only, ascending by modulus, of one modulus by the real part."""
+    order = np.argsort(np.abs(values), kind="stable")
+    moduli = np.abs(values)[order]
+    cuts = np.flatnonzero(np.diff(moduli) > rounding_radius(2) * moduli[1:]) + 1
+    for begin, end in pairwise([0, *cuts.tolist(), len(order)]):
+        ring = order[begin:end]
+        if len(ring) > 1:
+            parts = np.round(values[ring].real / (rounding_radius(2) * moduli[end - 1]))
+            ring = ring[np.lexsort([values[ring].imag, parts])]
+            differ = np.abs(np.diff(values[ring])) > rounding_radius(1) * moduli[end - 1]
+            yield from np.split(ring, np.flatnonzero(differ) + 1)
+        elif len(ring):
+            yield ring
+
+
+def _by_pairs(A: PolynomialMatrix) -> tuple[list[Moving], list[Mode]]:
+    """The same from the finite Jordan pair: the shapes of s are C v with the eigenvectors v of the blocks of J that belong to s.
+
+    A(s) C (s I - J)^-1 B = I, so that A(s) C v = 0 where J v = s v. A(s) itself is never formed: next to stiff parts it has
+    lost the digits of soft ones.
+    """
+    pair, moving = A.jordan_pairs().finite, []
+    columns, precise = block_slices(pair.blocks), pair.form.companion.is_precise
+    owner = np.repeat(np.arange(len(pair.blocks)), [len(block) for block in pair.blocks])
+    values = np.concatenate([np.linalg.eigvals(block) for block in pair.blocks] or [np.zeros(0)])
+    for place in (one for one in pair.zeros if one.value):
+        chosen = np.unique(owner[np.argsort(np.abs(values - place.value), kind="stable")[: place.multiplicity]])
+        J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
+        C = np.hstack([pair.C[:, columns[i]] for i in chosen])
+        value = place.value if place.value.imag else place.value.real
+        vectors = scipy.linalg.svd(J - value * np.eye(len(J)))[2].conj().T[:, len(J) - len(place.partial_multiplicities) :]
+        moving.append((complex(place.value), place.multiplicity, _real(_normalized(C @ vectors)), precise))
+    return moving, [mode for one in pair.zeros if not one.value for mode in _at_rest(A, one.multiplicity)]
+
+
+def _at_rest(A: PolynomialMatrix, count: int) -> Iterator[Mode]:
+    """The modes of eigenvalue 0 of this multiplicity with every row at position level, distinguished by their divisors."""
+    if not count:
+        return
+    free, staying = rest_shapes(A)
+    if bodies := count - staying.shape[1]:
+        yield Mode("rigid body", 0j, bodies, free)
+    if staying.shape[1]:
+        yield Mode("offset", 0j, staying.shape[1], staying)
+
+
+def _kind(value: complex) -> Kind:
+    if not value:
+        return "offset"
+    if value.real > 0:
+        return "growth"
+    return "oscillation" if value.imag else "decay"
+
+
+def cleaned(value: complex, multiplicity: int, conservation: Conservation, precise: bool = False) -> complex:
+    """A computed eigenvalue without the parts that symmetry and signs of M, C and K exclude; a precise simple one is kept.
+
+    Args:
+        value: s, in 1/s.
+        multiplicity: of s.
+        conservation: of energy in the system.
+        precise: whether s is known to more digits than float64 has.
+
+    Returns:
+        s in 1/s.
+    """
+    if conservation.passive and (conservation.lossless or value.real > 0):
+        return complex(0.0, value.imag)
+    if conservation.lossless:
+        return complex(0.0, value.imag) if abs(value.imag) > abs(value.real) else complex(value.real)
+    if precise and multiplicity == 1:
+        return value
+    # slower growth may be rounding error, which moves a defective eigenvalue farther than a simple one
+    limit = rounding_radius(multiplicity) if value.real > 0 else NOISE_SAFETY * EPS
+    return complex(value.real if abs(value.real) > limit * abs(value) else 0.0, value.imag)
+
+
+def rest_shapes(A: PolynomialMatrix) -> tuple[np.ndarray, np.ndarray]:
+    """The null space of A(0), where no force acts, as rigid body shapes and offset shapes, one a column.
+
+    A shape u can also move on at constant velocity, and so begins a chain of the zero at 0, where A_1 u is balanced
+    by some displacement: where w^T A_1 u = 0 for every w with w^T A_0 = 0. The others are offsets.
+    """
+    A_0, A_1 = known_coefficient(A, 0), known_coefficient(A, 1)
+    with precise_arithmetic() if is_precise(A_0.data) or is_precise(A_1.data) else nullcontext():
+        right, left = _null_space(A_0), _null_space(A_0.T)
+        moving = _null_space(left.T @ A_1 @ right)
+        staying = _null_space(moving.T)
+        free, offsets = (_real(_normalized(floats((right @ shapes).data))) for shapes in (moving, staying))
+        return free, offsets
+
+
+def _null_space(matrix: Noisy) -> Noisy:
+    return null_columns(matrix).null.T
+
+
+def _normalized(shapes: np.ndarray) -> np.ndarray:
+    """Each column divided by its largest entry."""
+    largest = np.abs(shapes).argmax(axis=0)
+    return shapes / shapes[largest, range(shapes.shape[1])]
+
+
+def _real(shapes: np.ndarray) -> np.ndarray:
+    """Real where the imaginary parts are rounding errors."""
+    return shapes.real if np.abs(shapes.imag).max(initial=0.0) <= noise_of(1.0, len(shapes)) else shapes
+
+
+# Energy conservation from the symmetry and signs of M, C and K alone, independent of rounding in computed eigenvalues.
+
+
+#: Up to this size the definiteness of nearly singular matrices is decided in extended precision, which takes 50 ms then.
+EXTENDED_SIZE = 200
+
+
+@dataclass(frozen=True)
+class Conservation:
+    """Two facts about a system.
+
+    Attributes:
+        passive: M, K and the symmetric part of C are positive semidefinite, M and K symmetric: energy cannot
+            grow, no zero lies in the right half plane.
+        lossless: every zero lies on the real or on the imaginary axis, because energy is kept: passive with a
+            skew-symmetric (gyroscopic) C, or no C at all with M, K symmetric and M positive semidefinite.
+    """
+
+    passive: bool
+    lossless: bool
+
+
+def conservation_of(system: MechanicalSystem) -> Conservation:
+    """Read both off the matrices; constraint rows that do not move change neither."""
+    M, C, K = system.mass, system.damping, system.stiffness
+    conservative = is_symmetric(M) and is_symmetric(K) and _positive(M)
+    passive = conservative and _positive(K) and _positive(C + C.T)
+    lossless = conservative and (not C.any() or (passive and not (C + C.T).any()))
+    return Conservation(passive, lossless)
+
+
+def _positive(matrix: np.ndarray) -> bool:
+    """Positive semidefinite to within the rounding errors of its entries, each coordinate in units in which it counts as the others."""
+    size = np.sqrt(np.abs(np.diag(matrix)))
+    size[size == 0] = 1.0
+    matrix = matrix / size / size[:, None]
+    sums = np.abs(matrix).sum(axis=0)
+    noise = noise_of(float(sums.max()), len(matrix))
+    try:
+        np.linalg.cholesky(matrix - noise * np.eye(len(matrix)))
+        return True
+    except np.linalg.LinAlgError:
+        lowest = np.linalg.eigvalsh(matrix)[0]
+    if lowest < -noise or len(matrix) > EXTENDED_SIZE:
+        return bool(lowest >= -noise)
+    work = matrix.astype(np.longdouble) + np.diag(EPS * sums)
+    for k in range(len(work)):  # Cholesky's factorization in more digits than the entries have
+        if work[k, k] < 0:
+            return False
+        if work[k, k]:
+            work[k + 1 :, k + 1 :] -= np.outer(work[k + 1 :, k], work[k + 1 :, k] / work[k, k])
+    return True

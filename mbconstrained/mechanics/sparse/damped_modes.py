@@ -1,0 +1,340 @@
+"""Damped modes, refined from the undamped ones: in a small space for all at once, then each by itself where that is not enough.
+
+In the space of the undamped modes s^2 + s X^T C X + W^2 is a small quadratic eigenproblem. Each of its pairs (s, x) starts
+Newton's method, first in that space with the directions that damping couples to it (``mixed``): one real factorization, already there, for all
+of them. Where the residual then is more than rounding, Newton's method follows on s^2 M + s C + K itself, one complex sparse
+factorization a step. Modal damping needs none of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise, repeat
+
+import numpy as np
+import scipy.linalg
+
+from ...ground.errors import IllConditioned
+from ...ground.tolerances import DEPENDENT_DIRECTION, EPS, NEWTON_STEP, NOISE_SAFETY, RITZ_RESIDUAL, SAME_SHAPE
+from .pencil import ReducedPencil
+from .quadratic_pencil import Pair, QuadraticPencil, gap, newton
+from .sparse_matrices import combined, quadratic_form, times
+from .undamped_modes import UndampedModes, balanced
+
+#: Modes are corrected outside of the undamped shapes at most so often, and only as long as each time this part is left.
+MOST_CORRECTIONS, GAIN = 12, 0.5
+
+#: A vector is cleared of rounding with factors this part of a gap from its eigenvalue, where they are not singular.
+GAP_SHIFT = 1 / 64
+
+
+@dataclass(frozen=True)
+class DampedModes:
+    """P(s_i) x_i = 0 on the free coordinates, ascending by |s|.
+
+    Attributes:
+        values: s with Im s >= 0; exactly zero for rigid bodies and offsets.
+        vectors: complex, shape (r, m).
+        resting: for each whether it is a rigid body without damping (two states).
+        residuals, bounds: |P(s) x| / (|s|^2 |M x|) and the part of it that rounding errors explain.
+        converged: for each whether Newton's method ended at its own zero.
+        modal: whether damping does not couple the undamped shapes.
+    """
+
+    values: np.ndarray
+    vectors: np.ndarray
+    resting: np.ndarray
+    residuals: np.ndarray
+    bounds: np.ndarray
+    converged: np.ndarray
+    modal: bool
+
+
+def is_modal(pencil: ReducedPencil, undamped: UndampedModes) -> bool:
+    """Whether C X = M X diag: damping leaves the undamped shapes alone, and does not couple them.
+
+    Args:
+        pencil: M and C, shape (r, r).
+        undamped: X, shape (r, m).
+
+    Returns:
+        Whether the residual is rounding error for each shape.
+    """
+    X, sizes = undamped.vectors, abs(pencil.damping)
+    for x in X.T if pencil.damping.nnz else ():
+        forces = pencil.damping @ x
+        left = balanced(pencil, forces - (x @ forces) * (pencil.mass @ x))
+        if np.linalg.norm(left) > RITZ_RESIDUAL * np.linalg.norm(sizes @ np.abs(x)) * X.shape[1] ** 0.5:
+            return False
+    return True
+
+
+def damped_modes(pencil: ReducedPencil, undamped: UndampedModes) -> DampedModes:
+    """All zeros that the undamped modes lead to.
+
+    Args:
+        pencil: M, C, K on the free coordinates.
+        undamped: its undamped modes.
+
+    Returns:
+        One for each complex pair and each real eigenvalue.
+    """
+    modal = is_modal(pencil, undamped)
+    quadratic = QuadraticPencil(pencil, undamped)
+    pairs = _sorted(_modal(pencil, undamped)) if modal else _coupled(quadratic)
+    residuals = (pair.residual or quadratic.residual(pair.value, pair.vector) for pair in pairs)
+    evidence = np.array([residual.evidence for residual in residuals]).reshape(len(pairs), 2)
+    vectors = np.array([pair.vector for pair in pairs], dtype=complex).reshape(len(pairs), pencil.size).T
+    converged = np.array([pair.converged for pair in pairs], dtype=bool) & (evidence[:, 0] <= evidence[:, 1])
+    resting = np.array([pair.resting for pair in pairs], dtype=bool)
+    values = np.array([pair.value for pair in pairs], dtype=complex)
+    return DampedModes(values, vectors, resting, evidence[:, 0], evidence[:, 1], converged, modal)
+
+
+def modal_rates(pencil: ReducedPencil, undamped: UndampedModes) -> np.ndarray:
+    """x^T C x of each undamped shape, in 1/s, zero where it is rounding error.
+
+    Args:
+        pencil: C, shape (r, r).
+        undamped: X, shape (r, m).
+
+    Returns:
+        Shape (m,).
+    """
+    X, C = undamped.vectors, pencil.damping
+    rates, sizes = (X * times(C, X)).sum(axis=0), (np.abs(X) * times(abs(C), np.abs(X))).sum(axis=0)
+    for i in np.flatnonzero(np.abs(rates) <= EPS**0.5 * sizes):
+        rates[i] = quadratic_form(C, X[:, i], pencil.rounding)
+    return rates
+
+
+def _modal(pencil: ReducedPencil, undamped: UndampedModes) -> list[Pair]:
+    """Each undamped shape with the two roots of s^2 + z s + w^2."""
+    pairs = []
+    for w2, x, rate in zip(undamped.values, undamped.vectors.T, modal_rates(pencil, undamped)):
+        if not w2 and not rate:
+            pairs.append(Pair(0j, x, resting=True))
+            continue
+        half, under = rate / 2, w2 - rate**2 / 4
+        if under > 0:
+            pairs.append(Pair(complex(-half, under**0.5), x))
+        else:
+            larger = -(half + np.copysign((-under) ** 0.5, half))
+            pairs += [Pair(complex(root), x) for root in (w2 / larger, larger)]
+    return pairs
+
+
+def _coupled(quadratic: QuadraticPencil) -> list[Pair]:
+    """The pairs of the projected problem, refined; undamped rigid bodies are separate, damped ones have an eigenvalue 0."""
+    pencil, undamped = quadratic.pencil, quadratic.undamped
+    X, rests = undamped.vectors, undamped.values == 0
+    forces = times(pencil.damping, X)
+    free = rests.copy()
+    sizes = np.linalg.norm(times(abs(pencil.damping), np.abs(X[:, rests])), axis=0)
+    supported = [bool(quadratic_form(pencil.damping, x, pencil.rounding)) for x in X[:, rests].T]
+    free[rests] = (np.linalg.norm(forces[:, rests], axis=0) <= NOISE_SAFETY * EPS * sizes) & ~np.array(supported, dtype=bool)
+    resting = [Pair(0j, x, resting=bool(alone)) for x, alone in zip(X.T[rests], free[rests])]
+    moving, forces = (X, forces) if not free.any() else (X[:, ~free], forces[:, ~free])
+    estimates = _projected(moving.T @ forces, undamped.values[~free], int((rests & ~free).sum()))
+    gaps = [gap(np.array([pair.value for pair in estimates]), place) for place in range(len(estimates))]
+    if quadratic.is_narrow:
+        pairs = _sorted([*resting, *map(_followed, repeat(quadratic), _shown(moving, estimates), gaps)])
+        if all(pair.converged for pair in pairs):
+            return pairs
+    space = _mixed_space(pencil, undamped, ~free, forces)
+    padded = [replace(pair, vector=_padded(pair.vector, len(space.mass))) for pair in estimates]
+    mixed = [newton(space, pair, room) for pair, room in zip(padded, gaps)]
+    pairs = _corrected(quadratic, _shown(np.hstack([space.shapes, space.mixed]), mixed))
+    return _sorted(resting + [_settled(quadratic, pair, room) for pair, room in zip(pairs, gaps)])
+
+
+def _settled(quadratic: QuadraticPencil, pair: Pair, room: float) -> Pair:
+    """The pair, followed where that makes its residual smaller and does not lead to another zero."""
+    if pair.residual.is_rounding:
+        return pair
+    refined = _followed(quadratic, pair, room)
+    own = refined.converged and abs(refined.value - pair.value) <= room / 2
+    return refined if own and refined.residual.relative < pair.residual.relative else pair
+
+
+def _shown(basis: np.ndarray, pairs: list[Pair]) -> list[Pair]:
+    """The pairs on the free coordinates from those in a basis."""
+    coordinates = np.array([pair.vector for pair in pairs], dtype=complex).reshape(len(pairs), basis.shape[1]).T
+    return [replace(pair, vector=x) for pair, x in zip(pairs, combined(basis, coordinates).T)]
+
+
+def _padded(x, size) -> np.ndarray:
+    return np.concatenate([x, np.zeros(size - len(x))])
+
+
+def _projected(C: np.ndarray, w2: np.ndarray, at_zero: int) -> list[Pair]:
+    """The pairs of s^2 + s C + W^2 without so many next to 0."""
+    m, unit = len(w2), float(np.abs(w2).max(initial=0.0)) ** 0.5 or 1.0
+    state = np.block([[np.zeros((m, m)), unit * np.eye(m)], [-np.diag(w2) / unit, -C]])
+    values, turn = scipy.linalg.eig(state)
+    order = np.argsort(np.abs(values), kind="stable")[at_zero:]
+    order = order[values[order].imag >= 0]
+    return [Pair(complex(value), x if value.imag else x.real) for value, x in zip(values[order], turn[:m, order].T)]
+
+
+def _followed(quadratic: QuadraticPencil, pair: Pair, room: float) -> Pair:
+    """Newton's method on all free coordinates, and its vector without the rounding errors of the factors."""
+    refined = newton(quadratic, pair, room)
+    try:
+        neighbour = quadratic.factors(refined.value + room * GAP_SHIFT)
+        cleared = refined.vector - neighbour.solve(quadratic.applied(refined.value, refined.vector))
+    except IllConditioned:
+        cleared = refined.vector
+    after = quadratic.residual(refined.value, cleared)
+    if after.is_rounding:
+        return replace(refined, vector=cleared, residual=after)
+    before = quadratic.residual(refined.value, refined.vector)
+    return (
+        replace(refined, residual=before) if before.relative < after.relative else replace(refined, vector=cleared, residual=after)
+    )
+
+
+def _corrected(quadratic: QuadraticPencil, pairs: list[Pair]) -> list[Pair]:
+    """The pairs without the response to their residuals outside of the undamped shapes."""
+    groups = [_unmixed(quadratic, group) for group in _neighbours(pairs)]
+    before = [np.inf] * len(groups)
+    for _ in range(MOST_CORRECTIONS):
+        worst = [_worst(group) for group in groups]
+        done = [all(pair.residual.is_rounding for pair in group) for group in groups]
+        open_ = [place for place in range(len(groups)) if not done[place] and worst[place] <= GAIN * before[place]]
+        if not open_:
+            break
+        forces = (pair.residual.forces for place in open_ for pair in groups[place])
+        left = np.array([part for force in forces for part in (force.real, force.imag)]).T
+        moved = iter(_outside(quadratic.pencil, quadratic.undamped, left).T)
+        for place in open_:
+            better = [replace(pair, vector=pair.vector - (next(moved) + 1j * next(moved))) for pair in groups[place]]
+            better, before[place] = _unmixed(quadratic, better), worst[place]
+            if _worst(better) < worst[place]:
+                groups[place] = better
+    return [pair for group in groups for pair in group]
+
+
+def _neighbours(pairs: list[Pair]) -> list[list[Pair]]:
+    """Groups of oscillations with nearly the same zero, all others alone."""
+    groups: list[list[Pair]] = []
+    for pair in sorted(pairs, key=lambda pair: abs(pair.value)):
+        last = groups[-1][-1].value if groups else 0j
+        if last.imag and pair.value.imag and abs(pair.value - last) <= NEWTON_STEP**0.5 * abs(last):
+            groups[-1].append(pair)
+        else:
+            groups.append([pair])
+    return groups
+
+
+def _unmixed(quadratic: QuadraticPencil, group: list[Pair]) -> list[Pair]:
+    """The pairs with residuals, solved again in their own space with P(s_0 + d) = P(s_0) + d P'(s_0) where that is better."""
+    given = [replace(pair, residual=quadratic.residual(pair.value, pair.vector)) for pair in group]
+    middle = np.mean([pair.value for pair in group])
+    X = np.array([pair.vector for pair in group]).T
+    left, slopes = (np.array([image(middle, x) for x in X.T]).T for image in (quadratic.applied, quadratic.slope))
+    moved, turn = scipy.linalg.eig(-X.T @ left, X.T @ slopes)
+    if not np.isfinite(moved).all():
+        return given
+    separated = []
+    for value, x in zip(middle + moved, (X @ turn).T):
+        value, x = (complex(value), x) if middle.imag else (complex(value.real), x.real)
+        separated.append(Pair(value, x, residual=quadratic.residual(value, x)))
+    return min(given, separated, key=_worst)
+
+
+def _worst(group: list[Pair]) -> float:
+    return max(pair.residual.relative for pair in group)
+
+
+def _sorted(pairs: list[Pair]) -> list[Pair]:
+    """Ascending; of neighbours with one zero and one shape the second has not converged to its own."""
+    pairs = sorted(pairs, key=lambda pair: (abs(pair.value), pair.value.real))
+    for one, two in pairwise(pairs):
+        if one.value and two.value and abs(one.value - two.value) <= EPS**0.5 * abs(two.value):
+            overlap = np.vdot(one.vector, two.vector)
+            if abs(overlap) >= SAME_SHAPE * np.linalg.norm(one.vector) * np.linalg.norm(two.vector):
+                two.converged = False
+    return pairs
+
+
+# Undamped shapes and the directions that damping couples to them: all damped modes from the factorization of the undamped ones.
+#
+# P(s) = s^2 M + s C + K is projected on [X, Y]: X the undamped shapes, Y = (K - shift M)^-1 C X without its part along X, which is
+# all other parts of the modes to first order in C. Each mode is then corrected outside of X with the same factors,
+# x <- x - (K - shift M)^-1 P(s) x, which reduces an error along a shape of frequency w_j by about |s|^2 / w_j^2 each time (a step of
+# Davidson's method, for quadratic pencils: Sleijpen, Booten, Fokkema and van der Vorst 1996).
+
+
+@dataclass(frozen=True)
+class _MixedSpace:
+    """The space of [X, Y] with X^T M X = I, X^T K X = diag(w^2), X^T M Y = 0 and Y^T (K - shift M) Y a multiple of I.
+
+    Attributes:
+        shapes: X, shape (r, m).
+        mixed: Y, shape (r, k).
+        mass, damping, stiffness: M, C and K on it, shape (m + k, m + k).
+    """
+
+    shapes: np.ndarray
+    mixed: np.ndarray
+    mass: np.ndarray
+    damping: np.ndarray
+    stiffness: np.ndarray
+
+    def slope(self, s: complex, x: np.ndarray) -> np.ndarray:
+        """(2 s M + C) x."""
+        return self.damping @ x + 2 * s * (self.mass @ x)
+
+    def factors(self, s: complex) -> _Factors:
+        """The factors of P(s).
+
+        Raises:
+            IllConditioned: P(s) is singular.
+        """
+        return _Factors(self.stiffness + s * (self.damping + s * self.mass))
+
+
+class _Factors:
+    def __init__(self, matrix):
+        self.lower_upper = scipy.linalg.lu_factor(matrix, check_finite=False)
+        if not np.diag(self.lower_upper[0]).all():
+            raise IllConditioned("s^2 M + s C + K is singular")
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        return scipy.linalg.lu_solve(self.lower_upper, right, check_finite=False)
+
+
+def _mixed_space(pencil: ReducedPencil, undamped: UndampedModes, moving: np.ndarray, forces: np.ndarray) -> _MixedSpace:
+    """The space for the moving ones of the undamped shapes.
+
+    Args:
+        forces: C X.
+    """
+    X, w2 = undamped.vectors[:, moving], undamped.values[moving]
+    unit = float(np.abs(w2).max(initial=0.0)) ** 0.5 or 1.0  # the projected matrices are of one size then
+    Y = unit * _caused(pencil, undamped, forces)
+    damped = times(pencil.damping, Y)
+    C = np.block([[X.T @ forces, X.T @ damped], [Y.T @ forces, Y.T @ damped]])
+    M, K = (Y.T @ times(matrix, Y) for matrix in (pencil.mass, pencil.stiffness))
+    return _MixedSpace(X, Y, scipy.linalg.block_diag(np.eye(len(w2)), M), C, scipy.linalg.block_diag(np.diag(w2), K))
+
+
+def _caused(pencil: ReducedPencil, undamped: UndampedModes, forces: np.ndarray) -> np.ndarray:
+    """An orthonormal basis, in the energy of K - shift M, of the response to forces outside of the undamped shapes."""
+    basis = _outside(pencil, undamped, forces[:, np.linalg.norm(forces, axis=0) > 0])
+    for _ in range(2):  # twice, as directions are nearly dependent
+        image = times(pencil.stiffness, basis) - undamped.shift * times(pencil.mass, basis)
+        gram = basis.T @ image
+        lengths = np.maximum(np.diag(gram), np.finfo(float).tiny) ** 0.5
+        squares, turn = scipy.linalg.eigh((gram + gram.T) / (2 * lengths * lengths[:, None]))
+        new = squares > DEPENDENT_DIRECTION * squares.max(initial=0.0)
+        basis = basis @ (turn[:, new] / squares[new] ** 0.5 / lengths[:, None])
+    return np.asfortranarray(basis)
+
+
+def _outside(pencil: ReducedPencil, undamped: UndampedModes, forces: np.ndarray) -> np.ndarray:
+    """(K - shift M)^-1 times real forces, without the parts of force and response along the undamped shapes."""
+    X = undamped.vectors
+    response = undamped.factors.solve(forces - times(pencil.mass, X @ (X.T @ forces)))
+    return response - X @ (X.T @ times(pencil.mass, response))

@@ -1,0 +1,265 @@
+"""The space of the kept modes: x = W y, y' = B y + G^T f, an exact part of the motion of the whole system.
+
+Undamped and modally damped shapes have y = (q, q') with q'' + z q' + w^2 q = x^T f. Where damping couples them, each complex
+pair has y = (Re c, Im c) with c' = s c + g^T f, g = x / (x^T (2 s M + C) x), as the matrices are symmetric (Lancaster 1966).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+
+from ...ground.errors import InputError
+from ...ground.tolerances import EPS, RESONANCE_RATIO
+from ...linalg.blocks import block_slices
+from ...linalg.exponential.block_exponential import block_states
+from ...linalg.exponential.recursion import recursion
+from ...signals.bohl import BohlFunction
+from ...signals.restarts import Restarts
+from .damped_modes import damped_modes, is_modal, modal_rates
+from .pencil import ReducedPencil
+from .sparse_matrices import asymmetry, times
+from .undamped_modes import UndampedModes
+
+
+@dataclass(frozen=True)
+class ModeSpace:
+    """W and B with M W B^2 + C W B + K W = 0, and the inputs of y.
+
+    Attributes:
+        shapes: the columns of W that are not zero, shape (r, w).
+        places: which of the states each of them belongs to, shape (w,).
+        blocks: the diagonal blocks of B, 1 x 1 and 2 x 2.
+        input_shapes: the columns of G that are not zero, shape (r, d), and
+        input_places: the states that they act on, shape (d,).
+        rate_errors: the errors of the eigenvalues by rounding of M, C, K, for each column of W, in 1/s.
+        modal: whether y are displacements and velocities of undamped shapes, M-orthonormal.
+        left_out: the number of modes that did not converge.
+    """
+
+    shapes: np.ndarray
+    places: np.ndarray
+    blocks: tuple[np.ndarray, ...]
+    input_shapes: np.ndarray
+    input_places: np.ndarray
+    rate_errors: np.ndarray
+    modal: bool
+    left_out: int = 0
+
+    @property
+    def count(self) -> int:
+        """Number of states."""
+        return sum(map(len, self.blocks))
+
+    def displacements(self, states: np.ndarray) -> np.ndarray:
+        """W y for columns of states."""
+        return self.shapes @ states[self.places]
+
+    def modal_forces(self, forces: np.ndarray) -> np.ndarray:
+        """G^T f for columns of forces."""
+        total = np.zeros((self.count, forces.shape[1]))
+        np.add.at(total, self.input_places, self.input_shapes.T @ forces)
+        return total
+
+    def times_generator(self, states: np.ndarray) -> np.ndarray:
+        """B y."""
+        product, begin = np.empty_like(states), 0
+        for block in self.blocks:
+            at = slice(begin, begin + len(block))
+            product[at] = block @ states[at]
+            begin += len(block)
+        return product
+
+    def initial_states(self, pencil: ReducedPencil, displacement, velocity) -> np.ndarray:
+        """y at 0+ from x and x' at 0-: y = G^T (M x' + C x) + B G^T M x, as impulses M x' + C x and M x delta' would start it.
+
+        Args:
+            pencil: M and C on the r free coordinates.
+            displacement, velocity: x and x' at 0-, shape (r,).
+
+        Returns:
+            Shape (d,), one for each state.
+        """
+        momentum = (pencil.mass @ velocity + pencil.damping @ displacement)[:, None]
+        return (self.modal_forces(momentum) + self.times_generator(self.modal_forces((pencil.mass @ displacement)[:, None])))[:, 0]
+
+
+def mode_space(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
+    """The space of undamped modes, or of the damped ones that they lead to.
+
+    Args:
+        pencil: M, C, K on the free coordinates.
+        undamped: its undamped modes.
+
+    Returns:
+        The space of their states.
+
+    Raises:
+        InputError: the damping is not symmetric.
+    """
+    if asymmetry(pencil.damping)[0]:
+        raise InputError(
+            "damping: it is not symmetric; the motion of large sparse systems needs symmetric damping; its modes can be had, and "
+            "the motion of a small system given as arrays"
+        )
+    if is_modal(pencil, undamped):
+        return _modal(pencil, undamped)
+    return _of_pairs(pencil, undamped)
+
+
+def _modal(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
+    X, count = undamped.vectors, len(undamped.values)
+    rates = modal_rates(pencil, undamped)
+    blocks = tuple(np.array([[0.0, 1.0], [-w2, -rate]]) for w2, rate in zip(undamped.values, rates))
+    places = 2 * np.arange(count)
+    values = np.sqrt((rates**2 / 4 - undamped.values).astype(complex)) - rates / 2
+    return ModeSpace(X, places, blocks, X, places + 1, _rate_errors(pencil, X, values, 2 * values + rates), True)
+
+
+def _rate_errors(pencil: ReducedPencil, X, values, slopes) -> np.ndarray:
+    """|x|^T (|K| + |s| |C| + |s|^2 |M|) |x| / |x^T (2 s M + C) x| times the rounding errors of entries, which are independent."""
+    matrices, size = (pencil.stiffness, pencil.damping, pencil.mass), np.abs(X)
+    terms = sum(np.abs(values) ** k * times(abs(matrix), size) for k, matrix in enumerate(matrices))
+    return EPS * np.linalg.norm(size * terms, axis=0) / np.where(slopes != 0, np.abs(slopes), np.inf)
+
+
+def _of_pairs(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
+    modes = damped_modes(pencil, undamped)
+    shapes, places, blocks, input_shapes, input_places, begin = [], [], [], [], [], 0
+    for value, x, resting, converged in zip(modes.values, modes.vectors.T, modes.resting, modes.converged):
+        if not converged:
+            continue
+        if resting:
+            x = x.real / (x.real @ (pencil.mass @ x.real)) ** 0.5
+            columns, rows, own, at = [x], [x], np.array([[0.0, 1.0], [0.0, 0.0]]), ([0], [1])
+        elif not value.imag:
+            x = x.real
+            g = x / (x @ (pencil.damping @ x + 2 * value.real * (pencil.mass @ x)))
+            columns, rows, own, at = [x], [g], np.array([[value.real]]), ([0], [0])
+        else:
+            g = x / (x @ (pencil.damping @ x + 2 * value * (pencil.mass @ x)))
+            own = np.array([[value.real, -value.imag], [value.imag, value.real]])
+            columns, rows, at = [2 * x.real, -2 * x.imag], [g.real, g.imag], ([0, 1], [0, 1])
+        shapes, input_shapes, blocks = shapes + columns, input_shapes + rows, [*blocks, own]
+        places, input_places = places + [begin + i for i in at[0]], input_places + [begin + i for i in at[1]]
+        begin += len(own)
+    X, values = modes.vectors[:, modes.converged], modes.values[modes.converged]
+    slopes = 2 * values * (X * times(pencil.mass, X)).sum(axis=0) + (X * times(pencil.damping, X)).sum(axis=0)
+    counts = np.where(values.imag != 0, 2, 1)
+    errors = np.repeat(_rate_errors(pencil, X, values, slopes), counts)
+    empty = np.zeros((0, pencil.size))
+    return ModeSpace(
+        np.array(shapes).T if shapes else empty.T,
+        np.array(places, dtype=int),
+        tuple(blocks),
+        np.array(input_shapes).T if input_shapes else empty.T,
+        np.array(input_places, dtype=int),
+        errors,
+        False,
+        int((~modes.converged).sum()),
+    )
+
+
+# y' = B y + U z with z' = J z, restarted wherever the force starts, stops or changes: y(t) as a Bohl function.
+#
+# With B Y - Y J = -U the force causes Y z and a free motion, as in ``response.methods.by_pairs`` for the whole system; where Y
+# is large, near resonance, y and a copy of z are evaluated together instead.
+
+
+class Amplitudes:
+    """The states y of the kept modes and z of the force.
+
+    Attributes:
+        function: w + s rows: the factors of the columns of W, and z.
+        start: the free part of y at 0+.
+    """
+
+    def __init__(self, space: ModeSpace, start: np.ndarray, coupling: np.ndarray, smooth: BohlFunction):
+        self.space, restarts = space, smooth.restarts
+        blocks, units, outer = [], np.ones(space.count), block_slices(smooth.blocks)
+        Y, coupled = np.zeros(coupling.shape), []
+        for block, at in zip(space.blocks, block_slices(space.blocks)):
+            for J, of in zip(smooth.blocks, outer):
+                if coupling[at, of].any():
+                    units[at] = _units(block, J)
+                    own, U = _measured(block, units[at]), coupling[at, of] / units[at][:, None]
+                    solution = _separated(own, J, U)
+                    if solution is None:
+                        unit = max(np.abs(U).max(), np.finfo(float).tiny) / max(np.abs(own).max(), np.abs(J).max(), 1.0)
+                        coupled.append((at, of, np.block([[own, U / unit], [np.zeros((len(J), len(own))), J]]), unit * units[at]))
+                    else:
+                        Y[at, of] = units[at][:, None] * solution
+            blocks.append(block)
+        self.Y, self.coupled = Y, coupled
+        knots, inputs = restarts.knots, restarts.states
+        caused = np.vstack([-Y @ inputs, inputs, *(_from_rest(at, inputs[of]) for at, of, _, _ in coupled)])
+        blocks += [*smooth.blocks, *(block for _, _, block, _ in coupled)]
+        gaps = restarts.gaps
+        with np.errstate(over="ignore", invalid="ignore"):  # reported when the function is evaluated
+            gained = self._finite(block_states(blocks, caused[:, :-1], gaps))
+            own = recursion(space.blocks, start, gained, gaps)
+            states = caused
+            states[: space.count] += own
+            before = np.hstack([np.zeros((len(states), 1)), block_states(blocks, states[:, :-1], gaps)])
+        rows = np.vstack([self._rows(len(inputs), len(states)), self._force_rows(len(inputs), len(states))])
+        at_knots = states[:, 0] if len(knots) == 1 else Restarts(knots, states, states - before, restarts.remainders)
+        self.function, self.start = BohlFunction(rows, tuple(blocks), at_knots), start
+
+    def _finite(self, states) -> np.ndarray:
+        """y from the states of all blocks."""
+        n, m = self.Y.shape
+        y, begin = states[:n] + self.Y @ states[n : n + m], n + m
+        for at, _, block, units in self.coupled:
+            y[at] += units[:, None] * states[begin : begin + len(units)]
+            begin += len(block)
+        return y
+
+    def _rows(self, inputs, size) -> np.ndarray:
+        n, places = self.space.count, self.space.places
+        rows = np.zeros((n, size))
+        rows[:, :n], rows[:, n : n + inputs] = np.eye(n), self.Y
+        begin = n + inputs
+        for at, _, block, units in self.coupled:
+            rows[at, begin : begin + len(units)] = np.diag(units)
+            begin += len(block)
+        return rows[places]
+
+    def _force_rows(self, inputs, size) -> np.ndarray:
+        rows = np.zeros((inputs, size))
+        rows[:, self.space.count : self.space.count + inputs] = np.eye(inputs)
+        return rows
+
+
+def _units(block, J) -> np.ndarray:
+    """What displacement and velocity of a mode are measured in: 1 and the larger rate of the two."""
+    if len(block) == 1 or block[0, 1] != 1.0 or block[0, 0]:
+        return np.ones(len(block))
+    rate = max(abs(block[1, 0]) ** 0.5, abs(block[1, 1]), float(np.abs(np.diag(J)).max()), float(np.abs(J).max()))
+    return np.array([1.0, 2.0 ** np.round(np.log2(rate)) if rate else 1.0])
+
+
+def _measured(block, units) -> np.ndarray:
+    return block * units / units[:, None]
+
+
+def _separated(own, J, U) -> np.ndarray | None:
+    """Y, or None near resonance."""
+    matrix = np.kron(own, np.eye(len(J))) - np.kron(np.eye(len(own)), J.T)
+    scale = max(np.abs(own).max(), np.abs(J).max())
+    if not scale:
+        return None
+    try:
+        solution = (
+            scipy.linalg.solve(matrix, -U.ravel(), check_finite=False) if np.linalg.cond(matrix) < RESONANCE_RATIO**4 else None
+        )
+    except np.linalg.LinAlgError:
+        return None
+    if solution is None or np.abs(solution).max() * scale > RESONANCE_RATIO * np.abs(U).max() * len(J):
+        return None
+    return solution.reshape(U.shape)
+
+
+def _from_rest(at, inputs) -> np.ndarray:
+    return np.vstack([np.zeros((at.stop - at.start, inputs.shape[1])), inputs])

@@ -1,0 +1,295 @@
+"""The figure of an animation: bodies, links, bounds, point of view and overlay, as the plain data that the page's script draws."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...ground.errors import InputError
+from ..drawing.bodies import Body, Drawing, Link, Solid, Vector
+from ..drawing.paths import Path, matrix_of, quaternions_of, rotated
+from .animation import DrawnEvent, Overlay
+from .keyframes import BodyPoses, KeyFrames, body_poses, packed
+from .overlay import overlay_data
+
+#: Blue, vermilion, green, orange, purple and sky blue of Okabe and Ito: distinct with any kind of colour vision.
+PALETTE = ("#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9")
+
+#: A picture wider than this many drawing units shows nothing of its bodies, and its arithmetic would overflow.
+WIDEST = 1e12
+
+#: Bodies whose middles are further behind each other than this, in drawing units, are viewed from a corner.
+DEPTH = 1e-6
+
+#: A picture is flat where one extent is less than this share of the others.
+FLAT = 0.3
+
+#: An error below a tenth of a pixel is invisible where the picture is 4000 pixels wide.
+INVISIBLE = 1 / 40_000
+
+#: Length of a drawing unit in a drawing of solids, as a share of its diagonal at the first key frame.
+UNIT = 1 / 8
+
+#: An end on the surface of its body may be outside it by the rounding error of a rotation, relative to the size.
+ROUNDING = 1e-9
+
+_COLORS = {"sphere": "#ffffff", "mark": "#3d4852", "rail": "#b8c2cc", "ground": "#d5dce2", "base": "#d5dce2"}
+
+_UPWARDS = np.array([0.0, 0.0, 1.0])  # the direction in which a rope leaves what hangs on it
+
+
+def figure_data(drawing: Drawing, takes: Sequence[KeyFrames], overlay: Overlay = Overlay()) -> dict:
+    """Bodies, links, bounds of the whole motion, point of view and magnification, as lists and dicts.
+
+    Bodies are in the lengths of the drawing, everything else in units that fit it: the thickness of a spring or the
+    space for a name is the same in the picture of a finger and of a crane. Without solids that unit is 1.
+
+    Args:
+        drawing: bodies and links.
+        takes: key frames of one motion, or of several that the page shows in turn in the same picture.
+        overlay: of the first motion.
+
+    Returns:
+        The figure; the scripts in ``assets`` read its entries.
+
+    Raises:
+        InputError: the motion is so large that no body would be visible.
+    """
+    poses_of_takes = [body_poses(drawing, frames) for frames in takes]
+    event_poses = [body_poses(drawing, _event_frames(drawing, takes[0], event)) for event in overlay.events]
+    everything = [*poses_of_takes, *event_poses]
+    poses = {
+        name: Path(
+            np.hstack([take[name].positions for take in everything]), np.hstack([take[name].quaternions for take in everything])
+        )
+        for name in everything[0]
+    }
+    corners = [_corners(body, poses[body.name]) for body in drawing.bodies]
+    unit = _unit(drawing, corners)
+    for name, pose in poses.items():
+        furthest = np.abs(pose.positions).max(initial=0.0) / unit
+        if not furthest <= WIDEST:
+            raise InputError(
+                f'drawing: body "{name[:60]}" is drawn up to {furthest:.3g} units away, where nothing of it can be seen; '
+                "give the drawing a smaller scale, or ask for earlier times"
+            )
+    posts = {body.name: [] for body in drawing.bodies}
+    links = [_link_data(link, drawing, poses, posts, unit) for link in drawing.links]
+    overlay_entries, arrows = overlay_data(overlay, takes[0], poses_of_takes[0], event_poses, unit)
+    low, high = _bounds(drawing, poses, corners, unit)
+    turn = quaternions_of(np.array(drawing.turn)[:, None])
+    reached = np.column_stack([low, high, *(rotated(turn, block)[:, :, 0] for block in arrows)])
+    meshes: dict[tuple[str, str], dict] = {}
+    data = {
+        "bodies": [_body_data(body, i, drawing, takes[0].names, posts, meshes) for i, body in enumerate(drawing.bodies)],
+        "meshes": list(meshes.values()),
+        "links": links,
+        "unit": unit,
+        "bounds": {"low": reached.min(axis=1).tolist(), "high": reached.max(axis=1).tolist()},
+        "view": _view(drawing, high - low),
+        "turn": turn.ravel().tolist(),
+        "magnification": {"scale": drawing.scale, "turn_scale": drawing.turn_scale},
+    }
+    if overlay:
+        data["overlay"] = overlay_entries
+    return data
+
+
+def _event_frames(drawing: Drawing, frames: KeyFrames, event: DrawnEvent) -> KeyFrames:
+    """Two key frames: just before the event and just after it."""
+    values = np.zeros((len(frames.names), 2))
+    values[: len(event.before)] = np.column_stack([event.before, event.after])
+    near = int(np.argmin(np.abs(frames.times - event.time)))
+    around = (path and (path if path.count == 1 else path.thinned([near, near])) for path in frames.paths)
+    paths = tuple(event.paths.get(body.name, path) for body, path in zip(drawing.bodies, around))
+    return KeyFrames(frames.names, np.array([event.time, event.time]), values, np.zeros_like(values), paths=paths)
+
+
+def invisible_errors(drawing: Drawing, names: tuple[str, ...], figure: dict) -> tuple[np.ndarray, tuple[float, float]]:
+    """The largest errors that a figure does not show.
+
+    A coordinate that moves no body is listed with its value, or is the length of an arrow: its error must be 0. What a path
+    turns is assumed to reach as far as the picture.
+
+    Args:
+        drawing: bodies and links.
+        names: of the r coordinates.
+        figure: from ``figure_data``.
+
+    Returns:
+        Of the coordinates, shape (r,), in their units; of positions and orientations (rad) on paths.
+    """
+    extent = figure["unit"] * max(np.subtract(figure["bounds"]["high"], figure["bounds"]["low"]))
+    swings = dict.fromkeys(names, 0.0)
+    for body in drawing.bodies:
+        own = {*body.moves, *body.turns}
+        for name in own:
+            moved = drawing.scale * np.linalg.norm(body.moves.get(name, 0.0))
+            turned = drawing.turn_scale * np.linalg.norm(body.turns.get(name, 0.0)) * np.linalg.norm(body.half_extent)
+            swings[name] = max(swings[name], len(own) * (moved + turned))
+    errors = np.array([INVISIBLE * extent / swing if swing else 0.0 for swing in swings.values()])
+    return errors, (0.6 * INVISIBLE * extent, 0.4 * INVISIBLE)
+
+
+def _unit(drawing: Drawing, corners: list[np.ndarray]) -> float:
+    if not any(body.shape == "solids" for body in drawing.bodies):
+        return 1.0
+    points = np.hstack([block[:, :, 0] for block in corners])
+    reach = float(np.linalg.norm(np.ptp(points, axis=1))) if points.size else 0.0
+    return UNIT * reach or 1.0
+
+
+def _body_data(body: Body, number: int, drawing: Drawing, names: tuple[str, ...], posts: dict, meshes: dict) -> dict:
+    color = body.color or _COLORS.get(body.shape) or _usual_color(body, number, names)
+    return {
+        "name": body.name,
+        "label": body.label,
+        "shape": body.shape,
+        "rest": list(body.rest),
+        "rest_turn": list(body.rest_turn),
+        "size": list(body.size),
+        "color": color,
+        "teeth": body.teeth,
+        "moves": [[names.index(name), *np.multiply(drawing.scale, move).tolist()] for name, move in body.moves.items()],
+        "turns": [[names.index(name), *np.multiply(drawing.turn_scale, turn).tolist()] for name, turn in body.turns.items()],
+        "posts": posts[body.name],
+        "solids": [_solid_data(solid, color, meshes) for solid in body.solids if solid.opacity > 0 and solid.corners.size],
+    }
+
+
+def _usual_color(body: Body, number: int, names: tuple[str, ...]) -> str:
+    """The colour of the curve of the last coordinate that moves the body, a quarter lighter; for solids, one in turn."""
+    own = [i for i, name in enumerate(names) if name in body.moves or name in body.turns]
+    if body.shape != "solids" and not own:
+        return "#9aa7b3"
+    color = PALETTE[(number if body.shape == "solids" else own[-1]) % len(PALETTE)]
+    return "#" + "".join(f"{round(0.75 * int(color[i : i + 2], 16) + 0.25 * 255):02x}" for i in (1, 3, 5))
+
+
+def _corners(body: Body, poses: Path) -> np.ndarray:
+    """Corners of a box around the body, shape (3, k, T): turned with it where it consists of solids."""
+    if body.shape == "solids":
+        return poses.of_points(np.hstack([np.zeros((3, 1)), *(solid.corners for solid in body.solids)]))
+    half = body.half_extent[:, None, None]
+    return poses.positions[:, None] + half * np.array([-1.0, 1.0])[:, None]
+
+
+def _bounds(drawing: Drawing, poses: BodyPoses, corners: list[np.ndarray], unit: float) -> tuple[np.ndarray, np.ndarray]:
+    """The corners of a box around everything at all key frames, in drawing units."""
+    points = list(corners)
+    for link in drawing.links:
+        points += [
+            end[:, None] for end in _link_ends(link, poses, link.start_point or link.offset, link.end_point or link.end_offset)
+        ]
+    points = [np.stack([block.min(axis=(1, 2)), block.max(axis=(1, 2))], axis=1) / unit for block in points]
+    if any(drawing.turn):
+        turn = quaternions_of(np.array(drawing.turn)[:, None])
+        points = [rotated(turn, np.array(list(itertools.product(*block))).T)[:, :, 0] for block in points]
+    ends = np.hstack(points or [np.zeros((3, 1))])
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    margin = 0.0 if (low < high).any() else 0.5  # around a single point
+    return low - margin, high + margin
+
+
+def _view(drawing: Drawing, extent: np.ndarray) -> dict:
+    """The view of the drawing itself, or one in which most is seen.
+
+    Solids are viewed across the plane in which they lie where they are flat, from a corner otherwise.
+    """
+    if drawing.view is not None:
+        return {"yaw": drawing.view.yaw, "pitch": drawing.view.pitch, "zoom": drawing.view.zoom}
+    width, depth, height = extent
+    if not any(body.shape == "solids" for body in drawing.bodies):
+        return _view_of_shapes(drawing, width)
+    if height < FLAT * max(width, depth):
+        return {"yaw": 0.3, "pitch": 1.0}
+    if depth < FLAT * width:
+        return {"yaw": 0.3, "pitch": 0.25}
+    return {"yaw": 1.25, "pitch": 0.25} if width < FLAT * depth else {"yaw": 0.6, "pitch": 0.36}
+
+
+def _view_of_shapes(drawing: Drawing, width: float) -> dict:
+    """From the side and a little above: less from the side for a long chain, more where something moves away from the viewer;
+    where wheels stand behind each other, from a corner, to the left or right, so that none hides another."""
+    turn = matrix_of(drawing.turn)
+    places = np.array([body.rest for body in drawing.bodies] or [(0.0, 0.0, 0.0)]) @ turn.T
+    across, depth = (places - places.mean(axis=0))[:, :2].T
+    if np.ptp(depth) > DEPTH:
+        return {"yaw": 0.72 if across @ depth >= 0 else -0.72, "pitch": 0.38}
+    directions = [turn @ move for body in drawing.bodies for move in body.moves.values()]
+    if any(abs(direction[1]) > DEPTH * np.linalg.norm(direction) for direction in directions):
+        return {"yaw": 0.6, "pitch": 0.3}
+    return {"yaw": min(0.26, 1.8 / max(1.0, width)), "pitch": 0.24}
+
+
+def _link_data(link: Link, drawing: Drawing, poses: BodyPoses, posts: dict, unit: float) -> dict:
+    """A link for the page; an end outside its body adds a post to those of the body."""
+    index = {body.name: i for i, body in enumerate(drawing.bodies)}
+    start, end, over = (None if name is None else drawing.bodies[index[name]] for name in (link.start, link.end, link.over))
+    direction = (poses[link.end].positions - poses[link.start].positions).mean(axis=1)
+    leaving, arriving = (direction, -direction) if over is None else (_UPWARDS, _UPWARDS)
+    start_point = link.start_point or _attachment(start, link.offset, leaving, posts)
+    end_point = link.end_point or _attachment(end, link.end_offset, arriving, posts)
+    from_start, from_end = _link_ends(link, poses, start_point, end_point)
+    gap = matrix_of(link.turn).T @ (from_end - from_start) / unit
+    lengths = np.linalg.norm(gap, axis=0)
+    return {
+        "kind": link.kind,
+        "start": index[link.start],
+        "end": index[link.end],
+        "over": None if over is None else index[link.over],
+        "start_point": list(start_point),
+        "end_point": list(end_point),
+        "start_turns": link.start_point is not None,
+        "end_turns": link.end_point is not None,
+        "mean": float(lengths.mean()),
+        "shortest": float(lengths.min()),
+        "longest": float(lengths.max()),
+        "coaxial": bool(np.argmax(np.abs(gap[:, 0])) == 1),
+        "radius": over.size[0] / 2 if over else 0.5,
+        "turn": quaternions_of(np.array(link.turn)[:, None]).ravel().tolist() if any(link.turn) else None,
+    }
+
+
+def _link_ends(link: Link, poses: BodyPoses, start_point, end_point) -> list[np.ndarray]:
+    """Where both ends are, each (3, T): turned with the body where they are fixed in its frame."""
+    ends = []
+    for name, point, fixed in ((link.start, start_point, link.start_point), (link.end, end_point, link.end_point)):
+        column = np.array(point, dtype=float)[:, None]
+        ends.append(poses[name].positions + column if fixed is None else poses[name].of_points(column)[:, 0])
+    return ends
+
+
+def _attachment(body: Body, offset: Vector, towards: np.ndarray, posts: dict) -> list[float]:
+    """Where the link meets the body, relative to its middle: on the side that faces the other end, or on a post."""
+    if body.shape == "solids":
+        return list(offset)
+    frame = matrix_of(body.rest_turn)  # in which the body has its size and its posts
+    point, towards = frame.T @ np.array(offset), frame.T @ towards
+    if (np.abs(point) > np.array(body.size) / 2 * (1 + ROUNDING)).any():
+        posts[body.name].append(point.tolist())
+        return list(offset)
+    axis = int(np.argmax(np.abs(towards)))
+    if body.shape in ("box", "ground") or (body.shape in ("disc", "gear") and axis == 1):
+        point[axis] += math.copysign(body.size[axis] / 2, towards[axis])
+    return (frame @ point).tolist()
+
+
+def _solid_data(solid: Solid, color: str, meshes: dict) -> dict:
+    """A visible solid, with the colour of its body unless it has its own; a mesh is stored once, however many solids show it."""
+    number = None
+    if solid.kind == "mesh":
+        mesh = {"vertices": packed(solid.vertices), "faces": packed(solid.faces, "<u4")}
+        meshes.setdefault(tuple(mesh.values()), mesh)
+        number = list(meshes).index(tuple(mesh.values()))
+    return {
+        "kind": solid.kind,
+        "size": list(solid.size),
+        "matrix": [float(f"{entry:.9g}") for entry in solid.placement.T.ravel()],
+        "color": solid.color or color,
+        "opacity": solid.opacity,
+        "mesh": number,
+    }

@@ -1,0 +1,173 @@
+"""Automatic drawings: of a lumped model its chains of masses, trains of wheels and what joins them, of any other its coordinates."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from ...ground.coordinate_units import GROUND
+from ...models.elements import Body as ModelBody
+from ...models.elements import Element, Gear, Mass, Node, Pulley, Rack
+from .bodies import Body, Drawing, Link
+from .chains import Chain
+from .joints import Joint, groups, joints_of, natural_positions, walk
+from .orientation import angle_scale, direction_of, displacement_scale, turned_piece
+from .pieces import PULLEY, Piece, stacked, tie_of
+from .wheels import Train
+
+#: Two directions (unit vectors) that differ by less are equal within rounding error.
+ALIKE = 1e-9
+
+#: Names in the note on elements that are not drawn to scale.
+MOST_NAMED = 3
+
+#: Distances from one coordinate to the next, downwards and across, and to the right of all, drawing units.
+PITCH, WIDTH, GAP = 0.95, 5.6, 0.8
+
+
+def lumped_drawing(elements: Iterable[Element], names, values=None, scale=None, turn_scale=None, directions=None) -> Drawing:
+    """A drawing of a lumped model that shows what is joined to what; distances are schematic, motion is to scale.
+
+    A body stands at its place in the layout plus its displacement from the state in which all springs and rods have
+    their lengths, so that a spring is drawn longer by as much as it is stretched.
+
+    Args:
+        elements: of the model, bodies and what joins them.
+        names: r coordinate names, the bodies' names.
+        values: the motion (r, T) or typical values (r,), by which the magnification is chosen; None for 1.
+        scale, turn_scale: the magnification of displacements and of angles, where it shall not be chosen.
+        directions: vectors by name, of bodies that move along, or turn about, another axis than usual.
+
+    Returns:
+        The drawing.
+
+    >>> from mbconstrained.models.elements import Mass, Spring
+    >>> drawing = lumped_drawing([Mass("cart", 10.0), Spring("ground", "cart", 2.0, name="k")], ["cart"], [0.01])
+    >>> [body.name for body in drawing.bodies]
+    ['ground left of cart', 'cart']
+    >>> drawing.scale
+    70.0
+    """
+    elements, motion = tuple(elements), {} if values is None else _motion(names, values)
+    bodies = [element for element in elements if isinstance(element, ModelBody)]
+    gears = [element for element in elements if isinstance(element, Gear)]
+    pulleys = [element for element in elements if isinstance(element, Pulley)]
+    turning = [body.name for body in bodies if body.unit == "rad"]
+    sliding = [body.name for body in bodies if body.unit != "rad"]
+    joints = joints_of(elements)
+    slides = [joint for joint in joints if joint.ends <= {GROUND, *sliding}]
+    twists = [joint for joint in joints if joint.ends <= {GROUND, *turning}]
+    natural = natural_positions(sliding, slides)
+    if scale is None:
+        pairs = [(joint.start, joint.end) for joint in slides]
+        pairs += [(end, pulley.over) for pulley in pulleys for end in (pulley.start, pulley.end)]
+        scale = displacement_scale({name: motion[name] - natural[name] for name in sliding if name in motion}, pairs)
+    if turn_scale is None:
+        turn_scale = angle_scale([motion[name] for name in turning if name in motion])
+
+    massless = frozenset(body.name for body in bodies if isinstance(body, Node))
+    spots = {body.name: body.position for body in bodies if isinstance(body, Mass) and body.position is not None}
+    meshing = [(gear.start, gear.end) for gear in gears]
+    racked = frozenset(rack.gear for rack in elements if isinstance(rack, Rack) and rack.radius > 0)
+    pieces = [_chain(group, slides, massless, pulleys, spots) for group in groups(sliding, (joint.ends for joint in slides))]
+    trains = groups(turning, [*(joint.ends for joint in twists), *meshing])
+    pieces += [Train(group, massless, twists, gears, racked).piece() for group in trains]
+    if directions:
+        pieces = [turned_piece(piece, directions, meshing) for piece in pieces]
+    home = {name: piece for piece in pieces for name in piece.names}
+    ties = [tie_of(element, home, scale / (PULLEY * (turn_scale or 1.0))) for element in elements]
+    ties = [tie for tie in ties if tie is not None]
+    pieces += [tie.piece for tie in ties if tie.piece]
+    whole = stacked(pieces, [mate for tie in ties for mate in tie.mates])
+    links = (*whole.links, *(link for tie in ties for link in tie.links))
+
+    drawn = []
+    for body in whole.bodies:  # from its place in the layout to that for all coordinates zero
+        shift = sum((natural[name] * np.array(move) for name, move in body.moves.items()), np.zeros(3))
+        drawn.append(replace(body, rest=tuple(body.rest - scale * shift)))
+    known = {link.name for link in links}  # gears and racks are drawn as wheels in contact
+    others = (element for element in elements if not isinstance(element, (ModelBody, Gear, Rack)))
+    missing = ", ".join(element.name for element in others if element.name not in known)
+    notes = f"not drawn: {missing}" * bool(missing), _askew(drawn, slides + twists)
+    return Drawing(tuple(drawn), links, scale, turn_scale, " · ".join(filter(None, notes)))
+
+
+def _motion(names, values) -> dict[str, np.ndarray]:
+    values = np.asarray(values, dtype=float)
+    return dict(zip(names, values[:, None] if values.ndim == 1 else values))
+
+
+def _chain(group: list[str], joints: list[Joint], massless: frozenset[str], pulleys: list[Pulley], spots) -> Piece:
+    """From left to right; on a rope, from the rope down; carrying a pulley, down to it."""
+    roped = next((name for name in group if any(name in (pulley.start, pulley.end) for pulley in pulleys)), None)
+    if roped:
+        return Chain(walk(group, joints, roped), massless, joints, wall=False).piece().hanging()
+    carrier = next((name for name in group if any(name == pulley.over for pulley in pulleys)), None)
+    if carrier:
+        return Chain(walk(group, joints, carrier)[::-1], massless, joints).piece().hanging()
+    placed = all(name in spots for name in group)
+    return Chain(sorted(group, key=spots.get) if placed else walk(group, joints), massless, joints).piece()
+
+
+def _askew(bodies: list[Body], joints: list[Joint]) -> str:
+    """A note on elements whose drawn length does not show their elongation: their ends have different directions."""
+    directions = {body.name: direction_of(body) for body in bodies if body.moves or body.turns}
+    between = [joint for joint in joints if GROUND not in joint.ends]
+    names = [joint.name for joint in between if np.abs(directions[joint.start] - directions[joint.end]).max() > ALIKE]
+    if not names:
+        return ""
+    further = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+    join = "joins" if len(names) == 1 else "join"
+    return f"{', '.join(names[:MOST_NAMED])}{further} {join} bodies of different directions: not drawn to scale"
+
+
+def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=None, directions=None) -> Drawing:
+    """A box on a rail for each displacement, a disc for each angle, one below the other, in several columns when there are many.
+
+    Args:
+        names: r coordinate names.
+        values: typical values, shape (r,) or (r, T), by which the magnifications are chosen; None for 1.
+        units: r units: "m" for displacements, "rad" for angles; others are not drawn. None for "m".
+        scale, turn_scale: the magnifications; None for automatic ones.
+        directions: by name, of coordinates that move along, or turn about, another axis than usual; these are on the right.
+
+    Returns:
+        The drawing.
+
+    >>> [body.shape for body in coordinate_drawing(["x1", "q"], [0.01, 1.0], ["m", "rad"]).bodies]
+    ['rail', 'box', 'disc']
+    """
+    unit_of = dict(zip(names, ["m"] * len(names) if units is None else units))
+    motion, directions = _motion(names, np.zeros(len(names)) if values is None else values), directions or {}
+    drawn = [name for name in names if unit_of[name] in ("m", "rad")]
+    usual = [name for name in drawn if name not in directions]
+    rows = max(6, math.ceil(1.3 * math.sqrt(len(usual))))
+    bodies = []
+    for i, name in enumerate(usual):
+        bodies += _of_coordinate(name, unit_of[name], (WIDTH * (i // rows), 0.0, -PITCH * (i % rows)))
+    left = Piece(tuple(bodies)).corners[1, 0] + GAP if bodies else 0.0
+    for name in drawn:
+        if name in directions:
+            own = _of_coordinate(name, unit_of[name], (0.0, 0.0, 0.0))
+            links = tuple(Link("", "rod", own[0].name, body.name) for body in own[1:])  # so that they are turned together
+            piece = Piece(turned_piece(Piece(tuple(own), links), {name: directions[name]}).bodies)
+            low, high = piece.corners
+            bodies += piece.shifted((left - low[0], 0.0, 0.0)).bodies
+            left += high[0] - low[0] + GAP
+    if scale is None:
+        scale = displacement_scale({name: motion[name] for name in names if unit_of[name] == "m"}, ())
+    if turn_scale is None:
+        turn_scale = angle_scale([motion[name] for name in names if unit_of[name] == "rad"])
+    missing = [name for name in names if name not in drawn]
+    note = f"not drawn, neither displacement nor angle: {', '.join(missing)}" if missing else ""
+    return Drawing(tuple(bodies), (), scale, turn_scale, note)
+
+
+def _of_coordinate(name: str, unit: str, place: tuple[float, float, float]) -> list[Body]:
+    if unit == "rad":
+        return [Body(name, "disc", place, turns={name: (0.0, -1.0, 0.0)}, size=(0.6, 0.2, 0.6))]
+    rail = Body(f"rail of {name}", "rail", (place[0], 0.0, place[2] - 0.24), size=(5.0, 0.3, 0.05))
+    return [rail, Body(name, "box", place, {name: (1.0, 0.0, 0.0)}, size=(0.42, 0.42, 0.42))]

@@ -1,0 +1,234 @@
+"""A drawing: bodies and links in space, and how the coordinates move and turn them. Pure data, no viewer.
+
+Axes: x to the right, y away from the viewer, z up. A body is at
+
+    rest + scale * sum_i moves[i] q_i          turned by the rotation vector  turn_scale * sum_i turns[i] q_i  after rest_turn
+
+so a drawing does not depend on time: the values of the coordinates do. A body that moves otherwise, such as a link of a
+robot, has a path instead: its poses at the times of the animation.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import product
+from typing import Literal
+
+import numpy as np
+
+from ...ground.errors import InputError
+from .paths import Path, matrix_of
+
+Shape = Literal["box", "sphere", "disc", "gear", "ring", "mark", "rail", "ground", "base", "solids"]
+LinkKind = Literal["spring", "damper", "strut", "rod", "bushing", "loop", "torsion spring", "torsion damper", "belt"]
+Vector = tuple[float, float, float]
+
+_USUAL_SIZE = {
+    "box": (0.8, 0.8, 0.8),
+    "sphere": (0.24, 0.24, 0.24),
+    "mark": (0.12, 0.12, 0.12),
+    "rail": (4.0, 0.12, 0.05),
+    "ground": (0.2, 1.2, 1.4),
+    "base": (1.2, 1.2, 0.1),
+    "solids": (1.0, 1.0, 1.0),
+}
+_UNNAMED = ("mark", "rail", "ground", "base")
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A box, cylinder, sphere or mesh, fixed in the frame of a body.
+
+    Attributes:
+        kind: "box", "cylinder" (axis z), "sphere" or "mesh".
+        size: of a box its extents along x, y, z; of a cylinder its radius and length; of a sphere its radius.
+        placement: shape (4, 4), from the solid's frame to the body's, a rotation and a translation.
+        color: "#rrggbb", or None for that of the body.
+        opacity: from 0 to 1.
+        vertices, faces: of a mesh, shapes (k, 3) and (f, 3); a face has the numbers of its three corners. Equal vertices are
+            merged and faces without area removed, so that the same mesh is the same numbers.
+
+    >>> Solid("cylinder", (0.1, 2)).corners.max(axis=1)
+    array([0.1, 0.1, 1. ])
+    """
+
+    kind: str
+    size: tuple[float, ...] = ()
+    placement: np.ndarray = field(default_factory=lambda: np.eye(4))
+    color: str | None = None
+    opacity: float = 1.0
+    vertices: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    faces: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), dtype=int))
+
+    def __post_init__(self):
+        if self.kind == "mesh":
+            places, numbers = np.unique(self.vertices.astype(np.float32), axis=0, return_inverse=True)
+            faces = numbers.reshape(-1)[self.faces]
+            a, b, c = faces.T
+            object.__setattr__(self, "vertices", places.astype(float))
+            object.__setattr__(self, "faces", faces[(a != b) & (b != c) & (c != a)])
+
+    @property
+    def corners(self) -> np.ndarray:
+        """Corners of a box around it in the frame of the body, shape (3, 8); (3, 0) for a mesh without faces."""
+        if self.kind == "mesh" and not len(self.faces):
+            return np.zeros((3, 0))
+        if self.kind == "mesh":
+            ends = np.array([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+        else:
+            radius, *length = self.size
+            extents = self.size if self.kind == "box" else (2 * radius, 2 * radius, *(length or [2 * radius]))
+            ends = np.outer((-0.5, 0.5), extents)
+        return self.placement[:3, :3] @ np.array(list(product(*ends.T))).T + self.placement[:3, 3:]
+
+
+@dataclass(frozen=True)
+class Body:
+    """A drawn object that the coordinates move.
+
+    Attributes:
+        name: differs from the other bodies' names.
+        shape: "box" (a mass), "sphere" (a massless joint), "disc", "gear" or "ring" (an inertia, a toothed wheel, a wheel
+            with teeth inside; its axis is y), "mark" (a point such as a pivot), "rail" (along which a body moves),
+            "ground" (a hatched wall), "base" (a hatched plate that lies flat), "solids" (its solids).
+        rest: position where all coordinates are zero, in drawing units.
+        moves: coordinate name -> displacement in drawing units per unit of the coordinate.
+        turns: coordinate name -> rotation vector in rad per unit of the coordinate; (0, -1, 0) is counter-clockwise.
+        size: extent along x, y and z in drawing units, None for the usual one; along x it is the diameter of a wheel.
+        color: "#rrggbb", or None for the usual colour.
+        label: text next to the body; None for its name, except for a mark, a rail or the ground.
+        rest_turn: rotation vector in rad where all coordinates are zero.
+        teeth: number of teeth of a gear or ring.
+        solids: of a body of the shape "solids", whose size is ignored.
+        path: its poses at the times of the animation; rest, moves and turns are then ignored.
+
+    >>> Body("cart", rest=(1, 0, 0), moves={"x1": (1, 0, 0)}).shape
+    'box'
+    """
+
+    name: str
+    shape: Shape = "box"
+    rest: Vector = (0.0, 0.0, 0.0)
+    moves: Mapping[str, Vector] = field(default_factory=dict)
+    turns: Mapping[str, Vector] = field(default_factory=dict)
+    size: Vector | None = None
+    color: str | None = None
+    label: str | None = None
+    rest_turn: Vector = (0.0, 0.0, 0.0)
+    teeth: int = 24
+    solids: tuple[Solid, ...] = ()
+    path: Path | None = None
+
+    def __post_init__(self):
+        label = "" if self.shape in _UNNAMED else self.name
+        values = {
+            "rest": _vector(self.rest),
+            "rest_turn": _vector(self.rest_turn),
+            "moves": {name: _vector(vector) for name, vector in self.moves.items()},
+            "turns": {name: _vector(vector) for name, vector in self.turns.items()},
+            "size": _vector(self.size or _USUAL_SIZE.get(self.shape, (1.2, 0.3, 1.2))),
+            "label": label if self.label is None else self.label,
+        }
+        for attribute, value in values.items():
+            object.__setattr__(self, attribute, value)
+        if min(self.size) <= 0:
+            raise InputError(f"size: found {min(self.size):g}; expected numbers greater than zero")
+
+    @property
+    def half_extent(self) -> np.ndarray:
+        """Half of a box around it along x, y, z, shape (3,), as it is turned at rest; without its solids."""
+        half = np.array(self.size) / 2
+        if not any(self.rest_turn):
+            return half
+        rotation = matrix_of(self.rest_turn)
+        if self.shape not in ("disc", "gear", "ring"):
+            return np.abs(rotation) @ half
+        axis = rotation[:, 1]
+        return half[0] * np.sqrt(np.maximum(0.0, 1 - axis**2)) + half[1] * np.abs(axis)
+
+
+@dataclass(frozen=True)
+class Link:
+    """A drawn connection of two bodies.
+
+    Attributes:
+        name: for messages.
+        kind: "spring", "damper", "strut" (a spring around a damper), "rod", "bushing" (a soft block), "loop" (a ball on
+            the end's body in a socket on the start's, so that a gap is visible), "torsion spring", "torsion damper" or "belt".
+        start, end: names of the bodies. Between wheels on one axis a torsion spring is a helix, otherwise a spiral from
+            its start to the hub at its end.
+        offset: shift of both ends across the link, so that parallel links do not overlap; an end that is shifted
+            out of its body is joined to it by a post.
+        end_offset: shift of the end where it differs from that of the start.
+        over: for a belt, the name of the wheel that it runs over.
+        start_point, end_point: its ends in the frames of the bodies, with which these points turn; None for the
+            side of the body that faces the other end, shifted by the offset, which does not turn.
+        turn: rotation vector (rad) of the frame in which it is drawn: wheels that it joins have their axes along the y axis
+            of this frame.
+    """
+
+    name: str
+    kind: LinkKind
+    start: str
+    end: str
+    offset: Vector = (0.0, 0.0, 0.0)
+    end_offset: Vector | None = None
+    over: str | None = None
+    start_point: Vector | None = None
+    end_point: Vector | None = None
+    turn: Vector = (0.0, 0.0, 0.0)
+
+    def __post_init__(self):
+        end_offset = self.offset if self.end_offset is None else self.end_offset
+        object.__setattr__(self, "offset", _vector(self.offset))
+        object.__setattr__(self, "end_offset", _vector(end_offset))
+
+
+@dataclass(frozen=True)
+class View:
+    """A point of view.
+
+    Attributes:
+        yaw: angle to the right of the front, in rad.
+        pitch: angle above the horizontal, in rad.
+        zoom: magnification; at 1 the whole motion fills the picture.
+    """
+
+    yaw: float = 0.0
+    pitch: float = 0.0
+    zoom: float = 1.0
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """Bodies and links, and the magnification of their motion.
+
+    Attributes:
+        scale, turn_scale: magnification of the displacements and of the angles; the page states both.
+        note: a sentence shown with the picture, or an empty string.
+        view: the point of view, or None for one that shows most.
+        turn: rotation vector (rad) of the whole drawing, applied last.
+
+    Raises:
+        InputError: two bodies of one name.
+    """
+
+    bodies: tuple[Body, ...]
+    links: tuple[Link, ...] = ()
+    scale: float = 1.0
+    turn_scale: float = 1.0
+    note: str = ""
+    view: View | None = None
+    turn: Vector = (0.0, 0.0, 0.0)
+
+    def __post_init__(self):
+        for name, count in Counter(body.name for body in self.bodies).items():
+            if count > 1:
+                raise InputError(f'drawing: two bodies are named "{name[:60]}"; names must differ')
+
+
+def _vector(value) -> Vector:
+    x, y, z = map(float, value)
+    return x, y, z

@@ -1,0 +1,143 @@
+"""The drawing of a robot: its links on their paths, and loops, springs and bushings between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from .bodies import Body, Drawing, Link, Solid
+from .paths import Path
+
+#: Shares of the robot's size: thickness of plates, least width of the base plate, width of the plates under fixed points, and
+#: radius of the ball for a link without a shape.
+_PLATE, _WIDTH, _PAD, _BALL = 0.012, 0.15, 0.06, 0.014
+
+#: Width relative to the root of a base plate under it, and of one over it, which must not hide it.
+_MARGIN, _COVER = 1.2, 0.6
+
+#: Names of further bodies begin with a blank, which no link's name does.
+BASE_PLATE, PAD = " base plate", " plate"
+
+
+def robot_drawing(
+    solids: Mapping[str, Sequence[Solid]],
+    poses: Mapping[str, Any],
+    connections: Iterable[Any] = (),
+    *,
+    scale=1.0,
+    fixed=True,
+    note="",
+) -> Drawing:
+    """Every link of a robot as a body with a path.
+
+    Args:
+        solids: of the drawn links, by name, from ``solids_of``.
+        poses: by link name, the root first, positions (3, T) and quaternions (4, T), from ``Robot.poses()``.
+        connections: each with name, kind ("loop", "spring", "damper" or "bushing"), body1, point1, body2 and point2,
+            from ``Robot.connection_points()``; a spring and a damper between the same points become a strut.
+        scale: magnification of the paths; the page states it.
+        fixed: whether the root is fixed to the ground, drawn as a hatched plate.
+        note: a sentence shown with the picture.
+
+    Returns:
+        The drawing.
+    """
+    connections = tuple(connections)
+    paths = {name: Path(pose.positions, pose.quaternions) for name, pose in poses.items()}
+    points = link_points(solids, paths)
+    size = robot_size(points)
+    shapeless = not any(solids.values())  # then, and for a connection at a link without a shape, a ball
+    ball = Solid("sphere", (_BALL * size,))
+    connected = {end for row in connections for end in (row.body1, row.body2)}
+    bodies = []
+    for name, path in paths.items():
+        own = solids.get(name) or [ball] * (shapeless or name in connected)
+        bodies.append(Body(name, "solids", solids=tuple(own), path=path, label=None if own else ""))
+    bodies += [_plate(points, paths, size)] if fixed else []
+    bodies += _pads(connections, size)
+    if "ground" not in paths:
+        bodies.append(Body("ground", "solids", label=""))
+    return Drawing(tuple(bodies), tuple(_links(connections)), scale, note=note)
+
+
+def solids_of(visuals: Iterable[Any]) -> dict[str, list[Solid]]:
+    """The solids of links, by name.
+
+    Args:
+        visuals: each with link, kind, size, placement, color (r, g, b, a from 0 to 1, or None), vertices and faces,
+            from ``Robot.visuals()``.
+    """
+    solids: dict[str, list[Solid]] = {}
+    for visual in visuals:
+        color, opacity = None, 1.0
+        if visual.color is not None:
+            *parts, opacity = visual.color
+            color = "#" + "".join(f"{round(255 * part):02x}" for part in parts)
+        solid = Solid(visual.kind, visual.size, visual.placement, color, opacity, visual.vertices, visual.faces)
+        solids.setdefault(visual.link, []).append(solid)
+    return solids
+
+
+def _plate(points: Mapping[str, np.ndarray], paths: Mapping[str, Path], size: float) -> Body:
+    """A plate under the first link, which is the root, or over it where the other links hang from it."""
+    names = list(points)
+    rests = bool(names) and not paths[names[0]].moves
+    root = points[names[0]][:, :, 0] if rests else np.zeros((3, 1))
+    low, high = root.min(axis=1), root.max(axis=1)
+    heights = np.concatenate([block[2, :, 0] for block in points.values()] or [root[2]])
+    hangs = low[2] - heights.min() > max(heights.max() - high[2], _WIDTH * size)
+    width, depth = np.maximum((_COVER if hangs else _MARGIN) * (high - low)[:2], _WIDTH * size)
+    thickness = _PLATE * size
+    level = high[2] + thickness / 2 if hangs else low[2] - thickness / 2
+    middle = (low + high) / 2
+    return Body(BASE_PLATE, "base", (middle[0], middle[1], level), size=(width, depth, thickness))
+
+
+def _pads(connections: tuple[Any, ...], size: float) -> list[Body]:
+    """A small plate under each point that is fixed to the ground."""
+    attached = [(row.body1, row.point1) for row in connections] + [(row.body2, row.point2) for row in connections]
+    points = dict.fromkeys(tuple(map(float, point)) for name, point in attached if name == "ground")
+    width, thickness = _PAD * size, _PLATE * size
+    places = [(x, y, z - thickness / 2) for x, y, z in points]
+    return [Body(f"{PAD} {i}", "base", place, size=(width, width, thickness)) for i, place in enumerate(places, start=1)]
+
+
+def _links(connections: tuple[Any, ...]) -> Iterable[Link]:
+    between: dict[tuple, list[Any]] = {}
+    for row in connections:
+        kind = "strut" if row.kind in ("spring", "damper") else row.kind
+        points = (tuple(map(float, point)) for point in (row.point1, row.point2))
+        between.setdefault((kind, row.body1, row.body2, *points), []).append(row)
+    for (_, start, end, start_point, end_point), rows in between.items():
+        kinds = {row.kind for row in rows}
+        kind = "strut" if kinds == {"spring", "damper"} else rows[0].kind
+        yield Link(rows[0].name, kind, start, end, start_point=start_point, end_point=end_point)
+
+
+def link_points(solids: Mapping[str, Sequence[Solid]], poses: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """The origin of each link, then the corners of its solids.
+
+    Args:
+        solids: of the links that have any, by name.
+        poses: by name, positions (3, T) and quaternions (4, T).
+
+    Returns:
+        By link name, shape (3, k, T).
+    """
+    points = {}
+    for name, pose in poses.items():
+        corners = np.hstack([np.zeros((3, 1)), *(solid.corners for solid in solids.get(name, ()))])
+        points[name] = Path(pose.positions, pose.quaternions).of_points(corners)
+    return points
+
+
+def robot_size(points: Mapping[str, np.ndarray]) -> float:
+    """Diagonal of a box around all points at the first time; 1 for a single point.
+
+    >>> robot_size({"arm": np.array([[0.0, 3.0], [0.0, 0.0], [0.0, 4.0]])[:, :, None]})
+    5.0
+    """
+    first = np.hstack([block[:, :, 0] for block in points.values()] or [np.zeros((3, 1))])
+    return float(np.linalg.norm(np.ptp(first, axis=1))) or 1.0

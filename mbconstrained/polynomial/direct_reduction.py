@@ -1,0 +1,217 @@
+"""A(s) of degree two or less brought to first-order equations w' = S w + ... by its structure alone, no pencil formed.
+
+Rows without a power of s constrain coordinates to others: x = V x_f + Y g, g their right sides (a constraint at position level, a
+massless joint without damper). Of the rest, rows with s^2 make accelerations of as many coordinates x_m, those without make
+velocities of the others, x_d; the states are w = (x_m, x_m', x_d). Which row is of which kind is read off entries that are
+exactly zero, and each part that is divided by must be well conditioned: where that does not hold, the staircase algorithm
+(``linalg.staircase``) decides. For large models this takes milliseconds where that takes minutes, for small ones a part of a
+millisecond. Zeros at s = 0 are those of rows without stiffness (``polynomial.conserved``), or of sums of
+rows without (``polynomial.conserved``), or there are none.
+"""
+
+from __future__ import annotations
+
+from itertools import permutations
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import min_weight_full_bipartite_matching
+
+from ..ground.tolerances import CLEAR_KEPT, DIVISOR_CONDITION, STIFFNESS_CONDITION
+from ..linalg.arrays import (
+    Matrix,
+    entries,
+    entry_count,
+    filled_columns,
+    filled_rows,
+    full,
+    kept,
+    others,
+    shifted_unit,
+    zeros_of_kind,
+)
+from ..linalg.division import condition, is_symmetric, solution, without_noise
+from ..linalg.rounding import Noisy, reduce_in_order
+from ..linalg.scaling import column_units
+from .conserved import Conserved, Freed, conserved, freed, lowest
+from .reduced_equations import FEW_STATES, NotReducible, Reduction
+
+if TYPE_CHECKING:
+    from .polynomial_matrix import PolynomialMatrix
+
+_SINGULAR_MASS = "the mass matrix of the reduced equations is singular"
+_SINGULAR_STIFFNESS = "the stiffness matrix is near-singular: rank decisions have to settle whether a body is free"
+
+
+def reduction_of(A: PolynomialMatrix) -> Reduction | NotReducible:
+    """The reduction of A(s), or the condition that its structure does not meet."""
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is not regular
+            return _reduction_of(A)
+    except NotReducible as condition:
+        return NotReducible(str(condition))  # without its traceback, as it is kept
+
+
+def _reduction_of(A: PolynomialMatrix) -> Reduction:
+    if not 1 <= A.degree <= 2:
+        raise NotReducible(f"A(s) has degree {A.degree}")
+    if any(factors is not None for factors in A.factors):
+        raise NotReducible("stiffness is assembled from factors, whose differences float64 would round")
+    if A.uncertainty.any():
+        raise NotReducible("entries of A(s) are uncertain")
+    A0, A1, A2 = given = [kept(matrix) for matrix in A.coefficients] + [kept(np.zeros((A.size, A.size)))] * (2 - A.degree)
+    rows, columns = A.coefficients[1:].any(axis=2), A.coefficients[1:].any(axis=1)
+    slow, heavy = rows[0], rows[1] if A.degree == 2 else np.zeros(A.size, dtype=bool)
+    algebraic, second, first = (kind.nonzero()[0] for kind in (~(slow | heavy), heavy, slow & ~heavy))
+    moving = columns.any(axis=0)
+    V, Y, free, own = eliminated(A.coefficients[0][algebraic], static=~moving, like=A0)
+    if len(second) + len(first) != V.shape[1]:
+        raise NotReducible("equations with masses and dampers and coordinates with them differ in number")
+    M = product(A2[second], V)
+    m, columns = len(second), filled_columns(M)
+    if np.count_nonzero(columns) != m:
+        raise NotReducible(_SINGULAR_MASS)
+    if not columns[:m].all():  # coordinates with mass first
+        order = np.argsort(~columns, kind="stable")
+        V, free, M = V[:, order], free[order], M[:, order]
+    matching = matching_rows(M[:, :m])
+    if matching is None:
+        raise NotReducible(_SINGULAR_MASS)
+    second, M = second[matching], M[matching][:, :m]
+    rest = np.concatenate([second, first])
+    K, C = product(A0[rest], V), product(A1[rest], V)
+    largest = max(own, condition(M), condition(C[m:, m:]) if len(first) else 1.0)
+    if not largest <= DIVISOR_CONDITION:  # a row may be left without anything
+        raise NotReducible(f"masses, dampers or algebraic equations are near-singular (condition {largest:.0e})")
+    floor, powers = lowest(M, C, K)
+    if len(algebraic) and powers.any() and _is_doubtful(powers, A0[rest] @ V, A1[rest] @ V):
+        raise NotReducible("the stiffness or damping of a row is zero to rounding only")
+    equations, sums, unconstrained = (M, C, K), None, None
+    if not _is_regular(floor):
+        unconstrained = freed(M, C, K) if 2 * m + len(first) >= FEW_STATES else None
+        if unconstrained is None:
+            raise NotReducible(_SINGULAR_STIFFNESS)
+        equations, sums = (unconstrained.M, unconstrained.C, unconstrained.K), unconstrained.sums
+        floor, powers = lowest(*equations)
+        if not _is_regular(floor):
+            raise NotReducible(_SINGULAR_STIFFNESS)
+    momenta = _conserved(equations, full(floor), powers, unconstrained) if powers.any() else None
+    return Reduction(given, algebraic, second, first, free, V, Y, M, C, K, moving, momenta, sums, largest)
+
+
+def _is_regular(floor: Matrix) -> bool:
+    return condition(floor, STIFFNESS_CONDITION) <= STIFFNESS_CONDITION
+
+
+def _is_doubtful(powers: np.ndarray, K: Matrix, C: Matrix) -> bool:
+    """Whether a row lacks stiffness or damping to rounding only."""
+    return bool(filled_rows(K)[powers > 0].any() or filled_rows(C)[powers > 1].any())
+
+
+def _conserved(equations, floor: np.ndarray, powers: np.ndarray, freed: Freed | None) -> Conserved:
+    """What rows without stiffness conserve, in the places of coordinates that nothing depends on where there are such."""
+    M, C, K = equations
+    rows = np.argsort(-powers, kind="stable")[: np.count_nonzero(powers)]  # rows of s^2 first: x_d is in none of them
+    ignorable = ~filled_columns(K) & ~(filled_columns(C) & (powers.max() > 1))
+    return conserved(M, C, rows, powers[rows], pivots_of(floor[rows], ignorable), freed)
+
+
+# The elimination of coordinates by algebraic rows, and which equation belongs to which coordinate.
+
+#: So few rows are matched by trying all: 3 rows take 20 us. The matching of sparse matrices takes 200 us, and scipy.optimize a fifth of a
+#: second to import.
+FEW_ROWS = 3
+
+
+def eliminated(rows: np.ndarray, static: np.ndarray, like: Matrix) -> tuple[Matrix, Matrix, np.ndarray, float]:
+    """V, Y with x = V x_f + Y g where rows x = g, which coordinates x_f are, and the condition of the others' part.
+
+    Args:
+        rows: shape (k, r).
+        static: which coordinates have neither mass nor damping; they are eliminated before others, shape (r,).
+        like: of the kind of matrix that is wanted.
+
+    Returns:
+        V of shape (r, r - k), Y of shape (r, k), the places of x_f, and a condition.
+
+    Raises:
+        NotReducible: the rows are dependent, or nearly so.
+    """
+    size = len(static)
+    if not len(rows):
+        return shifted_unit(size, size, 0, like), zeros_of_kind((size, 0), like), np.arange(size), 1.0
+    pivots = pivots_of(rows, static)
+    own = np.inf if pivots is None else condition(rows[:, pivots])
+    if own > DIVISOR_CONDITION:
+        raise NotReducible("the algebraic equations are dependent, or nearly so")
+    free = others(size, pivots)
+    V, Y = np.zeros((size, len(free))), np.zeros((size, len(rows)))
+    V[free, range(len(free))], V[pivots] = 1.0, -solution(rows[:, pivots], rows[:, free])
+    Y[pivots] = solution(rows[:, pivots], np.eye(len(rows)))
+    return kept(V), kept(Y), free, own
+
+
+def product(left: Matrix, V: Matrix) -> Matrix:
+    """left @ V; rounding errors of its terms are exactly zero: a mass, damper or spring that is not there.
+
+    Args:
+        left: shape (k, r).
+        V: shape (r, n).
+
+    Returns:
+        Shape (k, n).
+
+    Raises:
+        NotReducible: an entry is neither clearly a rounding error nor clearly none.
+    """
+    entire = left @ V
+    if V.shape[0] == V.shape[1] or entry_count(V) == V.shape[1]:
+        return entire
+    terms = abs(left) @ abs(V)
+    cleaned = without_noise(entire, terms)
+    if entry_count(cleaned) != entry_count(without_noise(entire, CLEAR_KEPT * terms)):
+        raise NotReducible("the elimination of coordinates leaves differences near the rounding error of their terms")
+    return cleaned
+
+
+def matching_rows(M: Matrix) -> np.ndarray | None:
+    """An order of rows that brings the large entries to the diagonal: equations may be named after other coordinates."""
+    if is_symmetric(M):
+        return np.arange(M.shape[0])
+    if M.shape[0] <= FEW_ROWS:
+        size = np.abs(full(M))
+        with np.errstate(divide="ignore"):
+            return _assigned(np.log(size.max() / size))
+    row, column, values = entries(abs(M))
+    weights = csr_array((1 + np.log(values.max(initial=1.0) / values), (row, column)), shape=M.shape)
+    try:
+        rows, columns = min_weight_full_bipartite_matching(weights)
+    except ValueError:  # no matching: it is singular
+        return None
+    return rows[np.argsort(columns)]
+
+
+def _assigned(costs: np.ndarray) -> np.ndarray | None:
+    """For each column a row of its own, of least costs together, by trying all."""
+    columns = range(len(costs))
+    order = min(permutations(columns), key=lambda rows: costs[rows, columns].sum())
+    return np.array(order) if np.isfinite(costs[order, columns]).all() else None
+
+
+def pivots_of(rows: np.ndarray, static: np.ndarray) -> np.ndarray | None:
+    """A pivot column for each row by elimination, static coordinates before others; None where rows depend on each other.
+
+    Args:
+        rows: shape (k, r).
+        static: preferred coordinates, shape (r,).
+
+    Returns:
+        Shape (k,), or None.
+    """
+    if len(rows) == 1:  # any entry of one row serves
+        there = rows[0] != 0
+        return (there & static if (there & static).any() else there).argmax(keepdims=True) if there.any() else None
+    work = Noisy.rounded(rows * column_units(np.abs(rows)))
+    kept, pivots = reduce_in_order(work, rows.shape[1], static, DIVISOR_CONDITION)
+    return np.array(pivots, dtype=int) if len(kept) == len(rows) else None

@@ -1,0 +1,305 @@
+"""The method by which a problem is solved and evaluated, chosen once: a pure function of the problem and of the request.
+
+Two questions are answered here, both from the data alone.
+
+1. The reduced equations w' = S w + ... (``polynomial.direct_reduction``) or the Jordan pairs of A(s)? The reduced equations are much
+   cheaper; the pairs serve every problem. The first condition that the reduced equations do not meet is the reason.
+2. Values of the reduced equations by their modes, by powers of e^(S h), or by steps from knot to knot of a record? Where few states
+   are decoupled at once, or many evaluations share the modes, by these; otherwise by what costs less for the given times, counted
+   in products of two matrices of the size of the states. An evaluation at other times is chosen for by the same rule.
+
+Measured with OpenBLAS on machines of one to two cores: LAPACK's QR algorithm (geev) takes the time of 40 products for 2000 states
+and of 100 for 200, a symmetric eigenproblem of half the size that of 2 and of 7; powers of e^(S h) are counted
+(``linalg.exponential.powers``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ..ground.checks import counted
+from ..ground.errors import InputError
+from ..ground.tolerances import EPS, PROVED_RESTARTS, PROVED_STATES, noise_of
+from ..linalg.exponential.oscillations import even_step
+from ..linalg.exponential.powers import cost_of_exponential, cost_of_powers, cost_of_steps
+from ..linalg.exponential.recursion import shared_gaps
+from ..linalg.precise import is_worthwhile
+from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..polynomial.reduced_equations import NotReducible, Reduction
+from ..signals.impulsive import ImpulsiveSmooth
+from .flow import Flow
+from .methods.record import FEWEST_KNOTS
+from .problem import Problem
+
+Evaluations = Literal["once", "many"]
+
+#: The names of the methods.
+PAIRS, MODES, POWERS, STEPS = "Jordan pairs", "modes", "matrix powers", "record steps"
+
+#: Cost of eigenvectors in products of matrices: for very many states, and more for few.
+GENERAL, GENERAL_SMALL = 40.0, 12000.0
+SYMMETRIC, SYMMETRIC_SMALL = 1.5, 1000.0
+
+#: Cost of the modes of a sparse topology (``linalg.tree_modes``), by fronts of w coordinates, in (3 + 2 w) / 5 times the number of
+#: states to the power of 1.5.
+TOPOLOGY = 1.6e5
+
+#: Fewer times than these are not worth the powers of e^(S h).
+FEWEST_TIMES = 32
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """What is requested of a solution.
+
+    Attributes:
+        evaluations: "once", each evaluation by what is cheapest for its own times; "many", all of them by the modes.
+        times: those of the first evaluation, in s, where they are known; shape (T,).
+    """
+
+    evaluations: Evaluations = "once"
+    times: np.ndarray | None = None
+
+    def __post_init__(self):
+        if self.evaluations not in ("once", "many"):
+            raise InputError(f'evaluations: found {self.evaluations!r}; expected "once" or "many"')
+
+
+@dataclass(frozen=True, eq=False)
+class Method:
+    """How a problem is solved.
+
+    Attributes:
+        name: PAIRS, MODES, POWERS or STEPS.
+        reason: one phrase with the condition that decided.
+        flow: the reduced equations with start and force; None with the Jordan pairs.
+        evaluations: as requested.
+    """
+
+    name: str
+    reason: str
+    flow: Flow | None = None
+    evaluations: Evaluations = "once"
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.name}, {self.reason})"
+
+
+def choose(problem: Problem, request: Request = Request()) -> Method:
+    """The method for a problem.
+
+    Args:
+        problem: A(d/dt) x = f with values at 0-.
+        request: how often and, if known, at which times the solution is evaluated.
+
+    Returns:
+        A ``Method``.
+
+    >>> from mbconstrained.polynomial.polynomial_matrix import PolynomialMatrix
+    >>> A = PolynomialMatrix([[[4.0]], [[0.0]], [[1.0]]])
+    >>> choose(Problem.checked(A))
+    Method(modes, by eigenvectors: 2 states are few)
+    >>> choose(Problem.checked(A, rank_tolerance=1e-9))
+    Method(Jordan pairs, by the Jordan pairs: a rank tolerance is given, and the reduced equations decide no rank)
+    """
+    try:
+        flow = reduced_flow(problem)
+    except NotReducible as condition:
+        return Method(PAIRS, f"by the Jordan pairs: {condition}", evaluations=request.evaluations)
+    return Method(*evaluation_method(flow, flow.output.shape, request), flow, request.evaluations)
+
+
+def unproved(problem: Problem) -> str:
+    """Why the values of a solution are not proved by the exact engine (``response.methods.proved``); empty where they are."""
+    A = problem.polynomial_matrix
+    states, restarts = A.degree * A.size, len(problem.force.knots) - 1
+    if not states:
+        return "there are no states"
+    if states > PROVED_STATES:
+        return f"{states} states are more than {PROVED_STATES}"
+    if restarts > PROVED_RESTARTS:
+        return f"the force restarts at {counted(restarts, 'time')}"
+    if problem.rank_tolerance is not None or A.uncertainty.any():
+        return "the data are uncertain, and are no exact numbers"
+    return ""
+
+
+# Reduced equations or Jordan pairs
+
+
+def reduced_flow(problem: Problem) -> Flow:
+    """The reduced equations with start and force.
+
+    Raises:
+        NotReducible: with the condition that they do not meet.
+    """
+    initial, force = problem.initial, problem.force
+    proved = not unproved(problem)  # no values are used then that are not right
+    reduction = serving_reduction(problem.polynomial_matrix, force, problem.rank_tolerance, proved=proved)
+    try:
+        with np.errstate(over="raise", invalid="raise"):
+            if not satisfying(reduction, initial[..., None], force)[0]:
+                raise NotReducible("the initial values or a jump of the force do not satisfy the algebraic equations")
+            flow = Flow.of(reduction, initial, force)
+            flow.jump, flow.events  # computed here, where overflow is still another method's to avoid
+    except FloatingPointError:
+        raise NotReducible("the reduced equations leave the range of float64") from None
+    return flow
+
+
+def serving_reduction(
+    A: PolynomialMatrix, force: ImpulsiveSmooth, rank_tolerance: float | None = None, *, proved: bool = False
+) -> Reduction:
+    """The reduction of A(s) where it serves for a force, whatever the initial values are.
+
+    Args:
+        A: the polynomial matrix.
+        force: f.
+        rank_tolerance: as of ``solve``.
+        proved: whether no value is used that is not proved; modes need not be well separated then.
+
+    Returns:
+        The reduced equations.
+
+    Raises:
+        NotReducible: with the condition that it does not meet.
+    """
+    if rank_tolerance is not None:
+        raise NotReducible("a rank tolerance is given, and the reduced equations decide no rank")
+    if force.impulses or force.later:
+        raise NotReducible("the force contains Dirac impulses")
+    reduction = A.reduction
+    if isinstance(reduction, NotReducible):
+        raise NotReducible(str(reduction))
+    if not reduction.is_finite:
+        raise NotReducible("the reduced equations leave the range of float64")
+    restarts = len(force.knots) - 1
+    if reduction.is_small and restarts:  # sums of modes may cancel at any of them
+        raise NotReducible(f"the force restarts at {counted(restarts, 'time')}")
+    if _is_stiff(reduction):
+        raise NotReducible(f"the stiffness spread is {reduction.spread:.0e}, the ratio of the fastest rate to the slowest")
+    if reduction.is_small:
+        if not proved and not reduction.is_well_separated:
+            raise NotReducible("the modes are not well separated")
+        if not proved and reduction.drives_unstable_part:
+            raise NotReducible("a part is one-way coupled to an unstable part")
+    return reduction
+
+
+def _is_stiff(reduction: Reduction) -> bool:
+    """Whether more digits are worth their time; eigenvalues are computed only where the number of states and a bound allow it."""
+    states = reduction.state_count
+    if not is_worthwhile(1 / EPS, states):  # float64 computes no larger spread
+        return False
+    return is_worthwhile(reduction.spread_bound, states) and is_worthwhile(reduction.spread, states)
+
+
+def satisfying(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> np.ndarray:
+    """Which of S starts satisfy the algebraic equations at 0-, with their derivative where mass or damping goes with it.
+
+    Args:
+        reduction: the reduced equations.
+        initial: shape (q, r, S).
+        force: makes no constrained coordinate jump later either, or none of the starts serves.
+
+    Returns:
+        Truth values, shape (S,).
+    """
+    constraining = reduction.algebraic
+    if not (len(constraining) and len(constraining := constraining[reduction.constraining])):
+        return np.ones(initial.shape[2], dtype=bool)
+    smooth = force.smooth
+    rows, columns = reduction.given[0][constraining], smooth.coefficients[constraining]
+    start, jumps, satisfied = smooth.start_at_zero[:, None], smooth.restarts.jumps[:, 1:], np.ones(initial.shape[2], dtype=bool)
+    for values in initial:
+        noise = noise_of(abs(rows) @ np.abs(values) + np.abs(columns) @ np.abs(start), len(values))
+        satisfied &= (np.abs(rows @ values - columns @ start) <= noise).all(axis=0) & (not (columns @ jumps).any())
+        columns = columns @ smooth.generator
+    return satisfied
+
+
+# Modes, powers or steps
+
+
+def evaluation_method(flow: Flow, shape: tuple[int, int], request: Request) -> tuple[str, str]:
+    """The name of the method that gives values of an output of this shape (r, n), and the reason.
+
+    Args:
+        flow: the reduced equations with start and force.
+        shape: (r, n) of the output.
+        request: with the times of this evaluation, if known.
+
+    Returns:
+        MODES, POWERS or STEPS, and a phrase.
+    """
+    reduction, times = flow.reduction, request.times
+    if reduction.is_small:
+        return MODES, f"by eigenvectors: {reduction.state_count} states are few"
+    modes = _modes_of(reduction)
+    if reduction.is_free:
+        return MODES, f"by {modes}, which separate the motion of a free body from all others: no rounding error moves it"
+    if request.evaluations == "many":
+        return MODES, f"by {modes}, which many evaluations share"
+    if times is None:
+        return MODES, f"by {modes}, and at even times by powers of e^(S h) where these cost less"
+    steps = _cost_of_steps(flow, shape, times)
+    powers = None if steps is not None else _cost_of_powers(flow, times)
+    if steps is None and powers is None:
+        what = f"the force restarts at {counted(len(flow.knots) - 1, 'time')}" if len(flow.knots) > 1 else "the times are not even"
+        return MODES, f"by {modes}: {what}"
+    name, text, cost = (
+        (STEPS, "steps from knot to knot of the force", steps) if powers is None else (POWERS, "powers of e^(S h)", powers)
+    )
+    limit = decomposition_cost(reduction)
+    compared = f"about {cost:.0f} products of matrices of {reduction.state_count} states, {modes} {limit:.0f}"
+    if cost <= limit:
+        return name, f"by {text}: they cost {compared}"
+    if powers is not None and cost <= decomposition_cost(reduction, by_topology=False) and reduction.topology_failed:
+        return name, f"by {text}: the modes of the sparse topology were not separable, and powers cost {compared}"
+    return MODES, f"by {modes}: {text} cost {compared}"
+
+
+def _cost_of_powers(flow: Flow, times: np.ndarray) -> float | None:
+    """Of e^(S h) and its use at even times 0, h, 2 h, ...; None where the times or the force do not allow it."""
+    step = even_step(times) if len(times) >= FEWEST_TIMES and times[0] == 0 and len(flow.knots) == 1 else None
+    return None if step is None else cost_of_powers(flow.reduction.state_count, len(times), flow.norm * step)
+
+
+def _cost_of_steps(flow: Flow, shape: tuple[int, int], times: np.ndarray) -> float | None:
+    """Of steps where the times are the first knots of the force, and these even; else None."""
+    knots, count = flow.knots, len(times)
+    if not FEWEST_KNOTS <= count <= len(knots) or not np.array_equal(times, knots[:count]):
+        return None
+    gaps = shared_gaps(times)
+    if (gaps != gaps[0]).any():
+        return None
+    return cost_of_exponential(flow.norm * gaps[0]) + cost_of_steps(*shape, flow.force.smooth.state_count, count)
+
+
+def decomposition_cost(reduction: Reduction, *, by_topology: bool = True) -> float:
+    """Of the modes of S, by its sparse topology if it has one; 0 where only modes serve: rounding errors of powers would move a free body.
+
+    Args:
+        reduction: the reduced equations.
+        by_topology: False for the cost without a sparse topology.
+
+    Returns:
+        In products of two matrices of the size of the states.
+    """
+    if reduction.is_free:
+        return 0.0
+    n = max(reduction.state_count, 1)
+    if by_topology and not reduction.is_symmetric and reduction.topology is not None:
+        return TOPOLOGY * (3 + 2 * reduction.topology.width) / 5 / n**1.5
+    large, small = (SYMMETRIC, SYMMETRIC_SMALL) if reduction.is_symmetric else (GENERAL, GENERAL_SMALL)
+    return large + small / n
+
+
+def _modes_of(reduction: Reduction) -> str:
+    """The computation of the modes, in words."""
+    if reduction.is_symmetric:
+        return "a symmetric eigenproblem"
+    return "the modes of a sparse topology" if reduction.topology is not None else "eigenvectors"

@@ -1,0 +1,408 @@
+"""A bound of the error of a small model's float64 values at each time, from the defect of the functions that give them.
+
+The modes give z = Z e^(J t) v, the Taylor series the solution of z' = G z; put into the equations as they were given,
+A(d/dt) P z - f, either leaves a residual. The response to it, and to the defect at t = 0, is the error of the answer. It is bounded
+entry by entry in the coordinates of the modes: a coupling that was lost, whatever its size, is in the residual of its row, and grows
+or decays with the mode that it drives. The residual is summed in extended precision where the machine has it.
+
+Variation of constants (Hairer, Norsett and Wanner, "Solving ordinary differential equations I", I.11), with the bound
+|e^(J t)| <= e^(a t) Q for each block of J; what is of second order in the residual is bounded by norms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...ground.tolerances import DIVISOR_CONDITION, EPS
+from ...linalg.arrays import full
+from ...linalg.blocks import block_matrix, block_slices
+from ...signals.bohl import BohlFunction
+from ..flow import Flow
+
+#: Rounding errors of a sum of modes in units of EPS, relative to the size of its terms, with and without clusters; and those of a
+#: mode for each radian.
+SUMMED, SUMMED_OF_CLUSTERS, TURNED = 4.0, 32.0, 1.0
+
+#: Errors of second order are bounded where those of first order change the modes by at most this.
+FIRST_ORDER = 0.05
+
+#: Sums in extended precision; where the machine has none their rounding errors are those of float64, and are counted so.
+Extended = np.longdouble
+UNIT = float(np.finfo(Extended).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class Defect:
+    """The error of the values of a flow.
+
+    Attributes:
+        flow: of a small model, without restarts of its force.
+        rounding: bounds of the rounding errors of A_0, A_1, ... themselves, shape (r, r) each; none where they are the data.
+    """
+
+    flow: Flow
+    rounding: tuple[np.ndarray, ...] = ()
+
+    def allows(self, place: np.ndarray, order: int, times: np.ndarray, allowed: np.ndarray) -> np.ndarray:
+        """At which times the errors of the derivative of this order of place @ z, by its modes, are surely as small as allowed.
+
+        Args:
+            place: shape (p, n + m).
+            order: of the derivative.
+            times: in s, shape (T,).
+            allowed: absolute errors, shape (T,).
+
+        Returns:
+            Truth values, shape (T,).
+        """
+        if self._modes is None or not times.size:
+            return allowed < 0
+        with np.errstate(all="ignore"):
+            return self._late(place, order, times, allowed)
+
+    # Sums of modes.
+
+    def _late(self, place, order, times, allowed) -> np.ndarray:
+        """Whether the errors of the sums of modes are as small as allowed."""
+        end = float(times.max())
+        constant, linear, rest = self._envelope(place, order, end)
+        rates = self._modes.rates
+        growth = np.exp(np.maximum(rates, 0.0) * end)
+        sure = (constant + end * linear) @ growth + rest * growth.max(initial=1.0) <= allowed
+        if sure.all() or not rest < np.inf:
+            return sure
+        at = np.flatnonzero(~sure)
+        decay = np.exp(np.multiply.outer(rates, times[at]))
+        sure[at] = constant @ decay + times[at] * (linear @ decay) + rest * growth.max(initial=1.0) <= allowed[at]
+        return sure
+
+    def _envelope(self, place, order: int, end: float) -> tuple[np.ndarray, np.ndarray, float]:
+        """b, c and d: the error at t <= end is at most the sum of (b + c t) e^(a t), a the rates, and d times the largest growth."""
+        modes, n, v = self._modes, len(self._own), self._modes.sizes
+        Q = modes.spread(end)
+        size = _folded(self._derived(place, order), None, modes.starts)
+        first, second, secular, most = modes.responses(self._folded_residual, Q, end)
+        start = Q[:n, :n] @ self._modal_start
+        driven, drifting = first @ v, secular @ v
+        changed = end * most[:, :n] + self._inexact
+        norm = changed.sum(axis=1).max(initial=0.0)
+        if not norm <= FIRST_ORDER:
+            return np.zeros(len(v)), np.zeros(len(v)), np.inf
+        amplitudes = start + driven + second @ v + end * drifting
+        rest = size[:, :n] @ (changed @ amplitudes + norm**2 / (1 - norm) * amplitudes.max(initial=0.0))
+        if order or len(self.flow.reduction.algebraic):
+            rest = rest + self._direct(place, order)
+        size, own = size.max(axis=0), size[:, :n].max(axis=0)
+        summed = EPS * size * (Q @ v)
+        constant = (SUMMED_OF_CLUSTERS if modes.clustered.any() else SUMMED) * summed + (own @ second) * v
+        linear = TURNED * summed * np.abs(modes.zeros) + (own @ secular) * v
+        constant[:n] += own * (start + driven)
+        linear[:n] += own * drifting
+        return constant, linear, float(rest.max(initial=0.0))
+
+    def _derived(self, place, order: int) -> np.ndarray:
+        C = self.flow.modal_output(place)
+        for _ in range(order):
+            C = C @ self._modes.J
+        return C
+
+    def _direct(self, place, order: int) -> np.ndarray:
+        """What the residual itself adds to derivatives, the sum of C J^(k - 1 - i) E J^i v, i < k, and to algebraic coordinates."""
+        n, right, total = len(self.flow.start), [self._largest], np.zeros(len(place))
+        if order:
+            left, steps = np.abs(self.flow.modal_output(place)[:, :n]), np.abs(self._modes.J)
+            for _ in range(order):
+                right.append(steps @ right[-1])
+            for vector in right[:-1][::-1]:
+                total, left = total + left @ (self._modal_residual @ vector), left @ steps[:n, :n]
+        algebraic, Y = self.flow.reduction.algebraic, np.abs(full(self.flow.reduction.Y))
+        through = np.abs(place).sum(axis=1).max(initial=1.0) * (Y @ (self._residual[algebraic] @ right[-1])).max(initial=0.0)
+        return total + through
+
+    @cached_property
+    def _own(self) -> np.ndarray:
+        """The rows of the bounds that belong to the states of A(s), by their first states."""
+        starts = self._modes.starts
+        return starts[: np.searchsorted(starts, len(self.flow.start))]
+
+    @cached_property
+    def _largest(self) -> np.ndarray:
+        """A bound of |e^(J t) v| e^(-a t) for each state of pairs and single zeros."""
+        modes = self._modes
+        return np.repeat(modes.stretch * modes.sizes, np.diff(np.append(modes.starts, len(modes.J))))
+
+    @cached_property
+    def _modes(self) -> Modes | None:
+        """None where a bound of e^(J t) is not known."""
+        return Modes.of(self.flow.states)
+
+    @cached_property
+    def _states(self) -> np.ndarray:
+        """Z."""
+        if not self.flow.force.smooth.state_count:
+            return self.flow.reduction.decoupled.basis
+        return self.flow.modal_output(np.eye(len(self.flow.start_with_force)))
+
+    @cached_property
+    def _residual(self) -> np.ndarray:
+        """Bounds of the residual of each mode in each row of A(s), shape (r, N)."""
+        return self._residual_of(self._states, self._modes.J)
+
+    def _residual_of(self, states: np.ndarray, generator: np.ndarray) -> np.ndarray:
+        """|A_0 P Z + A_1 P Z J + A_2 P Z J^2 - F Z_v| with its own rounding errors."""
+        flow, n = self.flow, len(self.flow.start)
+        given = [full(A) for A in flow.reduction.given]
+        A, x, step = np.concatenate(given, axis=1), full(flow.output) @ states, np.abs(generator)
+        columns, sizes = [x.astype(Extended)], [np.abs(x)]
+        for _ in given[1:]:
+            columns.append(_times(columns[-1], generator))
+            sizes.append(sizes[-1] @ step)
+        total, size = A.astype(Extended) @ np.concatenate(columns), np.abs(A) @ np.concatenate(sizes)
+        if len(states) > n:
+            F = flow.force.smooth.coefficients
+            total, size = total - F.astype(Extended) @ states[n:].astype(Extended), size + np.abs(F) @ np.abs(states[n:])
+        for copy, original in self._copies if states is self._states else ():
+            total[:, original] += total[:, copy]
+            size[:, original] += size[:, copy]
+            total[:, copy] = size[:, copy] = 0.0
+        bound = np.abs(total).astype(float) + (A.shape[1] + 6) * UNIT * size
+        return bound + np.concatenate(self.rounding, axis=1) @ np.concatenate(sizes) if self.rounding else bound
+
+    @cached_property
+    def _copies(self) -> list[tuple[slice, slice]]:
+        """States of the force that are evaluated together with a mode that they resonate with, and the same states alone."""
+        states, n = self.flow.states, len(self.flow.start)
+        places, v, copies = block_slices(states.blocks), states.start_at_zero, []
+        alone = [(block, at) for block, at in zip(states.blocks, places) if at.start >= n][: len(self.flow.force.smooth.blocks)]
+        for block, at in list(zip(states.blocks, places))[sum(at.start < n for at in places) + len(alone) :]:
+            for own, original in alone:
+                copy = slice(at.stop - len(own), at.stop)
+                if (
+                    len(block) > len(own)
+                    and np.array_equal(block[-len(own) :, -len(own) :], own)
+                    and np.array_equal(v[copy], v[original])
+                ):
+                    copies.append((copy, original))
+                    break
+        return copies
+
+    def _driven(self, left: np.ndarray, residual: np.ndarray, generator: np.ndarray) -> np.ndarray:
+        """|left B R|: what residuals (r, N) of all rows add to left @ w', those of algebraic rows through their derivatives."""
+        reduction, m = self.flow.reduction, len(self.flow.reduction.second)
+        M = np.linalg.inv(full(reduction.M))
+        parts, sizes, rows = left[:, m : 2 * m] @ M, np.abs(left[:, m : 2 * m]) @ np.abs(M), reduction.second
+        if len(reduction.first):
+            C = full(reduction.C)
+            inverse, between = np.linalg.inv(C[m:, m:]), C[:m, m:]
+            rates, size = (left[:, 2 * m :] - parts @ between) @ inverse, np.abs(left[:, 2 * m :]) + sizes @ np.abs(between)
+            parts, sizes = np.concatenate([parts, rates], axis=1), np.concatenate([sizes, size @ np.abs(inverse)], axis=1)
+            rows = np.concatenate([rows, reduction.first])
+        noise = len(left) * DIVISOR_CONDITION * EPS  # of the inverses
+        driven = (np.abs(parts) + noise * sizes) @ residual[rows]
+        if len(reduction.algebraic):
+            right, step, matrix = [residual[reduction.algebraic]], np.abs(generator), np.concatenate(reduction.through, axis=1)
+            for _ in reduction.given[1:]:
+                right.append(right[-1] @ step)
+            driven += (np.abs(parts @ matrix) + noise * (sizes @ np.abs(matrix))) @ np.concatenate(right)
+        return driven
+
+    @cached_property
+    def _modal_residual(self) -> np.ndarray:
+        """E = |X^-1 B R|, how the residual of each mode drives each mode, shape (n, N)."""
+        return self._driven(self._inverse, self._residual, self._modes.J)
+
+    @cached_property
+    def _folded_residual(self) -> np.ndarray:
+        return _folded(self._modal_residual, self._own, self._modes.starts)
+
+    @cached_property
+    def _modal_start(self) -> np.ndarray:
+        """|X^-1 (Z v - z)| at t = 0, folded; velocities are those of the displacements, Z J v."""
+        flow, n, m = self.flow, len(self.flow.start), len(self.flow.reduction.second)
+        states, v = self._states[:n].astype(Extended), flow.states.start_at_zero
+        sizes, step = np.abs(self._states[:n]), np.abs(self._modes.J)
+        states[m : 2 * m], sizes[m : 2 * m] = _times(states[:m], self._modes.J), sizes[:m] @ step
+        defect = np.abs((states @ v.astype(Extended) - flow.start).astype(float))
+        defect += (len(v) + 4) * UNIT * (sizes @ np.abs(v) + np.abs(flow.start))
+        if len(flow.reduction.algebraic):  # initial values satisfy algebraic equations to rounding errors
+            defect += 4 * EPS * np.abs(flow.initial).max(initial=0.0)
+        return np.hypot.reduceat(np.abs(self._inverse) @ defect, self._own)
+
+    @property
+    def _inverse(self) -> np.ndarray:
+        return self.flow.reduction.decoupled.inverse
+
+    @cached_property
+    def _inexact(self) -> np.ndarray:
+        """|X^-1 X - I| with the rounding errors of the product."""
+        basis, inverse = self.flow.reduction.decoupled.basis, self._inverse
+        n = len(basis)
+        return _folded(np.abs(inverse @ basis - np.eye(n)) + EPS * n * (np.abs(inverse) @ np.abs(basis)), self._own, self._own)
+
+    # The Taylor series.
+
+    def of_series(self, place: np.ndarray, order: int, times: np.ndarray) -> np.ndarray:
+        """A bound of the error of the same by the Taylor series of the flow.
+
+        Args:
+            place: shape (p, n + m).
+            order: of the derivative.
+            times: in s, shape (T,), none after the end of the series.
+
+        Returns:
+            Absolute errors, shape (T,).
+        """
+        start = self.flow.taylor_start(modal=True)
+        output, G = np.abs(place), np.abs(full(self.flow.generator))
+        for _ in range(order):
+            output = output @ G
+        exact, changed = self._early_series
+        counts = np.arange(exact.shape[1])
+        series = output @ (changed + EPS * (counts + len(G) + order + 2) * exact)
+        series[:, -1] += 2 * (output @ exact[:, -1])  # the terms that were left out
+        if order or len(self.flow.reduction.algebraic):
+            series[:, 0] += np.inf if self._modes is None else self._direct(place, order)
+        return series.max(axis=0) @ np.power.outer(start.unit * times, counts).T
+
+    @cached_property
+    def _early_series(self) -> tuple[np.ndarray, np.ndarray]:
+        """|G|^k |z| / k! and their changes by the residual of G, as columns, in the unit of time of the series."""
+        flow, start = self.flow, self.flow.taylor_start(modal=True)
+        G, n = full(flow.generator), len(flow.start)
+        step, change = np.abs(G) / start.unit, np.zeros_like(G)
+        change[:n] = self._driven(np.eye(n), self._residual_of(np.eye(len(G)), G), G) / start.unit
+        columns, changed = [np.abs(flow.start_with_force)], [np.zeros(len(G))]
+        if len(flow.reduction.algebraic):
+            changed[0][:n] = 4 * EPS * np.abs(flow.initial).max(initial=0.0)
+        for k in range(1, start.powers.shape[1]):
+            changed.append((step @ changed[-1] + change @ columns[-1]) / k)
+            columns.append(step @ columns[-1] / k)
+        return np.array(columns).T, np.array(changed).T
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """J and v with what bounds e^(J t) v. An oscillating pair is one row of the bounds, which has the norms of both of its states.
+
+    Attributes:
+        J: block diagonal, shape (N, N).
+        starts: the first state of each row of the bounds, shape (K,).
+        sizes: |v|, shape (K,), as all below.
+        zeros: an eigenvalue, of complex pairs the one above the real axis.
+        rates: the largest real part of the block of the row.
+        clustered: whether the row belongs to a block of several eigenvalues.
+        stretch: |e^(T t)| <= stretch e^(a t) for a pair T alone.
+        links: the sizes of the entries of J between rows, shape (K, K).
+    """
+
+    J: np.ndarray
+    starts: np.ndarray
+    sizes: np.ndarray
+    zeros: np.ndarray
+    rates: np.ndarray
+    clustered: np.ndarray
+    stretch: np.ndarray
+    links: np.ndarray | None
+
+    @classmethod
+    def of(cls, states: BohlFunction) -> Modes | None:
+        """Of e^(J t) v; None where a block is not quasi upper triangular, or has a pair of two real eigenvalues."""
+        if not states.blocks:
+            return None
+        zeros: list[complex] = []
+        starts, stretch, of_block, begin = [], [], [], 0
+        for number, block in enumerate(states.blocks):
+            entries, row, size = block.tolist(), 0, len(block)
+            while row < size:
+                a, pair = entries[row][row], row + 1 < size and entries[row + 1][row] != 0.0
+                starts.append(begin + row)
+                of_block.append(number)
+                if not pair:
+                    zeros.append(a)
+                    stretch.append(1.0)
+                else:
+                    up, down, half = entries[row][row + 1], entries[row + 1][row], (a - entries[row + 1][row + 1]) / 2
+                    square = -up * down - half**2
+                    if not square > 0:
+                        return None
+                    larger = (half**2 + (up**2 + down**2) / 2) / square  # (s^2 + 1 / s^2) / 2 of singular values s, 1 / s
+                    zeros.append(complex(a - half, square**0.5))
+                    stretch.append((larger + max(larger**2 - 1, 0.0) ** 0.5) ** 0.5)
+                row += 1 + pair
+            begin += size
+        J, at, first = block_matrix(states.blocks), np.array(starts), np.array(zeros, dtype=complex)
+        rates, clustered, links = first.real, np.zeros(len(at), dtype=bool), None
+        if len(at) > len(states.blocks):
+            if any(np.tril(block, -2).any() for block in states.blocks if len(block) > 2):
+                return None
+            links = _folded(np.triu(J, 1), at, at)
+            np.fill_diagonal(links, 0.0)
+            counts = np.bincount(of_block)
+            clustered, rates = counts[of_block] > 1, rates.copy()
+            for joined in np.flatnonzero(counts > 1):
+                rates[np.equal(of_block, joined)] = rates[np.equal(of_block, joined)].max()
+        sizes = np.hypot.reduceat(np.abs(states.start_at_zero), at)
+        return cls(J, at, sizes, first, rates, clustered, np.array(stretch), links)
+
+    def spread(self, end: float) -> np.ndarray:
+        """Q with |e^(J t)| <= e^(a t) Q for all t <= end."""
+        total = term = np.diag(self.stretch)
+        if self.clustered.any():
+            step = end * (term @ self.links)
+            for k in range(1, len(term)):
+                term = step @ term / k
+                if not term.any():
+                    break
+                total = total + term
+        return total
+
+    def responses(self, E: np.ndarray, Q: np.ndarray, end: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Y, Z, S and X: a term E e^(J t) v makes motions of at most (Y + t S) |v| e^(a t), a the rates of the rows, and
+        (Z + t S) |v| e^(b t), b those of the columns, and in any case of t X |v| times the larger one.
+
+        By the length of time, or by the difference of the eigenvalues: e^(T t) Y - Y e^(J t) with T Y - Y J = E.
+
+        Args:
+            E: shape (k, K), for the first rows.
+            Q: as ``spread``.
+            end: in s.
+
+        Returns:
+            Four arrays of this shape.
+        """
+        n = len(E)
+        distance = np.abs(np.subtract.outer(self.zeros[:n], self.zeros))
+        direct = self.stretch[:n, None] * E * self.stretch
+        if not self.clustered.any():
+            by_time = end * distance < 1
+            separate = np.where(by_time, 0.0, direct / distance)
+            return separate, separate, by_time * direct, direct
+        most, joined, separate = Q[:n, :n] @ E @ Q, self.stretch[:, None] * self.links, direct / distance
+        for _ in range(2 * len(joined)):
+            more = (direct + joined[:n, :n] @ separate + separate @ joined) / distance
+            if np.array_equal(more, separate, equal_nan=True):
+                break
+            separate = more
+        rows, columns = Q[:n, :n] @ separate, separate @ Q
+        by_time = ~(rows + columns < end * most)
+        return np.where(by_time, 0.0, rows), np.where(by_time, 0.0, columns), by_time * most, most
+
+
+def _folded(matrix: np.ndarray, rows: np.ndarray | None, columns: np.ndarray) -> np.ndarray:
+    """Norms of the parts of a matrix that begin at these rows, of each row alone for None, and columns."""
+    squares = np.add.reduceat(matrix * matrix, columns, axis=1)
+    return np.sqrt(squares if rows is None else np.add.reduceat(squares, rows, axis=0))
+
+
+def _times(x: np.ndarray, J: np.ndarray) -> np.ndarray:
+    """x @ J in extended precision, which has no fast products; most J have entries next to the diagonal only."""
+    if len(J) <= 12:
+        return x @ J.astype(Extended)
+    product = x * J.diagonal()
+    product[:, 1:] += x[:, :-1] * J.diagonal(1)
+    product[:, :-1] += x[:, 1:] * J.diagonal(-1)
+    rest = np.triu(J, 2) + np.tril(J, -2)
+    return product + x @ rest.astype(Extended) if rest.any() else product

@@ -1,0 +1,171 @@
+"""Values of small models that are right to ``PROVED_ACCURACY`` of their own size at each time, however the model is graded.
+
+The float64 values are kept at the times at which a bound of their error (``response.methods.defect``) allows it; all others come from the
+exact engine, poles and residues of A(s)^-1 in balls, as many digits as the value at that time needs. The choice depends on the
+problem and on the time alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...ground.checks import real_array, real_number, whole_number
+from ...ground.errors import SingularPolynomialMatrix
+from ...ground.tolerances import PROVED_ACCURACY
+from ...signals.bohl import BohlFunction
+from ...signals.restarts import Restarts
+from .defect import Defect
+
+if TYPE_CHECKING:
+    from ...exact.enclosure.exact_response import ExactResponse
+
+#: At more times than these the exact engine takes too long: a minute for ten states. The error estimate holds without it, too.
+MOST_TIMES = 50_000
+
+#: The exact engine is asked for so many times at once.
+AT_ONCE = 2048
+
+
+class ProvedFunction(BohlFunction):
+    """matrix @ x^(order) of a small model.
+
+    Attributes:
+        rough: the same in float64.
+        exact: returns the exact response that x belongs to.
+        order: of the derivative.
+        matrix: shape (p, r); None for x itself.
+        finite_count: the number of finite zeros of A(s).
+        defect: bounds the error of the float64 values; None where nothing does.
+    """
+
+    rough: BohlFunction
+    exact: Callable[[], ExactResponse]
+    finite_count: int
+    order: int
+    matrix: np.ndarray | None
+    defect: Defect | None
+
+    def __init__(self, rough: BohlFunction, exact, finite_count: int, defect: Defect | None, order: int = 0, matrix=None):
+        attributes = {
+            "rough": rough,
+            "exact": exact,
+            "finite_count": finite_count,
+            "defect": defect,
+            "order": order,
+            "matrix": matrix,
+        }
+        for name, value in attributes.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def coefficients(self) -> np.ndarray:
+        """C of C e^{J t} v."""
+        return self.rough.coefficients
+
+    @property
+    def blocks(self) -> tuple[np.ndarray, ...]:
+        """The diagonal blocks of J."""
+        return self.rough.blocks
+
+    @property
+    def start(self) -> np.ndarray | Restarts:
+        """v, or ``Restarts``."""
+        return self.rough.start
+
+    @property
+    def size(self) -> int:
+        """Number of rows."""
+        return self.rough.size
+
+    @property
+    def state_count(self) -> int:
+        """Number of states."""
+        return self.rough.state_count
+
+    @property
+    def summed_from(self) -> np.ndarray:
+        """As ``BohlFunction``."""
+        return self.rough.summed_from
+
+    @property
+    def is_provable(self) -> bool:
+        """Whether the exact data determine a motion of as many states; one that only rounding errors have is not the answer."""
+        try:
+            return self.exact().matrix.determinant.degree() == self.finite_count
+        except SingularPolynomialMatrix:
+            return False
+
+    def _values(self, times: np.ndarray) -> np.ndarray:
+        if self.defect is None or not self.size:
+            return self.proved(times)[0] if len(times) <= MOST_TIMES and self.is_provable else self.rough(times)
+        values = self.rough.by_modes(times)  # type: ignore[attr-defined]  # a defect is that of a FlowFunction
+        sure = self._surely(values, times)
+        if not sure.all():
+            doubtful = self._begun(values, times, np.flatnonzero(~sure))
+            if 0 < len(doubtful) <= MOST_TIMES and self.is_provable:
+                values[:, doubtful] = self.proved(times[doubtful])[0]
+        return values
+
+    def _surely(self, values: np.ndarray, times: np.ndarray) -> np.ndarray:
+        """At which times the sums of modes are right to ``PROVED_ACCURACY``."""
+        allowed = PROVED_ACCURACY * np.maximum(values.max(axis=0), -values.min(axis=0))
+        return self.defect.allows(self.rough.place, self.rough.order, times, allowed)  # type: ignore[attr-defined]
+
+    def _begun(self, values: np.ndarray, times: np.ndarray, doubtful: np.ndarray) -> np.ndarray:
+        """At the first of the doubtful times the Taylor series may be right: values by it, and what is still doubtful."""
+        start = self.defect.flow.taylor_start(modal=True)
+        early = doubtful[times[doubtful] < start.end]
+        if not len(early):
+            return doubtful
+        begun = values[:, early]
+        replace(start, bounds=None).replace(begun, times[early], self.rough.output, lambda: np.zeros(0))  # type: ignore[attr-defined]
+        values[:, early] = begun
+        bound = self.defect.of_series(self.rough.place, self.rough.order, times[early])  # type: ignore[attr-defined]
+        right = bound <= PROVED_ACCURACY * np.abs(values[:, early]).max(axis=0)
+        return np.setdiff1d(doubtful, early[right])
+
+    def proved(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values by the exact engine, shape (p, T), with bounds of their errors."""
+        exact = self.exact()
+        parts = [exact.rounded(times[k : k + AT_ONCE], self.order, self.matrix) for k in range(0, max(len(times), 1), AT_ONCE)]
+        return np.hstack([values for values, _ in parts]), np.hstack([errors for _, errors in parts])
+
+    def _with(self, rough: BohlFunction, order: int, matrix) -> ProvedFunction:
+        return ProvedFunction(rough, self.exact, self.finite_count, self.defect, order, matrix)
+
+    @cached_property
+    def _through(self) -> np.ndarray:
+        return np.eye(self.size) if self.matrix is None else self.matrix
+
+    def derivative(self, order: int = 1) -> BohlFunction:
+        """The classical derivative."""
+        order = whole_number(order, "order")
+        return self._with(self.rough.derivative(order), self.order + order, self.matrix) if order else self
+
+    def mapped(self, matrix) -> BohlFunction:
+        """matrix @ y(t), matrix of shape (p, r)."""
+        matrix = real_array(matrix, "matrix", shape=(None, self.size))
+        if self.matrix is not None:  # a product of matrices would be rounded
+            return self.rough.mapped(matrix)
+        return self._with(self.rough.mapped(matrix), self.order, matrix)
+
+    def rows(self, indices) -> BohlFunction:
+        """Some of its rows, in this order."""
+        indices = np.asarray(indices, dtype=int)
+        return self._with(self.rough.rows(indices), self.order, self._through[indices])
+
+    def __mul__(self, factor: float) -> BohlFunction:
+        factor = real_number(factor, "factor")
+        return self.mapped(factor * np.eye(self.size)) if self.matrix is None else self.rough * factor
+
+    __rmul__ = __mul__
+
+    def __add__(self, other: BohlFunction) -> BohlFunction:
+        return self.rough + (other.rough if isinstance(other, ProvedFunction) else other)
+
+    __radd__ = __add__

@@ -1,0 +1,245 @@
+"""The notices of a response: jumps, impulses, growth and doubtful decisions, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from itertools import islice
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..ground.notices import Notice, NoticeKind
+from ..ground.tolerances import EPS, PRECISE_STATES, noise_of, rounding_radius
+from ..linalg.blocks import zeros_of
+from ..linalg.exponential.block_exponential import block_states
+from ..signals.bohl import BohlFunction
+from ..signals.impulsive import ImpulsiveLoad
+from .events import Event
+
+if TYPE_CHECKING:
+    from .response import Response
+
+#: So many jumps and impulses after t = 0 are reported in a sentence each; the others are counted.
+MOST_LATER = 6
+
+#: How many singular values a notice about a rank decision lists, the smallest ones.
+LISTED_SINGULAR_VALUES = 4
+
+DERIVATIVE_NAMES = ("value", "velocity", "acceleration", "jerk")
+
+
+def response_notices(x: Response) -> tuple[Notice, ...]:
+    """Jumps, impulses, the notices of the force, growth, doubtful rank decisions and unsatisfied equations of a response."""
+    return (*_jumps(x), *_impulses(x), *_later(x), *x.force.notices, *x.solution.notices, *unsatisfied(x))
+
+
+def pair_notices(pairs) -> tuple[Notice, ...]:
+    """Zeros in the right half plane, rank decisions without a clear gap, pairs that do not invert A(s)."""
+    return (*_growth(pairs), *_rank(pairs), *_digits(pairs), *_residual(pairs))
+
+
+def _jumps(x: Response):
+    for order, row in enumerate(x.jump):
+        yield from _jump_sentences(x, order, row, x.initial[order], x.start[order], "t = 0")
+
+
+def _jump_sentences(x: Response, order, jump, before, after, when):
+    names = x.polynomial_matrix.coordinates
+    what = DERIVATIVE_NAMES[order] if order < len(DERIVATIVE_NAMES) else f"derivative {order}"
+    for i in np.flatnonzero(jump):
+        yield Notice(NoticeKind.JUMP, f"{names[i]}: its {what} jumps at {when} from {before[i]:.6g} to {after[i]:.6g}")
+
+
+def _impulses(x: Response, impulses=None, when: str = "t = 0"):
+    names = x.polynomial_matrix.coordinates
+    for order, row in enumerate(x.impulses if impulses is None else impulses):
+        for i in np.flatnonzero(row):
+            delta = "a Dirac impulse" if order == 0 else f"the derivative of order {order} of a Dirac impulse"
+            yield Notice(NoticeKind.IMPULSE, f"{names[i]}: {delta} at {when} of size {row[i]:.6g}")
+
+
+def _later(x: Response):
+    yield from first_and_count(lambda event: _event_sentences(x, event), x.events)
+
+
+def _event_sentences(x: Response, event: Event):
+    when = f"t = {event.time:.6g} s"
+    for order, row in enumerate(event.jump):
+        if row.any():
+            yield from _jump_sentences(x, order, row, *sides(x, event, order), when)
+    yield from _impulses(x, event.impulses, when)
+
+
+def sides(x: Response, event: Event, order: int) -> tuple[np.ndarray, np.ndarray]:
+    """x^(order) just before and just after an event; a remainder of a jump within its rounding error is zero.
+
+    Args:
+        x: the response.
+        event: one of its events.
+        order: of the derivative.
+
+    Returns:
+        The two limits, each of shape (r,).
+    """
+    after = x.derivative(order)(event.time)
+    before = after - event.jump[order]
+    noise = noise_of(np.abs(event.jump[order]))
+    return np.where(np.abs(before) <= noise, 0.0, before), np.where(np.abs(after) <= noise, 0.0, after)
+
+
+def first_and_count(sentences: Callable, *sources: Sequence[Event | ImpulsiveLoad]) -> Iterator[Notice]:
+    """The notices of the first events after t = 0, and one that counts the others.
+
+    Args:
+        sentences: the notices of one event, one for each of its jumps and impulses.
+        sources: sequences of events, each by ascending time.
+
+    Returns:
+        Notices.
+    """
+    events = sorted((event for events in sources for event in events), key=lambda event: event.time)
+    first = list(islice((notice for event in events for notice in sentences(event)), MOST_LATER))
+    yield from first
+    jumps, impulses = counts(events)
+    rest = jumps + impulses - len(first)
+    if rest > 0:
+        times = len({event.time for event in events})
+        yield Notice(
+            NoticeKind.JUMP if jumps else NoticeKind.IMPULSE,
+            f"after t = 0 there are {jumps} jumps and {impulses} impulses in all, at {times} times from "
+            f"t = {events[0].time:.6g} s to t = {events[-1].time:.6g} s",
+        )
+
+
+def counts(events: Sequence[Event | ImpulsiveLoad]) -> tuple[int, int]:
+    """How many numbers jump at events, and how many impulses there are."""
+    jumps = sum(np.count_nonzero(event.jump) for event in events if isinstance(event, Event))
+    return jumps, sum(np.count_nonzero(impulse) for event in events for impulse in event.impulses)
+
+
+def _growth(pairs):
+    zeros = pairs.finite.zeros
+    noise = noise_of(max((abs(zero.value) for zero in zeros), default=0.0))
+    return growth_notice(
+        np.array([z.value for z in zeros if z.value.real > max(rounding_radius(z.multiplicity) * abs(z.value), noise)])
+    )
+
+
+def growth_notice(growing: np.ndarray) -> tuple[Notice, ...]:
+    """The notice of eigenvalues in the right half plane, of each complex pair one."""
+    if not len(growing):
+        return ()
+    text = f"{len(growing)} zero(s) in the right half plane: the motion grows, fastest like e^({growing.real.max():.6g} t)"
+    return (Notice(NoticeKind.UNSTABLE, text),)
+
+
+def _rank(pairs):
+    for decision in pairs.form.decisions:
+        if not decision.clear:
+            yield Notice(
+                NoticeKind.RANK,
+                f"a rank decision has no clear gap: the smallest value kept is {decision.smallest_kept:.3g} times, the largest "
+                f"dropped {decision.largest_dropped:.3g} times its rounding noise; rank {decision.rank} was decided; smallest "
+                f"singular values of the scaled matrix: {_few(decision.singular_values)}. Give rank_tolerance to decide otherwise",
+                doubtful=True,
+            )
+
+
+def _digits(pairs):
+    states = pairs.form.companion.state_count
+    stiff = any(factors is not None for factors in pairs.polynomial_matrix.factors)
+    if stiff and not pairs.form.companion.is_precise:
+        yield Notice(
+            NoticeKind.ACCURACY,
+            f"elements of very different stiffness were assembled in float64: with {states} states, more than {PRECISE_STATES}, they "
+            "are not solved with more digits, and the softest may have lost theirs",
+            doubtful=True,
+        )
+
+
+def _few(values) -> str:
+    return ", ".join(f"{value:.3g}" for value in values[-LISTED_SINGULAR_VALUES:])
+
+
+def _residual(pairs):
+    residual = next(item.value for item in pairs.evidence if item.name == "residual")
+    if not residual <= EPS**0.5:
+        yield Notice(NoticeKind.ACCURACY, f"the pairs do not invert A(s): relative residual {residual:.2g}", doubtful=True)
+
+
+# The residual of each equation, relative to its own terms: what was lost in a row of small numbers shows, however large others are.
+
+#: So many equations and starting values that are not satisfied are reported in a sentence each.
+MOST_UNSATISFIED = 4
+
+#: Times of the motion at which equations are tested, after each of some knots of the force.
+TESTED_TIMES, TESTED_KNOTS = 8, 4
+
+#: They are within this range, in s.
+TESTED_RANGE = float(np.finfo(float).tiny) ** 0.5, float(np.finfo(float).max) ** 0.5
+
+
+def unsatisfied(x: Response) -> Iterator[Notice]:
+    """The equations A(d/dt) x = f and the values at 0+ that the solution does not satisfy to half of the digits.
+
+    Args:
+        x: the response; one of many states that are not decoupled is tested at 0+ only.
+
+    Returns:
+        Doubtful notices, each with the residual, and the terms that it is relative to. What rounding errors of the sum of modes may
+        cause is none: the error estimate has these.
+    """
+    A = x.polynomial_matrix
+    with np.errstate(all="ignore"):  # what is not finite is not tested
+        times, derivatives, states, rate = x.solution.sums(A.degree + 1)
+        loads, sizes = x.force(times), [np.abs(rows @ states).max(axis=0, initial=0.0) for rows in derivatives]
+        largest = np.max([size / rate**order for order, size in enumerate(sizes)], axis=0)
+        residual, terms, noise = -loads, np.abs(loads), noise_of(np.abs(loads))
+        starts = []
+        for order, (rows, coefficient, uncertainty) in enumerate(zip(derivatives, A.coefficients, A.uncertainty)):
+            values, size = rows @ states, abs(rows) @ np.abs(states)
+            rounding = noise_of(size, len(states))
+            if order < A.degree:
+                starts.append((values[:, 0] - x.start[order], np.abs(x.start[order]), rounding[:, 0]))
+            own, moving = np.abs(coefficient), np.abs(values) > noise_of(largest * rate**order, len(states))
+            residual, terms = residual + coefficient @ values, terms + own @ np.where(moving, np.abs(values), 0.0)
+            noise = noise + own @ rounding + (uncertainty + (x.problem.rank_tolerance or 0.0) * own) @ np.abs(values)
+        broken = (np.abs(residual) > np.maximum(EPS**0.5 * terms, noise)) & (terms > 0)
+        lost = [(np.abs(off) > np.maximum(EPS**0.5 * size, rounding)) & (size > 0) for off, size, rounding in starts]
+    texts = [
+        f'equation "{A.equations[row]}" is not satisfied: at t = {times[at]:.6g} s its left side less the force is '
+        f"{residual[row, at]:.3g}, its terms add up to {terms[row, at]:.3g}"
+        for row, at in ((row, int(broken[row].argmax())) for row in np.flatnonzero(broken.any(axis=1)))
+    ]
+    texts += [
+        f"{A.coordinates[i]}: derivative {order} is off by {off[i]:.3g} at 0+, where it is {size[i]:.3g}"
+        for order, ((off, size, _), rows) in enumerate(zip(starts, lost))
+        for i in np.flatnonzero(rows)
+    ]
+    for text in texts[:MOST_UNSATISFIED]:
+        yield Notice(NoticeKind.ACCURACY, text, doubtful=True)
+    if len(texts) > MOST_UNSATISFIED:
+        yield Notice(NoticeKind.ACCURACY, f"so are {len(texts) - MOST_UNSATISFIED} others", doubtful=True)
+
+
+def modal_sums(function: BohlFunction, count: int) -> tuple[np.ndarray, list[np.ndarray], np.ndarray, float]:
+    """Rows and states whose products are x, x', ... from the fastest to the slowest motion after the first and last knots.
+
+    Args:
+        function: x as a sum of modes.
+        count: how many derivatives.
+
+    Returns:
+        Times (T,), rows (r, n) for each derivative, states (n, T), and the rate of the fastest motion in 1/s.
+    """
+    rates = np.abs(zeros_of(function.blocks))
+    moving = rates[rates > 0]
+    rate = float(moving.max(initial=0.0)) or 1.0
+    first, last = np.clip([0.1 / rate, 10.0 / moving.min(initial=np.inf if moving.size else 1.0)], *TESTED_RANGE)
+    knots = function.restarts.knots
+    knots = np.unique(np.concatenate([knots[:TESTED_KNOTS], knots[-TESTED_KNOTS:]]))
+    times = np.unique(np.add.outer(knots, np.append(0.0, np.geomspace(first, last, TESTED_TIMES))))
+    piece, since = function.restarts.located(times)
+    states = block_states(function.blocks, function.restarts.states[:, piece], since)
+    rows = [function.derivative(order).coefficients for order in range(count)]
+    return times, rows, states, rate

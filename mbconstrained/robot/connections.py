@@ -1,0 +1,245 @@
+"""Connections of two bodies of a robot besides its joints: loop closures, springs, bushings; and motions of points.
+
+A connection is a function of the pose of a frame on the second body relative to a frame on the first,
+
+    phi = [R1^T (p2 - p1); log(R1^T R2)]        (m; rad, a rotation vector)
+
+A loop constrains rows of phi to zero; springs and bushings have an energy of phi.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from ..ground.checks import nearest, real_array, real_number
+from ..ground.errors import InputError
+
+LoopKind = Literal["point", "rigid", "hinge"]
+Vector = Sequence[float]
+
+AXES = ("x", "y", "z", "rx", "ry", "rz")
+_NOWHERE = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Connection:
+    """The base of all connections: two frames, each fixed in a body.
+
+    Attributes:
+        body1, body2: names of links, or "ground".
+        point1, point2: origins of the frames in their links (m); point2 None: where the first frame lies at the guess
+            from which the equilibrium is sought, with the same directions, before loops are closed.
+        rotation1, rotation2: directions of the frames in their links: roll, pitch, yaw (rad) as in a URDF.
+        name: for messages and results; made from the bodies when not given.
+    """
+
+    body1: str
+    point1: Vector
+    body2: str
+    point2: Vector | None = None
+    rotation1: Vector = field(default=_NOWHERE, kw_only=True)
+    rotation2: Vector = field(default=_NOWHERE, kw_only=True)
+    name: str | None = field(default=None, kw_only=True)
+
+    word = "connection"
+
+    def __post_init__(self):
+        for key in ("body1", "body2"):
+            if not isinstance(getattr(self, key), str):
+                raise InputError(f'{self.word}: {key}: found {getattr(self, key)!r}; expected the name of a link, or "ground"')
+        self._set("name", str(self.name) if self.name is not None else f"{self.body1}-{self.body2}")
+        for key in ("point1", "rotation1", "rotation2", *(["point2"] if self.point2 is not None else [])):
+            self._set_vector(key)
+        if self.point2 is None and any(self.rotation2):
+            raise InputError(f"{self.label}: found rotation2 without point2; give both, or neither")
+        if self.body1 == self.body2:
+            raise InputError(f'{self.label}: both ends are on "{self.body1}"; name two bodies')
+
+    @property
+    def turning(self) -> bool:
+        """Whether the connection depends on the rotation of its frames."""
+        return True
+
+    @property
+    def label(self) -> str:
+        """The connection in a message."""
+        return f'{self.word} "{self.name}"'
+
+    def _set(self, key: str, value) -> None:
+        object.__setattr__(self, key, value)  # a frozen dataclass
+
+    def _set_vector(self, key: str, **limits) -> None:
+        vector = real_array(getattr(self, key), f"{self.label}: {key}", shape=(3,))
+        for entry in vector:
+            real_number(entry, f"{self.label}: {key.replace('_', ' ')}", **limits)
+        self._set(key, tuple(vector.tolist()))
+
+
+@dataclass(frozen=True)
+class Loop(Connection):
+    """A joint that closes a loop: rows of phi (see the module) constrained to 0.
+
+    Attributes:
+        kind: "point": the points coincide (3 rows); "rigid": the frames coincide (6 rows); "hinge": they coincide but for
+            a turn about the axis (5 rows).
+        axis: of a hinge, in the frame on body1 and the same in that on body2; of any length but zero.
+
+    The multiplier of a row is the force (N) or torque (N m) on body2, against that on body1, in the frame on body1; torques
+    of a hinge that turns are in the frame half-way between the two.
+
+    >>> Loop("coupler", (0.5, 0, 0), "rocker", (0.4, 0, 0)).name
+    'coupler-rocker'
+    """
+
+    kind: LoopKind = "point"
+    axis: Vector = (0.0, 0.0, 1.0)
+
+    word = "loop"
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.kind not in (kinds := ("point", "rigid", "hinge")):
+            raise InputError(f"{self.label}: found the kind {self.kind!r}{nearest(self.kind, kinds)}; expected {', '.join(kinds)}")
+        self._set_vector("axis")
+        largest = max(map(abs, self.axis))
+        if not largest:
+            raise InputError(f"{self.label}: axis: found 0, 0, 0; expected a direction")
+        axis = np.array(self.axis) / largest
+        self._set("axis", tuple((axis / np.linalg.norm(axis)).tolist()))
+
+    @property
+    def turning(self) -> bool:
+        """Whether the connection depends on the rotation of its frames."""
+        return self.kind != "point"
+
+    @property
+    def rows(self) -> np.ndarray:
+        """The combinations of phi that are constrained to 0, shape (3, 6), (5, 6) or (6, 6)."""
+        if self.kind != "hinge":
+            return np.eye(6)[: 3 if self.kind == "point" else 6]
+        across = np.linalg.svd(np.array([self.axis]))[2][1:]
+        nonzero = np.abs(self.axis) > 0
+        if nonzero.sum() == 1:
+            across = np.eye(3)[~nonzero]
+        return np.block([[np.eye(3), np.zeros((3, 3))], [np.zeros((2, 3)), across]])
+
+    @property
+    def row_names(self) -> tuple[str, ...]:
+        """One name for each row."""
+        across = [axis for axis, part in zip(AXES[3:], self.axis) if not part]
+        turns = {"point": (), "rigid": AXES[3:], "hinge": across if len(across) == 2 else ("turn 1", "turn 2")}[self.kind]
+        return tuple(f"{self.name} {axis}" for axis in (*AXES[:3], *turns))
+
+    @property
+    def row_units(self) -> tuple[str, ...]:
+        """The unit of each row."""
+        return ("m",) * 3 + ("rad",) * (len(self.rows) - 3)
+
+
+@dataclass(frozen=True)
+class BodySpring(Connection):
+    """A spring with a parallel damper along the line between two points: tension k (l - l0) + c l'.
+
+    Attributes:
+        stiffness: k (N/m).
+        rest_length: l0 (m).
+        preload: instead of it, the tension at the guess (N), negative for a spring under pressure. Without either there is
+            no force at the guess.
+        damping: c (N s/m).
+
+    >>> BodySpring("slider", (0, 0, 0), "ground", (1, 0, 0), stiffness=300.0, rest_length=0.4).stiffness
+    300.0
+    """
+
+    stiffness: float = 0.0
+    rest_length: float | None = None
+    preload: float | None = None
+    damping: float = 0.0
+
+    word = "spring"
+
+    @property
+    def turning(self) -> bool:
+        """Whether the connection depends on the rotation of its frames."""
+        return False
+
+    def __post_init__(self):
+        super().__post_init__()
+        self._set("stiffness", real_number(self.stiffness, f"{self.label}: stiffness", minimum=0.0))
+        self._set("damping", real_number(self.damping, f"{self.label}: damping", minimum=0.0))
+        if self.rest_length is not None:
+            self._set("rest_length", real_number(self.rest_length, f"{self.label}: rest length", minimum=0.0))
+        if self.preload is not None:
+            self._set("preload", real_number(self.preload, f"{self.label}: preload"))
+        if self.rest_length is not None and self.preload is not None:
+            raise InputError(f"{self.label}: found both rest_length and preload; give one of them")
+        if self.point2 is None:
+            raise InputError(f"{self.label}: point2 is missing; a spring needs the point on {self.body2} that it ends at")
+        if self.preload and not self.stiffness:
+            raise InputError(f"{self.label}: found a preload but no stiffness; give a stiffness greater than zero")
+
+
+@dataclass(frozen=True)
+class Bushing(Connection):
+    """Springs and dampers in all directions between two frames: forces and torques K phi + D phi' (see the module).
+
+    Attributes:
+        stiffness, turning_stiffness: along and about the axes of the frame on body1 (N/m, N m/rad).
+        damping, turning_damping: the same (N s/m, N m s/rad).
+
+    >>> Bushing("foot", (0, 0, 0), "ground", stiffness=(1e4, 1e4, 1e5)).stiffness
+    (10000.0, 10000.0, 100000.0)
+    """
+
+    stiffness: Vector = _NOWHERE
+    turning_stiffness: Vector = _NOWHERE
+    damping: Vector = _NOWHERE
+    turning_damping: Vector = _NOWHERE
+
+    word = "bushing"
+
+    def __post_init__(self):
+        super().__post_init__()
+        for key in ("stiffness", "turning_stiffness", "damping", "turning_damping"):
+            self._set_vector(key, minimum=0.0)
+
+
+@dataclass(frozen=True)
+class PointMotion:
+    """The displacement of a point of a body along a direction that is fixed in space, or its rotation about it.
+
+    As an output it is that displacement (m) or small rotation (rad), as an input the force (N) or torque (N m) that works
+    along it, which keeps its direction while the body turns.
+
+    Attributes:
+        body: a link.
+        point: in the link's frame (m).
+        along: the direction, in the directions of the ground; of any length but zero.
+        turn: whether rotation and torque are meant.
+
+    >>> PointMotion("tip", along=(0, 0, 2)).along
+    (0.0, 0.0, 1.0)
+    """
+
+    body: str
+    point: Sequence[float] = (0.0, 0.0, 0.0)
+    along: Sequence[float] = (1.0, 0.0, 0.0)
+    turn: bool = False
+
+    def __post_init__(self):
+        if not isinstance(self.body, str):
+            raise InputError(f"point: found the body {self.body!r}; expected the name of a link")
+        if not isinstance(self.turn, bool):
+            raise InputError(f'point of "{self.body}": turn: found {self.turn!r}; expected True or False')
+        where = f'point of "{self.body}"'
+        point = real_array(self.point, f"{where}: point", shape=(3,))
+        along = real_array(self.along, f"{where}: along", shape=(3,))
+        length = np.linalg.norm(along)
+        if not 0 < length < np.inf:
+            raise InputError(f"{where}: along: found {self.along}; expected a direction")
+        object.__setattr__(self, "point", tuple(point.tolist()))
+        object.__setattr__(self, "along", tuple((along / length).tolist()))

@@ -1,0 +1,319 @@
+"""URDF texts, checked before pinocchio reads them, so that errors name the element and the remedy.
+
+A URDF is data: nothing in it is executed or fetched. Mesh files are not opened here (``visuals``).
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from ...ground.checks import nearest
+from ...ground.coordinate_units import GROUND
+from ...ground.errors import InputError
+
+LARGEST_URDF = 5_000_000  # bytes; the URDF of a humanoid has a few hundred thousand
+MOST_LINKS = 2_000
+
+_JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+
+
+def read_urdf(source: str | Path) -> tuple[str, Path | None]:
+    """The XML text, and the folder of the file if it was one.
+
+    Raises:
+        InputError: no such file, too large, not text.
+    """
+    if isinstance(source, str) and "<" in source:
+        return source, None
+    if not isinstance(source, (str, Path)):
+        raise InputError(f"urdf: found {type(source).__name__}; expected the path of a .urdf file, or its text")
+    path = Path(source)
+    try:
+        if path.stat().st_size > LARGEST_URDF:
+            raise InputError(f"{path.name}: the file has {path.stat().st_size:,} bytes; at most {LARGEST_URDF:,} are read")
+        return path.read_text("utf-8-sig"), path.parent
+    except FileNotFoundError:
+        others = [other.name for other in path.parent.glob("*.urdf")] if path.parent.is_dir() else []
+        raise InputError(f"{path}: there is no such URDF file{nearest(path.name, others)}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path.name}: not a text file in UTF-8") from None
+    except InputError:
+        raise
+    except (OSError, ValueError) as problem:
+        raise InputError(f"urdf: the file cannot be read ({getattr(problem, 'strerror', None) or problem})") from None
+
+
+def checked_tree(text: str) -> ElementTree.Element:
+    """The element <robot> with checked names, joint types and tree; ``skeleton`` checks the numbers.
+
+    Raises:
+        InputError: not XML, entities, no robot, names used twice, unknown links, loops, kinds of joints that do not exist.
+    """
+    if re.search(r"<!(DOCTYPE|ENTITY)", text, re.IGNORECASE):
+        raise InputError("urdf: found a document type or an entity; a URDF has none, take it out")
+    try:
+        root = ElementTree.fromstring(text.encode(), ElementTree.XMLParser(encoding="utf-8"))  # whatever it declares
+    except (ElementTree.ParseError, ValueError) as problem:
+        raise InputError(f"urdf: not XML ({problem})") from None
+    if root.tag != "robot":
+        raise InputError(f"urdf: found <{short(root.tag)}>; expected <robot>")
+    if not root.findall("link"):
+        raise InputError("urdf: found no <link>; a robot needs at least one")
+    if (count := len(root.findall("link"))) > MOST_LINKS:
+        raise InputError(f"urdf: found {count:,} links; at most {MOST_LINKS:,} are read")
+    links = _names(root, "link")
+    if GROUND in links:
+        raise InputError(f'urdf: a link is named "{GROUND}", which here is what does not move; choose another name')
+    _names(root, "joint")
+    children = [_check_joint(joint, set(links)) for joint in root.findall("joint")]
+    _check_tree(children, links)
+    return root
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint that follows another: q_follower = multiplier q_leader + offset; a leader that is fixed stays at 0."""
+
+    follower: str
+    leader: str
+    multiplier: float
+    offset: float
+    leader_is_fixed: bool = False
+
+
+def mimics_of(root: ElementTree.Element) -> tuple[Mimic, ...]:
+    """The joints that follow others.
+
+    Raises:
+        InputError: an unknown leader, or one that follows another joint; invalid numbers.
+    """
+    joints, mimics = {joint.get("name"): joint for joint in root.findall("joint")}, []
+    for name, joint in joints.items():
+        if (mimic := joint.find("mimic")) is None or joint.get("type") == "fixed":
+            continue
+        where, leader = f'urdf, joint "{short(name)}", mimic', mimic.get("joint", "")
+        if leader not in joints or joints[leader].find("mimic") is not None:
+            raise InputError(f'{where}: found "{short(leader)}"{nearest(leader, joints)}; expected a joint that follows no other')
+        kinds = joint.get("type"), joints[leader].get("type")
+        if several := [kind for kind in kinds if kind in ("planar", "floating")]:
+            raise InputError(f"{where}: found a {several[0]} joint; only joints with one degree of freedom can follow or lead")
+        numbers = [number(mimic.get(key, usual), f"{where}, {key}") for key, usual in (("multiplier", "1"), ("offset", "0"))]
+        mimics.append(Mimic(str(name), leader, *numbers, leader_is_fixed=kinds[1] == "fixed"))
+    return tuple(mimics)
+
+
+def _names(root, tag: str) -> list[str]:
+    names = [str(element.get("name", "")) for element in root.findall(tag)]
+    for name, count in Counter(names).items():
+        if not name or name != name.strip():
+            raise InputError(
+                f'urdf: found a <{tag}> with the name "{short(name)}"; expected one that begins and ends with a letter'
+            )
+        if count > 1:
+            raise InputError(f'urdf: two elements <{tag}> are named "{short(name)}"; names must differ')
+    return names
+
+
+def _check_joint(joint, links: set[str]) -> tuple[str, str]:
+    """Parent and child of a joint."""
+    where = f'urdf, joint "{short(joint.get("name"))}"'
+    if joint.get("type") not in _JOINT_TYPES:
+        kind = short(joint.get("type"))
+        raise InputError(f'{where}: found the type "{kind}"{nearest(kind, _JOINT_TYPES)}; expected {", ".join(_JOINT_TYPES)}')
+    ends = []
+    for tag in ("parent", "child"):
+        element = joint.find(tag)
+        name = "" if element is None else element.get("link", "")
+        if name not in links:
+            raise InputError(f'{where}: its {tag} is "{short(name)}", which is no link{nearest(name, links)}')
+        ends.append(name)
+    return ends[0], ends[1]
+
+
+def _check_tree(ends: list[tuple[str, str]], links: list[str]) -> None:
+    """Check that exactly one path leads from one link, the base, to each other link."""
+    twice = [child for child, count in Counter(child for _, child in ends).items() if count > 1]
+    if twice:
+        raise InputError(
+            f'urdf: the link "{short(twice[0])}" is the child of two joints; a URDF is a tree: keep one, and close the loop with '
+            "mb.Loop"
+        )
+    children = {child for _, child in ends}
+    roots = [name for name in links if name not in children]
+    if len(roots) > 1:
+        names = ", ".join(f'"{short(name)}"' for name in roots[:3])
+        raise InputError(f"urdf: {len(roots)} links have no parent ({names}); expected one, the base")
+    reached = set(roots)
+    while more := {child for parent, child in ends if parent in reached} - reached:
+        reached |= more
+    if rest := [name for name in links if name not in reached]:
+        names = ", ".join(f'"{short(name)}"' for name in rest[:3])
+        raise InputError(f"urdf: the joints of {names} go round in a circle; a URDF is a tree: close loops with mb.Loop")
+
+
+#: Range of the numbers of a URDF in SI units: their squares stay within the range of float64.
+LEAST, LARGEST = 1e-100, 1e100
+
+
+def number(text, where: str, minimum: float | None = None) -> float:
+    """One number, 0 or of a size from LEAST to LARGEST.
+
+    Args:
+        text: of the attribute.
+        where: its place, for messages.
+        minimum: the least value.
+
+    Returns:
+        The number.
+
+    >>> number(" 2.5 ", "mass")
+    2.5
+
+    Raises:
+        InputError: not a number, too large, too small or below the minimum.
+    """
+    return numbers(text, 1, where, minimum)[0]
+
+
+def numbers(text, count: int, where: str, minimum: float | None = None) -> list[float]:
+    """A given count of numbers between blanks.
+
+    Args:
+        text: of the attribute.
+        count: how many there must be.
+        where: its place, for messages.
+        minimum: the least value of each.
+
+    Returns:
+        The numbers.
+
+    >>> numbers("0 0 -9.81", 3, "xyz")
+    [0.0, 0.0, -9.81]
+    """
+    try:
+        values = [float(part) for part in str(text).split()]
+    except ValueError:
+        values = []
+    if len(values) != count:
+        raise InputError(f"{where}: found {short(text)!a}; expected {f'{count} numbers' if count > 1 else 'a number'}")
+    for value in values:
+        if value and not LEAST <= abs(value) <= LARGEST:  # false for what is not finite, too
+            raise InputError(f"{where}: found {value:g}; expected 0 or a size between {LEAST:g} and {LARGEST:g}")
+        if minimum is not None and value < minimum:
+            raise InputError(f"{where}: found {value:g}; expected at least {minimum:g}")
+    return values
+
+
+def short(text) -> str:
+    """A text as it is quoted in a message: printable and never long."""
+    text = "".join(c if c.isprintable() else "?" for c in str(text))
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+# The parser of pinocchio replaces an inertia that it cannot read by none; the skeleton that it gets here contains checked
+# masses and joints alone, without shapes.
+
+_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+#: A moment of inertia about an axis may be negative by this share of the largest one: rounded data.
+ROUNDED = 1e-6
+
+_UNLIMITED = ("continuous", "fixed", "floating", "planar")
+
+
+def skeleton(robot: Element) -> str:
+    """The XML text of a robot with masses and joints alone, every number checked.
+
+    Raises:
+        InputError: invalid numbers, impossible masses or inertias, axes without a direction.
+    """
+    tree = Element("robot", name=str(robot.get("name") or "robot"))
+    for link in robot.findall("link"):
+        copy = SubElement(tree, "link", name=link.get("name"))
+        if (inertial := link.find("inertial")) is not None:
+            _copy_inertial(copy, inertial, f'urdf, link "{short(link.get("name"))}"')
+    for joint in robot.findall("joint"):
+        _copy_joint(tree, joint, f'urdf, joint "{short(joint.get("name"))}"')
+    return ElementTree.tostring(tree, encoding="unicode")
+
+
+def link_masses(robot: Element) -> dict[str, float]:
+    """Masses by link (kg), of those that have one."""
+    elements = {link.get("name"): link.find("inertial/mass") for link in robot.findall("link")}
+    return {name: number(mass.get("value"), "mass") for name, mass in elements.items() if mass is not None}
+
+
+def _copy_inertial(link: Element, inertial: Element, where: str) -> None:
+    mass, inertia = inertial.find("mass"), inertial.find("inertia")
+    if mass is None or inertia is None:
+        missing = "mass" if mass is None else "inertia"
+        raise InputError(f"{where}, inertial: found no <{missing}>; give it, with zeros where there is none")
+    copy = SubElement(link, "inertial")
+    _copy_origin(copy, inertial, where)
+    SubElement(copy, "mass", value=_text([number(mass.get("value"), f"{where}, mass", minimum=0.0)]))
+    moments = {key: number(inertia.get(key), f"{where}, inertia, {key}") for key in _MOMENTS}
+    _check_moments(moments, where)
+    SubElement(copy, "inertia", {key: _text([value]) for key, value in moments.items()})
+
+
+def _check_moments(moments: dict[str, float], where: str) -> None:
+    tensor = np.zeros((3, 3))
+    tensor[np.triu_indices(3)] = list(moments.values())
+    least, *_, largest = np.linalg.eigvalsh(tensor + np.triu(tensor, 1).T)
+    if least < -ROUNDED * abs(largest):
+        raise InputError(f"{where}, inertia: the moment of inertia about some axis is {least:.3g} kg m^2; expected 0 or more")
+
+
+def _copy_joint(robot: Element, joint: Element, where: str) -> None:
+    kind = joint.get("type")
+    copy = SubElement(robot, "joint", name=joint.get("name"), type=kind)
+    for tag in ("parent", "child"):
+        SubElement(copy, tag, link=joint.find(tag).get("link"))
+    _copy_origin(copy, joint, where)
+    if kind not in ("fixed", "floating"):
+        SubElement(copy, "axis", xyz=_text(_axis(joint, where)))
+    if kind not in _UNLIMITED:
+        SubElement(copy, "limit", {key: _text([value]) for key, value in _limits(joint, where).items()})
+    if (dynamics := joint.find("dynamics")) is not None:
+        values = {key: number(dynamics.get(key, "0"), f"{where}, {key}", minimum=0.0) for key in ("damping", "friction")}
+        SubElement(copy, "dynamics", {key: _text([value]) for key, value in values.items()})
+
+
+def _copy_origin(parent: Element, element: Element, where: str) -> None:
+    if (origin := element.find("origin")) is not None:
+        SubElement(
+            parent, "origin", {key: _text(numbers(origin.get(key, "0 0 0"), 3, f"{where}, {key}")) for key in ("xyz", "rpy")}
+        )
+
+
+def _axis(joint: Element, where: str) -> list[float]:
+    """The axis, x where none is given."""
+    axis = joint.find("axis")
+    direction = numbers("1 0 0" if axis is None else axis.get("xyz", ""), 3, f"{where}, axis")
+    if not any(direction):
+        raise InputError(f"{where}, axis: found 0 0 0; expected a direction")
+    if joint.get("type") == "planar" and (any(direction[:2]) or direction[2] < 0):  # pinocchio does not look at it
+        raise InputError(f'{where}, axis: found {_text(direction)}; expected "0 0 1" of a planar joint: turn its origin instead')
+    return direction
+
+
+def _limits(joint: Element, where: str) -> dict[str, float]:
+    """Limits; those that are left out are 0, and a joint whose limits both are 0 has none."""
+    limit = joint.find("limit")
+    keys = ("lower", "upper", "effort", "velocity")
+    values = {key: number("0" if limit is None else limit.get(key, "0"), f"{where}, limit, {key}") for key in keys}
+    low, high = values["lower"], values["upper"]
+    if low > high or low == high != 0:
+        raise InputError(f"{where}, limit: found lower {low:g} and upper {high:g}; expected lower below upper, or lock the joint")
+    return values
+
+
+def _text(values: list[float]) -> str:
+    return " ".join(map(repr, values))

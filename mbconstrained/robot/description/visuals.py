@@ -1,0 +1,172 @@
+"""Visuals of the links of a URDF as data. Collision geometry is never read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import unquote
+from xml.etree import ElementTree
+
+import numpy as np
+
+from ...ground.checks import nearest
+from ...ground.errors import InputError
+from .urdf import numbers
+
+#: Largest mesh file in bytes; the page embeds it.
+LARGEST_MESH = 50_000_000
+
+MESH_ENDINGS = (".stl", ".obj", ".dae", ".ply")
+
+
+@dataclass(frozen=True)
+class Visual:
+    """One shape of a link.
+
+    Attributes:
+        link: its name.
+        kind: "box", "cylinder" (axis z), "sphere" or "mesh".
+        size: x, y, z; radius, length; radius; nothing for a mesh (m).
+        placement: shape (4, 4), from the shape's frame into that of the link.
+        color: red, green, blue, opacity from 0 to 1, or None.
+        vertices, faces: of a mesh: corners (k, 3) in m, and triangles (f, 3) of their numbers.
+    """
+
+    link: str
+    kind: str
+    size: tuple[float, ...]
+    placement: np.ndarray
+    color: tuple[float, float, float, float] | None
+    vertices: np.ndarray | None = None
+    faces: np.ndarray | None = None
+
+
+def visuals_of(description: ElementTree.Element, folder: Path | None, package_dirs: tuple[Path, ...]) -> tuple[Visual, ...]:
+    """The visuals of all links.
+
+    Args:
+        description: the element <robot>.
+        folder: of the URDF, in which its mesh files lie, or None where the URDF was given as a text.
+        package_dirs: folders that hold the packages of package://NAME/...
+
+    Returns:
+        The shapes of all links, in the order of the URDF.
+
+    Raises:
+        InputError: numbers that make no sense, mesh files outside these folders, or that cannot be read.
+    """
+    colors = {m.get("name"): _color(m) for m in description.findall("material")}
+    visuals, meshes = [], {}
+    for link in description.findall("link"):
+        for visual in link.findall("visual"):
+            where = f'urdf, link "{link.get("name")}", visual'
+            material = visual.find("material")
+            color = None if material is None else _color(material) or colors.get(material.get("name"))
+            kind, size, mesh = _shape(visual.find("geometry"), where, folder, package_dirs, meshes)
+            visuals.append(Visual(str(link.get("name")), kind, size, _placement(visual.find("origin"), where), color, *mesh))
+    return tuple(visuals)
+
+
+def _shape(geometry, where: str, folder, package_dirs, meshes: dict):
+    """Kind, size, and vertices and faces of a mesh."""
+    if geometry is None or len(geometry) == 0:
+        raise InputError(f"{where}: found no geometry; expected a box, cylinder, sphere or mesh")
+    shape = geometry[0]
+    keys = {
+        "box": {"size": 3},
+        "cylinder": {"radius": 1, "length": 1},
+        "sphere": {"radius": 1},
+        "capsule": {"radius": 1, "length": 1},
+    }
+    if shape.tag == "mesh":
+        return "mesh", (), _mesh(shape, where, folder, package_dirs, meshes)
+    if shape.tag not in keys:
+        raise InputError(f"{where}: found <{shape.tag}>{nearest(shape.tag, (*keys, 'mesh'))}; expected {', '.join(keys)} or mesh")
+    counts = keys[shape.tag].items()
+    size = [value for key, count in counts for value in numbers(shape.get(key), count, f"{where}, {key}", minimum=0.0)]
+    if not all(size):
+        raise InputError(f"{where}: found <{shape.tag}> with a size of 0; expected {', '.join(keys[shape.tag])} greater than zero")
+    return ("cylinder" if shape.tag == "capsule" else shape.tag), tuple(size), (None, None)
+
+
+def _mesh(shape, where: str, folder, package_dirs, meshes: dict) -> tuple[np.ndarray, np.ndarray]:
+    """Corners and triangles; a file that several links share is read once for each scale."""
+    path = mesh_file(shape.get("filename", ""), where, folder, package_dirs)
+    scale = tuple(numbers(shape.get("scale", "1 1 1"), 3, f"{where}, scale"))
+    if (path, scale) not in meshes:
+        meshes[path, scale] = _read_mesh(path, scale, where)
+    return meshes[path, scale]
+
+
+def _read_mesh(path: Path, scale, where: str) -> tuple[np.ndarray, np.ndarray]:
+    import coal
+
+    try:
+        mesh = coal.MeshLoader().load(str(path), np.array(scale))
+        triangles = (mesh.tri_indices(i) for i in range(mesh.num_tris))  # which know their length, but not their end
+        faces = np.fromiter((triangle[k] for triangle in triangles for k in range(3)), int).reshape(-1, 3)
+        vertices = np.array(mesh.vertices()).reshape(-1, 3)
+    except (ValueError, RuntimeError) as problem:
+        reason = (str(problem).strip().splitlines() or ["unknown"])[-1][:120]
+        raise InputError(f"{where}: the mesh file {path.name} cannot be read ({reason})") from None
+    if not np.isfinite(vertices).all():
+        raise InputError(f"{where}: the mesh file {path.name} has corners that are no finite numbers")
+    return vertices, faces
+
+
+def mesh_file(name: str, where: str, folder: Path | None, package_dirs: tuple[Path, ...]) -> Path:
+    """The path of a mesh: in the folder of the URDF or a package directory, or by package://NAME/... in its folder NAME.
+
+    Args:
+        name: as it stands in the URDF.
+        where: its place, for messages.
+        folder: of the URDF, None where it was given as a text.
+        package_dirs: folders that contain packages.
+
+    Returns:
+        The path of the file.
+
+    Raises:
+        InputError: any other place, also by a symbolic link; no such file, too large, another kind of file.
+    """
+    rule = "mesh files lie in the folder of the URDF or in package_dirs, in which package://NAME/... is looked for, too"
+    name = unquote(name)
+    if name.startswith("package://"):
+        package, _, rest = name.removeprefix("package://").partition("/")
+        roots = [directory / package for directory in package_dirs if package and (directory / package).is_dir()]
+        if not roots or package in (".", ".."):
+            raise InputError(f'{where}: found the mesh of the package "{package}", which is in none of package_dirs; {rule}')
+        root, name, allowed = roots[0], rest, (roots[0],)
+    elif folder is None:
+        raise InputError(f"{where}: found the mesh {name[:60]!a}, but the URDF was given as a text; give its path, or package_dirs")
+    else:
+        root, allowed = folder, (folder, *package_dirs)
+    if "://" in name or "\0" in name or not name or Path(name).is_absolute():
+        raise InputError(f"{where}: found the mesh {name[:60]!a}; {rule}")
+    path = (root / name).resolve()
+    if not any(path.is_relative_to(place.resolve()) for place in allowed):
+        raise InputError(f"{where}: the mesh {name[:60]!a} leads out of its folder; {rule}")
+    if path.suffix.lower() not in MESH_ENDINGS:
+        raise InputError(f"{where}: found the mesh {path.name[:60]!a}; expected a file that ends in {', '.join(MESH_ENDINGS)}")
+    if not path.is_file():
+        raise InputError(f"{where}: there is no mesh file {name[:60]!a} in the folder")
+    if path.stat().st_size > LARGEST_MESH:
+        raise InputError(f"{where}: the mesh {path.name} has {path.stat().st_size:,} bytes; at most {LARGEST_MESH:,} are read")
+    return path
+
+
+def _placement(origin, where: str) -> np.ndarray:
+    import pinocchio
+
+    placement = np.eye(4)
+    if origin is not None:
+        xyz, rpy = (numbers(origin.get(key, "0 0 0"), 3, f"{where}, {key}") for key in ("xyz", "rpy"))
+        placement[:3, :3], placement[:3, 3] = pinocchio.rpy.rpyToMatrix(*rpy), xyz
+    return placement
+
+
+def _color(material) -> tuple[float, float, float, float] | None:
+    color = material.find("color")
+    if color is None:
+        return None
+    return tuple(min(1.0, max(0.0, part)) for part in numbers(color.get("rgba", ""), 4, "urdf, color, rgba"))

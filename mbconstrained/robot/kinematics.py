@@ -1,0 +1,339 @@
+"""Velocities and relative poses of the bodies of a robot in one configuration, with their derivatives.
+
+All vectors are in the directions of the ground. The column s_i of S is the velocity (v of the point at the origin; w) of the
+bodies behind tangent coordinate i for a unit rate. A column moves with the joints before it,
+
+    d s_i / d q_k = s_k x s_i        for k before i in the chain from the ground, or of the same joint,
+
+which gives all second derivatives of poses.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..ground.checks import nearest
+from ..ground.errors import InputError
+
+
+class Tree:
+    """The tree of joints, a pinocchio model, with its quantities in a configuration q as NumPy arrays.
+
+    One workspace of pinocchio, of nv^3 numbers, serves all calls.
+
+    Attributes:
+        model: joints, masses and gravity.
+        joint_of: the number of the joint of each tangent coordinate, shape (nv,).
+        moving: whether a coordinate moves the body of a joint, shape (joints, nv).
+    """
+
+    def __init__(self, model):
+        self.model = model
+        self._data = model.createData()
+
+    @cached_property
+    def joint_of(self) -> np.ndarray:
+        """By coordinate; joint 0 is the ground."""
+        return np.repeat(np.arange(1, self.model.njoints), [joint.nv for joint in list(self.model.joints)[1:]])
+
+    @cached_property
+    def moving(self) -> np.ndarray:
+        """By joint and coordinate."""
+        return np.array([np.isin(self.joint_of, list(support)) for support in self.model.supports])
+
+    @cached_property
+    def moves_axis(self) -> np.ndarray:
+        """Whether the axis of coordinate i moves with coordinate k, at [i, k]."""
+        return self.moving[self.joint_of]
+
+    def placed(self, q: np.ndarray) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
+        """Columns S (6, nv) of all joints in the directions of the ground, and the joints' rotations and origins."""
+        import pinocchio
+
+        columns = pinocchio.computeJointJacobians(self.model, self._data, q)
+        placements = [(np.array(pose.rotation), np.array(pose.translation)) for pose in self._data.oMi]
+        # of one joint pinocchio returns a vector
+        return np.array(columns).reshape(6, self.model.nv), *(list(part) for part in zip(*placements))
+
+    def gravity(self, q: np.ndarray) -> np.ndarray:
+        """The generalized force of gravity g(q), shape (nv,), on the left of the equations."""
+        import pinocchio
+
+        return np.array(pinocchio.computeGeneralizedGravity(self.model, self._data, q))
+
+    def gravity_stiffness(self, q: np.ndarray) -> np.ndarray:
+        """dg/dq, shape (nv, nv)."""
+        import pinocchio
+
+        return np.array(pinocchio.computeGeneralizedGravityDerivatives(self.model, self._data, q))
+
+    def mass(self, q: np.ndarray) -> np.ndarray:
+        """M(q), shape (nv, nv), rotors not included."""
+        import pinocchio
+
+        return np.array(pinocchio.crba(self.model, self._data, q))
+
+    def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """q (+) step, the step in tangent coordinates.
+
+        Args:
+            q: shape (nq,).
+            step: shape (nv,), in m and rad.
+
+        Returns:
+            Shape (nq,).
+        """
+        import pinocchio
+
+        return pinocchio.integrate(self.model, q, step)
+
+    def difference(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """The step from one configuration to another, in tangent coordinates.
+
+        Args:
+            start, end: shape (nq,).
+
+        Returns:
+            Shape (nv,), in m and rad.
+        """
+        import pinocchio
+
+        return np.array(pinocchio.difference(self.model, start, end))
+
+    def frames(self, q: np.ndarray, numbers: list[int]) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Positions (3,) and quaternions (4,) x y z w of the frames of these numbers.
+
+        Args:
+            q: shape (nq,).
+            numbers: of the frames in the model.
+
+        Returns:
+            For each frame its position in m and its quaternion.
+        """
+        import pinocchio
+
+        pinocchio.framesForwardKinematics(self.model, self._data, q)
+        poses = [self._data.oMf[number] for number in numbers]
+        return [(np.array(pose.translation), pinocchio.Quaternion(pose.rotation).coeffs()) for pose in poses]
+
+
+def built_model(text: str, free_base: bool, locked: Mapping[str, float], gravity: np.ndarray):
+    """The pinocchio model of a ``skeleton``, locked joints taken out; its gravity set.
+
+    Args:
+        text: XML.
+        free_base: whether the base floats.
+        locked: values by joint (rad, m).
+        gravity: shape (3,), in m/s^2.
+
+    Raises:
+        InputError: pinocchio cannot read the text, an unknown locked joint, or one locked beyond its limits.
+    """
+    import pinocchio
+
+    try:
+        model = pinocchio.buildModelFromXML(text, *([pinocchio.JointModelFreeFlyer()] if free_base else []))
+    except (ValueError, RuntimeError) as problem:
+        raise InputError(f"urdf: pinocchio cannot read it as a robot ({str(problem).splitlines()[0]})") from None
+    model = _without(model, locked)
+    if not model.nv:
+        raise InputError(
+            "urdf: found no joint that moves; a robot needs at least one that is neither fixed nor locked, or a free base"
+        )
+    model.gravity.linear = gravity
+    model.gravity.angular = np.zeros(3)
+    return model
+
+
+def _without(model, locked: Mapping[str, float]):
+    """The model with the locked joints fixed at their values."""
+    import pinocchio
+
+    if not locked:
+        return model
+    q, numbers = pinocchio.neutral(model), []
+    names = list(model.names)[1:]
+    for name, value in locked.items():
+        if name not in names:
+            raise InputError(f'locked: there is no joint "{name}"{nearest(name, names)}')
+        numbers.append(names.index(name) + 1)
+        joint = model.joints[numbers[-1]]
+        if joint.nv != 1:
+            raise InputError(
+                f'locked: "{name}" has several degrees of freedom; only joints with one degree of freedom can be locked'
+            )
+        low, high = model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q]
+        if joint.nq == 1 and low < high and not low <= value <= high:
+            raise InputError(f"locked: {name}: found {value:g}, beyond its limits {low:g} ... {high:g}")
+        q[joint.idx_q : joint.idx_q + joint.nq] = value if joint.nq == 1 else (np.cos(value), np.sin(value))
+    return pinocchio.buildReducedModel(model, numbers, q)
+
+
+class RelativePose:
+    """The pose phi = [R1^T (p2 - p1); log(R1^T R2)] of a frame relative to another one in one configuration (m; rad).
+
+    The first derivative is exact off the surface phi = 0 as well, and the second is a symmetric function of the
+    configuration: a force K phi or a multiplier of a row of phi has a potential.
+
+    With turning False the rows of the rotation vector are 0 and not computed.
+    """
+
+    def __init__(self, kinematics: Kinematics, first: Anchor, second: Anchor, turning: bool = True):
+        self._turning = turning
+        self._kinematics = kinematics
+        self._first, self._second = first, second
+        (self._R1, p1), (self._R2, self._p2) = kinematics.frame(first), kinematics.frame(second)
+        self.turn = rotation_vector(self._R1.T @ self._R2) if turning else np.zeros(3)
+        self.value = np.concatenate([self._R1.T @ (self._p2 - p1), self.turn])
+
+    @cached_property
+    def jacobian(self) -> np.ndarray:
+        """d phi / dq, shape (6, nv)."""
+        relative = self._relative
+        shift = self._R1.T @ (relative[:3] + np.cross(relative[3:], self._p2, axis=0))
+        turn = inverse_right_jacobian(self.turn) @ self._R2.T @ relative[3:] if self._turning else np.zeros_like(shift)
+        return np.vstack([shift, turn])
+
+    def hessian(self, factors: np.ndarray) -> np.ndarray:
+        """d (J^T f) / dq at constant f, shape (nv, nv): the second derivative of f . phi, for f of shape (6,)."""
+        force, torque = self._R1 @ factors[:3], self._R2 @ inverse_right_jacobian(self.turn).T @ factors[3:]
+        wrench = np.concatenate([force, np.cross(self._p2, force) + torque])
+        kinematics, first, second = self._kinematics, self._first.joint, self._second.joint
+        moved = kinematics.turning(second, wrench) - kinematics.turning(first, wrench)
+        return moved + self._relative.T @ self._wrench_change(factors, force, torque)
+
+    @cached_property
+    def _relative(self) -> np.ndarray:
+        """Velocity of the second body less that of the first, by rate of each coordinate, shape (6, nv)."""
+        return self._kinematics.velocity(self._second.joint) - self._kinematics.velocity(self._first.joint)
+
+    def _wrench_change(self, factors, force, torque) -> np.ndarray:
+        """How the wrench of constant factors changes: the force turns with body 1, its point moves with body 2."""
+        turning1, turning2 = (self._kinematics.velocity(anchor.joint)[3:] for anchor in (self._first, self._second))
+        d_force = np.cross(turning1, force, axis=0)
+        d_point = self._kinematics.of_point(self._second.joint, self._p2)
+        d_torque = np.cross(turning2, torque, axis=0) + self._R2 @ self._turn_change(factors[3:])
+        arm = np.cross(d_point, force, axis=0) + np.cross(self._p2, d_force, axis=0)
+        return np.vstack([d_force, arm + d_torque])
+
+    def _turn_change(self, factors: np.ndarray) -> np.ndarray:
+        """d(Jlog(turn)^T f) / dq at constant f, shape (3, nv)."""
+        if not factors.any():
+            return np.zeros((3, self.jacobian.shape[1]))
+        return _inverse_right_jacobian_change(self.turn, factors) @ self.jacobian[3:]
+
+
+def rotation_vector(rotation: np.ndarray) -> np.ndarray:
+    """log R, the axis times the angle, for an angle from 0 to pi."""
+    import pinocchio
+
+    return pinocchio.log3(rotation)
+
+
+def inverse_right_jacobian(turn: np.ndarray) -> np.ndarray:
+    """d log(R exp(w)) / dw at w = 0 for R = exp(turn): I + [a]/2 + c(|a|) [a]^2."""
+    X = cross_matrix(turn)
+    return np.eye(3) + X / 2 + _curvature(turn)[0] * X @ X
+
+
+def _inverse_right_jacobian_change(turn: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    """d(Jlog(a)^T f) / da at constant f, shape (3, 3), a the rotation vector: the transpose has [a] with the other sign."""
+    X, (c, dc) = cross_matrix(turn), _curvature(turn)
+    crossed = np.cross(turn, factors)
+    direct = cross_matrix(factors) / 2  # -[da] f / 2 = [f] da / 2
+    square = -cross_matrix(crossed) - X @ cross_matrix(factors)  # ([da][a] + [a][da]) f
+    return direct + c * square + dc * np.outer(X @ crossed, turn)
+
+
+#: Below this angle (rad) the series is used: twelve terms are exact there, while the closed form cancels.
+_SMALL_ANGLE = 1.0
+
+_BERNOULLI = (
+    1 / 6, 1 / 30, 1 / 42, 1 / 30, 5 / 66, 691 / 2730, 7 / 6, 3617 / 510, 43867 / 798, 174611 / 330, 854513 / 138, 236364091 / 2730
+)  # fmt: skip
+_SERIES = [number / math.factorial(2 * n) for n, number in enumerate(_BERNOULLI, 1)]  # c(x) = sum |B_2n| / (2n)! x^(2n-2)
+
+
+def _curvature(turn: np.ndarray) -> tuple[float, float]:
+    """c(x) = (1 - x/2 cot(x/2)) / x^2 at the angle x, and c'(x) / x."""
+    x2 = float(turn @ turn)
+    if x2 < _SMALL_ANGLE**2:
+        slope = [2 * n * factor for n, factor in enumerate(_SERIES)][1:]
+        return float(np.polyval(_SERIES[::-1], x2)), float(np.polyval(slope[::-1], x2))
+    x = math.sqrt(x2)
+    half = x / 2
+    cot = 1 / math.tan(half)
+    c = (1 - half * cot) / x2
+    return c, ((half / math.sin(half) ** 2 - cot) / 2 / x2 - 2 * c / x) / x
+
+
+def cross_matrix(vector: np.ndarray) -> np.ndarray:
+    """[a] with [a] b = a x b."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """A frame fixed in a joint of the model; joint 0 is the ground.
+
+    Attributes:
+        joint: number of the joint that it moves with.
+        rotation: shape (3, 3), from the frame into that of the joint.
+        point: its origin in the frame of the joint (m).
+    """
+
+    joint: int
+    rotation: np.ndarray
+    point: np.ndarray
+
+
+class Kinematics:
+    """Positions and velocities of the bodies of a tree in a configuration q."""
+
+    def __init__(self, tree: Tree, configuration: np.ndarray):
+        self.tree = tree
+        self.configuration = configuration
+        self.columns, self.rotations, self.origins = tree.placed(configuration)
+
+    def frame(self, anchor: Anchor) -> tuple[np.ndarray, np.ndarray]:
+        """Directions (3, 3) and origin (3,) of a frame as seen from the ground."""
+        rotation = self.rotations[anchor.joint]
+        return rotation @ anchor.rotation, self.origins[anchor.joint] + rotation @ anchor.point
+
+    def velocity(self, joint: int) -> np.ndarray:
+        """The columns of S that move a joint's body, zero for the others, shape (6, nv)."""
+        return self.columns * self.tree.moving[joint]
+
+    def of_point(self, joint: int, point: np.ndarray) -> np.ndarray:
+        """Velocity of the body's point that is at a place in space, by rate of each coordinate, shape (3, nv).
+
+        Args:
+            joint: its number.
+            point: in space (m), shape (3,).
+
+        Returns:
+            Shape (3, nv).
+        """
+        columns = self.velocity(joint)
+        return columns[:3] + np.cross(columns[3:], point, axis=0)
+
+    def turning(self, joint: int, wrench: np.ndarray) -> np.ndarray:
+        """d(S_j^T W) / dq for a wrench W (force; torque about the origin) that stays, shape (nv, nv): -s_i . (s_k x* W).
+
+        Args:
+            joint: its number.
+            wrench: shape (6,), in N and N m.
+
+        Returns:
+            Shape (nv, nv).
+        """
+        columns = self.velocity(joint)
+        force, torque = np.cross(columns[3:], wrench[:3], axis=0), np.cross(columns[:3], wrench[:3], axis=0)
+        torque += np.cross(columns[3:], wrench[3:], axis=0)
+        return -(columns[:3].T @ force + columns[3:].T @ torque) * self.tree.moves_axis

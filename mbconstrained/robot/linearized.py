@@ -1,0 +1,271 @@
+"""A robot linearized about a posture: matrices in tangent coordinates, loops as constraint rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..ground.checks import nearest
+from ..ground.errors import InputError
+from ..ground.notices import Notice, NoticeKind
+from ..ground.tolerances import EPS, NOISE_SAFETY, SYMMETRIC_STIFFNESS, noise_of
+from ..mechanics.constraints import Constraint, Level, checked_level
+from ..mechanics.energy import EnergyParts
+from ..mechanics.system import MechanicalSystem
+from ..signals.impulsive import ImpulsiveSmooth
+from ..signals.inputs import zero
+from .connections import PointMotion
+from .equilibrium import rows_of
+from .flexible_joint import FlexibleJoint
+
+if TYPE_CHECKING:
+    from .flexible_joint import WithoutMotors
+    from .posture import Posture
+
+#: Rounding of an entry that is computed through a chain of joints, relative to the largest of its kind.
+COMPUTED = 4 * EPS
+
+
+class LinearizedRobot(MechanicalSystem):
+    """Small motions of a robot, M d'' + D d' + K d = f + J^T lambda, J d = 0; made by ``Robot.linearize``.
+
+    The coordinates d are deviations from the posture, q = q0 (+) d, named after the joints; a flexible joint adds the angle
+    of its motor behind the gear, "<joint> motor". Multipliers are changes of the loop forces, in the frames of the loops.
+
+    Attributes:
+        posture: the posture of the linearization.
+        inputs: by name the distribution of a force over the coordinates, shape (n,): a joint's torque (of a flexible one the
+            motor's), or a force or torque on a body.
+        outputs: by name a row of C in y = C d, shape (n,): a joint's angle, or the motion of a point.
+        input_units, output_units: "m" or "rad" for each, along which a force in N or a torque in N m works.
+    """
+
+    def __init__(self, posture: Posture, level: Level, inputs: Mapping, outputs: Mapping):
+        robot, balance = posture.robot, posture.balance
+        self.posture = posture
+        checked_level(level, "level")
+        self._stiffness_parts = _stiffness_parts(posture)
+        self._flexible = [(robot.coordinates.index(name), joint) for name, joint in robot.flexible_joints.items()]
+        K, rounding = sum(part for _, part in self._stiffness_parts), _stiffness_rounding(posture)
+        link_stiffness, self._notices = _stiffness(posture, np.where(np.abs(K) > NOISE_SAFETY * rounding, K, 0.0))
+        sizes = balance.entry_sizes
+        damping = np.diag(robot.joint_damping) + sum(_clean(item.damping, sizes) for item in balance.elastic)
+        motors = [joint for _, joint in self._flexible]
+        names = (*robot.coordinates, *(f"{robot.coordinates[i]} motor" for i, _ in self._flexible))
+        super().__init__(
+            mass=self._with_motors(_clean(balance.mass, sizes)) + self._at_motors([motor.reflected_inertia for motor in motors]),
+            damping=self._with_motors(damping)
+            + self._gears([motor.damping for motor in motors])
+            + self._at_motors([motor.derivative_gain for motor in motors]),
+            stiffness=self._with_motors(link_stiffness)
+            + self._gears([motor.stiffness for motor in motors])
+            + self._at_motors([motor.proportional_gain for motor in motors]),
+            constraints=self._rows(level),
+            names=names,
+            units=(*robot.units, *(robot.units[i] for i, _ in self._flexible)),
+            energy_parts=self._energy_parts(),
+            uncertainty={
+                "mass": self._with_motors(_rounding(balance.mass, sizes)),
+                "damping": self._with_motors(sum((_rounding(item.damping, sizes) for item in balance.elastic), 0.0 * sizes)),
+                "stiffness": self._with_motors(rounding),
+            },
+        )
+        for name in _by_name(inputs, "inputs"):
+            if name in self.names:
+                raise InputError(
+                    f'input "{name}": this is the name of a coordinate, on which forces can act anyway; choose another'
+                )
+        self.inputs = {str(name): self._input(value, f'input "{name}"') for name, value in inputs.items()}
+        self.outputs = {str(name): self._row(value, f'output "{name}"') for name, value in _by_name(outputs, "outputs").items()}
+        self.output_units = {str(name): self._unit(value) for name, value in outputs.items()}
+        self.input_units = {str(name): self._unit(value) for name, value in inputs.items()}
+
+    @property
+    def flexible_joints(self) -> tuple[tuple[int, FlexibleJoint], ...]:
+        """The flexible joints with the places of their links' coordinates; their motors follow after all links."""
+        return tuple(self._flexible)
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """Of the posture, of the matrices and of the constraint rows."""
+        return (*self.posture.notices, *self._notices, *super().notices)
+
+    @property
+    def output_matrix(self) -> np.ndarray:
+        """C, the rows of all outputs, shape (p, n)."""
+        return np.array([*self.outputs.values()]).reshape(len(self.outputs), self.size)
+
+    def input_force(self, signals: Mapping[str, ImpulsiveSmooth]) -> ImpulsiveSmooth:
+        """f on all coordinates from signals with one row by name of an input or of a coordinate.
+
+        Raises:
+            InputError: an unknown name, a signal with more than one row.
+        """
+        total = zero(self.size)
+        for name, signal in signals.items():
+            if not isinstance(signal, ImpulsiveSmooth) or signal.size != 1:
+                raise InputError(f'input "{name}": expected a signal with one row, such as mb.step([1.0])')
+            total = total + signal.mapped(self.force_direction(name)[:, None])
+        return total
+
+    def force_direction(self, name: str) -> np.ndarray:
+        """The distribution of a force over the coordinates, by name of an input or of a coordinate, shape (n,)."""
+        if name in self.inputs:
+            return self.inputs[name]
+        if name not in self.names:
+            known = (*self.inputs, *self.names)
+            raise InputError(f'there is no input or coordinate "{name}"{nearest(name, known)}')
+        return np.eye(self.size)[self.names.index(name)]
+
+    def without_motors(self) -> WithoutMotors:
+        """The same motion with the motors of flexible joints eliminated: a polynomial matrix of degree 4."""
+        from .flexible_joint import WithoutMotors
+
+        return WithoutMotors(self)
+
+    def _with_motors(self, links: np.ndarray) -> np.ndarray:
+        """A matrix of the links, with zeros for the motors."""
+        return np.pad(links, (0, len(self._flexible)))
+
+    def _at_motors(self, values: Sequence[float]) -> np.ndarray:
+        return np.diag([*np.zeros(len(self.posture.robot.coordinates)), *values])
+
+    def _gears(self, values: Sequence[float]) -> np.ndarray:
+        """Each value between a motor and its link: [v, -v; -v, v]."""
+        count = len(self.posture.robot.coordinates)
+        stretch = np.zeros((len(self._flexible), count + len(self._flexible)))
+        for motor, (link, _) in enumerate(self._flexible):
+            stretch[motor, [link, count + motor]] = -1.0, 1.0
+        return stretch.T @ np.diag(np.array(values, dtype=float)) @ stretch
+
+    def _rows(self, level: Level) -> list[Constraint]:
+        balance = self.posture.balance
+        names, units = balance.load.row_names, balance.load.row_units
+        motors = ((0, 0), (0, len(self._flexible)))
+        J, doubt = (np.pad(part, motors) for part in _clean_rows(balance.jacobian, balance.sizes, units))
+        return [
+            Constraint(J[i], level=level, names=names[i], unit=units[i], uncertainty=doubt[i])
+            for i in self.posture.independent_rows
+        ]
+
+    def _row(self, value, what: str) -> np.ndarray:
+        robot, row = self.posture.robot, np.zeros(self.size)
+        if isinstance(value, PointMotion):
+            anchor = robot.link_frames.point(value, what)
+            row[: len(robot.coordinates)] = self.posture.balance.row(value, anchor)
+        elif isinstance(value, str) and value in self.names:
+            row[self.names.index(value)] = 1.0
+        else:
+            hint = nearest(str(value), self.names)
+            raise InputError(f"{what}: found {value!r}{hint}; expected the name of a joint, or mb.PointMotion(body, ...)")
+        return row
+
+    def _input(self, value, what: str) -> np.ndarray:
+        motor = f"{value} motor"
+        return self._row(motor if motor in self.names else value, what)
+
+    def _unit(self, value) -> str:
+        if isinstance(value, PointMotion):
+            return "rad" if value.turn else "m"
+        return self.units[value]
+
+    def _energy_parts(self) -> EnergyParts:
+        robot, count = self.posture.robot, len(self._flexible)
+        kinetic = [(name, self._with_motors(part)) for name, part in body_masses(self.posture)]
+        strain = [(name, self._with_motors(part)) for name, part in self._stiffness_parts]
+        for place, (link, joint) in enumerate(self._flexible):
+            only, name = np.eye(count)[place], robot.coordinates[link]
+            kinetic.append((f"{name} motor", self._at_motors(only * joint.reflected_inertia)))
+            strain.append((f"gear of {name}", self._gears(only * joint.stiffness)))
+            if joint.proportional_gain:
+                strain.append((f"control of {name}", self._at_motors(only * joint.proportional_gain)))
+        return EnergyParts(_by_distinct_names(kinetic), _by_distinct_names(strain))
+
+
+def _by_distinct_names(parts: list[tuple[str, np.ndarray]]) -> dict[str, np.ndarray]:
+    """The contributions by distinct name: equal names of links, springs and joints get numbers."""
+    named: dict[str, np.ndarray] = {}
+    for name, part in parts:
+        own = (name, *(f"{name} ({number})" for number in range(2, len(parts) + 2)))
+        named[next(candidate for candidate in own if candidate not in named)] = part
+    return named
+
+
+def body_masses(posture: Posture) -> list[tuple[str, np.ndarray]]:
+    """The contribution S_j^T I_j S_j of each body to M, shape (nv, nv), with the name of its heaviest link."""
+    model, kinematics = posture.robot.model, posture.balance.kinematics
+    names = posture.robot.link_frames.heaviest_links()
+    masses = []
+    for joint in range(1, model.njoints):
+        inertia, R = model.inertias[joint], kinematics.rotations[joint]
+        columns = kinematics.velocity(joint)
+        centre = kinematics.origins[joint] + R @ np.array(inertia.lever)
+        v, w = kinematics.of_point(joint, centre), R.T @ columns[3:]
+        masses.append((names[joint], inertia.mass * v.T @ v + w.T @ np.array(inertia.inertia) @ w))
+    return masses
+
+
+def _stiffness_parts(posture: Posture) -> list[tuple[str, np.ndarray]]:
+    """The contributions to K: springs of joints, springs between bodies, gravity and forces."""
+    robot, balance = posture.robot, posture.balance
+    gravity, joints, *others = balance.stiffnesses
+    springs, applied = others[: len(balance.elastic)], others[len(balance.elastic) :]
+    sizes = balance.entry_sizes
+    rest = np.sum([_clean(part, sizes) for part in (gravity, *applied)], axis=0)
+    rest = rest - sum(_clean(part, sizes) for part in balance.geometric(posture.multipliers))
+    parts = [(f"spring of {name}", np.diag(row)) for name, row, k in zip(robot.coordinates, joints, robot.joint_stiffness) if k]
+    parts += [(item.connection.name, _clean(part, sizes)) for item, part in zip(balance.load.springs, springs)]
+    return [*parts, ("gravity and forces", rest)]
+
+
+def _stiffness_rounding(posture: Posture) -> np.ndarray:
+    """Rounding errors of K: of each contribution, with the largest multiplier in every loop, since one equation gives them all."""
+    balance, load = posture.balance, posture.balance.load
+    sizes = balance.entry_sizes
+    largest = np.abs(posture.multipliers * load.row_lengths).max(initial=0.0) / load.row_lengths
+    return sum(_rounding(part, sizes) for part in (*balance.stiffnesses, *balance.geometric(largest)))
+
+
+def _stiffness(posture: Posture, K: np.ndarray) -> tuple[np.ndarray, tuple[Notice, ...]]:
+    """K made symmetric where the forces have a potential.
+
+    At an equilibrium the derivative of a conservative force is symmetric; the skew part lies across the motion.
+    """
+    balance, lengths = posture.balance, posture.balance.load.lengths
+    N = rows_of(balance.scaled_jacobian[list(posture.independent_rows)]).motions
+    scaled = K * np.outer(lengths, lengths)
+    along = N.T @ scaled @ N
+    skew = np.abs(along - along.T).max(initial=0.0)
+    if skew <= SYMMETRIC_STIFFNESS * np.abs(scaled).max(initial=0.0):
+        return (K + K.T) / 2, ()
+    text = f"the stiffness matrix is not symmetric (by {skew / np.abs(along).max():.1e} of its largest entry along the motion)"
+    return K, (Notice(NoticeKind.UNSYMMETRIC, f"{text}: a torque that keeps its direction has no potential"),)
+
+
+def _clean(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """The matrix without entries that are rounding errors of the largest: a zero stiffness must be zero, or a free motion oscillates."""
+    scaled = np.abs(part / sizes)
+    return np.where(scaled > noise_of(scaled.max(initial=0.0), len(part)), part, 0.0)
+
+
+def _rounding(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """The rounding errors of the entries: that of the largest, since entries are sums."""
+    largest = np.abs(part / sizes).max(initial=0.0)
+    return np.where(_clean(part, sizes) != 0, COMPUTED * largest * sizes, 0.0)
+
+
+def _clean_rows(J: np.ndarray, sizes: np.ndarray, units: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of loops without rounding errors of the largest entry of the same unit, and their rounding errors."""
+    clean, doubt = np.zeros_like(J), np.zeros_like(J)
+    for unit in set(units):
+        rows = np.array(units) == unit
+        clean[rows], doubt[rows] = _clean(J[rows], sizes), _rounding(J[rows], sizes)
+    return clean, doubt
+
+
+def _by_name(values, what: str) -> Mapping:
+    if not isinstance(values, Mapping):
+        raise InputError(f"{what}: found {type(values).__name__}; expected joints or mb.PointMotion by names of your own")
+    return values

@@ -1,0 +1,238 @@
+"""Postures: equilibria of a robot, with the search that starts from a guess."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..ground.checks import nearest, real_number
+from ..ground.display import Displayed, TextTable, notice_table
+from ..ground.errors import InputError
+from ..ground.notices import Notice, NoticeKind
+from ..ground.tolerances import JOINT_LIMIT, LOOPS_CLOSED
+from .balance import Balance, Load
+from .connections import PointMotion
+from .equilibrium import LARGEST_STEP, Equilibrium, Search, closed, equilibrium
+from .kinematics import Kinematics
+from .mechanism import Attached, untwisted, with_rest_length
+from .regularity import loop_rows, rounded_advice
+
+if TYPE_CHECKING:
+    from .robot import Robot
+
+
+@dataclass(frozen=True, repr=False)
+class Posture(Displayed):
+    """An equilibrium of a robot.
+
+    Attributes:
+        robot: the robot.
+        configuration: q, shape (nq,).
+        joints: the same by joint: a number (rad, m), or the numbers of a joint with several degrees of freedom.
+        multipliers: of the rows of all loops and mimic joints, of least norm where they are not determined (torques over the
+            size of the robot), shape (m,) (N, N m).
+        reactions: the same by loop: force (N) and torque (N m) on its second body, in the frame on the first, shape (6,).
+        torques: by fixed or flexible joint: the load that keeps it in place (N m, N).
+        residual: largest unbalanced force relative to the largest force.
+        loop_error: largest opening of a loop (m, rad).
+        notices: on redundant rows, and on parts of the description that were left out.
+    """
+
+    robot: Robot
+    configuration: np.ndarray
+    multipliers: np.ndarray
+    torques: dict[str, float]
+    residual: float
+    loop_error: float
+    notices: tuple[Notice, ...]
+    balance: Balance = field(repr=False)
+    independent_rows: tuple[int, ...] = ()
+
+    @property
+    def joints(self) -> dict[str, float | tuple[float, ...]]:
+        """Values by joint."""
+        return self.robot.tangent.values(self.configuration)
+
+    @property
+    def loops(self) -> tuple[Attached, ...]:
+        """The loops with their frames."""
+        return self.balance.load.loops
+
+    @property
+    def reactions(self) -> dict[str, np.ndarray]:
+        """Force and torque of each loop."""
+        reactions, start = {}, 0
+        for item in self.loops:
+            rows = item.connection.rows
+            reactions[item.connection.name] = rows.T @ self.multipliers[start : start + len(rows)]
+            start += len(rows)
+        return reactions
+
+    def __getitem__(self, joint: str):
+        if joint not in self.joints:
+            raise InputError(f'posture: there is no joint "{joint}"{nearest(str(joint), self.joints)}')
+        return self.joints[joint]
+
+    def _summary(self) -> str:
+        values = ", ".join(f"{name}: {value:.6g}" for name, value in self.joints.items() if isinstance(value, float))
+        return f"{values}; residual {self.residual:.1e}, loops open by {self.loop_error:.1e}"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        rows = ((name, ", ".join(f"{part:.6g}" for part in np.atleast_1d(value))) for name, value in self.joints.items())
+        return TextTable("Joints", ("joint", "value (rad, m)"), tuple(rows)), notice_table(self.notices)
+
+
+def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str) -> Posture:
+    """The posture near a guess, as ``Robot.equilibrium``: closes the loops, then balances the forces.
+
+    Args:
+        robot: the robot.
+        guess: values by joint (rad, m), or q, shape (nq,).
+        forces: constant ones by joint or ``PointMotion`` (N, N m).
+        hold: names of joints that keep the guess.
+
+    Returns:
+        The posture.
+    """
+    start = _guess_with_followers(robot, guess)
+    free = ~_fixed_coordinates(robot, hold)
+    load = _untwisted(_load(robot, start, forces), robot, start)
+    nearest = closed(Search(robot.tree, load, free), start)
+    load = replace(load, springs=tuple(with_rest_length(item, nearest.kinematics) for item in load.springs))
+    rounded = rounded_advice(robot) if robot.loops else ""
+    state = equilibrium(Search(robot.tree, load, free, rounded), nearest.configuration)
+    if (here := _untwisted(load, robot, state.balance.configuration)) is not load:
+        state = equilibrium(Search(robot.tree, here, free, rounded), state.balance.configuration)
+    if outside := robot.tangent.outside_limits(state.balance.configuration, JOINT_LIMIT):
+        raise InputError(f"equilibrium: {outside}; give another guess, or other limits in the URDF")
+    return _posture(robot, state, free, start, rounded)
+
+
+def _guess_with_followers(robot: Robot, guess) -> np.ndarray:
+    """The guess as a configuration, in which joints that it does not name follow their leaders."""
+    start = robot.tangent.configuration(guess)
+    named = robot.joints if not isinstance(guess, Mapping) else guess
+    step = np.zeros(robot.model.nv)
+    for item in robot.mimic_rows:
+        if robot.joints[item.follower - 1] not in named:
+            step[robot.model.joints[item.follower].idx_v] = -item.gap(robot.model, start)
+    return robot.tree.moved(start, step)
+
+
+def _fixed_coordinates(robot: Robot, hold) -> np.ndarray:
+    """Whether each coordinate keeps the guess."""
+    if isinstance(hold, str) and hold != "all":
+        hold = (hold,)
+    if not isinstance(hold, Iterable):
+        raise InputError(f'hold: found {hold!r}; expected names of joints, or "all"')
+    followers = [robot.joints[item.follower - 1] for item in robot.mimic_rows]
+    single = [name for name in robot.joints if name in robot.coordinates and name not in followers]
+    fixed = np.zeros(len(robot.coordinates), bool)
+    for name in (*(single if hold == "all" else hold), *robot.flexible_joints):
+        fixed[robot.tangent.place(name, "hold")] = True
+    return fixed
+
+
+def _load(robot: Robot, start: np.ndarray, forces) -> Load:
+    """The loads, with the frames of loops and springs at the guess."""
+    if not isinstance(forces, Mapping):
+        raise InputError(f'forces: found {type(forces).__name__}; expected numbers by joint, such as {{"j1": 2.0}}')
+    at_guess, bodies = Kinematics(robot.tree, start), robot.link_frames
+    points = {key: value for key, value in forces.items() if isinstance(key, PointMotion)}
+    loops = tuple(bodies.attached(loop, at_guess) for loop in robot.loops)
+    springs = tuple(bodies.attached(spring, at_guess) for spring in robot.springs)
+    return Load(
+        loops=loops,
+        springs=springs,
+        mimic_rows=robot.mimic_rows,
+        joint_stiffness=robot.joint_stiffness,
+        joint_rest=robot.joint_rest,
+        joint_force=robot.tangent.vector({key: value for key, value in forces.items() if key not in points}, "forces"),
+        point_forces={
+            key: (bodies.point(key, "forces"), real_number(value, f"forces: on {key.body}")) for key, value in points.items()
+        },
+        units=robot.units,
+        size=_size(robot, (*loops, *springs)),
+    )
+
+
+def _untwisted(load: Load, robot: Robot, q: np.ndarray) -> Load:
+    """The load with its hinges, if there are any, at angle 0 in a configuration."""
+    if not any(item.connection.kind == "hinge" for item in load.loops):
+        return load
+    at = Kinematics(robot.tree, q)
+    loops = tuple(untwisted(item, at) for item in load.loops)
+    return replace(load, loops=loops)
+
+
+def _size(robot: Robot, connections) -> float:
+    """A characteristic length of the robot (m), independent of its place."""
+    model = robot.model
+    anchors = [anchor for item in connections for anchor in (item.first, item.second)]
+    places = [(int(model.parents[joint]), np.array(model.jointPlacements[joint].translation)) for joint in range(1, model.njoints)]
+    places += [(anchor.joint, anchor.point) for anchor in anchors]
+    on_ground = [place for joint, place in places if not joint]
+    centre = np.mean(on_ground, axis=0) if on_ground else np.zeros(3)
+    lengths = [np.linalg.norm(place if joint else place - centre) for joint, place in places]
+    lengths += [np.linalg.norm(inertia.lever) for inertia in list(model.inertias)[1:]]
+    return float(max(lengths, default=0.0)) or 1.0
+
+
+def _posture(robot: Robot, state: Equilibrium, free: np.ndarray, guess: np.ndarray, rounded: str) -> Posture:
+    balance = state.balance
+    rows = loop_rows(balance, rounded)
+    left = balance.force - balance.jacobian.T @ state.multipliers
+    shared = state.rows.rank < len(rows.kept)
+    return Posture(
+        robot=robot,
+        configuration=balance.configuration,
+        multipliers=state.multipliers,
+        torques={robot.coordinates[i]: float(left[i]) for i in np.flatnonzero(~free)},
+        residual=state.residual,
+        loop_error=float(np.abs(balance.gaps).max(initial=0.0)),
+        notices=(*_far(robot, state, guess), *_misfit(state), *rows.notices, *(_SHARED if shared else ()), *_left_out(robot)),
+        balance=balance,
+        independent_rows=rows.kept,
+    )
+
+
+_SHARED = (
+    Notice(
+        NoticeKind.REDUNDANT,
+        "statics does not determine how fixed joints and loops share the load: the loop forces have the least norm and the "
+        "joints carry the rest; with other shares the stiffness would differ",
+    ),
+)
+
+
+def _far(robot: Robot, state: Equilibrium, guess: np.ndarray) -> tuple[Notice, ...]:
+    """A notice on a posture far from the guess."""
+    load = state.balance.load
+    step = robot.tree.difference(guess, state.balance.configuration)
+    furthest = int(np.abs(step / load.lengths).argmax())
+    if abs(step[furthest]) <= LARGEST_STEP * load.lengths[furthest]:
+        return ()
+    text = (
+        f"the posture is far from the guess: {robot.coordinates[furthest]} is {abs(step[furthest]):.3g} {load.units[furthest]} "
+        "from it, perhaps in another assembly; check that it is the intended one"
+    )
+    return (Notice(NoticeKind.DISTANT_POSTURE, text),)
+
+
+def _misfit(state: Equilibrium) -> tuple[Notice, ...]:
+    """A notice on loops that the joints keep open within the rounding errors of a URDF."""
+    if state.misfit <= LOOPS_CLOSED:
+        return ()
+    row, gap, unit = state.balance.widest_gap
+    text = f"the joints keep the loop row {row} open by {gap:.2g} {unit}, as where axes in the URDF are rounded; the motion keeps this gap"
+    return (Notice(NoticeKind.RANK, text),)
+
+
+def _left_out(robot: Robot) -> tuple[Notice, ...]:
+    """A notice on parts of the URDF that a linear model cannot contain."""
+    dry = [name for name, friction in zip(robot.coordinates, robot.model.friction) if friction]
+    named = ", ".join(dry[:3]) + (f" and {len(dry) - 3} more joints" if len(dry) > 3 else "")
+    return (Notice(NoticeKind.OMITTED, f"dry friction of {named} is left out: it is not linear"),) if dry else ()

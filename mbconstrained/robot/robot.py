@@ -1,0 +1,230 @@
+"""A robot: a URDF with loops, springs and flexible joints, which a URDF cannot express."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from ..ground.checks import nearest, real_array, real_number
+from ..ground.display import Displayed
+from ..ground.errors import InputError
+from ..mechanics.constraints import Level
+from .connections import BodySpring, Bushing, Loop, PointMotion
+from .description.urdf import checked_tree, link_masses, mimics_of, read_urdf, skeleton
+from .flexible_joint import FlexibleJoint
+from .kinematics import Tree, built_model
+from .linearized import LinearizedRobot
+from .mechanism import LinkFrames, checked_connections
+from .posture import Posture, find_posture
+from .tangent import Tangent, locked_values, mimic_rows
+
+if TYPE_CHECKING:
+    from .description.visuals import Visual
+    from .visualization import ConnectionPoints, Poses
+
+
+class Robot(Displayed):
+    """A tree of joints from a URDF, with loops, springs and flexible joints.
+
+    Args:
+        urdf: the path of a .urdf file, or the XML text itself. Collision geometry is never read.
+        loops: joints that close loops, ``Loop``.
+        springs: connections between bodies, ``BodySpring`` and ``Bushing``.
+        base: "fixed" to the ground, or "free".
+        joint_stiffness: spring constants by joint with one degree of freedom (N m/rad, N/m).
+        joint_rest: values of these joints without spring force (rad, m), 0 by default; of a continuous joint modulo a full turn.
+        joint_damping: damping constants by joint (N m s/rad, N s/m), in addition to those of the URDF.
+        gravity: the acceleration of free fall (m/s^2), a vector or the number g for (0, 0, -g).
+        locked: joints that do not move, with their values (rad, m).
+        flexible_joints: a ``FlexibleJoint`` by joint.
+        package_dirs: folders that contain the folder NAME of package://NAME/... in names of mesh files.
+        name: the URDF's when not given.
+
+    Raises:
+        InputError: an invalid URDF or argument; the text names the place.
+
+    >>> from mbconstrained import Robot
+    >>> import numpy as np
+    >>> urdf = '''<robot name="pendulum"><link name="base"/><link name="rod"><inertial><mass value="2"/>
+    ...   <origin xyz="0 0 -0.5"/><inertia ixx="0.1" iyy="0.1" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    ...   <joint name="hinge" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint></robot>'''
+    >>> robot = Robot(urdf)
+    >>> system = robot.linearize(robot.equilibrium({"hinge": 0.1}))
+    >>> bool(np.isclose(system.modes().natural_frequencies[0] ** 2, 2 * 9.81 * 0.5 / (0.1 + 2 * 0.5**2)))
+    True
+    """
+
+    def __init__(
+        self,
+        urdf: str | Path,
+        loops: Sequence[Loop] = (),
+        springs: Sequence[BodySpring | Bushing] = (),
+        base: Literal["fixed", "free"] = "fixed",
+        joint_stiffness: Mapping[str, float] | None = None,
+        joint_rest: Mapping[str, float] | None = None,
+        joint_damping: Mapping[str, float] | None = None,
+        gravity=(0.0, 0.0, -9.81),
+        locked: Mapping[str, float] | None = None,
+        flexible_joints: Mapping[str, FlexibleJoint] | None = None,
+        package_dirs: Sequence[str | Path] = (),
+        name: str | None = None,
+    ):
+        text, self.folder = read_urdf(urdf)
+        self.description = checked_tree(text)
+        self.name = str(name or self.description.get("name") or "robot")
+        if base not in ("fixed", "free"):
+            raise InputError(f'base: found {base!r}{nearest(str(base), ("fixed", "free"))}; expected "fixed" or "free"')
+        if isinstance(package_dirs, str) or not all(isinstance(folder, (str, Path)) for folder in package_dirs):
+            raise InputError(f"package_dirs: found {package_dirs!r}; expected a list of folders")
+        self.package_dirs = tuple(Path(folder) for folder in package_dirs)
+        mimics = mimics_of(self.description)
+        self.locked = locked_values(locked, mimics)
+        self.tree = Tree(built_model(skeleton(self.description), base == "free", self.locked, _gravity(gravity)))
+        self.tangent = Tangent(self.model, base == "free", tuple(self.locked))
+        self.link_frames = LinkFrames(self.model, link_masses(self.description))
+        self.mimic_rows = mimic_rows(mimics, self.tangent)
+        self.loops = checked_connections(loops, (Loop,), "loops", self.link_frames)
+        self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
+        self._set_joints(joint_stiffness, joint_rest, joint_damping, flexible_joints)
+
+    def _set_joints(self, stiffness, rest, damping, flexible) -> None:
+        self.joint_stiffness = self.tangent.vector(stiffness, "joint_stiffness", minimum=0.0)
+        self.joint_rest = self.tangent.vector(rest, "joint_rest")
+        for name in rest or ():
+            if not self.joint_stiffness[self.tangent.place(name, "joint_rest")]:
+                raise InputError(f"joint_rest: {name} has no joint_stiffness; give it one, or leave the rest out")
+        self.joint_damping = np.array(self.model.damping) + self.tangent.vector(damping, "joint_damping", minimum=0.0)
+        if not isinstance(flexible or {}, Mapping):
+            raise InputError(f"flexible_joints: found {type(flexible).__name__}; expected mb.FlexibleJoint(...) by joint")
+        self.flexible_joints = dict(flexible or {})
+        for name, joint in self.flexible_joints.items():
+            self.tangent.place(name, "flexible_joints")
+            if not isinstance(joint, FlexibleJoint):
+                raise InputError(f"flexible_joints: {name}: found {type(joint).__name__}; make it with mb.FlexibleJoint(...)")
+
+    @property
+    def model(self):
+        """The pinocchio model."""
+        return self.tree.model
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints that move, "base" for a free base."""
+        return self.tangent.joints
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the links."""
+        return self.link_frames.names
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the tangent coordinates."""
+        return self.tangent.coordinates
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """ "m" or "rad" for each of them."""
+        return self.tangent.units
+
+    @property
+    def limits(self) -> dict[str, tuple[float, float]]:
+        """Lower and upper limit (rad, m) by joint, of those that have any."""
+        return self.tangent.limits
+
+    def equilibrium(
+        self,
+        guess: Mapping | np.ndarray | None = None,
+        forces: Mapping[str | PointMotion, float] | None = None,
+        hold: Sequence[str] | Literal["all"] = (),
+    ) -> Posture:
+        """The posture near a guess at which the robot stays at rest, its loops closed.
+
+            g(q) + tau_springs(q) - tau = J^T lambda,   phi(q) = 0        (Newton's method)
+
+        Args:
+            guess: values by joint (rad, m), 0 for those not named: for a free base ("base") x, y, z, roll, pitch, yaw or
+                x, y, z and a quaternion x, y, z, w; or all of q.
+            forces: constant ones by joint (N m, N) or by ``PointMotion`` (N, N m).
+            hold: joints that keep the guess, or "all"; ``Posture.torques`` has their loads. Flexible joints keep it always.
+
+        Returns:
+            The posture with its multipliers and residual.
+
+        Raises:
+            InputError: there is none near the guess, the loops do not close, a joint is beyond its limits, or the
+                posture is singular.
+        """
+        return find_posture(self, {} if guess is None else guess, forces or {}, hold)
+
+    def linearize(
+        self,
+        posture: Posture,
+        level: Level = "position",
+        inputs: Mapping[str, str | PointMotion] | None = None,
+        outputs: Mapping[str, str | PointMotion] | None = None,
+    ) -> LinearizedRobot:
+        """Small motions about a posture, M d'' + D d' + K d = f + J^T lambda with J d = 0.
+
+        K is the derivative of all forces at rest, the geometric stiffness of the loop forces included,
+
+            K = dg/dq + d tau_springs/dq - d(J^T lambda)/dq at constant lambda.
+
+        Args:
+            posture: from ``equilibrium`` of this robot.
+            level: of the constraint rows of the loops, "position", "velocity" or "acceleration".
+            inputs, outputs: by name of your own: a joint (its torque; its angle), or a ``PointMotion``.
+
+        Returns:
+            The linear system in the coordinates of the joints.
+
+        Raises:
+            InputError: a posture of another robot, unknown names.
+        """
+        if not isinstance(posture, Posture) or posture.robot is not self:
+            raise InputError("linearize: expected a posture from equilibrium() of this robot")
+        return LinearizedRobot(posture, level, inputs or {}, outputs or {})
+
+    def visuals(self) -> tuple[Visual, ...]:
+        """The shapes of the links; this reads mesh files, but never collision geometry.
+
+        Raises:
+            InputError: shapes without sense, mesh files that cannot be read or lie outside the folders named.
+        """
+        from .description.visuals import visuals_of
+
+        return visuals_of(self.description, self.folder, self.package_dirs)
+
+    def poses(self, posture: Posture, displacements, scale: float = 1.0) -> dict[str, Poses]:
+        """The places of all links for displacements (n, T) about a posture times a scale, with closed loops.
+
+        Args:
+            posture: of the linearization.
+            displacements: shape (n, T), in m and rad.
+            scale: factor of them.
+
+        Returns:
+            Positions and quaternions by link.
+        """
+        from .visualization import link_poses
+
+        return link_poses(posture, displacements, scale)
+
+    def connection_points(self, posture: Posture) -> tuple[ConnectionPoints, ...]:
+        """The ends of all loops and springs in the frames of their bodies."""
+        from .visualization import connection_points
+
+        return connection_points(posture)
+
+    def _summary(self) -> str:
+        closed_by = f", {len(self.loops)} loop{'s' if len(self.loops) != 1 else ''}" if self.loops else ""
+        return f"{self.name}: {len(self.bodies)} links, {len(self.coordinates)} coordinates{closed_by}"
+
+
+def _gravity(gravity) -> np.ndarray:
+    if np.ndim(gravity) == 0:
+        return np.array([0.0, 0.0, -real_number(gravity, "gravity")])
+    return real_array(gravity, "gravity", shape=(3,))

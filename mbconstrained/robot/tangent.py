@@ -1,0 +1,296 @@
+"""The coordinates of a robot: names, units, and configurations given by name.
+
+A configuration (nq numbers, with unit quaternions and cosines) is not a vector; small motions about it are. The nv
+tangent coordinates are the angle or displacement of each joint with one degree of freedom, and for a free body the translation
+along and the rotation about its own axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..ground.checks import nearest, real_array, real_number
+from ..ground.errors import InputError
+from ..ground.tolerances import SAME_JOINT_VALUE
+from .description.urdf import Mimic
+
+BASE = "base"
+
+_SUFFIXES = {1: ("",), 3: (" x", " y", " rz"), 6: (" x", " y", " z", " rx", " ry", " rz")}
+
+
+class Tangent:
+    """Names of the joints of a pinocchio model and of their tangent coordinates."""
+
+    def __init__(self, model, free_base: bool, locked: tuple[str, ...] = ()):
+        self.model = model
+        self.locked = locked
+        names = [str(name) for name in model.names]
+        if free_base:
+            names[1] = BASE
+        self.joints = tuple(names[1:])
+        for name in self.joints:
+            if self.joints.count(name) > 1 or (name in self.coordinates and self.coordinates.count(name) > 1):
+                raise InputError(f'urdf: the joint "{name}" has the name of the free base or of one of its motions; choose another')
+
+    @cached_property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the nv tangent coordinates."""
+        return tuple(f"{name}{suffix}" for name, joint in self._each() for suffix in _SUFFIXES[joint.nv])
+
+    @cached_property
+    def units(self) -> tuple[str, ...]:
+        """ "m" or "rad" for each of them."""
+        return tuple(unit for _, joint in self._each() for unit in _units(joint))
+
+    def place(self, name: str, what: str) -> int:
+        """The place of a joint with one degree of freedom among the coordinates.
+
+        Args:
+            name: of the joint.
+            what: the argument, for messages.
+
+        Returns:
+            The place, counted from 0.
+        """
+        if name in self.joints and name not in self.coordinates:
+            several = ", ".join(c for c in self.coordinates if c.startswith(f"{name} "))
+            raise InputError(f'{what}: "{name}" has several degrees of freedom; name one of {several}')
+        if name in self.locked:
+            raise InputError(f'{what}: the joint "{name}" is locked; leave it out, or do not lock it')
+        if name not in self.joints:
+            raise InputError(f'{what}: there is no joint "{name}"{nearest(name, self.joints)}')
+        return self.coordinates.index(name)
+
+    def vector(self, values: Mapping[str, float], what: str, **limits) -> np.ndarray:
+        """Numbers by coordinate as a vector, zero for the others.
+
+        Args:
+            values: by joint.
+            what: the argument, for messages.
+            limits: as of ``real_number``.
+
+        Returns:
+            Shape (nv,).
+        """
+        vector = np.zeros(self.model.nv)
+        for name, value in _mapping(values, what).items():
+            vector[self.place(name, what)] = real_number(value, f"{what} of {name}", **limits)
+        return vector
+
+    def configuration(self, values, what: str = "guess") -> np.ndarray:
+        """q from a mapping of joint names to values, zero for the others; or all nq numbers of it.
+
+        A free body takes x, y, z, roll, pitch, yaw or x, y, z and a quaternion x, y, z, w; one that slides in a plane
+        x, y and its angle.
+
+        Args:
+            values: by joint (rad, m), or all of q.
+            what: the argument, for messages.
+
+        Returns:
+            q, shape (nq,).
+        """
+        import pinocchio
+
+        q = pinocchio.neutral(self.model)
+        if not isinstance(values, Mapping):
+            return pinocchio.normalize(self.model, self._whole(values, what))
+        for name, value in values.items():
+            if name not in self.joints:
+                locked = "; it is locked" if name in self.locked else nearest(name, self.joints)
+                raise InputError(f'{what}: there is no joint "{name}" that moves{locked}')
+            joint = self.model.joints[self.joints.index(name) + 1]
+            q[joint.idx_q : joint.idx_q + joint.nq] = _joint_configuration(joint, value, f"{what} of {name}")
+        return q
+
+    def values(self, q: np.ndarray) -> dict[str, float | tuple[float, ...]]:
+        """The inverse: by joint a number, or the numbers of a joint with several degrees of freedom."""
+        return {name: _joint_value(joint, q[joint.idx_q : joint.idx_q + joint.nq]) for name, joint in self._each()}
+
+    @cached_property
+    def limits(self) -> dict[str, tuple[float, float]]:
+        """Lower and upper limit by joint, of those that have any."""
+        low, high = self.model.lowerPositionLimit, self.model.upperPositionLimit
+        return {
+            name: (float(low[joint.idx_q]), float(high[joint.idx_q]))
+            for name, joint in self._each()
+            if joint.nq == 1 and low[joint.idx_q] < high[joint.idx_q]
+        }
+
+    def outside_limits(self, q: np.ndarray, tolerance: float) -> str:
+        """A sentence on the first joint that is beyond its limits, or an empty text.
+
+        Args:
+            q: shape (nq,).
+            tolerance: in rad or m.
+
+        Returns:
+            The sentence.
+        """
+        values = self.values(q)
+        for name, (low, high) in self.limits.items():
+            if not low - tolerance <= values[name] <= high + tolerance:
+                unit = self.units[self.coordinates.index(name)]
+                return f'joint "{name}" is at {values[name]:.6g} {unit}, beyond its limits {low:.6g} ... {high:.6g}'
+        return ""
+
+    def _each(self):
+        return zip(self.joints, list(self.model.joints)[1:])
+
+    def _whole(self, values, what: str) -> np.ndarray:
+        q = real_array(values, what, shape=(self.model.nq,))
+        for name, joint in self._each():
+            turn = q[joint.idx_q : joint.idx_q + joint.nq][{4: 2, 7: 3}.get(joint.nq, 0) :] if joint.nq != joint.nv else ()
+            if len(turn) and not np.any(turn):
+                raise InputError(f"{what}: the numbers of {name} that stand for its rotation are all 0")
+        return q
+
+
+def _mapping(values, what: str) -> Mapping:
+    if values is None:
+        return {}
+    if not isinstance(values, Mapping):
+        raise InputError(f'{what}: found {type(values).__name__}; expected numbers by joint, such as {{"j1": 1.2}}')
+    return values
+
+
+def _units(joint) -> tuple[str, ...]:
+    if joint.nv == 1:
+        return ("m",) if joint.shortname().startswith("JointModelP") else ("rad",)
+    return ("m", "m", "rad") if joint.nv == 3 else ("m",) * 3 + ("rad",) * 3
+
+
+def _joint_configuration(joint, value, what: str) -> np.ndarray:
+    import pinocchio
+
+    if joint.nv == 1:
+        value = real_number(value, what)
+        return np.array([value] if joint.nq == 1 else [np.cos(value), np.sin(value)])
+    numbers = real_array(value, what, shape=(None,))
+    if joint.nv == 3 and len(numbers) == 3:
+        return np.array([*numbers[:2], np.cos(numbers[2]), np.sin(numbers[2])])
+    if joint.nv == 6 and len(numbers) == 6:
+        rotation = pinocchio.rpy.rpyToMatrix(*numbers[3:])
+        return np.concatenate([numbers[:3], pinocchio.Quaternion(rotation).coeffs()])
+    if joint.nv == 6 and len(numbers) == 7 and numbers[3:].any():
+        return np.concatenate([numbers[:3], numbers[3:] / np.linalg.norm(numbers[3:])])
+    wanted = "x, y and an angle" if joint.nv == 3 else "x, y, z, roll, pitch, yaw, or x, y, z and a quaternion x, y, z, w"
+    raise InputError(f"{what}: found {len(numbers)} numbers; expected {wanted}")
+
+
+def _joint_value(joint, q: np.ndarray):
+    if joint.nq == joint.nv == 1:
+        return float(q[0])
+    if joint.nq == 2:
+        return float(np.arctan2(q[1], q[0]))
+    return (*q[:2].tolist(), float(np.arctan2(q[3], q[2]))) if joint.nv == 3 else tuple(q.tolist())
+
+
+@dataclass(frozen=True)
+class MimicRow:
+    """A mimic joint as a constraint row: q_follower - multiplier q_leader - offset = 0.
+
+    Attributes:
+        name: of the row.
+        unit: of the follower, "m" or "rad".
+        follower, leader: numbers of joints in the model.
+        multiplier, offset: of the leader's value, and added to it.
+    """
+
+    name: str
+    unit: str
+    follower: int
+    leader: int
+    multiplier: float
+    offset: float
+
+    def gap(self, model, configuration: np.ndarray) -> float:
+        """The left side; for continuous joints the smallest angle modulo a full turn.
+
+        Args:
+            model: of pinocchio.
+            configuration: q, shape (nq,).
+
+        Returns:
+            In rad or m.
+        """
+        leader = joint_displacement(model.joints[self.leader], configuration, 0.0)
+        return joint_displacement(model.joints[self.follower], configuration, self.multiplier * leader + self.offset)
+
+    def row(self, model) -> np.ndarray:
+        """Its derivative, shape (nv,)."""
+        row = np.zeros(model.nv)
+        row[model.joints[self.follower].idx_v] = 1.0
+        row[model.joints[self.leader].idx_v] -= self.multiplier
+        return row
+
+
+def locked_values(locked, mimics: tuple[Mimic, ...]) -> dict[str, float]:
+    """Values of the locked joints and of the joints that follow them.
+
+    Args:
+        locked: by joint, or None.
+        mimics: the joints that follow others.
+
+    Returns:
+        Values by joint (rad, m).
+
+    Raises:
+        InputError: not a mapping of joints to values; a locked follower of a moving joint, or one at another value.
+    """
+    if locked is not None and not isinstance(locked, Mapping):
+        raise InputError(f'locked: found {type(locked).__name__}; expected values by joint, such as {{"j4": 0.3}}')
+    values = {name: real_number(value, f"locked: {name}") for name, value in (locked or {}).items()}
+    for mimic in mimics:
+        if mimic.leader in values or mimic.leader_is_fixed:
+            follows = mimic.multiplier * values.get(mimic.leader, 0.0) + mimic.offset
+            if abs(values.setdefault(mimic.follower, follows) - follows) > SAME_JOINT_VALUE * max(1.0, abs(follows)):
+                raise InputError(
+                    f'locked: "{mimic.follower}" follows "{mimic.leader}" and is then at {follows:.6g}; found '
+                    f"{values[mimic.follower]:.6g}: leave it out"
+                )
+        elif mimic.follower in values:
+            raise InputError(f'locked: "{mimic.follower}" follows "{mimic.leader}", which moves; lock that joint instead')
+    return values
+
+
+def mimic_rows(mimics: tuple[Mimic, ...], tangent: Tangent) -> tuple[MimicRow, ...]:
+    """The mimic_rows between moving joints; those with a locked joint are left out.
+
+    Args:
+        mimics: the joints that follow others.
+        tangent: the coordinates.
+
+    Returns:
+        The rows.
+    """
+    rows = []
+    for mimic in mimics:
+        if mimic.follower in tangent.coordinates and mimic.leader in tangent.coordinates:
+            numbers = [tangent.joints.index(name) + 1 for name in (mimic.follower, mimic.leader)]
+            unit = tangent.units[tangent.coordinates.index(mimic.follower)]
+            rows.append(MimicRow(f"{mimic.follower} follows {mimic.leader}", unit, *numbers, mimic.multiplier, mimic.offset))
+    return tuple(rows)
+
+
+def joint_displacement(joint, configuration: np.ndarray, rest: float) -> float:
+    """The displacement of a joint with one degree of freedom from a value (rad, m).
+
+    Args:
+        joint: of the model.
+        configuration: q, shape (nq,).
+        rest: the value (rad, m).
+
+    Returns:
+        In rad or m.
+    """
+    value = configuration[joint.idx_q : joint.idx_q + joint.nq]
+    if joint.nq == 1:
+        return float(value[0] - rest)
+    c, s = np.cos(rest), np.sin(rest)
+    return float(np.arctan2(c * value[1] - s * value[0], c * value[0] + s * value[1]))

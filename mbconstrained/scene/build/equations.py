@@ -1,0 +1,289 @@
+"""From the tables of a scene to its equations: matrices, initial values, force, with names and units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...ground.errors import InputError
+from ...ground.notices import Notice
+from ...polynomial.polynomial_matrix import PolynomialMatrix
+from ...response.events import start_of
+from ...response.response import Response
+from ...response.solve import solve
+from ...signals.impulsive import ImpulsiveSmooth
+from ...signals.inputs import zero
+from ..file.messages import at
+from ..quantities.coordinates import Coordinates, beyond_noise, constraint_value, initial_values
+from ..quantities.quantities import Expressed, quantity
+from .consistent_values import consistent_values
+from .data_files import entries_of
+from .forces import Load, force_of, loads_of
+
+if TYPE_CHECKING:
+    from ...mechanics.system import MechanicalSystem
+    from ...models.lumped import LumpedModel
+    from ...robot.posture import Posture
+    from ...robot.robot import Robot
+    from .control_model import ControlScene
+    from .robot_model import RobotScene
+
+#: What entries between coordinates in m are.
+ENTRY_UNITS = {"mass": "kg", "damping": "N*s/m", "stiffness": "N/m"}
+
+
+@dataclass(frozen=True)
+class Equations:
+    """The equations of a scene.
+
+    Attributes:
+        coordinates: names and units.
+        polynomial_matrix: A(s), for a mechanical system that of its constrained form.
+        initial: x^(i)(0-) as row i, shape (q, r).
+        force: on [0, inf), or None.
+        system: mass, damping, stiffness and constraint rows; None where A(s) was given itself.
+        model: the lumped model behind the system, or None.
+        robot_scene: the robot behind the system with its posture, inputs and outputs, or None.
+        control: the transfer function or state space behind the equations with its inputs and outputs, or None.
+        loads: the forces of the [[force]] tables, one by one, but for inputs of a transfer function or state space.
+    """
+
+    coordinates: Coordinates
+    polynomial_matrix: PolynomialMatrix
+    initial: np.ndarray
+    force: ImpulsiveSmooth | None
+    system: MechanicalSystem | None = None
+    model: LumpedModel | None = None
+    robot_scene: RobotScene | None = None
+    control: ControlScene | None = None
+    loads: tuple[Load, ...] = ()
+
+    @property
+    def coordinates_called(self) -> str:
+        """What the coordinates are to those who wrote the scene."""
+        if not self.has_outputs_among_coordinates:
+            return "coordinates"
+        return "output" if self.control.transfer_function else "states and outputs"
+
+    @property
+    def outputs(self) -> Coordinates | None:
+        """Names and units of the outputs, or None."""
+        source = self.control or self.robot_scene
+        return source.outputs if source and source.outputs.names else None
+
+    @property
+    def form_notices(self) -> tuple[Notice, ...]:
+        """What makes the mechanical normal form doubtful, where there is one."""
+        return self.control.form.notices if self.control and self.control.form else ()
+
+    @property
+    def has_outputs_among_coordinates(self) -> bool:
+        """Whether the outputs are solved for like coordinates."""
+        return self.control is not None and self.control.form is None
+
+    def output_values(self, times: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
+        """The outputs over time.
+
+        Args:
+            times: shape (T,), in s.
+            coordinates: their values there, shape (r, T).
+
+        Returns:
+            Values of shape (q, T).
+        """
+        if self.control is not None:
+            return self.control.output_values(times, coordinates)
+        return self.robot_scene.system.output_matrix @ coordinates
+
+    @property
+    def robot(self) -> Robot | None:
+        """The robot behind the system, or None."""
+        return self.robot_scene and self.robot_scene.robot
+
+    @property
+    def posture(self) -> Posture | None:
+        """The equilibrium about which the robot moves, or None."""
+        return self.robot_scene and self.robot_scene.posture
+
+    @property
+    def right_hand_side(self) -> ImpulsiveSmooth:
+        """What stands on the right of A(d/dt) x: forces, static offsets and constraint values."""
+        force = zero(len(self.coordinates.names)) if self.force is None else self.force
+        return force if self.system is None else self.system.constrained_form().force(self.system.force + force)
+
+    @property
+    def is_free(self) -> bool:
+        """Whether nothing stands on the right."""
+        return self.right_hand_side.is_zero
+
+    @property
+    def start_fits(self) -> bool:
+        """Whether the values at 0- go on without a jump or an impulse."""
+        start = start_of(self.polynomial_matrix.jordan_pairs().form, self.initial, self.right_hand_side)
+        jumps = any(beyond_noise(jump, old, jump + old).size for jump, old in zip(start.jump, self.initial))
+        return not (jumps or any(impulse.any() for impulse in start.impulses))
+
+    def solve(self) -> Response:
+        """The answer: a Motion where there is a mechanical system, else a Response."""
+        if self.system is not None:
+            return self.system.solve(*self.initial, force=self.force)
+        from_rest = self.control.transfer_function.response() if self.control and self.control.transfer_function else None
+        return from_rest or solve(self.polynomial_matrix, initial=self.initial, force=self.force)
+
+
+def equations_of(table, folder: Path, file_name: str, lap: Callable[[str], object] = lambda stage: None) -> Equations:
+    """Assemble the equations of a scene.
+
+    Args:
+        table: of the scene.
+        folder: of the scene, for data files.
+        file_name: for messages.
+        lap: called with the name of each finished stage of a robot or a normal form.
+
+    Returns:
+        The equations with names, units, initial values and forces.
+
+    Raises:
+        SceneError: unknown names, values of the wrong kind, files that cannot be read, contradictory constraints.
+    """
+    if table.model.kind == "lumped":
+        return _lumped(table, folder, file_name)
+    if table.model.kind == "robot":
+        return _robot(table, folder, file_name, lap)
+    if table.model.kind == "transfer-function":
+        return _transfer_function(table, folder, file_name)
+    if table.model.kind == "state-space":
+        return _state_space(table, folder, file_name, lap)
+    if table.model.coefficients is not None:
+        return _coefficients(table, folder, file_name)
+    return _matrices(table, folder, file_name)
+
+
+def _lumped(table, folder: Path, file_name: str) -> Equations:
+    from .lumped_model import lumped_model
+
+    model = lumped_model(table.model, file_name)
+    with at(file_name, "model"):
+        system = model.assemble()
+    coordinates = Coordinates(tuple(model.coordinates), tuple(model.units[name] for name in model.coordinates))
+    return _mechanical(table, system, coordinates, folder, file_name, model)
+
+
+def _robot(table, folder: Path, file_name: str, lap) -> Equations:
+    from .robot_model import robot_scene
+
+    scene = robot_scene(table.model, folder, file_name, lap)
+    return _mechanical(table, scene.system, scene.coordinates, folder, file_name, robot_scene=scene)
+
+
+def _transfer_function(table, folder: Path, file_name: str) -> Equations:
+    from .control_model import transfer_function_scene
+
+    control = transfer_function_scene(table, folder, file_name)
+    G, A = control.transfer_function, control.transfer_function.polynomial_matrix
+    initial = np.zeros((A.degree, 1)) if G.start is None else G.start
+    return Equations(control.outputs, A, initial, G.force, control=control)
+
+
+def _state_space(table, folder: Path, file_name: str, lap) -> Equations:
+    from .control_model import mechanical_scene, state_space_scene
+
+    control = state_space_scene(table, folder, file_name)
+    if table.model.normal_form:
+        control, system, coordinates, initial = mechanical_scene(control, table, file_name, lap)
+        force = control.form.force(control.input)
+        return Equations(coordinates, system.polynomial_matrix(), initial, force, system, control=control)
+    space = control.system
+    A, initial = space.polynomial_matrix_with_outputs(), space.start_with_outputs(control.start)
+    coordinates = Coordinates(A.coordinates, tuple(space.units[name] for name in A.coordinates))
+    return Equations(coordinates, A, initial, space.force_with_outputs(control.input), control=control)
+
+
+def _matrices(table, folder: Path, file_name: str) -> Equations:
+    from ...mechanics.constraints import Constraint
+    from ...mechanics.system import MechanicalSystem
+    from ...models.lumped import coordinate_row
+
+    matrices = {}
+    for key in ("mass", "damping", "stiffness"):
+        source = getattr(table.model, key)
+        with at(file_name, f"model.{key}"):
+            matrices[key] = None if source is None else _square(entries_of(source, folder))
+    coordinates = _coordinates(table.model, len(matrices["mass"]), file_name)
+    _check_kinds(table.model, coordinates, file_name)
+    constraints = []
+    for number, row in enumerate(table.model.constraint, 1):
+        with at(file_name, f"model.constraint[{number}]"):
+            units_of_row = {coordinates.units[coordinates.number(name)] for name in row.rows}  # also of those with the factor 0
+            unit = units_of_row.pop() if len(units_of_row) == 1 else None
+            coefficients, value = coordinate_row(row.rows, coordinates.names), constraint_value(row, coordinates)
+            constraints.append(Constraint(coefficients, level=row.level, value=value, names=row.name, unit=unit))
+    units = dict(zip(coordinates.names, coordinates.units))
+    with at(file_name, "model"):
+        system = MechanicalSystem(**matrices, constraints=constraints, names=coordinates.names, units=units)
+    return _mechanical(table, system, coordinates, folder, file_name)
+
+
+def _check_kinds(model, coordinates: Coordinates, file_name: str) -> None:
+    """Parameters in a mass matrix are masses, and so on, between coordinates in m; otherwise units mix."""
+    in_metres = [i for i, unit in enumerate(coordinates.units) if unit == "m"]
+    for key, unit in ENTRY_UNITS.items():
+        entries = getattr(model, key)
+        if not isinstance(entries, np.ndarray) or len(entries) != len(coordinates.names):
+            continue
+        for i, j in product(in_metres, in_metres):
+            if isinstance(entries[i, j], Expressed):
+                with at(file_name, f"model.{key}[{i + 1}][{j + 1}]"):
+                    quantity(entries[i, j], unit)
+
+
+def _mechanical(table, system, coordinates, folder, file_name, model=None, robot_scene=None) -> Equations:
+    with at(file_name, "model"):
+        polynomial_matrix = system.polynomial_matrix()
+    initial = initial_values(table.initial, coordinates, 2, file_name).astype(float)
+    if table.initial.follow:
+        initial = consistent_values(initial, table.initial, system, coordinates, file_name)
+    loads = loads_of(table.force, coordinates, folder, file_name, robot_scene and robot_scene.system)
+    return Equations(coordinates, polynomial_matrix, initial, force_of(loads), system, model, robot_scene, loads=loads)
+
+
+def _coefficients(table, folder: Path, file_name: str) -> Equations:
+    matrices = []
+    for number, source in enumerate(table.model.coefficients):
+        with at(file_name, f"model.coefficients[{number + 1}] (A_{number})"):
+            matrices.append(_square(entries_of(source, folder)))
+    coordinates = _coordinates(table.model, len(matrices[0]), file_name)
+    with at(file_name, "model.coefficients"):
+        A = PolynomialMatrix(matrices, coordinates=coordinates.names)
+    if table.initial.follow:
+        with at(file_name, "initial.follow"):
+            raise InputError("equations given by coefficients have no constraint rows to follow; give all values")
+    initial = initial_values(table.initial, coordinates, A.degree, file_name).astype(float)
+    loads = loads_of(table.force, coordinates, folder, file_name)
+    return Equations(coordinates, A, initial, force_of(loads), loads=loads)
+
+
+def _square(matrix: np.ndarray) -> np.ndarray:
+    """A matrix with its parameters at their default values, or an InputError."""
+    rows, columns = matrix.shape
+    if rows != columns or not rows:
+        raise InputError(f"found {rows} rows and {columns} columns; expected a square matrix")
+    return matrix.astype(float)
+
+
+def _coordinates(model, count: int, file_name: str) -> Coordinates:
+    names = tuple(model.coordinates or (f"x{i + 1}" for i in range(count)))
+    with at(file_name, "model.coordinates"):
+        if len(names) != count:
+            raise InputError(f"found {len(names)} names; expected {count}, one for each row of the matrices")
+        if repeated := next((name for name in names if names.count(name) > 1), None):
+            raise InputError(f'the name "{repeated}" is used twice; names must differ')
+    with at(file_name, "model.units"):
+        in_metres = Coordinates(names, ("m",) * count)
+        units = {in_metres.number(name): unit for name, unit in model.units.items()}
+    return Coordinates(names, tuple(units.get(i, "m") for i in range(count)))

@@ -1,0 +1,139 @@
+"""From the [[force]] tables to the force: a signal for each table, on its coordinate or input, with its unit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass
+from functools import reduce
+from operator import add
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...ground.checks import nearest
+from ...ground.errors import InputError
+from ...signals import inputs as signals
+from ..file.messages import at, named, shown
+from ..quantities.coordinates import FORCE_UNITS, Coordinates, force_value
+from .data_files import record_of
+
+if TYPE_CHECKING:
+    from ...robot.linearized import LinearizedRobot
+
+
+@dataclass(frozen=True)
+class Load:
+    """The force of one [[force]] table.
+
+    Attributes:
+        name: of the coordinate or input.
+        unit: of the displacement along which the force works.
+        direction: the generalized forces of a unit force, shape (r,).
+        signal: the force over time, one row.
+    """
+
+    name: str
+    unit: str
+    direction: np.ndarray
+    signal: signals.ImpulsiveSmooth
+
+
+def loads_of(
+    tables: Sequence, coordinates: Coordinates, folder: Path, file_name: str, robot: LinearizedRobot | None = None
+) -> tuple[Load, ...]:
+    """The loads of all [[force]] tables.
+
+    Args:
+        tables: validated.
+        coordinates: of the model, on which forces act.
+        folder: of the scene, for data files.
+        file_name: for messages.
+        robot: its inputs are further places where forces act.
+
+    Returns:
+        One for each table.
+
+    Raises:
+        SceneError: an unknown coordinate, a value of another kind, a wrong data file.
+    """
+    inputs = robot.inputs if robot else {}
+    loads = []
+    for number, table in enumerate(tables, 1):
+        name = table.coordinate
+        with at(file_name, f"force[{number}]"):
+            if name in inputs:
+                direction, unit = inputs[name], robot.input_units[name]
+            else:
+                index = coordinates.number(name, *inputs)
+                direction, unit = np.eye(len(coordinates.names))[index], coordinates.units[index]
+            loads.append(Load(name, unit, direction, _signal(table, FORCE_UNITS.get(unit), folder)))
+    return tuple(loads)
+
+
+def force_of(loads: Sequence[Load]) -> signals.ImpulsiveSmooth | None:
+    """The sum of the generalized forces of loads; None without any."""
+    return reduce(add, (load.signal.mapped(load.direction[:, None]) for load in loads)) if loads else None
+
+
+def input_of(tables: Sequence, inputs: Coordinates, folder: Path, file_name: str) -> signals.ImpulsiveSmooth | None:
+    """The inputs of a transfer function or state space.
+
+    Args:
+        tables: the [[force]] tables, validated.
+        inputs: names and units.
+        folder: of the scene, for data files.
+        file_name: for messages.
+
+    Returns:
+        A row for each input, in its unit; None without tables.
+    """
+    rows = []
+    for number, table in enumerate(tables, 1):
+        with at(file_name, f"force[{number}]"):
+            if table.coordinate not in inputs.names:
+                known = f"the inputs are {', '.join(inputs.names)}" if inputs.names else "the model has none: give B"
+                hint = nearest(table.coordinate, inputs.names)
+                raise InputError(f"there is no input {shown(table.coordinate)}{hint}; {known}")
+            row = inputs.names.index(table.coordinate)
+            rows.append(_signal(table, inputs.units[row], folder).mapped(np.eye(len(inputs.names))[:, row : row + 1]))
+    return reduce(add, rows) if rows else None
+
+
+def _signal(table, unit: str | None, folder: Path) -> signals.ImpulsiveSmooth:
+    """The force of a table over time, one row."""
+    if table.kind == "sampled":
+        times, values = sampled_force(table, unit, folder)
+        with named(table.file) if table.file else nullcontext():
+            return signals.sampled(times, [values]).delayed(table.delay)
+    value = force_value(table.value, unit, table.time_power)
+    return _SIGNALS[table.kind](table, [value]).delayed(table.delay)
+
+
+def sampled_force(table, unit: str | None, folder: Path) -> tuple[list, list]:
+    """The record of a [[force]] table of kind "sampled".
+
+    Args:
+        table: validated.
+        unit: of the force; None where unknown.
+        folder: of the scene, for data files.
+
+    Returns:
+        Times in s and values in the unit, expressions of parameters as such.
+    """
+    if table.file is None:
+        return table.times, [force_value(value, unit, what=f"values[{number}]") for number, value in enumerate(table.values, 1)]
+    times, values = record_of(table, folder)
+    return times.tolist(), values.tolist()
+
+
+_SIGNALS: dict[str, Callable] = {
+    "step": lambda t, v: signals.step(v),
+    "ramp": lambda t, v: signals.ramp(v),
+    "power": lambda t, v: signals.power(v, t.gamma),
+    "impulse": lambda t, v: signals.impulse(v, order=t.order),
+    "harmonic": lambda t, v: signals.harmonic(v, angular_frequency=t.omega, phase=t.phase),
+    "term": lambda t, v: signals.term(v, power=t.power, rate=t.rate, angular_frequency=t.omega, phase=t.phase),
+    "pulse": lambda t, v: signals.pulse(v, start=t.start, duration=t.duration),
+}

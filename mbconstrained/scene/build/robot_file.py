@@ -1,0 +1,192 @@
+"""Robots from files: a folder with robot.toml and its URDF, read as data; the names in the URDF are known before it is loaded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...ground.errors import InputError
+from ..file.messages import at, shown
+from ..file.reading import FileKind, inside, parse, read_text
+from ..quantities.quantities import count_texts
+from ..schema.validation import validated
+from .robot_values import PLACE, UrdfNames, joint_values, names_of_urdf, posing, robot_arguments
+
+if TYPE_CHECKING:
+    from ...robot.robot import Robot
+    from ..schema.robot_tables import RobotFile
+
+ROBOT_FILE = "robot.toml"
+_KIND = FileKind("a robot.toml has at least urdf, source and licence", "which is no robot.toml; meshes lie in files of their own")
+
+
+@dataclass(frozen=True)
+class RobotData:
+    """The content of a robot.toml, checked.
+
+    Attributes:
+        path: the robot.toml.
+        table: its content.
+        names: of the links and joints in its URDF.
+        package_dirs: folders in which package://NAME/... is looked up.
+        locks: joints that the files name as locked, with their values in SI.
+        locked: the same with those that follow them.
+        unit_texts: how many quantities were written with a unit.
+    """
+
+    path: Path
+    table: RobotFile
+    names: UrdfNames
+    package_dirs: tuple[Path, ...]
+    locks: dict[str, float] = field(default_factory=dict)
+    locked: dict[str, float] = field(default_factory=dict)
+    unit_texts: int = 0
+    _posture: dict = field(default_factory=dict, repr=False)
+
+    @property
+    def name(self) -> str:
+        """The name of the folder."""
+        return self.path.absolute().parent.name
+
+    @property
+    def title(self) -> str:
+        """What the robot is; the name of the folder where the file does not say."""
+        return self.table.title or self.name
+
+    @property
+    def source(self) -> str:
+        """Where the robot comes from."""
+        return self.table.source
+
+    @property
+    def licence(self) -> str:
+        """Its licence."""
+        return self.table.licence
+
+    def with_locked(self, locks: Mapping[str, float]) -> RobotData:
+        """The same with more joints frozen.
+
+        Raises:
+            InputError: a joint follows another, which moves.
+        """
+        from ...robot.tangent import locked_values
+
+        locks = {**self.locks, **locks}
+        return replace(self, locks=locks, locked=locked_values(locks, self.names.mimics))
+
+    @property
+    def posture(self) -> dict:
+        """guess, forces and hold, in SI, without the locked joints: ``robot.equilibrium(**data.posture)``."""
+        return self.unlocked(self._posture)
+
+    def unlocked(self, posture: dict) -> dict:
+        """A posture without the joints that are locked."""
+        guess, forces = ({k: v for k, v in posture[key].items() if k not in self.locked} for key in ("guess", "forces"))
+        hold = posture.get("hold", ())
+        hold = hold if hold == "all" else tuple(name for name in hold if name not in self.locked)
+        return {"guess": guess, "forces": forces, "hold": hold}
+
+    @property
+    def place(self) -> str:
+        """The file in messages."""
+        return f"{self.name}/{self.path.name}"
+
+    @property
+    def urdf_place(self) -> str:
+        """The URDF in messages."""
+        return f"{self.name}/{self.names.path.name}"
+
+    def check_meshes(self) -> None:
+        """See that the meshes that are to be drawn are there; they are not opened.
+
+        Raises:
+            SceneError: one is missing, or lies elsewhere than it may; names its link.
+        """
+        from ...robot.description.visuals import mesh_file
+
+        with at(self.urdf_place):
+            for link, mesh in self.names.meshes:
+                mesh_file(mesh, f"mesh of link {shown(link)}", self.names.path.parent, self.package_dirs)
+
+
+def read_robot(path: str | Path, *, package_dirs: Sequence[str | Path] = (), locked: Mapping[str, float] | None = None):
+    """A robot and the content of its file.
+
+    Args:
+        path: a folder with a robot.toml, or the robot.toml.
+        package_dirs: folders in which the meshes named package://NAME/... are looked up, in addition to those of the file.
+        locked: joints to be frozen at a value (rad or m), in addition to those of the file.
+
+    Returns:
+        The ``Robot``, and ``RobotData`` with title, source, licence and the posture it is meant to stand in:
+        ``robot.equilibrium(**data.posture)``.
+
+    Raises:
+        SceneError: a file that cannot be read, or something in it that is wrong; the text names file, place, what was
+            found and what was expected.
+    """
+    data = robot_data(Path(path), package_dirs)
+    with at(data.place, "the robot"):
+        data = data.with_locked(locked or {})
+    return robot_of(data), data
+
+
+def robot_data(path: Path, package_dirs: Sequence[str | Path] = ()) -> RobotData:
+    """Read and check a robot.toml and the names in its URDF; pinocchio is not needed for it.
+
+    Args:
+        path: a folder with a robot.toml, or the robot.toml.
+        package_dirs: as of ``read_robot``.
+
+    Returns:
+        Its content.
+
+    Raises:
+        SceneError: as ``read_robot``.
+    """
+    from ..schema.robot_tables import RobotFile
+
+    path = path / ROBOT_FILE if path.is_dir() else path
+    place = f"{path.absolute().parent.name}/{path.name}"
+    data = parse(read_text(path, _KIND), place)
+    table = validated(data, place, RobotFile)
+    folder = path.parent.resolve()
+    with at(place, "urdf"):
+        urdf = inside(folder, table.urdf, "the URDF must lie in the robot's folder", 'the name of a file, e.g. "robot.urdf"')
+    with at(f"{folder.name}/{urdf.name}"):
+        names = names_of_urdf(urdf)
+    dirs = (*_package_dirs(table.package_dirs, folder, place), *(Path(place).resolve() for place in package_dirs))
+    texts = count_texts({key: value for key, value in data.items() if key not in ("title", "source", "licence", "urdf")})
+    with at(place, "locked"):
+        locked = joint_values(table.locked, names, PLACE)
+    with at(place, "posture"):
+        posture = posing(table.posture, names, table.base == "free")
+    with at(place, "the robot"):
+        return RobotData(path, table, names, dirs, unit_texts=texts, _posture=posture).with_locked(locked)
+
+
+def robot_of(data: RobotData) -> Robot:
+    """The robot of checked data.
+
+    Raises:
+        SceneError: something that only shows when its parts come together.
+    """
+    from ...robot.robot import Robot
+
+    values = robot_arguments(data.table, data.names, data.place)
+    for key in ("joint_stiffness", "joint_rest", "joint_damping", "flexible_joints"):
+        values[key] = {name: value for name, value in values[key].items() if name not in data.locked}
+    with at(data.place, "the robot"):
+        return Robot(data.names.path, package_dirs=data.package_dirs, name=data.name, locked=data.locked, **values)
+
+
+def _package_dirs(dirs: Sequence[str], folder: Path, place: str) -> list[Path]:
+    folders = []
+    for name in dirs:
+        with at(place, "package_dirs"):
+            if Path(name).is_absolute() or not name.isprintable() or not (folder / name).is_dir():
+                raise InputError(f"found {shown(name)}; expected a folder, relative to the robot's")
+            folders.append((folder / name).resolve())
+    return folders

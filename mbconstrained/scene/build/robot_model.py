@@ -1,0 +1,111 @@
+"""From a scene of kind "robot" to its equations: the robot's file, an equilibrium, small motions about it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...ground.errors import InputError
+from ..file.messages import at, shown
+from ..quantities.coordinates import Coordinates
+from .robot_file import RobotData, robot_data, robot_of
+from .robot_values import PLACE, joint_values, point_motion, posing
+
+if TYPE_CHECKING:
+    from ...robot.connections import PointMotion
+    from ...robot.linearized import LinearizedRobot
+    from ...robot.posture import Posture
+    from ...robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class RobotScene:
+    """A robot in its posture, as a system in small deviations from it.
+
+    Attributes:
+        data: what stands in its file.
+        robot, posture, system: of the models' floor; the system knows inputs and outputs by name.
+        inputs: the joint or PointMotion of each input, by its name.
+    """
+
+    data: RobotData
+    robot: Robot
+    posture: Posture
+    system: LinearizedRobot
+    inputs: Mapping[str, str | PointMotion]
+
+    @property
+    def coordinates(self) -> Coordinates:
+        """Names and units of the deviations."""
+        names = tuple(self.system.names)
+        return Coordinates(names, tuple(self.system.units[name] for name in names))
+
+    @property
+    def outputs(self) -> Coordinates:
+        """Names and units of the outputs."""
+        return Coordinates(tuple(self.system.outputs), tuple(self.system.output_units.values()))
+
+
+def robot_scene(model, folder: Path, file_name: str, lap: Callable[[str], object]) -> RobotScene:
+    """Read the robot, find its equilibrium and linearize it there.
+
+    Args:
+        model: the [model] table.
+        folder: of the scene.
+        file_name: of the scene, for messages.
+        lap: called with the name of each stage when it is done.
+
+    Returns:
+        The robot with its posture and its linear system.
+
+    Raises:
+        SceneError: a file, a name, a unit that is wrong; no equilibrium near the guess.
+    """
+    with at(file_name, "model.robot"):
+        path = _robot_path(model.robot, folder)
+    data = robot_data(path)
+    with at(file_name, "model"):
+        data = data.with_locked(joint_values(model.locked, data.names, PLACE))
+        arguments = _posture_arguments(data, posing(model, data.names, data.table.base == "free"))
+    robot = robot_of(data)
+    lap("robot model (pinocchio)")
+    with at(file_name, "model"):
+        posture = robot.equilibrium(**arguments)
+    lap("equilibrium")
+    inputs, outputs = (_motions(getattr(model, key), data, f"model.{key}", file_name) for key in ("input", "output"))
+    with at(file_name, "model"):
+        system = robot.linearize(posture, level=model.level, inputs=inputs, outputs=outputs)
+    return RobotScene(data, robot, posture, system, inputs)
+
+
+def _robot_path(name: str, folder: Path) -> Path:
+    if not name or not name.isprintable() or Path(name).is_absolute():
+        raise InputError(f'found {shown(name)}; expected a folder relative to the scene, e.g. "../robots/four_bar"')
+    path = folder / name
+    if not path.exists():
+        raise InputError(f"found {shown(name)}; there is no such folder or file")
+    if path.is_dir() or path.suffix == ".toml":
+        return path
+    raise InputError(f"found {shown(name)}; expected the folder of a robot, or its robot.toml")
+
+
+def _posture_arguments(data: RobotData, own: dict) -> dict:
+    """The posture of the robot's file where the scene does not say otherwise."""
+    posture = data.posture
+    merged = {key: {**posture[key], **own[key]} for key in ("guess", "forces")}
+    return data.unlocked({**merged, "hold": own.get("hold", posture["hold"])})
+
+
+def _motions(entries, data: RobotData, key: str, file_name: str) -> dict:
+    """Joint names and PointMotions by name."""
+    motions = {}
+    for number, entry in enumerate(entries, 1):
+        with at(file_name, f"{key}[{number}] (of {shown(entry.name)})"):
+            if entry.name in motions:
+                raise InputError("this name is used twice; names must differ")
+            if entry.joint is not None:
+                data.names.joint_unit(entry.joint)
+            motions[entry.name] = point_motion(entry, data.names) if entry.joint is None else entry.joint
+    return motions

@@ -1,0 +1,247 @@
+"""The names in a URDF, and the values of a robot.toml or a scene that belong to them, with the units of their joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...ground.checks import nearest
+from ...ground.coordinate_units import GROUND
+from ...ground.errors import InputError
+from ..file.messages import at, named, shown
+from ..quantities.quantities import quantity
+
+if TYPE_CHECKING:
+    from ...robot.description.urdf import Mimic
+
+STIFFNESS = {"rad": "N*m/rad", "m": "N/m"}
+DAMPING = {"rad": "N*m*s/rad", "m": "N*s/m"}
+FORCE = {"rad": "N*m", "m": "N"}
+PLACE = {"rad": "rad", "m": "m"}
+BASE = "base"
+POSE_UNITS = ("m", "m", "m", "rad", "rad", "rad")
+
+
+JOINT_UNITS = {"revolute": "rad", "continuous": "rad", "prismatic": "m"}
+
+
+@dataclass(frozen=True)
+class UrdfNames:
+    """What a URDF names.
+
+    Attributes:
+        path: the file.
+        links: their names.
+        units: of the joints with one degree of freedom, "rad" or "m", by name.
+        mimics: joints that follow others.
+        meshes: file names of the meshes that are drawn, as they stand in the URDF, each with its link.
+    """
+
+    path: Path
+    links: tuple[str, ...]
+    units: dict[str, str]
+    mimics: tuple[Mimic, ...]
+    meshes: tuple[tuple[str, str], ...]
+
+    def joint_unit(self, name: str) -> str:
+        """The unit of a joint.
+
+        Raises:
+            InputError: no such joint.
+        """
+        if name not in self.units:
+            raise InputError(f"there is no joint {shown(name)}{nearest(name, self.units)}; the joints are {_some(self.units)}")
+        return self.units[name]
+
+    def check_body(self, name: str, *others: str) -> None:
+        """See that there is such a link.
+
+        Args:
+            name: of the link.
+            others: names that may stand there as well.
+
+        Raises:
+            InputError: there is none.
+        """
+        if name not in (*self.links, *others):
+            known = (*others, *self.links)
+            raise InputError(f"there is no body {shown(name)}{nearest(name, known)}; the bodies are {_some(known)}")
+
+
+def names_of_urdf(path: Path) -> UrdfNames:
+    """Look through a URDF. Collision geometry is not looked at.
+
+    Raises:
+        InputError: it cannot be read, is too large, or is no URDF.
+    """
+    from ...robot.description.urdf import checked_tree, mimics_of, read_urdf
+
+    if not path.is_file():
+        others = [other.name for other in path.parent.glob("*.urdf")] if path.parent.is_dir() else []
+        raise InputError(f"there is no file {shown(path.name)}{nearest(path.name, others)}")
+    text, _ = read_urdf(path)
+    root = checked_tree(text)
+    units = {joint.get("name").strip(): JOINT_UNITS.get(joint.get("type")) for joint in root.findall("joint")}
+    links = {link.get("name").strip(): link for link in root.findall("link")}
+    meshes = ((name, mesh.get("filename", "")) for name, link in links.items() for mesh in link.findall("visual/geometry/mesh"))
+    return UrdfNames(path, tuple(links), {name: unit for name, unit in units.items() if unit}, mimics_of(root), tuple(meshes))
+
+
+def _some(names) -> str:
+    names = list(names)
+    return ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")
+
+
+def joint_values(values: Mapping, names: UrdfNames, units: Mapping[str, str]) -> dict[str, float]:
+    """The values of joints.
+
+    Args:
+        values: numbers or texts with units, by name.
+        names: of the joints.
+        units: of the values, by the unit of the joint ("rad" or "m").
+
+    Returns:
+        The values in SI, by name.
+    """
+    by_name = {}
+    for name, value in values.items():
+        unit = names.joint_unit(name)
+        with named(name):
+            by_name[name] = quantity(value, units[unit])
+    return by_name
+
+
+def _pose(value) -> tuple[float, ...]:
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) not in (6, 7):
+        raise InputError(f"found {shown(value)}; expected [x, y, z, roll, pitch, yaw], or x, y, z and a quaternion x, y, z, w")
+    units = POSE_UNITS if len(value) == 6 else ("m", "m", "m", "1", "1", "1", "1")
+    return tuple(quantity(entry, unit) for entry, unit in zip(value, units))
+
+
+def _given(entry, *left_out: str) -> dict:
+    """What stands in a table, ready for a function of the same names."""
+    values = {key: getattr(entry, key) for key in type(entry).model_fields if key in entry.model_fields_set and key not in left_out}
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in values.items() if value is not None}
+
+
+def _connection(kind: type, entry, names: UrdfNames):
+    """A Loop, BodySpring or Bushing."""
+    for key in ("body1", "body2"):
+        with named(key):
+            names.check_body(getattr(entry, key), GROUND)
+    return kind(**{"point2": None, **_given(entry)})
+
+
+def _flexible_joint(name: str, entry, names: UrdfNames):
+    """A FlexibleJoint; its units are those of its joint."""
+    from ...robot.flexible_joint import FlexibleJoint
+
+    unit = names.joint_unit(name)
+    values = _given(entry)
+    for keys, units in ((("stiffness", "proportional_gain"), STIFFNESS), (("damping", "derivative_gain"), DAMPING)):
+        for key in values.keys() & set(keys):
+            with named(key):
+                values[key] = quantity(values[key], units[unit])
+    return FlexibleJoint(**values)
+
+
+def point_motion(entry, names: UrdfNames):
+    """The motion of a point along a direction.
+
+    Args:
+        entry: with body, point, along and turn.
+        names: of the links.
+
+    Returns:
+        A ``PointMotion``.
+    """
+    from ...robot.connections import PointMotion
+
+    names.check_body(entry.body)
+    return PointMotion(entry.body, tuple(entry.point), tuple(entry.along), entry.turn)
+
+
+def _body_forces(entries, names: UrdfNames) -> dict:
+    """Forces on bodies in SI, by PointMotion."""
+    forces = {}
+    for number, entry in enumerate(entries, 1):
+        with named(f"body_force[{number}]"):
+            motion = point_motion(entry, names)
+            forces[motion] = forces.get(motion, 0.0) + quantity(entry.value, "N*m" if entry.turn else "N")
+    return forces
+
+
+def _guess(values: Mapping, names: UrdfNames, free_base: bool) -> dict:
+    """The values of joints, and the pose of a free base under "base"."""
+    joints = {name: value for name, value in values.items() if not (free_base and name == BASE)}
+    guess = joint_values(joints, names, PLACE)
+    if len(joints) < len(values):
+        with named(BASE):
+            guess[BASE] = _pose(values[BASE])
+    return guess
+
+
+def posing(table, names: UrdfNames, free_base: bool) -> dict:
+    """The posture that a robot.toml or a scene gives.
+
+    Args:
+        table: with guess, forces, body_force and hold.
+        names: of the joints and links.
+        free_base: whether the guess has a pose of the base.
+
+    Returns:
+        guess and forces in SI, and hold where it is given: arguments of ``Robot.equilibrium``.
+    """
+    posture = {}
+    with named("guess"):
+        posture["guess"] = _guess(table.guess, names, free_base)
+    with named("forces"):
+        posture["forces"] = joint_values(table.forces, names, FORCE)
+    posture["forces"] |= _body_forces(table.body_force, names)
+    if "hold" in table.model_fields_set:
+        with named("hold"):
+            for name in table.hold if table.hold != "all" else ():
+                names.joint_unit(name)
+            posture["hold"] = table.hold if table.hold == "all" else tuple(table.hold)
+    return posture
+
+
+def robot_arguments(table, names: UrdfNames, place: str) -> dict:
+    """What a robot.toml gives in addition to its URDF.
+
+    Args:
+        table: validated.
+        names: of the joints and links.
+        place: the file in messages.
+
+    Returns:
+        The arguments of ``Robot``, in SI.
+
+    Raises:
+        SceneError: an unknown joint or body, a value of another kind.
+    """
+    from ...robot.connections import BodySpring, Bushing, Loop
+
+    values = {"base": table.base, "gravity": tuple(table.gravity) if isinstance(table.gravity, list) else table.gravity}
+    units = {"joint_stiffness": STIFFNESS, "joint_rest": PLACE, "joint_damping": DAMPING}
+    for key, unit in units.items():
+        with at(place, key):
+            values[key] = joint_values(getattr(table, key), names, unit)
+    values["flexible_joints"] = {}
+    for name, entry in table.flexible_joints.items():
+        with at(place, f"flexible_joints.{name}"):
+            values["flexible_joints"][name] = _flexible_joint(name, entry, names)
+    values["loops"] = _connections(Loop, table.loop, "loop", names, place)
+    springs = _connections(BodySpring, table.spring, "spring", names, place)
+    values["springs"] = (*springs, *_connections(Bushing, table.bushing, "bushing", names, place))
+    return values
+
+
+def _connections(kind: type, entries, key: str, names: UrdfNames, place: str) -> tuple:
+    connections = []
+    for number, entry in enumerate(entries, 1):
+        with at(place, f"{key}[{number}]" + (f" (of {shown(entry.name)})" if entry.name else "")):
+            connections.append(_connection(kind, entry, names))
+    return tuple(connections)

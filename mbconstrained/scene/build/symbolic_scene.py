@@ -1,0 +1,265 @@
+"""The equations of a scene with its parameters as symbols and its other numbers as exact decimals."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...ground.errors import InputError
+from ...mechanics.constraints import LEVELS
+from ...models.elements import Element, Mass, Tie
+from ...models.lumped import coordinate_row, incidence_of
+from ..file.messages import at
+from ..quantities.coordinates import FORCE_UNITS, Coordinates, constraint_value, force_value, initial_values, state_values
+from .data_files import entries_of
+from .forces import sampled_force
+from .lumped_model import element_fields
+
+if TYPE_CHECKING:
+    from ...exact.formulas.symbolic_equations import Row, Symbols
+    from ...exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+    from ..run.scene import Scene
+
+
+@dataclass(frozen=True)
+class ExactEquations:
+    """The arguments of ``solve_symbolically``.
+
+    Attributes:
+        polynomial_matrix: A(s).
+        initial: x^(i)(0-) as row i.
+        force: r expressions in t.
+        shown: the coordinates whose formulas are wanted; others, as the input of a transfer function, only help.
+        implied: coordinates whose values at 0- follow from others, with the factors of these.
+    """
+
+    polynomial_matrix: SymbolicPolynomialMatrix
+    initial: np.ndarray
+    force: list[Any]
+    shown: tuple[str, ...]
+    implied: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+
+def exact_equations(scene: Scene, symbols: Symbols) -> ExactEquations:
+    """The equations, exactly.
+
+    Args:
+        scene: of any kind but robot.
+        symbols: of its parameters.
+
+    Returns:
+        The arguments of ``solve_symbolically``.
+
+    Raises:
+        InputError: a robot, whose equations come from a posture that is found in floating point.
+    """
+    kind = scene.table.model.kind
+    if kind == "robot":
+        raise InputError(
+            "there is no formula with symbols for a robot: its equilibrium and its linearized equations are computed in floating "
+            "point; a model of kind lumped or matrices has one"
+        )
+    if kind == "transfer-function":
+        return _transfer_function(scene, symbols)
+    if kind == "state-space":
+        return _state_space(scene, symbols)
+    if kind == "matrices" and scene.table.model.coefficients is not None:
+        return _coefficients(scene, symbols)
+    return _mechanical(scene, symbols)
+
+
+def _mechanical(scene: Scene, symbols: Symbols) -> ExactEquations:
+    from ...exact.formulas.symbolic_equations import exact_form
+
+    coordinates = scene.equations.coordinates
+    matrices, rows, static = _exact_lumped(scene, symbols) if scene.equations.model is not None else _matrices(scene, symbols)
+    form = exact_form(matrices, rows, coordinates.names)
+    initial = symbols.all_of(initial_values(scene.table.initial, coordinates, 2, scene.path.name))
+    if scene.table.initial.follow:
+        initial = _followed(initial, scene, form.rows)
+    applied = _exact_force(scene.table.force, coordinates, symbols, scene.path.parent, scene.path.name)
+    force = form.force([one + other for one, other in zip(applied, static)])
+    return ExactEquations(form.polynomial_matrix, initial, force, coordinates.names)
+
+
+def _matrices(scene: Scene, symbols: Symbols) -> tuple[list[np.ndarray], list[Row], list]:
+    from ...exact.formulas.symbolic_equations import Row
+
+    model, coordinates, folder = scene.table.model, scene.equations.coordinates, scene.path.parent
+    size = len(coordinates.names)
+    given = [getattr(model, key) for key in ("stiffness", "damping", "mass")]
+    matrices = [symbols.all_of(np.zeros((size, size)) if source is None else entries_of(source, folder)) for source in given]
+    rows = []
+    for number, row in enumerate(model.constraint, 1):
+        coefficients = symbols.all_of([row.rows.get(name, 0) for name in coordinates.names])
+        value = symbols.of(constraint_value(row, coordinates))
+        rows.append(Row(row.name or f"constraint {number}", coefficients, LEVELS.index(row.level), value))
+    return matrices, rows, [symbols.of(0)] * size
+
+
+def _followed(initial: np.ndarray, scene: Scene, rows) -> np.ndarray:
+    from ...exact.formulas.symbolic_equations import followed
+
+    names, given = scene.equations.coordinates.names, scene.table.initial.rows
+    values_at_start = initial.copy()
+    for order, values in enumerate(initial):
+        known = np.array([order < len(given) and name in given[order] for name in names])
+        values_at_start[order] = followed(values, known, rows, order)
+    return values_at_start
+
+
+def _coefficients(scene: Scene, symbols: Symbols) -> ExactEquations:
+    from ...exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+
+    coordinates, folder, name = scene.equations.coordinates, scene.path.parent, scene.path.name
+    matrices = [symbols.all_of(entries_of(source, folder)) for source in scene.table.model.coefficients]
+    A = SymbolicPolynomialMatrix(matrices, coordinates.names)
+    initial = symbols.all_of(initial_values(scene.table.initial, coordinates, A.degree, name))
+    return ExactEquations(A, initial, _exact_force(scene.table.force, coordinates, symbols, folder, name), coordinates.names)
+
+
+def _state_space(scene: Scene, symbols: Symbols) -> ExactEquations:
+    """[[s E - A, 0], [-C, I]] [x; y] = [B; D] u, as ``control.state_space_response`` has it in numbers."""
+    from ...exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+
+    system, inputs = scene.equations.control.system, scene.equations.control.inputs
+    E, A, B, C, D = _state_matrices(scene, symbols)
+    n, q = len(A), len(C)
+    constant, leading = (symbols.all_of(np.zeros((n + q, n + q))) for _ in range(2))
+    constant[:n, :n], constant[n:, :n], constant[n:, n:] = -A, -C, symbols.all_of(np.eye(q))
+    leading[:n, :n] = E
+    names = (*system.states, *system.outputs)
+    states = Coordinates(system.states, tuple(system.units[name] for name in system.states))
+    start = symbols.all_of(state_values(scene.table.initial.state, states, scene.path.name))
+    u = _exact_force(scene.table.force, inputs, symbols, scene.path.parent, scene.path.name, inputs=True)
+    force = list(np.vstack([B, D]) @ np.array(u, dtype=object)) if u else [symbols.of(0)] * (n + q)
+    initial = np.concatenate([start, C @ start])[None]
+    outputs = {name: dict(zip(system.states, row)) for name, row in zip(system.outputs, C)}
+    return ExactEquations(SymbolicPolynomialMatrix([constant, leading], names), initial, force, names, outputs)
+
+
+def _state_matrices(scene: Scene, symbols: Symbols) -> list[np.ndarray]:
+    """E, A, B, C, D; omitted matrices as in the state space."""
+    model, system = scene.table.model, scene.equations.control.system
+    keys = {"E": model.descriptor, "A": model.A, "B": model.B, "C": model.C, "D": model.D}
+    matrices = {
+        key: getattr(system, key) if source is None else entries_of(source, scene.path.parent) for key, source in keys.items()
+    }
+    return [symbols.all_of(matrix) for matrix in matrices.values()]
+
+
+def _transfer_function(scene: Scene, symbols: Symbols) -> ExactEquations:
+    """[[a(s), -b(s)], [0, 1]] [y; u] = [0; u]: from rest, b(d/dt) acts on u with its jumps."""
+    from ...exact.formulas.symbolic_equations import power_input
+    from ...exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+
+    model, control = scene.table.model, scene.equations.control
+    a, b = (symbols.all_of(coefficients[::-1]) for coefficients in (model.denominator, model.numerator))
+    degree = max(len(a), len(b)) - 1
+    matrices = [symbols.all_of(np.zeros((2, 2))) for _ in range(degree + 1)]
+    for place, polynomial in ((0, a), (1, -b)):
+        for matrix, coefficient in zip(matrices, polynomial):
+            matrix[0, place] = coefficient
+    matrices[0][1, 1] = symbols.of(1)
+    while len(matrices) > 1 and not any(matrices[-1].flat):
+        matrices.pop()
+    u = _exact_force(scene.table.force, control.inputs, symbols, scene.path.parent, scene.path.name, inputs=True)[0]
+    if model.gamma is not None:
+        u = u + power_input(symbols.of(1), symbols.time, model.gamma)
+    names = (control.outputs.names[0], control.inputs.names[0])
+    initial = symbols.all_of(np.zeros((len(matrices) - 1, 2)))
+    given = initial_values(scene.table.initial, control.outputs, len(a) - 1, scene.path.name)
+    initial[: len(given), 0] = symbols.all_of(given[:, 0][: len(initial)])
+    return ExactEquations(SymbolicPolynomialMatrix(matrices, names), initial, [symbols.of(0), u], names[:1], {names[1]: {}})
+
+
+def _exact_force(
+    tables: Sequence, coordinates: Coordinates, symbols: Symbols, folder: Path, file_name: str, *, inputs: bool = False
+) -> list[Any]:
+    """The sum of the forces on each coordinate, or of the signals on each input.
+
+    Raises:
+        SceneError: a record too long for a formula.
+    """
+    from ...exact.formulas import symbolic_equations as signals
+
+    force = [symbols.of(0)] * len(coordinates.names)
+    for number, table in enumerate(tables, 1):
+        with at(file_name, f"force[{number}]"):
+            place = coordinates.number(table.coordinate)
+            unit = coordinates.units[place] if inputs else FORCE_UNITS.get(coordinates.units[place])
+            signal = _signal(table, unit, symbols, folder, signals)
+            force[place] = force[place] + signals.begun(signal, symbols.time, symbols.of(table.delay))
+    return force
+
+
+def _signal(table, unit: str | None, symbols: Symbols, folder: Path, signals) -> Any:
+    t, of = symbols.time, symbols.of
+    if table.kind == "sampled":
+        times, values = sampled_force(table, unit, folder)
+        return signals.sampled(*([of(entry) for entry in entries] for entries in (times, values)), t)
+    value = of(force_value(table.value, unit, table.time_power))
+    if table.kind == "pulse":
+        return signals.pulse(value, t, of(table.start), of(table.duration))
+    if table.kind in ("impulse", "power"):
+        return signals.power_input(value, t, -table.order if table.kind == "impulse" else table.gamma)
+    return signals.term(value, t, **_term(table, symbols, signals))
+
+
+def _term(table, symbols: Symbols, signals) -> dict:
+    """The factors of a step, ramp, harmonic force or term in t."""
+    if table.kind in ("step", "ramp"):
+        return {"power": 1} if table.kind == "ramp" else {}
+    frequency = symbols.of(table.angular_frequency) if table.angular_frequency is not None else None
+    if frequency is None:  # 0 may be the default of a parameter
+        frequency = 2 * symbols.pi * symbols.of(0 if table.frequency is None else table.frequency)
+    cosine = {"frequency": frequency, "phase": signals.angle(symbols.of(table.phase))}
+    return cosine if table.kind == "harmonic" else {"power": table.power, "rate": symbols.of(table.rate), **cosine}
+
+
+def _exact_lumped(scene: Scene, symbols: Symbols) -> tuple[list[np.ndarray], list[Row], np.ndarray]:
+    """K, C, M as arrays of expressions, the constraint rows, and the static force of rest lengths and weights."""
+    from ...exact.formulas.symbolic_equations import Row
+
+    table, coordinates = scene.table.model, scene.equations.coordinates
+    elements = _exact_elements(scene, symbols)
+    factors = incidence_of(elements)
+    K, C = (_integers(b.incidence).T @ (b.constants[:, None] * _integers(b.incidence)) for b in (factors.springs, factors.dampers))
+    gravity = symbols.of(0 if table.gravity is None else table.gravity)  # 0 may be the default of a parameter
+    weights = {element.name: gravity * element.mass for element in elements if isinstance(element, Mass)}
+    rest = _integers(factors.springs.incidence).T @ (factors.springs.constants * factors.springs.rest)
+    static = rest + coordinate_row({name: weights.get(name, 0) for name in coordinates.names}, coordinates.names)
+    rows = [
+        Row(
+            tie.name,
+            symbols.all_of([tie.row.get(name, 0) for name in coordinates.names]),
+            LEVELS.index(tie.level),
+            symbols.of(tie.row_value),
+        )
+        for tie in elements
+        if isinstance(tie, Tie)
+    ]
+    matrices = [symbols.all_of(matrix) for matrix in (K, C, np.diag(factors.masses))]  # sums of nothing are numbers
+    return matrices, rows, symbols.all_of(static)
+
+
+def _integers(incidence: np.ndarray) -> np.ndarray:
+    return incidence.astype(int).astype(object)
+
+
+def _exact_elements(scene: Scene, symbols: Symbols) -> list[Element]:
+    """Copies of the elements, with expressions for numbers; they come in the order in which they were added."""
+    model, elements = scene.equations.model, []
+    for element, (key, _, entry) in zip(model.elements, scene.table.model.elements):
+        twin = copy.copy(element)
+        for name, value in element_fields(key, entry, model.units).items():
+            if isinstance(value, (float, dict)):
+                exact = {k: symbols.of(v) for k, v in value.items()} if isinstance(value, dict) else symbols.of(value)
+                object.__setattr__(twin, name, exact)
+        elements.append(twin)
+    return elements

@@ -1,0 +1,244 @@
+"""Messages about the entries of a scene: the file, the place in it, the value found, the value expected.
+
+An entry may come from the scene file, from a file that it includes, or from the command line; ``SceneName`` records which.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+
+from ...ground.errors import InputError, SceneError
+
+#: The origin of entries that the command line sets.
+ORIGIN = "--set"
+
+#: Problems listed in one message; the others are counted.
+MOST_PROBLEMS = 5
+
+Place = tuple  # of keys, and of numbers of entries from 1
+
+_PART = re.compile(r"\.?([^\s.\[\]:]+)|\[(\d+)\]")
+
+
+class EntryError(InputError):
+    """A wrong entry of a table. The key identifies the file from which the entry comes.
+
+    Attributes:
+        key: of the entry.
+        other: the key of another entry of the table that contradicts it.
+    """
+
+    def __init__(self, message: str, key: str, other: str | None = None):
+        super().__init__(message)
+        self.key, self.other = key, other
+
+
+class SceneName(str):
+    """The name of a scene file, with the origins of the entries that come from elsewhere.
+
+    Attributes:
+        origins: file and place there, by place in the merged tables; entries without an own origin share that of their table.
+        settings: names given with --set, by the places of the values that depend on them.
+
+    >>> name = SceneName("scene.toml", {("model", "mass", 2): ("base.toml", ("model", "mass", 1))})
+    >>> name.located('model.mass[2].mass: found -1')
+    ('base.toml', 'model.mass[1].mass: found -1')
+    >>> name.located("time.end: found -1")
+    ('scene.toml', 'time.end: found -1')
+    """
+
+    origins: Mapping[Place, tuple[str, Place]]
+    settings: Mapping[Place, Sequence[str]]
+
+    def __new__(cls, name: str, origins: Mapping[Place, tuple[str, Place]] | None = None, settings=None):
+        """The name with its origins."""
+        result = super().__new__(cls, name)
+        result.origins, result.settings = origins or {}, settings or {}
+        return result
+
+    def located(self, text: str, key: str | None = None, other: str | None = None) -> tuple[str, str]:
+        """The file that a message concerns, and the message with its leading place as in that file.
+
+        Args:
+            text: begins with a place in the merged tables.
+            key: in the table at the place, if the message concerns this key.
+            other: another key of the table; its file is named where it differs from that of the key.
+
+        Returns:
+            The name of the file, and the text.
+        """
+        parts, ends = _parts(text)
+        if other is not None:
+            file = self.file_of((*parts, other))[0]
+            text += f" ({other} stands in {file})" if file != self.file_of((*parts, key))[0] else ""
+        whole = (*parts, key) if key is not None else tuple(parts)
+        for count in range(len(whole), 0, -1):
+            if whole[:count] in self.origins:
+                file, place = self.origins[whole[:count]]
+                shared = min(count, len(parts))
+                text = written(place[:shared]) + text[ends[shared] :]
+                return file, text if file == ORIGIN else text + self._with_settings(whole)
+        return str(self), text + self._with_settings(whole)
+
+    def _with_settings(self, place: Place) -> str:
+        """The names given with --set on which the values at a place, or in the table there, depend."""
+        near = (names for other, names in self.settings.items() if all(a == b for a, b in zip(place, other)))
+        names = dict.fromkeys(name for each in near for name in each)
+        return f" (with {' and '.join(f'{ORIGIN} {name}' for name in names)})" if place and names else ""
+
+    def file_of(self, place: Place) -> tuple[str, Place]:
+        """The file from which an entry comes, and its place there."""
+        for count in range(len(place), 0, -1):
+            if place[:count] in self.origins:
+                file, there = self.origins[place[:count]]
+                return file, (*there, *place[count:])
+        return str(self), place
+
+
+def _located(file_name: str, text: str, problem: Exception | None = None) -> tuple[str, str]:
+    """``SceneName.located``, also for a plain file name; the problem may have the attributes of an ``EntryError``."""
+    if not isinstance(file_name, SceneName):
+        return file_name, text
+    return file_name.located(text, getattr(problem, "key", None), getattr(problem, "other", None))
+
+
+@contextmanager
+def at(file_name: str, where: str = "") -> Iterator[None]:
+    """Put the file and the place, if any, before the message of an InputError raised inside.
+
+    Args:
+        file_name: plain, or a ``SceneName``.
+        where: the place in the merged tables.
+
+    Yields:
+        Nothing.
+
+    Raises:
+        SceneError: instead of the InputError.
+    """
+    try:
+        yield
+    except SceneError:
+        raise
+    except InputError as problem:
+        raise SceneError(": ".join(_located(file_name, f"{where}: {problem}" if where else str(problem), problem))) from None
+
+
+@contextmanager
+def named(name: str) -> Iterator[None]:
+    """Put a name before the message of an InputError about its value."""
+    try:
+        yield
+    except InputError as problem:
+        raise InputError(f"{name}: {problem}") from None
+
+
+def together(file_name: str, problems: Sequence[str | tuple[str, Exception | None]]) -> str:
+    """One message for several problems.
+
+    Args:
+        file_name: plain, or a ``SceneName``.
+        problems: texts that begin with a place, perhaps with the exception behind each.
+
+    Returns:
+        A line for each problem, the first ``MOST_PROBLEMS``.
+    """
+    pairs = [(problem, None) if isinstance(problem, str) else problem for problem in problems]
+    located = list(dict.fromkeys(_located(file_name, *pair) for pair in pairs))
+    if len(located) == 1:
+        return ": ".join(located[0])
+    lines = [f"  {text}" if file == file_name else f"  {file}: {text}" for file, text in located[:MOST_PROBLEMS]]
+    if len(located) > MOST_PROBLEMS:
+        lines.append(f"  and {len(located) - MOST_PROBLEMS} more")
+    return "\n".join([f"{file_name}: {len(located)} entries are wrong", *lines])
+
+
+def place(location: tuple, data) -> str:
+    """A place of pydantic as users write it.
+
+    Args:
+        location: keys, tags of kinds, and numbers of entries from 0.
+        data: the tables.
+
+    Returns:
+        The place, in which entries of arrays count from 1 and show their name.
+
+    >>> place(("model", "lumped", "mass", 1, "mass"), {"model": {"kind": "lumped", "mass": [{}, {"name": "cart"}]}})
+    'model.mass[2].mass (of "cart")'
+    """
+    text, owner, marked = "", "", None
+    for part in location:
+        if isinstance(data, dict) and data.get("kind") == part and data is not marked:
+            marked = data  # the tag by which pydantic chose the kind of table
+            continue
+        text += f"[{part + 1}]" if isinstance(part, int) else f"{'.' if text else ''}{part}"
+        data = _entry(data, part)
+        if isinstance(part, int) and isinstance(data, dict) and isinstance(data.get("name"), str):
+            owner = f" (of {shown(data['name'])})"
+    return (text or "the file") + owner
+
+
+def _entry(data, part):
+    if isinstance(data, dict):
+        return data.get(part)
+    return data[part] if isinstance(data, list) and isinstance(part, int) and part < len(data) else None
+
+
+def written(place: Place) -> str:
+    """A place as users write it.
+
+    >>> written(("model", "mass", 1, "mass"))
+    'model.mass[1].mass'
+    """
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
+
+
+def parts_of(text: str) -> Place:
+    """The keys and numbers of a written place.
+
+    >>> parts_of("model.mass[1].mass")
+    ('model', 'mass', 1, 'mass')
+    """
+    return tuple(_parts(text)[0])
+
+
+def _parts(text: str) -> tuple[list, list[int]]:
+    """Keys and numbers at the beginning of a text, and after how many characters each ends."""
+    parts, ends = [], [0]
+    while text[:8] != "the file" and (match := _PART.match(text, ends[-1])):
+        parts.append(match[1] if match[1] is not None else int(match[2]))
+        ends.append(match.end())
+    return parts, ends
+
+
+def shown(value, longest: int = 60) -> str:
+    """A value as messages quote it.
+
+    Args:
+        value: of an entry.
+        longest: number of characters.
+
+    Returns:
+        Its text, shortened; texts in double quotes, control characters escaped.
+    """
+    text = getattr(value, "text", value)  # an expression of parameters shows as written
+    if isinstance(text, str):
+        text = quoted(text[: longest + 1])
+    elif isinstance(value, bool):
+        text = str(value).lower()
+    elif isinstance(value, dict):
+        text = "a table"
+    elif isinstance(value, list):
+        text = f"an array of {len(value)}"
+    elif isinstance(value, int) and abs(value) > 10**18:
+        text = "a whole number of more than 18 digits"
+    else:
+        text = str(value)
+    return text if len(text) <= longest + 2 else text[:longest] + "..."
+
+
+def quoted(text: str) -> str:
+    """The text in double quotes with every unprintable character escaped."""
+    return '"' + "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text) + '"'

@@ -1,0 +1,215 @@
+"""Coordinates of a model: names, units and derivatives, and the initial values, constraint values and forces with these units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...ground.checks import nearest
+from ...ground.errors import InputError
+from ...ground.tolerances import noise_of
+from ...mechanics.constraints import LEVELS
+from ..file.messages import EntryError, at, named, shown
+from .quantities import quantity
+
+DERIVATIVES = ("displacement", "velocity", "acceleration", "jerk")
+FORCE_UNITS = {"m": "N", "rad": "N*m"}
+
+
+def derivative_name(unit: str, order: int) -> str:
+    """The name of a derivative.
+
+    Args:
+        unit: of the coordinate.
+        order: of the derivative.
+
+    Returns:
+        Its name, e.g. "velocity".
+
+    >>> derivative_name("m", 1), derivative_name("rad", 0), derivative_name("N", 0), derivative_name("m", 5)
+    ('velocity', 'angle', 'value', 'derivative 5')
+    """
+    if order >= len(DERIVATIVES) or unit not in FORCE_UNITS:
+        return "value" if order == 0 else f"derivative {order}"
+    if unit == "m":
+        return DERIVATIVES[order]
+    return "angle" if order == 0 else f"angular {DERIVATIVES[order]}"
+
+
+def with_time(unit: str, power: int) -> str:
+    """A unit times s^power.
+
+    Args:
+        unit: in SI.
+        power: of the seconds.
+
+    Returns:
+        The product.
+
+    >>> with_time("m", -2), with_time("N", 1), with_time("1", -1)
+    ('m/s^2', 'N*s', '1/s')
+    """
+    if power == 0:
+        return unit
+    seconds = "s" if abs(power) == 1 else f"s^{abs(power)}"
+    if power < 0:
+        return f"{unit}/{seconds}"
+    return seconds if unit == "1" else f"{unit}*{seconds}"
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """Names of coordinates with their SI units."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+
+    def number(self, name: str, *others: str) -> int:
+        """The number of a coordinate, from 0.
+
+        Args:
+            name: of the coordinate.
+            others: names that may stand there as well.
+
+        Returns:
+            Its number.
+
+        Raises:
+            InputError: no such coordinate.
+        """
+        if name not in self.names:
+            hint = nearest(name, (*self.names, *others))
+            inputs = f", the inputs {', '.join(others)}" if others else ""
+            raise InputError(f"there is no coordinate {shown(name)}{hint}; the coordinates are {', '.join(self.names)}{inputs}")
+        return self.names.index(name)
+
+    @property
+    def listed(self) -> str:
+        """All names with their units, but for the unit 1."""
+        return ", ".join(name if unit == "1" else f"{name} ({unit})" for name, unit in zip(self.names, self.units))
+
+    def as_json(self) -> list[dict[str, str]]:
+        """Names and units as plain data."""
+        return [{"name": name, "unit": unit} for name, unit in zip(self.names, self.units)]
+
+    def derivative_unit(self, index: int, order: int) -> str:
+        """The unit of a derivative of a coordinate.
+
+        Args:
+            index: of the coordinate.
+            order: of the derivative.
+
+        Returns:
+            The unit, e.g. m/s^2.
+        """
+        return with_time(self.units[index], -order)
+
+
+def beyond_noise(jump: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """The jumps that are more than rounding errors.
+
+    Args:
+        jump, before, after: of the same quantities, shape (r,).
+
+    Returns:
+        Indices.
+    """
+    size = max(np.abs(values).max(initial=0.0) for values in (before, after))
+    return np.flatnonzero(np.abs(jump) > noise_of(size, len(jump)))
+
+
+def initial_values(table, coordinates: Coordinates, degree: int, file_name: str) -> np.ndarray:
+    """The values at 0- of the [initial] table.
+
+    Args:
+        table: validated.
+        coordinates: names and units.
+        degree: of the equations.
+        file_name: for messages.
+
+    Returns:
+        x^(i)(0-) in SI as row i, shape (degree, r), of objects: expressions of parameters as such.
+    """
+    result = np.full((degree, len(coordinates.names)), 0.0, dtype=object)
+    for order, row in enumerate(table.rows):
+        key = DERIVATIVES[order] if table.derivatives is None else f"derivatives[{order + 1}]"
+        with at(file_name, f"initial.{key}"):
+            if order >= degree and row:
+                start = ", ".join(DERIVATIVES[:degree]) or "no values"
+                raise InputError(f"the equations have degree {degree}: they start from {start}, nothing higher")
+            result[order] = _row(row, coordinates, order)
+    return result
+
+
+def state_values(given: dict | list, states: Coordinates, file_name: str) -> np.ndarray:
+    """The states at 0- of the [initial] table.
+
+    Args:
+        given: by name, or all of them.
+        states: names and units.
+        file_name: for messages.
+
+    Returns:
+        x(0-) in SI, shape (n,), of objects as those of ``initial_values``.
+    """
+    with at(file_name, "initial.state"):
+        for name in given if isinstance(given, dict) else ():
+            if name not in states.names:
+                hint = nearest(name, states.names)
+                raise InputError(f"there is no state {shown(name)}{hint}; the states are {', '.join(states.names)}")
+        return _row(given or {}, states, 0)
+
+
+def _row(row: dict | list, coordinates: Coordinates, order: int) -> np.ndarray:
+    if isinstance(row, list):
+        if len(row) != len(coordinates.names):
+            names = ", ".join(coordinates.names)
+            raise InputError(f"found {len(row)} values; expected {len(coordinates.names)}, one for each of {names}")
+        row = dict(zip(coordinates.names, row))
+    values = np.full(len(coordinates.names), 0.0, dtype=object)
+    for name, value in row.items():
+        try:
+            index = coordinates.number(name)
+            with named(name):
+                values[index] = quantity(value, coordinates.derivative_unit(index, order))
+        except InputError as problem:
+            raise EntryError(str(problem), name) from None
+    return values
+
+
+def constraint_value(table, coordinates: Coordinates) -> float:
+    """The right-hand side of a constraint row in SI: a unit is understood where all its coordinates have the same.
+
+    Args:
+        table: of the row, validated.
+        coordinates: names and units.
+
+    Returns:
+        The value, perhaps an expression of parameters.
+    """
+    power = LEVELS.index(table.level)
+    units = {coordinates.derivative_unit(coordinates.number(name), power) for name in table.rows}
+    if isinstance(table.value, str) and len(units) > 1:
+        raise InputError(f"value: found {shown(table.value)}; this row mixes {' and '.join(sorted(units))}: give a plain number")
+    with named("value"):
+        return quantity(table.value, units.pop())
+
+
+def force_value(value, unit: str | None, time_power: int = 0, what: str = "value") -> float:
+    """A force times s^time_power in SI.
+
+    Args:
+        value: a number or a text with a unit.
+        unit: of the force; None where unknown.
+        time_power: of the seconds.
+        what: the entry, for messages.
+
+    Returns:
+        The value, perhaps an expression of parameters.
+
+    Raises:
+        InputError: another kind of quantity.
+    """
+    with named(what):
+        return quantity(value, with_time(unit, time_power) if unit else "1")

@@ -1,0 +1,270 @@
+"""The [parameters] of a scene: quantities with names, and the texts "=…" elsewhere in the scene that use them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from fractions import Fraction
+from graphlib import CycleError, TopologicalSorter
+
+from ...ground.checks import nearest
+from ...ground.errors import InputError, SceneError
+from ...ground.notices import Notice, NoticeKind
+from ..file.messages import Place, place, shown, together
+from .dimensions import Dimension, described, unit_of
+from .expressions import Expression, read_expression
+from .quantities import Expressed, any_quantity, in_range
+
+MOST_BITS = 20_000  # of a numerator or denominator: more come of powers of powers
+
+
+@dataclass(frozen=True)
+class Measured:
+    """An exact number with its kind of quantity: expressions calculate with it, and refuse to add kg to m.
+
+    Attributes:
+        value: in SI.
+        dimension: None where unknown: a parameter that is a plain number may be any quantity in SI.
+        is_number: whether it is made of numbers in an expression: a factor without a dimension, as a summand of any kind.
+    """
+
+    value: Fraction
+    dimension: Dimension | None = None
+    is_number: bool = False
+
+    def __post_init__(self):
+        if max(self.value.numerator.bit_length(), self.value.denominator.bit_length()) > MOST_BITS:
+            raise InputError("its value has far too many digits")
+
+    def __add__(self, other: Measured) -> Measured:
+        return Measured(self.value + other.value, self._common(other, "adds"), self.is_number and other.is_number)
+
+    def __sub__(self, other: Measured) -> Measured:
+        return Measured(self.value - other.value, self._common(other, "subtracts"), self.is_number and other.is_number)
+
+    def __mul__(self, other: Measured) -> Measured:
+        one, two = self.dimension, other.dimension
+        if self.is_number or other.is_number:
+            dimension = two if self.is_number else one
+        else:
+            dimension = None if one is None or two is None else one.times(two)
+        return Measured(self.value * other.value, dimension, self.is_number and other.is_number)
+
+    def __truediv__(self, other: Measured) -> Measured:
+        return self * other**-1
+
+    def __pow__(self, exponent: int) -> Measured:
+        if not self.value and exponent < 0:
+            raise InputError("it divides by zero with the default values of the parameters")
+        if max(self.value.numerator.bit_length(), self.value.denominator.bit_length()) * abs(exponent) > MOST_BITS:
+            raise InputError("its value has far too many digits")
+        return Measured(self.value**exponent, self.dimension and self.dimension.power(exponent), self.is_number)
+
+    def __neg__(self) -> Measured:
+        return Measured(-self.value, self.dimension, self.is_number)
+
+    def __pos__(self) -> Measured:
+        return self
+
+    def _common(self, other: Measured, does: str) -> Dimension | None:
+        """The kind of a sum."""
+        one, two = self.dimension, other.dimension
+        if one is None or two is None:
+            return one or two
+        if one.units != two.units:
+            raise InputError(f"it {does} {described(one)} and {described(two)}")
+        return one if one.radian == two.radian else Dimension(one.units, None)
+
+
+MOST_PARAMETERS = 200
+MOST_PARTS = 300  # of an expression in which parameters that are expressions are written out
+TEXTS = ("title", "source", "note", "name", "file", "array")  # keys of texts, which no number can stand for
+BY_COORDINATE = ("displacement", "velocity", "rows", "moves", "turns")  # tables whose keys are names that somebody chose
+RESERVED = {"t": "t is the time", "pi": "pi is the number 3.14159…", "π": "π is the number 3.14159…"}
+_NAME = re.compile(r"[^\W\d_]\w{0,39}")
+_PI = {"pi": Measured(Fraction(math.pi), None, True)}
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """The parameters of a scene.
+
+    Attributes:
+        values: in SI, by name, in the order of the file; those that are expressions of others are written out everywhere.
+        dimensions: kinds of quantity by name; None for plain numbers, which may be anything in SI.
+        unused: the names of those that stand in no expression.
+        places: of the expressions, with the names of the parameters in them and in those.
+    """
+
+    values: dict[str, float] = field(default_factory=dict)
+    dimensions: dict[str, Dimension | None] = field(default_factory=dict)
+    unused: tuple[str, ...] = ()
+    places: dict[Place, frozenset[str]] = field(default_factory=dict)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """SI units by name, an empty text where it is not known."""
+        return {name: "" if kind is None else unit_of(kind) for name, kind in self.dimensions.items()}
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """One notice for each parameter that is not used."""
+        text = 'the parameter "{}" is used nowhere in the scene; write "={}" where it belongs, or leave it out'
+        return tuple(Notice(NoticeKind.OMITTED, text.format(name, name)) for name in self.unused)
+
+
+def with_parameters(data: dict, file_name: str) -> tuple[dict, Parameters]:
+    """Replace every text "=…" in the tables of a scene by its value.
+
+    Args:
+        data: the tables.
+        file_name: for messages.
+
+    Returns:
+        The tables, with an ``Expressed`` for each expression, and the parameters.
+
+    Raises:
+        SceneError: one line for every wrong parameter or expression.
+    """
+    work = _Substitution(data)
+    result = {key: value if key == "parameters" else work.replaced(value, (key,)) for key, value in data.items()}
+    if work.problems:
+        raise SceneError(together(file_name, work.problems))
+    symbols = {name: value for name, value in work.known.items() if name not in work.trees}
+    values = {name: float(value.value) for name, value in symbols.items()}
+    unused = tuple(name for name in work.known if name not in work.used)
+    return result, Parameters(values, {name: value.dimension for name, value in symbols.items()}, unused, work.places)
+
+
+class _Substitution:
+    """The parameters of a scene, and the expressions evaluated with them.
+
+    Attributes:
+        problems: messages about wrong parameters and expressions, which are reported together.
+        known: values by name.
+        trees: of the parameters that are expressions themselves, written out in those that are not.
+        depends: the names on which each parameter depends, its own included.
+        used: the names on which any value depends.
+        places: of the expressions in the scene, each with the names on which it depends.
+    """
+
+    def __init__(self, data: dict):
+        self.data = data
+        self.problems: list[str] = []
+        self.known: dict[str, Measured] = {}
+        self.trees: dict[str, Expression] = {}
+        self.depends: dict[str, frozenset[str]] = {}
+        self.used: frozenset[str] = frozenset()
+        self.places: dict[Place, frozenset[str]] = {}
+        self.given = data.get("parameters", {})
+        with self._problem_at("parameters"):
+            self._read_parameters()
+
+    def _read_parameters(self) -> None:
+        if not isinstance(self.given, dict):
+            given, self.given = self.given, {}
+            raise InputError(f'found {shown(given)}; expected names with quantities, e.g. m = "10 kg"')
+        if len(self.given) > MOST_PARAMETERS:
+            raise InputError(f"found {len(self.given)} parameters; expected at most {MOST_PARAMETERS}")
+        expressions: dict[str, Expression] = {}
+        for name, value in self.given.items():
+            with self._problem_at(f"parameters.{name}" if name.isprintable() else "parameters"):
+                _check_name(name)
+                if _is_expression(value):
+                    expressions[name] = read_expression(value.strip()[1:])
+                else:
+                    number, dimension = any_quantity(value)
+                    self.known[name], self.depends[name] = Measured(Fraction(repr(number)), dimension), frozenset([name])
+        for name in _in_order(expressions):
+            with self._problem_at(f"parameters.{name}"):
+                value = self._value(self.given[name].strip(), expressions[name])
+                self.known[name] = Measured(value.value, value.dimension)
+                self.depends[name] = self._dependencies(expressions[name]) | {name}
+                self.trees[name] = self._written_out(expressions[name])
+        self.known = {name: self.known[name] for name in self.given if name in self.known}
+
+    @contextmanager
+    def _problem_at(self, where: str) -> Iterator[None]:
+        """Collect a problem instead of raising it."""
+        try:
+            yield
+        except InputError as problem:
+            self.problems.append(f"{where}: {problem}")
+
+    def replaced(self, value, location: tuple):
+        """The value with its expressions replaced; 1 for a wrong expression, whose problem is collected."""
+        if location[-1] in TEXTS and not {*location[:-1]} & {*BY_COORDINATE}:
+            return value
+        if isinstance(value, dict):
+            return {key: self.replaced(entry, (*location, key)) for key, entry in value.items()}
+        if isinstance(value, list):
+            return [self.replaced(entry, (*location, number)) for number, entry in enumerate(value)]
+        if not _is_expression(value):
+            return value
+        with self._problem_at(place(location, self.data)):
+            return self._expressed(value.strip(), location)
+        return 1.0
+
+    def _expressed(self, text: str, location: tuple) -> Expressed:
+        expression = read_expression(text[1:])
+        value, names = self._value(text, expression), self._dependencies(expression)
+        self.used |= names
+        self.places[tuple(part + 1 if isinstance(part, int) else part for part in location)] = names
+        return Expressed(in_range(value.value, text), text, self._written_out(expression), value.dimension)
+
+    def _value(self, text: str, expression: Expression) -> Measured:
+        for name in expression.names:
+            self._check(name, text)
+        try:
+            value = expression.value(lambda number: Measured(Fraction(number), None, True), {**self.known, **_PI})
+        except InputError as problem:
+            raise InputError(f"found {shown(text)}: {problem}") from None
+        in_range(value.value, text)
+        return value
+
+    def _written_out(self, expression: Expression) -> Expression:
+        """The expression in parameters that are no expressions themselves."""
+        result = expression.replaced(self.trees)
+        if (size := result.size) > MOST_PARTS:
+            raise InputError(f"it has {size} parts with those of its parameters; expected at most {MOST_PARTS}")
+        return result
+
+    def _dependencies(self, expression: Expression) -> frozenset[str]:
+        return frozenset().union(*(self.depends[name] for name in expression.names if name in self.depends))
+
+    def _check(self, name: str, text: str) -> None:
+        if name in self.known or name in _PI:
+            return
+        if name in self.given:
+            raise InputError(f'found {shown(text)}, but the parameter "{name}" is wrong')
+        if not self.known:
+            raise InputError(f'found {shown(text)}, but there is no parameter "{name}": give it a value in the table [parameters]')
+        raise InputError(
+            f'found {shown(text)}, but there is no parameter "{name}"{nearest(name, self.known)}; there are {", ".join(self.known)}'
+        )
+
+
+def _is_expression(value) -> bool:
+    return isinstance(value, str) and value.lstrip().startswith("=")
+
+
+def _in_order(expressions: dict[str, Expression]) -> tuple[str, ...]:
+    """The names of expressions that depend on each other, in order of evaluation."""
+    needed = {name: [other for other in tree.names if other in expressions] for name, tree in expressions.items()}
+    try:
+        return tuple(TopologicalSorter(needed).static_order())
+    except CycleError as problem:
+        circle = problem.args[1][:-1]
+        first = min(range(len(circle)), key=lambda i: list(expressions).index(circle[i]))
+        named = " and ".join([*circle[first:], *circle[:first]])
+        raise InputError(f"{named}: expressions of each other, in a circle; give one of them a value") from None
+
+
+def _check_name(name: str) -> None:
+    if not (_NAME.fullmatch(name) and name.isidentifier()):
+        raise InputError(f"found the name {shown(name)}; expected a letter, then at most 39 letters, digits or _")
+    if name in RESERVED:
+        raise InputError(f"{RESERVED[name]}; choose another name")

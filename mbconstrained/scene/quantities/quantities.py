@@ -1,0 +1,242 @@
+"""Quantities: a number in SI, a text of a number and a unit such as "3 N/mm", or the value of an expression of parameters.
+
+A pattern splits a text before pint sees any of it, and pint only reads names of units: nothing in a scene file is executed. pint
+is imported at the first text, so a scene of plain numbers does not load it.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import TYPE_CHECKING
+
+from ...ground.checks import nearest
+from ...ground.errors import InputError
+from ..file.messages import quoted, shown
+from .dimensions import KINDS, Dimension, advice, described, dimension, registry, same_kind, unit_named
+
+if TYPE_CHECKING:
+    from .expressions import Expression
+
+LONGEST_QUANTITY = 60  # characters; "-0.123456789012345678e-10 N*m*s/rad" has 36
+
+ANOTHER = "which is another kind of quantity"
+
+LEAST, LARGEST = 1e-100, 1e100  # in SI; squares of what lies between stay within the range of float64
+
+_COMMON_UNITS = (
+    "kg g t lb slug m mm cm um km in ft N kN mN MN Nm kNm Nmm Ns lbf kgf s ms us min h Hz kHz rpm rad deg rev "
+    "J W Pa kPa MPa GPa bar"
+).split()
+
+_FACTOR = r"(?:[^\W\d_]+(?:\^-?[1-9])?|°)"
+_UNIT = re.compile(rf"(?:1(?=/)|{_FACTOR}(?:\*{_FACTOR})*)(?:/{_FACTOR})*")  # a product after a division is ambiguous
+_QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*)", re.ASCII)
+
+
+def quantity(value, unit: str) -> float:
+    """The value in the given SI unit: a finite number as it stands, or a text with a unit of the same kind.
+
+    Angles count as a kind of their own, so "2 Hz" is no angular velocity and "300 rpm" no frequency: the factor
+    2 pi between them is never guessed.
+
+    Args:
+        value: as it stands in a table; an expression of parameters stays one.
+        unit: in SI; "1" of a plain number.
+
+    Returns:
+        The value in this unit.
+
+    >>> quantity("3 N/mm", "N/m")
+    3000.0
+    >>> quantity(0.5, "m")
+    0.5
+
+    Raises:
+        InputError: not a finite number, not a number with a unit, unknown unit, or a unit of another kind.
+    """
+    if isinstance(value, Expressed):
+        return _checked(value, unit)
+    if isinstance(value, str) and unit != "1":
+        return _finite(_from_text(value, unit), value, unit)
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise InputError(f"found {shown(value)}; expected {expected(unit)}")
+    return _finite(value, value, unit)
+
+
+def any_quantity(value) -> tuple[float, Dimension | None]:
+    """A quantity of any kind in SI, and its kind: None for a plain number, which may be anything in SI.
+
+    Raises:
+        InputError: as ``quantity``.
+
+    >>> any_quantity(2)
+    (2.0, None)
+    """
+    if not isinstance(value, str):
+        return quantity(value, "1"), None
+    number, unit = _split(value, 'a quantity, e.g. 2.0 or "10 kg"')
+    _check_known(value, unit, 'a quantity, e.g. "10 kg"')
+    try:
+        if (0 * unit_named(unit)).to_base_units().magnitude:
+            raise ValueError("its zero is not that of SI")
+        magnitude, kind = (float(number) * unit_named(unit)).to_base_units().magnitude, dimension(unit)
+    except (TypeError, ValueError):  # the errors of pint for degrees Celsius and of decibels
+        raise InputError(f"found {shown(value)}; expected a unit that is a multiple of one of SI") from None
+    return _finite(magnitude, value, "1"), kind
+
+
+def in_range(number, text: str) -> float:
+    """The value of an expression as a float.
+
+    Args:
+        number: exact.
+        text: of the expression.
+
+    Returns:
+        The nearest float.
+
+    Raises:
+        InputError: it is not 0 and not of a size that machines have.
+    """
+    try:
+        return _finite(number, text, "1")
+    except InputError:
+        size = "of a size beyond 1e308" if abs(number) > LARGEST**3 else f"{float(number):g}"
+        raise InputError(f"found {shown(text)}, which is {size}; expected 0 or a size between {LEAST:g} and {LARGEST:g}") from None
+
+
+def expected(unit: str) -> str:
+    """What a quantity of this unit looks like, for messages.
+
+    >>> expected("kg")
+    'a mass, e.g. "10 kg", or a number in kg'
+    """
+    if unit == "1":
+        return "a plain number"
+    name, example = KINDS.get(unit, (f"a quantity in {unit}", f'"2 {unit}"'))
+    return f"{name}, e.g. {example}, or a number in {unit}"
+
+
+def unit_name(value) -> str:
+    """The name of a unit, written in one way; "1" for a plain number.
+
+    Raises:
+        InputError: no name of a unit.
+
+    >>> unit_name("N m"), unit_name("1")
+    ('N*m', '1')
+    """
+    text = _normal_unit(value.strip()) if isinstance(value, str) and len(value) <= LONGEST_QUANTITY else ""
+    if text in KINDS:
+        return text
+    if not _UNIT.fullmatch(text):
+        raise InputError(f'found {shown(value)}; expected a unit such as "m", "rad/s" or "V", or "1" for a plain number')
+    if unknown := _unknown_name(text):
+        raise InputError(f'found {shown(value)}, but there is no unit "{unknown}"{nearest(unknown, _COMMON_UNITS)}')
+    return text
+
+
+def _finite(number, value, unit: str) -> float:
+    try:
+        number = float(number)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise InputError(f"found {shown(value)}; expected a finite number" + (f": {expected(unit)}" if unit != "1" else ""))
+    if number and not LEAST <= abs(number) <= LARGEST:
+        raise InputError(f"found {shown(value)}; expected 0 or a size between {LEAST:g} and {LARGEST:g}: no machine has others")
+    return number
+
+
+def _checked(value: Expressed, unit: str) -> Expressed:
+    """An expression of parameters whose kind, as far as it is known, is that of the unit."""
+    if unit != "1" and value.dimension is not None and not same_kind(value.dimension, unit):
+        kind = described(value.dimension, ANOTHER)
+        named = "; a number in an expression has no unit: give what has one a name in [parameters]"
+        hint = advice(value.dimension, unit) or ("" if value.dimension.units else named)
+        raise InputError(f"found {shown(value)}, {kind}; expected {expected(unit)}{hint}")
+    return value
+
+
+def _from_text(text: str, unit: str) -> float:
+    number, unit_text = _split(text, expected(unit))
+    _check_known(text, unit_text, expected(unit))
+    kind = dimension(unit_text)
+    if not same_kind(kind, unit):
+        hint = advice(kind, unit) or _other_case(number, unit_text, unit)
+        raise InputError(f"found {shown(text)}, {described(kind, ANOTHER)}; expected {expected(unit)}{hint}")
+    return float(registry().convert(float(number), unit_named(unit_text), unit_named(unit)))
+
+
+def _other_case(number: str, unit_text: str, unit: str) -> str:
+    """Seconds and siemens differ in a letter's size."""
+    small = unit_text.lower()
+    fits = small != unit_text and not _unknown_name(small) and same_kind(dimension(small), unit)
+    return f'; did you mean "{number} {small}"?' if fits else ""
+
+
+def _check_known(text: str, unit: str, wanted: str) -> None:
+    if unknown := _unknown_name(unit):
+        same_letters = [name for name in _COMMON_UNITS if name.lower() == unknown.lower()]
+        hint = nearest(unknown, _COMMON_UNITS) if not same_letters else f'; did you mean "{same_letters[0]}"?'
+        raise InputError(f'found {shown(text)}, but there is no unit "{unknown}"{hint}; expected {wanted}')
+
+
+def _split(text: str, wanted: str) -> tuple[str, str]:
+    match = _QUANTITY.fullmatch(text.strip()) if len(text) <= LONGEST_QUANTITY else None
+    unit_text = _normal_unit(match[2]) if match else ""
+    if not _UNIT.fullmatch(unit_text):
+        raise InputError(f"found {shown(text)}; expected {wanted}; {_how_to_write(text)}")
+    return match[1], unit_text
+
+
+def _how_to_write(text: str) -> str:
+    """What is wrong with a text that is no number with a unit."""
+    if re.match(r"\s*[+-]?\d+,\d", text):
+        return f"decimals have a point: {quoted(text.replace(',', '.', 1))}"
+    if re.fullmatch(r"\s*[+-]?[\d.]+([eE][+-]?\d+)?\s*", text):
+        return "write its unit too, or the number without quotes, which is then in SI"
+    return "write one number, then a unit made of names, *, / and ^, such as N*s/m or kg*m^2"
+
+
+def _normal_unit(text: str) -> str:
+    """One way of writing: ** and superscripts become ^, a dot or a space between two units becomes *."""
+    text = text.replace("**", "^").replace("·", "*").replace("²", "^2").replace("³", "^3")
+    return re.sub(r"\s+", "*", re.sub(r"\s*([*/^])\s*", r"\1", text))
+
+
+def count_texts(data) -> int:
+    """How many texts in tables and arrays look like a number with a unit."""
+    if isinstance(data, str):
+        return int(len(data) <= LONGEST_QUANTITY and bool(_QUANTITY.fullmatch(data)))
+    if isinstance(data, dict):
+        data = list(data.values())
+    return sum(map(count_texts, data)) if isinstance(data, list) else 0
+
+
+def _unknown_name(unit: str) -> str | None:
+    return next((name for name in re.findall(r"[^\W\d_]+", unit) if name not in registry()), None)
+
+
+class Expressed(float):
+    """The value of an expression with the default values of its parameters, in SI; it calculates as the number that it is.
+
+    Attributes:
+        text: the expression as it stands in the scene, with its "=".
+        tree: the expression.
+        dimension: its kind of quantity; None where unknown.
+
+    >>> Expressed(4.0, "=2*k", None, None) + 1.0
+    5.0
+    """
+
+    text: str
+    tree: Expression
+    dimension: Dimension | None
+
+    def __new__(cls, value: float, text: str, tree: Expression, dimension: Dimension | None):
+        """The number with where it comes from."""
+        result = super().__new__(cls, value)
+        result.text, result.tree, result.dimension = text, tree, dimension
+        return result

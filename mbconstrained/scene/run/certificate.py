@@ -1,0 +1,151 @@
+"""Proved digits: the values of the answer compared with intervals of exact arithmetic."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...ground.display import TextTable, with_unit
+from ...ground.errors import Overflow
+from ...ground.notices import Notice, NoticeKind
+from ...ground.tolerances import TRUST_LIMIT
+from ...mechanics.motion import Motion
+from .curves import ORDERS
+from .decisions import too_large_to_certify
+from .stage_costs import OutOfTime, time_limit
+
+if TYPE_CHECKING:
+    from .result import Result
+
+#: At most so many of the times are certified, evenly chosen, the first and the last among them.
+MOST_TIMES = 101
+
+#: A number times this does not become less when it is rounded to three digits.
+ROUNDED_UP = 1.005
+
+#: After so many seconds it is broken off: page and data wait for it.
+SECONDS = 60.0
+
+
+@dataclass(frozen=True)
+class Certified:
+    """One curve of the numeric answer.
+
+    Attributes:
+        name, kind, unit: of the curve.
+        bound: its error is at most this at the certified times.
+        largest: its largest value there.
+        others: the largest value there of all curves of its kind and unit.
+    """
+
+    name: str
+    kind: str
+    unit: str
+    bound: float
+    largest: float
+    others: float
+
+    @property
+    def relative(self) -> float:
+        """The bound relative to the largest value; for a curve of rounding error, relative to the other curves."""
+        if self.bound == 0:
+            return 0.0
+        scale = self.largest if self.bound <= TRUST_LIMIT * self.largest else self.others
+        return self.bound / scale if scale else math.inf
+
+    @property
+    def digits(self) -> str:
+        """How many digits are proved."""
+        if self.relative == 0:
+            return "all"
+        return f"{max(math.floor(-math.log10(self.relative) * 10) / 10, 0.0):g}" if self.relative < math.inf else "0"
+
+    @property
+    def error_at_most(self) -> str:
+        """The bound with its unit, to three digits, rounded up."""
+        return with_unit(float(f"{self.bound * ROUNDED_UP:.3g}"), self.unit)
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What is proved of an answer.
+
+    Attributes:
+        curves: one for each curve of the coordinates that were chosen.
+        count, of: at how many of how many times.
+        notices: obstacles to a proof, or its results.
+    """
+
+    curves: tuple[Certified, ...]
+    count: int
+    of: int
+    notices: tuple[Notice, ...] = ()
+
+    @property
+    def table(self) -> TextTable:
+        """For the terminal and the page; without rows where nothing could be proved."""
+        times = f"{self.count} times" if self.count == self.of else f"{self.count} of {self.of} times"
+        note = (
+            f"By exact rational and ball arithmetic at {times}, with the data as exact numbers. "
+            "Digits are relative to the largest value; where this is rounding error relative to others of its kind and unit, to theirs."
+        )
+        cells = tuple((c.name, c.kind, c.digits, c.error_at_most, with_unit(c.largest, c.unit)) for c in self.curves)
+        return TextTable("Proved digits", ("coordinate", "of its", "digits", "error at most", "largest value"), cells, note)
+
+    def as_json(self) -> dict:
+        """As plain data."""
+        curves = [
+            {"name": c.name, "kind": c.kind, "digits": c.digits, "error_bound": c.bound, "largest": c.largest} for c in self.curves
+        ]
+        return {"times": self.count, "of": self.of, "curves": curves}
+
+
+def certificate_of(result: Result) -> Certificate:
+    """Certify the curves of a result: displacements, velocities, accelerations and reactions, as far as it has them."""
+    chosen = np.unique(np.linspace(0, len(result.times) - 1, MOST_TIMES).round().astype(int))
+    if reason := too_large_to_certify(result.scene.equations):
+        return _nothing(result, Notice(NoticeKind.OMITTED, f"nothing is certified: {reason}"))
+    try:
+        with time_limit(SECONDS):
+            certified = [_certified(result, kind, chosen) for kind in result.kinds if kind in ORDERS or kind == "reaction"]
+    except Overflow as problem:
+        return _nothing(result, Notice(NoticeKind.ACCURACY, f"nothing is certified: {problem}", doubtful=True))
+    except OutOfTime:
+        return _nothing(result, Notice(NoticeKind.OMITTED, f"nothing is certified: exact arithmetic took more than {SECONDS:g} s"))
+    curves = tuple(curve for curves, _ in certified for curve in curves)
+    notices_of_proof = dict.fromkeys(notice for _, notices in certified for notice in notices)
+    return Certificate(curves, len(chosen), len(result.times), (*notices_of_proof, *_wrong(curves)))
+
+
+def _nothing(result: Result, notice: Notice) -> Certificate:
+    return Certificate((), 0, len(result.times), (notice,))
+
+
+def _certified(result: Result, kind: str, chosen: np.ndarray) -> tuple[list[Certified], tuple[Notice, ...]]:
+    curves, times = result.curves(kind), result.times[chosen]
+    if isinstance(result.motion, Motion):
+        box = result.motion.enclose(times, of=kind)
+    else:
+        box = result.motion.enclose(times, order=ORDERS[kind])
+    values = curves.values[:, chosen]
+    bounds, wanted = box.error_bounds(values).max(axis=1), result.scene.table.output.certify
+    largest = np.abs(values).max(axis=1)
+    scale = {unit: max(value for value, own in zip(largest, curves.units) if own == unit) for unit in curves.units}
+    curve_bounds = [
+        Certified(name, title, unit, *map(float, (bounds[row], largest[row], scale[unit])))
+        for row, (name, title, unit) in enumerate(zip(curves.names, curves.titles, curves.units))
+        if kind == "reaction" or wanted is True or name in wanted
+    ]
+    return curve_bounds, box.notices
+
+
+def _wrong(curves) -> tuple[Notice, ...]:
+    """Curves of which the proof shows that they are not to be trusted."""
+    return tuple(
+        Notice(NoticeKind.ACCURACY, f"the {c.kind} of {c.name} is not proved to more than {c.digits} digits", doubtful=True)
+        for c in curves
+        if not c.relative <= TRUST_LIMIT
+    )

@@ -1,0 +1,145 @@
+"""The modes of a scene: its eigenvalues and, of a mechanical system, shapes and shares of energy. Nothing is solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....ground.errors import SceneError
+from ....ground.files import Replacements
+from ....ground.notices import Notice
+from ....response.response_notices import pair_notices
+from ..plan import Plan
+from ..report.tables import eigenvalue_rows
+from ..result import Result
+
+if TYPE_CHECKING:
+    from ....mechanics.energy import EnergyShares
+    from ....mechanics.modes import Mode
+    from ....mechanics.system import MechanicalSystem
+    from ..scene import Scene
+
+
+@dataclass(frozen=True)
+class ModeLine:
+    """One line of the list of modes: a zero, or one of its shapes where it has any.
+
+    Attributes:
+        number: from 1 on, the order of the list.
+        cells: of the zero, as texts by column (``Modes.table``).
+        value, multiplicity: the zero in 1/s.
+        mode: its meaning; None where A(s) was given by coefficients.
+        place: which of the shapes of the zero this is, from 0; None where it has none.
+    """
+
+    number: int
+    cells: dict[str, str]
+    value: complex
+    multiplicity: int
+    mode: Mode | None = None
+    place: int | None = None
+
+    @property
+    def shape(self) -> np.ndarray | None:
+        """The shape, (n,), its largest entry 1."""
+        return None if self.place is None else self.mode.shapes[:, self.place]
+
+    @property
+    def shares(self) -> EnergyShares | None:
+        """The energies of the shape by part."""
+        return None if self.place is None else self.mode.shares[self.place]
+
+    @property
+    def shape_count(self) -> int:
+        """How many shapes the zero has."""
+        return self.mode.shapes.shape[1] if self.mode else 0
+
+    @property
+    def name(self) -> str:
+        """Its kind, and which of several shapes it is."""
+        return self.cells["kind"] + self._among
+
+    @property
+    def heading(self) -> str:
+        """What the line is about, with its number."""
+        return f"Mode {self.number}{self._among}: {self.cells['meaning']}"
+
+    @property
+    def _among(self) -> str:
+        return f" (shape {self.place + 1} of {self.shape_count})" if self.shape_count > 1 else ""
+
+
+class SceneModes:
+    """The modes of a scene.
+
+    Attributes:
+        scene: what was read.
+        files: what was written.
+    """
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self.files: list[Path] = []
+
+    @property
+    def system(self) -> MechanicalSystem | None:
+        """None where A(s) was given by coefficients: of those it is not known what they stand for."""
+        return self.scene.equations.system
+
+    @cached_property
+    def lines(self) -> tuple[ModeLine, ...]:
+        """One for each shape, and one for each zero that has none, in the order of the zeros."""
+        result = Result(self.scene, Plan(()))
+        cells = eigenvalue_rows(result)
+        if self.system is None:
+            zeros = enumerate(zip(cells, result.finite_pair.zeros), 1)
+            return tuple(ModeLine(number, row, complex(zero.value), zero.multiplicity) for number, (row, zero) in zeros)
+        wanted = ((row, mode, place) for row, mode in zip(cells, result.modes) for place in _places(mode))
+        return tuple(
+            ModeLine(number, row, complex(mode.eigenvalue), mode.multiplicity, mode, place)
+            for number, (row, mode, place) in enumerate(wanted, 1)
+        )
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """Growth, removed rows, and doubts about the modes."""
+        unused = self.scene.notices
+        if self.system is None:
+            return (*unused, *pair_notices(self.scene.equations.polynomial_matrix.jordan_pairs()))
+        first = (*unused, *self.scene.equations.form_notices)
+        return (*first, *self.system.notices, *pair_notices(self.system.position_form().polynomial_matrix.jordan_pairs()))
+
+    @property
+    def is_trusted(self) -> bool:
+        """False where a notice warns that the modes may be wrong."""
+        return not any(notice.doubtful for notice in self.notices)
+
+    def write_page(self, folder: Path) -> Path:
+        """Write NAME.modes.html, in which the modes move, into a folder.
+
+        Raises:
+            SceneError: the scene gives coefficients or states, of which there is nothing to draw.
+            OSError: it cannot be written.
+        """
+        if self.system is None:
+            place = "model" if self.scene.equations.control else "model.coefficients"
+            raise SceneError(
+                f"{self.scene.path.name}: {place}: a page of modes needs mass, damping and stiffness; leave out --page"
+            )
+        from ....page.html import write_page
+        from .mode_pages import modes_content
+
+        path = folder / f"{self.scene.name}.modes.html"
+        folder.mkdir(parents=True, exist_ok=True)
+        with Replacements() as files:
+            write_page(path, modes_content(self), self.scene.table.output.viewer, files)
+        self.files += files.paths
+        return path
+
+
+def _places(mode: Mode) -> list[int | None]:
+    return list(range(mode.shapes.shape[1])) or [None]

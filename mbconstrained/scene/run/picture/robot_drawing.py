@@ -1,0 +1,158 @@
+"""The drawing of a robot: its links, read once, along the paths of the motion, magnified until it is visible."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....ground.tolerances import NOT_DRAWN
+from ....page.drawing.bodies import Drawing
+from ....page.drawing.orientation import two_digits
+from ....page.drawing.paths import Path
+from ....page.drawing.robot_layout import link_points, robot_drawing, robot_size, solids_of
+from ...file.messages import at
+from .scene_drawing import view_of
+
+if TYPE_CHECKING:
+    from ....page.animation.animation import DrawnEvent
+    from ....robot.visualization import Poses
+    from ...build.robot_model import RobotScene
+
+NOTE = "small motions about the equilibrium"
+
+
+def event_with_poses(event: DrawnEvent, picture: RobotPicture, scale: float) -> DrawnEvent:
+    """The event with the poses of the links just before and just after it, where they differ.
+
+    Args:
+        event: with the coordinates before and after.
+        picture: the robot in its posture.
+        scale: by which motion is magnified.
+
+    Returns:
+        The event with paths.
+    """
+    values = np.column_stack([event.before, event.after])
+    if np.ptp(values, axis=1).max(initial=0.0) <= NOT_DRAWN * np.abs(values).max(initial=0.0):
+        return event
+    poses = picture.poses(values, scale)
+    return replace(event, paths={name: Path(pose.positions, pose.quaternions) for name, pose in poses.items()})
+
+
+def drawing_of_robot(picture: RobotPicture, values: np.ndarray, table=None) -> Drawing:
+    """A drawing of the robot with the paths of its links.
+
+    Args:
+        picture: the robot in its posture.
+        values: deviations from it, shape (n, T).
+        table: the [drawing] table with a scale, a view and a note of its own, or None.
+
+    Returns:
+        The drawing, motion magnified by that scale or until it is visible.
+    """
+    scale = table.scale if table and "scale" in table.model_fields_set else _visible_scale(picture, values)
+    drawing = picture.drawing(picture.poses(values, scale), scale, (table.note if table else "") or NOTE)
+    return replace(drawing, view=view_of(table))
+
+
+def _visible_scale(picture: RobotPicture, values: np.ndarray) -> float:
+    """How much larger than true motion is drawn, at least 1: so that the point that moves furthest is seen to move."""
+    extremes = values[:, np.unique(np.abs(values).argmax(axis=1))]
+    return max(1.0, picture.room(extremes))
+
+
+#: Largest drawn displacement of a point of the robot, as a share of the robot's size.
+VISIBLE = 0.15
+
+#: Largest drawn angle of a joint, rad: seen well, and loops can still be closed.
+TURN = 0.25
+
+#: Largest entry of a motion so small that it is straight.
+SMALL = 1e-4
+
+
+class RobotPicture:
+    """A robot in its posture, to be drawn.
+
+    Attributes:
+        scene: the robot with its posture and system.
+        solids: of its links, by name.
+
+    Raises:
+        SceneError: a shape or a mesh file that cannot be drawn; names the URDF.
+    """
+
+    def __init__(self, scene: RobotScene):
+        self.scene = scene
+        with at(scene.data.urdf_place):
+            self.solids = solids_of(scene.robot.visuals())
+
+    def poses(self, values: np.ndarray, scale: float = 1.0) -> dict[str, Poses]:
+        """The poses of all links.
+
+        Args:
+            values: deviations from the posture, shape (n, T).
+            scale: by which they are magnified.
+
+        Returns:
+            Poses by the names of the links.
+        """
+        return self.scene.robot.poses(self.scene.posture, values, scale)
+
+    def drawing(self, poses: dict[str, Poses], scale: float = 1.0, note: str = "") -> Drawing:
+        """The robot along its paths.
+
+        Args:
+            poses: of the links, by name.
+            scale: by which their motion is magnified.
+            note: a sentence under the drawing.
+
+        Returns:
+            The drawing.
+        """
+        points = self.scene.robot.connection_points(self.scene.posture)
+        fixed = self.scene.data.table.base == "fixed"
+        return robot_drawing(self.solids, poses, points, scale=scale, fixed=fixed, note=note)
+
+    @cached_property
+    def at_rest(self) -> dict[str, Poses]:
+        """The poses of the posture."""
+        return self.poses(np.zeros((len(self.scene.robot.coordinates), 1)))
+
+    @cached_property
+    def _points(self) -> np.ndarray:
+        """All points at rest, shape (3, k, 1)."""
+        return self._of(self.at_rest)
+
+    @property
+    def size(self) -> float:
+        """Diagonal of a box around all links (m)."""
+        return robot_size({"all": self._points})
+
+    def room(self, values: np.ndarray) -> float:
+        """How much larger than true a motion may be drawn: no joint turns, and no point moves, too far to look right.
+
+        The number has two digits; it is 1 where nothing moves. Motors are not drawn and do not count.
+
+        Args:
+            values: deviations, shape (n, T); how far points move is looked at in a straight motion of their directions.
+        """
+        links = values[: len(self.scene.robot.coordinates)]
+        turning = np.array([unit == "rad" for unit in self.scene.robot.units], dtype=bool)
+        angle = float(np.abs(links[turning]).max(initial=0.0))
+        limits = ((VISIBLE * self.size, self._reach(links)), (TURN, angle))
+        return two_digits(min((limit / size for limit, size in limits if size), default=1.0))
+
+    def _reach(self, links: np.ndarray) -> float:
+        """How far the point that moves furthest goes (m)."""
+        largest = np.abs(links).max(initial=0.0)
+        if not largest:
+            return 0.0
+        steps = self._of(self.poses(links / largest, SMALL)) - self._points
+        return float(np.linalg.norm(steps, axis=0).max() / SMALL * largest)
+
+    def _of(self, poses: dict[str, Poses]) -> np.ndarray:
+        return np.hstack(list(link_points(self.solids, poses).values()))

@@ -1,0 +1,209 @@
+"""The drawing of a scene: its own, or one of its elements or coordinates with the changes in [drawing], and its validation."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....ground.checks import nearest
+from ....ground.errors import InputError
+from ....page.drawing.bodies import Body, Drawing, Link, Vector, View
+from ....page.drawing.orientation import turn_to
+from ....page.drawing.paths import matrix_of
+from ...file.messages import at
+
+if TYPE_CHECKING:
+    from ...schema.drawing_tables import BodyTable, DrawingTable
+    from ..scene import Scene
+
+#: A chain longer than this, in drawing units, is not drawn standing.
+TALLEST = 8.0
+
+
+def drawing_of(scene: Scene, values=None, **scales: float) -> Drawing:
+    """The drawing of a scene whose coordinates are places, its own or an automatic one.
+
+    Args:
+        scene: with its equations and [drawing].
+        values, scales: as of ``automatic_drawing``.
+
+    Returns:
+        The drawing at rest.
+    """
+    model = scene.equations.model
+    return own_drawing(scene) or automatic_drawing(scene, model and model.elements, values, **scales)
+
+
+def own_drawing(scene: Scene) -> Drawing | None:
+    """The drawing of a scene that is complete in itself."""
+    table = scene.table.drawing
+    if table is None or not table.is_own:
+        return None
+    bodies = []
+    for number, row in enumerate(table.body, 1):
+        with at(scene.file_name, _body_place(number, row)):
+            bodies.append(_body(row))
+    links = _links(scene, [body.name for body in bodies])
+    return Drawing(bodies, links, table.scale, table.turn_scale, table.note, view_of(table))
+
+
+def automatic_drawing(scene: Scene, elements, values, **scales: float) -> Drawing:
+    """The drawing made from the elements of a model, or from the coordinates, with what [drawing] changes.
+
+    Args:
+        scene: names and units of the coordinates, and [drawing].
+        elements: of the model; None where only its equations are known.
+        values: the motion, or typical values; None for 1.
+        scales: scale and turn_scale, where they shall not be chosen.
+
+    Returns:
+        The drawing at rest.
+
+    Raises:
+        SceneError: a body that is not drawn and has no shape, a direction of one that does not move so, a link to an unknown
+            body.
+    """
+    from ....page.drawing.automatic_drawing import coordinate_drawing, lumped_drawing
+
+    names, units = scene.equations.coordinates.names, scene.equations.coordinates.units
+    if elements is not None:
+        laid_out = partial(lumped_drawing, elements, names, values, **scales)
+    else:
+        laid_out = partial(coordinate_drawing, names, values, units, **scales)
+    drawing, table = laid_out(), scene.table.drawing
+    if table is None:
+        return replace(drawing, turn=_upright(scene, drawing))
+    turn = turn_to(table.along, table.about) if table.along or table.about else _upright(scene, drawing)
+    if directions := _directions(scene, drawing, turn):
+        drawing = laid_out(directions=directions)
+    return _changed(scene, replace(drawing, turn=turn))
+
+
+def _upright(scene: Scene, drawing: Drawing) -> Vector:
+    """What falls is drawn standing, unless it would be too tall to be seen well, or hangs on pulleys already."""
+    model = scene.table.model
+    falls = model.kind == "lumped" and model.gravity and not model.pulley
+    length = np.ptp([body.rest[0] for body in drawing.bodies]) if drawing.bodies else 0.0
+    return turn_to((0.0, 0.0, -np.sign(model.gravity)), None) if falls and length <= TALLEST else (0.0, 0.0, 0.0)
+
+
+def _body_place(number: int, row: BodyTable) -> str:
+    """Where a body stands in the file, for messages."""
+    return f'drawing.body[{number}] (of "{row.name}")'
+
+
+def _link_place(number: int) -> str:
+    """The same of a link."""
+    return f"drawing.link[{number}]"
+
+
+def _directions(scene: Scene, drawing: Drawing, turn: Vector) -> dict[str, Vector]:
+    """Where bodies go that say it themselves, by name, in the axes of a drawing before all of it is turned."""
+    bodies = {body.name: body for body in drawing.bodies}
+    directions = {}
+    for number, row in enumerate(scene.table.drawing.body, 1):
+        if row.along or row.about:
+            with at(scene.file_name, _body_place(number, row)):
+                _check_direction(row, bodies)
+            directions[row.name] = tuple((matrix_of(turn).T @ (row.along or row.about)).tolist())
+    return directions
+
+
+def _check_direction(row: BodyTable, bodies: dict[str, Body]) -> None:
+    """Whether the body moves so, if it is drawn automatically."""
+    body, key = bodies.get(row.name), "along" if row.along else "about"
+    if body is not None:
+        own = {"along": body.moves, "about": body.turns}
+        if row.name not in own[key]:
+            other, moves = ("about", "turns") if key == "along" else ("along", "is displaced")
+            does = f"it {moves}: say {other}" if row.name in own[other] else "it stays where it is"
+            raise InputError(f"it has {key}, but {does}")
+    elif row.shape is not None:
+        raise InputError(f"{key} is for bodies of the automatic drawing; where this one goes, moves and turns say")
+
+
+def _changed(scene: Scene, drawing: Drawing) -> Drawing:
+    table, bodies = scene.table.drawing, {body.name: body for body in drawing.bodies}
+    for number, row in enumerate(table.body, 1):
+        with at(scene.file_name, _body_place(number, row)):
+            bodies[row.name] = _changed_body(row, bodies)
+    note = " ".join(filter(None, (drawing.note, table.note)))
+    links = (*drawing.links, *_links(scene, bodies))
+    return replace(drawing, bodies=tuple(bodies.values()), links=links, note=note, view=view_of(table))
+
+
+def _changed_body(row: BodyTable, bodies: dict[str, Body]) -> Body:
+    if row.name in bodies:
+        return replace(bodies[row.name], **_given(row))
+    if row.shape is not None:
+        return _body(row)
+    hint = nearest(row.name, bodies)
+    raise InputError(f"there is no such body in the automatic drawing{hint}; give it a shape to draw a new one")
+
+
+def _body(row: BodyTable) -> Body:
+    if row.shape is None:
+        raise InputError("it has no shape; give it one, or automatic = true where it is drawn anyway")
+    return Body(**_given(row))
+
+
+def _links(scene: Scene, bodies: Collection[str]) -> tuple[Link, ...]:
+    """The links of the scene, between bodies of these names."""
+    links = []
+    for number, link in enumerate(scene.table.drawing.link, 1):
+        with at(scene.file_name, _link_place(number)):
+            for name in filter(None, (link.start, link.end, link.over)):
+                if name not in bodies:
+                    raise InputError(f'there is no body "{name}" in the drawing{nearest(name, bodies)}')
+            links.append(Link(**{"name": f"{link.kind} from {link.start} to {link.end}", **_given(link)}))
+    return tuple(links)
+
+
+def view_of(table: DrawingTable | None) -> View | None:
+    """From where the scene wants to be looked at; None where it does not say."""
+    return None if table is None or table.view is None else View(table.view.yaw, table.view.pitch, table.view.zoom)
+
+
+def _given(entry) -> dict:
+    """The keys of a table that the drawing's own defaults shall not fill; where a body goes is its motion by now."""
+    return {key: value for key, value in entry if value is not None and key not in ("along", "about")}
+
+
+def check_drawing(scene: Scene) -> None:
+    """See whether [drawing] can be drawn.
+
+    Raises:
+        SceneError: unknown bodies or coordinates, a name used twice, a direction of a body that does not move so.
+    """
+    if scene.equations.robot:
+        with at(scene.file_name, "drawing"):
+            return _check_robot(scene.table.drawing)
+    _check_names(scene)
+    if scene.table.drawing.is_own or not scene.equations.has_outputs_among_coordinates:  # which are no places
+        drawing_of(scene)
+
+
+def _check_robot(drawing) -> None:
+    if drawing.body or drawing.link:
+        raise InputError("a robot is drawn from its URDF: leave out body and link; scale, view and note may stand here")
+    if drawing.along or drawing.about:
+        raise InputError("a robot stands as in its URDF: leave out along and about; view sets from where it is looked at")
+
+
+def _check_names(scene: Scene) -> None:
+    drawing = scene.table.drawing
+    bodies = [body.name for body in drawing.body]
+    for number, body in enumerate(drawing.body, 1):
+        with at(scene.file_name, _body_place(number, body)):
+            if bodies.count(body.name) > 1:
+                raise InputError("this name is used twice; names must differ")
+            for name in (*(body.moves or ()), *(body.turns or ())):
+                scene.equations.coordinates.number(name)
+    for number, link in enumerate(drawing.link, 1):
+        with at(scene.file_name, _link_place(number)):
+            if link.start == link.end:
+                raise InputError(f'start and end are the same body, "{link.start}"; name two bodies')

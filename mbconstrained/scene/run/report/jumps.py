@@ -1,0 +1,191 @@
+"""Jumps and impulses at t = 0 and later, with their units: the same texts for tables, notices and marks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from ....ground.coordinate_units import force_unit, impulse_unit, rate_unit
+from ....ground.display import number_text, with_unit
+from ....ground.notices import Notice, NoticeKind
+from ....mechanics.motion import DELTAS
+from ....response.admissible import admissible
+from ....response.events import Event
+from ....response.response_notices import first_and_count, sides
+from ...quantities.coordinates import Coordinates, beyond_noise, derivative_name
+
+if TYPE_CHECKING:
+    from ....mechanics.system import MechanicalSystem
+    from ....response.response import Response
+    from ...build.equations import Equations
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A coordinate or a derivative of it that is another just after a time; values are texts with units."""
+
+    name: str
+    what: str
+    before: str
+    after: str
+    size: str
+
+
+@dataclass(frozen=True)
+class Impulse:
+    """A multiple of the derivative of this order of Dirac's delta; the size is a text with a unit."""
+
+    name: str
+    order: int
+    size: str
+
+    @property
+    def delta(self) -> str:
+        """What it multiplies, in words."""
+        return DELTAS[self.order] if self.order < len(DELTAS) else f"the derivative of order {self.order} of a Dirac impulse"
+
+
+def jumps_of(motion: Response, coordinates: Coordinates, event: Event | None = None) -> list[Jump]:
+    """The jumps of the coordinates and their derivatives.
+
+    Args:
+        motion: the answer.
+        coordinates: names and units.
+        event: after t = 0; None for the jumps at t = 0 that are more than rounding errors.
+
+    Returns:
+        The jumps by order of derivative.
+    """
+    jumps = []
+    for order, row in enumerate((event or motion).jump):
+        if event is None:
+            before, after = motion.initial[order], motion.start[order]
+            places = beyond_noise(row, before, after)
+        elif places := row.nonzero()[0].tolist():
+            before, after = sides(motion, event, order)
+        for i in places:
+            unit = rate_unit(coordinates.units[i], order)
+            texts = (with_unit(value, unit) for value in (before[i], after[i], row[i]))
+            jumps.append(Jump(coordinates.names[i], derivative_name(coordinates.units[i], order), *texts))
+    return jumps
+
+
+def impulses_of(impulses: Sequence, coordinates: Coordinates) -> list[Impulse]:
+    """The impulses that are not zero.
+
+    Args:
+        impulses: (r,) by order of the derivative of Dirac's delta.
+        coordinates: the names and units of the r quantities.
+
+    Returns:
+        The impulses by order of derivative.
+    """
+    return [
+        Impulse(coordinates.names[i], order, with_unit(row[i], impulse_unit(coordinates.units[i], order)))
+        for order, row in enumerate(impulses)
+        for i in row.nonzero()[0]
+    ]
+
+
+def forces_of_rows(system: MechanicalSystem, name: str = "force of {}") -> Coordinates:
+    """Names and units of the constraint forces.
+
+    Args:
+        system: with its constraint rows.
+        name: of a force, by the name of its row.
+
+    Returns:
+        One for each row.
+    """
+    return Coordinates(tuple(name.format(row.name) for row in system.rows), tuple(force_unit(row.unit) for row in system.rows))
+
+
+def with_units(response: Response, coordinates: Coordinates) -> tuple[Notice, ...]:
+    """The notices of a response that itself does not know the units of its coordinates.
+
+    Args:
+        response: of bare equations.
+        coordinates: names and units.
+
+    Returns:
+        Its notices, those of jumps and impulses first.
+    """
+    others = [notice for notice in response.notices if notice.kind not in (NoticeKind.JUMP, NoticeKind.IMPULSE)]
+    later = first_and_count(lambda event: _sentences(response, coordinates, event), response.events)
+    return (*_sentences(response, coordinates), *later, *others)
+
+
+def _sentences(motion: Response, coordinates: Coordinates, event: Event | None = None) -> list[Notice]:
+    """A notice for each jump and each impulse in the coordinates, at an event or at t = 0."""
+    when = f"t = {number_text(event.time)} s" if event else "t = 0"
+    quantities = {name: derivative_name(unit, 0) for name, unit in zip(coordinates.names, coordinates.units)}
+    notices = [
+        Notice(NoticeKind.JUMP, f"{jump.name}: its {jump.what} jumps at {when} by {jump.size}, from {jump.before} to {jump.after}")
+        for jump in jumps_of(motion, coordinates, event)
+    ]
+    return notices + [
+        Notice(
+            NoticeKind.IMPULSE,
+            f"{impulse.name}: its {quantities[impulse.name]} contains {impulse.delta} of {impulse.size} at {when}",
+        )
+        for impulse in impulses_of((event or motion).impulses, coordinates)
+    ]
+
+
+def folded(notices: Sequence[Notice], jumps: int, impulses: int, later: tuple[int, int] = (0, 0)) -> tuple[Notice, ...]:
+    """One sentence instead of a notice for each of the jumps and impulses, which have tables of their own.
+
+    Args:
+        notices: all of them.
+        jumps, impulses: how many at t = 0.
+        later: how many of both after t = 0.
+
+    Returns:
+        The others, after at most two that count.
+    """
+    counts_of_events = [*_counted("At t = 0", jumps, impulses), *_counted("After t = 0", *later)]
+    return (*counts_of_events, *(notice for notice in notices if not _has_table(notice)))
+
+
+def _counted(when: str, jumps: int, impulses: int) -> list[Notice]:
+    counts = [f"{count} {one}{'s' if count > 1 else ''}" for count, one in ((jumps, "jump"), (impulses, "impulse")) if count]
+    text = f"{when} there {'is' if jumps + impulses == 1 else 'are'} {' and '.join(counts)}; the tables give the sizes"
+    return [Notice(NoticeKind.JUMP if jumps else NoticeKind.IMPULSE, text)] if counts else []
+
+
+def _has_table(notice: Notice) -> bool:
+    """A jump of a constraint row is the cause (the start does not fit the row) and stands in no table."""
+    return notice.kind == NoticeKind.IMPULSE or (notice.kind == NoticeKind.JUMP and not notice.text.startswith("constraint "))
+
+
+MOST_NOTICES = 12
+
+
+def start_notices(equations: Equations) -> tuple[Notice, ...]:
+    """The causes first, then the jumps and impulses; none where the start fits."""
+    if equations.start_fits:
+        return ()
+    motion: Any = equations.solve()  # a Motion where there is a system
+    coordinates = equations.coordinates
+    notices = [*_causes(equations, motion), *_sentences(motion, coordinates)]
+    if equations.system is not None:
+        forces = forces_of_rows(equations.system, 'constraint "{}"')
+        notices += [
+            Notice(NoticeKind.IMPULSE, f"{impulse.name}: its force contains {impulse.delta} of {impulse.size} at t = 0")
+            for impulse in impulses_of(motion.constraint_impulses, forces)
+        ]
+    return tuple(notices[:MOST_NOTICES]) + (
+        (Notice(NoticeKind.JUMP, f"and {len(notices) - MOST_NOTICES} more"),) if len(notices) > MOST_NOTICES else ()
+    )
+
+
+def _causes(equations: Equations, motion: Response) -> Iterator[Notice]:
+    """Constraint rows that do not hold, or else the equations."""
+    rows = [notice for notice in motion.notices if notice.kind == NoticeKind.JUMP and notice.text.startswith("constraint ")]
+    yield from rows
+    if not rows:
+        admissibility = admissible(equations.polynomial_matrix, initial=equations.initial, force=equations.right_hand_side)
+        for violation in admissibility.violations:
+            _, _, text = violation.text.partition(": ")
+            yield Notice(NoticeKind.JUMP, f"the start does not fit: {text}")

@@ -1,0 +1,95 @@
+"""The content of the page of a result: animation, plots, tables, notices, facts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....ground.tolerances import NOT_DRAWN
+from ....page.content import Curve, PageContent, Plot
+from ..curves import ORDERS
+from ..decisions import is_animated
+from .control_report import control_facts
+from .robot_report import robot_fact
+
+if TYPE_CHECKING:
+    from ..curves import Curves
+    from ..result import Result
+
+
+def page_content(result: Result) -> PageContent:
+    """Animation, plots, tables, notices and facts of a result."""
+    scene = result.scene  # a page written after a run without a folder is a stage of its plan nevertheless
+    plan = result.plan if result.folder else scene.plan().with_costs(result.plan.costs)
+    return PageContent(
+        title=scene.title,
+        source=scene.table.source,
+        animation=result.animation if is_animated(scene) else None,
+        plots=plots_of(result),
+        tables=(*result.tables, plan.page_table()),
+        notices=result.table_notices,
+        formulas=result.formulas,
+        facts=_facts(result),
+    )
+
+
+def _facts(result: Result) -> tuple[tuple[str, str], ...]:
+    scene = result.scene
+    coordinates, time = scene.equations.coordinates, scene.table.time
+    robot, control = scene.equations.robot_scene, scene.equations.control
+    return (
+        *([robot_fact(robot)] if robot else ()),
+        *(control_facts(control) if control else ()),
+        (scene.equations.coordinates_called, coordinates.listed),
+        ("degree of the equations", str(scene.equations.polynomial_matrix.degree)),
+        ("eigenvalues" if result.system else "zeros", str(sum(zero.count for zero in result.finite_pair.zeros))),
+        ("time", f"0 to {time.end:g} s, {time.points} points, in closed form"),
+    )
+
+
+#: Most phase planes on a page: the first are drawn, [output] coordinates selects others.
+MOST_PLANES = 12
+
+
+def plots_of(result: Result) -> tuple[Plot, ...]:
+    """The plots that the scene requests, in its order."""
+    kinds = result.scene.table.output.plots
+    return tuple(
+        plot for kind in kinds for plot in (_phase_planes(result) if kind == "phase" else _plots(result, result.curves(kind)))
+    )
+
+
+def _plots(result: Result, curves: Curves) -> list[Plot]:
+    """One plot for each unit: curves in m and in rad share no axis."""
+    groups: dict[tuple[str, str], list[Curve]] = {}
+    for i in _wanted(result, curves):
+        groups.setdefault((curves.titles[i], curves.units[i]), []).append(Curve(curves.names[i], curves.values[i], i))
+    return [Plot(title, _shown(unit), result.times, tuple(drawn)) for (title, unit), drawn in groups.items()]
+
+
+def _wanted(result: Result, curves: Curves) -> list[int]:
+    wanted = result.scene.table.output.coordinates if curves.kind in ORDERS else None
+    return [i for i, name in enumerate(curves.names) if wanted is None or name in wanted]
+
+
+def _phase_planes(result: Result) -> list[Plot]:
+    """The velocity over the displacement of each coordinate that moves."""
+    places, rates = result.curves("displacement"), result.curves("velocity")
+    moving = [i for i in _wanted(result, places) if np.ptp(places.values[i]) > NOT_DRAWN * np.abs(places.values[i]).max()]
+    return [
+        Plot(
+            f"phase plane of {places.names[i]}",
+            _shown(rates.units[i]),
+            result.times,
+            (Curve(places.names[i], rates.values[i], i),),
+            across=Curve(places.titles[i], places.values[i]),
+            across_unit=_shown(places.units[i]),
+            quantity=rates.titles[i],
+        )
+        for i in moving[:MOST_PLANES]
+    ]
+
+
+def _shown(unit: str) -> str:
+    return "" if unit == "1" else unit

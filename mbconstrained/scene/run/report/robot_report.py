@@ -1,0 +1,155 @@
+"""The posture of a robot as tables, facts and plain data, and notices about large motions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import asin, atan2, degrees
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....ground.coordinate_units import force_unit
+from ....ground.display import TextTable, number_text, with_unit
+from ....ground.notices import Notice, NoticeKind
+
+if TYPE_CHECKING:
+    from ...build.robot_model import RobotScene
+
+#: Loop forces below this share of the largest, and places and torques below this share of 1 in SI, are rounding and printed as 0.
+ROUNDING = 1e-12
+
+
+def posture_tables(robot_scene: RobotScene) -> list[TextTable]:
+    """Joints and loop forces at rest."""
+    return [_joint_table(robot_scene), _loop_table(robot_scene)]
+
+
+def posture_evidence(robot_scene: RobotScene) -> list[tuple[str, str, str]]:
+    """The residual of the equilibrium, and the gap of its loops."""
+    posture = robot_scene.posture
+    rows = [("equilibrium: residual", f"{posture.residual:.2g}", "largest unbalanced force relative to the largest force")]
+    if posture.balance.load.has_rows:
+        rows.append(("equilibrium: loops", f"{posture.loop_error:.2g}", "largest gap of a loop, in m or rad"))
+    return rows
+
+
+def robot_fact(robot_scene: RobotScene) -> tuple[str, str]:
+    """Title, source and licence of the robot."""
+    data = robot_scene.data
+    return "robot", f"{data.title}; {data.source}; licence {data.licence}"
+
+
+def posture_json(robot_scene: RobotScene) -> dict:
+    """The robot and its posture as plain data."""
+    data, posture = robot_scene.data, robot_scene.posture
+    return {
+        "robot": {"name": data.name, "title": data.title, "source": data.source, "licence": data.licence},
+        "posture": {
+            "joints": {name: list(value) if isinstance(value, tuple) else value for name, value in posture.joints.items()},
+            "torques": dict(posture.torques),
+            "reactions": {name: [float(entry) for entry in value] for name, value in posture.reactions.items()},
+            "residual": posture.residual,
+            "loop_error": posture.loop_error,
+        },
+    }
+
+
+def _joint_table(robot_scene: RobotScene) -> TextTable:
+    torques = dict(zip(robot_scene.posture.torques, _cleaned(robot_scene.posture.torques.values())))
+    columns = ("joint", "rests at", "with load") if torques else ("joint", "rests at")
+    rows = []
+    for name, value in robot_scene.posture.joints.items():
+        unit = robot_scene.data.names.units.get(name, "")
+        torque = with_unit(torques[name], force_unit(unit)) if name in torques else ""
+        rows.append((name, _place(value, unit), torque)[: len(columns)])
+    return TextTable("Posture", columns, tuple(rows))
+
+
+def _place(value, unit: str) -> str:
+    if not isinstance(value, Sequence):
+        return _single(value, unit)
+    if len(value) == 3:  # of a planar joint
+        return f"{_vector(_cleaned(value[:2]))} m, {_single(value[2], 'rad')}"
+    return f"{_vector(_cleaned(value[:3]))} m, roll, pitch, yaw {_vector(_cleaned(_angles(value[3:])))} rad"
+
+
+def _single(value: float, unit: str) -> str:
+    (value,) = _cleaned([value])
+    return f"{with_unit(value, unit)} ({degrees(value):.4g}°)" if unit == "rad" else with_unit(value, unit)
+
+
+def _angles(quaternion) -> tuple[float, float, float]:
+    """Roll, pitch and yaw of a unit quaternion x, y, z, w, as a URDF writes rotations."""
+    x, y, z, w = quaternion
+    pitch = asin(max(-1.0, min(1.0, 2 * (w * y - x * z))))
+    return atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)), pitch, atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+def _cleaned(values) -> list[float]:
+    """Places or torques, those that are rounding as 0."""
+    largest = max([1.0, *map(abs, values)])
+    return [value if abs(value) > ROUNDING * largest else 0.0 for value in values]
+
+
+def _loop_table(robot_scene: RobotScene) -> TextTable:
+    reactions = robot_scene.posture.reactions
+    largest = max((abs(entry) for value in reactions.values() for entry in value), default=0.0)
+    loops: dict[str, Any] = {loop.name: loop for loop in robot_scene.robot.loops}
+    rows = []
+    for name, value in reactions.items():
+        clean = [entry if abs(entry) > ROUNDING * largest else 0.0 for entry in value]
+        torque = "" if loops[name].kind == "point" else f"{_vector(clean[3:])} N m"
+        rows.append((name, loops[name].body2, f"{_vector(clean[:3])} N", torque))
+    note = "x, y, z of the loop's frame on its first body; reactions during the motion come on top."
+    if not any(row[3] for row in rows):
+        return TextTable("Loop forces at rest", ("loop", "on", "force"), tuple(row[:3] for row in rows), note)
+    return TextTable("Loop forces at rest", ("loop", "on", "force", "torque"), tuple(rows), note)
+
+
+def _vector(values) -> str:
+    return f"({', '.join(number_text(value) for value in values)})"
+
+
+#: Angles from the posture (rad) beyond which it is said that the equations are linear: sin(x) is off by 4 % there.
+SMALL = 0.5
+
+
+def motion_notices(robot_scene: RobotScene, values: np.ndarray) -> tuple[Notice, ...]:
+    """Notices about large angles and joints beyond their limits.
+
+    Args:
+        robot_scene: the robot in its posture.
+        values: deviations from the posture, shape (n, T).
+
+    Returns:
+        One for the largest angle, and one for each limit that is passed.
+    """
+    count = len(robot_scene.robot.coordinates)
+    lowest, highest = values[:count].min(axis=1), values[:count].max(axis=1)
+    return (*_large(robot_scene, np.maximum(-lowest, highest)), *_beyond_limits(robot_scene, lowest, highest))
+
+
+def _large(robot_scene: RobotScene, furthest: np.ndarray) -> list[Notice]:
+    angles = np.where(np.array(robot_scene.robot.units) == "rad", furthest, 0.0)
+    most = int(angles.argmax())
+    if angles[most] <= SMALL:
+        return []
+    where = f"{robot_scene.robot.coordinates[most]} goes {with_unit(float(angles[most]), 'rad')} from the posture"
+    return [
+        Notice(
+            NoticeKind.LARGE_MOTION,
+            f"{where}: the equations are linear about it, and a robot that moves so far does not follow them",
+        )
+    ]
+
+
+def _beyond_limits(robot_scene: RobotScene, lowest: np.ndarray, highest: np.ndarray) -> list[Notice]:
+    notices, robot = [], robot_scene.robot
+    for name, (low, high) in robot.limits.items():
+        place, rest = robot.coordinates.index(name), robot_scene.posture.joints[name]
+        for reached in {rest + lowest[place], rest + highest[place]}:
+            if not low <= reached <= high:
+                unit = robot.units[place]
+                text = f"{name} reaches {with_unit(float(reached), unit)}, beyond its limits {low:.6g} ... {high:.6g} {unit}"
+                notices.append(Notice(NoticeKind.LARGE_MOTION, f"{text}: what happens there is not in the equations"))
+    return notices

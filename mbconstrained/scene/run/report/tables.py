@@ -1,0 +1,176 @@
+"""The tables of a result, as texts with units: for the terminal and the page alike."""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....ground.coordinate_units import rate_unit
+from ....ground.display import TextTable, number_text, with_unit
+from ....ground.notices import Notice
+from ....mechanics.mode_computation import Conservation, cleaned
+from ....mechanics.modes import Kind, Mode, Modes
+from ....response.events import Event
+from ....response.response_notices import counts
+from ....signals.impulsive import ImpulsiveLoad
+from ...quantities.coordinates import Coordinates
+from .control_report import control_tables
+from .jumps import Impulse, folded, forces_of_rows, impulses_of, jumps_of
+from .robot_report import posture_evidence, posture_tables
+
+if TYPE_CHECKING:
+    from ....mechanics.system import MechanicalSystem
+    from ...build.control_model import ControlScene
+    from ..result import Result
+
+MOST_LATER_ROWS = 20  # of the jumps and impulses after t = 0 that are listed; JSON and npz have all
+
+
+def tables_of(result: Result) -> tuple[TextTable, ...]:
+    """Posture, constraints, eigenvalues, jumps, impulses, evidence, proved digits; without empty ones but for the eigenvalues."""
+    robot, control = result.scene.equations.robot_scene, result.scene.equations.control
+    eigenvalues = eigenvalue_table(result)
+    tables = [
+        *(posture_tables(robot) if robot else ()),
+        *([_constraint_table(result.system)] if result.system else []),
+        eigenvalues,
+        *(control_tables(control) if control else ()),
+        *([_output_table(control)] if control and control.form else []),
+        *_at_start(result),
+        *([_later_table(result)] if result.later else []),
+        _evidence_table(result),
+        *([result.certificate.table] if result.certificate else []),
+    ]
+    return tuple(table for table in tables if table.rows or table is eigenvalues)
+
+
+def notices_of(result: Result) -> tuple[Notice, ...]:
+    """The notices for the summary and the page: jumps and impulses, which have tables, are counted in one sentence."""
+    return folded(result.notices, len(result.jumps), len(result.impulses), counts(result.later))
+
+
+def _constraint_table(system: MechanicalSystem) -> TextTable:
+    """The rows in force with their levels."""
+    cells = tuple((row.name, row.level, with_unit(row.value, rate_unit(row.unit, row.order))) for row in system.rows)
+    note = "Errors at the start persist in rows at velocity or acceleration level: their eigenvalues at 0 are drift."
+    drifting = any(row.order for row in system.rows)
+    return TextTable("Constraints", ("row", "level", "value"), cells, note if drifting else "")
+
+
+def eigenvalue_table(result: Result) -> TextTable:
+    """The finite eigenvalues of A(s): with their meaning where the system is mechanical, else called zeros or poles."""
+    equations = result.scene.equations
+    rows = eigenvalue_rows(result)
+    note = "" if rows else "There are none: the motion follows the force at once."
+    title = "Eigenvalues" if result.system else "Zeros" if equations.control is None else "Poles"
+    word = title[:-1].lower()
+    columns = tuple(column.replace("eigenvalue (", f"{word} (") for column in rows[0]) if rows else ()
+    return TextTable(title, columns, tuple(tuple(row.values()) for row in rows), note)
+
+
+def eigenvalue_rows(result: Result) -> list[dict[str, str]]:
+    """The rows of the table of eigenvalues: texts by column."""
+    return result.modes.table() if result.system else _rows_of_zeros(result)
+
+
+def _rows_of_zeros(result: Result) -> list[dict[str, str]]:
+    """Zeros of a bare A(s), whose mechanical meaning is unknown, in the columns of ``Modes.table``."""
+    names = result.scene.equations.coordinates.names
+    modes = [_mode_of(zero, len(names)) for zero in result.finite_pair.zeros]
+    return [
+        {**row, "kind": mode.kind if mode.eigenvalue else "at 0", "meaning": _meaning_of(mode.eigenvalue, mode.multiplicity)}
+        for mode, row in zip(modes, Modes(tuple(modes), names).table())
+    ]
+
+
+def _mode_of(zero, size: int) -> Mode:
+    value = cleaned(complex(zero.value), zero.multiplicity, Conservation(passive=False, lossless=False))
+    return Mode(_kind_of(value), value, zero.multiplicity, np.zeros((size, 0)))
+
+
+def _kind_of(value: complex) -> Kind:
+    if value == 0:
+        return "offset"
+    if value.real > 0:
+        return "growth"
+    return "oscillation" if value.imag else "decay"
+
+
+def _meaning_of(value: complex, multiplicity: int) -> str:
+    if value == 0:
+        return "constant" if multiplicity == 1 else "constant or growing with a power of t"
+    if value.imag:
+        return "undamped" if not value.real else ""
+    return f"time constant {number_text(1 / abs(value.real))} s"
+
+
+def _at_start(result: Result) -> list[TextTable]:
+    """Jumps and impulses at t = 0 in coordinates and in constraint forces."""
+    jumps = tuple((jump.name, jump.what, jump.before, jump.after, jump.size) for jump in result.jumps)
+    impulses = tuple((impulse.name, f"δ{_primes(impulse.order)}", impulse.size) for impulse in result.impulses)
+    return [
+        TextTable("Jumps at t = 0", ("coordinate", "of its", "before", "after", "jump"), jumps),
+        TextTable("Impulses at t = 0", ("of", "multiplies", "size"), impulses),
+    ]
+
+
+def _output_table(control: ControlScene) -> TextTable:
+    """Jumps and impulses of the outputs at t = 0; those of the displacements have tables of their own."""
+    together, names = control.response.together, control.outputs.names
+    coordinates = together.polynomial_matrix.coordinates
+    jumps = jumps_of(together, Coordinates(coordinates, tuple(control.system.units[name] for name in coordinates)))
+    rows = [(jump.name, "jumps", jump.before, jump.after, jump.size) for jump in jumps if jump.name in names]
+    rows += _impulse_rows(impulses_of(control.response.output_impulses, control.outputs))
+    return TextTable("Outputs at t = 0", ("of", "what", "before", "after", "size"), tuple(rows))
+
+
+def _later_table(result: Result) -> TextTable:
+    """The first jumps and impulses after t = 0, where the force starts, stops, changes or has an impulse."""
+    rows = (row for event in result.later for row in _event_rows(result, event))
+    count = sum(counts(result.later))
+    note = f"The first {MOST_LATER_ROWS} of {count} are shown." if count > MOST_LATER_ROWS else ""
+    columns = ("time", "of", "what", "before", "after", "size")
+    return TextTable("Jumps and impulses after t = 0", columns, tuple(islice(rows, MOST_LATER_ROWS)), note)
+
+
+def _event_rows(result: Result, event: Event | ImpulsiveLoad) -> list[tuple[str, ...]]:
+    coordinates, is_load = result.scene.equations.coordinates, isinstance(event, ImpulsiveLoad)
+    jumps = [] if is_load else jumps_of(result.motion, coordinates, event)
+    rows = [(jump.name, f"{jump.what} jumps", jump.before, jump.after, jump.size) for jump in jumps]
+    rows += _impulse_rows(impulses_of(event.impulses, forces_of_rows(result.system) if is_load else coordinates))
+    return [(f"{number_text(event.time)} s", *row) for row in rows]
+
+
+def _impulse_rows(impulses: list[Impulse]) -> list[tuple[str, ...]]:
+    return [(impulse.name, f"multiplies δ{_primes(impulse.order)}", "", "", impulse.size) for impulse in impulses]
+
+
+def _primes(order: int) -> str:
+    return "′" * order if order < 4 else f"^({order})"
+
+
+def _evidence_table(result: Result) -> TextTable:
+    """Error estimates, residuals and rank gaps: how far the answer can be trusted."""
+    proved = getattr(getattr(result.motion, "function", None), "is_provable", False)
+    estimates = [
+        (
+            f"error estimate: {_estimated(result, kind)}",
+            f"{value:.2g}",
+            "proved bound of the error over the largest value, at each time"
+            if proved and kind in ("displacement", "velocity", "acceleration")
+            else "largest error over largest value, over all times",
+        )
+        for kind, value in result.error_estimates.items()
+    ]
+    evidence = [(item.name, f"{item.value:.2g}", item.text) for item in result.motion.evidence]
+    robot = result.scene.equations.robot_scene
+    posture = posture_evidence(robot) if robot else []
+    return TextTable("Evidence", ("what", "value", "meaning"), (*estimates, *evidence, *posture))
+
+
+def _estimated(result: Result, kind: str) -> str:
+    """States and outputs are no displacements."""
+    equations = result.scene.equations
+    return equations.coordinates_called if kind == "displacement" and equations.has_outputs_among_coordinates else kind

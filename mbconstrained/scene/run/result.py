@@ -1,0 +1,339 @@
+"""The result of a scene. Each part is computed at its first use; the plan lists which are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cached_property
+from operator import methodcaller
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...ground.checks import counted
+from ...ground.display import Displayed, TextTable
+from ...ground.errors import InputError, MbconstrainedError
+from ...ground.files import Replacements
+from ...ground.notices import Notice, NoticeKind
+from ...ground.tolerances import TRUST_LIMIT
+from ...response.estimate import error_estimate
+from .aliasing import aliasing_notices
+from .curves import ORDERS, PARTS, Curves, curves_of
+from .decisions import still, too_large_for_formula
+from .plan import Plan
+from .report.jumps import Impulse, Jump, forces_of_rows, impulses_of, jumps_of, with_units
+from .report.robot_report import motion_notices
+from .report.tables import notices_of, tables_of
+from .result_files import write_csv, write_npz
+
+if TYPE_CHECKING:
+    from ...exact.formulas.closed_form import ClosedForm
+    from ...mechanics.modes import Modes
+    from ...mechanics.motion import Motion
+    from ...mechanics.system import MechanicalSystem
+    from ...page.animation.animation import Animation
+    from ...page.content import Formulas
+    from ...polynomial.jordan_pairs import FinitePair, InfinitePair
+    from ...response.events import Event
+    from ...signals.impulsive import ImpulsiveLoad
+    from .certificate import Certificate
+    from .scene import Scene
+
+NOTHING_MOVES = "nothing moves: neither the start nor a force sets anything in motion"
+
+
+class Result(Displayed):
+    """The answer to a scene.
+
+    Attributes:
+        scene: the scene that was run.
+        plan: its stages with their costs.
+        files: what was written, in this order.
+        system: mass, damping, stiffness and constraint rows; None where A(s) was given itself.
+        times: of the scene, shape (T,), in s.
+    """
+
+    def __init__(self, scene: Scene, plan: Plan, folder: Path | None = None):
+        self.scene = scene
+        self.system: MechanicalSystem | None = scene.equations.system
+        self.times: np.ndarray = scene.times
+        self.plan = plan
+        self.folder = folder
+        self.files: list[Path] = []
+        self.still_problem = ""
+        self._together: Replacements | None = None
+        self.formula_problem = ""
+        self._curves: dict[str, Curves] = {}
+
+    def _summary(self) -> str:
+        names = self.scene.equations.coordinates.names
+        return f"{self.scene.name}: {counted(len(names), 'coordinate')} at {counted(len(self.times), 'time')}"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        return self.tables
+
+    @cached_property
+    def finite_pair(self) -> FinitePair:
+        """(C, J, B) of the finite zeros."""
+        return self.scene.equations.polynomial_matrix.jordan_pairs().finite
+
+    @cached_property
+    def infinite_pair(self) -> InfinitePair:
+        """(C, J, B) of the zeros at infinity."""
+        return self.scene.equations.polynomial_matrix.jordan_pairs().infinite
+
+    @cached_property
+    def motion(self) -> Motion | Any:
+        """x as a function of time, with jumps and impulses; a Motion where there is a mechanical system."""
+        return self.scene.equations.solve()
+
+    @property
+    def values(self) -> np.ndarray:
+        """The coordinates at the times, shape (r, T)."""
+        return self.curves("displacement").values
+
+    def curves(self, kind: str) -> Curves:
+        """Trajectories of a kind: displacement, velocity, acceleration, reaction, energy or output."""
+        if kind not in self._curves:
+            self._curves[kind] = curves_of(self, kind)
+        return self._curves[kind]
+
+    @property
+    def kinds(self) -> list[str]:
+        """The kinds of curves that the scene requests, the coordinates first."""
+        output = self.scene.table.output
+        plots = [part for kind in output.plots for part in (PARTS[kind] if kind == "phase" else (kind,))]
+        requested = ["displacement", *plots, *(["reaction"] if output.reactions else [])]
+        rows = self.system is not None and self.system.rows
+        available = {"reaction": rows, "output": not self.scene.equations.has_outputs_among_coordinates}
+        return [kind for kind in dict.fromkeys(requested) if available.get(kind, True)]
+
+    @cached_property
+    def jumps(self) -> list[Jump]:
+        """The jumps of the coordinates at t = 0."""
+        return jumps_of(self.motion, self.scene.equations.coordinates)
+
+    @cached_property
+    def impulses(self) -> list[Impulse]:
+        """The impulses at t = 0 in the coordinates, then in the constraint forces."""
+        impulses = impulses_of(self.motion.impulses, self.scene.equations.coordinates)
+        rows = self.system is not None and self.system.rows
+        return impulses + (impulses_of(self.motion.constraint_impulses, forces_of_rows(self.system)) if rows else [])
+
+    @cached_property
+    def later(self) -> list[Event | ImpulsiveLoad]:
+        """The events of the motion and the impulses of its constraint forces after t = 0, by time."""
+        events = [*self.motion.events, *getattr(self.motion, "later_constraint_impulses", ())]
+        return sorted(events, key=lambda event: event.time)
+
+    @cached_property
+    def tables(self) -> tuple[TextTable, ...]:
+        """The tables of the summary and of the page."""
+        return tables_of(self)
+
+    @cached_property
+    def table_notices(self) -> tuple[Notice, ...]:
+        """The notices of the summary and of the page, where tables show the jumps and impulses."""
+        return notices_of(self)
+
+    @cached_property
+    def modes(self) -> Modes:
+        """The finite zeros of the mechanical system with their meaning."""
+        return self.system.modes()
+
+    @property
+    def error_estimate(self) -> float:
+        """Estimate of max |error| / max |x| over the times."""
+        return self.error_estimates["displacement"]
+
+    @cached_property
+    def error_estimates(self) -> dict[str, float]:
+        """The same for each requested kind of curve; energies consist of displacements and velocities, outputs of a robot of
+        displacements."""
+        kinds = dict.fromkeys(part for kind in self.kinds for part in PARTS.get(kind, (kind,)))
+        views = {kind: methodcaller("derivative", order) for kind, order in ORDERS.items()}
+        views["reaction"] = getattr(self.motion, "reaction_of", None)
+        estimates = {kind: error_estimate(self.motion, self.times, views[kind]) for kind in kinds}
+        if "output" in self.kinds and self.scene.equations.control:
+            estimates["output"] = self.scene.equations.control.response.output_error_estimate(self.times)
+        return estimates
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """What is worth knowing, and what makes the answer doubtful."""
+        notices = self.motion.notices if self.system else with_units(self.motion, self.scene.equations.coordinates)
+        doubts = [(kind, estimate) for kind, estimate in self.error_estimates.items() if not estimate <= TRUST_LIMIT]
+        texts = [
+            f"the estimated relative error of the {kind} is {estimate:.2g}: the data do not determine it well enough"
+            for kind, estimate in doubts
+        ]
+        robot_scene = self.scene.equations.robot_scene
+        robot = motion_notices(robot_scene, self.values) if robot_scene else ()
+        accuracy = (Notice(NoticeKind.ACCURACY, text, doubtful=True) for text in texts)
+        proved = self.certificate.notices if self.certificate else ()
+        moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
+        first = (*self.scene.notices, *self._omissions(), *proved)
+        of_motion = (*(() if moves else (Notice(NoticeKind.AT_REST, NOTHING_MOVES),)), *aliasing_notices(self))
+        return (*first, *self.scene.equations.form_notices, *notices, *of_motion, *robot, *accuracy)
+
+    def _omissions(self) -> list[Notice]:
+        """The reasons why the page lacks a requested formula, and why a requested still picture is missing."""
+        output, texts = self.scene.table.output, []
+        if output.formula and output.page and (reason := too_large_for_formula(self.scene) or self.formula_problem):
+            texts.append(f"the formula is left out: {reason}")
+        if output.still is not None:
+            available, reason = still(self.scene)
+            problem = self.still_problem if available else f"left out: {reason}"
+            texts += [f"still picture: {problem.removeprefix('still picture: ')}"] if problem else []
+        return [Notice(NoticeKind.OMITTED, text) for text in texts]
+
+    @property
+    def is_trusted(self) -> bool:
+        """False where a notice warns that the answer may be wrong."""
+        return not any(notice.doubtful for notice in self.notices)
+
+    @cached_property
+    def animation(self) -> Animation:
+        """The drawing of the model and the motion that moves it."""
+        from .picture.result_animation import animation_of
+
+        return animation_of(self)
+
+    @cached_property
+    def certificate(self) -> Certificate | None:
+        """The proved digits; None where not requested."""
+        if not self.scene.table.output.certify:
+            return None
+        from .certificate import certificate_of
+
+        return certificate_of(self)
+
+    @cached_property
+    def formula(self) -> ClosedForm | None:
+        """The formula of each coordinate; None, with a notice, where there is none."""
+        from .formula import PAGE_SECONDS, formula_of
+
+        control = self.scene.equations.control
+        wanted = None if control and control.form else self.scene.table.output.coordinates  # of a normal form: its states
+        try:
+            return formula_of(self.scene, coordinates=wanted, seconds=PAGE_SECONDS)
+        except InputError as problem:
+            self.formula_problem = str(problem)
+            return None
+
+    @property
+    def formulas(self) -> Formulas | None:
+        """The section of the page with the formula; None where there is none."""
+        if not self.scene.table.output.formula or self.formula is None:
+            return None
+        from .formula import formulas_on_page
+
+        return formulas_on_page(self.formula)
+
+    def summary(self) -> str:
+        """The answer in words and tables, as it is printed."""
+        from .report.summary import summary
+
+        return summary(self)
+
+    def as_json(self) -> dict:
+        """The answer without the curves, as plain data."""
+        from .report.summary import as_json
+
+        return as_json(self)
+
+    def write_page(self, path: str | Path | None = None) -> Path:
+        """Write the page, with the viewer's script next to it where [output] viewer requests that.
+
+        Args:
+            path: of the page; None for the folder of the run, named after the scene.
+
+        Returns:
+            The path written.
+        """
+        from ...page.html import write_page
+        from .report.page_report import page_content
+
+        content, viewer = page_content(self), self.scene.table.output.viewer
+        with self.writing_together() as files:
+            count = len(files.paths)
+            page = write_page(self._prepared("html", path), content, viewer, files)
+            self.files += files.paths[count:]
+        return page
+
+    def write_csv(self, path: str | Path | None = None) -> Path:
+        """Write the curves as CSV, one line for each time; path as of ``write_page``."""
+        return self._written("csv", path, lambda path: write_csv(path, self))
+
+    def write_npz(self, path: str | Path | None = None) -> Path:
+        """Write curves, jumps, impulses and the Jordan pairs as NumPy arrays; path as of ``write_page``."""
+        return self._written("npz", path, lambda path: write_npz(path, self))
+
+    def write_plots(self, folder: str | Path | None = None) -> list[Path]:
+        """Write each plot of the page as SVG and PNG, named after scene and plot; without a folder into that of the run."""
+        from ...page.plots.images import plot_image, plot_images
+        from .report.page_report import plots_of
+
+        folder = Path(folder) if folder is not None else self.folder or Path()
+        with self.writing_together():
+            return [
+                self._written(kind, folder / f"{self.scene.name}.{name}.{kind}", _of_bytes(plot_image(plot, kind)))
+                for name, plot in plot_images(plots_of(self)).items()
+                for kind in ("svg", "png")
+            ]
+
+    def write_still(self, path: str | Path | None = None, time: float | None = None) -> Path:
+        """Write a picture of the model at a time as PNG, taken by an installed Chromium or Chrome.
+
+        Args:
+            path: of the picture; None for the folder of the run, named after the scene.
+            time: in s; None for the one in [output] still, or 0.
+
+        Returns:
+            The path written.
+
+        Raises:
+            InputError: a time that is not within the run.
+            MbconstrainedError: no browser is installed, or it takes no picture.
+        """
+        from ...page.photograph import photograph
+
+        time = time if time is not None else self.scene.table.output.still or 0.0
+        return self._written("still.png", path, _of_bytes(photograph(self.animation, time)))
+
+    def try_still(self) -> None:
+        """Write the still picture; a notice has the reason where the browser takes none, so that all else is written."""
+        try:
+            self.write_still()
+        except MbconstrainedError as problem:
+            self.still_problem = str(problem)
+
+    def _written(self, ending: str, path, write) -> Path:
+        path = self._prepared(ending, path)
+        with self.writing_together() as files:
+            write(files.temporary(path))
+        self.files.append(path)
+        return path
+
+    def _prepared(self, ending: str, path) -> Path:
+        """The path of a file, in a folder that exists."""
+        path = Path(path) if path is not None else (self.folder or Path()) / f"{self.scene.name}.{ending}"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path
+
+    @contextmanager
+    def writing_together(self) -> Iterator[Replacements]:
+        """What is written inside takes its place at the end of the outermost block, all of it or nothing."""
+        if self._together is not None:
+            yield self._together
+            return
+        try:
+            with Replacements() as self._together:
+                yield self._together
+        finally:
+            self._together = None
+
+
+def _of_bytes(content: bytes):
+    return lambda path: path.write_bytes(content)

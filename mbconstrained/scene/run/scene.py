@@ -1,0 +1,227 @@
+"""A scene: a checked file with its equations, that can be planned and run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...ground.display import Displayed
+from ...ground.errors import InputError
+from ...ground.notices import Notice
+from ...response.choose import Method, Request, choose
+from ...response.problem import Problem
+from ..build.equations import Equations, equations_of
+from ..build.free_motions import free_motion_notices
+from ..file.includes import read_tables
+from ..file.messages import at
+from ..quantities.dimensions import registry
+from ..quantities.parameters import Parameters, with_parameters
+from ..quantities.quantities import count_texts
+from ..quantities.settings import Setting, with_settings, with_values
+from ..schema.scene_schema import SceneFile
+from ..schema.validation import validated
+from .plan import Plan
+from .result import Result
+from .stage_costs import Cost, Costs
+from .stages import plan_of, run_stages
+
+
+@dataclass(frozen=True, repr=False)
+class Scene(Displayed):
+    """A scene that was read, checked and assembled; nothing is solved yet.
+
+    Attributes:
+        path: the file.
+        table: what stands in it, checked and in SI.
+        equations: its equations.
+        unit_texts: how many quantities were written with a unit.
+        costs: what the stages of reading, from the file to the staircase, took, by name.
+        parameters: the named quantities, which everywhere else stand with their values.
+        settings: what was set from outside.
+        file_name: of the file, in messages; it knows what comes from other files.
+    """
+
+    path: Path
+    table: Any  # SceneTable: pydantic is imported late
+    equations: Equations
+    unit_texts: int
+    costs: dict[str, Cost]
+    parameters: Parameters = Parameters()
+    settings: tuple[Setting, ...] = ()
+    file_name: str = ""
+
+    def _summary(self) -> str:
+        return f"{self.name}: {self.title}" if self.title else self.name
+
+    @property
+    def name(self) -> str:
+        """The name of the file without its ending; results are named after it."""
+        return self.path.stem
+
+    @property
+    def times(self) -> np.ndarray:
+        """The times of the scene, shape (T,), in s."""
+        return np.linspace(0.0, self.table.time.end, self.table.time.points)
+
+    @property
+    def title(self) -> str:
+        """The title in the file, or else the name."""
+        return self.table.title or self.name
+
+    @property
+    def heading(self) -> str:
+        """The title with what was set from outside."""
+        overrides = ", ".join(map(str, self.settings))
+        return f"{self.title}, with {overrides}" if overrides else self.title
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """Notices before a run: overrides, unused parameters, unconstrained bodies."""
+        has_elements = self.equations.system is not None and self.table.model.kind in ("lumped", "matrices")
+        free = free_motion_notices(self.equations.system) if has_elements else ()
+        return (*(setting.notice for setting in self.settings), *self.parameters.notices, *free)
+
+    @cached_property
+    def method(self) -> Method:
+        """The method that gives the response at the times of the scene."""
+        equations = self.equations
+        problem = Problem(equations.polynomial_matrix, equations.initial, equations.right_hand_side)
+        return choose(problem, Request(times=self.times))
+
+    def certified(self) -> Scene:
+        """The same scene with certify = true, where it does not say itself what to certify."""
+        output = self.table.output
+        return self._with_output(certify=output.certify or output.coordinates or True)
+
+    def with_viewer(self, viewer: str) -> Scene:
+        """The same scene with the script of the viewer "inside" its page, in a "separate" file, or "compressed"."""
+        return self._with_output(viewer=viewer)
+
+    def with_plot_images(self) -> Scene:
+        """The same scene with its plots as pictures too."""
+        return self._with_output(plot_images=True)
+
+    def with_still(self, time: float) -> Scene:
+        """The same scene with a still picture of its model at a time in s.
+
+        Raises:
+            InputError: a time that the scene does not reach.
+        """
+        end = self.table.time.end
+        if not 0 <= time <= end:
+            raise InputError(f"still picture: found {time:g} s; expected a time from 0 to {end:g} s, where the scene ends")
+        return self._with_output(still=float(time))
+
+    def unwritten(self) -> Scene:
+        """The same scene without page, CSV, npz and pictures."""
+        return self._with_output(page=False, csv=False, npz=False, plot_images=False, still=None)
+
+    def _with_output(self, **changes) -> Scene:
+        output = self.table.output.model_copy(update=changes)
+        return replace(self, table=self.table.model_copy(update={"output": output}))
+
+    def plan(self) -> Plan:
+        """The stages that this scene needs and those it can do without, each with its reason."""
+        return plan_of(self)
+
+    def run(self, folder: str | Path | None = None, progress=None) -> Result:
+        """Solve the scene by the stages of its plan, each of which is measured.
+
+        On Linux the highest resident memory of the process, as the system keeps it, is set back at the start of each stage.
+
+        Args:
+            folder: where page, CSV and npz are written, as far as the scene requests them; None: nowhere.
+            progress: called with each stage as it begins.
+
+        Returns:
+            The ``Result`` with curves, evidence, notices and the plan with its costs.
+
+        Raises:
+            MbconstrainedError: the equations have no answer, or none within the range of float64.
+        """
+        return run_stages(self, None if folder is None else Path(folder), progress)
+
+
+def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> Scene:
+    """Read a scene file, check it, assemble its equations and see that they determine a motion; solve nothing.
+
+    Args:
+        path: a TOML file in UTF-8.
+        settings: values to take instead of those in the file, numbers or texts with units: by the name of a parameter, or by
+            place, such as "time.end" or "model.mass.cart.mass".
+
+    Returns:
+        The ``Scene``, ready to be planned and run.
+
+    Raises:
+        SceneError: the file cannot be read or something in it is wrong; the text names file, place, what was
+            found and what was expected.
+        SingularPolynomialMatrix: det A(s) = 0 for every s: dependent equations or free coordinates.
+
+    >>> read_scene("examples/two_masses.toml", {"time.end": "1 min"}).table.time.end
+    60.0
+    >>> scene = read_scene("examples/two_masses.toml")
+    >>> scene.title
+    'Two masses with a redundant coordinate'
+    """
+    path = Path(path)
+    costs = Costs()
+    data, name = read_tables(path)
+    name, overrides = with_settings(data, name, settings or {})
+    unit_texts = count_texts({key: data[key] for key in data if key not in ("title", "source")})
+    costs.lap("read the scene")
+    if unit_texts:
+        registry()
+        costs.lap("units")
+    data, parameters = with_parameters(data, name)
+    name = with_values(name, overrides, parameters.places)
+    table = validated(data, name, SceneFile)
+    costs.lap("read the scene")
+    equations = equations_of(table, path.parent, name, costs.lap)
+    _check_output(table.output, equations, name)
+    if equations.robot_scene and table.output.page and table.output.animation:
+        equations.robot_scene.data.check_meshes()
+    scene = Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name)
+    if table.drawing and (table.drawing.body or table.drawing.link or equations.robot):
+        from .picture.scene_drawing import check_drawing
+
+        check_drawing(scene)
+    costs.lap("assemble the model")
+    equations.polynomial_matrix.jordan_pairs()
+    costs.lap("scaling and staircase")
+    return scene
+
+
+def _check_output(output, equations: Equations, file_name: str) -> None:
+    with at(file_name, "output.certify"):
+        for name in output.certify if isinstance(output.certify, list) else ():
+            equations.coordinates.number(name)
+    with at(file_name, "output.coordinates"):
+        for name in output.coordinates or ():
+            equations.coordinates.number(name)
+    with at(file_name, "output.formula"):
+        if output.formula and equations.robot:
+            raise InputError("there is no formula with symbols for a robot; leave it out")
+    system = equations.system
+    with at(file_name, "output.arrows"):
+        if output.arrows and not (system and system.rows):
+            raise InputError("found reaction, but there are no constraint rows; leave it out")
+    with at(file_name, "output.plots"):
+        if "output" in output.plots and equations.outputs is None:
+            raise InputError(
+                "found output, but no outputs are named; name them as [[model.output]] of a robot, give C of a state space, "
+                "or leave it out"
+            )
+        if "energy" in output.plots and equations.control and equations.control.form:
+            raise InputError(
+                "found energy: the unit masses of a normal form are not those of the machine, whose energy is not known"
+            )
+        if "energy" in output.plots and system is None:
+            raise InputError("energy is known only where mass, damping and stiffness are given, not for coefficients")
+        if "reaction" in output.plots and not (system and system.rows):
+            raise InputError("found reaction, but there are no constraint rows; leave it out")

@@ -1,0 +1,138 @@
+"""The stages of a scene, in the order in which they run.
+
+One list serves the plan (``plan_of``) and the run (``run_stages``): stages listed as taken run, no others. The first
+stages, down to the staircase, run while a scene is read; ``decisions`` decides about the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from operator import attrgetter, methodcaller
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import decisions
+from .decisions import Decision
+from .plan import PAGE, Plan, Stage
+from .result import Result
+from .stage_costs import Costs
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+
+@dataclass(frozen=True)
+class Step:
+    """A stage that a scene may need.
+
+    Attributes:
+        name: of the stage.
+        decide: whether a scene needs it, and the reason; the same for all scenes where it is no function.
+        work: does it; None where reading the scene, or another stage, does it.
+        writes: whether only files need it.
+        part_of: the stage that does it, where it is not measured itself.
+    """
+
+    name: str
+    decide: Callable[[Scene], Decision] | Decision
+    work: Callable[[Result], object] | None = None
+    writes: bool = False
+    part_of: str = ""
+
+
+FILE_STEPS = (
+    Step("read the scene", (True, "checked against the schema")),
+    Step("units", decisions.units),
+)
+ROBOT_STEPS = (
+    Step("robot model (pinocchio)", decisions.robot_model),
+    Step("equilibrium", decisions.equilibrium),
+    Step("robot meshes", decisions.robot_meshes, writes=True, part_of="animation"),
+    Step("collision geometry", (False, "it is never loaded")),
+)
+NO_ROBOT_STEPS = (Step("robot model (pinocchio)", (False, "no robot in the scene")),)
+OUTPUTS = Step("outputs", decisions.outputs, methodcaller("curves", "output"))
+ROBOT_NEXT = {"displacements": (OUTPUTS,)}  # the stage before: those of a robot that come next
+CONTROL_NEXT = {  # the same of a state space
+    "assemble the model": (Step("mechanical normal form", decisions.normal_form),),
+    "displacements": (OUTPUTS,),
+    "modes": (Step("transfer functions", decisions.transfer_functions, attrgetter("scene.equations.control.transfers")),),
+}
+STEPS = (
+    Step("assemble the model", decisions.assembly),
+    Step("dependent constraint rows", decisions.constraint_rows, part_of="assemble the model"),
+    Step("constrained form", decisions.constrained_form, part_of="assemble the model"),
+    Step("scaling and staircase", (True, "splits the finite from the infinite part by rank decisions")),
+    Step("finite pair", decisions.finite_pair, attrgetter("finite_pair")),
+    Step("infinite pair", decisions.infinite_pair, attrgetter("infinite_pair")),
+    Step("response", decisions.response, attrgetter("motion")),
+    Step("displacements", (True, "the answer itself"), methodcaller("curves", "displacement")),
+    Step("velocities", decisions.velocities, methodcaller("curves", "velocity")),
+    Step("accelerations", partial(decisions.plotted, kind="acceleration"), methodcaller("curves", "acceleration")),
+    Step("reactions", decisions.reactions, methodcaller("curves", "reaction")),
+    Step("energy", partial(decisions.plotted, kind="energy"), methodcaller("curves", "energy")),
+    Step("modes", decisions.modes, attrgetter("modes")),
+    Step("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimate")),
+    Step("certificate (python-flint)", decisions.certificate, attrgetter("certificate")),
+    Step("symbols (sympy)", decisions.symbols, attrgetter("formula"), writes=True),
+    Step("animation", decisions.animation, attrgetter("animation"), writes=True),
+    Step("CSV", partial(decisions.written, kind="csv"), methodcaller("write_csv"), writes=True),
+    Step("npz", partial(decisions.written, kind="npz"), methodcaller("write_npz"), writes=True),
+    Step("plots as images (matplotlib)", decisions.plot_images, methodcaller("write_plots"), writes=True),
+    Step("still picture (Chromium)", decisions.still, methodcaller("try_still"), writes=True),
+    Step(PAGE, partial(decisions.written, kind="page"), methodcaller("write_page"), writes=True),  # after the stages that it lists
+)
+
+
+def steps_of(scene: Scene) -> tuple[Step, ...]:
+    """The stages of a kind of scene: those of a robot or a state space only where there is one."""
+    kind = scene.table.model.kind
+    first = ROBOT_STEPS if kind == "robot" else NO_ROBOT_STEPS
+    following = {"robot": ROBOT_NEXT, "state-space": CONTROL_NEXT}.get(kind, {})
+    return (*FILE_STEPS, *first, *(each for step in STEPS for each in (step, *following.get(step.name, ()))))
+
+
+def plan_of(scene: Scene, *, writing: bool = True) -> Plan:
+    """Decide about every stage and run none.
+
+    Args:
+        scene: as read.
+        writing: whether there is a folder for files.
+
+    Returns:
+        The stages with the costs of those of reading.
+    """
+    requested = scene if writing else scene.unwritten()
+    return Plan(tuple(_stage(step, requested, writing) for step in steps_of(scene))).with_costs(scene.costs)
+
+
+def _stage(step: Step, scene: Scene, writing: bool) -> Stage:
+    if step.writes and not writing:
+        return Stage(step.name, False, "no folder to write to was given")
+    decision = step.decide if isinstance(step.decide, tuple) else step.decide(scene)
+    return Stage(step.name, *decision, part_of=step.part_of)
+
+
+def run_stages(scene: Scene, folder: Path | None, progress: Callable[[Stage], None] | None) -> Result:
+    """Run the needed stages one after another and measure each.
+
+    Args:
+        scene: as read.
+        folder: for the files; None for none.
+        progress: called with each stage as it begins.
+
+    Returns:
+        The result with the costs of all stages.
+    """
+    result = Result(scene, plan_of(scene, writing=folder is not None), folder)
+    with result.writing_together():
+        for step, stage in zip(steps_of(scene), result.plan.stages):
+            if stage.needed and step.work:
+                if progress:
+                    progress(stage)
+                costs = Costs()
+                step.work(result)
+                result.plan = result.plan.with_costs({step.name: costs.lap(step.name)})
+    return result

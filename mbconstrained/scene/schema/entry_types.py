@@ -1,0 +1,134 @@
+"""The types of entries in a scene file: tables with known keys, quantities, names, texts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, WithJsonSchema, model_validator
+
+from ...ground.checks import nearest
+from ...ground.errors import InputError
+from ..file.messages import EntryError, quoted, shown
+from ..quantities.dimensions import KINDS
+from ..quantities.quantities import quantity, unit_name
+
+LONGEST_TEXT = 2000
+_NAME = re.compile(r"[^\W\d][\w .'()-]{0,39}")
+
+
+ABOVE = ("title", "source", "include")  # keys that stand above all tables
+MEANT = {  # what people write: what a scene calls it
+    "position": "displacement", "speed": "velocity", "start": "initial", "duration": "end", "stop": "end", "steps": "points",
+    "step": "points", "type": "kind", "body": "coordinate", "amplitude": "value", "ends": "between", "bodies": "between",
+    "k": "stiffness", "c": "damping", "m": "mass", "weight": "mass", "length": "rest_length", "options": "output",
+}  # fmt: skip
+
+
+class UnknownKey(EntryError):
+    """A key that a table does not have."""
+
+    def __init__(self, key: str, known: Iterable[str], hint: str = ""):
+        known = list(known)
+        hint = hint or nearest(key, known) or (f'; did you mean "{MEANT[key]}"?' if MEANT.get(key) in known else "")
+        if key in ABOVE:
+            hint = f"; {key} = … stands at the top of the file, above the first [table]"
+        super().__init__(f"unknown key {shown(key)}{hint}; known here are {', '.join(known)}", key)
+
+
+class Table(BaseModel):
+    """A table of the scene file: it refuses keys it does not know and names the nearest one it does."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, arbitrary_types_allowed=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _only_known_keys(cls, data):
+        if isinstance(data, list) and all(isinstance(entry, dict) for entry in data):
+            raise InputError("there is one table of this kind only: write it with single brackets, […]")
+        if not isinstance(data, dict):
+            raise InputError(f"found {shown(data)}; expected a table with the keys {', '.join(cls.model_fields)}")
+        unknown = next((key for key in data if key not in cls.model_fields), None)
+        if unknown is not None:
+            raise UnknownKey(unknown, cls.model_fields, cls._hint(unknown))
+        return data
+
+    @classmethod
+    def _hint(cls, key: str) -> str:
+        """Where a key belongs that does not belong here, as far as the table knows."""
+        return ""
+
+
+#: For editors: what a text that stands for a number looks like.
+EXPRESSION_SCHEMA = {"type": "string", "pattern": r"^\s*=.+$", "title": '"=" and an expression of parameters'}
+QUANTITY_SCHEMA = {
+    "type": "string",
+    "pattern": r"^\s*(=.+|[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?\s*(1/|[^\s0-9.,;=+*/()<>-]).*)$",
+    "title": 'a number and a unit, or "=" and an expression of parameters',
+}
+NUMBER_SCHEMA = {"anyOf": [{"type": "number"}, QUANTITY_SCHEMA]}
+
+
+def quantity_field(unit: str):
+    """The type of a key that holds a number in the SI unit or a text with a unit of the same kind."""
+    text = EXPRESSION_SCHEMA if unit == "1" else QUANTITY_SCHEMA
+    examples = ([] if unit == "1" else [KINDS[unit][1].strip('"')]) + ["=2*k"]
+    schema = {"unit": unit, "examples": examples, "anyOf": [{"type": "number"}, text]}
+    # PlainValidator keeps an expression of parameters, which pydantic would convert to a float
+    return Annotated[float, PlainValidator(lambda value: quantity(value, unit)), WithJsonSchema(schema)]
+
+
+Number = quantity_field("1")
+Mass = quantity_field("kg")
+Inertia = quantity_field("kg*m^2")
+Length = quantity_field("m")
+Acceleration = quantity_field("m/s^2")
+Angle = quantity_field("rad")
+AngularVelocity = quantity_field("rad/s")
+Stiffness = quantity_field("N/m")
+TorsionStiffness = quantity_field("N*m/rad")
+Damping = quantity_field("N*s/m")
+TorsionDamping = quantity_field("N*m*s/rad")
+Time = quantity_field("s")
+Frequency = quantity_field("Hz")
+Rate = quantity_field("1/s")
+
+
+def _number_or_text(value):
+    """A quantity whose unit depends on the coordinate it belongs to: checked further once that is known."""
+    if isinstance(value, str):
+        return value
+    return quantity(value, "1")
+
+
+def _name(value):
+    if not isinstance(value, str) or not _NAME.fullmatch(value):
+        raise InputError(
+            f"found {shown(value)}; expected a name: a letter first, then at most 39 letters, digits, spaces or _ . ' ( ) -"
+        )
+    return value
+
+
+def _text(value):
+    if not isinstance(value, str):
+        raise InputError(f"found {shown(value)}; expected a text in quotes")
+    if len(value) > LONGEST_TEXT:
+        raise InputError(f"found a text of {len(value)} characters; expected at most {LONGEST_TEXT}")
+    bad = next((c for c in value if not (c.isprintable() or c == "\n")), None)
+    if bad:
+        raise InputError(f"found the character {quoted(bad)}, which cannot be printed; leave it out")
+    return value
+
+
+Quantity = Annotated[
+    Any,
+    BeforeValidator(_number_or_text),
+    WithJsonSchema({"title": 'a number in SI, a text with a unit, or "=" and an expression of parameters', **NUMBER_SCHEMA}),
+]
+Level = Literal["position", "velocity", "acceleration"]
+Name = Annotated[str, BeforeValidator(_name)]
+Unit = Annotated[str, BeforeValidator(unit_name)]
+Text = Annotated[str, BeforeValidator(_text)]
+Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
+Vector = Annotated[list[Length], Field(min_length=3, max_length=3)]  # type: ignore[valid-type]

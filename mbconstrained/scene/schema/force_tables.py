@@ -1,0 +1,163 @@
+"""The [[force]] tables: a force on one coordinate from t = 0 or from its delay on, in closed form."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from ...ground.errors import InputError
+from .entry_types import Angle, AngularVelocity, Frequency, Name, Quantity, Rate, Table, Text, Time
+
+MOST_POWER = 20
+
+
+class ForceBase(Table):
+    """What every force has."""
+
+    coordinate: Name = Field(description="The coordinate or the input it acts on; for coefficients: the equation of that number.")
+    delay: Time = Field(0.0, description='It acts later by this, e.g. "2 s"; not negative.')
+
+    @model_validator(mode="after")
+    def _not_earlier(self):
+        if self.delay < 0:
+            raise InputError(f"delay: found {self.delay:g} s; expected 0 or a later time")
+        return self
+
+    @property
+    def time_power(self) -> int:
+        """The power of seconds by which the unit of the value differs from that of the force."""
+        return 0
+
+
+class StepTable(ForceBase):
+    """value for t >= 0."""
+
+    kind: Literal["step"] = Field(description="Constant from t = 0 on.")
+    value: Quantity = Field(description="The force, or the torque on an angle.")
+
+
+class RampTable(ForceBase):
+    """value t."""
+
+    kind: Literal["ramp"] = Field(description="Grows linearly with t.")
+    value: Quantity = Field(description='The force by time, e.g. "2 N/s".')
+
+    @property
+    def time_power(self) -> int:
+        """Of t."""
+        return -1
+
+
+class PowerTable(ForceBase):
+    """value t^(gamma-1) / (gamma-1)! for gamma >= 1, the derivatives of Dirac's delta for gamma <= 0."""
+
+    kind: Literal["power"] = Field(description="I_gamma of Hauksdottir: 1 is a step, 2 a ramp, 0 an impulse.")
+    gamma: int = Field(ge=-MOST_POWER, le=MOST_POWER, description="The index gamma.")
+    value: Quantity = Field(description="The factor.")
+
+    @property
+    def time_power(self) -> int:
+        """Of t^(gamma - 1)."""
+        return 1 - self.gamma
+
+
+class ImpulseTable(ForceBase):
+    """value times the derivative of the given order of Dirac's delta at t = 0."""
+
+    kind: Literal["impulse"] = Field(description="An impulsive load (Dirac impulse) at t = 0.")
+    order: int = Field(0, ge=0, le=MOST_POWER, description="The order of the derivative of Dirac's delta.")
+    value: Quantity = Field(description='The impulse, e.g. "3 N*s".')
+
+    @property
+    def time_power(self) -> int:
+        """Of the derivative of Dirac's delta."""
+        return self.order + 1
+
+
+class PeriodicTable(ForceBase):
+    """What forces with a cosine have."""
+
+    value: Quantity = Field(description="The amplitude.")
+    angular_frequency: AngularVelocity | None = Field(None, description='w in rad/s, e.g. "12 rad/s" or "300 rpm".')
+    frequency: Frequency | None = Field(None, description='w / (2 pi) in Hz, e.g. "2 Hz"; instead of angular_frequency.')
+    phase: Angle = Field(0.0, description="The phase of the cosine.")
+
+    @model_validator(mode="after")
+    def _one_frequency(self):
+        if self.angular_frequency is not None and self.frequency is not None:
+            raise InputError("give either angular_frequency (rad/s) or frequency (Hz), not both")
+        return self
+
+    @property
+    def omega(self) -> float:
+        """The angular frequency in rad/s."""
+        return self.angular_frequency or 2 * math.pi * (self.frequency or 0.0)
+
+
+class HarmonicTable(PeriodicTable):
+    """value cos(w t + phase)."""
+
+    kind: Literal["harmonic"] = Field(description="A cosine from t = 0 on.")
+
+    @model_validator(mode="after")
+    def _has_frequency(self):
+        if self.angular_frequency is None and self.frequency is None:
+            raise InputError('give angular_frequency, e.g. "12 rad/s", or frequency, e.g. "2 Hz"')
+        return self
+
+
+class TermTable(PeriodicTable):
+    """value t^power e^(rate t) cos(w t + phase)."""
+
+    kind: Literal["term"] = Field(description="One term of a Bohl function.")
+    power: int = Field(0, ge=0, le=MOST_POWER, description="The power of t.")
+    rate: Rate = Field(0.0, description="The rate of the exponential; negative decays.")
+
+    @property
+    def time_power(self) -> int:
+        """Of t^power."""
+        return -self.power
+
+
+class PulseTable(ForceBase):
+    """value for start <= t < start + duration."""
+
+    kind: Literal["pulse"] = Field(description="Constant for a while, zero before and after.")
+    value: Quantity = Field(description="The force, or the torque on an angle.")
+    start: Time = Field(0.0, description="When it begins.")
+    duration: Time = Field(description="How long it lasts.")
+
+
+class SampledTable(ForceBase):
+    """A record: linear between its samples, zero before the first and after the last."""
+
+    kind: Literal["sampled"] = Field(description="A record of times and values, in the scene or in a file.")
+    times: list[Time] | None = Field(None, description="Times of the samples, ascending; one that stands there twice is a jump.")
+    values: list[Quantity] | None = Field(None, description="The force at each of the times.")
+    file: Text | None = Field(
+        None, description="Instead of both: a .csv, .npz or .mtx file in the folder of the scene, times in s first."
+    )
+    column: int = Field(
+        2, ge=2, description="The column of the file that holds the force in N (N m on an angle); times are in the first."
+    )
+    array: Text | None = Field(None, description="The name of the array in an .npz file.")
+
+    @model_validator(mode="after")
+    def _one_source(self):
+        if self.file is None and (self.times is None or self.values is None):
+            raise InputError('give times and values, or file, e.g. file = "record.csv"')
+        if self.file is not None and (self.times is not None or self.values is not None):
+            raise InputError("give either times and values or file, not both")
+        if self.file is None and {"column", "array"} & self.model_fields_set:
+            raise InputError("column and array belong to a file; leave them out with times and values")
+        if self.file is None and len(self.times) != len(self.values):
+            raise InputError(f"found {len(self.times)} times and {len(self.values)} values; expected as many of both")
+        return self
+
+
+ForceTable = Annotated[
+    StepTable | RampTable | PowerTable | ImpulseTable | HarmonicTable | TermTable | PulseTable | SampledTable,
+    Field(discriminator="kind"),
+]

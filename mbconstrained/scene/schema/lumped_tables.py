@@ -1,0 +1,189 @@
+"""The tables of a model of kind "lumped": bodies and the elements between them, one [[model.…]] entry each."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+
+from ...ground.errors import InputError
+from ..file.messages import shown
+from .entry_types import (
+    Acceleration,
+    Angle,
+    Damping,
+    Inertia,
+    Length,
+    Level,
+    Mass,
+    Name,
+    Number,
+    Pair,
+    Quantity,
+    Stiffness,
+    Table,
+    TorsionDamping,
+    TorsionStiffness,
+)
+
+BODIES = ("mass", "inertia", "node")
+
+
+class MassTable(Table):
+    """A mass that moves along the axis."""
+
+    name: Name = Field(description="The name of the mass and of its coordinate.")
+    mass: Mass = Field(description="Its mass.")
+    position: Length | None = Field(None, description="Where it is drawn; the motion does not depend on it.")
+
+
+class NodeTable(Table):
+    """A joint without mass."""
+
+    name: Name = Field(description="The name of the joint and of its coordinate.")
+    rotational: bool = Field(False, description="true: its coordinate is an angle in rad; false: a position in m.")
+
+
+class InertiaTable(Table):
+    """A body that turns."""
+
+    name: Name = Field(description="The name of the body and of its angle.")
+    inertia: Inertia = Field(description="Its moment of inertia about the axis it turns about.")
+
+
+class ElementTable(Table):
+    """What joins two bodies, nodes or the ground."""
+
+    name: Name | None = Field(None, description="A name for messages and the drawing; by default of the ends.")
+    between: Pair = Field(description='The two ends by name, e.g. ["ground", "cart"]; "ground" does not move.')
+
+
+class SpringTable(ElementTable):
+    """A linear spring along the axis: force -stiffness (end - start - rest_length) on the end."""
+
+    stiffness: Stiffness = Field(description="Force by elongation.")
+    rest_length: Length = Field(0.0, description="end - start at which the spring is without force.")
+
+
+class DamperTable(ElementTable):
+    """A linear damper along the axis."""
+
+    damping: Damping = Field(description="Force by velocity.")
+
+
+class TorsionSpringTable(ElementTable):
+    """A linear torsion spring."""
+
+    stiffness: TorsionStiffness = Field(description="Torque by angle.")
+    rest_angle: Angle = Field(0.0, description="end - start at which the spring is without torque.")
+
+
+class TorsionDamperTable(ElementTable):
+    """A linear torsion damper."""
+
+    damping: TorsionDamping = Field(description="Torque by angular velocity.")
+
+
+class RigidTieTable(ElementTable):
+    """A rigid link: end - start = distance."""
+
+    distance: Quantity = Field(0.0, description="end - start, kept by the link; a length, or an angle between bodies that turn.")
+
+
+class LeverTable(ElementTable):
+    """A massless lever on a fixed pivot that joins two positions."""
+
+    arms: Annotated[list[Length], Field(min_length=2, max_length=2)] = Field(
+        description="The two arms from the pivot, in the order of between; the ends move in opposite directions."
+    )
+
+
+class GearTable(ElementTable):
+    """Two gear wheels in mesh: the products of radius and angle are opposite (equal for an internal gear)."""
+
+    radii: Annotated[list[Length], Field(min_length=2, max_length=2)] | None = Field(
+        None, description="The two pitch radii, in the order of between; give these or the teeth."
+    )
+    teeth: Annotated[list[int], Field(min_length=2, max_length=2)] | None = Field(
+        None, description="The two numbers of teeth, in the order of between."
+    )
+    internal: bool = Field(False, description="true where one wheel runs inside the other.")
+
+    @model_validator(mode="after")
+    def _radii_or_teeth(self):
+        if (self.radii is None) == (self.teeth is None):
+            raise InputError('give either radii, e.g. ["20 mm", "60 mm"], or teeth, e.g. [20, 60]')
+        return self
+
+    @property
+    def sizes(self) -> list[float]:
+        """Radii, or numbers of teeth, which are proportional to them."""
+        return self.radii if self.radii is not None else [float(count) for count in self.teeth]
+
+
+class RackTable(Table):
+    """A rack and pinion: rack = radius times angle."""
+
+    name: Name | None = Field(None, description="A name for messages and the drawing.")
+    gear: Name = Field(description="The pinion, a coordinate in rad.")
+    rack: Name = Field(description="The rack, a coordinate in m.")
+    radius: Length = Field(description="The pitch radius of the pinion.")
+
+
+class PulleyTable(ElementTable):
+    """An inextensible rope over a pulley."""
+
+    over: Name = Field("ground", description="The body that carries the pulley.")
+    length: Length | None = Field(None, description="The length of rope; left out: the rope is just taut at the start.")
+
+
+def _rows_by_name(value):
+    if not isinstance(value, dict) or not value:
+        raise InputError(f"found {shown(value)}; expected coordinates with their factors, e.g. {{ x1 = 1, q1 = -1 }}")
+    return value
+
+
+class ConstraintTable(Table):
+    """One constraint row: the sum of factor times coordinate, or its derivative, equals the value."""
+
+    name: Name | None = Field(None, description="A name for messages and reactions.")
+    rows: Annotated[dict[Name, Number], BeforeValidator(_rows_by_name)] = Field(
+        description="Coordinates with their factors, e.g. { x1 = 1, q1 = -1 }."
+    )
+    level: Level = Field("position", description="What the row holds for: positions, velocities or accelerations.")
+    value: Quantity = Field(0.0, description="The right hand side, constant in time.")
+
+
+class LumpedTable(Table):
+    """Masses, inertias and massless joints along one axis, and what joins them."""
+
+    kind: Literal["lumped"] = Field(description='"lumped": bodies along one axis, springs, dampers, gears ….')
+    gravity: Acceleration | None = Field(None, description="Acceleration of free fall along the axis, negative for downwards.")
+    mass: list[MassTable] = Field([], description="Masses.")
+    inertia: list[InertiaTable] = Field([], description="Bodies that turn.")
+    node: list[NodeTable] = Field([], description="Joints without mass.")
+    spring: list[SpringTable] = Field([], description="Springs.")
+    damper: list[DamperTable] = Field([], description="Dampers.")
+    torsion_spring: list[TorsionSpringTable] = Field([], description="Torsion springs.")
+    torsion_damper: list[TorsionDamperTable] = Field([], description="Torsion dampers.")
+    rigid_tie: list[RigidTieTable] = Field([], description="Rigid links.")
+    lever: list[LeverTable] = Field([], description="Levers.")
+    gear: list[GearTable] = Field([], description="Gear pairs.")
+    rack: list[RackTable] = Field([], description="Racks with their pinions.")
+    pulley: list[PulleyTable] = Field([], description="Ropes over pulleys.")
+    constraint: list[ConstraintTable] = Field([], description="Further constraint rows.")
+    _order: tuple[str, ...] = PrivateAttr(default=())
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _keep_order(cls, data, handler):
+        """Coordinates are numbered in the order of the file, which the fields above lose."""
+        table = handler(data)
+        table._order = tuple(key for key in data if key in cls.model_fields)
+        return table
+
+    @property
+    def elements(self) -> list[tuple[str, int, Table]]:
+        """(key, number, table) of all elements: bodies first, otherwise in the order of the file."""
+        keys = sorted((key for key in self._order if isinstance(getattr(self, key), list)), key=lambda key: key not in BODIES)
+        return [(key, number, table) for key in keys for number, table in enumerate(getattr(self, key), 1)]

@@ -1,0 +1,143 @@
+"""The tables of models of kinds "matrices", "transfer-function" and "state-space"."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
+
+from ...ground.errors import InputError
+from ..file.messages import shown
+from ..quantities.quantities import quantity
+from .entry_types import EXPRESSION_SCHEMA, Name, Number, Table, Text, Unit
+from .force_tables import MOST_POWER
+from .lumped_tables import ConstraintTable
+
+Coefficients = Annotated[list[Number], Field(min_length=1, max_length=200)]
+
+
+class TransferFunctionTable(Table):
+    """a(d/dt) y = b(d/dt) u, Y(s)/U(s) = b(s)/a(s)."""
+
+    kind: Literal["transfer-function"] = Field(description='"transfer-function": one input, one output, two polynomials in s.')
+    numerator: Coefficients = Field(description="b, the coefficient of the highest power of s first.")
+    denominator: Coefficients = Field(description="a, the coefficient of the highest power of s first.")
+    gamma: int | None = Field(
+        None,
+        ge=-MOST_POWER,
+        le=MOST_POWER,
+        description="The input I_gamma: 1 a step, 2 a ramp, 0 an impulse; [[force]] tables add.",
+    )
+    input: Name = Field("u", description="The name of the input, on which [[force]] tables act.")
+    output: Name = Field("y", description="The name of the output.")
+    units: dict[Name, Unit] = Field({}, description='Units of both, e.g. { u = "V", y = "rad" }; "1" when left out.')
+
+    @model_validator(mode="after")
+    def _two_names(self):
+        if self.input == self.output:
+            raise InputError(f'input and output have the same name, "{self.input}"; names must differ')
+        return self
+
+
+class StateSpaceTable(Table):
+    """E x' = A x + B u, y = C x + D u."""
+
+    kind: Literal["state-space"] = Field(description='"state-space": A, B, C, D, and E where the system is a descriptor system.')
+    A: Matrix = Field(description="n rows and columns.")
+    B: Matrix = Field(None, description="n rows, a column for each input; no inputs when left out.")
+    C: Matrix = Field(None, description="A row for each output, n columns; no outputs when left out.")
+    D: Matrix = Field(None, description="A row for each output, a column for each input; zero when left out.")
+    descriptor: Matrix = Field(None, description="E, n rows and columns, singular or not; the identity when left out.")
+    states: list[Name] | None = Field(None, description="The names of the states; x1, x2, … when left out.")
+    inputs: list[Name] | None = Field(None, description="The names of the inputs, where [[force]] tables act; u1, …")
+    outputs: list[Name] | None = Field(None, description="The names of the outputs; y1, y2, … when left out.")
+    units: dict[Name, Unit] = Field({}, description='Units of states, inputs, outputs, e.g. { y1 = "m" }; "1" when left out.')
+    normal_form: bool = Field(
+        False, description="true: transformed first to the mechanical normal form q'' + C q' + K q = B u with displacements q."
+    )
+    coordinates: list[Name] | None = Field(None, description="The names of the displacements of the normal form; q1, q2, …")
+
+    @model_validator(mode="after")
+    def _coordinates_of_what(self):
+        if self.coordinates is not None and not self.normal_form:
+            raise InputError("coordinates are the displacements of the normal form; name states, or give normal_form = true")
+        return self
+
+
+CoordinateUnit = Literal["m", "rad", "N", "N*m", "1"]
+
+
+class MatrixFile(Table):
+    """A matrix kept in a file next to the scene."""
+
+    file: Text = Field(description="A .npz, .mtx or .csv file in the folder of the scene, or in one inside it.")
+    array: Text | None = Field(None, description="The name of the array in an .npz file.")
+
+
+def _matrix(value):
+    if isinstance(value, str):
+        return MatrixFile(file=value)
+    if isinstance(value, dict):
+        return MatrixFile.model_validate(value)
+    return _numbers(value)
+
+
+def _numbers(value) -> np.ndarray:
+    """The entries as they are: floats, some of them perhaps expressions of parameters."""
+    if not isinstance(value, list) or not value or not all(isinstance(row, list) for row in value):
+        raise InputError(f"found {shown(value)}; expected rows of numbers, e.g. [[1, 0], [0, 1]], or the name of a file")
+    lengths = {len(row) for row in value}
+    if len(lengths) != 1:
+        counts = ", ".join(str(len(row)) for row in value[:6])
+        raise InputError(f"found rows of {counts} numbers; expected rows of equal length")
+    matrix = np.empty((len(value), len(value[0])), dtype=object)
+    for place in np.ndindex(matrix.shape):
+        matrix[place] = quantity(value[place[0]][place[1]], "1")
+    return matrix
+
+
+Matrix = Annotated[
+    Any,
+    BeforeValidator(_matrix),
+    WithJsonSchema(
+        {
+            "title": 'rows of numbers in SI or expressions of parameters such as "=2*k", or a file',
+            "anyOf": [
+                {"type": "array", "items": {"type": "array", "items": {"anyOf": [{"type": "number"}, EXPRESSION_SCHEMA]}}},
+                {"type": "string"},
+                MatrixFile.model_json_schema(),
+            ],
+        }
+    ),
+]
+
+
+class MatricesTable(Table):
+    """M x'' + C x' + K x = f with constraint rows, or A_0 x + A_1 x' + … + A_q x^(q) = f of any degree."""
+
+    kind: Literal["matrices"] = Field(description='"matrices": the equations themselves.')
+    coordinates: list[Name] | None = Field(None, description="The names of the coordinates; x1, x2, … when left out.")
+    units: dict[Name, CoordinateUnit] = Field(
+        {}, description='Coordinates that are not in m, e.g. { theta = "rad", lambda = "N" }.'
+    )
+    mass: Matrix = Field(None, description="M, in kg (kg m² for angles); may be singular.")
+    damping: Matrix = Field(None, description="C, in N s/m.")
+    stiffness: Matrix = Field(None, description="K, in N/m.")
+    constraint: list[ConstraintTable] = Field([], description="Constraint rows.")
+    coefficients: list[Matrix] | None = Field(None, description="[A_0, A_1, …, A_q] instead of mass, damping and stiffness.")
+
+    @model_validator(mode="after")
+    def _one_form(self):
+        if (self.mass is None) == (self.coefficients is None):
+            raise InputError("give either mass (with damping and stiffness) or coefficients = [A_0, A_1, …]")
+        if self.coefficients is not None:
+            self._refuse_with_coefficients()
+        return self
+
+    def _refuse_with_coefficients(self) -> None:
+        for key in ("damping", "stiffness", "constraint"):
+            if key in self.model_fields_set:
+                raise InputError(f"{key} cannot stand with coefficients; write it into A_0, A_1, … or give mass instead")
+        if not self.coefficients:
+            raise InputError("coefficients is empty; expected [A_0, A_1, …] in ascending powers")

@@ -1,0 +1,183 @@
+"""The schema of robots/<name>/robot.toml, which completes a URDF, and of scenes with a robot."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
+
+from ...ground.errors import InputError
+from ..file.messages import shown
+from ..quantities.quantities import quantity
+from .entry_types import (
+    Angle,
+    Damping,
+    Inertia,
+    Length,
+    Level,
+    Name,
+    Number,
+    Quantity,
+    Stiffness,
+    Table,
+    Text,
+    TorsionDamping,
+    TorsionStiffness,
+    Vector,
+)
+
+Entry = TypeVar("Entry")
+Three = Annotated[list[Entry], Field(min_length=3, max_length=3)]
+
+
+def _gravity(value):
+    if isinstance(value, list) and len(value) != 3:
+        raise InputError(f"found {shown(value)}; expected one number for downwards along z, or a vector of three")
+    return [quantity(entry, "m/s^2") for entry in value] if isinstance(value, list) else quantity(value, "m/s^2")
+
+
+Gravity = Annotated[
+    Any,
+    BeforeValidator(_gravity),
+    WithJsonSchema(
+        {"title": "m/s^2 downwards along z, or a vector", "anyOf": [{"type": "number"}, {"type": "string"}, {"type": "array"}]}
+    ),
+]
+JointValues = dict[Text, Quantity]
+
+
+class ConnectionTable(Table):
+    """Two frames, each fixed in a link of the URDF or in the ground."""
+
+    name: Name | None = Field(None, description="A name for messages and results; by default of the bodies.")
+    body1: Text = Field(description="A link of the URDF.")
+    point1: Vector = Field(description="Where on it, in the link's frame.")
+    body2: Text = Field(description='Another link, or "ground".')
+    point2: Vector | None = Field(None, description="Where on that; left out: where point1 lies at the guess.")
+
+
+class FramesTable(ConnectionTable):
+    """A connection of which the directions of the frames matter."""
+
+    rotation1: Three[Angle] = Field([0.0, 0.0, 0.0], description="Roll, pitch, yaw of the frame in body1.")
+    rotation2: Three[Angle] = Field([0.0, 0.0, 0.0], description="Roll, pitch, yaw of the frame in body2.")
+
+
+class LoopTable(FramesTable):
+    """A joint that closes a loop."""
+
+    kind: Literal["point", "rigid", "hinge"] = Field("point", description="Which of the six directions are constrained.")
+    axis: Three[Number] = Field([0.0, 0.0, 1.0], description="Of a hinge, in the frame on body1.")
+
+
+class BodySpringTable(ConnectionTable):
+    """A spring and a damper along the line between two points."""
+
+    stiffness: Stiffness = Field(0.0, description="Force by extension.")
+    rest_length: Length | None = Field(None, description="Its length without force.")
+    preload: Annotated[Any, BeforeValidator(lambda value: quantity(value, "N"))] = Field(
+        None, description="Instead of rest_length: its tension at the guess; negative under pressure."
+    )
+    damping: Damping = Field(0.0, description="Force by rate of extension.")
+
+
+class BushingTable(FramesTable):
+    """Springs and dampers in all directions between two frames."""
+
+    stiffness: Three[Stiffness] = Field([0.0, 0.0, 0.0], description="Along the axes of the frame on body1.")
+    turning_stiffness: Three[TorsionStiffness] = Field([0.0, 0.0, 0.0], description="About them.")
+    damping: Three[Damping] = Field([0.0, 0.0, 0.0], description="Along them.")
+    turning_damping: Three[TorsionDamping] = Field([0.0, 0.0, 0.0], description="About them.")
+
+
+class FlexibleJointTable(Table):
+    """A motor behind an elastic gear."""
+
+    stiffness: Quantity = Field(description="Of the gear, at the joint's side.")
+    damping: Quantity = Field(0.0, description="Of the gear, at the joint's side.")
+    motor_inertia: Inertia = Field(description="Of the rotor, in front of the gear.")
+    gear_ratio: Number = Field(1.0, description="Turns of the motor for one of the joint.")
+    proportional_gain: Quantity = Field(0.0, description="Of the motor's position control, at the joint's side.")
+    derivative_gain: Quantity = Field(0.0, description="Of the motor's position control, at the joint's side.")
+
+
+class PointTable(Table):
+    """A point of a body and a direction that is fixed in space."""
+
+    body: Text = Field(description="A link of the URDF.")
+    point: Vector = Field([0.0, 0.0, 0.0], description="In the link's frame.")
+    along: Three[Number] = Field([1.0, 0.0, 0.0], description="The direction, of any length.")
+    turn: bool = Field(False, description="true: the torque or rotation about the direction.")
+
+
+class BodyForceTable(PointTable):
+    """A force or torque on a body that acts while the equilibrium is found."""
+
+    value: Quantity = Field(description="Its size.")
+
+
+class Posing(Table):
+    """Where the robot stands: of a robot, and of a scene that has it otherwise."""
+
+    guess: dict[Text, Any] = Field({}, description="Joints near the equilibrium; base = [x, y, z, roll, pitch, yaw] if it is free.")
+    forces: JointValues = Field({}, description="Forces and torques of joints that act all the time.")
+    body_force: list[BodyForceTable] = Field([], description="Forces and torques on bodies that act all the time.")
+    hold: Any = Field((), description='Joints that keep their guess, ["j1", …] or "all"; the torques needed are found.')
+
+    @field_validator("hold")
+    @classmethod
+    def _joints(cls, value):
+        if value != "all" and not (isinstance(value, (list, tuple)) and all(isinstance(name, str) for name in value)):
+            raise InputError(f'found {shown(value)}; expected "all" or names of joints, e.g. ["j1", "j2"]')
+        return value
+
+
+class RobotFile(Table):
+    """A robot: its URDF and what that does not say."""
+
+    title: Text = Field("", description="What the robot is.")
+    source: Text = Field(description="Where it comes from.")
+    licence: Text = Field(description='Under which licence, e.g. "MIT".')
+    urdf: Text = Field(description="The URDF, a file in the robot's folder.")
+    package_dirs: list[Text] = Field([], description="Folders in which package://NAME/… are looked up, relative to the robot's.")
+    base: Literal["fixed", "free"] = Field("fixed", description="Whether the root link is fixed to the ground or moves freely.")
+    gravity: Gravity = Field([0.0, 0.0, -9.81], description="A number for downwards along z, or a vector.")
+    joint_stiffness: JointValues = Field({}, description="Springs of joints, by name.")
+    joint_rest: JointValues = Field({}, description="Where these springs are without torque.")
+    joint_damping: JointValues = Field({}, description="Dampers of joints, in addition to those of the URDF.")
+    locked: JointValues = Field({}, description="Joints that are frozen at a value.")
+    flexible_joints: dict[Text, FlexibleJointTable] = Field({}, description="Joints driven by a motor behind an elastic gear.")
+    loop: list[LoopTable] = Field([], description="Joints that close loops.")
+    spring: list[BodySpringTable] = Field([], description="Springs between bodies.")
+    bushing: list[BushingTable] = Field([], description="Bushings between bodies.")
+    posture: Posing = Field(Posing(), description="Where the robot stands if a scene does not say otherwise.")
+
+
+class SpotTable(Table):
+    """A named motion: that of a joint, or of a point of a body along a direction."""
+
+    name: Name = Field(description="What it is called.")
+    joint: Text | None = Field(None, description="A joint; or else body, with point, along and turn.")
+    body: Text | None = Field(None, description="A link of the URDF.")
+    point: Vector = Field([0.0, 0.0, 0.0], description="In the link's frame.")
+    along: Three[Number] = Field([1.0, 0.0, 0.0], description="The direction, fixed in space, of any length.")
+    turn: bool = Field(False, description="true: the rotation or torque about the direction.")
+
+    @model_validator(mode="after")
+    def _joint_or_body(self):
+        if (self.joint is None) == (self.body is None):
+            raise InputError('give either joint, or body with the direction along, e.g. body = "tool", along = [0, 0, 1]')
+        if self.joint is not None and (extra := {"point", "along", "turn"} & self.model_fields_set):
+            raise InputError(f"{min(extra)} belongs to a body; leave it out with joint")
+        return self
+
+
+class RobotTable(Posing):
+    """A robot about an equilibrium, in small deviations from it."""
+
+    kind: Literal["robot"] = Field(description='"robot": a URDF with its robot.toml, linearized about an equilibrium.')
+    robot: Text = Field(description='The folder of the robot, relative to the scene, e.g. "../robots/four_bar".')
+    level: Level = Field("position", description="What the rows of its loops hold for: positions, velocities or accelerations.")
+    locked: JointValues = Field({}, description="Joints that are frozen at a value, in addition to those of the robot.")
+    input: list[SpotTable] = Field([], description="Where [[force]] tables may act, by name.")
+    output: list[SpotTable] = Field([], description='What [output] plots as "output", by name.')

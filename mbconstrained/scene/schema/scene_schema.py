@@ -1,0 +1,180 @@
+"""The schema of a scene file: what may stand in it, with a description of every key."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
+
+from ...ground.errors import InputError
+from ..file.messages import shown
+from ..quantities.coordinates import DERIVATIVES
+from .drawing_tables import DrawingTable
+from .entry_types import NUMBER_SCHEMA, Name, Quantity, Table, Text, Time
+from .force_tables import ForceTable
+from .lumped_tables import LumpedTable
+from .model_tables import MatricesTable, StateSpaceTable, TransferFunctionTable
+from .robot_tables import RobotTable
+
+CONTROL = ("transfer-function", "state-space")
+
+
+def _values(value):
+    if not isinstance(value, (dict, list)):
+        raise InputError(f'found {shown(value)}; expected {{ x1 = "0.8 m" }} or an array with a value for every coordinate')
+    return value
+
+
+VALUES = [{"type": "object", "additionalProperties": NUMBER_SCHEMA}, {"type": "array", "items": NUMBER_SCHEMA}]
+
+Values = Annotated[
+    Any,
+    BeforeValidator(_values),
+    WithJsonSchema({"title": "values by coordinate, or an array of all", "anyOf": VALUES}),
+]
+
+
+Parameters = Annotated[  # their values are checked by ``with_parameters``, before the schema sees the scene
+    dict[str, Any],
+    WithJsonSchema(
+        {
+            "title": "quantities by name",
+            "type": "object",
+            "additionalProperties": NUMBER_SCHEMA,
+        }
+    ),
+]
+
+
+class InitialTable(Table):
+    """The values just before t = 0; coordinates that are left out start at 0."""
+
+    displacement: Values = Field({}, description="Positions or angles at 0-.")
+    velocity: Values = Field({}, description="Velocities at 0-.")
+    acceleration: Values = Field({}, description="Accelerations at 0-, for equations of degree 3 and above.")
+    jerk: Values = Field({}, description="Third derivatives at 0-, for equations of degree 4 and above.")
+    derivatives: list[list[Quantity]] | None = Field(
+        None, description="Instead of the above: row i has the i-th derivatives of all coordinates."
+    )
+    state: Values = Field({}, description="Of a state space, instead of all these: its states at 0-, e.g. { x1 = 0.1 }.")
+    follow: bool = Field(False, description="true: omitted values follow from the constraint rows instead of being 0.")
+
+    @model_validator(mode="after")
+    def _one_form(self):
+        if self.follow and not all(isinstance(row, dict) for row in self.rows):
+            raise InputError("follow needs values by name, e.g. displacement = { x1 = 0.1 }: nothing is left out of an array")
+        named = [key for key in DERIVATIVES if key in self.model_fields_set]
+        if self.derivatives is not None and named:
+            raise InputError(f"derivatives and {named[0]} say the same thing; give one of them")
+        return self
+
+    @property
+    def rows(self) -> list[dict | list]:
+        """Values by order of derivative, without the empty ones at the end."""
+        rows = self.derivatives if self.derivatives is not None else [getattr(self, key) for key in DERIVATIVES]
+        while rows and not rows[-1]:
+            rows = rows[:-1]
+        return rows
+
+
+class TimeTable(Table):
+    """The times of the answer, equally spaced from 0 to end."""
+
+    FEWEST_POINTS: ClassVar[int] = 2
+    MOST_POINTS: ClassVar[int] = 200_000
+
+    end: Time = Field(description="The last time.")
+    points: int = Field(401, ge=FEWEST_POINTS, le=MOST_POINTS, description="How many times, 0 and end included.")
+
+    @model_validator(mode="after")
+    def _forwards(self):
+        if not self.end > 0:
+            raise InputError(f"end is {self.end:g} s; expected a time after 0")
+        return self
+
+
+Curve = Literal["displacement", "velocity", "acceleration", "reaction", "energy", "output", "phase"]
+
+
+def _flag_or_names(value):
+    if not isinstance(value, bool | list):
+        raise InputError(f'found {shown(value)}; expected true, false or a list of coordinates, e.g. ["x1"]')
+    return value
+
+
+class OutputTable(Table):
+    """What is written."""
+
+    page: bool = Field(True, description="A static HTML page with animation, plots and tables.")
+    animation: bool = Field(True, description="The moving model on the page.")
+    certify: Annotated[bool | list[Name], BeforeValidator(_flag_or_names)] = Field(
+        False, description="true: prove digits of the answer by exact arithmetic; or a list of the coordinates to do it for."
+    )
+    formula: bool = Field(False, description="The formula of each coordinate on the page, with the [parameters] as symbols.")
+    viewer: Literal["inside", "separate", "compressed"] = Field(
+        "inside",
+        description="The script of the 3-D viewer: in the page, in a separate file for many pages, or compressed in the page.",
+    )
+    plots: list[Curve] = Field(["displacement"], description="What the page plots; phase is the velocity over the displacement.")
+    coordinates: list[Name] | None = Field(None, description="Only these coordinates are plotted; left out: all.")
+    reactions: bool = Field(False, description="Forces of the constraints in the CSV and npz files.")
+    arrows: list[Literal["reaction"]] = Field([], description="Forces that the animation shows as arrows.")
+    plot_images: bool = Field(False, description="The plots as pictures too, SVG and PNG, for reports.")
+    still: Time | None = Field(None, description="A picture of the model at this time as PNG, taken by an installed Chromium.")
+    csv: bool = Field(True, description="The trajectories as CSV.")
+    npz: bool = Field(True, description="The trajectories, jumps and impulses as NumPy .npz.")
+
+    @field_validator("plots", "coordinates")
+    @classmethod
+    def _once(cls, names):
+        if repeated := next((name for name in names or () if names.count(name) > 1), None):
+            raise InputError(f'"{repeated}" is named twice; once is enough')
+        return names
+
+
+Model = Annotated[LumpedTable | MatricesTable | RobotTable | TransferFunctionTable | StateSpaceTable, Field(discriminator="kind")]
+
+
+class SceneFile(Table):
+    """A scene: a model, its initial values, the forces, the times and the output."""
+
+    title: Text = Field("", description="What the page is headed with; the name of the file when left out.")
+    source: Text = Field("", description="Where the example or the data comes from.")
+    include: list[Text] | Text = Field([], description="Scene files whose tables are part of this one, relative to it.")
+    parameters: Parameters = Field({}, description='Quantities by name, e.g. m = "10 kg"; "=2*m" may stand wherever a number does.')
+    model: Model = Field(description="The equations.")
+    initial: InitialTable = Field(InitialTable(), description="The values just before t = 0.")
+    force: list[ForceTable] = Field([], description="Forces from t = 0 or from their delays on; entries on one coordinate add up.")
+    time: TimeTable = Field(description="Where the answer is wanted.")
+    output: OutputTable = Field(OutputTable(), description="Which files are written, and what the page shows.")
+    drawing: DrawingTable | None = Field(None, description="How the model is drawn; left out: automatically.")
+
+    @classmethod
+    def _hint(cls, key: str) -> str:
+        if key not in LumpedTable.model_fields:
+            return ""
+        return f"; it belongs to the model: write [[model.{key}]], or {key} = … below [model]"
+
+    @model_validator(mode="before")
+    @classmethod
+    def _outputs_are_plotted(cls, data):
+        """Without plots in [output], those of a transfer function or state space are its outputs."""
+        model, output = (data.get(key, {}) for key in ("model", "output")) if isinstance(data, dict) else ({}, None)
+        if not (isinstance(model, dict) and isinstance(output, dict) and model.get("kind") in CONTROL) or "plots" in output:
+            return data
+        has_outputs = model["kind"] != "state-space" or "C" in model or "D" in model
+        plots = ["displacement"] * (not has_outputs or model.get("normal_form") is True) + ["output"] * has_outputs
+        return {**data, "output": {**output, "plots": plots}}
+
+    @model_validator(mode="after")
+    def _still_in_time(self):
+        if self.output.still is not None and not 0 <= self.output.still <= self.time.end:
+            still, end = f"{self.output.still:g} s", f"{self.time.end:g} s"
+            raise InputError(f"output.still is {still}; expected a time from 0 to time.end, which is {end}")
+        return self
+
+    @model_validator(mode="after")
+    def _state_of_what(self):
+        if self.initial.state and self.model.kind not in CONTROL:
+            raise InputError('initial.state belongs to kind = "state-space"; give displacement and velocity')
+        return self

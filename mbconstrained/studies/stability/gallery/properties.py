@@ -1,0 +1,117 @@
+"""Properties of a problem by exact arithmetic, with which the declared properties of the gallery are compared."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....exact import structure
+from ....ground.errors import MbconstrainedError
+from ....ground.notices import NoticeKind
+from ....mechanics.element_matrix import ElementMatrix
+from ...study_problem import StudyProblem
+
+if TYPE_CHECKING:
+    from ....exact.core.exact_pairs import ExactStructure
+    from ....exact.enclosure.exact_response import ExactResponse
+    from .entry import System
+
+#: Ratios are quotients of rounded numbers.
+RATIO = 1e-12
+
+
+class Facts:
+    """Exact properties of a problem, computed when they are needed."""
+
+    def __init__(self, problem: StudyProblem):
+        self.problem = problem
+
+    @cached_property
+    def structure(self) -> ExactStructure:
+        """Of A(s), zeros finite and infinite."""
+        return structure(self.problem.polynomial_matrix)
+
+    @cached_property
+    def exact(self) -> ExactResponse:
+        """The answer, with the constraint rows as they were given."""
+        return self.problem.solve().exact
+
+    @property
+    def zeros(self) -> list[complex]:
+        """All finite zeros but 0, one of each conjugate pair."""
+        return [zero.value for zero in self.structure.finite_zeros if zero.value]
+
+    def elements_of(self, power: int) -> np.ndarray:
+        """The constants of the elements of K, C or M that are not zero, or the diagonal of a matrix."""
+        given = self.problem.system.given[power]
+        constants = given.constants if isinstance(given, ElementMatrix) else np.diag(given)
+        return np.abs(constants[constants != 0])
+
+
+def _ratio(values) -> float:
+    return float(max(values) / min(values))
+
+
+def _symmetric(facts: Facts) -> bool:
+    problem = facts.problem
+    matrices = problem.polynomial_matrix.coefficients
+    if problem.system is not None:
+        matrices = (problem.system.stiffness, problem.system.damping, problem.system.mass)
+    return all(np.array_equal(matrix, matrix.T) for matrix in matrices)
+
+
+#: By name; each is a function of the facts.
+PROPERTIES: dict[str, Callable[[Facts], object]] = {
+    "finite_zeros": lambda facts: facts.exact.matrix.determinant.degree(),
+    "infinite_divisors": lambda facts: tuple(degree for degree in facts.structure.infinite_divisors if degree),
+    "infinite_order": lambda facts: facts.structure.highest_impulse,
+    "longest_chain": lambda facts: max(max(zero.partial_multiplicities) for zero in facts.structure.finite_zeros),
+    "zeros_at_0": lambda facts: sum(zero.multiplicity for zero in facts.structure.finite_zeros if zero.value == 0),
+    "growing_zeros": lambda facts: sum(value.real > 0 for value in facts.zeros),
+    "undamped": lambda facts: all(value.real == 0 for value in facts.zeros),
+    "decades": lambda facts: round(math.log10(_ratio([abs(value) for value in facts.zeros]))),
+    "symmetric": _symmetric,
+    "jumps": lambda facts: bool(np.any(facts.exact.jump != 0)),
+    "impulses": lambda facts: len(facts.exact.impulses),
+    "stiffness_ratio": lambda facts: _ratio(facts.elements_of(0)),
+    "mass_ratio": lambda facts: _ratio(facts.elements_of(2)),
+    "redundant_rows": lambda facts: sum(notice.kind == NoticeKind.REDUNDANT for notice in facts.problem.system.notices),
+}
+
+
+def broken_promises(system: System, parameter: float) -> tuple[str, ...]:
+    """The declared properties that exact arithmetic does not find.
+
+    Args:
+        system: of the gallery.
+        parameter: one of its values.
+
+    Returns:
+        Sentences; none where all hold.
+
+    Raises:
+        KeyError: an unknown property.
+    """
+    place, broken = f"{system.name} at {parameter:g}", []
+    try:
+        facts = Facts(system.build(parameter))
+    except MbconstrainedError as refusal:
+        return (f"{place}: there is no problem ({refusal})",)
+    for name, declared in system.declared_at(parameter).items():
+        try:
+            value = PROPERTIES[name](facts)
+        except MbconstrainedError as refusal:
+            value = f"not known ({refusal})"
+        if not _same(value, declared):
+            broken.append(f"{place}: {name} is {value}, declared {declared}")
+    return tuple(broken)
+
+
+def _same(value, declared) -> bool:
+    if isinstance(value, float) and isinstance(declared, float):
+        return math.isclose(value, declared, rel_tol=RATIO)
+    return value == declared

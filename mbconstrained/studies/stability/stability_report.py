@@ -1,0 +1,235 @@
+"""The report of the stability study: correct digits for the systems of the gallery, or for a scene scaled over decades."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ...ground.checks import counted
+from ...ground.display import TextTable
+from ...ground.notices import Notice, NoticeKind
+from ..figures import Picture
+from ..study_report import Progress, StudyReport, no_progress
+from ..timing import machine
+from .pictures import digit_curves, heat_map
+from .point import Point, points_of
+from .scaling_factors import Sweep, scaling_factors
+
+if TYPE_CHECKING:
+    from ...scene.run.scene import Scene
+    from .gallery.entry import System
+
+#: A scene is scaled by factors from 10^-DECADES to 10^DECADES, in steps of so many decades.
+DECADES, STEP = 8, 2
+
+#: An answer with so many digits fewer than the data determine is reported.
+SHORT = 0.5
+
+#: Below the table of digits.
+NOTE = (
+    "right: correct digits by exact arithmetic, 16 at most; expected: digits that the condition of the data allows; claimed: by the "
+    "error estimate. warned: the answer came with a warning; wrong: more than one digit fewer than claimed, without a warning. "
+    "Redundant constraint rows that were left out of the answer are left out of the exact solution too."
+)
+
+#: Verdicts but "right", as they stand in sentences.
+VERDICTS = {"warned": "came with a warning", "refused": "refused with a reason", "not judged": "not judged by exact arithmetic"}
+
+
+@dataclass(frozen=True)
+class StabilityReport(StudyReport):
+    """Correct digits over sweeps.
+
+    Attributes:
+        title: of the scene, or of the gallery.
+        sweeps: one for each system of the gallery, or for each scaling factor of a scene.
+        machine: processor, system and packages.
+        of_scene: whether a scene was scaled.
+    """
+
+    title: str
+    sweeps: tuple[Sweep, ...]
+    machine: dict[str, str]
+    of_scene: bool
+
+    def count(self, verdict: str) -> int:
+        """Number of points with a verdict: right, warned, refused, not judged or wrong."""
+        return sum(sweep.count(verdict) for sweep in self.sweeps)
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether no answer was wrong without a warning."""
+        return not self.count("wrong")
+
+    @property
+    def heading(self) -> str:
+        """The title of the page."""
+        return f"Numerical stability: {self.title}"
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """The sentences."""
+        return (Notice(NoticeKind.ACCURACY, " ".join(self.sentences), doubtful=not self.is_trusted),)
+
+    @property
+    def tables(self) -> tuple[TextTable, ...]:
+        """Digits, and the reasons of all verdicts but "right"."""
+        return digit_table(self), *reason_tables(self)
+
+    @property
+    def page_tables(self) -> tuple[TextTable, ...]:
+        """The systems of the gallery."""
+        return () if self.of_scene else (gallery_table(self),)
+
+    def pictures(self) -> list[Picture]:
+        """Curves, and for a scene a heat map."""
+        curves = digit_curves("Digits right, claimed and expected", self.sweeps)
+        return [heat_map("Digits right", self.sweeps), curves] if self.of_scene else [curves]
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The result in words."""
+        return (self._trust(), self._counts(), *self._extremes(), *self._promises())
+
+    def _trust(self) -> str:
+        judged, wrong = sum(len(sweep.answers) for sweep in self.sweeps), self.count("wrong")
+        if not judged:
+            return "No answer was compared with exact arithmetic."
+        answers = f"{counted(judged, 'answer')} compared with exact arithmetic"
+        return f"{wrong or 'None'} of {answers} {'are' if wrong > 1 else 'is'} wrong without a warning."
+
+    def _counts(self) -> str:
+        counts = [f"{counted(self.count('right'), 'answer')} had the digits that the estimate claims"]
+        counts += [f"{self.count(verdict)} {text}" for verdict, text in VERDICTS.items() if self.count(verdict)]
+        return f"{', '.join(counts)}."
+
+    def _extremes(self) -> tuple[str, ...]:
+        """The fewest digits without a warning, and the answer furthest below what the data determine."""
+        silent = [(sweep, point) for sweep in self.sweeps for point in sweep.answers if point.verdict == "right"]
+        if not silent:
+            return ()
+        sweep, least = min(silent, key=lambda pair: pair[1].right)
+        sentences = [f"Fewest digits without a warning: {_digits(sweep, least)}."]
+        known = [(sweep, point) for sweep, point in silent if not math.isnan(point.expected)]
+        sweep, short = max(known, key=lambda pair: pair[1].expected - pair[1].right, default=(sweep, least))
+        if short.expected - short.right > SHORT:
+            sentences.append(f"Furthest below what the data determine: {_digits(sweep, short)}.")
+        return tuple(sentences)
+
+    def _promises(self) -> tuple[str, ...]:
+        """Whether the systems of the gallery have their declared properties."""
+        broken = [promise for sweep in self.sweeps for promise in sweep.broken]
+        if broken:
+            return (f"Not as declared: {'; '.join(broken)}.",)
+        return () if self.of_scene else ("The declared properties of the systems hold, by exact arithmetic.",)
+
+    def as_json(self) -> dict:
+        """Everything as plain data."""
+        counts = {verdict: self.count(verdict) for verdict in ("right", "warned", "refused", "not judged", "wrong")}
+        return {
+            "title": self.title,
+            "trusted": self.is_trusted,
+            "verdict": list(self.sentences),
+            "counts": counts,
+            "machine": self.machine,
+            "sweeps": [sweep.as_json() for sweep in self.sweeps],
+        }
+
+
+def gallery_report(systems: Sequence[System] = (), progress: Progress = no_progress) -> StabilityReport:
+    """Run the gallery of stiff and extreme systems.
+
+    Args:
+        systems: some of them; empty for all.
+        progress: called with the name of each problem.
+
+    Returns:
+        The report.
+    """
+    if not systems:
+        from .gallery import GALLERY as systems
+    sweeps = [_of_system(system, progress) for system in systems]
+    return StabilityReport("Gallery of stiff and extreme systems", tuple(sweeps), machine(), of_scene=False)
+
+
+def _of_system(system: System, progress: Progress) -> Sweep:
+    from .gallery.properties import broken_promises
+
+    title, difficulty, source = system.texts
+    points = points_of(system.build, system.values, lambda text: progress(f"{title}: {text}"))
+    broken = [sentence for value in system.values for sentence in broken_promises(system, value)]
+    return Sweep(system.name, title, system.theme, difficulty, source, system.parameter, points, tuple(broken))
+
+
+def scene_report(scene: Scene, decades: int = DECADES, step: int = STEP, progress: Progress = no_progress) -> StabilityReport:
+    """Scale the parameters of a scene, and its horizon, over decades.
+
+    Args:
+        scene: the scene.
+        decades: the factors reach from 10^-decades to 10^decades.
+        step: decades from factor to factor, up and down from 1; the last one may be shorter.
+        progress: called with the name of each problem.
+
+    Returns:
+        The report.
+    """
+    up = [*range(step, decades, step), decades]
+    factors = [float(f"1e{exponent}") for exponent in (*(-power for power in reversed(up)), 0, *up)]
+    sweeps = []
+    for name, scaled in scaling_factors(scene).items():
+        points = points_of(scaled, factors, lambda text, name=name: progress(f"{name} times {text}"))
+        sweeps.append(Sweep(name, name, "", "", "", f"factor on {name}", points))
+    return StabilityReport(scene.heading, tuple(sweeps), machine(), of_scene=True)
+
+
+def _digits(sweep: Sweep, point: Point) -> str:
+    """The digits of a point and its parameter."""
+    expected = "" if math.isnan(point.expected) else f", {point.expected:.1f} determined by the data"
+    place = f"{sweep.title}, {sweep.parameter} = {point.parameter:.3g}"
+    return f"{point.right:.1f} right, {point.claimed:.1f} claimed{expected} ({place})"
+
+
+def digit_table(report: StabilityReport) -> TextTable:
+    """A row for each sweep, those of the gallery by their themes."""
+    columns = ("from … to", "points", "right", "warned", "refused", "wrong", "fewest digits", "expected", "claimed")
+    rows, theme = [], ""
+    for sweep in report.sweeps:
+        named = (sweep.title,) if report.of_scene else (sweep.theme if sweep.theme != theme else "", sweep.name)
+        theme = sweep.theme
+        counts = [str(sweep.count(verdict) or "–") for verdict in ("right", "warned", "refused", "wrong")]
+        least = min(sweep.answers, key=lambda point: point.right, default=None)
+        digits = (math.nan,) * 3 if least is None else (least.right, least.expected, least.claimed)
+        texts = ("–" if math.isnan(value) else f"{value:.1f}" for value in digits)
+        span = f"{sweep.points[0].parameter:.3g} … {sweep.points[-1].parameter:.3g}"
+        rows.append((*named, span, str(len(sweep.points)), *counts, *texts))
+    head = ("parameter",) if report.of_scene else ("theme", "system")
+    return TextTable("Digits", (*head, *columns), tuple(rows), NOTE)
+
+
+def reason_tables(report: StabilityReport) -> list[TextTable]:
+    """Wrong answers, warnings and refusals with their reasons; equal reasons share a row."""
+    titles = {"wrong": "Wrong without a warning", "warned": "Warnings", "refused": "Refused", "not judged": "Not judged"}
+    rows_of = [(title, _reason_rows(report, verdict)) for verdict, title in titles.items()]
+    return [TextTable(title, ("parameter", "at", "reason"), rows) for title, rows in rows_of if rows]
+
+
+def _reason_rows(report: StabilityReport, verdict: str) -> tuple[tuple[str, str, str], ...]:
+    rows: dict[tuple[str, str], list[str]] = {}
+    for sweep in report.sweeps:
+        for point in sweep.points:
+            if point.verdict == verdict:
+                rows.setdefault((sweep.name, _short(point)), []).append(f"{point.parameter:.3g}")
+    return tuple((name, ", ".join(parameters), reason) for (name, reason), parameters in rows.items())
+
+
+def _short(point: Point) -> str:
+    """Of several warnings the first, without its numbers, which are in the data."""
+    return point.warnings[0].partition(":")[0] if point.verdict == "warned" else point.reason
+
+
+def gallery_table(report: StabilityReport) -> TextTable:
+    """The systems of the gallery, their difficulties and sources."""
+    rows = tuple((sweep.name, sweep.title, sweep.parameter, sweep.difficulty, sweep.source) for sweep in report.sweeps)
+    return TextTable("The systems", ("system", "title", "parameter", "difficulty", "source"), rows)

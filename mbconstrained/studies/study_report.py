@@ -1,0 +1,126 @@
+"""The report of a study: sentences, tables, figures and data, for the terminal, as a page and as files."""
+
+from __future__ import annotations
+
+import json
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from tempfile import TemporaryFile
+
+from ..ground.display import TextTable
+from ..ground.files import Replacements
+from ..ground.notices import Notice
+from ..page.content import PageContent
+from ..page.html import write_page
+from .figures import Picture
+
+#: Called with the name of what is being computed.
+Progress = Callable[[str], None]
+
+
+def no_progress(text: str) -> None:
+    """Report nothing."""
+
+
+class StudyReport(ABC):
+    """What the reports of all studies have in common; each defines its contents.
+
+    Attributes:
+        machine: processor, system and packages, by label.
+    """
+
+    machine: dict[str, str]
+
+    @property
+    @abstractmethod
+    def heading(self) -> str:
+        """The title of the page."""
+
+    @property
+    @abstractmethod
+    def sentences(self) -> tuple[str, ...]:
+        """The result in words, for the terminal."""
+
+    @property
+    @abstractmethod
+    def tables(self) -> tuple[TextTable, ...]:
+        """For the terminal and the page."""
+
+    @abstractmethod
+    def pictures(self) -> list[Picture]:
+        """The figures; nothing is drawn yet."""
+
+    @abstractmethod
+    def as_json(self) -> dict:
+        """Everything as plain data."""
+
+    @property
+    @abstractmethod
+    def is_trusted(self) -> bool:
+        """Whether the answers of this package are right, or came with a warning."""
+
+    @property
+    def page_tables(self) -> tuple[TextTable, ...]:
+        """Further tables for the page."""
+        return ()
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """For the page."""
+        return ()
+
+    @property
+    def facts(self) -> tuple[tuple[str, str], ...]:
+        """Labels and texts for the end of the page."""
+        return tuple(self.machine.items())
+
+    @property
+    def blocks(self) -> list[str | TextTable]:
+        """For the terminal: heading, sentences, tables, machine."""
+        machine = "\n".join(f"{label}: {text}" for label, text in self.machine.items())
+        return [self.heading, "\n".join(self.sentences), *self.tables, machine]
+
+    def page_content(self, pictures: Sequence[Picture] | None = None) -> PageContent:
+        """The report as a page."""
+        pictures = self.pictures() if pictures is None else pictures
+        return PageContent(
+            title=self.heading,
+            notices=self.notices,
+            figures=tuple(picture.on_page() for picture in pictures),
+            tables=(*self.tables, *self.page_tables),
+            facts=self.facts,
+        )
+
+    def write(self, folder: Path, name: str) -> list[Path]:
+        """Write NAME.html, NAME.png (NAME-2.png …) and NAME.json, all of them or none.
+
+        Args:
+            folder: it exists.
+            name: of the files, without their endings.
+
+        Returns:
+            The paths of the files.
+
+        Raises:
+            OSError: they cannot be written; earlier files are unchanged.
+        """
+        pictures = self.pictures()
+        with Replacements() as files:
+            write_page(folder / f"{name}.html", self.page_content(pictures), files=files)
+            for number, picture in enumerate(pictures, 1):
+                files.temporary(folder / f"{name}{f'-{number}' if number > 1 else ''}.png").write_bytes(picture.png())
+            data = json.dumps(self.as_json(), indent=2, allow_nan=False) + "\n"
+            files.temporary(folder / f"{name}.json").write_text(data, encoding="utf-8")
+        return files.paths
+
+
+def writable(folder: Path) -> Path:
+    """The folder, created if it does not exist, and checked before hours of computation.
+
+    Raises:
+        OSError: nothing can be written there.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with TemporaryFile(dir=folder):
+        return folder

@@ -1,0 +1,109 @@
+"""The house: imports run down the rooms, rooms and files stay small, and each name stands for one thing."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from graphlib import CycleError, TopologicalSorter
+
+from tests.audits.source import FILES, MODULES, expect_none, functions, imports, room, text
+
+#: The rooms, lowest first. A file imports its own room and lower rooms.
+LAYERS = (
+    *("ground", "linalg", "signals", "polynomial", "response", "frequency", "exact", "papers"),  # arrays in, arrays out
+    *("mechanics", "control", "models", "robot"),
+    *("page", "scene", "studies", "cli", "docs", "__main__"),
+)
+LAYER = {name: number for number, name in enumerate(LAYERS)}
+
+#: Packages that only some scenes need, and the rooms that may import them.
+HEAVY = {
+    "pinocchio": {"robot"},
+    "coal": {"robot"},
+    "meshcat": {"page"},
+    "sympy": {"exact", "papers"},
+    "flint": {"exact", "papers", "linalg"},
+    "matplotlib": {"page", "studies"},
+    "pydantic": {"scene"},
+    "pint": {"scene"},
+    "typer": {"cli", "docs"},
+    "rich": {"cli"},
+}
+
+#: Folders with more files than a dozen. The numbers may only fall.
+MOST_FILES: dict[str, int] = {}
+
+below_top = [file for file in FILES if file != "__init__.py"]
+
+
+def inner_imports(file):
+    """The files of the package that a file imports."""
+    return {MODULES[name] for name in imports(file) if name in MODULES} - {file}
+
+
+def is_below(other, file):
+    """Whether a file may import another one; the documentation alone reads the list of public names."""
+    if other == "__init__.py":
+        return room(file) == "docs"
+    return room(other) == room(file) or LAYER[room(other)] < LAYER[room(file)]
+
+
+def test_imports_run_down_the_layers():
+    """Late imports count; those for the type checker alone do not."""
+    assert {room(file) for file in below_top} <= set(LAYER)
+    upward = [f"{file} imports {other}" for file in below_top for other in sorted(inner_imports(file)) if not is_below(other, file)]
+    expect_none(upward, "move the function down, or hand its result in")
+
+
+def test_there_is_no_import_circle():
+    circles, graph = [], {file: inner_imports(file) for file in below_top}
+    while True:
+        try:
+            TopologicalSorter(graph).prepare()
+        except CycleError as error:
+            circle = error.args[1][::-1]
+            circles.append(" imports ".join(circle))
+            graph[circle[0]] = graph[circle[0]] - {circle[1]}  # without this import the next circle shows
+        else:
+            break
+    expect_none(circles, "break the circle: what both need belongs into a lower file")
+
+
+def test_a_folder_has_at_most_a_dozen_files():
+    sizes = Counter(file.rpartition("/")[0] for file in FILES if not file.endswith("__init__.py"))
+    crowded = [f"{folder}: {size} files" for folder, size in sizes.items() if size > MOST_FILES.get(folder, 12)]
+    expect_none(crowded, "merge small files, or make a folder of those that belong together")
+
+
+def test_one_name_stands_for_one_file():
+    places = defaultdict(list)
+    for file in FILES:
+        places[file.rpartition("/")[2]].append(file)
+    twice = [" and ".join(files) for name, files in places.items() if name != "__init__.py" and len(files) > 1]
+    expect_none(twice, "name each file after what it alone has")
+
+
+def test_heavy_packages_stay_in_their_rooms():
+    outside = [
+        f"{file} imports {package}"
+        for file in FILES
+        for package in sorted({name.split(".")[0] for name in imports(file)} & set(HEAVY))
+        if room(file) not in HEAVY[package]
+    ]
+    expect_none(outside, "only its own room knows a heavy package")
+
+
+def test_files_stay_small():
+    long = [f"{file}: {count} lines" for file in FILES if (count := len(text(file).splitlines())) > 450]
+    expect_none(long, "split the file by ideas")
+
+
+def test_nine_functions_in_ten_have_at_most_25_lines():
+    """Docstrings do not count."""
+    lengths = sorted(_lines_of_code(node) for file in FILES for node in functions(file))
+    assert lengths[int(0.9 * len(lengths))] <= 25
+
+
+def _lines_of_code(node):
+    first = node.body[0]
+    documented = hasattr(first, "value") and isinstance(getattr(first.value, "value", None), str)
+    return node.end_lineno - (first.end_lineno if documented else first.lineno - 1)

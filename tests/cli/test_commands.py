@@ -1,0 +1,426 @@
+"""The command line: what it prints, what it writes, and the exit codes 0, 1, 2, 3 and 130."""
+
+import json
+import os
+import pty
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from mbconstrained.ground.notices import Notice
+from mbconstrained.scene.run.result import Result
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+TWO_MASSES = str(EXAMPLES / "two_masses.toml")
+
+
+COMMAND = [sys.executable, "-m", "mbconstrained"]
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(EXAMPLES.parent)}
+
+
+def process(*arguments, **options):
+    """The command line in a process of its own."""
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "env": ENVIRONMENT, **options}
+    return subprocess.run([*COMMAND, *map(str, arguments)], text=True, timeout=60, **options)
+
+
+def test_run_writes_three_files_and_says_what_an_engineer_wants_to_know(command, tmp_path):
+    code, out, err = command("run", TWO_MASSES)
+    assert (code, err) == (0, "")
+    folder = tmp_path / "results" / "two_masses"
+    assert {path.name for path in folder.iterdir()} == {"two_masses.html", "two_masses.csv", "two_masses.npz"}
+    assert (folder / "two_masses.html").stat().st_size <= 1.3e6
+    for words in (
+        r"^Two masses with a redundant coordinate$",
+        r"Coordinates: x1 \(m\), q1 \(m\), q2 \(m\); t from 0 to 50 s",
+        r"face of m1 +acceleration +0 m/s\^2",
+        r"kind +eigenvalue \(1/s\) +frequency \(Hz\) +natural frequency \(rad/s\) +damping ratio +multiplicity",
+        r"drift +0 +2 ",
+        r"oscillation +± 0\.723607 i +0\.115166 +0\.723607 +0 +1 ",
+        r"note \(drift\): constraint .face of m1. is at acceleration level",
+        r"error estimate: displacement +\d",
+        r"residual +\d",
+        r"results/two_masses/two_masses\.html",
+    ):
+        assert re.search(words, out, re.MULTILINE), words
+
+
+def test_jumps_and_impulses_are_told_with_units(command, tmp_path):
+    _, jumps, _ = command("run", EXAMPLES / "inconsistent_start.toml", "--out", tmp_path / "a")
+    assert re.search(r"u1 +displacement +1 m +0\.666667 m +-0\.333333 m", jumps)
+    assert re.search(r"u2 +velocity +1 m/s +0 m/s +-1 m/s", jumps)
+    _, impulses, _ = command("run", EXAMPLES / "rigid_link.toml", "--out", tmp_path / "b")
+    assert re.search(r"lambda +δ′ +-0\.5 N s\^2", impulses)
+
+
+def test_out_names_another_folder(command, tmp_path):
+    code, out, _ = command("run", TWO_MASSES, "--out", "some/where")
+    assert code == 0
+    assert (tmp_path / "some" / "where" / "two_masses.html").exists() and "some/where/two_masses.html" in out
+
+
+def test_json_is_data_and_nothing_else(command, tmp_path):
+    code, out, err = command("run", TWO_MASSES, "--json")
+    data = json.loads(out)
+    assert (code, err) == (0, "")
+    assert [mode["kind"] for mode in data["eigenvalues"]] == ["drift", "oscillation", "oscillation"]
+    assert data["trusted"] is True and len(data["files"]) == 3
+    _, out, _ = command("plan", TWO_MASSES, "--json")
+    assert {stage["name"]: stage["taken"] for stage in json.loads(out)["plan"]}["page"] is True
+    _, out, _ = command("check", TWO_MASSES, "--json")
+    assert json.loads(out)["coordinates"] == ["x1", "q1", "q2"]
+    code, out, err = command("check", tmp_path / "no.toml", "--json")
+    assert (code, err, json.loads(out)["exit_code"]) == (1, "", 1)
+
+
+def test_modes_lists_zeros_shares_and_shapes_and_writes_nothing(command, tmp_path):
+    code, out, err = command("modes", TWO_MASSES)
+    assert (code, err) == (0, "") and list(tmp_path.iterdir()) == []
+    for words in (
+        r"^  no\.  kind +eigenvalue \(1/s\) +Hz +rad/s +damping +times$",
+        r"^  1 +drift +0 +2$",
+        r"^  3 +oscillation +± 0\.723607 i +0\.115166 +0\.723607 +0 +1$",
+        r"^Mode 3: oscillation at 0\.115166 Hz, undamped$",
+        r"^  kinetic energy x1 72\.4 %, q2 72\.4 %, q1 -44\.7 %$",
+        r"^  shape +q2 1 m, x1 -0\.618 m, q1 -0\.618 m$",
+    ):
+        assert re.search(words, out, re.MULTILINE), words
+
+
+def test_modes_as_json_are_numbers(command):
+    code, out, err = command("modes", EXAMPLES / "pulled_joint.toml", "--json")
+    (mode,) = json.loads(out)["modes"]
+    assert (code, err) == (0, "")
+    assert mode["angular_frequency"] == pytest.approx(5.0)
+    assert mode["strain_shares"] == pytest.approx({"spring ground-joint": 0.25, "spring joint-load": 0.75})
+    assert mode["shape"] == {"real": pytest.approx([0.25, 1.0]), "imaginary": [0.0, 0.0]}
+
+
+def test_the_page_of_modes_stands_beside_that_of_the_run(command, tmp_path):
+    code, out, _ = command("modes", TWO_MASSES, "--page")
+    assert code == 0 and "results/two_masses/two_masses.modes.html" in out
+    assert [file.name for file in (tmp_path / "results" / "two_masses").iterdir()] == ["two_masses.modes.html"]
+    code, out, _ = command("modes", TWO_MASSES, "--page", "--out", "else/where", "--json")
+    assert code == 0 and json.loads(out)["files"] == ["else/where/two_masses.modes.html"]
+    assert (tmp_path / "else" / "where" / "two_masses.modes.html").exists()
+
+
+def test_modes_of_coefficients_have_no_page(command, tmp_path):
+    code, out, err = command("modes", EXAMPLES / "flexible_joint.toml")
+    assert code == 0 and "only the coefficients of A(s)" in out
+    code, out, err = command("modes", EXAMPLES / "flexible_joint.toml", "--page")
+    assert (code, out) == (1, "") and err.startswith("flexible_joint.toml: model.coefficients: ") and err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_modes_that_cannot_be_trusted_are_printed_and_are_three(command, monkeypatch):
+    doubt = Notice("rank", "a rank decision has no clear gap", doubtful=True)
+    monkeypatch.setattr("mbconstrained.scene.run.modes.scene_modes.pair_notices", lambda pairs: (doubt,))
+    code, out, _ = command("modes", TWO_MASSES)
+    assert code == 3 and "Mode 2: " in out and "warning (rank): a rank decision has no clear gap" in out
+
+
+def test_plan_lists_reasons_and_writes_nothing(command, tmp_path):
+    code, out, _ = command("plan", TWO_MASSES)
+    assert code == 0 and list(tmp_path.iterdir()) == []
+    assert re.search(r"taken +constrained form +1 independent row at acceleration level", out)
+    assert re.search(r"left out +infinite pair +A_2 is nonsingular", out)
+    assert re.search(r"left out +robot model \(pinocchio\) +no robot in the scene", out)
+
+
+def test_plan_with_run_tells_what_each_stage_took_and_leaves_nothing(command, tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    code, out, _ = command("plan", TWO_MASSES, "--run")
+    assert code == 0 and list(tmp_path.iterdir()) == []
+    taken, left_out = out.split("\nLeft out\n")
+    for stage in ("read the scene", "units", "finite pair", "CSV", "npz", "page", "all"):
+        assert re.search(rf"^  {stage} +\d+\.\d +\d.* %", taken, re.MULTILINE), stage
+    assert re.search(r"constrained form +– .*\(in: assemble the model\)", taken)
+    assert re.search(r"infinite pair +A_2 is nonsingular", left_out)
+    code, out, _ = command("plan", TWO_MASSES, "--run", "--json")
+    data = json.loads(out)
+    assert code == 0 and data["trusted"] is True and data["totals"]["seconds"] > 0
+    stages = {stage["name"]: stage for stage in data["plan"]}
+    assert stages["page"]["seconds"] > 0 and stages["energy"]["seconds"] is None
+
+
+def test_plan_with_run_says_why_an_answer_is_not_trusted(command, monkeypatch):
+    doubt = Notice("rank", "a rank decision has no clear gap", doubtful=True)
+    monkeypatch.setattr(Result, "notices", (doubt,))
+    code, out, _ = command("plan", TWO_MASSES, "--run")
+    assert code == 3 and out.rstrip().endswith("warning (rank): a rank decision has no clear gap")
+    code, out, _ = command("plan", TWO_MASSES, "--run", "--json")
+    assert code == 3 and json.loads(out)["notices"][0]["kind"] == "rank"
+    assert command("plan", TWO_MASSES)[0] == 0
+
+
+def test_check_solves_and_writes_nothing(command, tmp_path):
+    code, out, _ = command("check", TWO_MASSES)
+    assert code == 0 and list(tmp_path.iterdir()) == []
+    assert out.startswith("two_masses.toml is fine: Two masses with a redundant coordinate\n3 coordinates (x1, q1, q2)")
+
+
+def test_one_coordinate_is_not_several(command, tmp_path):
+    model = '[model]\nkind = "matrices"\nmass = [[1]]\nstiffness = [[1]]\ncoordinates = ["a"]'
+    (tmp_path / "one.toml").write_text(f'title = "One"\n{model}\n[time]\nend = 1\n')
+    code, out, _ = command("check", "one.toml")
+    assert code == 0 and "\n1 coordinate (a), " in out
+
+
+def test_help_has_examples_and_exit_codes(command):
+    code, out, _ = command("--help")
+    assert code == 0
+    for words in (
+        "Examples:",
+        "mbconstrained run examples/two_masses.toml",
+        "Exit codes:",
+        "  3  there is an answer",
+        "plan ",
+        "check ",
+    ):
+        assert words in out
+    assert "--json" in command("run", "--help")[1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run"], "Missing argument 'SCENE'"),
+        (["rnu", TWO_MASSES], "Did you mean 'run'"),
+        (["run", TWO_MASSES, "--jsn"], "--json"),
+        (["run", TWO_MASSES, "another.toml"], "unexpected extra argument"),
+        (["modes", TWO_MASSES, "--out", "folder"], "give --page too"),
+    ],
+)
+def test_a_wrong_command_line_is_two(command, arguments, words):
+    code, out, err = command(*arguments)
+    assert (code, out) == (2, "") and words in err
+
+
+@pytest.mark.parametrize("place", ["taken", "taken/deeper", "x" * 300])
+def test_results_that_cannot_be_written_are_two(command, tmp_path, place):
+    (tmp_path / "taken").write_text("a file, not a folder")
+    code, out, err = command("run", TWO_MASSES, "--out", place)
+    assert (code, out) == (2, "")
+    assert err.startswith("the results cannot be written: ") and err.count("\n") == 1
+    assert (tmp_path / "taken").read_text() == "a file, not a folder"
+    code, out, err = command("modes", TWO_MASSES, "--page", "--out", place)
+    assert (code, out) == (2, "") and err.startswith("the results cannot be written: ")
+
+
+@pytest.mark.parametrize("work", ["run", "modes", "check", "plan"])
+def test_a_data_file_that_cannot_be_read_is_one_and_about_the_scene(command, tmp_path, work):
+    path = tmp_path / "scene.toml"
+    path.write_text(f'[model]\nkind = "matrices"\nmass = "{"a" * 300}.csv"\n[time]\nend = 1\n')
+    code, out, err = command(work, path)
+    assert (code, out) == (1, "")
+    assert err.startswith("scene.toml: model.mass: ") and "the file cannot be read (File name too long)" in err
+
+
+def test_what_the_system_says_while_reading_is_no_writing_error(command, monkeypatch):
+    def failing(*_):
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr("mbconstrained.scene.run.scene.read_scene", failing)
+    code, _, err = command("check", TWO_MASSES)
+    assert code == 1 and err.startswith("two_masses.toml: the scene or a file of it cannot be read: ")
+
+
+@pytest.mark.parametrize("ending", ["html", "csv", "npz"])
+def test_results_are_replaced_together_or_not_at_all(command, tmp_path, ending):
+    folder = tmp_path / "out"
+    folder.mkdir()
+    for other in {"html", "csv", "npz"} - {ending}:
+        (folder / f"two_masses.{other}").write_text("earlier")
+    (folder / f"two_masses.{ending}").mkdir()
+    code, _, err = command("run", TWO_MASSES, "--out", "out")
+    assert code == 2 and "Is a directory" in err and f"two_masses.{ending}" in err
+    assert len(list(folder.iterdir())) == 3
+    assert [file.read_text() for file in folder.iterdir() if file.is_file()] == ["earlier"] * 2
+
+
+BAD = {
+    "misspelt key": ("stiffness = [[2", "stifness = [[2", 'did you mean "stiffness"'),
+    "wrong unit": ('"0.8 m"', '"0.8 kg"', 'found "0.8 kg", a mass; expected a length'),
+    "not a number": ('"0.8 m"', "nan", "expected a finite number"),
+    "missing data file": ("[[10, 0, 0], [0, 10, 10], [0, 10, 10]]", '"mass.mtx"', "mass.mtx: there is no such file in the folder"),
+    "singular pencil": (
+        "[0, 10, 10], [0, 10, 10]]     # kg\nstiffness = [[2, 0, 0], [0, 0, 0], [0, 0, 2]]",
+        "[0, 0, 0], [0, 0, 0]]\nstiffness = [[2, 0, 0], [0, 0, 0], [0, 0, 0]]",
+        "q2",
+    ),
+    "contradictory constraints": (
+        "[initial]",
+        "[[model.constraint]]\nrows = { x1 = 1, q1 = -1 }\nlevel = 'acceleration'\nvalue = 1\n[initial]",
+        "has the value 1 m/s^2",
+    ),
+    "beyond the numbers": ("[[2, 0, 0]", "[[-2e9, 0, 0]", "beyond the range of float64"),
+    "empty": (None, "", "the file is empty"),
+    "nonsense": (None, "\x00\x01\x02" * 3_000_000, "more than 1,000,000 bytes"),
+    "not TOML": (None, "#!/bin/sh\necho hello\n", "not a TOML file"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_bad_scene_is_one_message_and_one_and_leaves_earlier_output(command, tmp_path, case):
+    path = tmp_path / "two_masses.toml"
+    good = Path(TWO_MASSES).read_text("utf-8")
+    page = tmp_path / "results" / "two_masses" / "two_masses.html"
+    page.parent.mkdir(parents=True)
+    page.write_text("earlier")
+    old, new, words = BAD[case]
+    if old is not None:
+        assert old in good
+    path.write_text(new if old is None else good.replace(old, new))
+    code, out, err = command("run", path)
+    assert (code, out) == (1, "")
+    assert words in err and err.startswith("two_masses.toml: ") and err.count("\n") == 1
+    assert list(page.parent.iterdir()) == [page] and page.read_text() == "earlier"
+
+
+def test_an_answer_that_cannot_be_trusted_is_written_and_is_three(command, monkeypatch, tmp_path):
+    doubt = Notice("accuracy", "the data do not determine the answer", doubtful=True)
+    monkeypatch.setattr(Result, "notices", (doubt,))
+    code, out, _ = command("run", TWO_MASSES)
+    assert code == 3
+    assert "warning (accuracy): the data do not determine the answer" in out
+    assert (tmp_path / "results" / "two_masses" / "two_masses.html").exists()
+
+
+def test_interruption_is_130_without_traceback(command, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("mbconstrained.scene.run.scene.read_scene", interrupted)
+    code, _, err = command("run", TWO_MASSES)
+    assert code == 130 and "Traceback" not in err
+
+
+def test_interrupted_process_leaves_no_half_file(tmp_path):
+    path = tmp_path / "long.toml"
+    path.write_text(Path(TWO_MASSES).read_text("utf-8").replace("points = 1001", "points = 200000"))
+    running = subprocess.Popen(
+        [*COMMAND, "run", path, "--out", tmp_path / "out"], stderr=subprocess.PIPE, text=True, env=ENVIRONMENT
+    )
+    deadline = time.monotonic() + 30
+    while not (tmp_path / "out").exists() and running.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.01)
+    running.send_signal(signal.SIGINT)
+    _, err = running.communicate(timeout=60)
+    assert "Traceback" not in err
+    assert running.returncode in (0, 130)
+    assert all(file.name.startswith("long.") for file in (tmp_path / "out").iterdir())
+
+
+def test_closed_pipe_is_no_error(tmp_path):
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = process("run", TWO_MASSES, "--out", tmp_path, stdout=writing)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "two_masses.html").exists()
+
+
+def test_output_fits_a_terminal_without_greek(tmp_path):
+    done = process("run", EXAMPLES / "rigid_link.toml", "--out", tmp_path, env={**ENVIRONMENT, "PYTHONIOENCODING": "ascii"})
+    assert done.returncode == 0 and "-0.5 N s^2" in done.stdout
+
+
+def test_a_terminal_gets_tables_and_no_markup_is_interpreted(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(Path(TWO_MASSES).read_text("utf-8").replace('title = "Two masses', 'title = "[red]Two[/] masses'))
+    master, slave = pty.openpty()
+    done = process("plan", path, stdout=slave)
+    os.close(slave)
+    shown = os.read(master, 100_000).decode(errors="ignore")  # what a terminal holds may end within a letter
+    os.close(master)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "[red]Two[/] masses" in shown and "─" in shown
+
+
+def test_hostile_scene_in_a_process_of_its_own(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text('x = "' + "9**" * 300_000 + '"')
+    done = process("run", path, cwd=tmp_path)
+    assert done.returncode == 1
+    assert done.stderr.startswith("scene.toml: ") and "Traceback" not in done.stderr and len(done.stderr) < 500
+    assert [file.name for file in tmp_path.iterdir()] == ["scene.toml"]
+
+
+FORMULA = str(EXAMPLES / "two_masses_formula.toml")
+
+
+def test_formula_prints_text(command):
+    code, out, err = command("formula", FORMULA)
+    assert (code, err) == (0, "")
+    assert "x1(t) = (2/5 + 12 sqrt(5)/25) cos(w1 t)" in out and "Default values: m = 10 kg, k = 2 N/m." in out
+
+
+@pytest.mark.parametrize(
+    ("kind", "says"),
+    [("latex", r"\begin{align*}"), ("python", "def x(t, m=10.0, k=2.0):"), ("c", "#include <math.h>"), ("json", '"parameters": {')],
+)
+def test_formula_prints_other_forms(command, kind, says):
+    code, out, err = command("formula", FORMULA, "--as", kind, "--coordinates", "x1, q2")
+    assert (code, err) == (0, "") and says in out and "q1" not in out.replace("of q1", "")
+
+
+def test_formula_with_numbers_and_into_a_file(command, tmp_path):
+    code, out, err = command("formula", FORMULA, "--numbers", "--digits", "4", "--out", "folder/x.txt")
+    assert (code, out, err) == (0, "", "")
+    assert "cos(0.2764 t)" in (tmp_path / "folder" / "x.txt").read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "says"),
+    [
+        ((FORMULA, "--coordinates", "q3"), 1, 'there is no coordinate "q3"; there are x1, q1, q2'),
+        ((str(EXAMPLES / "pendulum.toml"),), 1, "there is no formula with symbols for a robot"),
+        ((FORMULA, "--as", "pascal"), 2, "pascal"),
+        ((FORMULA, "--out", "/dev/null/x"), 2, "cannot be written"),
+    ],
+)
+def test_formula_says_what_is_wrong(command, arguments, code, says):
+    found, _, err = command("formula", *arguments)
+    assert found == code and says in err
+
+
+def test_formula_with_an_error_as_json(command):
+    code, out, _ = command("formula", str(EXAMPLES / "pendulum.toml"), "--json")
+    assert code == 1 and "robot" in json.loads(out)["error"]
+
+
+def test_a_formula_does_not_take_the_place_of_its_scene(command, tmp_path):
+    scene = tmp_path / "own.toml"
+    scene.write_text((EXAMPLES / "two_masses_formula.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    link = tmp_path / "link.toml"
+    link.symlink_to(scene)
+    for out in (scene, link):
+        code, _, problem = command("formula", str(scene), "--out", str(out))
+        assert code == 1 and "is the scene itself" in problem
+    assert "[parameters]" in scene.read_text(encoding="utf-8")
+
+
+def test_a_formula_follows_links_and_leaves_devices(command, tmp_path):
+    target, link = tmp_path / "target.txt", tmp_path / "link.txt"
+    target.write_text("before")
+    link.symlink_to(target)
+    assert command("formula", str(EXAMPLES / "two_masses_formula.toml"), "--out", str(link))[0] == 0
+    assert link.is_symlink() and "x1(t)" in target.read_text(encoding="utf-8")
+    assert command("formula", str(EXAMPLES / "two_masses_formula.toml"), "--out", os.devnull)[0] == 0
+    assert Path(os.devnull).is_char_device()
+
+
+@pytest.mark.parametrize("seconds", ["inf", "1e300", "nan", "0"])
+def test_a_limit_of_time_is_a_number_of_seconds(command, seconds):
+    assert command("formula", str(EXAMPLES / "two_masses_formula.toml"), "--seconds", seconds)[0] == 2
+
+
+def test_digits_are_of_decimals(command):
+    code, _, problem = command("formula", str(EXAMPLES / "two_masses_formula.toml"), "--digits", "4")
+    assert code == 1 and "add --numbers" in problem

@@ -1,0 +1,99 @@
+"""The documentation is true: every block of code of every page runs, and its outputs are those that are printed."""
+
+import doctest
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import mbconstrained as mb
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "mbconstrained" / "docs"
+PAGES = sorted(DOCS.rglob("*.md"))
+FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+LANGUAGES = {"python", "sh", "toml", "text", "console"}
+
+
+def blocks(page: Path) -> list[tuple[str, str]]:
+    """(language, text) of the blocks of a page, in order, without directives of Sphinx."""
+    pairs = re.findall(r"^```([^\n`]*)\n(.*?)^```$", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    return [(language, text) for language, text in pairs if not language.startswith("{")]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A working folder in which the examples and robots are at hand."""
+    for name in ("examples", "robots"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def check_python(text: str, names: dict, page: str) -> None:
+    test = doctest.DocTestParser().get_doctest(text, {}, page, page, 0)
+    assert test.examples, "a block of Python shows its outputs: begin its lines with >>>"
+    test.globs = names
+    report: list[str] = []
+    doctest.DocTestRunner(optionflags=FLAGS, verbose=False).run(test, out=report.append, clear_globs=False)
+    assert not report, "".join(report)
+
+
+def check_toml(text: str, folder: Path) -> None:
+    """A block that begins with the name of a file is a whole scene; one that begins with # fragment a part of one."""
+    title = text.splitlines()[0].removeprefix("#").strip()
+    tomllib.loads(text)
+    if title != "fragment":
+        (folder / title).write_text(text, encoding="utf-8")
+        mb.read_scene(folder / title)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(DOCS).as_posix())
+def test_the_blocks_of_a_page_run_in_order(page, folder, command, monkeypatch):
+    monkeypatch.chdir(folder)
+    names: dict = {}
+    for language, text in blocks(page):
+        assert language in LANGUAGES, f"{page.name}: a block of {language or 'no language'}"
+        if language == "python":
+            check_python(text, names, page.name)
+        elif language == "toml":
+            check_toml(text, folder)
+        elif language == "sh":
+            for line in text.splitlines():
+                program, *arguments = shlex.split(line, comments=True) or ["", ""]
+                if program == "mbconstrained":
+                    code, _, errors = command(*arguments)
+                    assert code == 0, f"{line}: {errors}"
+
+
+def test_links_between_pages_and_to_files_lead_somewhere():
+    missing = [
+        f"{page.relative_to(DOCS)}: {target}"
+        for page in PAGES
+        for target in re.findall(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8"))
+        if not (page.parent / target).exists()
+    ]
+    assert not missing
+
+
+def test_every_page_is_in_a_table_of_contents():
+    listed = {
+        (page.parent / f"{name}.md").resolve()
+        for page in PAGES
+        for body in re.findall(r"^```{toctree}\n(.*?)^```$", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+        for name in body.split("\n")
+        if name and not name.startswith(":")
+    }
+    assert {page.resolve() for page in PAGES} - listed == {(DOCS / "index.md").resolve()}
+
+
+def test_files_that_the_development_pages_name_exist():
+    named = {
+        name
+        for page in (DOCS / "development").glob("*.md")
+        for name in re.findall(r"`([a-z_]+/[\w/]+\.py|(?:tests|robots)/[\w/]+\.(?:py|md))`", page.read_text(encoding="utf-8"))
+    }
+    missing = [name for name in named if not (ROOT / name).exists() and not (DOCS.parent / name).exists()]
+    assert not missing

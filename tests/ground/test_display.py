@@ -1,0 +1,105 @@
+"""Public objects at the prompt and in notebooks: one short line, and tables whose texts are escaped."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import scipy.sparse
+
+import mbconstrained as mb
+from mbconstrained.ground.display import MOST_ROWS, TextTable, table_html
+
+HOSTILE = '<script>alert(1)</script> & "x"'
+SIZE = 60
+
+
+def chain(sparse=False):
+    K = 2 * np.eye(SIZE) - np.eye(SIZE, k=1) - np.eye(SIZE, k=-1)
+    return mb.MechanicalSystem(np.eye(SIZE), 0.01 * K, scipy.sparse.csr_array(K) if sparse else K)
+
+
+def tied():
+    tie = mb.Constraint([1.0, -1.0], value=0.5, names=HOSTILE)
+    return mb.MechanicalSystem(np.diag([1.0, 3.0]), constraints=[tie], names=[HOSTILE, "b"])
+
+
+def lumped():
+    model = mb.LumpedModel()
+    model.mass(HOSTILE, 1.0)
+    model.spring("ground", HOSTILE, 2.0)
+    return model
+
+
+OBJECTS = {
+    "polynomial matrix": lambda: chain().polynomial_matrix(),
+    "structure": lambda: chain().polynomial_matrix().structure(),
+    "pairs": lambda: chain().polynomial_matrix().jordan_pairs(),
+    "finite pair": lambda: chain().polynomial_matrix().jordan_pairs().finite,
+    "infinite pair": lambda: tied().polynomial_matrix().jordan_pairs().infinite,
+    "system": tied,
+    "sparse system": lambda: chain(sparse=True),
+    "constrained form": lambda: tied().constrained_form(),
+    "constraint row": lambda: tied().rows[0],
+    "energy parts": lambda: chain().energy_parts,
+    "modes": lambda: chain().modes(),
+    "mode": lambda: chain().modes()[0],
+    "sparse modes": lambda: chain(sparse=True).modes(count=4),
+    "motion": lambda: tied().solve([1.0, 0.0], force=mb.impulse([1.0, 0.0]).delayed(1.0)),
+    "motions": lambda: tied().solve(np.eye(2)),
+    "sparse motion": lambda: chain(sparse=True).solve(force={"x3": 1.0}, count=4),
+    "response": lambda: mb.solve(
+        mb.PolynomialMatrix([np.eye(3), np.eye(3)]), np.ones((1, 3)), mb.impulse([1.0, 0.0, 0.0], order=2)
+    ),
+    "responses": lambda: mb.solve(mb.PolynomialMatrix([np.eye(3), np.eye(3)]), np.ones((4, 1, 3))),
+    "admissibility": lambda: mb.admissible(tied().polynomial_matrix(), np.ones((2, 2))),
+    "state space": lambda: mb.StateSpace(-np.eye(4), np.eye(4), np.eye(4)),
+    "state space response": lambda: mb.StateSpace(-np.eye(4), np.eye(4), np.eye(4)).solve(np.ones(4)),
+    "transfer": lambda: mb.StateSpace(-np.eye(4), np.eye(4), np.eye(4)).transfer(0, 0),
+    "normal form": lambda: mb.mechanical_normal_form([[0, 1.0], [-1, -0.1]], [[0], [1.0]]),
+    "lumped model": lumped,
+    "exact structure": lambda: mb.exact.structure(tied().polynomial_matrix()),
+    "exact response": lambda: mb.solve(mb.PolynomialMatrix([np.eye(3), np.eye(3)]), np.ones((1, 3))).exact,
+}
+
+
+@pytest.mark.parametrize("make", OBJECTS.values(), ids=OBJECTS)
+def test_a_public_object_prints_as_one_short_line(make):
+    text = repr(make())
+    assert len(text) <= 200 and "\n" not in text and "array(" not in text and " at 0x" not in text
+
+
+@pytest.mark.parametrize("make", OBJECTS.values(), ids=OBJECTS)
+def test_a_notebook_shows_well_formed_tables(make):
+    shown = make()
+    if not hasattr(shown, "_repr_html_"):
+        return
+    text = shown._repr_html_()
+    tree = ElementTree.fromstring(f"<div>{text}</div>")
+    assert tree.find("p").text == repr(shown) and "<script" not in text
+    for table in tree.findall("table"):
+        widths = {len(row) for row in table.findall("tr")}
+        assert len(widths) == 1 and len(table.findall("tr")) > 1
+
+
+def test_the_tables_of_modes_and_motions():
+    modes = ElementTree.fromstring(f"<div>{chain().modes()[:3]._repr_html_()}</div>").find("table")
+    assert [cell.text for cell in modes.find("tr")] == ["no.", "kind", "frequency (Hz)", "damping ratio"]
+    assert len(modes.findall("tr")) == 4
+    motion = ElementTree.fromstring(f"<div>{OBJECTS['motion']()._repr_html_()}</div>")
+    assert [table.find("caption").text for table in motion.findall("table")] == ["Jumps at t = 0", "Events", "Notices"]
+    names = {row[0].text for row in motion.find("table").findall("tr")[1:]}
+    assert names == {HOSTILE, "b"}
+
+
+def test_a_long_table_is_cut_and_says_so():
+    long = TextTable("Long", ("n",), tuple((n,) for n in range(MOST_ROWS + 5)))
+    text = table_html(long)
+    assert text.count("<tr>") == MOST_ROWS + 1 and f"The first {MOST_ROWS} of {MOST_ROWS + 5} rows." in text
+    assert table_html(TextTable("Empty", ("n",), ())) == ""
+
+
+def test_rows_and_columns_of_a_table_agree():
+    with pytest.raises(mb.InputError, match='table "t": row 2 has 1 entries for 2 columns'):
+        TextTable("t", ("a", "b"), (("1", "2"), ("1",)))

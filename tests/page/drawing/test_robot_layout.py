@@ -1,0 +1,130 @@
+"""The drawing of a robot: links, plates, loops, springs."""
+
+import numpy as np
+import pytest
+
+from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.animation.figure import figure_data
+from mbconstrained.page.animation.keyframes import key_frames
+from mbconstrained.page.drawing.paths import Path
+from mbconstrained.page.drawing.robot_layout import BASE_PLATE, robot_drawing, solids_of
+from tests.page.robots import Seen, Tie, four_bar, turned
+
+TIMES = np.linspace(0, 6, 121)
+REST = Path(np.zeros((3, 1)), [[0], [0], [0], [1]])
+
+
+def figure(animation):
+    return figure_data(
+        animation.drawing, [key_frames(Animation(animation.drawing, animation.names, animation.times, animation.values))]
+    )
+
+
+def test_a_closed_loop_has_no_gap_and_a_spring_its_length():
+    animation = four_bar(TIMES)
+    loop, spring, bushing = figure(animation)["links"]
+    assert (loop["kind"], loop["longest"]) == ("loop", pytest.approx(0, abs=1e-13))
+    assert (bushing["kind"], bushing["longest"]) == ("bushing", pytest.approx(0, abs=1e-13))
+    angles = np.array(next(body.path for body in animation.drawing.bodies if body.name == "coupler").quaternions)
+    assert spring["kind"] == "spring" and 0 < spring["shortest"] < spring["mean"] < spring["longest"]
+    assert angles.shape == (4, 121)
+
+
+def test_an_open_loop_shows_its_gap():
+    poses = {"a": REST, "b": Path([[0.5], [0], [0]], [[0], [0], [0], [1]])}
+    seen = [Seen("a", "box", (1, 1, 1)), Seen("b", "box", (1, 1, 1))]
+    drawing = robot_drawing(solids_of(seen), poses, [Tie("l", "loop", "a", (0, 0, 0), "b", (0, 0, 0.25))], fixed=False)
+    data = figure_data(drawing, [key_frames(Animation(drawing, (), [0.0], np.zeros((0, 1))))])
+    assert data["links"][0]["mean"] * data["unit"] == pytest.approx(np.hypot(0.5, 0.25))
+
+
+@pytest.mark.parametrize("size", [1e-3, 0.1, 3.0, 1e3])
+def test_the_picture_is_the_same_for_every_size_but_for_the_unit(size):
+    one, other = figure(four_bar(TIMES)), figure(four_bar(TIMES, size))
+    assert other["unit"] == pytest.approx(size * one["unit"])
+    for side in ("low", "high"):
+        assert other["bounds"][side] == pytest.approx(one["bounds"][side], rel=1e-9, abs=1e-9)
+    assert [link["mean"] for link in other["links"]] == pytest.approx([link["mean"] for link in one["links"]], abs=1e-9)
+    assert other["view"] == one["view"]
+
+
+def test_bounds_hold_every_part_over_the_whole_motion():
+    # a bar of length 1 that turns once about y through its end: a circle of radius 1 with half its thickness around it
+    times = np.linspace(0, 1, 401)
+    poses = {"bar": Path(np.zeros((3, 401)), turned((0, -1, 0), 2 * np.pi * times))}
+    placement = np.eye(4)
+    placement[0, 3] = 0.5
+    drawing = robot_drawing(solids_of([Seen("bar", "box", (1, 0.2, 0.2), placement)]), poses, fixed=False)
+    data = figure_data(drawing, [key_frames(Animation(drawing, (), times, np.zeros((0, 401))))])
+    radius = np.hypot(1, 0.1)
+    high = data["unit"] * np.array(data["bounds"]["high"])
+    assert high == pytest.approx([radius, 0.1, radius], rel=1e-4)
+
+
+def test_a_spring_and_a_damper_between_the_same_points_are_a_strut():
+    ties = [Tie(kind, kind, "a", (0, 0, 0), "ground", (1, 0, 0)) for kind in ("spring", "damper")]
+    ties.append(Tie("other", "damper", "a", (0, 0, 0), "ground", (2, 0, 0)))
+    drawing = robot_drawing({}, {"a": REST}, ties)
+    assert [link.kind for link in drawing.links] == ["strut", "damper"]
+
+
+def test_a_link_without_a_shape_is_a_ball_where_something_is_tied_to_it_or_nothing_has_a_shape():
+    poses = {"a": REST, "b": Path([[1], [0], [0]], [[0], [0], [0], [1]]), "c": REST}
+
+    def count(drawing):
+        return [len(body.solids) for body in drawing.bodies[:3]]
+
+    assert count(robot_drawing({}, poses)) == [1, 1, 1]
+    assert count(
+        robot_drawing(solids_of([Seen("a", "sphere", (1,))]), poses, [Tie("l", "loop", "a", (0, 0, 0), "b", (0, 0, 0))])
+    ) == [
+        1,
+        1,
+        0,
+    ]
+
+
+def test_points_on_the_ground_stand_on_plates_and_a_free_robot_has_none_at_its_root():
+    names = [body.name for body in four_bar(TIMES).drawing.bodies]
+    assert names == ["crank", "coupler", "rocker", BASE_PLATE, " plate 1", "ground"]
+    assert BASE_PLATE not in [body.name for body in four_bar(TIMES, fixed=False).drawing.bodies]
+
+
+@pytest.mark.parametrize("z, below", [(1.0, True), (-1.0, False)])
+def test_the_plate_is_under_a_robot_that_stands_and_over_one_that_hangs(z, below):
+    poses = {"root": REST, "b": Path([[0], [0], [z]], [[0], [0], [0], [1]])}
+    plate = plate_of(robot_drawing(solids_of([Seen("root", "box", (1, 0.5, 0.2))]), poses))
+    assert plate.rest[2] == pytest.approx((-1 if below else 1) * (0.1 + plate.size[2] / 2))
+    assert (plate.size[0] > 1) is below  # it does not hide a root that hangs from it
+
+
+def test_the_plate_is_at_the_origin_where_the_first_link_moves():
+    plate = plate_of(four_bar(TIMES).drawing)
+    assert plate.rest[:2] == (0, 0) and plate.rest[2] == pytest.approx(-plate.size[2] / 2)
+
+
+def plate_of(drawing):
+    return next(body for body in drawing.bodies if body.name == BASE_PLATE)
+
+
+def test_a_link_that_is_not_drawn_has_no_name_in_the_picture():
+    drawing = robot_drawing(solids_of([Seen("a", "sphere", (1,))]), {"a": REST, "frame": REST})
+    assert [body.label for body in drawing.bodies[:2]] == ["a", ""]
+
+
+def test_no_links_at_all_is_a_drawing():
+    drawing = robot_drawing({}, {})
+    data = figure_data(drawing, [key_frames(Animation(drawing, (), [0.0], np.zeros((0, 1))))])
+    assert data["unit"] > 0
+
+
+def test_colours_are_those_of_the_robot_or_differ():
+    poses = dict.fromkeys("abc", REST)
+    seen = [Seen("a", "sphere", (1,)), Seen("b", "sphere", (1,)), Seen("c", "sphere", (1,), color=(1.0, 0.5, 0, 0.25))]
+    drawing = robot_drawing(solids_of(seen), poses)
+    parts = [
+        body["solids"][0]
+        for body in figure_data(drawing, [key_frames(Animation(drawing, (), [0.0], np.zeros((0, 1))))])["bodies"][:3]
+    ]
+    assert len({part["color"] for part in parts}) == 3
+    assert (parts[2]["color"], parts[2]["opacity"]) == ("#ff8000", 0.25)

@@ -1,0 +1,82 @@
+"""Solids: their extents; meshes that are the same are stored once."""
+
+import base64
+
+import numpy as np
+import pytest
+
+from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.animation.figure import figure_data
+from mbconstrained.page.animation.keyframes import key_frames
+from mbconstrained.page.drawing.bodies import Body, Drawing, Solid
+
+TETRAHEDRON = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3.0]])
+FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+
+
+def placement(shift=(0, 0, 0), quarter=False):
+    """A shift, after a quarter turn about z if asked for."""
+    matrix = np.eye(4)
+    matrix[:3, 3] = shift
+    if quarter:
+        matrix[:2, :2] = [[0, -1], [1, 0]]
+    return matrix
+
+
+@pytest.mark.parametrize(
+    "solid, low, high",
+    [
+        (Solid("box", (2, 4, 6)), (-1, -2, -3), (1, 2, 3)),
+        (Solid("box", (2, 4, 6), placement((10, 0, 0), quarter=True)), (8, -1, -3), (12, 1, 3)),
+        (Solid("cylinder", (0.5, 4)), (-0.5, -0.5, -2), (0.5, 0.5, 2)),
+        (Solid("sphere", (0.5,)), (-0.5,) * 3, (0.5,) * 3),
+        (Solid("mesh", vertices=TETRAHEDRON, faces=FACES), (0, 0, 0), (1, 2, 3)),
+        (Solid("box", (0, 0, 0)), (0, 0, 0), (0, 0, 0)),
+    ],
+)
+def test_corners_are_those_of_a_box_around_it(solid, low, high):
+    assert solid.corners.min(axis=1) == pytest.approx(low)
+    assert solid.corners.max(axis=1) == pytest.approx(high)
+
+
+def drawn(*solids, color=None) -> tuple[list[dict], list[dict]]:
+    """The data of the solids of one body, and of the meshes."""
+    drawing = Drawing((Body("b", "solids", solids=solids, color=color),))
+    figure = figure_data(drawing, [key_frames(Animation(drawing, (), [0.0], np.zeros((0, 1))))])
+    return figure["bodies"][0]["solids"], figure["meshes"]
+
+
+@pytest.mark.parametrize("vertices", [np.zeros((0, 3)), TETRAHEDRON])
+def test_a_mesh_without_faces_has_no_extent_and_is_not_stored(vertices):
+    solid = Solid("mesh", vertices=vertices, faces=np.zeros((0, 3), int))
+    assert solid.corners.shape == (3, 0)
+    assert drawn(solid) == ([], [])
+
+
+def test_vertices_at_one_place_are_one_and_faces_without_area_are_none():
+    # as an STL file gives it: three vertices of its own to each face
+    solid = Solid("mesh", vertices=TETRAHEDRON[FACES].reshape(-1, 3), faces=np.array([*np.arange(12).reshape(4, 3), (0, 0, 1)]))
+    assert solid.vertices.shape == (4, 3)
+    corners = {tuple(sorted(map(tuple, solid.vertices[face]))) for face in solid.faces}
+    assert corners == {tuple(sorted(map(tuple, TETRAHEDRON[face]))) for face in FACES}
+
+
+def test_a_mesh_is_stored_once_however_many_parts_show_it():
+    solids = [Solid("mesh", placement=placement((i, 0, 0)), vertices=TETRAHEDRON, faces=FACES) for i in range(3)]
+    solids.append(Solid("mesh", vertices=2 * TETRAHEDRON, faces=FACES))
+    rows, meshes = drawn(*solids)
+    assert [row["mesh"] for row in rows] == [0, 0, 0, 1]
+    vertices = np.frombuffer(base64.b64decode(meshes[1]["vertices"]), "<f4").reshape(-1, 3)
+    assert np.array_equal(np.unique(vertices, axis=0), np.unique(2 * TETRAHEDRON, axis=0))
+    assert np.frombuffer(base64.b64decode(meshes[0]["faces"]), "<u4").shape == (12,)
+
+
+def test_a_part_without_a_colour_has_that_of_the_body_and_one_that_is_clear_is_left_out():
+    solids = (Solid("sphere", (1,)), Solid("sphere", (1,), color="#123456", opacity=0.5), Solid("sphere", (1,), opacity=0))
+    data, _ = drawn(*solids, color="#abcdef")
+    assert [(row["color"], row["opacity"]) for row in data] == [("#abcdef", 1), ("#123456", 0.5)]
+
+
+def test_the_placement_goes_column_by_column():
+    (row,), _ = drawn(Solid("sphere", (1,), placement((7, 8, 9), quarter=True)))
+    assert row["matrix"] == [0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1]

@@ -1,0 +1,130 @@
+"""Plots: valid SVG with axes, units, legend, and curves where they belong."""
+
+import re
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+from mbconstrained.page.content import Curve, Plot
+from mbconstrained.page.plots.svg_plot import CELLS, MOST_CURVES, MOST_POINTS, MOST_SHOWN, plot_figures
+from tests.page.contents import HOSTILE, phase_plane
+
+TIMES = np.linspace(0, 10, 11)
+
+
+def points(figure: str) -> list[np.ndarray]:
+    """The points of each curve, shape (n, 2), in parts of the width and of the height from above."""
+    drawn = re.findall(r'<path class="curve [^"]*" d="M(\d+ \d+)l([^"]*)"', figure)
+    pairs = [re.findall(r"-?\d+", f"{first} {steps}") for first, steps in drawn]
+    return [np.cumsum(np.array(numbers, int).reshape(-1, 2), axis=0) / CELLS for numbers in pairs]
+
+
+def figure_of(plot: Plot) -> str:
+    return plot_figures((plot,)).removeprefix('<div class="plots">\n').removesuffix("\n</div>")
+
+
+def looks(*curves: Curve) -> list[str]:
+    return re.findall(r'<path class="curve ([^"]*)" d="M\d+ \d+l', figure_of(Plot("p", "m", TIMES, curves)))
+
+
+def test_curves_are_linear_images_of_their_values():
+    values = TIMES**2
+    x, y = points(figure_of(Plot("p", "m", TIMES, (Curve("c", values),))))[0].T
+    assert np.allclose(x, TIMES / 10, atol=1e-4)
+    assert np.allclose(1 - y, values / 100, atol=1e-4)
+
+
+def test_both_axes_tell_their_quantity_and_unit():
+    svg = figure_of(Plot("displacement", "m", 1e-5 * TIMES, (Curve("c", 1e7 * TIMES),)))
+    assert ">displacement in 10⁶ m<" in svg
+    assert ">time in 10⁻⁶ s<" in svg
+
+
+def test_a_phase_plane_is_the_velocity_over_the_displacement():
+    phases = np.linspace(0, 3 * np.pi, 200)
+    across, curves = Curve("angle", np.cos(phases)), (Curve("q", -np.sin(phases), 2),)
+    plane = Plot("phase", "rad/s", phases, curves, across=across, across_unit="rad", quantity="angular velocity")
+    figure = figure_of(plane)
+    x, y = points(figure)[0].T
+    assert np.allclose([2 * x - 1, 1 - 2 * y], [np.cos(phases), -np.sin(phases)], atol=2e-4)
+    assert ">angle in rad<" in figure and ">angular velocity in rad/s<" in figure
+    assert 'class="curve c2"' in figure
+    assert 'data-times=""' in figure  # evenly spaced
+
+
+def test_the_points_of_a_phase_plane_know_their_times_where_they_are_uneven():
+    plane = phase_plane("p", "q", [0.0, 1.0, 4.0], [0.0, 1.0, 2.0], [1.0, 1.0, 0.0])
+    assert 'data-times="0 2500 7500"' in figure_of(plane)
+
+
+def test_a_picture_is_described_for_those_who_cannot_see_it():
+    figure = figure_of(Plot("displacement", "m", TIMES, (Curve("a", TIMES**2), Curve("b", -TIMES))))
+    assert (
+        'aria-label="displacement in m over time in s, 0 to 10 s. '
+        'a: from 0 to 100, lowest 0, highest 100; b: from 0 to −10, lowest −10, highest 0."'
+    ) in figure.replace("-0,", "0,").replace("−0 ", "0 ").replace("from −0", "from 0").replace("highest −0", "highest 0")
+
+
+def test_every_curve_has_its_own_look_and_its_name_in_the_legend():
+    count = MOST_CURVES
+    figure = figure_of(Plot("p", "", TIMES, tuple(Curve(f"curve {i}", i * TIMES, i) for i in range(count))))
+    assert len(set(looks(*(Curve("c", TIMES, i) for i in range(MOST_SHOWN))))) == MOST_SHOWN
+    found = re.findall(r'<path class="([^"]*)" d="M1 4H25"/></svg><span>curve (\d+)<', figure)
+    drawn = re.findall(r'<path class="([^"]*?)(?: off)?" d="M\d+ \d+l', figure)
+    assert found == [(look, str(i)) for i, look in enumerate(drawn)]
+    assert len(set(drawn)) == count
+
+
+def test_a_curve_keeps_its_colour_in_whatever_plot_it_stands():
+    one, two, six = Curve("one", TIMES), Curve("two", TIMES), Curve("six", TIMES, 5)
+    assert looks(one, two, six)[2] == looks(six)[0] != looks(one)[0]
+    assert looks(two) == looks(one)  # without a number, by the place in the plot
+
+
+@pytest.mark.parametrize("count", [MOST_SHOWN, MOST_SHOWN + 1, MOST_CURVES + 1, 300])
+def test_of_many_curves_the_first_are_shown_and_others_can_be(count):
+    figure = figure_of(Plot("p", "m", TIMES, tuple(Curve(f"x{i}", 10.0**i / 10**count * TIMES) for i in range(count))))
+    kept = min(count, MOST_CURVES)
+    assert re.findall(r"<span>(\w+)<", figure) == [f"x{i}" for i in range(kept)]
+    assert re.findall(r'aria-pressed="(\w+)"', figure) == ["true"] * MOST_SHOWN + ["false"] * (kept - MOST_SHOWN)
+    assert (len(points(figure)), figure.count(' off" d=')) == (kept, kept - MOST_SHOWN)
+    assert (f"the first {MOST_CURVES} of {count} curves are available" in figure) is (count > MOST_CURVES)
+    assert ("click on a name to show or hide its curve" in figure) is (count > MOST_SHOWN)
+
+
+def test_powers_of_units_are_raised():
+    assert ">acceleration in m/s²<" in figure_of(Plot("acceleration", "m/s^2", TIMES, (Curve("c", TIMES),)))
+
+
+@pytest.mark.parametrize("values", [np.zeros(11), np.full(11, 1e-300), np.full(11, -7.0), 1e289 * np.linspace(-1, 1, 11)])
+def test_constant_tiny_and_huge_curves_stay_inside_the_picture(values):
+    y = points(figure_of(Plot("p", "m", TIMES, (Curve("c", values),))))[0][:, 1]
+    assert (y >= 0).all() and (y <= 1).all()
+
+
+def test_one_time_is_a_dot():
+    assert "<circle" in figure_of(Plot("p", "m", [3.0], (Curve("c", [1.0]),)))
+
+
+def test_no_curves_are_no_error():
+    assert "no curves" in figure_of(Plot("p", "m", TIMES, ()))
+
+
+def test_a_thinned_curve_keeps_its_spikes():
+    times = np.linspace(0, 1, 50_001)
+    values = np.zeros_like(times)
+    values[[12_345, 40_000]] = 1.0, -1.0
+    y = points(figure_of(Plot("p", "m", times, (Curve("c", values),))))[0][:, 1]
+    assert len(y) <= MOST_POINTS + 2
+    assert len(np.unique(y)) == 3
+
+
+@pytest.mark.parametrize("text", [HOSTILE.replace("\u2028", " "), "x" * 10_000, "<b>&amp;"])
+def test_texts_are_escaped(text):
+    figure = ElementTree.fromstring(figure_of(Plot(text, text, TIMES, (Curve(text, TIMES),))))
+    assert figure.find("h2").text == text
+    assert figure.find("ul/li/button/span").text == text
+    assert {element.tag for element in figure.iter()} <= {
+        "figure", "h2", "svg", "line", "text", "path", "ul", "li", "button", "span",
+    }  # fmt: skip

@@ -1,0 +1,115 @@
+"""Robots of example-robot-data: Talos on two feet, and arms with fixed joints, against central differences of all forces."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import mbconstrained as mb
+from tests.robot import example_robot_data
+from tests.robot.linkages import allowed, null_space
+from tests.robot.reference import Reference
+
+pytestmark = pytest.mark.skipif(
+    example_robot_data.folder() is None,
+    reason="example-robot-data is not installed (131 MB; pip install example-robot-data, or MBCONSTRAINED_ROBOT_DATA=its folder)",
+)
+
+
+@pytest.fixture(scope="module")
+def talos():
+    """(robot, posture, system, the referee's robot, its configuration)."""
+    robot, guess = example_robot_data.talos()
+    posture = robot.equilibrium(guess, hold="all")
+    text = example_robot_data.file("talos_data/robots/talos_reduced.urdf").read_text()
+    joints = {name: value for name, value in guess.items() if name != "base"}
+    options = {"joint_stiffness": dict.fromkeys(joints, 3000.0), "joint_rest": joints, "joint_damping": dict.fromkeys(joints, 10.0)}
+    reference = Reference(text, "free", loops=robot.loops, **options)
+    q = reference.start = reference.configuration(joints, guess["base"])
+    return robot, posture, robot.linearize(posture), reference, q
+
+
+def order(robot, reference):
+    return [reference.coordinates.index(name) for name in robot.coordinates]
+
+
+def test_talos_stands(talos):
+    _, posture, system, reference, q = talos
+    assert system.size == 38 and len(system.rows) == 12
+    assert np.abs(pin.difference(reference.model, q, posture.configuration)).max() < 1e-12
+    f = reference.applied(q) + reference.rows(q).T @ reference.multipliers(q, posture.reactions)
+    for name, torque in posture.torques.items():
+        f[reference.coordinates.index(name)] += torque
+    weight = -9.81 * sum(inertia.mass for inertia in reference.model.inertias)
+    assert np.abs(f).max() < 1e-9 * abs(weight)
+    reference.place(q)
+    pushed = [reference.ends(loop)[0].turn @ posture.reactions[loop.name][:3] for loop in reference.loops]
+    assert sum(pushed) == pytest.approx([0, 0, weight], abs=1e-9 * abs(weight))  # on the ground
+
+
+def test_talos_stiffness_is_the_derivative_of_all_forces(talos):
+    robot, posture, system, reference, q = talos
+    places = order(robot, reference)
+    N = null_space(reference.rows(q)[:, places])
+    same = allowed(system)
+    assert same.shape == N.shape == (38, 26) and np.abs(same - N @ (N.T @ same)).max() < 1e-9
+    K = reference.stiffness(q, reference.multipliers(q, posture.reactions))[np.ix_(places, places)]
+    expected, actual = N.T @ K @ N, N.T @ system.stiffness @ N
+    assert np.abs(actual - expected).max() <= 1e-9 * np.abs(expected).max()
+    assert np.abs(actual - actual.T).max() <= 1e-10 * np.abs(actual).max()
+    # weight and reactions matter: without them, springs alone, the lowest frequency is another by a per cent and more
+    M = N.T @ reference.mass(q)[np.ix_(places, places)] @ N
+    both = [
+        np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(M, X)).real))
+        for X in (expected, N.T @ np.diag([0.0] * 6 + [3000.0] * 32) @ N)
+    ]
+    assert abs(both[1][0] / both[0][0] - 1) > 0.01
+    D = N.T @ reference.damping(q)[np.ix_(places, places)] @ N
+    n = len(M)
+    A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, expected), -np.linalg.solve(M, D)]])
+    zeros = np.linalg.eigvals(A)
+    known = np.sort(np.abs(zeros[zeros.imag > 1e-6]))
+    assert system.modes().natural_frequencies == pytest.approx(known, rel=1e-8)
+
+
+ARMS = {
+    "panda": ("panda_description/urdf/panda.urdf", 9),
+    "ur5": ("ur_description/urdf/ur5_robot.urdf", 6),
+    "talos arm": ("talos_data/robots/talos_left_arm.urdf", 7),
+}
+
+
+@pytest.mark.parametrize("arm", ARMS)
+def test_arms_with_fixed_joints(arm):
+    path, size = ARMS[arm]
+    text = example_robot_data.file(path).read_text()
+    text = re.sub(r"<mimic[^>]*(/>|>\s*</mimic>)", "", text)  # of these pinocchio's derivatives know nothing
+    robot, reference = mb.Robot(text), Reference(text)
+    assert len(robot.joints) == size
+    rng = np.random.default_rng(3)
+    lower, upper = np.maximum(reference.model.lowerPositionLimit, -2), np.minimum(reference.model.upperPositionLimit, 2)
+    q = lower + (upper - lower) * rng.uniform(0.2, 0.8, len(lower))
+    guess = reference.angles(q)
+    posture = robot.equilibrium(guess, hold="all")
+    system = robot.linearize(posture)
+    places = order(robot, reference)
+    expected = reference.stiffness(q, np.zeros(0))[np.ix_(places, places)]
+    assert np.abs(system.stiffness - expected).max() <= 1e-9 * np.abs(expected).max()
+    assert np.abs(system.mass - reference.mass(q)[np.ix_(places, places)]).max() <= 1e-12 * np.abs(system.mass).max()
+    assert [posture.torques[name] for name in robot.coordinates] == pytest.approx(
+        -reference.applied(q)[places], rel=1e-10, abs=1e-10
+    )
+
+
+def test_panda_with_a_finger_that_follows_the_other():
+    robot = mb.Robot(example_robot_data.file("panda_description/urdf/panda.urdf"))
+    guess = {name: 0.01 if "finger" in name else -0.5 for name in robot.joints} | {"panda_joint6": 1.5}
+    system = robot.linearize(robot.equilibrium(guess, hold="all"))
+    assert [row.name for row in system.rows] == ["panda_finger_joint2 follows panda_finger_joint1"]
+    N = allowed(system)
+    assert N.shape == (9, 8)
+    left, right = (system.names.index(f"panda_finger_joint{i}") for i in (1, 2))
+    assert np.abs(N[left] - N[right]).max() < 1e-13

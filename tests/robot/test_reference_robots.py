@@ -1,0 +1,360 @@
+"""The same machine described in two ways moves in one way: units, joints, frames, locks, motors, levels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import mbconstrained as mb
+from tests.robot import linkages
+from tests.robot.linkages import (
+    BUILDERS,
+    GROUND,
+    PLANE,
+    Linkage,
+    allowed,
+    bar,
+    given,
+    joint,
+    known_frequencies,
+    linearized,
+    link,
+    null_space,
+    robot_of,
+    urdf,
+)
+from tests.robot.random_robots import random_case, random_link
+from tests.robot.reference import Reference
+
+# ---------------------------------------------------------------- units
+
+
+@pytest.mark.parametrize("mass", [1e-9, 1.0, 1e6])
+@pytest.mark.parametrize("length", [1e-6, 1e-3, 1.0, 1e4])
+@pytest.mark.parametrize("name", ["four-bar", "skew hanging four-bar", "six-bar", "slider-crank", "four-bar with a pin"])
+def test_small_and_large_linkages(name, length, mass):
+    # lengths times a, masses times b, gravity times a, torsion springs times b a^2, line springs times b: the same w
+    p = dict(given(name))
+    lengths = {"lengths", "base", "end", "height", "coupler_point", "second_base", "pin_offset"}
+    factors = dict.fromkeys(lengths, length) | {"masses": mass, "pin_mass": mass, "pin_inertia": mass * length**2}
+    factors["stiffness"] = mass if name == "slider-crank" else mass * length**2
+    if name == "slider-crank":
+        factors |= {"rest": length, "damping": mass}
+        p["guess"] = [*p["guess"][:2], p["guess"][2] * length]
+    scaled = {key: (np.array(value) * factors.get(key, 1.0)).tolist() for key, value in p.items()}
+    described = BUILDERS[name](scaled)
+    described.options["gravity"] = tuple(length * x for x in PLANE)
+    if name == "slider-crank":
+        described.text = described.text.replace("damping=", "friction=")  # compared without its damper
+    described.text = _scaled_constants(described.text, length, mass)
+    robot, guess = described
+    system = robot.linearize(robot.equilibrium(guess))
+    assert system.modes().natural_frequencies == pytest.approx(known_frequencies(name), rel=1e-9)
+
+
+def _scaled_constants(text: str, length: float, mass: float) -> str:
+    """The moments of inertia out of the plane that linkages.py puts in as they are."""
+    return text.replace('"0.001"', f'"{0.001 * mass * length**2!r}"')
+
+
+# ---------------------------------------------------------------- joints
+
+
+def test_floating_joint_is_a_free_base():
+    body = link("body", 2.0, (0.1, -0.2, 0.05), (0.3, 0.4, 0.5, 0.02, 0.01, -0.03))
+    arm = (bar("arm", 0.7, 0.5, 0.01), joint("j1", "body", "arm", at=(0.2, 0, 0), axis=(0, 1, 0)))
+    mount = mb.Bushing(
+        "body", (0.1, 0.2, 0.3), "ground", (0.1, 0.2, 0.3), stiffness=(300, 400, 500), turning_stiffness=(30, 40, 50), name="mount"
+    )
+    options = {"springs": [mount], "joint_stiffness": {"j1": 9.0}, "joint_rest": {"j1": 0.4}}
+    free = mb.Robot(urdf(body, *arm), base="free", **options)
+    floating = mb.Robot(urdf(GROUND, body, *arm, joint("float", "frame", "body", "floating")), **options)
+    first, second = (robot.linearize(robot.equilibrium({"j1": 0.3})) for robot in (free, floating))
+    assert second.modes().natural_frequencies == pytest.approx(first.modes().natural_frequencies, rel=1e-9)
+    assert second.size == 7 and tuple(second.units.values()) == tuple(first.units.values())
+
+
+def test_planar_joint_is_two_slides_and_a_turn():
+    described = linkages.free_parallelogram(0.4, 1.5, 0.5, 1.0)
+    robot, guess = described
+    expected = robot.linearize(robot.equilibrium(guess)).modes().natural_frequencies
+    for name in ("x", "y", "turn"):
+        start = described.text.index(f'<joint name="{name}"')
+        described.text = described.text[:start] + described.text[described.text.index("</joint>", start) + 8 :]
+    for name in ("across", "along"):
+        described.text = described.text.replace(f'<link name="{name}"/>', "")
+    described.text = described.text.replace("</robot>", joint("glide", "frame", "coupler", "planar") + "</robot>")
+    robot, guess = described
+    posture = robot.equilibrium({"j1": -1.5, "j2": -1.5, "glide": (0.02, -0.5, 0.0)})
+    assert robot.linearize(posture).modes().natural_frequencies == pytest.approx(expected, rel=1e-9)
+
+
+def test_turned_axes_and_lengths_of_axes_do_not_matter():
+    p = given("double pendulum")
+    basic = linkages.double_pendulum(p).text
+    for axis in ("0.0 0.0 5.0", "0.0 0.0 0.001"):
+        robot = mb.Robot(
+            basic.replace("0.0 0.0 1.0", axis),
+            gravity=PLANE,
+            joint_stiffness={"j1": 6.0, "j2": 4.0},
+            joint_rest={"j1": 0.2, "j2": 0.9},
+        )
+        system = robot.linearize(robot.equilibrium({"j1": -1.0, "j2": 0.4}))
+        values = np.linalg.eigvals(np.linalg.solve(system.mass, system.stiffness))
+        assert np.sort(np.sqrt(values)) == pytest.approx(known_frequencies("double pendulum"), rel=1e-9)
+
+
+def test_links_on_fixed_joints_are_one_body_with_their_parent():
+    # a tool bolted on, turned and moved: its mass, and points and frames in its own axes
+    rng = np.random.default_rng(5)
+    at, turned = (0.3, -0.1, 0.2), (0.4, 1.1, -0.6)
+    base = urdf(GROUND, bar("upper", 1, 0.6), bar("lower", 1, 0.5), *(random_link(rng, "tool"),), link("nail"),
+                joint("j1", "frame", "upper", axis=(0, 1, 0)), joint("j2", "upper", "lower", at=(0.6, 0, 0), axis=(0.1, 1, 0.3)),
+                joint("j3", "lower", "tool", "TYPE", at=at, turned=turned),
+                joint("bolt", "tool", "nail", "fixed", at=(0, 0.1, 0), turned=(0, 0, 1)))  # fmt: skip
+    loop = mb.Loop("nail", (0.1, 0, 0.2), "ground", name="tip")
+    options = {"loops": [loop], "joint_stiffness": {"j1": 50.0, "j2": 40.0}, "joint_rest": {"j1": 0.5, "j2": 0.7}}
+    bolted = mb.Robot(base.replace('"TYPE"', '"fixed"'), **options)
+    locked = mb.Robot(base.replace('"TYPE"', '"continuous"'), locked={"j3": 0.0}, **options)
+    guess = {"j1": 0.5, "j2": 0.7}
+    first, second = (robot.equilibrium(guess, hold="all") for robot in (bolted, locked))
+    a, b = bolted.linearize(first), locked.linearize(second)
+    assert bolted.joints == locked.joints == ("j1", "j2") and set(bolted.bodies) == set(locked.bodies)
+    assert np.allclose(a.mass, b.mass, rtol=1e-13) and np.allclose(a.stiffness, b.stiffness, rtol=1e-12)
+    reference = Reference(
+        base.replace('"TYPE"', '"fixed"'),
+        loops=(loop,),
+        joint_stiffness=options["joint_stiffness"],
+        joint_rest=options["joint_rest"],
+    )
+    q = reference.start = reference.configuration(guess)
+    N = null_space(reference.rows(q))
+    expected = N.T @ reference.stiffness(q, reference.multipliers(q, first.reactions)) @ N
+    assert np.allclose(N.T @ a.stiffness @ N, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max(initial=1))
+    assert np.allclose(allowed(a) @ allowed(a).T, N @ N.T, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_locked_joints_leave_the_others_as_they_are(seed):
+    case = random_case(seed, joints=6, springs=3)
+    frozen = {name: case.guess[name] for name in ("j1", "j4")}
+    rest = {
+        key: {name: value for name, value in getattr(case.reference, key).items() if name not in frozen}
+        for key in ("joint_stiffness", "joint_rest", "joint_damping")
+    }
+    robot = mb.Robot(case.reference.text, locked=frozen, gravity=case.reference.gravity, springs=case.reference.springs, **rest)
+    left = {name: value for name, value in case.guess.items() if name not in frozen}
+    full = case.robot.linearize(case.robot.equilibrium(case.guess, hold="all"))
+    part = robot.linearize(robot.equilibrium(left, hold="all"))
+    keep = [full.names.index(name) for name in part.names]
+    assert len(keep) == 4
+    for key in ("mass", "damping", "stiffness"):
+        expected = getattr(full, key)[np.ix_(keep, keep)]
+        assert np.abs(getattr(part, key) - expected).max() <= 1e-11 * np.abs(expected).max()
+
+
+def test_platform_on_legs_without_mass_is_a_platform_on_line_springs():
+    # every spring as a leg: universal joint, slide with a stiffness, ball on the ground; 27 coordinates, 21 rows, 7 loops
+    p = given("platform on springs")
+    parts, loops, guess, stiffness, rest = [link("body", p["mass"], (0, 0, 0), p["inertia"])], [], {}, {}, {}
+    for i, spring in enumerate(p["springs"]):
+        along = np.subtract(spring["on_ground"], spring["on_body"])
+        turned = (0, -np.arctan2(along[2], np.hypot(*along[:2])), np.arctan2(along[1], along[0]))
+        parts += [link(f"cross {i}"), link(f"tube {i}"), link(f"rod {i}")]
+        parts += [
+            joint(f"u{i}", "body", f"cross {i}", at=spring["on_body"], turned=turned, axis=(0, 1, 0)),
+            joint(f"v{i}", f"cross {i}", f"tube {i}"),
+            joint(f"s{i}", f"tube {i}", f"rod {i}", "prismatic", axis=(1, 0, 0)),
+        ]
+        loops.append(mb.Loop(f"rod {i}", (0, 0, 0), "ground", spring["on_ground"], name=f"foot {i}"))
+        guess[f"s{i}"], stiffness[f"s{i}"], rest[f"s{i}"] = np.linalg.norm(along), spring["stiffness"], spring["rest_length"]
+    robot = mb.Robot(urdf(*parts), base="free", loops=loops, joint_stiffness=stiffness, joint_rest=rest)
+    system = robot.linearize(robot.equilibrium(guess))
+    assert (system.size, len(system.rows)) == (27, 21)
+    assert system.modes().natural_frequencies == pytest.approx(known_frequencies("platform on springs"), rel=1e-9)
+
+
+# ---------------------------------------------------------------- forces
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("kinds", [[], ["point"]])
+def test_stiffness_of_forces_that_keep_their_direction(seed, kinds):
+    # a dead force has a potential; a torque about a fixed direction has none in space, and K shows it
+    case = random_case(seed, kinds=kinds, joints=6)
+    rng = np.random.default_rng(seed)
+    force = mb.PointMotion("body 5", rng.normal(size=3), along=rng.normal(size=3))
+    torque = mb.PointMotion("body 4", along=rng.normal(size=3), turn=True)
+    case.reference.forces = ((force, 30.0), (torque, 12.0))
+    posture = case.robot.equilibrium(case.guess, forces={force: 30.0, torque: 12.0}, hold="all")
+    system = case.robot.linearize(posture)
+    q = case.reference.configuration(case.guess)
+    places = [case.reference.coordinates.index(name) for name in case.robot.coordinates]
+    J = case.reference.rows(q)[:, places]
+    N = null_space(J) if len(J) else np.eye(6)
+    expected = N.T @ case.reference.stiffness(q, case.reference.multipliers(q, posture.reactions))[np.ix_(places, places)] @ N
+    assert np.abs(N.T @ system.stiffness @ N - expected).max() <= 1e-9 * np.abs(expected).max()
+
+
+# ---------------------------------------------------------------- overconstrained in space
+
+
+def bennett(a=1.0, alpha=0.9, beta=0.5):
+    """Bennett's linkage: four hinges that no count of freedoms allows to move, a / sin(alpha) = b / sin(beta); it moves."""
+    b = a * np.sin(beta) / np.sin(alpha)
+    names, sides = ("first", "second", "third"), ((a, alpha), (b, beta), (a, alpha), (b, beta))
+    links = [link(name, 1.0, (length / 2, 0.02, 0.03), (0.01, 0.09, 0.08)) for name, (length, _) in zip(names, sides)]
+    joints = [joint("j1", "frame", "first")]
+    joints += [joint(f"j{i + 2}", names[i], names[i + 1], at=(sides[i][0], 0, 0), turned=(sides[i][1], 0, 0)) for i in range(2)]
+    return urdf(GROUND, *links, *joints), (a, alpha), (b, beta)
+
+
+def test_bennetts_linkage_moves():
+    text, (a, alpha), (b, beta) = bennett()
+    # the fourth side, seen from the ground, ends where the first begins: frame 4 = [Rx(-beta), -b] before the turn of j1
+    loop = mb.Loop(
+        "third", (a, 0, 0), "ground", (-b, 0, 0), kind="hinge", rotation1=(alpha, 0, 0), rotation2=(-beta, 0, 0), name="last"
+    )
+    stiffness, rest = {"j1": 30.0}, {"j1": 1.0}
+    described = Linkage(*robot_of(text, loops=[loop], joint_stiffness=stiffness, joint_rest=rest), {})
+    # tan(t1/2) tan(t2/2) = sin((alpha + beta)/2) / sin((beta - alpha)/2), opposite angles equal and opposite
+    t1 = 1.0
+    t2 = 2 * np.arctan(np.sin((beta + alpha) / 2) / np.sin((beta - alpha) / 2) / np.tan(t1 / 2))
+    reference = described.reference()
+    starts = [
+        {"j1": u, "j2": v, "j3": w} for u, v, w in ((t1, t2, -t1), (t1, -t2, -t1), (t1, t2 + np.pi, np.pi - t1), (t1, t2, t1))
+    ]
+    closed = [reference.closed(reference.configuration(start)) for start in starts]
+    q = min(closed, key=lambda q: np.abs(reference.gaps(q)).max())
+    assert np.abs(reference.gaps(q)).max() < 1e-13, "the test's own closure"
+    robot, _ = described
+    posture = robot.equilibrium(reference.angles(q))
+    assert {notice.kind for notice in posture.notices} <= {"redundant", "distant posture"} and not any(
+        notice.doubtful for notice in posture.notices
+    )
+    system = robot.linearize(posture)
+    N = allowed(system)
+    assert N.shape == (3, 1)
+    q = reference.configuration(posture.joints)
+    pull = np.linalg.lstsq(reference.rows(q).T, -reference.applied(q), rcond=1e-9)[0]
+    assert np.abs(reference.applied(q) + reference.rows(q).T @ pull).max() < 1e-9
+    expected = N.T @ reference.stiffness(q, pull) @ N
+    assert N.T @ system.stiffness @ N == pytest.approx(expected, rel=1e-8)
+
+
+# ---------------------------------------------------------------- levels, motors, pictures
+
+
+@pytest.mark.parametrize("name", ["four-bar", "slider-crank", "six-bar", "spatial loop"])
+def test_the_level_of_the_loops_does_not_change_a_motion_that_obeys_them(name):
+    robot, posture, system = linearized(name)
+    N = allowed(system)
+    start, rate = N @ np.ones(N.shape[1]), N @ np.full(N.shape[1], 2.0)
+    times = np.linspace(0, 3, 50)
+    expected = system.solve(displacement=start, velocity=rate)(times)
+    for level in ("velocity", "acceleration"):
+        other = robot.linearize(posture, level=level).solve(displacement=start, velocity=rate)(times)
+        assert np.abs(other - expected).max() <= 1e-9 * np.abs(expected).max()
+
+
+def test_reactions_of_a_motion_are_in_the_frame_of_the_loop():
+    # M q'' + C q' + K q = J^T lambda, rows "<loop> x", ... of force on body 2 in the frame on body 1
+    robot, posture, system = linearized("four-bar")
+    J = system.constraint_matrix
+    described = linkages.four_bar(given("four-bar"))
+    reference = described.reference()
+    q = reference.configuration(posture.joints)
+    reference.place(q)
+    first, second = reference.ends(reference.loops[0])
+    places = [reference.coordinates.index(name) for name in robot.coordinates]
+    rows = (first.turn.T @ (second.moves - first.moves))[:, places]
+    names = [row.name for row in system.rows]
+    expected = (
+        rows[["closure x", "closure y", "closure z"].index(names[0])],
+        rows[["closure x", "closure y", "closure z"].index(names[1])],
+    )
+    assert np.abs(J - np.array(expected)).max() < 1e-12
+
+
+@pytest.mark.parametrize("name", ["flexible arm", "flexible arm with PD"])
+def test_motion_without_motors_is_the_same(name):
+    _, _, system = linearized(name)
+    start, rate = np.array([0.01, -0.02, 0.015, 0.005]), np.array([0.1, 0.2, -0.1, 0.3])
+    force = mb.step([0, 0, 1.0, 0]) + mb.harmonic([0, 0.3, 0, 0.5], angular_frequency=3.0)
+    times = np.linspace(0, 4, 60)
+    doubled = system.solve(displacement=start, velocity=rate, force=force)(times)[:2]
+    alone = system.without_motors().solve(displacement=start, velocity=rate, force=force)(times)[:2]
+    assert np.abs(alone - doubled).max() <= 1e-8 * np.abs(doubled).max()
+
+
+def test_four_bar_driven_through_an_elastic_gear():
+    # doubled coordinates and a loop: against the same gear as a real rotor, a link of its own on the crank's axis
+    p = given("four-bar")
+    rotor, k, c = 0.4, 55.0, 0.3
+    flexible = mb.Robot(linkages.four_bar_text(p), loops=[linkages.four_bar_loop(p)], gravity=PLANE,
+                        flexible_joints={"j1": mb.FlexibleJoint(k, damping=c, motor_inertia=rotor, gear_ratio=1.0, proportional_gain=25.0)})  # fmt: skip
+    posture = flexible.equilibrium(dict(zip(("j1", "j2", "j3"), p["guess"])))
+    system = flexible.linearize(posture)
+    fixed = posture.torques["j1"]
+    text = linkages.four_bar_text(p, "revolute", link("rotor", 1.0, (0, 0, 0), (rotor,) * 3), joint("motor", "frame", "rotor"))
+    text = text.replace('<parent link="frame"/><child link="crank"/>', '<parent link="rotor"/><child link="crank"/>')
+    # j1 is now the twist of the gear, motor the angle of the rotor: rest of the twist so that the torque is the same
+    stiffness, rest = {"j1": k, "motor": 25.0}, {"j1": 0.0}
+    twist = -fixed / k
+    rest["motor"] = posture.joints["j1"] - twist - fixed / 25.0 * -1.0
+    real = mb.Robot(
+        text, loops=[linkages.four_bar_loop(p)], gravity=PLANE, joint_stiffness=stiffness, joint_rest=rest, joint_damping={"j1": c}
+    )
+    there = real.equilibrium({**posture.joints, "j1": twist, "motor": posture.joints["j1"] - twist})
+    assert there.joints["j1"] == pytest.approx(twist, rel=1e-9) and there.joints["j2"] == pytest.approx(
+        posture.joints["j2"], rel=1e-9
+    )
+    expected = real.linearize(there).modes()
+    assert sorted(abs(mode.eigenvalue) for mode in system.modes()) == pytest.approx(
+        sorted(abs(mode.eigenvalue) for mode in expected), rel=1e-9
+    )
+    degree4 = system.without_motors()
+    start = np.zeros(system.size)
+    times = np.linspace(0, 3, 40)
+    force = mb.step(np.eye(system.size)[list(system.names).index("j1 motor")])
+    doubled = system.solve(displacement=start, force=force)(times)[:3]
+    alone = degree4.solve(displacement=start, force=force)(times)[:3]
+    assert np.abs(alone - doubled).max() <= 1e-8 * np.abs(doubled).max()
+
+
+@pytest.mark.parametrize("name", ["four-bar", "spatial loop", "platform on springs", "spherical four-bar"])
+def test_poses_are_those_of_the_links_with_closed_loops(name):
+    robot, posture, system = linearized(name)
+    reference = BUILDERS[name](given(name)).reference()
+    base = posture.configuration[:7] if reference.base == "free" else None
+    q0 = reference.configuration(posture.joints, base)
+    places = [reference.coordinates.index(coordinate) for coordinate in robot.coordinates]
+    N = allowed(system)
+    shape = N[:, :1] / np.abs(N[:, 0]).max()
+    d = shape * np.array([[0.0, 0.02, 0.05, -0.05]])
+    actual = robot.poses(posture, d, scale=2.0)
+    assert set(actual) == set(robot.bodies)
+    for k, moved in enumerate(d.T):
+        step = np.zeros(len(places))
+        step[places] = 2.0 * moved
+        q = reference.closed(pin.integrate(reference.model, q0, step))
+        reference.place(q)
+        for body, poses in actual.items():
+            end = reference.end(body, (0, 0, 0), (0, 0, 0))
+            turn = pin.Quaternion(*poses.quaternions[[3, 0, 1, 2], k]).toRotationMatrix()
+            # the shortest way back onto a loop may be measured in several ways: they differ by the square of the motion
+            loose = 1e-5 if not reference.loops else 1e-5 + 5 * np.abs(2 * moved).max() ** 2
+            assert np.abs(poses.positions[:, k] - end.place).max() < loose and np.abs(turn - end.turn).max() < loose
+
+
+def test_connection_points_meet():
+    robot, posture, _ = linearized("six-bar")
+    described = BUILDERS["six-bar"](given("six-bar")).reference()
+    described.place(described.configuration(posture.joints))
+    for item in robot.connection_points(posture):
+        first, second = (
+            described.end(body, point, (0, 0, 0)).place for body, point in ((item.body1, item.point1), (item.body2, item.point2))
+        )
+        assert item.kind == "loop" and np.abs(first - second).max() < 1e-12
+    assert {item.name for item in robot.connection_points(posture)} == {"first", "second"}

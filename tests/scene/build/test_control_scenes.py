@@ -1,0 +1,313 @@
+"""Scenes of kinds "transfer-function" and "state-space": what they ask for, what is written, what is refused."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.scene.run.modes.scene_modes import SceneModes
+from mbconstrained.scene.run.report.page_report import page_content
+from tests.scene.scenes import scene_of
+
+FRACTION = """
+[model]
+kind = "transfer-function"
+numerator = [2]
+denominator = [1, 3, 2]
+units = { u = "V", y = "rad" }
+
+[[force]]
+coordinate = "u"
+kind = "step"
+value = "500 mV"
+
+[time]
+end = 2
+points = 5
+"""
+
+STATES = """
+[model]
+kind = "state-space"
+A = [[0, 1], [-4, -5]]
+B = [[0], [1]]
+C = [[1, 0]]
+units = { y1 = "m", x1 = "m", u1 = "N" }
+
+[initial]
+state = { x1 = "10 cm" }
+
+[[force]]
+coordinate = "u1"
+kind = "step"
+value = "4 N"
+
+[time]
+end = 2
+points = 5
+"""
+
+BASES = {"fraction": FRACTION, "states": STATES}
+
+
+def lag(t):
+    """2 / (s + 1)(s + 2) from rest by a step of one."""
+    return 1 - 2 * np.exp(-t) + np.exp(-2 * t)
+
+
+def test_a_step_response_in_its_units(tmp_path):
+    result = scene_of(tmp_path, FRACTION).run()
+    assert result.values[0] == pytest.approx(0.5 * lag(result.times), abs=1e-15)
+    assert result.scene.equations.coordinates.units == ("rad",)
+    assert "u     y   none         2     1 rad/V" in result.summary()
+
+
+@pytest.mark.parametrize("gamma", [0, 1, 2, 3])
+def test_gamma_is_the_input(tmp_path, gamma):
+    text = FRACTION[: FRACTION.index("[[force]]")] + f"gamma = {gamma}\n[time]\nend = 2\npoints = 5\n"
+    text = text.replace('units = { u = "V", y = "rad" }\n\ngamma', "gamma")
+    result = scene_of(tmp_path, text).run()
+    expected = mb.transfer_function_response([2], [1, 3, 2], gamma)
+    assert np.array_equal(result.values, expected(result.times))
+
+
+def test_gamma_and_forces_add(tmp_path):
+    result = scene_of(tmp_path, FRACTION.replace("units =", "gamma = 1\nunits =")).run()
+    assert result.values[0] == pytest.approx(1.5 * lag(result.times), abs=1e-15)
+
+
+def test_values_of_the_output_before_zero(tmp_path):
+    # y'' + 3 y' + 2 y = 0 from y = 0.2, y' = -0.2: 0.2 e^-t; with u' in the numerator a step makes y' jump by b_1/a_2
+    free = (
+        FRACTION[: FRACTION.index("[[force]]")]
+        + "[initial]\ndisplacement = { y = 0.2 }\nvelocity = { y = -0.2 }\n[time]\nend = 2\npoints = 5\n"
+    )
+    result = scene_of(tmp_path, free).run()
+    assert result.values[0] == pytest.approx(0.2 * np.exp(-result.times), rel=1e-14)
+    with_step = free.replace("numerator = [2]", "numerator = [3, 2]").replace(
+        "[initial]", '[[force]]\ncoordinate = "u"\nkind = "step"\nvalue = 1\n[initial]'
+    )
+    found = scene_of(tmp_path, with_step).run()
+    assert found.motion.jump[:, 0] == pytest.approx([0, 3])
+
+
+def test_a_fraction_on_which_nothing_acts_is_refused(tmp_path):
+    text = FRACTION[: FRACTION.index("[[force]]")] + "[time]\nend = 2\npoints = 5\n"
+    with pytest.raises(mb.SceneError, match="model: nothing acts: give gamma = 1"):
+        scene_of(tmp_path, text)
+
+
+def test_as_many_zeros_as_poles_and_more(tmp_path):
+    # s^2/(s + 1) of a step is s/(s + 1) = 1 - 1/(s + 1): delta - e^-t, times 0.5
+    text = FRACTION.replace("[2]", "[1, 0, 0]").replace("[1, 3, 2]", "[1, 1]")
+    motion = scene_of(tmp_path, text).run().motion
+    assert [impulse.tolist() for impulse in motion.impulses] == [[0.5]]
+    assert motion([0.0, 1.0])[0] == pytest.approx([-0.5, -0.5 * np.exp(-1)], abs=1e-15)
+
+
+def test_a_constant_gain(tmp_path):
+    result = scene_of(tmp_path, FRACTION.replace("[1, 3, 2]", "[4]")).run()
+    assert result.values[0] == pytest.approx(np.full(5, 0.25), rel=1e-15)
+    assert "There are none" in result.summary()
+
+
+def test_a_state_space_from_a_state(tmp_path):
+    # x'' + 5 x' + 4 x = 4 from 0.1 at rest: 1 - 0.9 (4 e^-t - e^-4t)/3
+    result = scene_of(tmp_path, STATES).run()
+    t = result.times
+    x = 1 - 0.3 * (4 * np.exp(-t) - np.exp(-4 * t))
+    assert result.values == pytest.approx(np.array([x, 1.2 * (np.exp(-t) - np.exp(-4 * t)), x]), abs=1e-14)
+    assert result.scene.equations.coordinates.names == ("x1", "x2", "y1")
+    assert np.array_equal(result.curves("output").values, result.values[2:])
+    assert not result.motion.jump.any()
+
+
+def test_the_normal_form_moves_the_same_outputs(tmp_path):
+    plain = scene_of(tmp_path, STATES).run()
+    made = scene_of(tmp_path, STATES.replace("units =", "normal_form = true\nunits =")).run()
+    assert made.curves("output").values == pytest.approx(plain.curves("output").values, abs=1e-14)
+    assert made.system.stiffness == pytest.approx(np.array([[4.0]]), rel=1e-13)
+    assert made.scene.equations.coordinates.names == ("q1",)
+    assert made.values == pytest.approx(made.curves("output").values, abs=1e-13)  # B = [0; 1]: q is x1
+    content = page_content(made)
+    assert content.animation is not None and [plot.title for plot in content.plots] == ["displacement", "output"]
+
+
+def test_the_normal_form_starts_from_its_own_values_too(tmp_path):
+    text = STATES.replace("units =", 'coordinates = ["cart"]\nnormal_form = true\nunits =').replace(
+        "state = { x1 =", "displacement = { cart ="
+    )
+    made, plain = scene_of(tmp_path, text).run(), scene_of(tmp_path, STATES).run()
+    assert made.curves("output").values == pytest.approx(plain.curves("output").values, abs=1e-13)
+    assert made.scene.equations.control.start == pytest.approx([0.1, 0.0], abs=1e-15)
+
+
+def test_outputs_of_the_normal_form_that_jump_are_told(tmp_path):
+    text = STATES.replace("C = [[1, 0]]", "C = [[1, 0]]\nD = [[0.5]]\nnormal_form = true")
+    summary = scene_of(tmp_path, text).run().summary()
+    assert "Outputs at t = 0" in summary and "y1  jumps  0.1 m   2.1 m  2 m" in summary
+
+
+def test_a_descriptor_in_files(tmp_path):
+    np.savez(tmp_path / "plant.npz", E=np.diag([1.0, 0.0]), A=np.array([[-1.0, 1.0], [0.0, 1.0]]))
+    text = STATES.replace(
+        "A = [[0, 1], [-4, -5]]", 'A = { file = "plant.npz", array = "A" }\ndescriptor = { file = "plant.npz", array = "E" }'
+    )
+    result = scene_of(tmp_path, text).run()  # x2 = -u = -4, x1' = -x1 - 4 from 0.1
+    assert result.values[0] == pytest.approx(-4 + 4.1 * np.exp(-result.times), rel=1e-14)
+    assert result.motion.jump[0] == pytest.approx([0, -4, 0])
+
+
+def test_only_outputs_are_plotted_and_nothing_is_animated(tmp_path):
+    result = scene_of(tmp_path, STATES).run(tmp_path / "out")
+    content = page_content(result)
+    assert content.animation is None and [(plot.title, plot.unit) for plot in content.plots] == [("output", "m")]
+    assert (tmp_path / "out" / "scene.html").exists()
+    with open(tmp_path / "out" / "scene.csv", encoding="utf-8", newline="") as file:
+        assert next(csv.reader(file)) == ["time (s)", "x1 displacement (m)", "x2 value (1)", "y1 displacement (m)"]
+    with np.load(tmp_path / "out" / "scene.npz") as found:
+        assert found["outputs"].tolist() == ["y1"] and found["displacement"].shape == (3, 5)
+
+
+def test_a_drawing_makes_an_animation(tmp_path):
+    drawing = '[[drawing.body]]\nname = "cart"\nshape = "box"\nmoves = { x1 = [1, 0, 0] }\n'
+    assert page_content(scene_of(tmp_path, STATES + drawing).run()).animation is not None
+
+
+def test_without_outputs_the_states_are_plotted(tmp_path):
+    text = STATES.replace("C = [[1, 0]]\n", "").replace('y1 = "m", ', "")
+    content = page_content(scene_of(tmp_path, text).run())
+    assert [(plot.title, plot.unit) for plot in content.plots] == [("displacement", "m"), ("value", "")]
+
+
+def test_the_plan_says_what_is_done(tmp_path):
+    stages = {stage.name: stage for stage in scene_of(tmp_path, STATES).plan().stages}
+    assert stages["assemble the model"].reason == "2 states, 1 input, 1 output"
+    assert not stages["mechanical normal form"].needed and stages["outputs"].needed
+    assert not stages["animation"].needed and "[drawing]" in stages["animation"].reason
+    made = {
+        stage.name: stage for stage in scene_of(tmp_path, STATES.replace("units =", "normal_form = true\nunits =")).plan().stages
+    }
+    assert made["mechanical normal form"].needed and made["animation"].needed and made["modes"].needed
+    assert made["mechanical normal form"].seconds >= 0
+    fraction = {stage.name: stage for stage in scene_of(tmp_path, FRACTION).plan().stages}
+    assert fraction["assemble the model"].reason == "numerator of degree 0, denominator of degree 2"
+    assert "mechanical normal form" not in fraction
+
+
+def test_the_zeros_of_the_equations_are_called_poles(tmp_path):
+    result = scene_of(tmp_path, FRACTION).run()
+    assert "Poles\n  kind   pole (1/s)" in result.summary() and "Zeros" not in result.summary()
+    data = json.loads(json.dumps(result.as_json(), allow_nan=False))
+    assert data["transfer_functions"] == [
+        {"input": "u", "output": "y", "dc_gain": 1.0, "zeros": [], "poles": [[-1, 0], [pytest.approx(-2), 0]], "gain": 2.0}
+    ]
+    assert data["inputs"] == [{"name": "u", "unit": "V"}]
+
+
+def test_a_common_factor_is_told(tmp_path):
+    result = scene_of(tmp_path, FRACTION.replace("[2]", "[2, 2]")).run()
+    assert any("common factor s + 1" in notice.text for notice in result.notices)
+
+
+def test_no_dc_gain_with_a_pole_at_zero(tmp_path):
+    assert "none: a pole at 0" in scene_of(tmp_path, FRACTION.replace("[1, 3, 2]", "[1, 3, 0]")).run().summary()
+
+
+def test_zeros_of_many_states_are_not_looked_for(tmp_path):
+    text = STATES.replace("[[0, 1], [-4, -5]]", str((-np.eye(50)).tolist())).replace("[[0], [1]]", str([[1]] * 50))
+    text = text.replace("[[1, 0]]", str([[1] * 50])).replace("units = ", "#").replace('"10 cm"', "0.1").replace('"4 N"', "4")
+    scene = scene_of(tmp_path, text)
+    stage = next(stage for stage in scene.plan().stages if stage.name == "transfer functions")
+    assert not stage.needed and "DC gains are listed" in stage.reason
+    assert "not looked for        50" in scene.run().summary()
+
+
+def test_modes_of_a_state_space_are_its_poles(tmp_path):
+    lines = SceneModes(scene_of(tmp_path, STATES)).lines
+    assert [line.value.real for line in lines] == pytest.approx([-1, -4])
+    with pytest.raises(mb.SceneError, match="model: a page of modes needs mass"):
+        SceneModes(scene_of(tmp_path, STATES)).write_page(tmp_path)
+
+
+CASES = [  # base, what is replaced, by what, message
+    ("fraction", "denominator = [1, 3, 2]", "", r"model\.denominator: this key is missing"),
+    ("fraction", "[1, 3, 2]", "[0, 0]", r"model: denominator: every coefficient is zero"),
+    ("fraction", "[1, 3, 2]", "[]", r"model\.denominator: found an array of 0|model\.denominator: .*at least 1"),
+    ("fraction", "numerator = [2]", "numerator = 2", r"model\.numerator: found 2; expected an array"),
+    ("fraction", "numerator = [2]", "numerator = [nan]", r"model\.numerator\[1\]: found nan; expected a finite number"),
+    ("fraction", "numerator = [2]", 'numerator = ["2 s"]', r'model\.numerator\[1\]: found "2 s"; expected a plain number'),
+    ("fraction", "numerator = [2]", 'numerator = [2]\noutput = "u"', r'model: input and output have the same name, "u"'),
+    ("fraction", "numerator = [2]", "numerator = [2]\ngamma = 1.5", r"model\.gamma: found 1.5; expected a whole number"),
+    ("fraction", "numerator = [2]", "numerator = [2]\nnormal_form = true", r'model: unknown key "normal_form"'),
+    ("fraction", 'u = "V"', 'v = "V"', r'model: units: there is no input or output "v"'),
+    ("fraction", 'u = "V"', 'u = "Volts per"', r'model\.units\.u: found "Volts per", but there is no unit'),
+    ("fraction", 'u = "V"', "u = 5", r"model\.units\.u: found 5; expected a unit such as"),
+    ("fraction", 'coordinate = "u"', 'coordinate = "v"', r'force\[1\]: there is no input "v"; the inputs are u'),
+    ("fraction", '"500 mV"', '"500 mA"', r'force\[1\]: value: found "500 mA", .*expected a quantity in V'),
+    (
+        "fraction",
+        "[time]",
+        "[initial]\nstate = [1]\n[time]",
+        r"initial\.state: a transfer function has no states; give displacement",
+    ),
+    ("fraction", "[time]", "[initial]\nacceleration = [1]\n[time]", r"initial\.acceleration: the equations have degree 2"),
+    ("fraction", "[time]", "[initial]\ndisplacement = { x = 1 }\n[time]", r'initial\.displacement: there is no coordinate "x"'),
+    ("fraction", "[time]", "[initial]\nfollow = true\n[time]", r"initial\.follow: there are no constraint rows"),
+    ("states", "A = [[0, 1], [-4, -5]]", "A = [[0, 1]]", r"model: A: expected a square matrix, found 1 x 2"),
+    ("states", "A = [[0, 1], [-4, -5]]\n", "", r"model\.A: this key is missing"),
+    ("states", "B = [[0], [1]]", "B = [[0]]", r"model: B: expected shape 2 x any, found 1 x 1"),
+    ("states", "B = [[0], [1]]", 'B = "missing.csv"', r"model\.B: missing\.csv: there is no such file"),
+    ("states", "C = [[1, 0]]", 'C = [[1, 0]]\nstates = ["x1"]', r"model: states: 1 names given for 2"),
+    ("states", "C = [[1, 0]]", 'C = [[1, 0]]\ncoordinates = ["q"]', r"model: coordinates are the displacements of the normal form"),
+    (
+        "states",
+        "C = [[1, 0]]",
+        'C = [[1, 0]]\nnormal_form = true\ncoordinates = ["a", "b"]',
+        r"model\.coordinates: found 2 names; expected 1",
+    ),
+    ("states", "C = [[1, 0]]", 'C = [[1, 0]]\nnormal_form = true\ncoordinates = ["x1"]', r'model: the name "x1" is used twice'),
+    ("states", "state = { x1", "displacement = { x1", r"initial: a state space starts from its states; write state = "),
+    ("states", "state = { x1", "state = { x3", r'initial\.state: there is no state "x3"; the states are x1, x2'),
+    ("states", 'x1 = "10 cm"', 'x1 = "10 s"', r'initial\.state: x1: found "10 s", a time; expected a length'),
+    ("states", "[time]", '[output]\nplots = ["energy"]\n[time]', r"output\.plots: energy is known only where"),
+    (
+        "states",
+        'C = [[1, 0]]\nunits = { y1 = "m", x1',
+        'normal_form = true\nunits = { q1 = "V", x1',
+        r'model\.units: .*found \'V\'; expected "m", "rad"',
+    ),
+]
+
+
+@pytest.mark.parametrize(("base", "old", "new", "message"), CASES, ids=[f"{case[0]}-{i}" for i, case in enumerate(CASES)])
+def test_message(tmp_path, base, old, new, message):
+    assert old in BASES[base]
+    with pytest.raises(mb.SceneError, match=rf"^scene\.toml: (?s:.*){message}"):
+        scene_of(tmp_path, BASES[base].replace(old, new, 1))
+
+
+@pytest.mark.parametrize("key", ["inputs", "outputs"])
+def test_names_of_states_inputs_and_outputs_differ(tmp_path, key):
+    text = STATES.replace('units = { y1 = "m", x1 = "m", u1 = "N" }', f'{key} = ["x2"]')
+    with pytest.raises(mb.SceneError, match=r'model: .*the name "x2" is used twice'):
+        scene_of(tmp_path, text)
+
+
+def test_states_belong_to_state_spaces_only(tmp_path):
+    text = '[model]\nkind = "matrices"\nmass = [[1]]\n[initial]\nstate = [1]\n[time]\nend = 1\n'
+    with pytest.raises(mb.SceneError, match='initial.state belongs to kind = "state-space"'):
+        scene_of(tmp_path, text)
+
+
+def test_no_outputs_to_plot(tmp_path):
+    text = STATES.replace("C = [[1, 0]]\n", "").replace('y1 = "m", ', "") + '[output]\nplots = ["output"]\n'
+    with pytest.raises(mb.SceneError, match=r"output\.plots: found output, but no outputs are named"):
+        scene_of(tmp_path, text)
+
+
+def test_a_singular_pencil(tmp_path):
+    with pytest.raises(mb.SingularPolynomialMatrix):
+        scene_of(tmp_path, STATES.replace("[[0, 1], [-4, -5]]", "[[0, 1], [0, 0]]\ndescriptor = [[1, 0], [0, 0]]"))

@@ -1,0 +1,195 @@
+"""Forces of a scene that begin later, pulses and records: what they are, what is wrong with them, and what is told."""
+
+import json
+
+import numpy as np
+import pytest
+
+from mbconstrained.ground.errors import SceneError
+from mbconstrained.scene.run.report.page_report import page_content
+from tests.scene.scenes import MATRICES, OSCILLATOR, scene_of
+
+T = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 2.75, 4.0])
+TABLE = '[[force]]\ncoordinate = "a"\n{}\n[time]'
+
+#: Two coordinates without mass: a = force/4, so that it jumps with the force; b' follows from b'' = force.
+MASSLESS = MATRICES.replace("mass = [[1, 0], [0, 1]]", "mass = [[0, 0], [0, 1]]").replace("[[1, 0], [0, 4]]", "[[4, 0], [0, 0]]")
+
+
+def force(folder, entry):
+    return scene_of(folder, MATRICES.replace("[time]", TABLE.format(entry))).equations.force
+
+
+@pytest.mark.parametrize(
+    ("entry", "function"),
+    [
+        ('kind = "step"\nvalue = "2 N"\ndelay = "1 s"', lambda t: 2.0 * (t >= 1)),
+        ('kind = "ramp"\nvalue = 2\ndelay = "500 ms"', lambda t: 2 * np.maximum(t - 0.5, 0)),
+        ('kind = "harmonic"\nvalue = 1\nangular_frequency = 3\ndelay = 1', lambda t: np.cos(3 * (t - 1)) * (t >= 1)),
+        ('kind = "pulse"\nvalue = "3 kN"\nstart = "1 s"\nduration = "1 s"', lambda t: 3000.0 * ((t >= 1) & (t < 2))),
+        ('kind = "pulse"\nvalue = 3\nduration = 0.5\ndelay = 1', lambda t: 3.0 * ((t >= 1) & (t < 1.5))),
+        (
+            'kind = "sampled"\ntimes = [1, "2000 ms", 4]\nvalues = ["1 N", 3, "1 N"]',
+            lambda t: np.interp(t, [1, 2, 4], [1, 3, 1]) * ((t >= 1) & (t < 4)),
+        ),
+        ('kind = "sampled"\ntimes = [0, 1]\nvalues = [2, 2]\ndelay = 1', lambda t: 2.0 * ((t >= 1) & (t < 2))),
+        ('kind = "sampled"\ntimes = [0, 1, 1, 2]\nvalues = [0, 1, 5, 5]', lambda t: np.where(t < 1, t, 5.0 * (t < 2))),
+    ],
+)
+def test_a_force_is_the_function_that_its_table_says(tmp_path, entry, function):
+    assert force(tmp_path, entry)(T) == pytest.approx(np.array([function(T), 0 * T]), rel=1e-14, abs=1e-14)
+
+
+def test_an_impulse_may_come_later(tmp_path):
+    (load,) = force(tmp_path, 'kind = "impulse"\nvalue = "3 N*s"\ndelay = "2 s"').later
+    assert load.time == 2.0 and [g.tolist() for g in load.impulses] == [[3.0, 0.0]]
+
+
+@pytest.mark.parametrize(
+    ("name", "column", "scale"), [("record.csv", "", 1.0), ("data/record.csv", "column = 3", 10.0), ("record.npz", "", 1.0)]
+)
+def test_a_record_is_read_from_a_file(tmp_path, name, column, scale):
+    times = np.linspace(0.5, 3.5, 1000)
+    table = np.column_stack([times, np.sin(times), 10 * np.sin(times)])
+    (tmp_path / "data").mkdir()
+    for place in ("record.csv", "data/record.csv"):
+        np.savetxt(tmp_path / place, table, delimiter=",", header="time (s), force (N), ten times as much", fmt="%.17g")
+    np.savez(tmp_path / "record.npz", table)
+    found = force(tmp_path, f'kind = "sampled"\nfile = "{name}"\n{column}')
+    assert found(T)[0] == pytest.approx(scale * np.interp(T, times, np.sin(times)) * ((T >= 0.5) & (T < 3.5)), rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("0,1\n1,2\n0.5,3\n", r"force\[1\]: record\.csv, line 3: 1 s is followed by 0\.5 s; times must ascend"),
+        ("# time, force\n0,1\n\n1,two\n", r"force\[1\]: record\.csv, line 4: found '1,two'; expected numbers"),
+        ("0,1\n1,2,3\n", r"force\[1\]: record\.csv, line 2: it has another number of columns"),
+        ("0\n1\n", r"force\[1\]: record\.csv: found 1 column; expected the times in s in column 1 and the force in column 2"),
+        ("0,1\n", r"force\[1\]: record\.csv: times: found 1; a record needs at least two samples"),
+        ("-1,1\n1,1\n", r"force\[1\]: record\.csv: times: the first is -1 s"),
+        ("", r"force\[1\]: record\.csv: the file is empty"),
+    ],
+)
+def test_a_wrong_record_is_named_with_its_line(tmp_path, content, message):
+    (tmp_path / "record.csv").write_text(content)
+    with pytest.raises(SceneError, match=message):
+        force(tmp_path, 'kind = "sampled"\nfile = "record.csv"')
+
+
+@pytest.mark.parametrize("name", ["/etc/passwd", "../record.csv", "missing.csv"])
+def test_a_record_lies_in_the_folder_of_the_scene(tmp_path, name):
+    folder = tmp_path / "scene"
+    folder.mkdir()
+    (tmp_path / "record.csv").write_text("0,1\n1,1\n")
+    with pytest.raises(SceneError, match=r"force\[1\]: .*(absolute path|leads out of the folder|no such file)"):
+        force(folder, f'kind = "sampled"\nfile = "{name}"')
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ('kind = "step"\nvalue = 1\ndelay = -1', r"force\[1\]: delay: found -1 s; expected 0 or a later time"),
+        ('kind = "step"\nvalue = 1\ndelay = "2 N"', r'force\[1\]\.delay: found "2 N", a force'),
+        ('kind = "pulse"\nvalue = 1\nduration = 1e-20\ndelay = 2', r"force\[1\]: delay: 2 s would bring .* to one and the same"),
+        ('kind = "pulse"\nvalue = 1', r"force\[1\]\.duration: this key is missing"),
+        ('kind = "pulse"\nvalue = 1\nduration = 0', r"force\[1\]: duration: found 0"),
+        ('kind = "pulse"\nvalue = "1 m"\nduration = 1', r'force\[1\]: value: found "1 m", a length'),
+        ('kind = "sampled"', r"force\[1\]: give times and values, or file"),
+        ('kind = "sampled"\ntimes = [0, 1]', r"force\[1\]: give times and values, or file"),
+        ('kind = "sampled"\ntimes = [0, 1]\nvalues = [1]', r"force\[1\]: found 2 times and 1 values"),
+        ('kind = "sampled"\ntimes = [0, 1]\nvalues = [1, "2 m"]', r'force\[1\]: values\[2\]: found "2 m", a length'),
+        ('kind = "sampled"\ntimes = [1, 0]\nvalues = [1, 2]', r"force\[1\]: times: 1 s is followed by 0 s"),
+        ('kind = "sampled"\ntimes = [0, 1]\nvalues = [1, 2]\nfile = "a.csv"', r"force\[1\]: give either times and values or file"),
+        ('kind = "sampled"\ntimes = [0, 1]\nvalues = [1, 2]\ncolumn = 3', r"force\[1\]: column and array belong to a file"),
+        ('kind = "sampld"\nvalue = 1', r'force\[1\]: kind: found "sampld"; .*did you mean "sampled"'),
+    ],
+)
+def test_wrong_tables_are_told(tmp_path, entry, message):
+    with pytest.raises(SceneError, match=message):
+        force(tmp_path, entry)
+
+
+def events_scene(folder, points=5):
+    entry = 'kind = "pulse"\nvalue = 8\nstart = 0.25\nduration = 0.5\n[[force]]\ncoordinate = "b"\nkind = "impulse"\nvalue = 3\ndelay = 0.5'
+    return scene_of(folder, MASSLESS.replace("[time]", TABLE.format(entry)).replace("points = 5", f"points = {points}")).run()
+
+
+def test_what_happens_later_has_a_table_and_one_sentence(tmp_path):
+    summary = events_scene(tmp_path).summary()
+    assert "Jumps and impulses after t = 0" in summary
+    assert "note (jump): After t = 0 there are 3 jumps; the tables give the sizes" in summary
+    for row in (
+        "0.25 s  a   displacement jumps  0 m",
+        "0.5 s   b   velocity jumps      0 m/s",
+        "0.75 s  a   displacement jumps  2 m",
+    ):
+        assert row in summary
+    assert "At t = 0 there" not in summary
+
+
+def test_the_page_shows_them(tmp_path):
+    content = page_content(events_scene(tmp_path))
+    (table,) = [table for table in content.tables if table.title == "Jumps and impulses after t = 0"]
+    assert table.rows[1] == ("0.5 s", "b", "velocity jumps", "0 m/s", "3 m/s", "3 m/s")
+
+
+def test_programs_get_all_of_them(tmp_path):
+    result = events_scene(tmp_path)
+    data = json.loads(json.dumps(result.as_json()))
+    assert [event["time"] for event in data["events"]] == [0.25, 0.5, 0.75]
+    assert data["events"][0]["jump"] == [[2.0, 0.0], [0.0, 0.0]]
+    with np.load(result.write_npz(tmp_path / "result.npz")) as arrays:
+        assert arrays["event_times"].tolist() == [0.25, 0.5, 0.75]
+        assert arrays["event_jumps"].shape == (3, 2, 2) and arrays["event_impulses"].shape == (3, 0, 2)
+
+
+def test_the_curves_have_the_right_limits_at_events(tmp_path):
+    result = events_scene(tmp_path)
+    assert result.times.tolist() == [0, 0.25, 0.5, 0.75, 1]
+    assert result.values == pytest.approx(np.array([[0, 2, 2, 0, 0], [0, 0, 0, 0.75, 1.5]]))
+    lines = result.write_csv(tmp_path / "result.csv").read_text("utf-8").splitlines()
+    assert [float(entry) for entry in lines[2].split(",")] == [0.25, 2.0, 0.0]
+
+
+def test_of_thousands_the_first_are_listed(tmp_path):
+    times = np.linspace(0, 1, 2001)
+    np.savetxt(tmp_path / "record.csv", np.column_stack([times, np.random.default_rng(0).normal(size=2001)]), delimiter=",")
+    result = scene_of(tmp_path, MASSLESS.replace("[time]", TABLE.format('kind = "sampled"\nfile = "record.csv"'))).run()
+    summary = result.summary()
+    assert len(summary.splitlines()) < 60
+    assert "The first 20 of 2001 are shown." in summary
+    assert len(result.as_json()["events"]) == len(result.motion.events) == 2000
+    assert result.is_trusted
+
+
+def test_coefficients_have_events_with_units(tmp_path):
+    # q = force, an angle; the derivative of the force acts on nothing
+    text = '[model]\nkind = "matrices"\ncoordinates = ["q"]\nunits = { q = "rad" }\ncoefficients = [[[1]], [[0]]]\n'
+    text += '[[force]]\ncoordinate = "q"\nkind = "pulse"\nvalue = 2\nstart = 1\nduration = 1\n[time]\nend = 3\npoints = 7\n'
+    notices = [notice.text for notice in scene_of(tmp_path, text).run().notices]
+    assert notices[:2] == [
+        "q: its angle jumps at t = 1 s by 2 rad, from 0 rad to 2 rad",
+        "q: its angle jumps at t = 2 s by -2 rad, from 2 rad to 0 rad",
+    ]
+
+
+def test_a_later_force_keeps_the_plan_of_a_force(tmp_path):
+    text = OSCILLATOR.replace("[time]", '[[force]]\ncoordinate = "cart"\nkind = "step"\nvalue = 1\ndelay = 1\n[time]')
+    assert not scene_of(tmp_path, text).equations.is_free and scene_of(tmp_path, OSCILLATOR).equations.is_free
+
+
+@pytest.mark.parametrize(
+    ("record", "message"),
+    [
+        ("# t, f\n0,1\n1,nan\n", r"a\.csv, line 3: found an entry that is nan or infinite; expected numbers"),
+        ("0,1\n\n1,-inf\n", r"a\.csv, line 3: found an entry that is nan or infinite"),
+        ("0,1\n1e300,1\n", r"a\.csv, line 2: found 1e\+300 s and 1; expected 0 or a size between 1e-100 and 1e\+100"),
+        ("0,1\n1e-200,1\n", r"a\.csv, line 2: found 1e-200 s and 1; expected 0 or a size between"),
+        ("# t, f\n0,1e-150\n1,1\n", r"a\.csv, line 2: found 0 s and 1e-150; expected 0 or a size between"),
+    ],
+)
+def test_a_wrong_number_in_a_record_is_told_with_its_line(tmp_path, record, message):
+    (tmp_path / "a.csv").write_text(record)
+    with pytest.raises(SceneError, match=message):
+        force(tmp_path, 'kind = "sampled"\nfile = "a.csv"')

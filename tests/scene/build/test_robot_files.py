@@ -1,0 +1,172 @@
+"""robot.toml: what is read, and what is said about entries that are wrong."""
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+
+from mbconstrained.ground.errors import SceneError
+from mbconstrained.scene.build.robot_file import read_robot
+from mbconstrained.scene.schema.robot_tables import RobotFile
+from tests.scene.robots import ROBOTS, TOML, URDF, press
+from tests.scene.schema.test_schema import references_lead_somewhere, tables_are_closed_and_described
+
+
+def test_quantities_arrive_in_si_by_the_kind_of_their_joint(tmp_path):
+    robot, data = read_robot(press(tmp_path))
+    assert (data.title, data.source, data.licence, data.name) == ("Press", "tests", "MIT", "press")
+    assert data.posture == {"guess": {"pivot": pytest.approx(math.radians(5)), "slide": 0.02}, "forces": {}, "hold": ()}
+    numbers = dict(zip(robot.coordinates, robot.joint_stiffness))
+    assert numbers == {"pivot": 40.0, "slide": 3000.0} and robot.joint_damping.tolist() == [0.1, 4.0]
+    (tie,) = robot.springs
+    assert (tie.point1, tie.stiffness, tie.preload, tie.rest_length) == ((0.2, 0.0, 0.0), 1000.0, 5.0, None)
+
+
+def test_the_folder_or_its_file_may_be_given(tmp_path):
+    folder = press(tmp_path)
+    assert repr(read_robot(folder)[0]) == repr(read_robot(folder / "robot.toml")[0]) == repr(read_robot(str(folder))[0])
+
+
+def test_the_posture_of_the_file_is_one(tmp_path):
+    robot, data = read_robot(press(tmp_path))
+    posture = robot.equilibrium(**data.posture)
+    assert posture.residual < 1e-12 and set(posture.joints) == {"pivot", "slide"}
+
+
+def test_a_locked_joint_is_gone_from_springs_and_posture(tmp_path):
+    robot, data = read_robot(press(tmp_path), locked={"pivot": 0.1})
+    assert robot.coordinates == ("slide",) and list(data.posture["guess"]) == ["slide"]
+    assert robot.equilibrium(**data.posture).residual < 1e-12
+    file = TOML.replace("[[spring]]", 'locked = { pivot = "10 deg" }\n[[spring]]')
+    held = read_robot(press(tmp_path, file))[1]
+    assert held.locked == {"pivot": pytest.approx(math.radians(10))}
+
+
+def test_forces_and_held_joints_belong_to_the_posture(tmp_path):
+    more = (
+        'forces = { pivot = "2 N*m" }\nhold = ["slide"]\n[[posture.body_force]]\nbody = "ram"\nalong = [0, 0, 2]\nvalue = "3 N"\n'
+    )
+    robot, data = read_robot(press(tmp_path, TOML + more))
+    assert data.posture["hold"] == ("slide",) and sorted(data.posture["forces"].values()) == [2.0, 3.0]
+    held = robot.equilibrium(**data.posture)
+    free = robot.equilibrium(**{**data.posture, "forces": {"pivot": 2.0}})
+    assert free.torques["slide"] - held.torques["slide"] == pytest.approx(3.0, abs=1e-9)  # without the 3 N upwards
+    assert held["slide"] == 0.02
+
+
+def test_every_robot_stands_in_the_index_with_its_licence():
+    index = (ROBOTS / "README.md").read_text("utf-8")
+    rows = {row[1]: row[0] for row in re.finditer(r"\| \[(\w+)\]\(\1\) .*", index)}
+    folders = {path.parent.name for path in ROBOTS.glob("*/robot.toml")}
+    assert set(rows) == folders and len(folders) >= 9
+    for name in folders:
+        _, data = read_robot(ROBOTS / name)
+        assert data.title and data.source and rows[name].rstrip(" |").endswith(data.licence)
+        data.check_meshes()
+
+
+@pytest.mark.parametrize("name", sorted(path.parent.name for path in ROBOTS.glob("*/robot.toml")))
+def test_the_robots_have_the_inertia_of_their_shapes_and_rest(name):
+    robot, data = read_robot(ROBOTS / name)
+    posture = robot.equilibrium(**data.posture)
+    assert posture.residual < 1e-10 and posture.loop_error < 1e-10
+    K = robot.linearize(posture).stiffness
+    assert np.abs(K - K.T).max() <= 1e-10 * np.abs(K).max()
+    assert "<collision" not in data.names.path.read_text("utf-8")
+
+
+def test_the_arm_has_a_mesh_of_a_few_dozen_triangles():
+    robot, _ = read_robot(ROBOTS / "seven_joint_arm")
+    (mesh,) = [visual for visual in robot.visuals() if visual.kind == "mesh"]
+    assert mesh.link == "tool" and 24 <= len(mesh.faces) <= 100
+    assert np.ptp(mesh.vertices, axis=0) == pytest.approx([0.06, 0.06, 0.08], rel=1e-3)
+
+
+def test_the_schema_of_robot_files_is_complete():
+    schema = RobotFile.model_json_schema()
+    tables_are_closed_and_described(schema)
+    references_lead_somewhere(schema)
+    assert json.dumps(schema)
+
+
+CASES = [  # what is replaced, by what, message
+    ("joint_stiffness", "joint_stifness", r'the file: unknown key "joint_stifness"; did you mean "joint_stiffness"\?'),
+    ('licence = "MIT"\n', "", r"licence: this key is missing"),
+    ('"40 N*m/rad"', '"40 N/m"', r'joint_stiffness: pivot: found "40 N/m", a stiffness; expected a torsional stiffness'),
+    ('"3 N/mm"', '"3 N*m/rad"', r'joint_stiffness: slide: found "3 N\*m/rad", .*; expected a stiffness'),
+    (
+        'pivot = "0.1',
+        'pivott = "0.1',
+        r'joint_damping: there is no joint "pivott"; did you mean "pivot"\?; the joints are pivot, slide',
+    ),
+    ('"5 deg"', '"5 m"', r'posture: guess: pivot: found "5 m", a length; expected an angle'),
+    ('slide = "2 cm" }', 'slide = "2 deg" }', r'posture: guess: slide: found "2 deg", an angle; expected a length'),
+    ('slide = "2 cm" }', "slide = [1, 2] }", r"posture: guess: slide: found an array of 2; expected a length"),
+    ("[posture]", '[posture]\nforces = { slide = "1 N*m" }', r'posture: forces: slide: found "1 N\*m", a torque; expected a force'),
+    ("[posture]", '[posture]\nhold = ["slid"]', r'posture: hold: there is no joint "slid"; did you mean "slide"'),
+    ("[posture]", '[posture]\nhold = "al"', r'posture\.hold: found "al"; expected "all" or names'),
+    (
+        'body2 = "ram"',
+        'body2 = "rum"',
+        r'spring\[1\] \(of "tie"\): body2: there is no body "rum"; did you mean "ram"\?; the bodies are ground, base',
+    ),
+    ('body2 = "ram"', 'body2 = "crank"', r'spring\[1\] \(of "tie"\): .*both ends are on "crank"'),
+    ('preload = "5 N"', 'preload = "5 N"\nrest_length = 1', r"spring\[1\] .*both rest_length and preload"),
+    ('preload = "5 N"', 'preload = "5 m"', r'spring\[1\]\.preload \(of "tie"\): found "5 m", a length; expected a force'),
+    ('"1 N/mm"', "-5", r"spring\[1\] .*stiffness.*found -5"),
+    ('["20 cm", 0, 0]', '["20 cm", 0]', r'spring\[1\]\.point1 \(of "tie"\): found an array of 2; expected at least 3'),
+    (
+        "[[spring]]",
+        '[[loop]]\nbody1 = "crank"\npoint1 = [0, 0, 0]\nbody2 = "ram"\nkind = "ball"\n[[spring]]',
+        r'loop\[1\]\.kind: found "ball"',
+    ),
+    ("[[spring]]", 'gravity = "9 m"\n[[spring]]', r'gravity: found "9 m", a length; expected an acceleration'),
+    ("[[spring]]", "gravity = [0, 1]\n[[spring]]", r"gravity: found an array of 2; expected one number"),
+    ("[[spring]]", 'base = "fre"\n[[spring]]', r'base: found "fre"; .*did you mean "free"'),
+    ("[[spring]]", 'locked = { pivot = "1 N" }\n[[spring]]', r'locked: pivot: found "1 N", a force; expected an angle'),
+    (
+        "[[spring]]",
+        "[flexible_joints.pivit]\nstiffness = 1\nmotor_inertia = 1\n[[spring]]",
+        r'flexible_joints\.pivit: there is no joint "pivit"',
+    ),
+    (
+        "[[spring]]",
+        '[flexible_joints.slide]\nstiffness = "1 N*m/rad"\nmotor_inertia = 1\n[[spring]]',
+        r'flexible_joints\.slide: stiffness: found "1 N\*m/rad", .*expected a stiffness',
+    ),
+    (
+        'slide = "2 cm" }',
+        'slide = "2 cm" }\n[[posture.body_force]]\nbody = "rim"\nvalue = 1',
+        r'posture: body_force\[1\]: there is no body "rim"; did you mean "ram"',
+    ),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), CASES, ids=[f"{new[:40]!r}" for _, new, _ in CASES])
+def test_message(tmp_path, old, new, message):
+    assert old in TOML
+    with pytest.raises(SceneError, match=message) as caught:
+        read_robot(press(tmp_path, TOML.replace(old, new, 1)))
+    assert str(caught.value).startswith("press/robot.toml: ")
+
+
+URDF_CASES = [
+    ('type="continuous"', 'type="continous"', r'press/press\.urdf: urdf.*"continous".*did you mean "continuous"'),
+    ('<child link="ram"/>', '<child link="rum"/>', r'urdf: .*its child is "rum", which is no link.*did you mean "ram"'),
+    ('<mass value="2"/>', '<mass value="-2"/>', r"urdf, .*mass: found -2"),
+    ("</robot>", "", r"urdf: .*not XML"),
+    ('<robot name="press">', '<robt name="press">', r"urdf: .*"),
+]
+
+
+def test_a_urdf_that_is_not_there_is_told_with_the_nearest_name(tmp_path):
+    with pytest.raises(SceneError, match=r'press/pres\.urdf: there is no file "pres\.urdf"; did you mean "press\.urdf"'):
+        read_robot(press(tmp_path, TOML.replace('urdf = "press', 'urdf = "pres')))
+
+
+@pytest.mark.parametrize(("old", "new", "message"), URDF_CASES, ids=[new[:30] for _, new, _ in URDF_CASES])
+def test_message_about_the_urdf(tmp_path, old, new, message):
+    with pytest.raises(SceneError, match=message):
+        read_robot(press(tmp_path, urdf=URDF.replace(old, new, 1)))

@@ -1,0 +1,86 @@
+"""Scenes of robots with a joint that follows another: plan, evidence, and what is locked with its leader."""
+
+import pytest
+
+from mbconstrained.ground.errors import SceneError
+from mbconstrained.scene.build.robot_file import read_robot
+from tests.scene.robots import SCENE, TOML, URDF, press
+from tests.scene.scenes import scene_of
+
+MIMIC = URDF.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><mimic joint="pivot" multiplier="0.1" offset="0.01"/>')
+PLAIN = TOML[: TOML.index("[[spring]]")]
+POSTURE = '[posture]\nguess = { pivot = "5 deg", slide = "2 cm" }\nforces = { slide = "1 N" }\nhold = ["slide"]\n'
+
+THIRD = """
+  <link name="flag">
+    <inertial><mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
+  </link>
+  <joint name="mast" type="continuous"><parent link="ram"/><child link="flag"/><axis xyz="0 0 1"/></joint>
+</robot>
+"""
+
+
+def stages(scene):
+    return {stage.name: (stage.needed, stage.reason) for stage in scene.plan().stages}
+
+
+def following(folder, toml=TOML):
+    """The press with a slide that follows the pivot, and a flag on it that is free."""
+    return press(folder, toml, MIMIC.replace("</robot>", THIRD))
+
+
+def test_the_plan_counts_the_rows_of_joints_that_follow(tmp_path):
+    following(tmp_path)
+    taken = stages(scene_of(tmp_path, SCENE.replace("displacement", "follow = true\ndisplacement")))
+    assert taken["dependent constraint rows"] == (True, "1 row, 0 of them dependent")
+    assert taken["equilibrium"][1] == "the motion is about a state of rest, with 1 joint that follows another"
+    assert taken["constrained form"] == (True, "1 independent row at position level")
+
+
+def test_loops_and_joints_that_follow_are_counted_together(tmp_path):
+    loop = '[[loop]]\nname = "pin"\nbody1 = "crank"\npoint1 = [0.2, 0, 0]\nbody2 = "ground"\n'
+    following(tmp_path, TOML.replace("[[spring]]", f"{loop}[[spring]]"))
+    taken = stages(scene_of(tmp_path, SCENE.replace('{ pivot = "1 deg" }', "{}")))
+    assert taken["dependent constraint rows"][1].startswith("4 rows, 2 of them")  # a pin that only a turn opens, in a plane
+    assert taken["equilibrium"][1].endswith("with 1 closed loop and 1 joint that follows another")
+
+
+def test_the_gap_of_a_joint_that_follows_is_evidence(tmp_path):
+    following(tmp_path)
+    found = scene_of(tmp_path, SCENE.replace("displacement", "follow = true\ndisplacement"))
+    assert "equilibrium: loops" in found.run().summary()
+
+
+@pytest.mark.parametrize("place", ["scene", "file", "argument"])
+def test_what_follows_is_locked_with_its_leader_and_forgotten_wherever_it_is_named(tmp_path, place):
+    toml = PLAIN + ('locked = { pivot = "0.3 rad" }\n' if place == "file" else "") + POSTURE
+    folder = following(tmp_path, toml)
+    if place == "argument":
+        robot, data = read_robot(folder, locked={"pivot": 0.3})
+    else:
+        lock = 'locked = { pivot = "0.3 rad" }\n[initial]' if place == "scene" else "[initial]"
+        scene = scene_of(tmp_path, SCENE.replace("[initial]", lock).replace('{ pivot = "1 deg" }', "{}"))
+        robot, data = scene.equations.robot, scene.equations.robot_scene.data
+    assert robot.coordinates == ("mast",)
+    assert robot.locked == data.locked == pytest.approx({"pivot": 0.3, "slide": 0.04})
+    assert data.posture == {"guess": {}, "forces": {}, "hold": ()}
+
+
+def test_a_scene_locks_a_leader_elsewhere_than_the_file_and_what_follows_goes_along(tmp_path):
+    following(tmp_path, PLAIN + 'locked = { pivot = "0.1 rad" }\n' + POSTURE)
+    scene = scene_of(
+        tmp_path, SCENE.replace("[initial]", 'locked = { pivot = "0.3 rad" }\n[initial]').replace('{ pivot = "1 deg" }', "{}")
+    )
+    assert scene.equations.robot.locked == pytest.approx({"pivot": 0.3, "slide": 0.04})
+
+
+def test_a_follower_locked_alone_is_told_where_it_stands(tmp_path):
+    message = 'locked: "slide" follows "pivot", which moves'
+    following(tmp_path, PLAIN + "locked = { slide = 0.1 }\n" + POSTURE)
+    with pytest.raises(SceneError, match=rf"^press/robot\.toml: .*{message}"):
+        scene_of(tmp_path, SCENE)
+    following(tmp_path)
+    with pytest.raises(SceneError, match=rf"^scene\.toml: model: {message}"):
+        scene_of(tmp_path, SCENE.replace("[initial]", "locked = { slide = 0.1 }\n[initial]"))
+    with pytest.raises(SceneError, match=rf"^press/robot\.toml: .*{message}"):
+        read_robot(tmp_path / "robots" / "press", locked={"slide": 0.1})

@@ -1,0 +1,209 @@
+"""Scenes of kind "robot": inputs, outputs, postures, what is told of them, what is left out."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from mbconstrained.ground.errors import SceneError
+from mbconstrained.scene.run.scene import read_scene
+from tests.scene.robots import SCENE, TOML, press
+from tests.scene.scenes import EXAMPLES, OSCILLATOR, scene_of
+
+LOOP = TOML.replace("[[spring]]", '[[loop]]\nname = "pin"\nbody1 = "crank"\npoint1 = [0.2, 0, 0]\nbody2 = "ground"\n[[spring]]')
+
+
+def stages(scene):
+    return {stage.name: (stage.needed, stage.reason) for stage in scene.plan().stages}
+
+
+def test_coordinates_are_the_joints(tmp_path):
+    press(tmp_path)
+    scene = scene_of(tmp_path, SCENE)
+    assert scene.equations.coordinates.names == ("pivot", "slide") and scene.equations.coordinates.units == ("rad", "m")
+    assert scene.equations.robot is scene.equations.posture.robot
+    assert scene.equations.initial[0] == pytest.approx([math.radians(1), 0])
+    result = scene.run()
+    assert result.is_trusted and result.motion(0.0)[0] == pytest.approx(math.radians(1))
+
+
+def test_other_scenes_have_no_robot(tmp_path):
+    equations = scene_of(tmp_path, OSCILLATOR).equations
+    assert equations.robot is None and equations.posture is None
+
+
+def test_inputs_push_points_and_outputs_see_them(tmp_path):
+    press(tmp_path)
+    spots = "".join(
+        f'[[model.{key}]]\nname = "tip"\nbody = "crank"\npoint = [0.2, 0, 0]\nalong = [0, 0, 5]\n'
+        f'[[model.{key}]]\nname = "bend"\nbody = "crank"\nalong = [0, -1, 0]\nturn = true\n'
+        f'[[model.{key}]]\nname = "lift"\njoint = "slide"\n'
+        for key in ("input", "output")
+    )
+    force = '[[force]]\ncoordinate = "tip"\nkind = "step"\nvalue = "3 N"\n[[force]]\ncoordinate = "bend"\nkind = "step"\nvalue = "2 N*m"\n'
+    scene = scene_of(tmp_path, SCENE.replace("[initial]", spots + force + "[initial]") + '[output]\nplots = ["output"]\n')
+    arm = 0.2 * math.cos(scene.equations.posture["pivot"])  # height of the tip by angle
+    assert scene.equations.robot_scene.system.output_matrix == pytest.approx(np.array([[arm, 0], [1, 0], [0, 1]]), abs=1e-14)
+    assert scene.equations.force(1.0) == pytest.approx([3 * arm + 2, 0])
+    result = scene.run()
+    outputs = result.curves("output")
+    assert (outputs.names, outputs.units) == (("tip", "bend", "lift"), ("m", "rad", "m"))
+    assert outputs.values == pytest.approx(scene.equations.robot_scene.system.output_matrix @ result.values)
+    head = result.write_csv(tmp_path / "a.csv").read_text().splitlines()[0]
+    assert "tip output (m)" in head
+    with np.load(result.write_npz(tmp_path / "a.npz")) as data:
+        assert data["outputs"].tolist() == ["tip", "bend", "lift"] and data["output"].shape == (3, 21)
+
+
+def test_a_scene_may_have_another_posture(tmp_path):
+    press(tmp_path)
+
+    def posture(model):
+        return scene_of(tmp_path, SCENE.replace("[initial]", f"{model}\n[initial]")).equations.posture
+
+    assert posture('guess = { slide = "30 mm" }\nhold = ["slide"]')["slide"] == 0.03
+    usual = posture("")
+    assert posture('forces = { pivot = "1 N*m" }')["pivot"] > usual["pivot"]
+    lifted = posture('[[model.body_force]]\nbody = "ram"\nalong = [0, 0, 1]\nvalue = "5 N"')
+    assert lifted["slide"] > usual["slide"]
+
+
+LIFT = '[[KEY.body_force]]\nbody = "ram"\nalong = [0, 0, 1]\nvalue = VALUE\n'
+
+
+def test_a_scene_is_merged_with_the_posture_of_the_file(tmp_path):
+    def lift(key, value):
+        return LIFT.replace("KEY", key).replace("VALUE", str(value))
+
+    press(tmp_path, TOML + 'forces = { pivot = "1 N*m", slide = "2 N" }\nhold = ["pivot"]\n' + lift("posture", 5))
+
+    def posture(model):
+        return scene_of(tmp_path, SCENE.replace("[initial]", f"{model}\n[initial]")).equations.posture
+
+    usual = posture("")
+    assert set(usual.torques) == {"pivot"} and usual["pivot"] == pytest.approx(math.radians(5))
+    moved = posture('guess = { pivot = "7 deg" }')  # joint by joint: that of the slide is kept, on which the tie's length depends
+    assert moved["pivot"] == pytest.approx(math.radians(7)) and set(moved.torques) == {"pivot"}
+    assert posture("hold = []").torques == {}
+    assert (
+        posture("forces = { slide = 0 }")["slide"]
+        < usual["slide"]
+        < posture("forces = { pivot = 0 }\n" + lift("model", 9))["slide"]
+    )
+    without = posture(lift("model", 0))
+    assert without["slide"] == pytest.approx(posture('forces = { slide = "-3 N" }')["slide"], abs=1e-12)  # 5 N less
+    both = posture(lift("model", 5).replace("[0, 0, 1]", "[0, 0, 1]\npoint = [0.1, 0, 0]"))
+    assert both["slide"] == pytest.approx(posture('forces = { slide = "7 N" }')["slide"], abs=1e-12)  # 5 N more
+
+
+def test_a_scene_may_lock_joints(tmp_path):
+    press(tmp_path)
+    scene = scene_of(tmp_path, SCENE.replace("[initial]", 'locked = { slide = "1 cm" }\n[initial]'))
+    assert scene.equations.coordinates.names == ("pivot",)
+
+
+def test_what_the_posture_tells_is_in_every_form(tmp_path):
+    press(tmp_path, LOOP + 'hold = ["slide"]\n')
+    result = scene_of(tmp_path, SCENE.replace('displacement = { pivot = "1 deg" }', "")).run()
+    summary, page = result.summary(), result.write_page(tmp_path / "a.html").read_text("utf-8")
+    for text in ("Posture", "Loop forces at rest", "equilibrium: residual", "equilibrium: loops", "with load"):
+        assert text in summary and text in page
+    data = json.loads(json.dumps(result.as_json(), allow_nan=False))
+    assert data["robot"] == {"name": "press", "title": "Press", "source": "tests", "licence": "MIT"}
+    posture = data["posture"]
+    assert set(posture) == {"joints", "torques", "reactions", "residual", "loop_error"}
+    assert set(posture["torques"]) == {"slide"} and len(posture["reactions"]["pin"]) == 6 and posture["residual"] < 1e-9
+    assert "robot" not in scene_of(tmp_path, OSCILLATOR).run().as_json()
+    assert "Press; tests; licence MIT" in page
+
+
+def test_the_plan_tells_what_a_robot_needs(tmp_path):
+    press(tmp_path)
+    taken = stages(scene_of(tmp_path, SCENE))
+    assert taken["robot model (pinocchio)"] == (True, "press/robot.toml: 3 links, 2 joints")
+    assert taken["equilibrium"][0] and taken["collision geometry"] == (False, "it is never loaded")
+    assert taken["dependent constraint rows"] == (False, "the robot has no loops: no rows are built")
+    assert taken["robot meshes"] == (False, "the robot is drawn from boxes, cylinders and spheres")
+    press(tmp_path, LOOP + 'hold = ["slide"]\n')
+    assert (
+        stages(scene_of(tmp_path, SCENE))["dependent constraint rows"][1] == "3 rows, 2 of them dependent"
+    )  # a crank of which both ends are fixed
+    other = stages(scene_of(tmp_path, OSCILLATOR))
+    assert other["robot model (pinocchio)"] == (False, "no robot in the scene") and "equilibrium" not in other
+
+
+def test_units_of_the_robot_are_counted(tmp_path):
+    press(tmp_path)
+    texts = (SCENE, SCENE.replace('"1 s"', "1"))
+    many, fewer = (int(stages(scene_of(tmp_path, text))["units"][1].split()[0]) for text in texts)
+    assert many == fewer + 1 == 11
+
+
+def test_meshes_are_read_only_where_they_are_drawn():
+    scene = read_scene(EXAMPLES / "seven_joint_arm.toml")
+    assert stages(scene)["robot meshes"] == (True, "1 mesh to draw")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("[initial]", '[[model.input]]\nname = "p"\n[initial]', r"model\.input\[1\] .*give either joint, or body"),
+        (
+            "[initial]",
+            '[[model.input]]\nname = "p"\njoint = "pivit"\n[initial]',
+            r'model\.input\[1\] .*no joint "pivit"; did you mean "pivot"',
+        ),
+        (
+            "[initial]",
+            '[[model.output]]\nname = "p"\nbody = "crnk"\n[initial]',
+            r'model\.output\[1\] .*no body "crnk"; did you mean "crank"',
+        ),
+        (
+            "[initial]",
+            '[[model.output]]\nname = "p"\nbody = "crank"\nalong = [0, 0, 0]\n[initial]',
+            r"model\.output\[1\] .*expected a direction",
+        ),
+        ("[initial]", '[[model.input]]\nname = "p"\njoint = "pivot"\nturn = true\n[initial]', r"turn belongs to a body"),
+        (
+            "[initial]",
+            '[[model.input]]\nname = "slide"\njoint = "pivot"\n[initial]',
+            r'model: input "slide": this is the name of a coordinate',
+        ),
+        (
+            "[initial]",
+            '[[model.input]]\nname = "p"\njoint = "pivot"\n[[model.input]]\nname = "p"\njoint = "slide"\n[initial]',
+            r"model\.input\[2\] .*used twice",
+        ),
+        (
+            "[initial]",
+            '[[force]]\ncoordinate = "pivto"\nkind = "step"\nvalue = 1\n[initial]',
+            r'force\[1\]: there is no coordinate "pivto"; did you',
+        ),
+        (
+            "[initial]",
+            '[[force]]\ncoordinate = "slide"\nkind = "step"\nvalue = "1 N*m"\n[initial]',
+            r"force\[1\]: value: .*expected a force",
+        ),
+        ("[time]", '[output]\nplots = ["output"]\n[time]', r"output\.plots: found output, but no outputs are named"),
+        ("[time]", '[[drawing.body]]\nname = "b"\nshape = "box"\n[time]', r"drawing: a robot is drawn from its URDF"),
+        ('pivot = "1 deg"', 'pivot = "1 m"', r"initial\.displacement: pivot: found .*expected an angle"),
+        ("[initial]", "guess = { pivto = 1 }\n[initial]", r'model: guess: there is no joint "pivto"'),
+        ("[initial]", 'level = "positon"\n[initial]', r'model\.level: found "positon"; .*did you mean "position"'),
+        ("robot = ", "robto = ", r'model: unknown key "robto"; did you mean "robot"'),
+        ('robot = "robots/press"', "robot = 3", r"model\.robot: found 3; expected a text"),
+    ],
+)
+def test_message(tmp_path, old, new, message):
+    press(tmp_path)
+    assert old in SCENE
+    with pytest.raises(SceneError, match=message) as caught:
+        scene_of(tmp_path, SCENE.replace(old, new, 1))
+    assert str(caught.value).startswith("scene.toml: ")
+
+
+def test_a_robot_without_an_equilibrium_is_told(tmp_path):
+    press(tmp_path, TOML.replace(', slide = "3 N/mm"', ""))
+    text = SCENE.replace("[initial]", 'forces = { slide = "5 kN" }\n[initial]')
+    with pytest.raises(SceneError, match=r"scene\.toml: model: equilibrium: "):
+        scene_of(tmp_path, text)

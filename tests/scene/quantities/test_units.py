@@ -1,0 +1,136 @@
+"""Quantities: numbers in SI, texts with units, and everything that only looks like one."""
+
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from mbconstrained.ground.errors import InputError
+from mbconstrained.scene.file.messages import shown
+from mbconstrained.scene.quantities.quantities import count_texts, expected, quantity
+
+# Definitions: 1 in = 25.4 mm, 1 lbf = 4.4482216152605 N, 1 t = 1000 kg, 1 rev = 2 pi rad.
+CONVERSIONS = [
+    ("10 kg", "kg", 10.0),
+    ("2.5 t", "kg", 2500.0),
+    ("3 N/mm", "N/m", 3000.0),
+    ("2 kN/mm", "N/m", 2e6),
+    ("1 lbf/in", "N/m", 4.4482216152605 / 0.0254),
+    ("100 mm", "m", 0.1),
+    ("-9.81 m/s^2", "m/s^2", -9.81),
+    ("-9.81 m/s²", "m/s^2", -9.81),
+    ("-9.81 m/s**2", "m/s^2", -9.81),
+    ("30 deg", "rad", math.pi / 6),
+    ("30°", "rad", math.pi / 6),
+    ("300 rpm", "rad/s", 10 * math.pi),
+    ("2 Hz", "Hz", 2.0),
+    ("4 N s/m", "N*s/m", 4.0),
+    ("4 N·s/m", "N*s/m", 4.0),
+    ("0.02 kg*m^2", "kg*m^2", 0.02),
+    ("20 N*m", "N*m/rad", 20.0),
+    ("20 N*m/deg", "N*m/rad", 3600 / math.pi),
+    ("50 ms", "s", 0.05),
+    ("-0.5 1/s", "1/s", -0.5),
+    ("1e3 m", "m", 1000.0),
+    ("20 Nm", "N*m", 20.0),
+    ("2 kNm/rad", "N*m/rad", 2000.0),
+    ("500 Nmm", "N*m", 0.5),
+    ("3 Ns", "N*s", 3.0),
+    ("3 N*s^2", "N*s^2", 3.0),
+]
+
+
+@pytest.mark.parametrize(("text", "unit", "value"), CONVERSIONS)
+def test_text_with_a_unit_is_converted_to_si(text, unit, value):
+    assert quantity(text, unit) == pytest.approx(value, rel=4e-16)
+
+
+@pytest.mark.parametrize("value", [0, 3, -2.5, 1e100, -1e-100])
+def test_number_is_taken_in_si(value):
+    assert quantity(value, "kg") == value
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "message"),
+    [
+        ("10 N/mm", "kg", r'found "10 N/mm", a stiffness; expected a mass, e.g. "10 kg", or a number in kg'),
+        ("2 Hz", "rad/s", r"found .2 Hz., a frequency; .* 2 pi times .* say which one is meant"),
+        ("300 rpm", "Hz", r"found .300 rpm., an angular velocity; .* say which one is meant"),
+        ("2 kg/s^2/m", "m", r"which is another kind of quantity; expected a length"),
+        ("10 Kg", "kg", r'there is no unit "Kg"; did you mean "kg"\?'),
+        ("10 KN", "N", r'there is no unit "KN"; did you mean "kN"\?'),
+        ("10 newtons_", "N", r"write one number, then a unit"),
+        ("10", "kg", r"write its unit too, or the number without quotes, which is then in SI"),
+        ("0,5 kg", "kg", r'found "0,5 kg"; .*decimals have a point: "0.5 kg"'),
+        ("5 S", "s", r'found "5 S", .*; did you mean "5 s"\?'),
+        ("kg", "kg", r"write one number, then a unit"),
+        ("", "kg", r'found ""'),
+        ("1 N/m s", "N/m", r"write one number, then a unit"),
+        ("3 m", "1", r'found "3 m"; expected a plain number'),
+        (float("nan"), "m", r"found nan; expected a finite number"),
+        (float("-inf"), "m", r"found -inf; expected a finite number"),
+        ("1e999 m", "m", r'found "1e999 m"; expected a finite number'),
+        (10**400, "m", r"found a whole number of more than 18 digits; expected a finite number"),
+        (1e300, "m", r"found 1e\+300; expected 0 or a size between 1e-100 and 1e\+100"),
+        ("1e-120 kg", "kg", r'found "1e-120 kg"; expected 0 or a size'),
+        (True, "m", r"found true; expected a length"),
+        ([1, 2], "m", r"found an array of 2; expected a length"),
+        ({}, "s", r"found a table; expected a time"),
+        (None, "s", r"found None; expected a time"),
+    ],
+)
+def test_message_says_what_was_found_and_what_was_expected(value, unit, message):
+    with pytest.raises(InputError, match=message):
+        quantity(value, unit)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "9**9**9**9",
+        "9**9**9 kg",
+        "1 kg^99999999",
+        "1 kg**(9**9)",
+        "5 __import__('os').system('true')",
+        "5 kg; import os",
+        "(5) kg",
+        "5 kg + 3 kg",
+        "1 " + "m*" * 1000 + "m",
+        "1" * 100_000 + " kg",
+        "5 \x1b[31mkg",
+        "5 kg\n6 kg",
+        "٣ kg",
+        "1_000 kg",
+        "0x10 kg",
+    ],
+)
+def test_hostile_text_is_refused_before_any_parser_sees_it(text):
+    with pytest.raises(InputError, match=r"write one number, then a unit made of names") as caught:
+        quantity(text, "kg")
+    assert len(str(caught.value)) < 400
+    assert "\x1b" not in str(caught.value)
+
+
+def test_a_kind_without_a_name_is_told_by_its_unit():
+    assert expected("N/s^2") == 'a quantity in N/s^2, e.g. "2 N/s^2", or a number in N/s^2'
+
+
+def test_shown_values_are_short_and_printable():
+    assert shown("a\x07b") == '"a\\x07b"'
+    assert len(shown("x" * 10**6)) < 70
+
+
+def test_texts_that_look_like_quantities_are_counted():
+    assert count_texts({"a": "3 N/mm", "b": ["2 m", 4, {"c": "spring"}], "d": "ground"}) == 2
+
+
+def test_plain_numbers_do_not_import_pint():
+    code = (
+        "import sys; from mbconstrained.scene.quantities.quantities import quantity, count_texts; quantity(3, 'kg'); count_texts(['3 kg'])\n"
+        "assert 'pint' not in sys.modules; quantity('3 kg', 'kg'); assert 'pint' in sys.modules"
+    )
+    root = str(Path(__file__).parents[3])
+    subprocess.run([sys.executable, "-c", code], check=True, env={**os.environ, "PYTHONPATH": root})

@@ -1,0 +1,146 @@
+"""How robots are drawn in a run and on a page of modes: the same parts, the same size, no motion too far to look right."""
+
+import numpy as np
+import pytest
+
+from mbconstrained.ground.errors import SceneError
+from mbconstrained.page.drawing.robot_layout import BASE_PLATE
+from mbconstrained.page.mode_page import cycle
+from mbconstrained.scene.run.modes.mode_pages import RobotModes, modes_content
+from mbconstrained.scene.run.modes.scene_modes import SceneModes
+from mbconstrained.scene.run.picture.robot_drawing import TURN, VISIBLE, RobotPicture, drawing_of_robot
+from mbconstrained.scene.run.scene import read_scene
+from tests.scene.robots import SCENE, TOML, URDF, press
+from tests.scene.run.picture.test_robot_drawing import path_point
+from tests.scene.scenes import EXAMPLES, scene_of
+
+BOX = '<geometry><box size="0.2 0.02 0.02"/></geometry>'
+PIN = '[[loop]]\nname = "pin"\nbody1 = "crank"\npoint1 = [0.2, 0, 0]\nbody2 = "ground"\n[[spring]]'
+
+
+def names_of(drawing):
+    return [body.name for body in drawing.bodies]
+
+
+def both_drawings(scene):
+    """Of a run and of a page of modes."""
+    return scene.run().animation.drawing, modes_content(SceneModes(scene)).drawing
+
+
+def test_links_may_have_the_names_of_what_is_drawn_besides_them(tmp_path):
+    names = {"crank": "base plate", "ram": "plate 1"}
+    toml, urdf = TOML.replace("[[spring]]", PIN).replace("guess", 'hold = ["slide"]\nguess'), URDF
+    for old, new in names.items():
+        toml, urdf = toml.replace(f'"{old}"', f'"{new}"'), urdf.replace(f'"{old}"', f'"{new}"')
+    press(tmp_path, toml, urdf)
+    scene = scene_of(tmp_path, SCENE.replace('{ pivot = "1 deg" }', "{}"))
+    for drawing in both_drawings(scene):
+        assert {"base plate", "plate 1", " base plate", " plate 1"} <= set(names_of(drawing))
+    assert scene.run(tmp_path / "out").is_trusted and SceneModes(scene).write_page(tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("base", ["fixed", "free"])
+def test_a_plate_is_drawn_where_the_base_is_fixed_whatever_joints_are_called(tmp_path, base):
+    if base == "free":
+        scene = read_scene(EXAMPLES / "engine.toml")
+    else:
+        press(tmp_path, TOML.replace("pivot", "base"), URDF.replace('"pivot"', '"base"'))
+        scene = scene_of(tmp_path, SCENE.replace("pivot", "base"))
+        assert "base" in scene.equations.robot.joints
+    for drawing in both_drawings(scene):
+        assert (BASE_PLATE in names_of(drawing)) is (base == "fixed")
+
+
+def furthest(path, rest, points):
+    return max(np.linalg.norm(path_point(path, point) - path_point(rest, point), axis=0).max() for point in points)
+
+
+@pytest.mark.parametrize("example", ["engine", "four_bar", "pendulum", "satellite", "seven_joint_arm"])
+def test_no_point_of_a_robot_moves_further_than_a_share_of_its_size(example):
+    scene = read_scene(EXAMPLES / f"{example}.toml")
+    picture = RobotPicture(scene.equations.robot_scene)
+    points = {name: [np.zeros((3, 1))] for name in picture.at_rest}
+    for name, parts in picture.solids.items():
+        points[name] += [part.corners[:, [corner]] for part in parts for corner in range(part.corners.shape[1])]
+    places = np.hstack([path_point(picture.at_rest[name], point) for name in points for point in points[name]])
+    assert picture.size == pytest.approx(np.linalg.norm(np.ptp(places, axis=1)), rel=1e-12)
+    for mode in modes_content(SceneModes(scene)).modes:
+        moved = max(furthest(path, picture.at_rest[name], points[name]) for name, path in mode.paths.items())
+        assert moved <= 1.1 * VISIBLE * picture.size  # of a mode with phases 8 % more between the times looked at
+
+
+def test_a_robot_of_one_link_without_a_shape_moves_by_a_share_of_its_ball(tmp_path):
+    inertia = '<mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+    urdf = f'<robot name="p"><link name="lone"><inertial>{inertia}</inertial></link></robot>'
+    press(tmp_path, 'source = "s"\nlicence = "MIT"\nurdf = "press.urdf"\nbase = "free"\ngravity = 0\n', urdf)
+    modes = SceneModes(scene_of(tmp_path, SCENE.replace('{ pivot = "1 deg" }', "{}")))
+    drawing = modes_content(modes).drawing
+    assert RobotPicture(modes.scene.equations.robot_scene).size == 1.0 and names_of(drawing) == ["lone", "ground"]
+    assert [mode.scale for mode in modes_content(modes).modes] == pytest.approx([VISIBLE] * 3 + [TURN] * 3)
+
+
+def with_motor(ratio):
+    """The crank on a gear so soft that the motor turns that much further."""
+    gear = f'stiffness = "{40 / ratio} N*m/rad"\nmotor_inertia = "1 kg*m^2"\nproportional_gain = "1 N*m/rad"\n'
+    return f"{TOML}\n[flexible_joints.pivot]\n{gear}"
+
+
+@pytest.mark.parametrize("ratio", [1e2, 1e6])
+def test_motors_do_not_limit_what_is_drawn(tmp_path, ratio):
+    press(tmp_path, with_motor(ratio))
+    scene = scene_of(tmp_path, SCENE)
+    drawn = RobotModes(scene.equations.robot_scene)
+    links = np.array([1e-3, 0.0])
+    alone, besides = drawn.amplitude(np.append(links, 0.0)), drawn.amplitude(np.append(links, 1.0))
+    assert alone == besides == TURN / 1e-3
+    found = SceneModes(scene)
+    motor = max(found.lines, key=lambda line: abs(line.shape[2]) / np.abs(line.shape[:2]).max())
+    assert abs(motor.shape[2]) == 1.0 and np.abs(motor.shape[:2]).max() < 0.1
+    assert drawn.amplitude(motor.shape) > 10 * TURN
+
+
+def test_a_motor_that_moves_alone_leaves_the_links_at_rest(tmp_path):
+    press(tmp_path, with_motor(1e2))
+    drawn = RobotModes(scene_of(tmp_path, SCENE).equations.robot_scene)
+    shape = np.array([1e-17, -1e-17, 1.0])
+    assert drawn.amplitude(shape) == 1.0 and not any(path.moves for path in drawn.paths(shape, 1.0).values())
+
+
+@pytest.mark.parametrize("size", [1e-12, 1e-6, 1.0])
+def test_the_room_is_inverse_to_the_size_of_the_motion(tmp_path, size):
+    press(tmp_path)
+    picture = RobotPicture(scene_of(tmp_path, SCENE).equations.robot_scene)
+    for shape in np.array([[0.3, 0.0], [0.0, 0.01]]):
+        whole, scaled = (picture.room(cycle(factor * shape, 5)) for factor in (1.0, size))
+        assert scaled * size == pytest.approx(whole, rel=0.05)
+    assert picture.room(np.zeros((2, 1))) == 1.0
+
+
+def test_parts_are_made_once_for_each_visual(tmp_path, monkeypatch):
+    from mbconstrained.page.drawing import robot_layout as robot
+
+    made, solid = [], robot.Solid
+    monkeypatch.setattr(robot, "Solid", lambda *of: made.append(of[0]) or solid(*of))
+    press(tmp_path)
+    found = scene_of(tmp_path, SCENE).equations.robot_scene
+    drawing_of_robot(RobotPicture(found), np.array([[0.0, 0.01], [0.0, 0.0]]))
+    assert made.count("box") == 2
+
+
+def test_the_scale_of_the_drawing_is_that_of_a_run_not_of_modes(tmp_path):
+    press(tmp_path)
+    plain, scaled = (
+        [mode.scale for mode in modes_content(SceneModes(scene_of(tmp_path, SCENE + more))).modes]
+        for more in ("", "[drawing]\nscale = 40\n")
+    )
+    assert plain == scaled
+
+
+def test_a_shape_that_cannot_be_drawn_names_the_urdf(tmp_path):
+    folder = press(tmp_path, TOML, URDF.replace(BOX, '<geometry><mesh filename="bad.obj"/></geometry>'))
+    (folder / "bad.obj").write_text("no mesh at all")
+    scene = scene_of(tmp_path, SCENE)
+    with pytest.raises(SceneError, match=r'^press/press\.urdf: .*link "crank"'):
+        scene.run(tmp_path / "out")
+    with pytest.raises(SceneError, match=r'^press/press\.urdf: .*link "crank"'):
+        SceneModes(scene).write_page(tmp_path / "out")

@@ -1,0 +1,152 @@
+"""What is written: CSV, npz, page; and what is not lost when something goes wrong."""
+
+import csv
+import json
+import zipfile
+
+import numpy as np
+import pytest
+
+from mbconstrained.ground.errors import MbconstrainedError
+from mbconstrained.ground.files import Replacements, replacing
+from mbconstrained.scene.run.scene import read_scene
+from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of
+
+W = 2.0  # sqrt(8/2), rad/s, of OSCILLATOR
+
+
+def read_csv(path):
+    with open(path, encoding="utf-8", newline="") as file:
+        head, *rows = csv.reader(file)
+    return head, np.array(rows, dtype=float)
+
+
+def test_csv_has_names_units_and_every_digit(tmp_path):
+    text = OSCILLATOR + '[output]\nplots = ["velocity", "acceleration", "energy"]\n'
+    result = scene_of(tmp_path, text).run(tmp_path / "out")
+    head, rows = read_csv(tmp_path / "out" / "scene.csv")
+    assert head[:4] == ["time (s)", "cart displacement (m)", "cart velocity (m/s)", "cart acceleration (m/s^2)"]
+    assert head[-1] == "total energy (J)"
+    t = np.linspace(0, 5, 11)
+    assert np.array_equal(rows[:, 0], t)
+    assert np.array_equal(rows[:, 1], result.values[0])
+    assert rows[:, 1:4].T == pytest.approx(0.1 * np.array([np.cos(W * t), -W * np.sin(W * t), -W * W * np.cos(W * t)]), abs=1e-15)
+    assert rows[:, -1] == pytest.approx(np.full(11, 0.5 * 8 * 0.1**2), rel=1e-14)
+
+
+def test_npz_holds_the_answer_without_pickle(tmp_path):
+    result = read_scene(EXAMPLES / "rigid_link.toml").run(tmp_path)
+    with np.load(tmp_path / "rigid_link.npz", allow_pickle=False) as found:
+        assert found["coordinates"].tolist() == ["q1", "q2", "lambda"]
+        assert np.array_equal(found["displacement"], result.values)
+        assert found["impulses"][1] == pytest.approx([0, 0, -0.5])
+        assert found["initial"][0].tolist() == [1, 0, 0]
+        s = 0.3 + 0.8j  # A(s)^-1 = C (s I - J)^-1 B + C (I - s J)^-1 B, Theorem 2.8 of Moysis et al.
+        C, J, B = (found[f"finite_{name}"] for name in "CJB")
+        inverse = C @ np.linalg.solve(s * np.eye(len(J)) - J, B)
+        C, J, B = (found[f"infinite_{name}"] for name in "CJB")
+        inverse = inverse + C @ np.linalg.solve(np.eye(len(J)) - s * J, B)
+    A = result.scene.equations.polynomial_matrix
+    assert A(s) @ inverse == pytest.approx(np.eye(3), abs=1e-14)
+
+
+def test_columns_are_called_what_they_are(tmp_path):
+    read_scene(EXAMPLES / "gear_train.toml").run(tmp_path)
+    assert read_csv(tmp_path / "gear_train.csv")[0][1:8:3] == [
+        "motor angle (rad)",
+        "motor angular velocity (rad/s)",
+        "teeth reaction (N m)",
+    ]
+    read_scene(EXAMPLES / "rigid_link.toml").run(tmp_path)
+    assert read_csv(tmp_path / "rigid_link.csv")[0][1:] == ["q1 displacement (m)", "q2 displacement (m)", "lambda value (N)"]
+
+
+def test_reactions_are_written_where_asked_for(tmp_path):
+    text = MATRICES.replace("[time]", '[[model.constraint]]\nname = "tie"\nrows = { a = 1, b = -1 }\n[time]')
+    scene_of(tmp_path, text + "[output]\nreactions = true\n").run(tmp_path)
+    head, _ = read_csv(tmp_path / "scene.csv")
+    assert head == ["time (s)", "a displacement (m)", "b displacement (m)", "tie reaction (N)"]
+    with np.load(tmp_path / "scene.npz") as found:
+        assert found["constraints"].tolist() == ["tie"]
+
+
+def test_the_same_scene_gives_the_same_bytes_but_for_what_stages_took(tmp_path):
+    for folder in ("one", "two"):
+        read_scene(EXAMPLES / "two_masses.toml").run(tmp_path / folder)
+    for ending in ("csv", "npz"):
+        one, two = (tmp_path / folder / f"two_masses.{ending}" for folder in ("one", "two"))
+        assert one.read_bytes() == two.read_bytes(), ending
+    one, two = (
+        (tmp_path / folder / "two_masses.html").read_text(encoding="utf-8").partition("<h2>Plan: ") for folder in ("one", "two")
+    )
+    assert one[:2] == two[:2] and one[1]
+    assert one[2].partition("</table>")[1:] == two[2].partition("</table>")[1:]
+    with zipfile.ZipFile(tmp_path / "one" / "two_masses.npz") as archive:
+        assert {info.date_time for info in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
+
+
+def test_a_result_writes_where_it_is_told(tmp_path):
+    result = scene_of(tmp_path, OSCILLATOR).run()
+    assert result.write_page(tmp_path / "deep" / "page.html").read_text("utf-8").startswith("<!DOCTYPE html>")
+    assert result.write_csv(tmp_path / "a.csv").exists() and result.write_npz(tmp_path / "a.npz").exists()
+    assert [path.name for path in result.files] == ["page.html", "a.csv", "a.npz"]
+
+
+def test_texts_are_escaped_on_the_page(tmp_path):
+    text = OSCILLATOR.replace("[model]", 'title = "<script>alert(1)</script>"\nsource = "a < b & c"\n[model]', 1)
+    page = scene_of(tmp_path, text).run().write_page(tmp_path / "a.html").read_text("utf-8")
+    assert "<script>alert" not in page
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page and "a &lt; b &amp; c" in page
+
+
+def test_only_the_coordinates_asked_for_are_plotted(tmp_path):
+    from mbconstrained.scene.run.report.page_report import page_content
+
+    text = MATRICES.replace("[time]", '[model.units]\nb = "rad"\n[time]')
+    both = page_content(scene_of(tmp_path, text).run())
+    assert [(plot.title, plot.unit) for plot in both.plots] == [("displacement", "m"), ("angle", "rad")]
+    one = page_content(scene_of(tmp_path, text + '[output]\ncoordinates = ["b"]\n').run())
+    assert [curve.name for plot in one.plots for curve in plot.curves] == ["b"]
+
+
+def test_an_unfinished_file_leaves_the_earlier_one(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("earlier")
+    with pytest.raises(KeyboardInterrupt), replacing(path) as beside:
+        beside.write_text("half")
+        raise KeyboardInterrupt
+    assert path.read_text() == "earlier"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_several_files_are_replaced_together_or_not_at_all(tmp_path):
+    first, second = tmp_path / "a", tmp_path / "b"
+    first.write_text("earlier")
+    with Replacements() as files:
+        files.temporary(first).write_text("new")
+        files.temporary(second).write_text("new")
+        assert first.read_text() == "earlier" and not second.exists()
+    assert first.read_text() == second.read_text() == "new"
+    with pytest.raises(OSError, match="no space"), Replacements() as files:
+        files.temporary(first).write_text("newer")
+        raise OSError("no space")
+    assert first.read_text() == "new" and sorted(tmp_path.iterdir()) == [first, second]
+
+
+def test_an_answer_beyond_the_range_of_numbers_leaves_earlier_output(tmp_path):
+    scene_of(tmp_path, MATRICES).run(tmp_path / "out")
+    before = {path: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    growing = MATRICES.replace("[[1, 0], [0, 4]]", "[[-1, 0], [0, 4]]").replace(
+        "end = 1", "end = 1e6\n[initial]\ndisplacement = [1, 1]"
+    )
+    with pytest.raises(MbconstrainedError, match="beyond the range of float64"):
+        scene_of(tmp_path, growing.replace("points = 5", "")).run(tmp_path / "out")
+    assert {path: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in EXAMPLES.glob("*.toml")))
+def test_every_example_can_be_told_as_data(name):
+    result = read_scene(EXAMPLES / f"{name}.toml").run()
+    data = json.loads(json.dumps(result.as_json(), allow_nan=False))
+    assert data["trusted"] is True
+    assert sum(len(data[key]) for key in ("coordinates", "eigenvalues", "evidence", "plan")) > 10

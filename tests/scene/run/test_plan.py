@@ -1,0 +1,255 @@
+"""The plan: what is listed as taken runs, what is left out does not."""
+
+import os
+import subprocess
+import sys
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from mbconstrained.mechanics.motion import Motion
+from mbconstrained.mechanics.system import MechanicalSystem
+from mbconstrained.scene.run.result import Result
+from mbconstrained.scene.run.scene import read_scene
+from tests.scene.robots import SCENE, press
+from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, scene_of
+
+CONSTRAINT = '[[model.constraint]]\nrows = { a = 1, b = -1 }\nlevel = "LEVEL"\n[time]'
+
+
+def stages(scene) -> dict[str, bool]:
+    return {stage.name: stage.needed for stage in scene.plan().stages}
+
+
+def constrained(folder, level, extra=""):
+    return scene_of(folder, MATRICES.replace("[time]", CONSTRAINT.replace("LEVEL", level)).replace("[time]", f"{extra}\n[time]"))
+
+
+def test_every_stage_has_a_reason(tmp_path):
+    for text in (OSCILLATOR, MATRICES, COEFFICIENTS):
+        for stage in scene_of(tmp_path, text).plan().stages:
+            assert stage.reason and stage.name
+
+
+def test_a_free_oscillator_needs_little(tmp_path):
+    plain = OSCILLATOR.replace('"2 kg"', "2").replace('"8 N/m"', "8").replace('"5 s"', "5")
+    taken = [stage.name for stage in scene_of(tmp_path, plain + "\n[output]\npage = false\nnpz = false\n").plan().needed]
+    assert taken == [
+        "read the scene",
+        "assemble the model",
+        "scaling and staircase",
+        "finite pair",
+        "response",
+        "displacements",
+        "modes",
+        "error estimate",
+        "CSV",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("key", "stage"),
+    [
+        ("page = false", "page"),
+        ("page = false", "animation"),
+        ("animation = false", "animation"),
+        ("csv = false", "CSV"),
+        ("npz = false", "npz"),
+        ("animation = false", "velocities"),
+        ('plots = ["acceleration"]', "accelerations"),
+        ('plots = ["energy"]', "energy"),
+    ],
+)
+def test_output_decides(tmp_path, key, stage):
+    default = stages(scene_of(tmp_path, OSCILLATOR))
+    changed = stages(scene_of(tmp_path, OSCILLATOR + f"\n[output]\n{key}\n"))
+    assert changed[stage] is not default[stage]
+
+
+def test_velocities_are_needed_by_plots_and_by_what_moves(tmp_path):
+    still = OSCILLATOR + "[output]\nanimation = false\n"
+    assert stages(scene_of(tmp_path, still.replace("[output]", '[output]\nplots = ["velocity"]')))["velocities"]
+    assert not stages(scene_of(tmp_path, still))["velocities"]
+    moving = scene_of(tmp_path, OSCILLATOR)
+    assert stages(moving)["velocities"]
+    assert "velocities" in {stage.name for stage in moving.run().plan.left_out}  # nothing is written that would move
+
+
+def test_outputs_of_a_robot_are_spoken_of(tmp_path):
+    press(tmp_path)
+    output = '[[model.output]]\nname = "angle"\njoint = "pivot"\n'
+    text = SCENE.replace("[initial]", f"{output}[initial]")
+    plotted = scene_of(tmp_path, text + '[output]\nplots = ["output"]\n')
+    found = {
+        scene: next(stage for stage in scene_of(tmp_path, scene).plan().stages if stage.name == "outputs")
+        for scene in (SCENE, text)
+    }
+    assert [(stage.needed, stage.reason) for stage in found.values()] == [
+        (False, "no outputs are named"),
+        (False, "output is not among the plots"),
+    ]
+    assert stages(plotted)["outputs"]
+    assert "outputs" not in stages(scene_of(tmp_path, MATRICES))
+
+
+def test_units_are_needed_only_for_texts_with_units(tmp_path):
+    assert stages(scene_of(tmp_path, OSCILLATOR))["units"]
+    assert not stages(scene_of(tmp_path, MATRICES.replace("[model]", 'title = "2 kg"\n[model]', 1)))["units"]
+
+
+def test_constraints_decide_form_and_reactions(tmp_path):
+    free, held = stages(scene_of(tmp_path, MATRICES)), stages(constrained(tmp_path, "position"))
+    for name in ("dependent constraint rows", "constrained form"):
+        assert (free[name], held[name]) == (False, True)
+    assert not held["reactions"]
+    assert stages(constrained(tmp_path, "position", "[output]\nreactions = true"))["reactions"]
+    assert not stages(scene_of(tmp_path, MATRICES + "[output]\nreactions = true"))["reactions"]
+
+
+@pytest.mark.parametrize(
+    ("level", "extra", "taken"),
+    [  # A_2 is singular below acceleration level (Moysis et al., section 4.1: free and admissible needs no infinite pair)
+        ("acceleration", "", False),
+        ("acceleration", '[[force]]\ncoordinate = "a"\nkind = "step"\nvalue = 1', False),
+        ("position", "", False),
+        ("position", "[initial]\ndisplacement = [1, 1]", False),
+        ("position", "[initial]\ndisplacement = [1, 0]", True),
+        ("velocity", "[initial]\nvelocity = [1, 0]", True),
+        ("position", '[[force]]\ncoordinate = "a"\nkind = "step"\nvalue = 1', True),
+        ("position", '[[force]]\ncoordinate = "a"\nkind = "impulse"\nvalue = 1', True),
+    ],
+)
+def test_infinite_pair_only_where_it_matters(tmp_path, level, extra, taken):
+    assert stages(constrained(tmp_path, level, extra))["infinite pair"] is taken
+
+
+def test_a_mechanical_system_has_modes_and_coefficients_have_zeros(tmp_path):
+    assert stages(scene_of(tmp_path, MATRICES))["modes"]
+    assert not stages(scene_of(tmp_path, COEFFICIENTS))["modes"]
+
+
+def test_without_a_folder_nothing_is_written_and_nothing_made_for_it(tmp_path):
+    scene = scene_of(tmp_path, OSCILLATOR)
+    left_out = {stage.name for stage in scene.run().plan.left_out}
+    assert {"page", "animation", "CSV", "npz"} <= left_out
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
+
+
+def test_what_is_left_out_is_not_called(tmp_path, monkeypatch):
+    def forbidden(*_, **__):
+        raise AssertionError("called although left out")
+
+    for owner, name in (
+        (Result, "infinite_pair"),
+        (Result, "animation"),
+        (Result, "write_page"),
+        (Result, "write_npz"),
+        (Motion, "reaction"),
+        (Motion, "energy"),
+        (Motion, "velocity"),
+    ):
+        monkeypatch.setattr(owner, name, property(forbidden))
+    scene = constrained(tmp_path, "acceleration", "[output]\npage = false\nnpz = false")
+    result = scene.run(tmp_path / "out")
+    assert result.summary() and result.as_json()
+    assert [path.name for path in result.files] == ["scene.csv"]
+
+
+def test_what_is_taken_is_called(tmp_path, monkeypatch):
+    called = []
+    original = MechanicalSystem.modes
+    monkeypatch.setattr(MechanicalSystem, "modes", lambda self: called.append("modes") or original(self))
+    order = []
+    text = OSCILLATOR + '[output]\nplots = ["displacement", "velocity", "energy"]\n'
+    result = scene_of(tmp_path, text).run(tmp_path, progress=lambda stage: order.append(stage.name))
+    assert called == ["modes"]
+    assert order == [stage.name for stage in result.plan.needed if stage.name not in PREPARED]
+    assert all(stage.seconds is not None for stage in result.plan.needed if stage.name in order)
+    assert all(stage.seconds is None for stage in result.plan.left_out)
+
+
+PREPARED = (
+    "read the scene",
+    "units",
+    "assemble the model",
+    "dependent constraint rows",
+    "constrained form",
+    "scaling and staircase",
+)
+
+AUDIT = """
+import sys
+from mbconstrained import read_scene
+scene = read_scene({path!r})
+plan = scene.plan()
+result = scene.run({folder!r})
+result.summary(), result.as_json()
+print(*(name for name in sys.modules if name.split(".")[0] in
+    ("pinocchio", "sympy", "meshcat", "matplotlib", "pandas", "typer", "rich", "IPython")
+    or name.startswith("mbconstrained.page") or name == "pint"))
+"""
+
+
+def imported(path, folder) -> list[str]:
+    code = AUDIT.format(path=str(path), folder=str(folder))
+    environment = {**os.environ, "PYTHONPATH": str(EXAMPLES.parent)}
+    found = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=environment)
+    return found.stdout.split()
+
+
+def test_a_lumped_scene_imports_no_robot_viewer_symbols_or_plots(tmp_path):
+    names = imported(EXAMPLES / "critically_damped.toml", tmp_path)
+    assert "mbconstrained.page.html" in names  # the page was made
+    assert all(name.startswith("mbconstrained.page") or name == "pint" for name in names)
+
+
+def test_without_a_page_and_units_neither_is_imported(tmp_path):
+    path = tmp_path / "plain.toml"
+    path.write_text(MATRICES + "[output]\npage = false\n")
+    assert imported(path, tmp_path) == []
+
+
+def test_planning_solves_nothing(monkeypatch):
+    monkeypatch.setattr(MechanicalSystem, "solve", None)
+    monkeypatch.setattr(MechanicalSystem, "modes", None)
+    assert read_scene(EXAMPLES / "two_masses.toml").plan().needed
+
+
+def chain(masses: int, more: str = "") -> str:
+    """A scene of masses in a row between two walls."""
+    names = ["ground", *(f"m{i}" for i in range(masses)), "ground"]
+    springs = [
+        f'[[model.spring]]\nbetween = ["{a}", "{b}"]\nstiffness = {100 + 7 * (k % 3)}' for k, (a, b) in enumerate(pairwise(names))
+    ]
+    bodies = [f'[[model.mass]]\nname = "{name}"\nmass = {1 + 0.1 * k}' for k, name in enumerate(names[1:-1])]
+    start, time = "[initial]\ndisplacement = { m0 = 0.1 }", '[time]\nend = "5 s"\npoints = 501'
+    return "\n".join(['[model]\nkind = "lumped"', *bodies, *springs, more, start, time])
+
+
+DAMPER = '[[model.damper]]\nbetween = ["ground", "m2"]\ndamping = 3'
+
+
+@pytest.mark.parametrize(
+    ("masses", "more", "way"),
+    [
+        (3, "", "by eigenvectors: 6 states are few"),
+        (30, "", "by a symmetric eigenproblem: powers of e^(S h) cost about"),
+        (30, DAMPER, "by powers of e^(S h): they cost about"),
+    ],
+)
+def test_the_way_to_find_values_is_told_with_its_cost(tmp_path, masses, more, way):
+    scene = scene_of(tmp_path, chain(masses, more))
+    (reason,) = (stage.reason for stage in scene.plan().stages if stage.name == "response")
+    assert reason.startswith("from the values at 0-, with jumps and impulses; values ") and way in reason
+    assert np.isfinite(scene.run().values).all()
+
+
+def test_the_plan_names_the_method_of_the_run(tmp_path):
+    """A start that fits goes by the reduced equations, an impulse by the Jordan pairs; the plan says so before."""
+    hit = OSCILLATOR + '[[force]]\ncoordinate = "cart"\nkind = "impulse"\nvalue = "1 N*s"\n'
+    for text, pair in ((OSCILLATOR, "the eigenvalues; the motion comes from"), (hit, "the motion for t > 0")):
+        scene = scene_of(tmp_path, text)
+        reasons = {stage.name: stage.reason for stage in scene.plan().stages}
+        assert reasons["finite pair"].startswith(pair)
+        assert reasons["response"].endswith(scene.run().motion.method.reason)

@@ -1,0 +1,88 @@
+"""What stages took, as tables, as plain data, and on the page."""
+
+from __future__ import annotations
+
+import pytest
+
+from mbconstrained.scene.run.plan import Plan, Stage
+from mbconstrained.scene.run.report.page_report import page_content
+from mbconstrained.scene.run.scene import read_scene
+from mbconstrained.scene.run.stage_costs import Cost
+from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of
+
+PLAN = Plan(
+    (
+        Stage("first", True, "always", Cost(0.25, 3_000_000, 103_000_000)),
+        Stage("inside", True, "because", part_of="first"),
+        Stage("second", True, "asked for", Cost(0.75, 5_000_000, 107_000_000)),
+        Stage("third", False, "not asked for"),
+    )
+)
+
+
+def test_totals_are_those_of_the_stages():
+    assert (PLAN.total.seconds, PLAN.total.peak) == (1.0, 107_000_000)
+    assert PLAN.total.memory == 7_000_000  # the first began at 100 MB
+    assert PLAN.totals() == "3 stages in 1 s, 7.0 MB of memory; 1 left out"
+    assert PLAN.totals_as_json() == {"taken": 3, "left_out": 1, "seconds": 1.0, "memory": 7_000_000, "peak": 107_000_000}
+
+
+def test_memory_that_is_not_measured_is_a_dash():
+    plan = PLAN.with_costs({"first": Cost(0.25), "second": Cost(0.75)})
+    assert (plan.total.memory, plan.total.peak) == (None, None)
+    assert {row[3] for row in plan.cost_tables()[0].rows} == {"–"}
+    assert plan.totals() == "3 stages in 1 s; 1 left out"
+
+
+def test_shares_are_of_the_whole():
+    rows = {row[0]: row[1:] for row in PLAN.cost_tables()[0].rows}
+    assert rows["first"] == ("250.0", "25.0 %", "3.0", "always")
+    assert rows["inside"] == ("–", "–", "–", "because (in: first)")
+    assert rows["second"] == ("750.0", "75.0 %", "5.0", "asked for")
+    assert rows["all"][:3] == ("1000.0", "100 %", "7.0")
+    assert PLAN.cost_tables()[1].rows == (("third", "not asked for"),)
+
+
+def test_a_plan_that_has_not_run_has_no_costs(tmp_path):
+    plan = Plan((Stage("first", True, "always"),))
+    assert plan.total == Cost(0)
+    reading = {"read the scene", "units", "assemble the model", "scaling and staircase"}
+    assert set(scene_of(tmp_path, OSCILLATOR).plan().costs) == reading
+
+
+@pytest.mark.parametrize("name", ["two_masses", "pendulum", "descriptor"])
+def test_every_stage_that_ran_has_its_cost_or_that_of_another(tmp_path, name):
+    plan = read_scene(EXAMPLES / f"{name}.toml").run(tmp_path).plan
+    for stage in plan.needed:
+        assert (stage.cost is None) == bool(stage.part_of)
+        assert not stage.part_of or stage.part_of in plan.costs
+    assert all(stage.cost is None for stage in plan.left_out)
+    assert plan.total.seconds == pytest.approx(sum(stage.seconds or 0 for stage in plan.needed))
+
+
+def test_the_page_has_the_plan_folded_at_its_end_and_cannot_measure_itself(tmp_path):
+    result = scene_of(tmp_path, OSCILLATOR).run(tmp_path)
+    (*_, table) = page_content(result).tables
+    assert table.folded and table.title == f"Plan: {len(result.plan.needed)} stages taken, {len(result.plan.left_out)} left out"
+    rows = {row[1]: row for row in table.rows}
+    assert rows["page"] == ("taken", "page", "–", "–", "this page")
+    assert float(rows["npz"][2]) > 0 and rows["symbols (sympy)"][0] == "left out"
+    page = (tmp_path / "scene.html").read_text("utf-8")
+    assert page.index("<details") < page.index("<h2>Plan: ") < page.index("this page")
+
+
+def test_a_page_that_is_asked_for_afterwards_has_the_plan_of_a_page(tmp_path):
+    (*_, table) = page_content(scene_of(tmp_path, MATRICES).run()).tables
+    rows = {row[1]: row for row in table.rows}
+    assert rows["animation"][:4] == ("taken", "animation", "–", "–") and "no folder" not in str(rows)
+    (*_, table) = page_content(scene_of(tmp_path, MATRICES + "[output]\npage = false\n").run(tmp_path)).tables
+    assert [row[:2] for row in table.rows].count(("taken", "page")) == 1 and "page = false" not in str(table.rows)
+
+
+def test_a_run_tells_totals_in_one_line_and_as_data(tmp_path):
+    result = scene_of(tmp_path, OSCILLATOR).run(tmp_path)
+    assert result.summary().splitlines()[-1] == f"Plan: {result.plan.totals()}"
+    data = result.as_json()
+    assert data["totals"] == result.plan.totals_as_json()
+    assert all({"seconds", "memory"} <= set(stage) for stage in data["plan"])
+    assert result.plan.page_table().rows

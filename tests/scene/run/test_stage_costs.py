@@ -1,0 +1,89 @@
+"""What a stage takes: nothing is lost, nothing fails, and it is said how memory is measured."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+import time
+
+import pytest
+
+from mbconstrained.scene.run import stage_costs
+from mbconstrained.scene.run.stage_costs import GROWTH, NOT_MEASURED, OWN_PEAK, Cost, Costs, memory_note
+
+SIZE = 64_000_000
+SLACK = SIZE // 8  # pages that come and go beside what is measured
+
+resets = pytest.mark.skipif(not stage_costs._set_back(), reason="the highest resident memory cannot be set back here")
+
+
+def touch() -> None:
+    """Use memory and give it back."""
+    assert len(bytearray(b"x") * SIZE) == SIZE
+
+
+#: In a process of its own: of one that has run many tests the kernel may take pages back while a lap is measured.
+LAPS = f"""
+from mbconstrained.scene.run.stage_costs import Costs
+meter = Costs()
+def touch(): assert len(bytearray(b"x") * {SIZE}) == {SIZE}
+touch()
+large, small = meter.lap(""), meter.lap("")
+touch()
+again = meter.lap("")
+print(*((cost.memory, cost.peak) for cost in (large, small, again)), sep="\\n")
+"""
+
+
+@resets
+def test_each_lap_has_a_highest_memory_of_its_own():
+    assert memory_note() == OWN_PEAK
+    found = subprocess.run([sys.executable, "-c", LAPS], capture_output=True, text=True, check=True).stdout
+    large, small, again = (Cost(0.0, *ast.literal_eval(line)) for line in found.splitlines())
+    for cost in (large, again):
+        assert abs(cost.memory - SIZE) < SLACK and cost.peak >= cost.memory
+    assert small.memory < SLACK and small.peak < large.peak - SIZE + 2 * SLACK
+
+
+def test_without_a_highest_of_its_own_the_growth_is_told(monkeypatch):
+    pytest.importorskip("resource")
+    monkeypatch.setattr(stage_costs, "_CLEAR", "/nowhere/clear_refs")
+    monkeypatch.setattr(stage_costs, "_STATUS", "/nowhere/status")
+    assert memory_note() == GROWTH
+    meter = Costs()
+    touch()
+    meter.lap("")
+    touch()
+    again = meter.lap("")
+    assert 0 <= again.memory < SLACK  # what was needed before is no growth
+    assert again.peak == stage_costs._highest()
+
+
+def test_without_any_measure_none_is_told_and_nothing_fails(monkeypatch):
+    monkeypatch.setattr(stage_costs, "_CLEAR", "/nowhere/clear_refs")
+    monkeypatch.setattr(stage_costs, "_STATUS", "/nowhere/status")
+    monkeypatch.setitem(sys.modules, "resource", None)
+    assert memory_note() == NOT_MEASURED
+    cost = Costs().lap("")
+    assert (cost.memory, cost.peak) == (None, None) and cost.seconds >= 0
+
+
+@pytest.mark.parametrize("text", ["", "VmRSS:\n", "VmRSS: many kB\n", "nothing\n"])
+def test_a_strange_status_is_no_measure(monkeypatch, tmp_path, text):
+    (tmp_path / "status").write_text(text)
+    monkeypatch.setattr(stage_costs, "_STATUS", str(tmp_path / "status"))
+    assert stage_costs._status("VmRSS:") is None
+
+
+def test_laps_of_one_name_are_added():
+    costs = Costs()
+    for name in ("a", "b", "a"):
+        time.sleep(0.002)
+        costs.lap(name)
+    assert list(costs.by_name) == ["a", "b"]
+    assert costs.by_name["a"].seconds >= 0.004 and costs.by_name["b"].seconds >= 0.002
+
+
+def test_an_unknown_memory_makes_the_sum_unknown():
+    assert Cost(1.0, None, None) + Cost(2.0, 5, 9) == Cost(3.0, None, 9)

@@ -1,0 +1,125 @@
+"""The schema as editors will get it: complete, described, closed."""
+
+import json
+import tomllib
+from pathlib import Path
+from typing import get_args
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from mbconstrained import cli
+from mbconstrained.cli import new
+from mbconstrained.page.drawing import bodies
+from mbconstrained.scene.schema import drawing_tables, validation
+from mbconstrained.scene.schema.editors import robot_schema, scene_schema
+from mbconstrained.scene.schema.scene_schema import SceneFile
+from tests.scene.scenes import EXAMPLES, OSCILLATOR
+
+SCHEMA = SceneFile.model_json_schema()
+TEMPLATES = Path(new.__file__).parent / "templates"
+SCENES = sorted([*EXAMPLES.glob("*.toml"), *(path for path in TEMPLATES.glob("*.toml") if not path.name.endswith(".robot.toml"))])
+
+
+def tables_are_closed_and_described(schema):
+    """Every key has a description, and no table takes unknown keys."""
+    for name, table in (("the file", schema), *schema["$defs"].items()):
+        assert table["description"], name
+        assert table["additionalProperties"] is False, name
+        for key, entry in table["properties"].items():
+            assert entry.get("description"), f"{name}.{key}"
+
+
+def references_lead_somewhere(schema):
+    """It is JSON, and what it refers to is there."""
+    text = json.dumps(schema)
+    references = {part.split('"')[0] for part in text.split('"$ref": "')[1:]}
+    assert references and {reference.removeprefix("#/$defs/") for reference in references} <= set(schema["$defs"])
+
+
+def test_the_schema_of_scenes_is_complete():
+    tables_are_closed_and_described(SCHEMA)
+    references_lead_somewhere(SCHEMA)
+
+
+def test_drawing_knows_the_shapes_and_links_of_the_page():
+    assert (*get_args(drawing_tables.Shape), "solids") == get_args(bodies.Shape)  # solids come from a URDF, never from a scene
+    assert get_args(drawing_tables.LinkKind) == get_args(bodies.LinkKind)
+
+
+def test_kinds_in_messages_are_those_of_the_schema():
+    for key in ("model", "force"):
+        entry = SCHEMA["properties"][key]
+        tagged = entry.get("items", entry)["discriminator"]["mapping"]
+        assert [f'"{kind}"' in validation.KINDS[key] for kind in tagged] == [True] * len(tagged)
+
+
+CHECK = Draft202012Validator(scene_schema())
+
+
+def data_of(path: Path) -> dict:
+    return tomllib.loads(path.read_text(encoding="utf-8"))
+
+
+def test_the_schema_of_a_robot_toml_is_complete_and_every_robot_fits_it():
+    schema = robot_schema()
+    tables_are_closed_and_described(schema)
+    references_lead_somewhere(schema)
+    check = Draft202012Validator(schema)
+    robots = [*(EXAMPLES.parent / "robots").glob("*/robot.toml"), *TEMPLATES.glob("*.robot.toml")]
+    assert len(robots) > 10
+    assert {path: [error.message for error in check.iter_errors(data_of(path))] for path in robots} == {path: [] for path in robots}
+    right = data_of(robots[0])
+    for wrong in ({"urdff": "a.urdf"}, {"base": "fre"}, {"joint_damping": {"j": "3,5"}}, {"loop": {"body1": "a"}}):
+        assert not check.is_valid({**right, **wrong})
+
+
+def test_the_schema_is_one_and_every_key_has_title_description_and_unit():
+    Draft202012Validator.check_schema(scene_schema())
+    tables = {"the file": scene_schema(), **scene_schema()["$defs"]}
+    entries = {f"{name}.{key}": entry for name, table in tables.items() for key, entry in table["properties"].items()}
+    assert [name for name, entry in entries.items() if not (entry.get("title") and entry.get("description"))] == []
+    for name, unit in (
+        ("MassTable.mass", "kg"),
+        ("SpringTable.rest_length", "m"),
+        ("TimeTable.end", "s"),
+        ("GearTable.radii", "m"),
+    ):
+        assert entries[name]["unit"] == unit and entries[name]["examples"], name
+    assert entries["SpringTable.stiffness"]["description"].endswith(
+        'In N/m, or a text with a unit of a stiffness, such as "3 N/mm".'
+    )
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_every_example_and_template_is_valid(path):
+    assert [error.message for error in CHECK.iter_errors(data_of(path))] == []
+
+
+def test_a_scene_that_includes_another_needs_no_model_of_its_own():
+    data = tomllib.loads(OSCILLATOR)
+    del data["model"]
+    assert not CHECK.is_valid(data) and CHECK.is_valid({**data, "include": "parts/model.toml"})
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("[initial]", "[inital]"), ("[[model.mass]]", "[model.mass]"), ("[[model.spring]]", "[[model.springs]]"),
+        ('end = "5 s"', ""), ("points = 11", "points = 1"), ("points = 11", 'points = "11"'), ('"2 kg"', '"2,5 kg"'),
+        ('"2 kg"', '"2"'), ('"2 kg"', "true"), ('"lumped"', '"lumpd"'), ('["ground", "cart"]', '["ground"]'),
+        ("stiffness", "stifness"), ("cart = 0.1", 'cart = "0,1 m"'), ("[time]", "[output]\npage = 1\n[time]"),
+        ("[time]", '[output]\nplots = ["dsplacement"]\n[time]'), ("[time]", '[[force]]\ncoordinate = "cart"\nkind = "stp"\nvalue = 1\n[time]'),
+    ],
+)  # fmt: skip
+def test_mistakes_are_marked_while_one_writes(old, new):
+    assert old in OSCILLATOR and CHECK.is_valid(tomllib.loads(OSCILLATOR))
+    assert not CHECK.is_valid(tomllib.loads(OSCILLATOR.replace(old, new, 1)))
+
+
+@pytest.mark.parametrize(("arguments", "schema"), [([], scene_schema), (["--robot"], robot_schema)])
+def test_the_command_prints_it(capsys, monkeypatch, arguments, schema):
+    monkeypatch.setattr("sys.argv", ["mbconstrained", "schema", *arguments])
+    with pytest.raises(SystemExit) as left:
+        cli.main()
+    assert not left.value.code and json.loads(capsys.readouterr().out) == schema()
