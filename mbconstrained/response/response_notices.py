@@ -15,6 +15,7 @@ from ..linalg.exponential.block_exponential import block_states
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveLoad
 from .events import Event
+from .methods.proved import ProvedFunction
 
 if TYPE_CHECKING:
     from .response import Response
@@ -30,7 +31,10 @@ DERIVATIVE_NAMES = ("value", "velocity", "acceleration", "jerk")
 
 def response_notices(x: Response) -> tuple[Notice, ...]:
     """Jumps, impulses, the notices of the force, growth, doubtful rank decisions and unsatisfied equations of a response."""
-    return (*_jumps(x), *_impulses(x), *_later(x), *x.force.notices, *x.solution.notices, *unsatisfied(x))
+    doubts = tuple(unsatisfied(x))
+    if doubts and isinstance(x.function, ProvedFunction) and x.function.is_provable:
+        doubts = ()  # the values are proved, whatever the float64 ones at the times of this check
+    return (*_jumps(x), *_impulses(x), *_later(x), *x.force.notices, *x.solution.notices, *doubts)
 
 
 def pair_notices(pairs) -> tuple[Notice, ...]:

@@ -154,7 +154,8 @@ def test_a_softly_supported_body_returns(supports, damping):
     times = np.array([0.0, 0.3, 1.0, 4.0]) / np.sqrt(springs / masses.sum())
     x = mb.solve(mb.PolynomialMatrix([K, damping * chain(n), np.diag(masses)]), [np.ones(n), np.zeros(n)])
     expected = np.cos(np.sqrt(springs / masses.sum()) * times)
-    assert np.abs(x(times) - expected).max() <= 1e-9  # the springs bend the chain by 1e-13 n^2
+    # The support is a difference of entries of K: one unit in the last place of one of them changes it by 1e-3 and more.
+    assert np.abs(x(times) - expected).max() <= 1e-8
 
 
 def test_bodies_on_springs_softer_than_their_own_by_thirteen_orders():

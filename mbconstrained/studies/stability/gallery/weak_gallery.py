@@ -25,6 +25,17 @@ def _two_groups(power: int, coupling: float) -> StudyProblem:
     return equations(coefficients, [[1.0, -0.5, 0.25, 0.0, 0.0, 0.0], np.zeros(6)], [200.0])
 
 
+@family("small next to large", "coupling stiffness", decades(-3, -18, 3), "N/m")
+@declares(finite_zeros=4, symmetric=True, growing_zeros=0)
+def decayed_partner(coupling: float) -> StudyProblem:
+    """Two equal oscillators, one of them damped, weakly coupled by a spring.
+
+    The damped one starts. Once it has come to rest, all that is left is the motion of the other, as small as the coupling.
+    """
+    stiffness = [[1.0 + coupling, -coupling], [-coupling, 1.0 + coupling]]
+    return equations([stiffness, np.diag([1.0, 0.0]), np.eye(2)], [[1.0, 0.0], [0.0, 0.0]], [100.0])
+
+
 @family("small next to large", "coupling stiffness", decades(-4, -19, 3), "N/m")
 @declares(finite_zeros=12, symmetric=True)
 def groups_coupled_by_stiffness(coupling: float) -> StudyProblem:
