@@ -23,7 +23,7 @@ from ..linalg.rounding import Noisy
 from ..linalg.scaling import equilibration
 from ..polynomial.polynomial_matrix import Factors, PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth, step
-from .constraints import IndependentRows
+from .constraints import IndependentRows, right_sides
 from .element_matrix import ElementMatrix
 
 
@@ -34,9 +34,10 @@ class ConstrainedForm(Displayed):
     Attributes:
         null_space: V, shape (n, n - k).
         rows: A, shape (k, n).
-        values: b, shape (k,).
+        values: the constant part of b, shape (k,).
         polynomial_matrix: [V^T (M s^2 + C s + K); A s^level], always of degree 2.
         notices: sums of entries of M, C, K that cancel almost.
+        excitation: the part of b that varies in time, k rows; None where b is constant.
     """
 
     null_space: np.ndarray
@@ -44,19 +45,24 @@ class ConstrainedForm(Displayed):
     values: np.ndarray
     polynomial_matrix: PolynomialMatrix
     notices: tuple[Notice, ...] = ()
+    excitation: ImpulsiveSmooth | None = None
 
     def _summary(self) -> str:
         return f"{counted(len(self.null_space), 'coordinate')}, {counted(len(self.values), 'constraint row')}"
 
     def force(self, applied: ImpulsiveSmooth) -> ImpulsiveSmooth:
-        """The right-hand side [V^T f; b] for t > 0 from f with n rows; b is a step."""
+        """The right-hand side [V^T f; b] for t > 0 from f with n rows; a constant b is a step."""
         if not len(self.values):
             return applied
         padding = np.zeros((len(self.values), self.null_space.shape[0]))
         values = np.concatenate([np.zeros(self.null_space.shape[1]), self.values])
         is_zero = applied.is_zero and not applied.exact_inputs
         projected = applied if is_zero else applied.mapped(np.vstack([self.null_space.T, padding]))
-        return projected + step(values) if values.any() else projected
+        projected = projected + step(values) if values.any() else projected
+        if self.excitation is None:
+            return projected
+        size = len(values)
+        return projected + self.excitation.mapped(np.eye(size)[:, size - len(self.values) :])
 
 
 def constrained_form(
@@ -106,7 +112,8 @@ def constrained_form(
     values = np.array([row.value for row in independent.rows])
     matrix = PolynomialMatrix(coefficients, names, equations, doubt)
     certain = doubt is None and not by_elements and len(A)
-    return ConstrainedForm(V, A, values, matrix, tuple(_cancelled(V, together, equations, names)) if certain else ())
+    notices = tuple(_cancelled(V, together, equations, names)) if certain else ()
+    return ConstrainedForm(V, A, values, matrix, notices, right_sides(independent.rows))
 
 
 def _assembled(matrix: np.ndarray | ElementMatrix) -> np.ndarray:

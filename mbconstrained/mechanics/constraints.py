@@ -1,10 +1,10 @@
-"""Constraint rows A x^(level) = b: a combination of coordinates or of their derivatives has a given value."""
+"""Constraint rows A x^(level) = b(t): a combination of coordinates or of their derivatives has a given value, a constant or a signal."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Literal
 
 import numpy as np
@@ -14,11 +14,14 @@ from ..ground.checks import names_of, nearest, real_array
 from ..ground.coordinate_units import check_unit, rate_unit
 from ..ground.errors import ContradictoryConstraints, InputError
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import CLEAR_KEPT, DOUBTFUL_SUM, EPS, NOISE_SAFETY, NULL_SPACE_LIMIT
+from ..ground.tolerances import CLEAR_KEPT, DOUBTFUL_SUM, EPS, NOISE_SAFETY, NULL_SPACE_LIMIT, noise_of
 from ..linalg.arrays import full, others
 from ..linalg.division import solution
 from ..linalg.rounding import Noisy, reduce_in_order
 from ..linalg.scaling import column_units
+from ..signals.bohl import BohlFunction
+from ..signals.impulsive import ImpulsiveSmooth
+from ..signals.inputs import step
 
 Level = Literal["position", "velocity", "acceleration"]
 
@@ -33,14 +36,15 @@ LEVELS: tuple[Level, ...] = ("position", "velocity", "acceleration")
 
 
 class Constraint:
-    """The rows A x^(level) = b of one constraint, b constant for t > 0.
+    """The rows A x^(level) = b(t) of one constraint, b a constant or a signal for t > 0 (a prescribed motion).
 
     Args:
         rows: A, shape (k, n), or (n,) for a single row; kept sparse where it is ``scipy.sparse``.
         level: the constrained derivative: "position" A x = b, "velocity" A x' = b, or "acceleration" A x'' = b
-            (the form of Udwadia and Phohomsiri 2006). The stronger level implies the weaker one with b = 0; a weaker
-            level keeps an initial violation of the stronger one, and adds drift eigenvalues.
-        value: b, a number or shape (k,).
+            (the form of Udwadia and Phohomsiri 2006). The stronger level implies the weaker one with the derivative of b; a
+            weaker level keeps an initial violation of the stronger one, and adds drift eigenvalues.
+        value: b, a number or shape (k,), or a signal such as ``mb.harmonic`` and ``mb.sampled`` with k rows, or one for all.
+            A step in b at position level is a jump of the state with impulses in the reactions.
         names: one name per row; "constraint 1", ... by default.
         unit: unit of A x, "m" or "rad" ("1" for none), from which multipliers have theirs. By default that of the
             coordinates in the row, metres where both kinds meet (a radius turns angles into lengths).
@@ -51,6 +55,12 @@ class Constraint:
 
     >>> Constraint([1, -1, 0], level="velocity", value=0.5)
     Constraint(1 row at velocity level)
+
+    A support that moves as 0.1 sin(3 t), in m:
+
+    >>> from mbconstrained import harmonic
+    >>> Constraint([1, 0], value=harmonic([0.1], angular_frequency=3.0, phase=-np.pi / 2), names="base")
+    Constraint(1 row at position level)
     """
 
     def __init__(
@@ -67,7 +77,13 @@ class Constraint:
             raise InputError(f"constraint rows: expected one row or a matrix, found an array of shape {matrix.shape}")
         self.rows = matrix if scipy.sparse.issparse(matrix) else np.atleast_2d(matrix)
         self.level = checked_level(level, "constraint")
-        values = real_array(value, "constraint value")
+        self.signal = value if isinstance(value, ImpulsiveSmooth) else None
+        if self.signal is not None and self.signal.size not in (1, self.rows.shape[0]):
+            raise InputError(
+                f"constraint value: found a signal with {self.signal.size} rows; expected one row, or one for each of the "
+                f"{self.rows.shape[0]} rows"
+            )
+        values = real_array(0.0 if self.signal is not None else value, "constraint value")
         if values.ndim > 1 or (values.ndim == 1 and len(values) != self.rows.shape[0]):
             raise InputError(
                 f"constraint value: found shape {values.shape}; expected a number, or one for each of the {self.rows.shape[0]} rows"
@@ -92,15 +108,16 @@ class Constraint:
 
 @dataclass(frozen=True)
 class ConstraintRow:
-    """One row a x^(level) = value of a system.
+    """One row a x^(level) = value + signal(t) of a system.
 
     Attributes:
         name: its name.
         coefficients: a, shape (n,).
         level: "position", "velocity" or "acceleration".
-        value: the right-hand side.
+        value: the constant part of the right-hand side b.
         unit: unit of a x, "m", "rad" or "1".
         uncertainty: bounds of the errors of a beyond rounding, shape (n,) or one number.
+        signal: the part of b that varies in time, one row; None where b is constant.
     """
 
     name: str
@@ -109,11 +126,30 @@ class ConstraintRow:
     value: float
     unit: str
     uncertainty: np.ndarray | float = field(default=0.0, repr=False)
+    signal: ImpulsiveSmooth | None = field(default=None, repr=False)
+
+    def right_side(self, order: int) -> BohlFunction:
+        """What the row prescribes for a x^(order), t > 0: the derivative of b of order ``order`` minus its own order.
+
+        Args:
+            order: of the derivative of x, at least that of the row.
+
+        Returns:
+            A function with one row, in the unit of the row per s^order.
+        """
+        constant = step([self.value if order == self.order else 0.0]).smooth
+        return constant if self.signal is None else constant + self.signal.derivative(order - self.order)
 
     @property
     def order(self) -> int:
         """Order of the constrained derivative: 0, 1 or 2."""
         return LEVELS.index(self.level)
+
+    @property
+    def right_side_text(self) -> str:
+        """b with its unit; "prescribed, in m" where it varies in time."""
+        unit = rate_unit(self.unit, self.order)
+        return f"{self.value:.6g} {unit}" if self.signal is None else f"prescribed, in {unit}"
 
 
 def checked_level(level, what: str) -> Level:
@@ -187,10 +223,23 @@ def constraint_rows(constraints: Sequence[Constraint], units: dict[str, str]) ->
     rows: list[ConstraintRow] = []
     names, each = row_names(constraints), tuple(units.values())
     for constraint in constraints:
-        for coefficients, value, uncertainty in zip(full(constraint.rows), constraint.values, full(constraint.uncertainty)):
-            unit = constraint.unit or _unit(coefficients, each)
-            rows.append(ConstraintRow(names[len(rows)], coefficients, constraint.level, float(value), unit, uncertainty))
+        given = zip(full(constraint.rows), constraint.values, full(constraint.uncertainty))
+        for place, (coefficients, value, uncertainty) in enumerate(given):
+            unit, name = constraint.unit or _unit(coefficients, each), names[len(rows)]
+            signal = None if constraint.signal is None else _row_of(constraint.signal, place)
+            rows.append(ConstraintRow(name, coefficients, constraint.level, float(value), unit, uncertainty, signal))
     return tuple(rows)
+
+
+def _row_of(signal: ImpulsiveSmooth, place: int) -> ImpulsiveSmooth:
+    return signal if signal.size == 1 else signal.mapped(np.eye(1, signal.size, place))
+
+
+def right_sides(rows: Sequence[ConstraintRow]) -> ImpulsiveSmooth | None:
+    """The parts of b that vary in time, one row for each of the k rows; None where b is constant."""
+    column = np.eye(len(rows))
+    varying = [row.signal.mapped(column[:, [place]]) for place, row in enumerate(rows) if row.signal is not None]
+    return sum(varying[1:], varying[0]) if varying else None
 
 
 def _unit(coefficients, units) -> str:
@@ -310,6 +359,12 @@ def _redundant(rows, place, rest) -> Notice:
     row, levels = rows[place], len(LEVELS)
     others = [f'"{rows[i].name}" ({rows[i].level} level)' for i in np.flatnonzero(rest[levels:]) if i != place]
     reason = f"it follows from {' and '.join(others)}" if others else "all its coefficients are zero"
+    difference = _difference(rows, place, rest[levels:])
+    if difference is not None:
+        raise ContradictoryConstraints(
+            f'constraint "{row.name}" ({row.level} level) prescribes another motion than {" and ".join(others) or "none"}, '
+            f"from which its left-hand side follows: {difference}; make the motions agree or take one of the rows out"
+        )
     left_over = rest[row.order]
     if left_over:
         unit = rate_unit(row.unit, row.order)
@@ -325,6 +380,29 @@ def _redundant(rows, place, rest) -> Notice:
         "the multipliers are those of the independent rows",
         doubtful=nearly,
     )
+
+
+def _difference(rows, place: int, factors: np.ndarray) -> str | None:
+    """Where the signal of a dependent row is another than that of the same combination of the other rows; None where it is the same.
+
+    A Bohl function of s states is zero if its first s derivatives vanish at its start, and at each of its knots.
+    """
+    order = rows[place].order
+    terms = [(factor, each) for factor, each in zip(factors, rows) if factor and each.order <= order and each.signal is not None]
+    if not terms:
+        return None
+    knots = reduce(np.union1d, (each.signal.knots for _, each in terms))
+    count = sum(each.signal.smooth.state_count for _, each in terms)
+    for derivative in range(count):
+        values = np.array([factor * each.signal.derivative(order - each.order + derivative)(knots)[0] for factor, each in terms])
+        sizes = np.abs(values).sum(axis=0)
+        wrong = np.abs(values.sum(axis=0)) > noise_of(sizes.max(), count)
+        if wrong.any():
+            time = knots[wrong.argmax()]
+            what = "value" if not derivative else f"derivative of order {derivative}"
+            value = rows[place].right_side(order + derivative)(time)[0]
+            return f"at t = {time:.6g} s its {what} is {value:.6g} instead of {value - values.sum(axis=0)[wrong.argmax()]:.6g}"
+    return None
 
 
 def _is_nearly_dependent(rows, factors: np.ndarray) -> bool:

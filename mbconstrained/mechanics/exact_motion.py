@@ -16,6 +16,7 @@ from ..exact.enclosure.exact_sources import sources_of
 from ..exact.rational.rational_matrix import RationalMatrix, regular
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.inputs import step
+from .constraints import right_sides
 
 if TYPE_CHECKING:
     from .motion import Motion
@@ -33,6 +34,9 @@ def exact_motion(motion: Motion) -> ExactResponse:
     values = np.array([row.value for row in motion.system.rows])
     if values.any():
         force = force + step(np.append(np.zeros(n), values))
+    prescribed = right_sides(motion.system.rows)
+    if prescribed is not None:
+        force = force + prescribed.mapped(np.eye(n + k)[:, n:])
     return ExactResponse(_regular_form(motion.system), start, sources_of(force), range(n))
 
 

@@ -263,16 +263,22 @@ def _violated_rows(motion: Motion) -> Iterator[Notice]:
     """Rows that the values at 0- violate, in the constrained derivative or in one that follows from it."""
     for row in motion.system.rows:
         for order in range(row.order, 2):
-            value = row.value if order == row.order else 0.0
+            value = float(row.right_side(order)(0.0)[0])
             actual, noise = _row_value(row, motion.initial[order])
             if abs(actual - value) > noise + noise_of(abs(value)):
                 unit = rate_unit(row.unit, order)
-                yield Notice(
-                    NoticeKind.JUMP,
-                    f'constraint "{row.name}" ({row.level} level) is violated at 0-: its {STATE_NAMES[order]} is '
-                    f"{actual:.6g} {unit} instead of {value:.6g} {unit}, off by {actual - value:.6g} {unit}; "
-                    "it is enforced at t = 0",
-                )
+                if row.signal is None:
+                    text = (
+                        f'constraint "{row.name}" ({row.level} level) is violated at 0-: its {STATE_NAMES[order]} is '
+                        f"{actual:.6g} {unit} instead of {value:.6g} {unit}, off by {actual - value:.6g} {unit}; "
+                        "it is enforced at t = 0"
+                    )
+                else:
+                    text = (
+                        f'prescribed motion "{row.name}" ({row.level} level) starts with the {STATE_NAMES[order]} {value:.6g} {unit}, '
+                        f"which is {actual:.6g} {unit} at 0-: it jumps at t = 0"
+                    )
+                yield Notice(NoticeKind.JUMP, text)
 
 
 def _sentences(motion: Motion, event: Event | ImpulsiveLoad) -> Iterator[Notice]:
@@ -300,9 +306,12 @@ def _sentences(motion: Motion, event: Event | ImpulsiveLoad) -> Iterator[Notice]
 
 
 def _drift(motion: Motion) -> Iterator[Notice]:
-    """Rows at velocity and acceleration level: the position value at the start, and its rate."""
+    """Rows at velocity and acceleration level: the position value at the start, and its rate; of records, both at the end."""
     for row in motion.system.rows:
         if row.order == 0:
+            continue
+        if row.signal is not None:
+            yield from _drift_of_record(motion, row)
             continue
         place, _ = _row_value(row, motion.start[0])
         rate, noise = _row_value(row, motion.start[1])
@@ -312,6 +321,26 @@ def _drift(motion: Motion) -> Iterator[Notice]:
             f'constraint "{row.name}" is at {row.level} level ({counted(row.order, "drift eigenvalue")}): '
             f"its position value starts at {place + 0.0:.6g} {row.unit}{moving}; no equation corrects it",
         )
+
+
+def _drift_of_record(motion: Motion, row: ConstraintRow) -> Iterator[Notice]:
+    """What remains of a prescribed velocity or acceleration that ends: a velocity, which moves the support on, and a displacement."""
+    end = row.signal.knots[-1] if row.signal is not None else 0.0
+    if not end or row.signal is None or row.signal(end).any():
+        return
+    place, _ = _row_value(row, motion(end))
+    rate, noise = _row_value(row, motion.derivative(1)(end))
+    size = np.abs(row.coefficients) @ np.abs(motion.derivative(1)(row.signal.knots)).max(axis=1)
+    moving = (
+        f" and moves on at {rate:.6g} {rate_unit(row.unit)}"
+        if abs(rate) > max(noise, noise_of(size, len(row.signal.knots)))
+        else ""
+    )
+    yield Notice(
+        NoticeKind.DRIFT,
+        f'prescribed motion "{row.name}" ({row.level} level): at the end of the record, t = {end:.6g} s, the support is at {place + 0.0:.6g} '
+        f"{row.unit}{moving}; a baseline correction changes this",
+    )
 
 
 def _static_offsets(system: MechanicalSystem) -> Iterator[Notice]:

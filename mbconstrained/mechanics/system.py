@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ import numpy as np
 import scipy.sparse
 
 from ..ground.checks import constant_zeros, counted, names_of, nearest, real_array, real_number, whole_number
-from ..ground.coordinate_units import coordinate_units, rate_unit
+from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice
@@ -19,7 +20,7 @@ from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.choose import Evaluations, Request
 from ..signals.inputs import ImpulsiveSmooth, step, zero
 from .constrained_form import ConstrainedForm, constrained_form, explicit_acceleration
-from .constraints import LEVELS, Constraint, ConstraintRow, checked_constraints, constraint_rows, independent_rows
+from .constraints import LEVELS, Constraint, ConstraintRow, IndependentRows, checked_constraints, constraint_rows, independent_rows
 from .element_matrix import ElementMatrix
 from .energy import EnergyParts, coordinate_parts
 from .mode_computation import modes_of
@@ -110,14 +111,43 @@ class MechanicalSystem(Displayed):
             self.pencil = None
             self._named_parts = None if energy_parts is None else self._checked_parts(energy_parts)
             self.uncertainty = self._uncertainty(uncertainty or {})
-            with short_work(2 * self.size):
-                self._independent = independent_rows(constraint_rows(self.constraints, self.units), self.size)
+            self._independent = self._independent_rows()
         self._forms: dict[tuple[int, ...], ConstrainedForm] = {}
         varies = isinstance(force, ImpulsiveSmooth)
         self.excitation = self._signal(force) if varies else None
         constant = np.zeros(self.size) if varies else self._vector(force, "force")
         self.static_force = self._vector(static_force, "static_force") + constant
         self.static_force.flags.writeable = False
+
+    def with_constraints(self, *constraints: Constraint) -> MechanicalSystem:
+        """The same system with further constraint rows.
+
+        Args:
+            constraints: rows for its n coordinates.
+
+        Returns:
+            A system of the same class.
+
+        Raises:
+            InputError: rows of another length, names in use.
+            ContradictoryConstraints: dependent rows with different values.
+
+        >>> pair = MechanicalSystem(np.diag([1.0, 3.0])).with_constraints(Constraint([1, -1]))
+        >>> pair.acceleration([0, 0], [0, 0], [8.0, 0.0])
+        array([2., 2.])
+        """
+        system = copy(self)
+        system.constraints = (*self.constraints, *checked_constraints(constraints, self.names))
+        system._forms = {}
+        if self.is_sparse:
+            system.pencil = system._reduced_pencil()
+        else:
+            system._independent = system._independent_rows()
+        return system
+
+    def _independent_rows(self) -> IndependentRows:
+        with short_work(2 * self.size):
+            return independent_rows(constraint_rows(self.constraints, self.units), self.size)
 
     @property
     def size(self) -> int:
@@ -277,10 +307,10 @@ class MechanicalSystem(Displayed):
         """x'' at a given state, shape (n,), by the explicit formula of Udwadia and Phohomsiri (``mechanics.constrained_form``).
 
         Args:
-            displacement, velocity: x and x', shape (n,) or by name. Rows at position and velocity level enter as A x'' = 0,
-                also where the state violates them.
+            displacement, velocity: x and x', shape (n,) or by name. Rows at position and velocity level enter by their
+                derivative, A x'' = 0 where b is constant, also where the state violates them.
             force: f in addition to the system's own at that time, a constant vector (n,) or by name.
-            time: of the system's own force (s).
+            time: of the system's own force and prescribed motions (s).
 
         Returns:
             Shape (n,), in m/s^2 or rad/s^2.
@@ -291,7 +321,7 @@ class MechanicalSystem(Displayed):
         """
         self._refuse_sparse("acceleration")
         load = -self._resistance(displacement, velocity, force, time)
-        values = np.array([row.value if row.level == "acceleration" else 0.0 for row in self.rows])
+        values = np.array([row.right_side(2)(time)[0] for row in self.rows])
         return explicit_acceleration(self.mass, self._independent, load, values, self.names)
 
     def constraint_force(self, displacement, velocity, force=None, time: float = 0.0) -> np.ndarray:
@@ -314,7 +344,7 @@ class MechanicalSystem(Displayed):
 
     def _tables(self) -> tuple[TextTable, ...]:
         rows = () if self.is_sparse else self.rows
-        cells = ((row.name, row.level, f"{row.value:.6g} {rate_unit(row.unit, row.order)}") for row in rows)
+        cells = ((row.name, row.level, row.right_side_text) for row in rows)
         return TextTable("Constraint rows", ("row", "level", "value"), tuple(cells)), notice_table(self.notices)
 
     # the arguments of users as arrays and signals

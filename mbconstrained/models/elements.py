@@ -12,6 +12,7 @@ from ..ground.checks import real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
 from ..mechanics.constraints import Level, checked_level
+from ..signals.impulsive import ImpulsiveSmooth
 
 # Common to all elements: a name, a label for messages, the bodies that they join, their numbers.
 
@@ -350,3 +351,40 @@ class Relation(Tie):
     ends = property(lambda self: dict.fromkeys(self.coefficients))
     row = property(lambda self: dict(self.coefficients))
     row_value = property(lambda self: self.value)
+
+
+@dataclass(frozen=True)
+class PrescribedMotion(Tie):
+    """A prescribed motion of a body: its displacement, velocity or acceleration is a signal b(t) (base excitation).
+
+    Args:
+        body: whose coordinate is prescribed.
+        signal: b with one row, such as ``mb.harmonic([0.01], frequency_hz=2)`` or a record, ``mb.sampled``; in m or rad, by s or
+            s^2 at velocity and acceleration level.
+        factor: of the signal, where several supports move by multiples of one signal.
+        level: "position" for a displacement, "velocity", or "acceleration".
+
+    The multiplier is the force that the support must supply.
+    """
+
+    body: str
+    signal: ImpulsiveSmooth
+    factor: float = 1.0
+    level: Level = "position"
+
+    either = ("body",)
+    real = ("factor",)
+    end_count = 1
+
+    def __post_init__(self):
+        super().__post_init__()
+        if not isinstance(self.signal, ImpulsiveSmooth) or self.signal.size != 1:
+            raise InputError(f"{self.label}: expected a signal with one row, such as mb.step([0.1])")
+        if self.body == GROUND:
+            raise InputError(f'{self.label}: "ground" does not move; prescribe the motion of a body or a node')
+        checked_level(self.level, self.label)
+
+    kind = "motion"
+    default_names = property(lambda self: (f"motion of {self.body}{f' {number}' if number > 1 else ''}" for number in count(1)))
+    row = property(lambda self: {self.body: 1.0})
+    row_value = property(lambda self: self.factor * self.signal)

@@ -28,6 +28,7 @@ from .elements import (
     Link,
     Mass,
     Node,
+    PrescribedMotion,
     Pulley,
     Rack,
     Relation,
@@ -115,6 +116,7 @@ class LumpedModel(Displayed):
     rack = _adds(Rack)
     pulley = _adds(Pulley)
     constrain = _adds(Relation)
+    prescribe = _adds(PrescribedMotion)
 
     def gravity(self, acceleration: float) -> None:
         """A force m g along the axis on every mass; negative where the axis points upwards (m/s^2)."""

@@ -194,13 +194,18 @@ def sparse_rows(constraints: Sequence[Constraint], size: int) -> SparseRows:
         The rows, shape (k, n).
 
     Raises:
-        InputError: rows at another level than position, names used twice.
+        InputError: rows at another level than position, prescribed motions, names used twice.
     """
     for constraint in constraints:
         if constraint.level != "position":
             raise InputError(
                 f"constraints: found a row at {constraint.level} level; sparse matrices accept rows at position level only, "
                 "as drift is no motion of the bodies; set level='position', or give arrays"
+            )
+        if constraint.signal is not None:
+            raise InputError(
+                "constraints: found a prescribed motion; sparse matrices accept constant values only; give arrays, or a force of the "
+                "springs and dampers at the support"
             )
     parts = [_sparse_entries(constraint.rows, "constraint rows") for constraint in constraints]
     matrix = scipy.sparse.vstack([scipy.sparse.csr_array((0, size)), *parts], format="csr")

@@ -21,8 +21,8 @@ def consistent_values(
 ) -> np.ndarray:
     """The values at 0-, those omitted from the [initial] table chosen so that the constraint rows hold.
 
-    Rows A x^(level) = b at position level hold for positions, and with 0 on the right for velocities, where those at
-    velocity level join them. Omitted values remain 0 where the rows hold with 0, and in coordinates of no row.
+    Rows A x^(level) = b at position level hold for positions, and with the derivative of b for velocities (0 where b is constant),
+    where those at velocity level join them. Omitted values remain 0 where the rows hold with 0, and in coordinates of no row.
 
     Args:
         initial: x^(i)(0-) as row i, 0 where omitted.
@@ -52,7 +52,7 @@ def consistent_values(
 def _completed(values: np.ndarray, known: np.ndarray, system: MechanicalSystem, order: int, names) -> np.ndarray:
     chosen = [i for i, row in enumerate(system.rows) if row.order <= order]
     A = system.constraint_matrix[chosen]
-    b = np.array([system.rows[i].value if system.rows[i].order == order else 0.0 for i in chosen])
+    b = np.array([system.rows[i].right_side(order)(0.0)[0] for i in chosen])
     if _holds(A, values, b).all():
         return values
     free = np.flatnonzero(~known & A.any(axis=0))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,7 +23,7 @@ from ..quantities.coordinates import Coordinates, beyond_noise, constraint_value
 from ..quantities.quantities import Expressed, quantity
 from .consistent_values import consistent_values
 from .data_files import entries_of
-from .forces import Load, force_of, loads_of
+from .forces import Load, force_of, loads_of, prescribed_motions
 
 if TYPE_CHECKING:
     from ...mechanics.system import MechanicalSystem
@@ -243,6 +243,11 @@ def _check_kinds(model, coordinates: Coordinates, file_name: str) -> None:
 
 
 def _mechanical(table, system, coordinates, folder, file_name, model=None, robot_scene=None) -> Equations:
+    prescribed = prescribed_motions(table.motion, coordinates, folder, file_name, robot_scene and robot_scene.system)
+    if prescribed:
+        with at(file_name, "motion"):
+            system = system.with_constraints(*prescribed)
+        robot_scene = robot_scene and replace(robot_scene, system=system)
     with at(file_name, "model"):
         polynomial_matrix = system.polynomial_matrix()
     initial = initial_values(table.initial, coordinates, 2, file_name).astype(float)

@@ -1,4 +1,4 @@
-"""From the [[force]] tables to the force: a signal for each table, on its coordinate or input, with its unit."""
+"""From the [[force]] and [[motion]] tables to signals with units: forces on coordinates and inputs, and prescribed motions."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ import numpy as np
 
 from ...ground.checks import nearest
 from ...ground.errors import InputError
+from ...mechanics.constraints import LEVELS, Constraint
 from ...signals import inputs as signals
 from ..file.messages import at, named, shown
-from ..quantities.coordinates import FORCE_UNITS, Coordinates, force_value
+from ..quantities.coordinates import FORCE_UNITS, Coordinates, force_value, with_time
 from .data_files import record_of
 
 if TYPE_CHECKING:
@@ -72,6 +73,39 @@ def loads_of(
     return tuple(loads)
 
 
+def prescribed_motions(
+    tables: Sequence, coordinates: Coordinates, folder: Path, file_name: str, robot: LinearizedRobot | None = None
+) -> list[Constraint]:
+    """The constraint rows of all [[motion]] tables.
+
+    Args:
+        tables: validated.
+        coordinates: of the model.
+        folder: of the scene, for data files.
+        file_name: for messages.
+        robot: its outputs are points whose motion may be prescribed.
+
+    Returns:
+        A constraint for each coordinate.
+
+    Raises:
+        SceneError: an unknown coordinate, a value of another kind, a wrong data file.
+    """
+    outputs = robot.outputs if robot else {}
+    constraints = []
+    for number, table in enumerate(tables, 1):
+        with at(file_name, f"motion[{number}]"):
+            for row, (name, factor) in table.rows.items():
+                if name in outputs:
+                    coefficients, unit = outputs[name], robot.output_units[name]
+                else:
+                    index = coordinates.number(name, *outputs)
+                    coefficients, unit = np.eye(len(coordinates.names))[index], coordinates.units[index]
+                signal = float(factor) * _signal(table, with_time(unit, -LEVELS.index(table.level)), folder)
+                constraints.append(Constraint(coefficients, level=table.level, value=signal, names=row, unit=unit))
+    return constraints
+
+
 def force_of(loads: Sequence[Load]) -> signals.ImpulsiveSmooth | None:
     """The sum of the generalized forces of loads; None without any."""
     return reduce(add, (load.signal.mapped(load.direction[:, None]) for load in loads)) if loads else None
@@ -102,7 +136,7 @@ def input_of(tables: Sequence, inputs: Coordinates, folder: Path, file_name: str
 
 
 def _signal(table, unit: str | None, folder: Path) -> signals.ImpulsiveSmooth:
-    """The force of a table over time, one row."""
+    """The signal of a table, one row."""
     if table.kind == "sampled":
         times, values = sampled_force(table, unit, folder)
         with named(table.file) if table.file else nullcontext():

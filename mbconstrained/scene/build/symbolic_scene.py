@@ -76,6 +76,8 @@ def exact_equations(scene: Scene, symbols: Symbols) -> ExactEquations:
 def _mechanical(scene: Scene, symbols: Symbols) -> ExactEquations:
     from ...exact.formulas.symbolic_equations import exact_form
 
+    if scene.table.motion:
+        raise InputError("there is no formula with symbols for a model with prescribed motions ([[motion]])")
     coordinates = scene.equations.coordinates
     matrices, rows, static = _exact_lumped(scene, symbols) if scene.equations.model is not None else _matrices(scene, symbols)
     form = exact_form(matrices, rows, coordinates.names)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ...ground.checks import counted
 from ...ground.notices import NoticeKind
-from ...response.choose import PAIRS
+from ...response.choose import PAIRS, unproved
 
 if TYPE_CHECKING:
     from ..build.equations import Equations
@@ -136,6 +136,12 @@ def modes(scene: Scene) -> Decision:
         listed = "the zeros of A(s)" if scene.equations.control is None else "the poles"
         return False, f"no mechanical system: {listed} are listed without a meaning"
     return True, "classifies oscillations, rigid-body modes and drift"
+
+
+def proof(scene: Scene) -> Decision:
+    """Small models of exact data have bounds of the error instead of estimates."""
+    reason = unproved(scene.problem)
+    return not reason, reason or "few states: the error is bounded, and values beyond the bound come from the exact engine"
 
 
 def transfer_functions(scene: Scene) -> Decision:

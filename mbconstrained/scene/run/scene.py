@@ -89,9 +89,13 @@ class Scene(Displayed):
     @cached_property
     def method(self) -> Method:
         """The method that gives the response at the times of the scene."""
+        return choose(self.problem, Request(times=self.times))
+
+    @cached_property
+    def problem(self) -> Problem:
+        """A(d/dt) x = f with the values at 0-."""
         equations = self.equations
-        problem = Problem(equations.polynomial_matrix, equations.initial, equations.right_hand_side)
-        return choose(problem, Request(times=self.times))
+        return Problem(equations.polynomial_matrix, equations.initial, equations.right_hand_side)
 
     def certified(self) -> Scene:
         """The same scene with certify = true, where it does not say itself what to certify."""

@@ -75,6 +75,7 @@ STEPS = (
     Step("energy", partial(decisions.plotted, kind="energy"), methodcaller("curves", "energy")),
     Step("modes", decisions.modes, attrgetter("modes")),
     Step("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimate")),
+    Step("proof (python-flint)", decisions.proof, part_of="error estimate"),
     Step("certificate (python-flint)", decisions.certificate, attrgetter("certificate")),
     Step("symbols (sympy)", decisions.symbols, attrgetter("formula"), writes=True),
     Step("animation", decisions.animation, attrgetter("animation"), writes=True),

@@ -1,14 +1,17 @@
-"""The [[force]] tables: a force on one coordinate from t = 0 or from its delay on, in closed form."""
+"""The [[force]] and [[motion]] tables: a force on one coordinate, or its prescribed motion, from t = 0 or from a delay on."""
 
 from __future__ import annotations
 
 import math
+from functools import reduce
+from operator import or_
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, create_model, model_validator
 
 from ...ground.errors import InputError
-from .entry_types import Angle, AngularVelocity, Frequency, Name, Quantity, Rate, Table, Text, Time
+from ...mechanics.constraints import Level
+from .entry_types import Angle, AngularVelocity, Frequency, Name, Number, Quantity, Rate, Table, Text, Time
 
 MOST_POWER = 20
 
@@ -161,3 +164,37 @@ ForceTable = Annotated[
     StepTable | RampTable | PowerTable | ImpulseTable | HarmonicTable | TermTable | PulseTable | SampledTable,
     Field(discriminator="kind"),
 ]
+
+
+class MotionBase(Table):
+    """What every prescribed motion has in addition to the keys of a force of its kind."""
+
+    coordinate: Name | None = Field(None, description="The coordinate, joint or point whose motion is prescribed.")
+    factors: dict[Name, Number] | None = Field(
+        None, description="Instead of coordinate: several that move by multiples of one signal, e.g. { left = 1, right = 0.5 }."
+    )
+    level: Level = Field("position", description="What the value is: a displacement, a velocity or an acceleration.")
+    name: Name | None = Field(None, description='Of the constraint row; left out: "motion of" and the coordinate.')
+
+    @model_validator(mode="after")
+    def _of_something(self):
+        if (self.coordinate is None) == (not self.factors):
+            raise InputError("give either coordinate or factors: what is it whose motion is prescribed?")
+        return self
+
+    @property
+    def rows(self) -> dict[str, tuple[str, float]]:
+        """By the name of the constraint row the coordinate and the factor of the signal."""
+        if self.coordinate is not None:
+            return {self.name or f"motion of {self.coordinate}": (self.coordinate, 1.0)}
+        base = self.name or "motion"
+        return {f"{base} of {coordinate}": (coordinate, factor) for coordinate, factor in (self.factors or {}).items()}
+
+
+#: A table of each kind of force, with the keys of a prescribed motion.
+MOTIONS = tuple(
+    create_model(kind.__name__.replace("Table", "MotionTable"), __base__=(MotionBase, kind), __doc__=kind.__doc__)
+    for kind in (StepTable, RampTable, PowerTable, ImpulseTable, HarmonicTable, TermTable, PulseTable, SampledTable)
+)
+
+MotionTable = Annotated[reduce(or_, MOTIONS), Field(discriminator="kind")]

@@ -11,7 +11,7 @@ from ..file.messages import shown
 from ..quantities.coordinates import DERIVATIVES
 from .drawing_tables import DrawingTable
 from .entry_types import NUMBER_SCHEMA, Name, Quantity, Table, Text, Time
-from .force_tables import ForceTable
+from .force_tables import ForceTable, MotionTable
 from .lumped_tables import LumpedTable
 from .model_tables import MatricesTable, StateSpaceTable, TransferFunctionTable
 from .robot_tables import RobotTable
@@ -145,6 +145,7 @@ class SceneFile(Table):
     model: Model = Field(description="The equations.")
     initial: InitialTable = Field(InitialTable(), description="The values just before t = 0.")
     force: list[ForceTable] = Field([], description="Forces from t = 0 or from their delays on; entries on one coordinate add up.")
+    motion: list[MotionTable] = Field([], description="Prescribed motions of coordinates: supports that move.")
     time: TimeTable = Field(description="Where the answer is wanted.")
     output: OutputTable = Field(OutputTable(), description="Which files are written, and what the page shows.")
     drawing: DrawingTable | None = Field(None, description="How the model is drawn; left out: automatically.")

@@ -27,7 +27,6 @@ from ...mechanics.reaction import reaction_function
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ImpulsiveSmooth
-from ...signals.inputs import step
 from ..study_problem import StudyProblem
 from .first_order import reduced, sizes_of
 from .force_intervals import Interval, intervals, jumps_of
@@ -120,9 +119,9 @@ def descriptor(problem: StudyProblem, index: int) -> Descriptor:
         matrices = (system.stiffness, system.damping, system.mass)
         coefficients = np.array(with_multipliers(matrices, system.constraint_matrix, [order] * k))
         applied = system.force if problem.applied is None else system.force + problem.applied
-        values = np.array([row.value if row.order == order else 0.0 for row in system.rows])
         force = applied.mapped(np.eye(n + k, n))
-        force = force + step(np.concatenate([np.zeros(n), values])) if values.any() else force
+        for place, row in enumerate(system.rows):
+            force = force + ImpulsiveSmooth(row.right_side(order).mapped(np.eye(n + k, 1, -n - place)))
         multipliers = reaction_function(system, response, applied)
         function = function.mapped(np.eye(n + k, n)) + multipliers.mapped(np.eye(n + k, k, -n))
     size = len(coefficients[0])

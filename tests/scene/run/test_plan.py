@@ -44,6 +44,7 @@ def test_a_free_oscillator_needs_little(tmp_path):
         "displacements",
         "modes",
         "error estimate",
+        "proof (python-flint)",
         "CSV",
     ]
 

@@ -95,6 +95,9 @@ WORK = {
     "modes": Work("plain", "coefficients", "mechanics/mode_computation.py:modes_of"),
     "transfer functions": Work("states", "states alone", "scene/build/control_model.py:ControlScene._transfer"),
     "error estimate": Work("plain", None, "response/estimate.py:error_estimate"),
+    "proof (python-flint)": Work(
+        "plain", "robot", "response/methods/proved.py:ProvedFunction.is_provable", ("mbconstrained.exact",)
+    ),
     "certificate (python-flint)": Work("all", "lumped", "scene/run/certificate.py:certificate_of", ("mbconstrained.exact",)),
     "symbols (sympy)": Work("formula", "lumped", "scene/run/formula.py:formula_of", ("sympy", "mbconstrained.exact")),
     "animation": Work(

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....ground.coordinate_units import rate_unit
-from ....ground.display import TextTable, number_text, with_unit
+from ....ground.display import TextTable, number_text
 from ....ground.notices import Notice
 from ....mechanics.mode_computation import Conservation, cleaned
 from ....mechanics.modes import Kind, Mode, Modes
@@ -53,7 +52,7 @@ def notices_of(result: Result) -> tuple[Notice, ...]:
 
 def _constraint_table(system: MechanicalSystem) -> TextTable:
     """The rows in force with their levels."""
-    cells = tuple((row.name, row.level, with_unit(row.value, rate_unit(row.unit, row.order))) for row in system.rows)
+    cells = tuple((row.name, row.level, row.right_side_text) for row in system.rows)
     note = "Errors at the start persist in rows at velocity or acceleration level: their eigenvalues at 0 are drift."
     drifting = any(row.order for row in system.rows)
     return TextTable("Constraints", ("row", "level", "value"), cells, note if drifting else "")
