@@ -44,17 +44,19 @@ class SystemMotion:
         """The coordinates, in the order of the rows of x."""
         return self.system.names
 
-    def displacement(self, times) -> np.ndarray:
+    def displacement(self, times, relative_to: str | None = None) -> np.ndarray:
         """x(t), as the motion itself when called.
 
         Args:
             times: in s, a number or shape (T,), t >= 0; t = 0 means 0+.
+            relative_to: a coordinate or a constraint row, such as a prescribed motion: its value a x is subtracted from the
+                coordinates of its unit.
 
         Returns:
             Shape (n,) or (n, T), in m or rad; of S motions (S, n) or (S, n, T).
 
         Raises:
-            InputError: times that are negative or not finite.
+            InputError: times that are negative or not finite; an unknown coordinate or row.
             Overflow: a value leaves the range of float64.
 
         >>> from mbconstrained import MechanicalSystem
@@ -62,15 +64,35 @@ class SystemMotion:
         >>> bool(np.isclose(oscillator.solve([1.0]).displacement(0.5)[0], np.cos(1.0)))
         True
         """
-        return self._rate(0, times)
+        return self._relative(self._rate(0, times), relative_to)
 
-    def velocity(self, times) -> np.ndarray:
-        """x'(t), in m/s or rad/s; arguments and shape as ``displacement``."""
-        return self._rate(1, times)
+    def velocity(self, times, relative_to: str | None = None) -> np.ndarray:
+        """x'(t).
 
-    def acceleration(self, times) -> np.ndarray:
-        """x''(t), in m/s^2 or rad/s^2; arguments and shape as ``displacement``."""
-        return self._rate(2, times)
+        Args:
+            times, relative_to: as ``displacement``.
+
+        Returns:
+            In m/s or rad/s, of the shape of ``displacement``.
+        """
+        return self._relative(self._rate(1, times), relative_to)
+
+    def acceleration(self, times, relative_to: str | None = None) -> np.ndarray:
+        """x''(t).
+
+        Args:
+            times, relative_to: as ``displacement``.
+
+        Returns:
+            In m/s^2 or rad/s^2, of the shape of ``displacement``.
+        """
+        return self._relative(self._rate(2, times), relative_to)
+
+    def _relative(self, values: np.ndarray, relative_to: str | None) -> np.ndarray:
+        if relative_to is None:
+            return values
+        along = np.moveaxis(values, self.coordinate_axis, 0)
+        return np.moveaxis(np.tensordot(_relative_matrix(self.system, relative_to), along, 1), 0, self.coordinate_axis)
 
     def energy(self, times) -> Energy:
         """Kinetic, strain and static energy at a time or at times (T,), in J; of S motions of shape (S,) or (S, T)."""
@@ -85,6 +107,16 @@ class SystemMotion:
     def _rate(self, order: int, times) -> np.ndarray:
         """The derivative of this order."""
         return self.derivative(order)(times) if order else self(times)  # type: ignore[attr-defined]
+
+
+def _relative_matrix(system: MechanicalSystem, name: str) -> np.ndarray:
+    """I - e a: subtracts from x the value a x of a coordinate or of a constraint row, in the coordinates e of its unit."""
+    rows = {row.name: (row.coefficients, row.unit) for row in system.rows}
+    rows |= {own: (row, system.units[own]) for own, row in zip(system.names, np.eye(system.size))}
+    if name not in rows:
+        raise InputError(f"relative_to: there is no coordinate or constraint row {name!r}{nearest(name, tuple(rows))}")
+    coefficients, unit = rows[name]
+    return np.eye(system.size) - np.outer([own == unit for own in system.units.values()], coefficients)
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -150,6 +150,19 @@ def test_the_explicit_acceleration_takes_the_prescribed_one():
     assert system.acceleration([0, 0], [0, 0], time=0.2)[0] == pytest.approx(expected, rel=1e-13)
 
 
+def test_relative_motion_is_that_to_a_row_or_a_coordinate():
+    x = quarter_car(SINE).solve()
+    for rate, order in ((x.displacement, 0), (x.velocity, 1), (x.acceleration, 2)):
+        values = rate(TIMES)
+        expected = values - values[0]
+        assert (rate(TIMES, relative_to="base") == expected).all() and (rate(TIMES, relative_to="road") == expected).all(), order
+    both = quarter_car(SINE).solve(displacement=[[0.0, 0.0], [0.0, 1.0]])
+    assert both.displacement(TIMES, relative_to="base").shape == (2, 2, len(TIMES))
+    assert (both.displacement(1.0, relative_to="base")[:, 0] == 0.0).all()
+    with pytest.raises(mb.InputError, match="no coordinate or constraint row 'bse'; did you mean \"base\""):
+        x.displacement(TIMES, relative_to="bse")
+
+
 @given(
     st.integers(2, 6),
     st.integers(0, 10**6),

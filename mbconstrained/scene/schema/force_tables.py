@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from functools import reduce
-from operator import or_
 from typing import Annotated, Literal
 
-from pydantic import Field, create_model, model_validator
+from pydantic import Field, model_validator
 
 from ...ground.errors import InputError
 from ...mechanics.constraints import Level
@@ -191,10 +189,39 @@ class MotionBase(Table):
         return {f"{base} of {coordinate}": (coordinate, factor) for coordinate, factor in (self.factors or {}).items()}
 
 
-#: A table of each kind of force, with the keys of a prescribed motion.
-MOTIONS = tuple(
-    create_model(kind.__name__.replace("Table", "MotionTable"), __base__=(MotionBase, kind), __doc__=kind.__doc__)
-    for kind in (StepTable, RampTable, PowerTable, ImpulseTable, HarmonicTable, TermTable, PulseTable, SampledTable)
-)
+class StepMotion(MotionBase, StepTable):
+    """A prescribed motion of the kind "step"."""
 
-MotionTable = Annotated[reduce(or_, MOTIONS), Field(discriminator="kind")]
+
+class RampMotion(MotionBase, RampTable):
+    """A prescribed motion of the kind "ramp"."""
+
+
+class PowerMotion(MotionBase, PowerTable):
+    """A prescribed motion of the kind "power"."""
+
+
+class ImpulseMotion(MotionBase, ImpulseTable):
+    """A prescribed motion of the kind "impulse"."""
+
+
+class HarmonicMotion(MotionBase, HarmonicTable):
+    """A prescribed motion of the kind "harmonic"."""
+
+
+class TermMotion(MotionBase, TermTable):
+    """A prescribed motion of the kind "term"."""
+
+
+class PulseMotion(MotionBase, PulseTable):
+    """A prescribed motion of the kind "pulse"."""
+
+
+class SampledMotion(MotionBase, SampledTable):
+    """A prescribed motion of the kind "sampled"."""
+
+
+MotionTable = Annotated[
+    StepMotion | RampMotion | PowerMotion | ImpulseMotion | HarmonicMotion | TermMotion | PulseMotion | SampledMotion,
+    Field(discriminator="kind"),
+]
