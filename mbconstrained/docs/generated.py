@@ -120,7 +120,9 @@ def _references(field, repeats: bool = False) -> Iterator[tuple[str, bool]]:
 
 
 #: The rooms in the order in which they import each other.
-ROOMS = ("ground linalg signals polynomial response exact papers mechanics control models robot page scene studies cli").split()
+ROOMS = (
+    "ground exchange linalg signals polynomial response exact papers mechanics control models robot page scene studies cli"
+).split()
 
 
 def rooms() -> str:

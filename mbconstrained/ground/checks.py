@@ -12,8 +12,8 @@ import numpy as np
 
 from .errors import InputError, MissingPackage
 
-#: The extra with the packages for data exchange: python-control, xarray and pandas.
-EXTRA = "mbconstrained[exchange]"
+#: The extra with the packages for data exchange, as it is installed in the folder of a checkout.
+EXTRA = ".[exchange]"
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
@@ -55,7 +55,7 @@ def optional_package(name: str, what_for: str) -> ModuleType:
         if problem.name != name.split(".")[0]:
             raise
         raise MissingPackage(
-            f"{what_for} needs the package {problem.name}, which is not installed: pip install '{EXTRA}'"
+            f"{what_for} needs the package {problem.name}, which is not installed; in the folder of the checkout: pip install '{EXTRA}'"
         ) from None
 
 

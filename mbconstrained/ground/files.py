@@ -1,4 +1,4 @@
-"""Atomic output: files replace their targets only when all of them are complete."""
+"""Files of users: checked before they are read, and atomic output, which replaces its targets only when all of it is complete."""
 
 from __future__ import annotations
 
@@ -7,6 +7,42 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from .checks import nearest
+from .errors import InputError
+
+LARGEST_FILE = 200_000_000  # bytes, also of one unpacked array
+
+
+def checked_file(path: str | Path) -> Path:
+    """The path of a file that can be read.
+
+    Args:
+        path: of a user.
+
+    Returns:
+        The path.
+
+    Raises:
+        InputError: no such file, a folder, no permission, empty, too large.
+    """
+    path = Path(path)
+    try:
+        if not path.exists():
+            others = [other.name for other in path.parent.glob("*") if other.is_file()] if path.parent.is_dir() else []
+            raise InputError(f"{path.name}: there is no such file in the folder{nearest(path.name, others)}")
+        if not path.is_file():
+            raise InputError(f"{path.name}: expected a file, found another object of that name")
+        size = path.stat().st_size
+        with open(path, "rb"):  # not every reader reports a missing permission itself
+            pass
+    except OSError as problem:
+        raise InputError(f"{path.name}: the file cannot be read ({problem.strerror or problem})") from None
+    if size > LARGEST_FILE:
+        raise InputError(f"{path.name}: the file has {size:,} bytes; at most {LARGEST_FILE:,} are read")
+    if size == 0:
+        raise InputError(f"{path.name}: the file is empty")
+    return path
 
 
 class Replacements:

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
+from ...exchange.matrices import full_matrix, read_matrix
 from ...ground.errors import InputError
-from ...models.matrices import read_matrix
 from ..file.reading import inside
+from ..quantities.coordinates import force_value
 from ..quantities.quantities import LARGEST, LEAST
+from .record_file import record_in_si
 
 
 def _data_file(folder: Path, name: str) -> Path:
     """The path of a data file named in a scene."""
     rule = "data files must lie in the folder of the scene, or in a folder inside it"
-    return inside(folder, name, rule, "the name of a .npz, .mtx or .csv file")
+    return inside(folder, name, rule, "the name of a file such as record.csv or matrices.npz")
 
 
 def entries_of(source, folder: Path) -> np.ndarray:
@@ -34,82 +35,29 @@ def entries_of(source, folder: Path) -> np.ndarray:
     """
     if isinstance(source, np.ndarray):
         return source
-    matrix = read_matrix(_data_file(folder, source.file), source.array)
+    matrix = full_matrix(read_matrix(_data_file(folder, source.file), source.array), source.file)
     sizes = np.abs(matrix[matrix != 0])
     if sizes.size and not (LEAST <= sizes.min() and sizes.max() <= LARGEST):
         raise InputError(f"{source.file}: entries must be 0 or of a size between {LEAST:g} and {LARGEST:g}")
     return matrix
 
 
-def record_of(source, folder: Path) -> tuple[np.ndarray, np.ndarray]:
+def record_of(source, unit: str | None, folder: Path) -> tuple[np.ndarray, np.ndarray]:
     """A record in a file.
 
     Args:
         source: the [[force]] table that names it.
+        unit: of the force; None where unknown.
         folder: of the scene.
 
     Returns:
-        Times in s, the first column, and values, another column.
+        Times in s and values in the unit.
 
     Raises:
-        InputError: as ``entries_of``; too few columns, times that do not ascend. Of a .csv file the line is named.
+        InputError: as ``entries_of``, and as ``mbconstrained.read_record``; of a text the line is named.
     """
-    path = _data_file(folder, source.file)
-    try:
-        columns = read_matrix(path, source.array)
-    except InputError:
-        if line := _odd_line(path):
-            raise InputError(f"{source.file}, line {line}: it has another number of columns than the lines before it") from None
-        if line := _line_without_number(path):
-            raise InputError(f"{source.file}, line {line}: found an entry that is nan or infinite; expected numbers") from None
-        raise
-    if columns.shape[1] < source.column:
-        raise InputError(
-            f"{source.file}: found {columns.shape[1]} column{'s' if columns.shape[1] != 1 else ''}; expected the times in s in "
-            f"column 1 and the force in column {source.column}"
-        )
-    times, values = columns[:, 0], columns[:, source.column - 1]
-    sizes = np.abs(columns[:, [0, source.column - 1]])
-    if (beyond := ((sizes != 0) & ((sizes < LEAST) | (sizes > LARGEST))).any(axis=1)).any():
-        row = int(np.argmax(beyond))
-        raise InputError(
-            f"{source.file}, {_place(path, row)}: found {times[row]:g} s and {values[row]:g}; expected 0 or a size between "
-            f"{LEAST:g} and {LARGEST:g} of both"
-        )
-    if (backwards := np.diff(times) < 0).any():
-        row = int(np.argmax(backwards)) + 1
-        raise InputError(
-            f"{source.file}, {_place(path, row)}: {times[row - 1]:g} s is followed by {times[row]:g} s; times must ascend"
-        )
-    return times, values
-
-
-def _data_lines(path: Path) -> list[tuple[int, str]]:
-    """The lines of a .csv file that hold numbers, with their numbers."""
-    if path.suffix.lower() != ".csv" or not path.is_file():
-        return []
-    lines = enumerate(path.read_text("utf-8-sig", errors="replace").splitlines(), 1)
-    return [(number, line) for number, line in lines if line.strip() and line.strip()[0] != "#"]
-
-
-def _odd_line(path: Path) -> int | None:
-    """The first line with another number of columns than the one before."""
-    lines = _data_lines(path)
-    return next((number for (_, before), (number, line) in pairwise(lines) if line.count(",") != before.count(",")), None)
-
-
-def _line_without_number(path: Path) -> int | None:
-    """The first line with an entry that is nan or infinite."""
-    return next((number for number, line in _data_lines(path) if not np.isfinite(_numbers(line)).all()), None)
-
-
-def _numbers(line: str) -> list[float]:
-    try:
-        return [float(entry) for entry in line.split(",")]
-    except ValueError:  # reported by the reader
-        return []
-
-
-def _place(path: Path, row: int) -> str:
-    lines = _data_lines(path)
-    return f"line {lines[row][0]}" if lines else f"row {row + 1}"
+    keys = ("column", "time", "time_unit", "step", "header", "array", "factor")
+    given = {key: getattr(source, key) for key in keys if getattr(source, key) is not None}
+    offset = force_value(source.offset, unit, what="offset")
+    record = record_in_si(_data_file(folder, source.file), unit=source.unit, expected=unit, offset=offset, **given)
+    return record.times, record.values

@@ -158,7 +158,7 @@ def sampled_force(table, unit: str | None, folder: Path) -> tuple[list, list]:
     """
     if table.file is None:
         return table.times, [force_value(value, unit, what=f"values[{number}]") for number, value in enumerate(table.values, 1)]
-    times, values = record_of(table, folder)
+    times, values = record_of(table, unit, folder)
     return times.tolist(), values.tolist()
 
 

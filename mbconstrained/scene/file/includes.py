@@ -19,7 +19,7 @@ MOST_FILES = 20  # that a scene includes, directly or not
 DEEPEST_INCLUDE = 5
 EXPECTED = 'expected names of scene files, e.g. include = ["materials.toml"]'
 INCLUDED = FileKind(
-    "leave out its name in include", "which is no scene; keep large matrices in .npz, .mtx or .csv files next to it"
+    "leave out its name in include", "which is no scene; keep large matrices in files (.npz, .mat, .mtx, .csv) next to it"
 )
 BODIES = (("model", "mass"), ("model", "inertia"), ("model", "node"), ("drawing", "body"))
 MATRICES = ("mass", "damping", "stiffness", "A", "B", "C", "D", "descriptor")

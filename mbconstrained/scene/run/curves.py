@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...exchange.trajectories import Curves
 from ...ground.coordinate_units import force_unit, rate_unit
 from ...ground.tolerances import NOT_DRAWN
 from ..quantities.coordinates import derivative_name
@@ -21,23 +21,6 @@ PARTS = {  # curves that are made of others
     "phase": ("displacement", "velocity"),
 }
 ENERGIES = ("kinetic", "strain", "static", "total")
-
-
-@dataclass(frozen=True)
-class Curves:
-    """Values of one kind over time.
-
-    Attributes:
-        kind: "displacement", "velocity", "acceleration", "reaction", "energy" or "output".
-        names, titles, units: of the rows; a title names the quantity, e.g. "angle".
-        values: shape (rows, T).
-    """
-
-    kind: str
-    names: tuple[str, ...]
-    titles: tuple[str, ...]
-    units: tuple[str, ...]
-    values: np.ndarray
 
 
 def curves_of(result: Result, kind: str) -> Curves:

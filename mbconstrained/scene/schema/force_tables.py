@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from ...ground.errors import InputError
 from ...mechanics.constraints import Level
-from .entry_types import Angle, AngularVelocity, Frequency, Name, Number, Quantity, Rate, Table, Text, Time
+from .entry_types import Angle, AngularVelocity, Frequency, Name, Number, Quantity, Rate, Table, Text, Time, Unit
 
 MOST_POWER = 20
 
@@ -131,6 +131,9 @@ class PulseTable(ForceBase):
     duration: Time = Field(description="How long it lasts.")
 
 
+Column = Annotated[int, Field(ge=1)] | Text
+
+
 class SampledTable(ForceBase):
     """A record: linear between its samples, zero before the first and after the last."""
 
@@ -138,12 +141,19 @@ class SampledTable(ForceBase):
     times: list[Time] | None = Field(None, description="Times of the samples, ascending; one that stands there twice is a jump.")
     values: list[Quantity] | None = Field(None, description="The force at each of the times.")
     file: Text | None = Field(
-        None, description="Instead of both: a .csv, .npz or .mtx file in the folder of the scene, times in s first."
+        None,
+        description="Instead of both a file in the folder of the scene: text with columns of numbers (.csv, .txt, ...), PEER .AT2, "
+        "K-NET, ESM, .wav, .uff, or arrays in .npy, .npz, .mat, .mtx, .op4.",
     )
-    column: int = Field(
-        2, ge=2, description="The column of the file that holds the force in N (N m on an angle); times are in the first."
-    )
-    array: Text | None = Field(None, description="The name of the array in an .npz file.")
+    column: Column | None = Field(None, description="The column of the values, by number or by name in the header; 2 by default.")
+    time: Column | None = Field(None, description="The column of the times, by number or name; 1 by default.")
+    step: Time | None = Field(None, description="The time between samples of a file without times; every number is a sample then.")
+    unit: Unit | None = Field(None, description='Of the values, e.g. "kN"; by default the one in the header, or SI.')
+    time_unit: Unit | None = Field(None, description='Of the times, e.g. "ms"; by default the one in the header, or s.')
+    factor: Quantity = Field(1.0, description='The values are multiplied by it: a number, or with a unit, e.g. "-1200 kg".')
+    offset: Quantity = Field(0.0, description="Is added to the values, after the factor; a force.")
+    header: int = Field(0, ge=0, description="So many lines at the start of a text hold no numbers; words are found without it.")
+    array: Text | None = Field(None, description="The name of the array in an .npz, .mat or .op4 file.")
 
     @model_validator(mode="after")
     def _one_source(self):
@@ -151,8 +161,9 @@ class SampledTable(ForceBase):
             raise InputError('give times and values, or file, e.g. file = "record.csv"')
         if self.file is not None and (self.times is not None or self.values is not None):
             raise InputError("give either times and values or file, not both")
-        if self.file is None and {"column", "array"} & self.model_fields_set:
-            raise InputError("column and array belong to a file; leave them out with times and values")
+        of_file = ("column", "time", "step", "unit", "time_unit", "factor", "offset", "header", "array")
+        if self.file is None and (given := [key for key in of_file if key in self.model_fields_set]):
+            raise InputError(f"{', '.join(given)}: for a file only; leave out what is not for times and values")
         if self.file is None and len(self.times) != len(self.values):
             raise InputError(f"found {len(self.times)} times and {len(self.values)} values; expected as many of both")
         return self

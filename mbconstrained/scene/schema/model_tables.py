@@ -71,8 +71,10 @@ CoordinateUnit = Literal["m", "rad", "N", "N*m", "1"]
 class MatrixFile(Table):
     """A matrix kept in a file next to the scene."""
 
-    file: Text = Field(description="A .npz, .mtx or .csv file in the folder of the scene, or in one inside it.")
-    array: Text | None = Field(None, description="The name of the array in an .npz file.")
+    file: Text = Field(
+        description="A .npy, .npz, .mtx, .mat, .op4, .csv or .txt file in the folder of the scene, or in one inside it."
+    )
+    array: Text | None = Field(None, description="The name of the matrix in an .npz, .mat or .op4 file.")
 
 
 def _matrix(value):

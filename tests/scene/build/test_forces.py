@@ -65,7 +65,7 @@ def test_a_record_is_read_from_a_file(tmp_path, name, column, scale):
         ("0,1\n1,2\n0.5,3\n", r"force\[1\]: record\.csv, line 3: 1 s is followed by 0\.5 s; times must ascend"),
         ("# time, force\n0,1\n\n1,two\n", r"force\[1\]: record\.csv, line 4: found '1,two'; expected numbers"),
         ("0,1\n1,2,3\n", r"force\[1\]: record\.csv, line 2: it has another number of columns"),
-        ("0\n1\n", r"force\[1\]: record\.csv: found 1 column; expected the times in s in column 1 and the force in column 2"),
+        ("0\n1\n", r"force\[1\]: record\.csv: found 1 column; expected the times in s in column 1 and the values in column 2"),
         ("0,1\n", r"force\[1\]: record\.csv: times: found 1; a record needs at least two samples"),
         ("-1,1\n1,1\n", r"force\[1\]: record\.csv: times: the first is -1 s"),
         ("", r"force\[1\]: record\.csv: the file is empty"),
@@ -101,7 +101,10 @@ def test_a_record_lies_in_the_folder_of_the_scene(tmp_path, name):
         ('kind = "sampled"\ntimes = [0, 1]\nvalues = [1, "2 m"]', r'force\[1\]: values\[2\]: found "2 m", a length'),
         ('kind = "sampled"\ntimes = [1, 0]\nvalues = [1, 2]', r"force\[1\]: times: 1 s is followed by 0 s"),
         ('kind = "sampled"\ntimes = [0, 1]\nvalues = [1, 2]\nfile = "a.csv"', r"force\[1\]: give either times and values or file"),
-        ('kind = "sampled"\ntimes = [0, 1]\nvalues = [1, 2]\ncolumn = 3', r"force\[1\]: column and array belong to a file"),
+        (
+            'kind = "sampled"\ntimes = [0, 1]\nvalues = [1, 2]\ncolumn = 3',
+            r"force\[1\]: column: for a file only; leave out what is not for times and values",
+        ),
         ('kind = "sampld"\nvalue = 1', r'force\[1\]: kind: found "sampld"; .*did you mean "sampled"'),
     ],
 )
@@ -193,3 +196,40 @@ def test_a_wrong_number_in_a_record_is_told_with_its_line(tmp_path, record, mess
     (tmp_path / "a.csv").write_text(record)
     with pytest.raises(SceneError, match=message):
         force(tmp_path, 'kind = "sampled"\nfile = "a.csv"')
+
+
+def test_the_results_of_a_scene_are_a_record_of_another(tmp_path):
+    result = scene_of(tmp_path, OSCILLATOR).run()
+    result.write_csv(tmp_path / "run.csv")
+    entry = 'kind = "sampled"\nfile = "run.csv"\ncolumn = "cart displacement"\nfactor = "8 N/m"'
+    values = force(tmp_path, entry)(result.times[:-1])[0]
+    assert values.tolist() == (8 * result.values[0, :-1]).tolist()
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        (
+            "",
+            r"force\[1\]: a\.csv: the values are an acceleration \(m/s\^2\); expected N: give their unit, or a factor with a unit",
+        ),
+        ('factor = "2 m"', r"the values are another kind of quantity \(m/s\^2 times factor\); expected N"),
+        ('factor = "=1"', r"force\[1\]: factor: found an expression of parameters"),
+        ('unit = "Nm"', r"the values are a torque \(Nm\); expected N"),
+        ('unit = "N"\noffset = "1 m"', r'offset: found "1 m", a length'),
+        ('column = "b"', r'there is no column "b"'),
+        ("column = 0", r"force\[1\]\.column"),
+        ('time = "a"\ncolumn = 1', r"a\.csv, line 3: 2 m/s\^2 is followed|the unit of the time is"),
+        ('step = "1 m"', r'force\[1\]\.step: found "1 m", a length'),
+    ],
+)
+def test_units_of_a_record_are_checked(tmp_path, entry, message):
+    (tmp_path / "a.csv").write_text("t (s), a (m/s^2)\n0, 2\n1, 1\n")
+    with pytest.raises(SceneError, match=message):
+        force(tmp_path, f'kind = "sampled"\nfile = "a.csv"\n{entry}')
+
+
+def test_a_recorded_acceleration_times_mass_is_a_force(tmp_path):
+    (tmp_path / "quake.AT2").write_text("PEER\nquake\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 3, DT= .5 SEC\n .1 -.2 .0\n")
+    found = force(tmp_path, 'kind = "sampled"\nfile = "quake.AT2"\nfactor = "-2 t"\noffset = "1 kN"')
+    assert found([0.0, 0.5])[0] == pytest.approx([1000 - 200 * 9.80665, 1000 + 400 * 9.80665], rel=1e-15)

@@ -1,0 +1,186 @@
+"""Records over time in files: tables of text, arrays, recordings of ground motion, WAV, universal files. Nothing is resampled."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ..ground.checks import counted, real_number, whole_number
+from ..ground.errors import InputError
+from ..ground.files import checked_file
+from .earthquakes import ground_motion
+from .matrices import READERS, TEXT, full_matrix, read_matrix
+from .number_table import NumberTable, number_table, text_of
+from .universal import UNIVERSAL, read_function
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Values over time as they are in a file.
+
+    Attributes:
+        file: its name, for messages.
+        times: shape (T,), ascending; two samples at one time are a jump.
+        values: shape (T,).
+        name: of the column or channel; an empty text where there is none.
+        time_unit, unit: as the file writes them; empty texts where it does not.
+        is_scaled: whether the format itself fixes times in s and values in an SI unit, 1 for shares of full scale.
+        lines: the line of each sample in the file; None where it has no lines.
+    """
+
+    file: str
+    times: np.ndarray = field(repr=False)
+    values: np.ndarray = field(repr=False)
+    name: str = ""
+    time_unit: str = ""
+    unit: str = ""
+    is_scaled: bool = False
+    lines: np.ndarray | None = field(default=None, repr=False)
+
+    def place(self, row: int) -> str:
+        """Where a sample is in the file, for messages."""
+        return f"row {row + 1}" if self.lines is None else f"line {self.lines[row]}"
+
+
+def read_samples(
+    path: str | Path,
+    *,
+    column: int | str | None = None,
+    time: int | str | None = None,
+    step: float | None = None,
+    header: int = 0,
+    array: str | None = None,
+) -> Samples:
+    """A record in a file.
+
+    Read are text with columns of numbers (any ending), recordings of ground motion in the text formats of PEER (.AT2), K-NET and DYNA,
+    .wav, universal files (functions of data set 58), and arrays in .npy, .npz, .mat, .mtx and .op4.
+
+    Args:
+        path: of the file.
+        column: of the values, by its number from 1 or by its name; the second by default, with a step the first. Of .wav the channel,
+            of a universal file the function.
+        time: the column of the times, the first by default.
+        step: between samples (s) where the file has no times. Without a column, all numbers of the file are samples, line by line.
+        header: so many lines at the start of a text hold no numbers.
+        array: the name of the array in a file of several.
+
+    Returns:
+        The record, as it is in the file.
+
+    Raises:
+        InputError: a file that cannot be read, no such column, entries that are not finite numbers, times that do not ascend; the text
+            has the line.
+
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "record.csv")
+    ...     _ = path.write_text("t (s), a (m/s^2), b\\n0, 1, 2\\n0.5, 3, 4\\n")
+    ...     record = read_samples(path, column="a")
+    >>> record.times.tolist(), record.values.tolist(), record.unit
+    ([0.0, 0.5], [1.0, 3.0], 'm/s^2')
+    """
+    path = checked_file(path)
+    step = None if step is None else real_number(step, "step", positive=True)
+    whole_number(header, "header")
+    if step is not None and time is not None:
+        raise InputError(f"{path.name}: found step and time; give the step between samples, or the column of the times")
+    try:
+        return _samples(path, column, time, step, header, array)
+    except OSError as problem:
+        raise InputError(f"{path.name}: the file cannot be read ({problem.strerror or problem})") from None
+
+
+def _samples(path: Path, column, time, step, header: int, array) -> Samples:
+    suffix = path.suffix.lower()
+    if suffix in READERS and suffix not in TEXT:
+        _refuse(path, "only a text has header lines", header=header)
+        matrix = full_matrix(read_matrix(path, array), path.name)
+        return _from_table(NumberTable(path.name, matrix, np.arange(1, len(matrix) + 1)), column, time, step, lines=False)
+    _refuse(path, "only files of arrays hold named arrays", array=array)
+    if suffix == ".wav":
+        _refuse(path, "the file has its own times", time=time, step=step, header=header)
+        return _from_wav(path, 1 if column is None else column)
+    if suffix in UNIVERSAL:
+        _refuse(path, "the file has its own times", time=time, step=step, header=header)
+        function = read_function(path, column)
+        return _ascending(Samples(path.name, function.times, function.values, function.name, "s", function.unit, True))
+    if step is None and not header and (motion := ground_motion(path.name, text_of(path))):
+        _refuse(path, "the file has its own times and one column", time=time, column=column)
+        times = motion.step * np.arange(len(motion.values))
+        return Samples(path.name, times, motion.values, motion.name, "s", motion.unit, True)
+    return _from_table(number_table(path, header), column, time, step)
+
+
+def _refuse(path: Path, reason: str, **arguments) -> None:
+    for name, value in arguments.items():
+        if value not in (None, 0):
+            raise InputError(f"{path.name}: {reason}; leave out {name}")
+
+
+def _from_table(table: NumberTable, column, time, step, lines: bool = True) -> Samples:
+    count = table.values.shape[1]
+    if step is not None:
+        if column is None:
+            values = table.checked(*range(count)).reshape(-1)
+            rows = np.repeat(table.lines, count)
+            name, unit = (table.title(0), table.unit(0)) if count == 1 else ("", "")
+        else:
+            place = table.column(column)
+            values, rows, name, unit = table.checked(place)[:, 0], table.lines, table.title(place), table.unit(place)
+        return Samples(table.file, step * np.arange(len(values)), values, name, "s", unit, False, rows if lines else None)
+    first = table.column(1 if time is None else time, "time")
+    if column is None and first:
+        raise InputError(f"{table.file}: column: give the column of the values, by number or name; the times are in {first + 1}")
+    if count == 1 and column is None:
+        raise InputError(
+            f"{table.file}: found 1 column; expected the times in s in column 1 and the values in column 2, or a step between samples"
+        )
+    place = table.column(2 if column is None else column)
+    if place == first:
+        raise InputError(
+            f"{table.file}: column: column {place + 1} holds the times; give another one, or step instead of the times"
+        )
+    times, values = table.checked(first, place).T
+    rows = table.lines if lines else None
+    return _ascending(Samples(table.file, times, values, table.title(place), table.unit(first), table.unit(place), False, rows))
+
+
+def _ascending(record: Samples) -> Samples:
+    if (backwards := np.diff(record.times) < 0).any():
+        row = int(np.argmax(backwards)) + 1
+        before, after = record.times[row - 1 : row + 1]
+        unit = record.time_unit or "s"
+        raise InputError(
+            f"{record.file}, {record.place(row)}: {before:g} {unit} is followed by {after:g} {unit}; times must ascend"
+        )
+    return record
+
+
+def _from_wav(path: Path, column: int | str) -> Samples:
+    """A channel of a WAV file; whole numbers as shares of full scale."""
+    from scipy.io import wavfile
+
+    try:
+        with warnings.catch_warnings():  # of chunks that hold no samples
+            warnings.simplefilter("ignore", wavfile.WavFileWarning)
+            rate, data = wavfile.read(path)
+    except OSError:
+        raise
+    except Exception as problem:  # of several classes for damaged files
+        raise InputError(f"{path.name}: not a WAV file of samples ({(str(problem).splitlines() or ['?'])[0][:120]})") from None
+    channels = data.reshape(len(data), -1)
+    if isinstance(column, str) or not 1 <= column <= channels.shape[1]:
+        raise InputError(
+            f"{path.name}: column: found {column!r}; the file has {counted(channels.shape[1], 'channel')}, numbered from 1"
+        )
+    values = channels[:, column - 1]
+    if values.dtype.kind in "iu":
+        bits = 8 * values.dtype.itemsize
+        values = (values.astype(float) - (2 ** (bits - 1) if values.dtype.kind == "u" else 0)) / 2 ** (bits - 1)
+    if not rate > 0 or not np.isfinite(values).all():
+        raise InputError(f"{path.name}: found samples that are not finite, or no sampling rate")
+    return Samples(path.name, np.arange(len(values)) / rate, values.astype(float), f"channel {column}", "s", "1", True)

@@ -1,0 +1,276 @@
+"""Universal files (UFF) through pyuff: functions of time and modes, with header, units and, where points are given, geometry.
+
+Data sets 151 (header) and 164 (units: SI) come first, then 15 (nodes) and 82 (lines), then 58 (functions) or 55 (modes). pyuff writes
+the fields of fixed width that the format defines: 6 digits of mode shapes and of the times of functions in text, 12 of their values.
+Binary functions keep every bit.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ..ground.checks import nearest, optional_package
+from ..ground.errors import InputError
+
+UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
+
+#: Specific data types: code, then for translations and for rotations the unit and its exponents of length and force.
+_DATA_TYPES = {
+    8: (("m", 1, 0), ("rad", 0, 0)),
+    11: (("m/s", 1, 0), ("rad/s", 0, 0)),
+    12: (("m/s^2", 1, 0), ("rad/s^2", 0, 0)),
+    9: (("N", 0, 1), ("N*m", 1, 1)),
+    13: (("N", 0, 1), ("N*m", 1, 1)),
+}
+_TIME, _TIME_RESPONSE = 17, 1
+_DIRECTIONS = ("", "X", "Y", "Z", "RX", "RY", "RZ")
+LONGEST_ID = 80
+
+
+@dataclass(frozen=True)
+class Function:
+    """A function of time of a universal file.
+
+    Attributes:
+        name: its first line of identification.
+        times, values: shape (T,), in s and in the unit.
+        unit: in SI; an empty text where the file does not state the kind of quantity.
+    """
+
+    name: str
+    times: np.ndarray = field(repr=False)
+    values: np.ndarray = field(repr=False)
+    unit: str
+
+
+def read_function(path: Path, which: int | str | None = None) -> Function:
+    """A function of time (data set 58, text or binary) of a universal file, converted to SI by the factors of data set 164.
+
+    Args:
+        path: of the file.
+        which: its number from 1 among the functions of time, or its first line of identification; not needed of one.
+
+    Returns:
+        The function.
+
+    Raises:
+        InputError: no universal file, no such function, values that are complex, not finite or fewer than stated.
+        MissingPackage: pyuff is not installed.
+    """
+    functions, units = [], {"length": 1.0, "force": 1.0}
+    for dataset in _datasets(path, (58, 164)):
+        if dataset["type"] == 164:
+            units = dataset
+        elif dataset.get("func_type") == _TIME_RESPONSE:
+            functions.append((dataset, units))
+    names = [str(dataset["id1"]).strip() for dataset, _ in functions]
+    if not functions:
+        raise InputError(f"{path.name}: found no function of time (data set 58 of function type 1)")
+    if which is None and len(functions) > 1:
+        listed = ", ".join(f"{number} {name}" for number, name in enumerate(names[:8], 1))
+        raise InputError(f"{path.name}: column: the file has {len(functions)} functions; give the number or name of one: {listed}")
+    if isinstance(which, str):
+        if names.count(which.strip()) != 1:
+            problem = "several functions have" if which.strip() in names else "there is no function of"
+            raise InputError(f'{path.name}: column: {problem} the name "{which}"{nearest(which, names)}; give the number of one')
+        place = names.index(which.strip())
+    else:
+        place = 0 if which is None else which - 1
+    if not 0 <= place < len(functions):
+        raise InputError(f"{path.name}: column: found {which}; the file has {len(functions)} functions of time, numbered from 1")
+    return _function(path, names[place], *functions[place])
+
+
+def _function(path: Path, name: str, dataset: Mapping, units: Mapping) -> Function:
+    times, values = np.asarray(dataset["x"]), np.asarray(dataset["data"])
+    if np.iscomplexobj(values):
+        raise InputError(f'{path.name}: the function "{name}" is complex; expected real values over time')
+    if len(values) != dataset["num_pts"] or len(times) != len(values):
+        raise InputError(f'{path.name}: the function "{name}" has {len(values)} values of the {dataset["num_pts"]} that it states')
+    if not (np.isfinite(values).all() and np.isfinite(times).all()):
+        raise InputError(f'{path.name}: the function "{name}" has a value that is nan or infinite; expected numbers')
+    kinds = _DATA_TYPES.get(int(dataset["ordinate_spec_data_type"]), (("", 0, 0), ("", 0, 0)))
+    unit, length, force = kinds[abs(int(dataset["rsp_dir"])) > 3]
+    scale = units["length"] ** length * units["force"] ** force
+    if not 0 < scale < np.inf:
+        raise InputError(f"{path.name}: the factors of its units (data set 164) are not positive numbers")
+    return Function(name, times, values if scale == 1 else values / scale, unit)
+
+
+def _datasets(path: Path, types: Sequence[int]) -> list[dict]:
+    """The data sets of these types, in the order of the file."""
+    pyuff = optional_package("pyuff", "reading universal files")
+    try:
+        file = pyuff.UFF(str(path))
+        kinds = [int(kind) for kind in file.get_set_types()]
+        if not any(kinds):
+            raise ValueError("no data sets between lines of -1")
+        return [file.read_sets(place) for place, kind in enumerate(kinds) if kind in types]
+    except Exception as problem:  # pyuff raises Exception itself
+        raise InputError(f"{path.name}: not a universal file that can be read ({str(problem)[:120]})") from None
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Where the coordinates of a model are in a universal file.
+
+    Args:
+        places: a node number and a direction ("X", "-Y", "Z", "RX", ...) for each coordinate by name. By default each coordinate is a
+            node of its own, numbered from 1, in the direction X, or RX of an angle.
+        points: x, y, z in m by node number; written as data set 15.
+        lines: sequences of node numbers; written as data set 82.
+
+    Raises:
+        InputError: a direction or a node number that does not exist.
+
+    >>> Geometry({"tip": (2, "-Z")}, points={1: (0, 0, 0), 2: (1, 0, 0)}, lines=[[1, 2]]).place("tip", 0, "m")
+    (2, -3)
+    """
+
+    places: Mapping[str, tuple[int, str]] = field(default_factory=dict)
+    points: Mapping[int, Sequence[float]] = field(default_factory=dict)
+    lines: Sequence[Sequence[int]] = ()
+
+    def __post_init__(self):
+        for name, place in self.places.items():
+            if not (isinstance(place, Sequence) and len(place) == 2 and str(place[1]).lstrip("+-") in _DIRECTIONS[1:]):
+                raise InputError(f"places: found {place!r} of {name}; expected a node and a direction, e.g. (1, 'X') or (2, '-RZ')")
+        numbers = [*self.points, *(place[0] for place in self.places.values()), *(node for line in self.lines for node in line)]
+        for number in numbers:
+            if not isinstance(number, int) or number < 1:
+                raise InputError(f"found the node {number!r}; nodes are whole numbers from 1")
+        for node, point in self.points.items():
+            if np.shape(point) != (3,) or not np.isfinite(np.asarray(point, dtype=float)).all():
+                raise InputError(f"points: found {point!r} of the node {node}; expected x, y, z in m")
+        for node in (node for line in self.lines for node in line if node not in self.points):
+            raise InputError(f"lines: the node {node} has no point; give it in points")
+
+    def place(self, name: str, index: int, unit: str) -> tuple[int, int]:
+        """Node number and code of the direction of a coordinate.
+
+        Args:
+            name: of the coordinate.
+            index: from 0.
+            unit: of its displacement.
+
+        Returns:
+            The node and 1 to 6, negative for a negative direction.
+        """
+        node, direction = self.places.get(name, (index + 1, "RX" if unit == "rad" else "X"))
+        return node, (-1 if direction.startswith("-") else 1) * _DIRECTIONS.index(direction.lstrip("+-"))
+
+    def datasets(self) -> list[dict]:
+        """Data sets 15 and 82."""
+        datasets: list[dict] = []
+        if self.points:
+            x, y, z = np.array([self.points[node] for node in self.points], dtype=float).T
+            ones = [1] * len(x)
+            nodes = list(self.points)
+            datasets.append(
+                {"type": 15, "node_nums": nodes, "def_cs": ones, "disp_cs": ones, "color": ones, "x": x, "y": y, "z": z}
+            )
+        for number, line in enumerate(self.lines, 1):
+            datasets.append({"type": 82, "trace_num": number, "n_nodes": len(line), "color": 1, "id": f"line {number}"})
+            datasets[-1]["nodes"] = np.array(line)
+        return datasets
+
+
+def write_functions(path: Path, times: np.ndarray, curves, geometry: Geometry, title: str, binary: bool = True) -> None:
+    """Write functions of time as data sets 58.
+
+    Args:
+        path: of the file.
+        times: shape (T,), in s.
+        curves: ``Curves`` of displacements, velocities, accelerations or reactions, in SI.
+        geometry: where the coordinates are.
+        title: of the model.
+        binary: every bit; otherwise text, with 12 digits of values and 6 of times.
+    """
+    datasets = [*_headers(title), *geometry.datasets()]
+    kinds = {"displacement": 8, "velocity": 11, "acceleration": 12, "reaction": 9}
+    if len(times) < 2:
+        raise InputError("times: found one; a function of a universal file needs at least two")
+    for block in curves:
+        for index, (name, unit, values) in enumerate(zip(block.names, block.units, block.values)):
+            rotates = unit.startswith("rad") or unit in ("N m", "N*m")
+            node, direction = geometry.place(name, index, "rad" if rotates else "m")
+            datasets.append(
+                {
+                    "type": 58, "func_type": _TIME_RESPONSE, "binary": int(binary), "id1": _line(f"{name} {block.kind}"),
+                    "id2": _line(title), "rsp_node": node, "rsp_dir": direction, "ref_node": 0, "ref_dir": 0, "x": times,
+                    "data": np.ascontiguousarray(values), "abscissa_spacing": 0, "abscissa_spec_data_type": _TIME,
+                    "ordinate_spec_data_type": kinds.get(block.kind, 0), "orddenom_spec_data_type": 0,
+                    "abscissa_axis_lab": "Time", "abscissa_axis_units_lab": "s", "ordinate_axis_lab": block.kind.capitalize()[:20],
+                    "ordinate_axis_units_lab": unit[:20],
+                }
+            )  # fmt: skip
+    _write(path, datasets)
+
+
+def write_modes(path: Path, modes, names: Sequence[str], units: Sequence[str], geometry: Geometry, title: str) -> None:
+    """Write modes as data sets 55: normal modes where a shape and its frequency are real, complex eigenvalues otherwise.
+
+    Args:
+        path: of the file.
+        modes: (eigenvalue in 1/s, shape (n,)) of each, real shapes for normal modes.
+        names, units: of the coordinates, units of their displacements.
+        geometry: where the coordinates are.
+        title: of the model.
+    """
+    places = [geometry.place(name, index, unit) for index, (name, unit) in enumerate(zip(names, units))]
+    nodes = list(dict.fromkeys(node for node, _ in places))
+    datasets = [*_headers(title), *geometry.datasets()]
+    for number, (eigenvalue, shape) in enumerate(modes, 1):
+        values = np.zeros((6, len(nodes)), dtype=shape.dtype)
+        for (node, direction), entry in zip(places, shape):
+            values[abs(direction) - 1, nodes.index(node)] += entry * np.sign(direction)
+        is_complex, rotates = np.iscomplexobj(shape), bool(values[3:].any())
+        common = {
+            "type": 55, "id1": _line(title), "id2": f"mode {number}", "model_type": 1, "spec_data_type": 8, "load_case": 1,
+            "mode_n": number, "node_nums": nodes, "id4": _line(f"eigenvalue {complex(eigenvalue)!r} 1/s"),
+        }  # fmt: skip
+        size = abs(eigenvalue)
+        kind = {"analysis_type": 3, "eig": eigenvalue} if is_complex else {"analysis_type": 2, "freq": size / (2 * np.pi)}
+        if not is_complex:
+            kind["modal_damp_vis"] = -eigenvalue.real / size if size else 0.0
+        parts = 6 if rotates and not is_complex else 3
+        if rotates and is_complex:
+            raise InputError(
+                f"mode {number}: universal files hold complex shapes of translations only; write angles in .mat or .npz"
+            )
+        shapes = {f"r{k + 1}": values[k] for k in range(parts)}
+        datasets.append({**common, **kind, "data_ch": 3 if parts == 6 else 2, **shapes})
+    _write(path, datasets)
+
+
+def _headers(title: str) -> list[dict]:
+    """Data sets 151 and 164."""
+    program = "mbconstrained"
+    header = {"type": 151, "model_name": _line(title), "description": "NONE", "db_app": program, "program": program}
+    units = {"type": 164, "units_code": 1, "units_description": "SI", "temp_mode": 1, "length": 1.0, "force": 1.0, "temp": 1.0}
+    return [header, {**units, "temp_offset": 273.15}]
+
+
+def _write(path: Path, datasets: list[dict]) -> None:
+    """One after another by way of a file of its own, as pyuff reads the whole file again after each data set."""
+    pyuff = optional_package("pyuff", "writing universal files")
+    part = path.with_name(f"{path.name}.part")
+    try:
+        with open(path, "wb") as whole, warnings.catch_warnings():
+            warnings.simplefilter("ignore", ResourceWarning)  # pyuff leaves closing the file of a binary data set to Python
+            for dataset in datasets:
+                part.unlink(missing_ok=True)  # the mode overwrite loses the header of a binary data set
+                pyuff.UFF(str(part)).write_sets(dataset, mode="add")
+                whole.write(part.read_bytes())
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _line(text: str) -> str:
+    """An ASCII line of identification, which may not be empty."""
+    return text.encode("ascii", "replace").decode()[:LONGEST_ID].strip() or "NONE"
