@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from mbconstrained.scene.run.scene import read_scene
 
@@ -289,6 +290,32 @@ def test_the_quarter_car_takes_the_bump_of_its_parameters(settings, damper, heig
 def test_every_example_is_in_the_index_and_has_a_test():
     names = {path.name for path in EXAMPLES.glob("*.toml")}
     assert set(re.findall(r"\((\w+\.toml)\)", (EXAMPLES / "README.md").read_text("utf-8"))) == names
+
+
+def test_pitch_and_bounce():
+    """The rows x_point = x + d q, put in by hand, leave two equations in bounce and pitch; their values by an exponential."""
+    result = run("pitch_and_bounce")
+    m, J, k, c, d = 1200.0, 1500.0, np.array([35e3, 30e3]), np.array([1500.0, 1500.0]), np.array([-1.5, 1.2])
+    points = np.column_stack([np.ones(2), d])
+    M, C, K = np.diag([m, J]), points.T @ np.diag(c) @ points, points.T @ np.diag(k) @ points
+    start = np.linalg.solve(points, [0.0, 0.05])
+    A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+    step = expm(A * result.times[1])
+    states = [np.concatenate([start, np.zeros(2)])]
+    for _ in result.times[1:]:
+        states.append(step @ states[-1])
+    minimal = np.array(states).T[:2]
+    assert result.values == pytest.approx(np.vstack([minimal, points @ minimal]), abs=1e-13)
+    values = np.linalg.eigvals(A)
+    frequencies = np.sort(np.abs(values[values.imag > 0])) / (2 * math.pi)
+    assert result.modes.frequencies_hz == pytest.approx(frequencies, rel=1e-12)
+    # undamped: (k11 - m w^2)(k22 - J w^2) = k12^2, a quadratic equation in w^2
+    undamped = run("pitch_and_bounce", {"model.damper": []}).modes.natural_frequencies
+    k11, k12, k22 = K[0, 0], K[0, 1], K[1, 1]
+    mean, half = (k11 / m + k22 / J) / 2, (k11 / m - k22 / J) / 2
+    root = math.sqrt(half**2 + k12**2 / (m * J))
+    assert undamped**2 == pytest.approx([mean - root, mean + root], rel=1e-12)
+    assert nothing_happens_at_zero(result.motion) and result.is_trusted
 
 
 def test_every_scene_has_a_thumbnail_in_the_index():

@@ -26,6 +26,7 @@ Dirac impulses at t = 0 where the start does not fit the constraints."""
 EPILOG = """Examples:
   mbconstrained new two-masses.toml              a scene to begin with, a comment on every line; --list: others
   mbconstrained run examples/two_masses.toml     page, CSV and npz into results/two_masses/
+  mbconstrained run bridge.toml --verbose        all tables: eigenvalues, jumps, impulses, evidence, ...
   mbconstrained run bridge.toml --out work/b1    the same into another folder
   mbconstrained run bridge.toml --json           eigenvalues, jumps, impulses, evidence for a program
   mbconstrained run bridge.toml --set k="3 N/m"  another value of a parameter; --set time.end=20: of any entry
@@ -72,15 +73,16 @@ def _run(
     still: Annotated[str, typer.Option("--still", metavar="TIME", help="Write a picture of the model then too, as PNG.")] = "",
     shared_viewer: SharedViewer = False,
     compress: Compress = False,
+    verbose: Annotated[bool, typer.Option("--verbose", help="Print all tables and notices, not only a screen of them.")] = False,
     settings: Settings = None,
     json: Json = False,
 ) -> None:
-    """Solve a scene, write page, CSV and npz, and print the summary.
+    """Solve a scene, write page, CSV and npz, and print a summary of one screen: natural frequencies, warnings, files.
 
     With --certify the answer is compared with intervals that exact arithmetic proves to contain the true values, for the
     coordinates named in [output] certify or coordinates, or for all; how many digits are proved is printed and stands on the page."""
-    from ..scene.run.report.summary import blocks
-    from .printing import show, stage_progress
+    from ..scene.run.report.summary import blocks, overview
+    from .printing import line_width, show, stage_progress
 
     viewer, moment = _viewer(shared_viewer, compress), _moment(still)
 
@@ -91,7 +93,7 @@ def _run(
         loaded = loaded if moment is None else loaded.with_still(moment)
         with stage_progress() as progress:
             result = loaded.run(Path(out or Path("results") / loaded.name), progress)
-        show(json, result.as_json, lambda: blocks(result))
+        show(json, result.as_json, lambda: blocks(result) if verbose else overview(result, line_width()))
         return FINE if result.is_trusted else NOT_TRUSTED
 
     answer(scene, json, work, settings)

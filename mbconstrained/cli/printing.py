@@ -1,18 +1,22 @@
-"""Printing: tables by rich in a terminal, plain text elsewhere, JSON for programs."""
+"""Printing: texts and tables that fit the terminal, JSON for programs."""
 
 from __future__ import annotations
 
 import json as json_format
 import os
+import shutil
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from ..ground.display import TextTable, table_text
+from ..ground.display import WIDTH, TextTable, table_text, wrapped
 
 if TYPE_CHECKING:
     from ..scene.run.plan import Stage
+
+#: Narrower terminals are printed on as if they had this width.
+LEAST_WIDTH = 40
 
 
 def show(json: bool, data: Callable[[], dict], blocks: Callable[[], Sequence[str | TextTable]]) -> None:
@@ -25,10 +29,13 @@ def show(json: bool, data: Callable[[], dict], blocks: Callable[[], Sequence[str
     """
     if json:
         _say(json_format.dumps(data(), indent=2, allow_nan=False))
-    elif sys.stdout.isatty():
-        _say_rich(blocks())
     else:
-        _say("\n\n".join(map(_text_of, blocks())))
+        _say("\n\n".join(_text_of(block, line_width()) for block in blocks()))
+
+
+def line_width() -> int:
+    """Letters on a line: of the terminal, where that is what is printed on, else 80."""
+    return max(shutil.get_terminal_size((WIDTH, 24)).columns, LEAST_WIDTH) if sys.stdout.isatty() else WIDTH
 
 
 def show_error(message: str, json: bool, code: int) -> int:
@@ -73,31 +80,8 @@ def step_progress() -> Iterator[Callable[[str], None] | None]:
         yield status.update
 
 
-def _say_rich(blocks: Sequence[str | TextTable]) -> None:
-    from rich.console import Console
-    from rich.text import Text
-
-    console = Console(highlight=False)
-    for block in blocks:
-        console.print(_rich_table(block) if isinstance(block, TextTable) and block.rows else Text(_text_of(block)))
-        console.print()
-
-
-def _text_of(block: str | TextTable) -> str:
-    return table_text(block) if isinstance(block, TextTable) else block
-
-
-def _rich_table(table: TextTable):
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
-
-    shown = Table(title=table.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, caption=table.note or None)
-    for column in table.columns:
-        shown.add_column(Text(column))
-    for row in table.rows:
-        shown.add_row(*map(Text, row))
-    return shown
+def _text_of(block: str | TextTable, width: int) -> str:
+    return table_text(block, width) if isinstance(block, TextTable) else wrapped(block, width)
 
 
 def _say(text: str) -> None:

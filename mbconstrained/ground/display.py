@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
+from textwrap import TextWrapper
 
 from .errors import InputError
 from .notices import Notice
 
 #: More rows of a table are not shown in a notebook.
 MOST_ROWS = 50
+
+#: Letters on a line of a terminal.
+WIDTH = 80
 
 
 @dataclass(frozen=True)
@@ -94,20 +100,103 @@ def with_unit(value: float, unit: str) -> str:
     return f"{number_text(value)} {'' if unit == '1' else unit.removeprefix('1 ')}".rstrip()
 
 
-def table_text(table: TextTable) -> str:
+def table_text(table: TextTable, width: int = WIDTH) -> str:
     """The table as text, columns set flush left with two spaces between them; without rows its title and note.
 
-    >>> print(table_text(TextTable("Jumps", ("of", "size"), (("cart", "1 m"),))))
+    Where the columns are wider than a line, sentences are wrapped between words, names and numbers never; a row that is too
+    wide even so is set as a list, one entry a line.
+
+    Args:
+        table: to be printed.
+        width: of a line, in letters.
+
+    Returns:
+        The lines.
+
+    >>> print(table_text(TextTable("Jumps", ("of", "size", "reason"), (("cart", "1 m", "the start violates a row"),)), width=30))
     Jumps
-      of    size
-      cart  1 m
+      of    size  reason
+      cart  1 m   the start
+                  violates a row
     """
+    note = [*_wrapped(table.note, width, "  ")] if table.note else []
     if not table.rows:
-        return f"{table.title}\n  {table.note}"
+        return "\n".join([*_wrapped(table.title, width), *note])
     lines = [table.columns, *table.rows]
-    widths = [max(len(line[i]) for line in lines) for i in range(len(table.columns))]
-    text = ["  " + "  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines]
-    return "\n".join([table.title, *text, *([f"  {table.note}"] if table.note else [])])
+    widths = _widths(list(zip(*lines)), width)
+    text = [line for row in lines for line in _row_text(row, widths)] if widths else [*_entries(table, width)]
+    return "\n".join([*_wrapped(table.title, width), *text, *note])
+
+
+def wrapped(text: str, width: int = WIDTH) -> str:
+    """A text of one or more lines, wrapped between words; what follows in a wrapped line is indented.
+
+    Args:
+        text: of one or more lines.
+        width: of a line, in letters.
+
+    Returns:
+        The lines, joined.
+
+    >>> print(wrapped("Notices\\n  the force at 3 s is zero", 16))
+    Notices
+      the force at
+        3 s is zero
+    """
+    lines = ((line, line[: len(line) - len(line.lstrip())] + "  ") for line in text.split("\n"))
+    return "\n".join(part for line, indent in lines for part in _wrapped(line, width, further=indent))
+
+
+def is_number(cell: str) -> bool:
+    """Whether a text starts like a number, or is a dash or nothing."""
+    return re.match(r"[-+−]?(± ?)?\d|[-–—]?$", cell) is not None
+
+
+#: Blanks at which no line ends: in a number, and between it and its unit.
+_KEPT = re.compile(r"(?<=\d) (?=[^\s\d])|(?<=±) (?=\d)")
+
+
+def _wrapped(text: str, width: int, first: str = "", further: str | None = None) -> list[str]:
+    together = _KEPT.sub("\N{NO-BREAK SPACE}", text)
+    wrapper = TextWrapper(width, first, first if further is None else further, break_long_words=False, break_on_hyphens=False)
+    lines = wrapper.wrap(together) or [""]
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
+
+
+def _widths(columns: Sequence[Sequence[str]], width: int) -> list[int]:
+    """The widths at which the columns fit on a line, the widest made narrower in turn; none where that is impossible."""
+    least = [max(_unbroken(cell) for cell in column) for column in columns]
+    widths = [max(map(len, column)) for column in columns]
+    excess = sum(widths) + 2 * len(widths) - width
+    while excess > 0:
+        loose = [i for i, (now, low) in enumerate(zip(widths, least)) if now > low]
+        if not loose:
+            return []
+        widest = max(loose, key=lambda i: widths[i])
+        second = max((widths[i] for i in loose if widths[i] < widths[widest]), default=0)
+        step = min(excess, widths[widest] - max(least[widest], second - 1))
+        widths[widest] -= step
+        excess -= step
+    return widths
+
+
+def _unbroken(cell: str) -> int:
+    """Length of the longest part that is not wrapped."""
+    return max(map(len, _KEPT.sub("_", cell).split()), default=0)
+
+
+def _row_text(row: Sequence[str], widths: Sequence[int]) -> list[str]:
+    cells = [[cell] if len(cell) <= size else _wrapped(cell, size) for cell, size in zip(row, widths)]
+    lines = zip_longest(*cells, fillvalue="")
+    return ["  " + "  ".join(part.ljust(size) for part, size in zip(line, widths)).rstrip() for line in lines]
+
+
+def _entries(table: TextTable, width: int) -> Iterator[str]:
+    """Each row as a list of its entries with their headings."""
+    for row in table.rows:
+        for number, (column, cell) in enumerate(zip(table.columns, row)):
+            if cell:
+                yield from _wrapped(f"{column}: {cell}", width, "    " if number else "  ", "      ")
 
 
 def table_html(table: TextTable) -> str:

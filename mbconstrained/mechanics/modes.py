@@ -180,7 +180,7 @@ class Modes(Displayed, Sequence):
         return sum(mode.multiplicity for mode in self.modes if mode.kind == "drift")
 
     def table(self) -> list[dict[str, str]]:
-        """A row of texts per mode: kind, eigenvalue, frequency in Hz and rad/s, damping ratio, multiplicity, meaning."""
+        """A row of texts per mode: kind, frequency in Hz, damping ratio, eigenvalue, frequency in rad/s, multiplicity, meaning."""
         return [_table_row(mode) for mode in self.modes]
 
 
@@ -189,10 +189,10 @@ def _table_row(mode: Mode) -> dict[str, str]:
     growth = f"{real:.6g} " if real else ""
     return {
         "kind": mode.kind,
-        "eigenvalue (1/s)": f"{growth}± {imaginary:.6g} i" if oscillating else f"{real:.6g}",
         "frequency (Hz)": f"{mode.frequency_hz:.6g}" if oscillating else "",
-        "natural frequency (rad/s)": f"{mode.natural_frequency:.6g}" if oscillating else "",
         "damping ratio": f"{mode.damping_ratio:.4g}" if oscillating else "",
+        "eigenvalue (1/s)": f"{growth}± {imaginary:.6g} i" if oscillating else f"{real:.6g}",
+        "natural frequency (rad/s)": f"{mode.natural_frequency:.6g}" if oscillating else "",
         "multiplicity": str(mode.multiplicity),
         "meaning": mode.text,
     }

@@ -32,11 +32,13 @@ from .elements import (
     Pulley,
     Rack,
     Relation,
+    RigidBar,
     RigidTie,
     Spring,
     Tie,
     TorsionDamper,
     TorsionSpring,
+    with_parts,
 )
 
 STATES = {"m": "moves along the axis (m)", "rad": "turns (rad)"}
@@ -59,10 +61,10 @@ def _adds(kind: Callable[Fields, Added]) -> Callable[Concatenate[LumpedModel, Fi
 
 
 class LumpedModel(Displayed):
-    """Masses, inertias and massless nodes; springs and dampers between them; rigid ties, levers, gears, ropes.
+    """Masses, inertias, rigid bars and massless nodes; springs and dampers between them; rigid ties, levers, gears, ropes.
 
     Each body has one coordinate, named as the body: its absolute position along one axis in m (a displacement
-    where no rest lengths are given), or its angle in rad. "ground" is the fixed body. Elements between bodies are
+    where no rest lengths are given), or its angle in rad; a rigid bar has one of each, and one for each of its points. "ground" is the fixed body. Elements between bodies are
     added after them; every method takes the arguments of the element's class and returns the element. It raises an
     ``InputError`` for a name in use, an unknown body, one that moves where it should turn, a number out of range.
 
@@ -75,6 +77,7 @@ class LumpedModel(Displayed):
 
     def __init__(self):
         self._elements: dict[str, Element] = {}
+        self._parts: dict[str, Element] = {}
         self._forces: dict[str, ImpulsiveSmooth] = {}
         self._gravity = 0.0
 
@@ -101,9 +104,10 @@ class LumpedModel(Displayed):
     @property
     def units(self) -> dict[str, str]:
         """The unit of every coordinate, "m" or "rad"."""
-        return {element.name: element.unit for element in self.elements if isinstance(element, Body)}
+        return {element.name: element.unit for element in with_parts(self.elements) if isinstance(element, Body)}
 
     mass = _adds(Mass)
+    rigid_bar = _adds(RigidBar)
     inertia = _adds(Inertia)
     node = _adds(Node)
     spring = _adds(Spring)
@@ -153,7 +157,7 @@ class LumpedModel(Displayed):
         units, names = self.units, self.coordinates
         if not units:
             raise InputError("the model has no body; add a mass, an inertia or a node")
-        factors, ties = self.incidence(), [element for element in self.elements if isinstance(element, Tie)]
+        factors, ties = self.incidence(), [element for element in with_parts(self.elements) if isinstance(element, Tie)]
         weights = {element.name: self._gravity * element.mass for element in self.elements if isinstance(element, Mass)}
         signals = [signal.mapped(coordinate_row({name: 1.0}, names)[:, None]) for name, signal in self._forces.items()]
         return MechanicalSystem(
@@ -173,14 +177,13 @@ class LumpedModel(Displayed):
     def _add(self, element):
         name = element.name
         if not name:
-            element = replace(element, name=next(free for free in element.default_names if free not in self._elements))
+            element = replace(
+                element, name=next(free for free in element.default_names if free not in self._elements and free not in self._parts)
+            )
         elif not isinstance(name, str) or not name.strip():
             raise InputError(f"{element.kind}: found the name {name!r}; expected a text")
-        elif name == GROUND:
-            raise InputError(f'{element.kind}: the name "ground" is that of the fixed body; choose another')
-        elif name in self._elements:
-            kind = self._elements[name].kind
-            raise InputError(f'{element.kind}: the name "{name}" is already in use ({kind}); names must differ')
+        for one in (element, *element.parts):
+            self._check_name(element, one.name)
         for name, unit in element.ends.items():
             self._check_body(element.label, name)
             if unit and name != GROUND and self.units[name] != unit:
@@ -192,7 +195,19 @@ class LumpedModel(Displayed):
         if isinstance(element, RigidTie) and len({self.units[name] for name in element.ends if name != GROUND}) > 1:
             raise InputError(f"{element.label}: one end moves along the axis (m), the other turns (rad); use a rack")
         self._elements[element.name] = element
+        self._parts |= {part.name: part for part in element.parts}
         return element
+
+    def _check_name(self, element: Element, name: str) -> None:
+        """The name of an element, or of a part of it, is not in use."""
+        own = [part.name for part in element.parts]
+        if name == GROUND:
+            raise InputError(f'{element.kind}: the name "ground" is that of the fixed body; choose another')
+        if (element.name, *own).count(name) > 1:
+            raise InputError(f'{element.label}: its name and those of its points must differ; found "{name}" twice')
+        known = self._elements.get(name) or self._parts.get(name)
+        if known:
+            raise InputError(f'{element.kind}: the name "{name}" is already in use ({known.kind}); names must differ')
 
     def _check_body(self, label: str, name) -> None:
         if name != GROUND and name not in self.units:
@@ -246,7 +261,8 @@ class Incidence:
 
 
 def incidence_of(elements: Sequence[Element]) -> Incidence:
-    """The factors of the bodies, springs and dampers among these elements."""
+    """The factors of the bodies, springs and dampers among these elements and their parts."""
+    elements = with_parts(elements)
     bodies = [element for element in elements if isinstance(element, Body)]
     names = [body.name for body in bodies]
     springs = [element for element in elements if isinstance(element, (Spring, TorsionSpring))]

@@ -114,6 +114,7 @@ class PageContent:
 
     Attributes:
         title, source: heading of the page and the line under it.
+        frequencies: a narrow table next to the animation, in a narrow window above it.
         facts: pairs of a label and a text for the end of the page, such as ("Coordinates", "3").
         figures: after the notices.
     """
@@ -127,6 +128,7 @@ class PageContent:
     facts: tuple[tuple[str, str], ...] = ()
     formulas: Formulas | None = None
     figures: tuple[Figure, ...] = ()
+    frequencies: TextTable | None = None
 
 
 def drawable(value, what: str, shape: tuple[int | None, ...]) -> np.ndarray:

@@ -156,8 +156,12 @@ def _run_sections(content: PageContent) -> tuple[list[str], dict]:
         usual = 1.0 if 3 <= end - start <= 90 or end <= start else 10.0 ** round(math.log10((end - start) / 15))
         speeds = [usual * factor for factor in (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)]  # 1 shows the motion in 3 to 90 s
         stage = stage_section(start, end, _magnification(animation, frames), ("time in seconds", "s"), speeds, usual)
+    frequencies = table_section(content.frequencies, "frequencies") if content.frequencies else ""
+    if stage and frequencies:
+        frequencies, stage = "", f'<div class="overview">\n{frequencies}\n{stage}\n</div>'
     return [
         *map(figure_section, content.figures),
+        frequencies,
         stage,
         plot_figures(content.plots, coordinates),
         formula_section(content.formulas) if content.formulas else "",

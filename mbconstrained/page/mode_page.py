@@ -8,13 +8,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..ground.display import is_number
 from ..ground.notices import Notice
 from .animation.animation import Animation
 from .animation.figure import figure_data
 from .animation.keyframes import KeyFrames, key_frames
 from .drawing.bodies import Drawing
 from .drawing.paths import Path
-from .sections import is_number, stage_section
+from .sections import stage_section
 from .typeset import typeset
 
 #: Times of one cycle, both ends included: the error of cubic interpolation is less than 2e-6 of the amplitude.

@@ -6,19 +6,22 @@ All texts are escaped.
 from __future__ import annotations
 
 import html
-import re
 from collections.abc import Sequence
 
-from ..ground.display import TextTable
+from ..ground.checks import counted
+from ..ground.display import TextTable, is_number
 from ..ground.notices import Notice
 from .content import Figure, Formulas
-from .typeset import typeset
+from .typeset import shortened, typeset
 
 #: A table cell with more letters than the first is a sentence, with more than the second a long one.
 SENTENCE, LONG_SENTENCE = 24, 40
 
 #: Letters of a name for assistive technology.
 LONGEST_LABEL = 100
+
+#: Letters of the first notice in the line that stands for all.
+LONGEST_SUMMARY = 200
 
 _KEYS = (
     ("Space", "play, pause"),
@@ -31,14 +34,21 @@ _KEYS = (
 
 
 def notice_section(notices: tuple[Notice, ...]) -> str:
-    """The notices, doubtful ones first and as warnings."""
+    """The notices in one line with their number that unfolds, doubtful ones first and as warnings."""
     if not notices:
         return ""
-    rows = []
+    rows, texts = [], []
     for notice in sorted(notices, key=lambda notice: not notice.doubtful):
         kind, label = ("notice doubtful", "Warning") if notice.doubtful else ("notice", "Note")
         rows.append(f'<p class="{kind}"><b>{label} ({html.escape(notice.kind)}):</b> {typeset(notice.text)}</p>')
-    return f'<section class="notices" aria-label="Notes and warnings">{"".join(rows)}</section>'
+        texts.append(notice.text)
+    doubtful = sum(notice.doubtful for notice in notices)
+    counts = [counted(count, one) for count, one in ((doubtful, "warning"), (len(notices) - doubtful, "note")) if count]
+    first = shortened(texts[0], LONGEST_SUMMARY)
+    return (
+        f'<details class="notices{" doubtful" * bool(doubtful)}"><summary><b>{", ".join(counts)}:</b> {typeset(first)}</summary>\n'
+        f"{''.join(rows)}</details>"
+    )
 
 
 def figure_section(figure: Figure) -> str:
@@ -56,8 +66,16 @@ def formula_section(formulas: Formulas) -> str:
     return f'{title}\n<div class="all-formulas">{lines}</div>{_note(formulas.note)}\n</section>'
 
 
-def table_section(table: TextTable) -> str:
-    """A titled table; columns of numbers are set flush right. A folded one shows its title only."""
+def table_section(table: TextTable, kind: str = "") -> str:
+    """A titled table; columns of numbers are set flush right. A folded one shows its title only.
+
+    Args:
+        table: its texts.
+        kind: class of the section in the style sheet, or an empty string.
+
+    Returns:
+        The element <section>.
+    """
     columns = list(zip(*table.rows)) or [()] * len(table.columns)
     kinds = [_kind(column) for column in columns]
     head = "".join(f'<th scope="col"{kind}>{typeset(text)}</th>' for kind, text in zip(kinds, table.columns))
@@ -65,11 +83,11 @@ def table_section(table: TextTable) -> str:
         "<tr>" + "".join(f"<td{kind}>{typeset(cell)}</td>" for kind, cell in zip(kinds, row)) + "</tr>\n" for row in table.rows
     )
     body = f"<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table>"
-    content = f"{_scrollable(table.title)}{body}</div>{_note(table.note)}"
+    content = f"{_scrollable(table.title)}{body}</div>{_note(table.note)}" if table.columns else _note(table.note)
     title = f"<h2>{html.escape(table.title)}</h2>"
     if table.folded:
         return f'<section class="folded">\n<details><summary>{title}</summary>\n{content}\n</details>\n</section>'
-    return f"<section>\n{title}\n{content}\n</section>"
+    return f"<section{f' class={chr(34)}{kind}{chr(34)}' if kind else ''}>\n{title}\n{content}\n</section>"
 
 
 def _note(text: str, before: str = "") -> str:
@@ -87,11 +105,6 @@ def _kind(column: tuple[str, ...]) -> str:
         return ' class="number"'
     longest = max(map(len, column), default=0)
     return ' class="long sentence"' if longest > LONG_SENTENCE else ' class="sentence"' if longest > SENTENCE else ""
-
-
-def is_number(cell: str) -> bool:
-    """Whether a text starts like a number, or is a dash or nothing."""
-    return re.match(r"[-+−]?(± ?)?\d|[-–—]?$", cell) is not None
 
 
 def stage_section(

@@ -37,12 +37,20 @@ def test_run_writes_three_files_and_says_what_an_engineer_wants_to_know(command,
     assert (folder / "two_masses.html").stat().st_size <= 1.3e6
     for words in (
         r"^Two masses with a redundant coordinate$",
+        r"^  no\.  Hz +damping ratio +meaning$",
+        r"^  1 +drift of constraint rows, 2 times$",
+        r"^  3 +0\.115166 +0$",
+        r"note \(drift\): constraint .face of m1. is at acceleration level",
+        r"^Error estimate \d",
+        r"results/two_masses/two_masses\.html, two_masses\.csv, two_masses\.npz$",
+    ):
+        assert re.search(words, out, re.MULTILINE), words
+    code, out, err = command("run", TWO_MASSES, "--verbose")
+    assert (code, err) == (0, "")
+    for words in (
         r"Coordinates: x1 \(m\), q1 \(m\), q2 \(m\); t from 0 to 50 s",
         r"face of m1 +acceleration +0 m/s\^2",
-        r"kind +eigenvalue \(1/s\) +frequency \(Hz\) +natural frequency \(rad/s\) +damping ratio +multiplicity",
-        r"drift +0 +2 ",
-        r"oscillation +± 0\.723607 i +0\.115166 +0\.723607 +0 +1 ",
-        r"note \(drift\): constraint .face of m1. is at acceleration level",
+        r"eigenvalue \(1/s\): ± 0\.723607 i$",
         r"error estimate: displacement +\d",
         r"residual +\d",
         r"results/two_masses/two_masses\.html",
@@ -82,9 +90,9 @@ def test_modes_lists_zeros_shares_and_shapes_and_writes_nothing(command, tmp_pat
     code, out, err = command("modes", TWO_MASSES)
     assert (code, err) == (0, "") and list(tmp_path.iterdir()) == []
     for words in (
-        r"^  no\.  kind +eigenvalue \(1/s\) +Hz +rad/s +damping +times$",
+        r"^  no\.  Hz +damping +kind +eigenvalue \(1/s\) +rad/s +times$",
         r"^  1 +drift +0 +2$",
-        r"^  3 +oscillation +± 0\.723607 i +0\.115166 +0\.723607 +0 +1$",
+        r"^  3 +0\.115166 +0 +oscillation +± 0\.723607 i +0\.723607 +1$",
         r"^Mode 3: oscillation at 0\.115166 Hz, undamped$",
         r"^  kinetic energy x1 72\.4 %, q2 72\.4 %, q1 -44\.7 %$",
         r"^  shape +q2 1 m, x1 -0\.618 m, q1 -0\.618 m$",
@@ -128,7 +136,7 @@ def test_modes_that_cannot_be_trusted_are_printed_and_are_three(command, monkeyp
 def test_plan_lists_reasons_and_writes_nothing(command, tmp_path):
     code, out, _ = command("plan", TWO_MASSES)
     assert code == 0 and list(tmp_path.iterdir()) == []
-    assert re.search(r"taken +constrained form +1 independent row at acceleration level", out)
+    assert re.search(r"taken +constrained form +1 independent row at", out)
     assert re.search(r"left out +infinite pair +A_2 is nonsingular", out)
     assert re.search(r"left out +robot model \(pinocchio\) +no robot in the scene", out)
 
@@ -140,7 +148,7 @@ def test_plan_with_run_tells_what_each_stage_took_and_leaves_nothing(command, tm
     taken, left_out = out.split("\nLeft out\n")
     for stage in ("read the scene", "units", "finite pair", "CSV", "npz", "page", "all"):
         assert re.search(rf"^  {stage} +\d+\.\d +\d.* %", taken, re.MULTILINE), stage
-    assert re.search(r"constrained form +– .*\(in: assemble the model\)", taken)
+    assert re.search(r"constrained form +– ", taken)
     assert re.search(r"infinite pair +A_2 is nonsingular", left_out)
     code, out, _ = command("plan", TWO_MASSES, "--run", "--json")
     data = json.loads(out)
@@ -340,7 +348,7 @@ def test_a_terminal_gets_tables_and_no_markup_is_interpreted(tmp_path):
     shown = os.read(master, 100_000).decode(errors="ignore")  # what a terminal holds may end within a letter
     os.close(master)
     assert (done.returncode, done.stderr) == (0, "")
-    assert "[red]Two[/] masses" in shown and "─" in shown
+    assert "[red]Two[/] masses" in shown and "  taken     constrained form" in shown and max(map(len, shown.splitlines())) <= 80
 
 
 def test_hostile_scene_in_a_process_of_its_own(tmp_path):

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 import scipy.sparse
+from hypothesis import given
+from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.ground.display import MOST_ROWS, TextTable, table_html
+from mbconstrained.ground.display import MOST_ROWS, TextTable, table_html, table_text, wrapped
 
 HOSTILE = '<script>alert(1)</script> & "x"'
 SIZE = 60
@@ -103,3 +106,17 @@ def test_a_long_table_is_cut_and_says_so():
 def test_rows_and_columns_of_a_table_agree():
     with pytest.raises(mb.InputError, match='table "t": row 2 has 1 entries for 2 columns'):
         TextTable("t", ("a", "b"), (("1", "2"), ("1",)))
+
+
+CELLS = st.lists(st.sampled_from(["1.25", "m/s", "±", "i", "words", "of", "a", "long", "0"]), max_size=14).map(" ".join)
+
+
+@given(rows=st.lists(st.tuples(CELLS, CELLS, CELLS), min_size=1, max_size=4), width=st.integers(30, 120))
+def test_a_table_keeps_every_word_and_the_width(rows, width):
+    """Blanks that hold a number and its unit together make parts of at most 14 letters; three of them fit on 60."""
+    table = TextTable("t", ("A", "B", "C"), rows)
+    text = table_text(table, width)
+    found = [word for word in text.split()[1:] if word not in ("A", "B", "C", "A:", "B:", "C:")]
+    assert sorted(found) == sorted(word for row in rows for cell in row for word in cell.split())
+    assert max(map(len, text.splitlines())) <= width
+    assert not re.search(r"\d\n|±\n", wrapped("1.25 m/s and ± 0.5 i " * 9, width))

@@ -10,7 +10,8 @@ import numpy as np
 
 from ...ground.coordinate_units import GROUND
 from ...models.elements import Body as ModelBody
-from ...models.elements import Element, Gear, Mass, Node, Pulley, Rack
+from ...models.elements import Element, Gear, Mass, Node, PrescribedMotion, Pulley, Rack, with_parts
+from .bars import bar_length, bar_pieces, bars_of
 from .bodies import Body, Drawing, Link
 from .chains import Chain
 from .joints import Joint, groups, joints_of, natural_positions, walk
@@ -51,7 +52,7 @@ def lumped_drawing(elements: Iterable[Element], names, values=None, scale=None, 
     >>> drawing.scale
     70.0
     """
-    elements, motion = tuple(elements), {} if values is None else _motion(names, values)
+    elements, motion = with_parts(elements), {} if values is None else _motion(names, values)
     bodies = [element for element in elements if isinstance(element, ModelBody)]
     gears = [element for element in elements if isinstance(element, Gear)]
     pulleys = [element for element in elements if isinstance(element, Pulley)]
@@ -61,22 +62,32 @@ def lumped_drawing(elements: Iterable[Element], names, values=None, scale=None, 
     slides = [joint for joint in joints if joint.ends <= {GROUND, *sliding}]
     twists = [joint for joint in joints if joint.ends <= {GROUND, *turning}]
     natural = natural_positions(sliding, slides)
+    bars = bars_of(elements)
+    length = bar_length(bars) if bars else 1.0
+    for bar in bars:  # level where none of its springs is stretched on the average
+        natural |= dict.fromkeys(bar.places, float(np.mean([natural[point] for point in bar.points])))
     if scale is None:
         pairs = [(joint.start, joint.end) for joint in slides]
         pairs += [(end, pulley.over) for pulley in pulleys for end in (pulley.start, pulley.end)]
         scale = displacement_scale({name: motion[name] - natural[name] for name in sliding if name in motion}, pairs)
+    lying = {bar.angle for bar in bars if not any(bar.angle in joint.ends for joint in twists)}
+    wheels = [name for name in turning if name not in lying]
     if turn_scale is None:
-        turn_scale = angle_scale([motion[name] for name in turning if name in motion])
+        turn_scale = angle_scale([motion[name] for name in wheels if name in motion]) if wheels or not bars else scale / length
 
     massless = frozenset(body.name for body in bodies if isinstance(body, Node))
     spots = {body.name: body.position for body in bodies if isinstance(body, Mass) and body.position is not None}
     meshing = [(gear.start, gear.end) for gear in gears]
     racked = frozenset(rack.gear for rack in elements if isinstance(rack, Rack) and rack.radius > 0)
-    pieces = [_chain(group, slides, massless, pulleys, spots) for group in groups(sliding, (joint.ends for joint in slides))]
-    trains = groups(turning, [*(joint.ends for joint in twists), *meshing])
-    pieces += [Train(group, massless, twists, gears, racked).piece() for group in trains]
+    pieces = bar_pieces(bars, sliding, slides, massless, length, scale / (length * (turn_scale or 1.0)))
+    barred = {name for piece in pieces for name in piece.names}
+    rows = groups([name for name in sliding if name not in barred], (joint.ends for joint in slides))
+    chains = [_chain(group, slides, massless, pulleys, spots) for group in rows]
+    trains = groups(wheels, [*(joint.ends for joint in twists), *meshing])
+    chains += [Train(group, massless, twists, gears, racked).piece() for group in trains]
     if directions:
-        pieces = [turned_piece(piece, directions, meshing) for piece in pieces]
+        chains = [turned_piece(piece, directions, meshing) for piece in chains]
+    pieces += chains
     home = {name: piece for piece in pieces for name in piece.names}
     ties = [tie_of(element, home, scale / (PULLEY * (turn_scale or 1.0))) for element in elements]
     ties = [tie for tie in ties if tie is not None]
@@ -88,8 +99,8 @@ def lumped_drawing(elements: Iterable[Element], names, values=None, scale=None, 
     for body in whole.bodies:  # from its place in the layout to that for all coordinates zero
         shift = sum((natural[name] * np.array(move) for name, move in body.moves.items()), np.zeros(3))
         drawn.append(replace(body, rest=tuple(body.rest - scale * shift)))
-    known = {link.name for link in links}  # gears and racks are drawn as wheels in contact
-    others = (element for element in elements if not isinstance(element, (ModelBody, Gear, Rack)))
+    known = {link.name for link in links}.union(*(bar.rows for bar in bars))  # gears and racks are drawn as wheels in contact
+    others = (element for element in elements if not isinstance(element, (ModelBody, Gear, Rack, PrescribedMotion)))
     missing = ", ".join(element.name for element in others if element.name not in known)
     notes = f"not drawn: {missing}" * bool(missing), _askew(drawn, slides + twists)
     return Drawing(tuple(drawn), links, scale, turn_scale, " · ".join(filter(None, notes)))

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...ground.errors import InputError
 from ...mechanics.constraints import LEVELS
-from ...models.elements import Element, Mass, Tie
+from ...models.elements import Element, Mass, Tie, with_parts
 from ...models.lumped import coordinate_row, incidence_of
 from ..file.messages import at
 from ..quantities.coordinates import FORCE_UNITS, Coordinates, constraint_value, force_value, initial_values, state_values
@@ -243,7 +243,7 @@ def _exact_lumped(scene: Scene, symbols: Symbols) -> tuple[list[np.ndarray], lis
             LEVELS.index(tie.level),
             symbols.of(tie.row_value),
         )
-        for tie in elements
+        for tie in with_parts(elements)
         if isinstance(tie, Tie)
     ]
     matrices = [symbols.all_of(matrix) for matrix in (K, C, np.diag(factors.masses))]  # sums of nothing are numbers

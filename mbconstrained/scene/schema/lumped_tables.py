@@ -26,7 +26,7 @@ from .entry_types import (
     TorsionStiffness,
 )
 
-BODIES = ("mass", "inertia", "node")
+BODIES = ("mass", "inertia", "node", "rigid_bar")
 
 
 class MassTable(Table):
@@ -49,6 +49,23 @@ class InertiaTable(Table):
 
     name: Name = Field(description="The name of the body and of its angle.")
     inertia: Inertia = Field(description="Its moment of inertia about the axis it turns about.")
+
+
+def _points(value):
+    if not isinstance(value, dict) or not value:
+        raise InputError(f'found {shown(value)}; expected points with their distances, e.g. {{ rear = "-1.5 m", front = "1.2 m" }}')
+    return value
+
+
+class RigidBarTable(Table):
+    """A rigid bar that is displaced across its length and turns by a small angle, with points that elements are attached to."""
+
+    name: Name = Field(description='The name of the bar and of the displacement of its centre of mass; its angle is "NAME angle".')
+    mass: Mass = Field(description="Its mass.")
+    inertia: Inertia = Field(description="Its moment of inertia about the centre of mass.")
+    points: Annotated[dict[Name, Length], BeforeValidator(_points)] = Field(
+        description="Points with their distances from the centre of mass along the bar; each is a coordinate, tied to the bar."
+    )
 
 
 class ElementTable(Table):
@@ -162,6 +179,7 @@ class LumpedTable(Table):
     mass: list[MassTable] = Field([], description="Masses.")
     inertia: list[InertiaTable] = Field([], description="Bodies that turn.")
     node: list[NodeTable] = Field([], description="Joints without mass.")
+    rigid_bar: list[RigidBarTable] = Field([], description="Rigid bars, which are displaced and turn.")
     spring: list[SpringTable] = Field([], description="Springs.")
     damper: list[DamperTable] = Field([], description="Dampers.")
     torsion_spring: list[TorsionSpringTable] = Field([], description="Torsion springs.")

@@ -160,7 +160,7 @@ def test_of_thousands_the_first_are_listed(tmp_path):
     np.savetxt(tmp_path / "record.csv", np.column_stack([times, np.random.default_rng(0).normal(size=2001)]), delimiter=",")
     result = scene_of(tmp_path, MASSLESS.replace("[time]", TABLE.format('kind = "sampled"\nfile = "record.csv"'))).run()
     summary = result.summary()
-    assert len(summary.splitlines()) < 60
+    assert len(summary.splitlines()) < 80
     assert "The first 20 of 2001 are shown." in summary
     assert len(result.as_json()["events"]) == len(result.motion.events) == 2000
     assert result.is_trusted

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....ground.display import TextTable, with_unit
+from ....ground.display import WIDTH, TextTable, with_unit
 from ....ground.tolerances import noise_of
 from ...quantities.coordinates import Coordinates
 from ..report.robot_report import posture_json, posture_tables
@@ -17,17 +17,16 @@ from ..report.summary import notices_json
 if TYPE_CHECKING:
     from .scene_modes import ModeLine, SceneModes
 
-WIDTH = 80
 MOST_ENTRIES = 6  # listed entries of a shape or of shares of energy; JSON has all
 LEAST_SHARE = 0.0005  # what is less is printed as 0.0 %
 PHASE_DIGITS = 1  # of degrees, after the point
 
 COLUMNS = {
+    "frequency (Hz)": "Hz",
+    "damping ratio": "damping",
     "kind": "kind",
     "eigenvalue (1/s)": "eigenvalue (1/s)",
-    "frequency (Hz)": "Hz",
     "natural frequency (rad/s)": "rad/s",
-    "damping ratio": "damping",
     "multiplicity": "times",
 }
 
@@ -77,8 +76,15 @@ def _detail(line: ModeLine, coordinates: Coordinates) -> str:
     return "\n".join(text)
 
 
-def share_entries(shares: Mapping[str, float] | None) -> list[str]:
+def share_entries(shares: Mapping[str, float] | None, most: int = MOST_ENTRIES) -> list[str]:
     """The largest shares in per cent, and what the others sum to.
+
+    Args:
+        shares: by part; None where there is no such energy.
+        most: how many are listed.
+
+    Returns:
+        A text for each, and one for the others.
 
     >>> share_entries({"cart": 0.25, "load": 0.75}), share_entries(None)
     (['load 75.0 %', 'cart 25.0 %'], ['none'])
@@ -86,7 +92,7 @@ def share_entries(shares: Mapping[str, float] | None) -> list[str]:
     if shares is None:
         return ["none"]
     largest = sorted(shares.items(), key=lambda entry: descending(entry[1]))
-    listed = [(name, share) for name, share in largest[:MOST_ENTRIES] if abs(share) >= LEAST_SHARE]
+    listed = [(name, share) for name, share in largest[:most] if abs(share) >= LEAST_SHARE]
     rest = [share for _, share in largest[len(listed) :]]
     others = [f"{len(rest)} more {_percent(sum(rest))}"] if np.abs(rest).sum() >= LEAST_SHARE else []
     return [f"{name} {_percent(share)}" for name, share in listed] + others

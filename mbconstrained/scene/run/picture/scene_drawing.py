@@ -86,7 +86,8 @@ def automatic_drawing(scene: Scene, elements, values, **scales: float) -> Drawin
 def _upright(scene: Scene, drawing: Drawing) -> Vector:
     """What falls is drawn standing, unless it would be too tall to be seen well, or hangs on pulleys already."""
     model = scene.table.model
-    falls = model.kind == "lumped" and model.gravity and not model.pulley
+    stands = any(move[2] for body in drawing.bodies for move in body.moves.values())
+    falls = model.kind == "lumped" and model.gravity and not (model.pulley or stands)
     length = np.ptp([body.rest[0] for body in drawing.bodies]) if drawing.bodies else 0.0
     return turn_to((0.0, 0.0, -np.sign(model.gravity)), None) if falls and length <= TALLEST else (0.0, 0.0, 0.0)
 

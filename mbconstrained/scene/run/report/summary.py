@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ....ground.display import TextTable, table_text
+from ....ground.checks import counted
+from ....ground.display import WIDTH, TextTable, table_text, wrapped
 from ....ground.notices import Notice
 from .control_report import control_json
 from .robot_report import posture_json
@@ -14,9 +17,26 @@ if TYPE_CHECKING:
     from ..result import Result
 
 
+#: Lines of the short summary, at most: with the command above and the prompt below they fill a screen of 24.
+SCREEN = 22
+
+
 def summary(result: Result) -> str:
-    """Title, coordinates, tables, notices and files, as plain text."""
-    return "\n\n".join(table_text(block) if isinstance(block, TextTable) else block for block in blocks(result))
+    """Title, coordinates, tables, notices and files, as text of 80 columns."""
+    return printed(blocks(result))
+
+
+def printed(parts: Sequence[str | TextTable], width: int = WIDTH) -> str:
+    """Texts and tables one below the other.
+
+    Args:
+        parts: of a summary.
+        width: of a line, in letters.
+
+    Returns:
+        The text, its lines wrapped.
+    """
+    return "\n\n".join(table_text(part, width) if isinstance(part, TextTable) else wrapped(part, width) for part in parts)
 
 
 def blocks(result: Result) -> list[str | TextTable]:
@@ -34,6 +54,73 @@ def heading(result: Result) -> str:
     end = scene.table.time.end
     lines = [scene.title, scene.table.source, f"{what[0].upper()}{what[1:]}: {coordinates.listed}; t from 0 to {end:g} s"]
     return "\n".join(line for line in lines if line)
+
+
+def overview(result: Result, width: int = WIDTH, lines: int = SCREEN) -> list[str | TextTable]:
+    """The parts of the summary that fit on a screen: natural frequencies, warnings, files, and how much more there is.
+
+    Args:
+        result: of a run.
+        width: of a line, in letters.
+        lines: of the screen.
+
+    Returns:
+        Texts and tables; what does not fit is counted.
+    """
+    scene = result.scene
+    title = "\n".join(_first_lines(text, width, 2) for text in (scene.title, scene.table.source) if text)
+    figures = f"Error estimate {max(result.error_estimates.values()):.2g}; {result.plan.totals()}"
+    end = "\n".join(wrapped(text, width) for text in (_files(result), figures, "All tables and notices: --verbose") if text)
+    left = lines + 1 - _height([title, end], width)
+    notices = sorted(result.table_notices, key=lambda notice: not notice.doubtful)
+    notes = _some_notices(notices, width, max(left // 2, left - len(result.tables[0].rows) - 3))
+    left -= _height(notes, width)
+    shown = [_some_rows(result.tables[0], width, left - 1)]
+    for table in result.tables[1:]:
+        if not table.folded and _height([*shown, table], width) <= left:
+            shown.append(table)
+    return [title, *shown, *notes, end]
+
+
+def _height(parts: Sequence[str | TextTable], width: int) -> int:
+    """Lines of texts and tables, with an empty one after each."""
+    return sum(printed([part], width).count("\n") + 2 for part in parts)
+
+
+def _first_lines(text: str, width: int, most: int) -> str:
+    """A text of the user on so many lines."""
+    lines = wrapped(text, width).split("\n")
+    return "\n".join([*lines[: most - 1], lines[most - 1][: width - 1] + "…"] if len(lines) > most else lines)
+
+
+def _files(result: Result) -> str:
+    """The path of the first file of each folder and the names of the others in it."""
+    folders: dict[Path, list[str]] = {}
+    for path in result.files:
+        folders.setdefault(path.parent, []).append(path.name if path.parent in folders else str(path))
+    return "\n".join(f"Written: {', '.join(names)}" for names in folders.values())
+
+
+def _some_notices(notices: Sequence[Notice], width: int, lines: int) -> list[str]:
+    """Notices on so many lines, one at least, and the number of the others."""
+    if not notices:
+        return []
+    texts = [wrapped(f"  {notice}", width) for notice in notices]
+    heights = [1 + sum(text.count("\n") + 1 for text in texts[:count]) for count in range(1, len(texts) + 1)]
+    count = max(1, sum(height + (number < len(texts)) <= lines for number, height in enumerate(heights, 1)))
+    more = [f"  and {counted(len(texts) - count, 'further notice')}"] if count < len(texts) else []
+    return ["\n".join(["Notices", *texts[:count], *more])]
+
+
+def _some_rows(table: TextTable, width: int, lines: int) -> TextTable:
+    """The table with its first rows, as many as fit on so many lines, and the number of the others."""
+    if table_text(table, width).count("\n") < lines:
+        return table
+    for count in range(len(table.rows) - 1, 0, -1):
+        part = replace(table, rows=table.rows[:count], note=f"and {len(table.rows) - count} more")
+        if table_text(part, width).count("\n") < lines:
+            return part
+    return replace(table, rows=(), note=f"{len(table.rows)} in all")
 
 
 def as_json(result: Result) -> dict:

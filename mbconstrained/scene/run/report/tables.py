@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from ....response.events import Event
 from ....response.response_notices import counts
 from ....signals.impulsive import ImpulsiveLoad
 from ...quantities.coordinates import Coordinates
+from ..modes.mode_summary import share_entries
 from .control_report import control_tables
 from .jumps import Impulse, folded, forces_of_rows, impulses_of, jumps_of
 from .robot_report import posture_evidence, posture_tables
@@ -28,21 +30,29 @@ MOST_LATER_ROWS = 20  # of the jumps and impulses after t = 0 that are listed; J
 
 
 def tables_of(result: Result) -> tuple[TextTable, ...]:
-    """Posture, constraints, eigenvalues, jumps, impulses, evidence, proved digits; without empty ones but for the eigenvalues."""
+    """Natural frequencies, then the answers, then, folded on the page, posture, constraints, eigenvalues and evidence.
+
+    Empty tables are left out but for the natural frequencies."""
     robot, control = result.scene.equations.robot_scene, result.scene.equations.control
-    eigenvalues = eigenvalue_table(result)
-    tables = [
-        *(posture_tables(robot) if robot else ()),
-        *([_constraint_table(result.system)] if result.system else []),
-        eigenvalues,
+    frequencies = frequency_table(result)
+    answers = [
         *(control_tables(control) if control else ()),
         *([_output_table(control)] if control and control.form else []),
         *_at_start(result),
         *([_later_table(result)] if result.later else []),
-        _evidence_table(result),
         *([result.certificate.table] if result.certificate else []),
     ]
-    return tuple(table for table in tables if table.rows or table is eigenvalues)
+    details = [
+        *(posture_tables(robot) if robot else ()),
+        *([_constraint_table(result.system)] if result.system else []),
+        eigenvalue_table(result),
+        _evidence_table(result),
+    ]
+    return (
+        frequencies,
+        *(table for table in answers if table.rows),
+        *(replace(each, folded=True) for each in details if each.rows),
+    )
 
 
 def notices_of(result: Result) -> tuple[Notice, ...]:
@@ -58,15 +68,80 @@ def _constraint_table(system: MechanicalSystem) -> TextTable:
     return TextTable("Constraints", ("row", "level", "value"), cells, note if drifting else "")
 
 
-def eigenvalue_table(result: Result) -> TextTable:
-    """The finite eigenvalues of A(s): with their meaning where the system is mechanical, else called zeros or poles."""
-    equations = result.scene.equations
+#: What the table of natural frequencies states about an eigenvalue of this kind; nothing about an oscillation.
+REMARKS: dict[str, str] = {
+    "oscillation": "",
+    "growth": "growing",
+    "drift": "drift of constraint rows",
+    "rigid body": "rigid-body motion",
+    "offset": "offset, no restoring force",
+}
+
+
+def frequency_table(result: Result) -> TextTable:
+    """Frequency and damping ratio by eigenvalue; a remark where one is more than a single oscillation."""
     rows = eigenvalue_rows(result)
-    note = "" if rows else "There are none: the motion follows the force at once."
-    title = "Eigenvalues" if result.system else "Zeros" if equations.control is None else "Poles"
-    word = title[:-1].lower()
-    columns = tuple(column.replace("eigenvalue (", f"{word} (") for column in rows[0]) if rows else ()
-    return TextTable(title, columns, tuple(tuple(row.values()) for row in rows), note)
+    if not rows:
+        return TextTable("Natural frequencies", (), (), "There are none: the motion follows the force at once.")
+    if any(row["frequency (Hz)"] for row in rows):
+        title, columns = "Natural frequencies", {"frequency (Hz)": "Hz", "damping ratio": "damping ratio"}
+    else:
+        title, columns = "No natural frequencies: nothing oscillates", {"eigenvalue (1/s)": f"{_root_name(result)} (1/s)"}
+    cells = [(number, *(row[column] for column in columns), _remark(row)) for number, row in zip(_numbers(result), rows)]
+    width = len(columns) + 1 + any(row[-1] for row in cells)
+    return TextTable(title, ("no.", *columns.values(), "meaning")[:width], tuple(row[:width] for row in cells))
+
+
+def _root_name(result: Result) -> str:
+    """What a root of det A(s) is called."""
+    return "eigenvalue" if result.system else "zero" if result.scene.equations.control is None else "pole"
+
+
+def _remark(row: dict[str, str]) -> str:
+    remark = REMARKS.get(row["kind"], row["meaning"])
+    if row["kind"] == "growth" and not row["frequency (Hz)"]:
+        remark = row["meaning"]
+    times = f"{row['multiplicity']} times" if row["multiplicity"] != "1" else ""
+    return ", ".join(filter(None, (remark, times)))
+
+
+def _numbers(result: Result) -> list[str]:
+    """The numbers that the list of modes gives to the shapes of each eigenvalue."""
+    counts = [max(1, mode.shapes.shape[1]) for mode in result.modes] if result.system else [1] * len(result.finite_pair.zeros)
+    ends = np.cumsum(counts)
+    return [str(end) if count == 1 else f"{end - count + 1}–{end}" for count, end in zip(counts, ends)]
+
+
+#: Parts of a mode with the largest shares of energy that the table of eigenvalues names.
+MOST_PARTS = 3
+
+
+def eigenvalue_table(result: Result) -> TextTable:
+    """The finite eigenvalues of A(s): with meaning and energies where the system is mechanical, else called zeros or poles."""
+    word = _root_name(result)
+    columns = ["no.", f"{word} (1/s)", "rad/s", "multiplicity", "kind"]
+    cells: list[tuple[str, ...]] = [
+        (
+            number,
+            row["eigenvalue (1/s)"],
+            row["natural frequency (rad/s)"],
+            row["multiplicity"],
+            row["kind"] if row["frequency (Hz)"] else row["meaning"],
+        )
+        for number, row in zip(_numbers(result), eigenvalue_rows(result))
+    ]
+    if result.system:
+        columns += ["kinetic energy", "strain energy"]
+        cells = [(*row, *_largest_shares(mode)) for row, mode in zip(cells, result.modes)]
+    return TextTable(f"{word.capitalize()}s", tuple(columns), tuple(cells))
+
+
+def _largest_shares(mode: Mode) -> tuple[str, str]:
+    """The parts with most kinetic and most strain energy, of the first of several shapes."""
+    if not mode.shares:
+        return "", ""
+    first = mode.shares[0]
+    return ", ".join(share_entries(first.kinetic, MOST_PARTS)), ", ".join(share_entries(first.strain, MOST_PARTS))
 
 
 def eigenvalue_rows(result: Result) -> list[dict[str, str]]:

@@ -51,8 +51,8 @@ def test_an_oscillator_by_hand(tmp_path):
     expected = """scene
 
 Modes
-  no.  kind         eigenvalue (1/s)  Hz       rad/s  damping  times
-  1    oscillation  ± 2 i             0.31831  2      0        1
+  no.  Hz       damping  kind         eigenvalue (1/s)  rad/s  times
+  1    0.31831  0        oscillation  ± 2 i             2      1
   damping: damping ratio; times: multiplicity of the eigenvalue
 
 Mode 1: oscillation at 0.31831 Hz, undamped
@@ -68,7 +68,7 @@ The largest entry of a shape is 1; its amplitude is free."""
 def test_every_example_is_readable_in_80_columns_and_as_data(example):
     modes = SceneModes(mb.read_scene(EXAMPLES / example))
     text = printed(modes)
-    assert max(map(len, text[text.index("\nModes\n") :].splitlines())) <= WIDTH  # a posture, before it, may be wider
+    assert max(map(len, text.splitlines())) <= WIDTH
     assert "nan" not in text and "inf" not in text
     data = as_json(modes)
     assert json.loads(json.dumps(data, allow_nan=False)) == data
@@ -103,7 +103,7 @@ def test_shares_of_plain_matrices_are_by_coordinate_and_say_so(tmp_path):
 def test_of_coefficients_the_zeros_are_listed_and_no_more(tmp_path):
     modes = modes_of(tmp_path, COEFFICIENTS)
     text = printed(modes)
-    assert "  1    oscillation  ± 2 i             0.31831  2      0        1" in text
+    assert "  1    0.31831  0        oscillation  ± 2 i             2      1" in text
     assert "only the coefficients of A(s)" in text and "kinetic energy " not in text and "shape  " not in text
     (line,) = as_json(modes)["modes"]
     assert (line["imaginary"], line["kinetic_shares"], line["shape"]) == (2.0, None, None)

@@ -31,7 +31,7 @@ def test_notices_of_coefficients_have_units():
 
 def test_the_summary_tells_them_once_in_tables_and_counts_them():
     summary = read_scene(LINK).run().summary()
-    assert "note (jump): At t = 0 there are 3 jumps and 1 impulse; the tables give the sizes" in summary
+    assert "note (jump): At t = 0 there are 3 jumps and 1 impulse; the tables give the sizes" in " ".join(summary.split())
     assert summary.count("N s^2") == 1
 
 
@@ -91,11 +91,10 @@ def test_a_forgotten_start_is_told(tmp_path):
 
 def test_zeros_of_coefficients_stand_in_the_columns_of_modes():
     table = eigenvalue_table(read_scene(EXAMPLES / "rigid_link.toml").run())
-    assert [column.replace("zero", "eigenvalue") for column in table.columns] == list(
-        eigenvalue_table(read_scene(EXAMPLES / "two_masses.toml").run()).columns
-    )
+    of_modes = eigenvalue_table(read_scene(EXAMPLES / "two_masses.toml").run()).columns
+    assert of_modes == (*(column.replace("zero", "eigenvalue") for column in table.columns), "kinetic energy", "strain energy")
     (row,) = table.rows  # 2 s^2 + 1
-    assert row == ("oscillation", "± 0.707107 i", "0.11254", "0.707107", "0", "1", "undamped")
+    assert row == ("1", "± 0.707107 i", "0.707107", "1", "oscillation")
 
 
 def test_curves_have_the_colours_of_their_bodies(tmp_path):

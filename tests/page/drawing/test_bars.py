@@ -1,0 +1,64 @@
+"""Rigid bars are drawn as one body that stays on its points, with its supports below where they act."""
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.page.drawing.automatic_drawing import lumped_drawing
+from tests.page.contents import positions
+
+
+def bar(points, *, by_rows=False) -> mb.LumpedModel:
+    """A bar with a spring and a damper to the ground under each point; as an element, or made by constraint rows."""
+    model = mb.LumpedModel()
+    if by_rows:
+        model.inertia("pitch", 2.0)
+        model.mass("bounce", 3.0)
+        for point, distance in points.items():
+            model.node(point)
+            model.constrain({point: 2.0, "bounce": -2.0, "pitch": -2.0 * distance})
+    else:
+        model.rigid_bar("bounce", 3.0, inertia=2.0, points=points)
+    for point in points:
+        model.spring("ground", point, 4.0)
+        model.damper(point, "ground", 1.0)
+    return model
+
+
+@pytest.mark.parametrize("by_rows", [False, True])
+@pytest.mark.parametrize("points", [{"rear": -1.5, "front": 1.2}, {"a": -0.1, "b": 0.4, "c": 0.2}, {"only": 0.5}])
+def test_a_bar_stays_on_its_points(points, by_rows):
+    model = bar(points, by_rows=by_rows)
+    names, angle = model.coordinates, "pitch" if by_rows else "bounce angle"
+    state = {"bounce": 0.02, angle: 1e-4} | {name: 0.02 + 1e-4 * d for name, d in points.items()}
+    values = np.array([[0.0, state[name]] for name in names])
+    drawing = lumped_drawing(model.elements, names, values)
+    (drawn,) = [body for body in drawing.bodies if body.shape == "solids"]
+    assert drawn.name == "bounce" and not drawing.note
+    turn = drawing.turn_scale * drawn.turns[angle][1] * 1e-4  # about y, clockwise for the viewer
+    middle = positions(drawing, drawn, names, values)
+    for body in drawing.bodies:
+        if body.name in points:
+            moved = np.diff(positions(drawing, body, names, values) - middle).ravel()
+            arm = body.rest[0] - drawn.rest[0]
+            assert moved == pytest.approx([0, 0, -arm * np.sin(turn)], abs=1e-6)
+    grounds = [body for body in drawing.bodies if body.shape == "ground"]
+    places = {body.name: body.rest for body in drawing.bodies}
+    assert [ground.rest[0] for ground in grounds] == pytest.approx([places[name][0] for name in points])
+    assert all(ground.rest[2] < drawn.rest[2] - 1 for ground in grounds)
+    joined = {link.start for link in drawing.links} | {link.end for link in drawing.links} | {"bounce"}
+    assert joined == {body.name for body in drawing.bodies}
+
+
+def test_wheels_are_between_the_body_and_the_ground_and_bars_stand_on_bars():
+    model = mb.LumpedModel()
+    model.rigid_bar("frame", 3.0, inertia=2.0, points={"left": -1.0, "right": 1.0})
+    model.rigid_bar("engine", 1.0, inertia=0.2, points={"rear": -0.5, "front": 0.5})
+    for side, end in (("left", "rear"), ("right", "front")):
+        model.mass(f"{side} wheel", 0.2)
+        model.spring("ground", f"{side} wheel", 9.0), model.spring(f"{side} wheel", side, 2.0), model.spring(side, end, 3.0)
+    drawing = lumped_drawing(model.elements, model.coordinates)
+    heights = {body.name: body.rest[2] for body in drawing.bodies}
+    ground = next(name for name in heights if name.startswith("ground"))
+    order = [ground, "left wheel", "left", "frame", "rear", "engine"]
+    assert [heights[name] for name in order] == sorted(heights[name] for name in order) and not drawing.note
