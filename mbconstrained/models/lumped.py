@@ -32,14 +32,13 @@ from .elements import (
     Pulley,
     Rack,
     Relation,
-    RigidBar,
     RigidTie,
     Spring,
     Tie,
     TorsionDamper,
     TorsionSpring,
-    with_parts,
 )
+from .rigid_bar import RigidBar, with_parts
 
 STATES = {"m": "moves along the axis (m)", "rad": "turns (rad)"}
 

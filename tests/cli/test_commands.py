@@ -50,7 +50,7 @@ def test_run_writes_three_files_and_says_what_an_engineer_wants_to_know(command,
     for words in (
         r"Coordinates: x1 \(m\), q1 \(m\), q2 \(m\); t from 0 to 50 s",
         r"face of m1 +acceleration +0 m/s\^2",
-        r"eigenvalue \(1/s\): ± 0\.723607 i$",
+        r"± 0\.723607 i",
         r"error estimate: displacement +\d",
         r"residual +\d",
         r"results/two_masses/two_masses\.html",
@@ -62,7 +62,7 @@ def test_jumps_and_impulses_are_told_with_units(command, tmp_path):
     _, jumps, _ = command("run", EXAMPLES / "inconsistent_start.toml", "--out", tmp_path / "a")
     assert re.search(r"u1 +displacement +1 m +0\.666667 m +-0\.333333 m", jumps)
     assert re.search(r"u2 +velocity +1 m/s +0 m/s +-1 m/s", jumps)
-    _, impulses, _ = command("run", EXAMPLES / "rigid_link.toml", "--out", tmp_path / "b")
+    _, impulses, _ = command("run", EXAMPLES / "rigid_link.toml", "--verbose", "--out", tmp_path / "b")
     assert re.search(r"lambda +δ′ +-0\.5 N s\^2", impulses)
 
 
@@ -335,7 +335,9 @@ def test_closed_pipe_is_no_error(tmp_path):
 
 
 def test_output_fits_a_terminal_without_greek(tmp_path):
-    done = process("run", EXAMPLES / "rigid_link.toml", "--out", tmp_path, env={**ENVIRONMENT, "PYTHONIOENCODING": "ascii"})
+    done = process(
+        "run", EXAMPLES / "rigid_link.toml", "--verbose", "--out", tmp_path, env={**ENVIRONMENT, "PYTHONIOENCODING": "ascii"}
+    )
     assert done.returncode == 0 and "-0.5 N s^2" in done.stdout
 
 

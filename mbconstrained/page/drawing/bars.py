@@ -12,7 +12,8 @@ import numpy as np
 
 from ...ground.coordinate_units import GROUND
 from ...models.elements import Body as ModelBody
-from ...models.elements import Element, Relation, RigidBar
+from ...models.elements import Element, Relation
+from ...models.rigid_bar import RigidBar
 from .bodies import Body, Link, Shape, Solid, Vector
 from .chains import BALL, Chain
 from .joints import Joint, groups, walk
@@ -52,15 +53,15 @@ def bars_of(elements: Sequence[Element]) -> list[Bar]:
     """
     units = {element.name: element.unit for element in elements if isinstance(element, ModelBody)}
     masses = {element.name for element in elements if isinstance(element, ModelBody) and element.constant}
-    found: dict[str, list[tuple[str, Relation]]] = {}
+    rows_of: dict[str, list[tuple[str, Relation]]] = {}
     for element in elements:
         if isinstance(element, Relation) and element.level == "position" and not element.value:
             turning = [name for name in element.coefficients if units.get(name) == "rad"]
             sliding = [name for name in element.coefficients if units.get(name) == "m"]
             if len(turning) == 1 and len(sliding) == 2 and sum(element.coefficients[name] for name in sliding) == 0:
-                found.setdefault(turning[0], []).append((sliding[0], element))
+                rows_of.setdefault(turning[0], []).append((sliding[0], element))
     own = {element.angle: element.name for element in elements if isinstance(element, RigidBar)}
-    bars = [_bar(angle, [row for _, row in rows], own.get(angle), masses, units) for angle, rows in found.items()]
+    bars = [_bar(angle, [row for _, row in rows], own.get(angle), masses, units) for angle, rows in rows_of.items()]
     return [bar for bar in bars if bar is not None]
 
 

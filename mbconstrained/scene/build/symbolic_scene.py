@@ -12,8 +12,9 @@ import numpy as np
 
 from ...ground.errors import InputError
 from ...mechanics.constraints import LEVELS
-from ...models.elements import Element, Mass, Tie, with_parts
+from ...models.elements import Element, Mass, Tie
 from ...models.lumped import coordinate_row, incidence_of
+from ...models.rigid_bar import with_parts
 from ..file.messages import at
 from ..quantities.coordinates import FORCE_UNITS, Coordinates, constraint_value, force_value, initial_values, state_values
 from .data_files import entries_of

@@ -96,8 +96,9 @@ def _first_lines(text: str, width: int, most: int) -> str:
 def _files(result: Result) -> str:
     """The path of the first file of each folder and the names of the others in it."""
     folders: dict[Path, list[str]] = {}
-    for path in result.files:
-        folders.setdefault(path.parent, []).append(path.name if path.parent in folders else str(path))
+    for path in sorted(result.files, key=lambda path: path.suffix != ".html"):
+        names = folders.setdefault(path.parent, [])
+        names.append(path.name if names else str(path))
     return "\n".join(f"Written: {', '.join(names)}" for names in folders.values())
 
 
