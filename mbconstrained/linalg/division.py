@@ -99,6 +99,8 @@ def is_symmetric(matrix: Matrix) -> bool:
 
     What couples rows that no other entry couples is no rounding error of anything, however small it is.
     """
+    if isinstance(matrix, np.ndarray) and not np.count_nonzero(matrix != matrix.T):
+        return True
     asymmetry = abs(matrix - matrix.T)
     if not entry_count(asymmetry):
         return True
@@ -144,6 +146,20 @@ def condition(matrix: Matrix, enough: float = GOOD_CONDITION) -> float:
         return result
     rows, columns = equilibration(np.abs(matrix))
     return _condition(rows[:, None] * matrix * columns)
+
+
+def definite_condition(matrix: np.ndarray) -> float:
+    """The condition (1-norm, estimated) of a symmetric matrix with its diagonal brought to 1; infinite unless it is positive definite."""
+    diagonal = matrix.diagonal()
+    if not (diagonal > 0).all():
+        return np.inf
+    if is_diagonal(matrix):
+        return 1.0
+    root = np.sqrt(diagonal)
+    scaled = matrix / root / root[:, None]
+    factor, failed = lapack.dpotrf(scaled, clean=0)
+    reciprocal = 0.0 if failed else lapack.dpocon(factor, lapack.dlange("1", scaled))[0]
+    return 1 / reciprocal if reciprocal > 0 else np.inf
 
 
 def _condition(matrix: np.ndarray) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -81,8 +81,7 @@ def _half_square(matrix, vectors):
 Matrix = np.ndarray | ElementMatrix
 
 
-@dataclass(frozen=True)
-class CoordinatePart:
+class CoordinatePart(NamedTuple):
     """The part of a matrix along one coordinate: x_i (P x)_i. It may be negative; over all i the sum is x^T P x.
 
     Attributes:

@@ -17,12 +17,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg
+from scipy.linalg import lapack
 
 from ..ground.threads import short_work
-from ..ground.tolerances import DECOUPLING_LIMIT, EPS, NOISE_SAFETY, noise_of, rounding_radius
+from ..ground.tolerances import (
+    DECOUPLING_LIMIT,
+    DIVISOR_CONDITION,
+    EPS,
+    NOISE_SAFETY,
+    STIFFNESS_CONDITION,
+    noise_of,
+    rounding_radius,
+)
 from ..linalg.arrays import full
 from ..linalg.blocks import block_slices
-from ..linalg.division import is_symmetric
+from ..linalg.division import definite_condition, is_symmetric, solved
 from ..linalg.precise import floats, is_precise, is_worthwhile, precise_arithmetic
 from ..linalg.rank import null_columns
 from ..linalg.rounding import Noisy
@@ -45,17 +54,18 @@ def modes_of(system: MechanicalSystem) -> Modes:
     """
     A = system.position_form().polynomial_matrix
     with short_work(2 * system.size):
+        definite = _is_definite(A)
         try:
-            moving, resting = _by_reduction(A)
+            moving, resting = _by_reduction(A, definite)
         except NotReducible:
             moving, resting = _by_pairs(A)
-    conservation, parts = conservation_of(system), system.energy_parts
+        conservation = conservation_of(system, definite)
     if drift := sum(row.order for row in system.rows):
         resting.append(Mode("drift", 0j, drift, np.zeros((system.size, 0))))
-    modes = [replace(mode, energy_parts=parts) for mode in resting]
+    modes = [replace(mode, system=system) for mode in resting]
     for value, multiplicity, shapes, precise in moving:
         value = cleaned(value, multiplicity, conservation, precise)
-        modes.append(Mode(_kind(value), value, multiplicity, shapes, parts))
+        modes.append(Mode(_kind(value), value, multiplicity, shapes, system))
     return Modes(tuple(modes), system.names, polynomial_matrix=A)
 
 
@@ -66,14 +76,33 @@ FEW_DIFFERENCES = 4
 Moving = tuple[complex, int, np.ndarray, bool]
 
 
-def _by_reduction(A: PolynomialMatrix) -> tuple[list[Moving], list[Mode]]:
+def _is_definite(A: PolynomialMatrix) -> bool:
+    """Whether M, C and K are symmetric, M and K positive definite and well-conditioned: the equations are their own reduction."""
+    if A.degree != 2 or any(factors is not None for factors in A.factors) or A.uncertainty.any():
+        return False
+    K, C, M = A.coefficients
+    if not (is_symmetric(M) and is_symmetric(C) and is_symmetric(K)):
+        return False
+    return definite_condition(M) <= DIVISOR_CONDITION and definite_condition(K) <= STIFFNESS_CONDITION
+
+
+def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], list[Mode]]:
     """The modes from the decoupled first-order equations: those that move, and those of eigenvalue 0.
+
+    Args:
+        A: with every row at position level.
+        definite: ``_is_definite`` of it.
 
     Raises:
         NotReducible: the equations are not directly reducible, or eigenvalues form clusters, whose structure ranks decide.
     """
-    if isinstance(A.reduction, Reduction) and (symmetric := _symmetric_modes(A.reduction)):
-        return [*_grouped(*symmetric)], []
+    if definite:
+        K, C, M = A.coefficients
+        if symmetric := _symmetric_modes(M, C, K):
+            return [*_grouped(*symmetric)], []
+    elif isinstance(A.reduction, Reduction) and _is_regular_and_symmetric(A.reduction):
+        if symmetric := _symmetric_modes(*map(full, (A.reduction.M, A.reduction.C, A.reduction.K))):
+            return [*_grouped(symmetric[0], A.reduction.V @ symmetric[1])], []
     reduction = serving_reduction(A, zero(A.size))
     parts = reduction.decoupled
     sizes = np.array([len(block) for block in parts.blocks], dtype=int)
@@ -98,77 +127,109 @@ def _by_reduction(A: PolynomialMatrix) -> tuple[list[Moving], list[Mode]]:
     return [*_grouped(values[moving], shapes[:, moving])], [*_at_rest(A, count)]
 
 
-def _symmetric_modes(reduction: Reduction) -> tuple[np.ndarray, np.ndarray] | None:
+def _is_regular_and_symmetric(reduction: Reduction) -> bool:
+    """Whether its equations are those of masses and springs with symmetric M, C and K, M and K regular."""
+    second_order = len(reduction.second) and not len(reduction.first) and reduction.conserved is None
+    return bool(second_order and reduction.is_finite and reduction.is_reciprocal)
+
+
+def _symmetric_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """Eigenvalues and shapes where M, C and K are symmetric, M and K regular: LAPACK's, refined; None where that does not serve.
 
     The shape x is its own left vector then, and s a root of x^T (M s^2 + C s + K) x, wrong by the square of the error of x
     (Lancaster 1961). Where x^T (2 M s + C) x is small next to its terms, the eigenvalue is nearly double.
     """
-    if not len(reduction.second) or len(reduction.first) or reduction.conserved is not None:
-        return None
-    if not (reduction.is_finite and reduction.is_reciprocal):
-        return None
-    M, C, K = map(full, (reduction.M, reduction.C, reduction.K))
-    n = len(M)
+    damped = C.any()
     try:
-        if C.any():
-            rate = np.exp2(np.round(np.log2(np.abs(K).max() / np.abs(M).max()) / 2))
-            lower = np.linalg.solve(M, np.hstack([K / rate, C]))
-            values, vectors = np.linalg.eig(np.vstack([np.eye(n, 2 * n, n) * rate, -lower]))
-            upper = values.imag >= 0
-            values, X = values[upper], vectors[:n, upper]
-        else:
-            squares, X = scipy.linalg.eigh(K, M, driver="gvd")
-            values = np.sqrt((-squares).astype(complex))
+        with np.errstate(over="ignore", invalid="ignore"):
+            values, X = _damped_modes(M, C, K) if damped else _undamped_modes(M, K)
     except np.linalg.LinAlgError:
         return None
-    inertia, damping, stiffness = (_forms(matrix, X) for matrix in (M, C, K))
-    if C.any():
-        slope, size = 2 * values * inertia + damping, np.abs(X)
-        terms = (size * (np.abs(M) @ (2 * np.abs(values) * size) + np.abs(C) @ size)).sum(axis=0)
+    inertia, stiffness = _forms(M, X), _forms(K, X)
+    if damped:
+        size, moduli = np.abs(X), np.abs(values)
+        slope = 2 * values * inertia + (damping := _forms(C, X))
+        terms = (size * (np.abs(M) @ (2 * moduli * size) + np.abs(C) @ size)).sum(axis=0)
         if not (terms <= DECOUPLING_LIMIT * np.abs(slope)).all():
             return None
         change = -((values * inertia + damping) * values + stiffness) / slope
-        values = np.where(np.abs(change) <= EPS**0.5 * np.abs(values), values + change, values)
+        values = np.where(np.abs(change) <= EPS**0.5 * moduli, values + change, values)
     else:
         values = np.sqrt((-stiffness / inertia).astype(complex))
-        real = values.imag == 0
-        values, X = np.concatenate([values, -values[real]]), np.hstack([X, X[:, real]])
+        if (real := values.imag == 0).any():
+            values, X = np.concatenate([values, -values[real]]), np.hstack([X, X[:, real]])
     moduli = np.abs(values)
-    return None if is_worthwhile(moduli.max() / moduli.min(), 2 * n) else (values, reduction.V @ X)
+    spread = moduli.max() / moduli.min()
+    return None if not np.isfinite(spread) or is_worthwhile(spread, len(M) * 2) else (values, X)
+
+
+def _damped_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues on or above the real axis, and shapes, from the states (x, x' / rate), whose units are alike."""
+    n, (most, masses) = len(M), (np.abs(matrix).max() for matrix in (K, M))
+    rate, S = np.exp2(np.round(np.log2(most / masses) / 2)), np.zeros((2 * n, 2 * n), order="F")
+    S[range(n), range(n, 2 * n)] = rate
+    S[n:] = -solved(M, np.concatenate([K / rate, C], axis=1))
+    if not np.isfinite(S).all():
+        raise np.linalg.LinAlgError("beyond the range of float64")
+    room = int(lapack.dgeev_lwork(2 * n, compute_vl=0)[0])
+    real, imaginary, _, vectors, failed = lapack.dgeev(S, compute_vl=0, lwork=room, overwrite_a=1)
+    if failed:
+        raise np.linalg.LinAlgError("no convergence")
+    upper = (imaginary >= 0).nonzero()[0]
+    X, pair = vectors[:n, upper].astype(complex), imaginary[upper] > 0
+    X.imag[:, pair] = vectors[:n, upper[pair] + 1]
+    return real[upper] + 1j * imaginary[upper], X
+
+
+def _undamped_modes(M: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Squares of frequencies, and shapes."""
+    squares, X, failed = lapack.dsygvd(K, M)
+    if failed:
+        raise np.linalg.LinAlgError("the mass matrix is not positive definite")
+    return squares, X
 
 
 def _forms(matrix: np.ndarray, X: np.ndarray) -> np.ndarray:
     """x^T A x for each column; of a sparse A by differences of coordinates, in which nothing of a slow motion cancels."""
-    row, column = np.nonzero(np.triu(matrix, 1))
-    if len(row) > FEW_DIFFERENCES * len(matrix):
+    if np.count_nonzero(matrix) > (2 * FEW_DIFFERENCES + 1) * len(matrix):
         return np.einsum("ij,ij->j", X, matrix @ X)
+    row, column = matrix.nonzero()
+    upper = row < column
+    row, column = row[upper], column[upper]
+    if not len(row):
+        return matrix.diagonal() @ X**2
     sums = matrix.astype(np.longdouble).sum(axis=1).astype(float)
     return sums @ X**2 - matrix[row, column] @ (X[row] - X[column]) ** 2
 
 
 def _grouped(values: np.ndarray, shapes: np.ndarray) -> Iterator[Moving]:
     """Eigenvalues with their multiplicities, ascending, and their shapes."""
-    shapes = _normalized(shapes)
+    groups = [*_equal(values)]
+    order = np.concatenate([np.zeros(0, dtype=int), *groups])
+    values, shapes, begin = values[order], _normalized(shapes[:, order]), 0
     real = np.abs(shapes.imag).max(axis=0, initial=0.0) <= noise_of(1.0, len(shapes))
-    for own in _equal(values):
-        value = complex(values[own[0]] if len(own) == 1 else values[own].mean())
-        yield value, len(own), shapes[:, own].real if real[own].all() else shapes[:, own], False
+    parts, numbers, reals = shapes.real.copy(), values.tolist(), real.tolist()
+    for group in groups:
+        end = begin + len(group)
+        value = complex(numbers[begin] if end == begin + 1 else values[begin:end].mean())
+        yield value, end - begin, (parts if all(reals[begin:end]) else shapes)[:, begin:end], False
+        begin = end
 
 
 def _equal(values: np.ndarray) -> Iterator[np.ndarray]:
     """Places of eigenvalues that differ by rounding errors only, ascending by modulus, of one modulus by the real part."""
-    order = np.argsort(np.abs(values), kind="stable")
-    moduli = np.abs(values)[order]
-    cuts = np.flatnonzero(np.diff(moduli) > rounding_radius(2) * moduli[1:]) + 1
+    moduli = np.abs(values)
+    order = np.argsort(moduli, kind="stable")
+    moduli = moduli[order]
+    cuts = (np.diff(moduli) > rounding_radius(2) * moduli[1:]).nonzero()[0] + 1
     for begin, end in pairwise([0, *cuts.tolist(), len(order)]):
         ring = order[begin:end]
-        if len(ring) > 1:
+        if end > begin + 1:
             parts = np.round(values[ring].real / (rounding_radius(2) * moduli[end - 1]))
             ring = ring[np.lexsort([values[ring].imag, parts])]
             differ = np.abs(np.diff(values[ring])) > rounding_radius(1) * moduli[end - 1]
             yield from np.split(ring, np.flatnonzero(differ) + 1)
-        elif len(ring):
+        elif end > begin:
             yield ring
 
 
@@ -286,12 +347,18 @@ class Conservation:
     lossless: bool
 
 
-def conservation_of(system: MechanicalSystem) -> Conservation:
-    """Read both off the matrices; constraint rows that do not move change neither."""
+def conservation_of(system: MechanicalSystem, definite: bool = False) -> Conservation:
+    """Read both off the matrices; constraint rows that do not move change neither.
+
+    Args:
+        system: of arrays.
+        definite: whether M and K are known to be symmetric and positive definite.
+    """
     M, C, K = system.mass, system.damping, system.stiffness
-    conservative = is_symmetric(M) and is_symmetric(K) and _positive(M)
-    passive = conservative and _positive(K) and _positive(C + C.T)
-    lossless = conservative and (not C.any() or (passive and not (C + C.T).any()))
+    damped = C.any()
+    conservative = definite or (is_symmetric(M) and is_symmetric(K) and _positive(M))
+    passive = conservative and (definite or _positive(K)) and (not damped or _positive(C + C.T))
+    lossless = conservative and (not damped or (passive and not (C + C.T).any()))
     return Conservation(passive, lossless)
 
 

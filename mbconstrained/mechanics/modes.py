@@ -15,7 +15,7 @@ from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .energy import EnergyParts, EnergyShares
 
 if TYPE_CHECKING:
-    pass
+    from .system import MechanicalSystem
 
 Kind = Literal["oscillation", "decay", "growth", "rigid body", "drift", "offset"]
 
@@ -31,14 +31,19 @@ class Mode:
         eigenvalue: s in 1/s.
         multiplicity: of s as a root of det A(s).
         shapes: the independent shapes, one a column, shape (n, g), the largest entry of each 1; none for drift.
-        energy_parts: of the system; None where the energies are unknown.
+        system: to which it belongs, for its energies; None where these are unknown.
     """
 
     kind: Kind
     eigenvalue: complex
     multiplicity: int
     shapes: np.ndarray = field(repr=False)
-    energy_parts: EnergyParts | None = field(default=None, repr=False, compare=False)
+    system: MechanicalSystem | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def energy_parts(self) -> EnergyParts | None:
+        """M and K as sums of named parts; None where the energies are unknown."""
+        return None if self.system is None else self.system.energy_parts
 
     @property
     def natural_frequency(self) -> float:
@@ -68,9 +73,9 @@ class Mode:
         >>> {name: round(share, 3) for name, share in model.assemble().modes().oscillating[0].shares[0].strain.items()}
         {'wall': 0.639, 'coupling': 0.361}
         """
-        if self.energy_parts is None:
+        if (parts := self.energy_parts) is None:
             return ()
-        each = (self.energy_parts.shares(shape, self.eigenvalue) for shape in self.shapes.T)
+        each = (parts.shares(shape, self.eigenvalue) for shape in self.shapes.T)
         return tuple(replace(shares, kinetic=None) if self.kind == "offset" else shares for shares in each)
 
     @property
