@@ -295,7 +295,7 @@ def symmetric_modes(M: Matrix, C: Matrix, K: Matrix, resting: np.ndarray | None 
     Returns:
         One block of size two for each mode.
     """
-    shapes = _shapes(M, K)
+    shapes = undamped_shapes(M, K)
     if shapes is None:
         return None
     free = 0 if resting is None else len(resting)
@@ -317,18 +317,23 @@ def symmetric_modes(M: Matrix, C: Matrix, K: Matrix, resting: np.ndarray | None 
     return SymmetricModes(M, shapes, rates, tuple(blocks))
 
 
-def _shapes(M: Matrix, K: Matrix) -> np.ndarray | None:
-    """Phi, or None where M is not positive definite."""
+def undamped_shapes(M: Matrix, K: Matrix) -> np.ndarray | None:
+    """The shapes of M x'' + K x = 0 for symmetric M and K.
+
+    Args:
+        M, K: shape (m, m).
+
+    Returns:
+        Phi with Phi^T M Phi = I, one shape a column; None where M is not positive definite.
+    """
     diagonal = M.diagonal()
     if entry_count(M) == len(diagonal) and (diagonal > 0).all():
         root = np.sqrt(diagonal)
         vectors = _vectors(of_like_kind(K * (1 / root[:, None]) * (1 / root), K))
         vectors /= root[:, None]
         return vectors
-    try:
-        return scipy.linalg.eigh(full(K), full(M))[1]
-    except np.linalg.LinAlgError:
-        return None
+    _, vectors, failed = lapack.dsygvd(full(K), full(M))
+    return None if failed else vectors
 
 
 def _with_resting(M: Matrix, K: Matrix, shapes: np.ndarray, resting: np.ndarray) -> np.ndarray:
@@ -347,14 +352,21 @@ def _vectors(matrix: Matrix) -> np.ndarray:
     """The eigenvectors of a symmetric matrix; of a large tridiagonal one by an algorithm for those."""
     matrix = (matrix + matrix.T) / 2
     if isinstance(matrix, np.ndarray):
-        return scipy.linalg.eigh(matrix, driver="evd")[1]
+        return _symmetric_vectors(matrix)
     order = reverse_cuthill_mckee(csr_array(matrix), symmetric_mode=True)
     narrow = csr_array(matrix)[order][:, order].tocoo()
     if len(order) > 2 and np.abs(narrow.row - narrow.col).max(initial=0) <= 1:
         result = np.empty(matrix.shape)
         result[order] = scipy.linalg.eigh_tridiagonal(narrow.diagonal(), narrow.diagonal(1))[1]
         return result
-    return scipy.linalg.eigh(matrix.toarray(), driver="evd")[1]
+    return _symmetric_vectors(matrix.toarray())
+
+
+def _symmetric_vectors(matrix: np.ndarray) -> np.ndarray:
+    _, vectors, failed = lapack.dsyevd(matrix)
+    if failed:
+        raise np.linalg.LinAlgError("the eigenvalues did not converge")
+    return vectors
 
 
 def _quotients(K: Matrix, shapes: np.ndarray) -> np.ndarray:

@@ -32,6 +32,7 @@ from ..ground.tolerances import (
 from ..linalg.arrays import full
 from ..linalg.blocks import block_slices
 from ..linalg.division import definite_condition, is_symmetric, solved
+from ..linalg.eigen import undamped_shapes
 from ..linalg.precise import floats, is_precise, is_worthwhile, precise_arithmetic
 from ..linalg.rank import null_columns
 from ..linalg.rounding import Noisy
@@ -100,9 +101,10 @@ def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], li
         K, C, M = A.coefficients
         if symmetric := _symmetric_modes(M, C, K):
             return [*_grouped(*symmetric)], []
-    elif isinstance(A.reduction, Reduction) and _is_regular_and_symmetric(A.reduction):
-        if symmetric := _symmetric_modes(*map(full, (A.reduction.M, A.reduction.C, A.reduction.K))):
-            return [*_grouped(symmetric[0], A.reduction.V @ symmetric[1])], []
+    elif isinstance(reduced := A.reduction, Reduction) and _is_regular_and_symmetric(reduced):
+        symmetric = _symmetric_modes(*map(full, (reduced.M, reduced.C, reduced.K)))
+        if symmetric:
+            return [*_grouped(symmetric[0], reduced.V @ symmetric[1])], []
     reduction = serving_reduction(A, zero(A.size))
     parts = reduction.decoupled
     sizes = np.array([len(block) for block in parts.blocks], dtype=int)
@@ -140,10 +142,9 @@ def _symmetric_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.nd
     (Lancaster 1961). Where x^T (2 M s + C) x is small next to its terms, the eigenvalue is nearly double.
     """
     damped = C.any()
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            values, X = _damped_modes(M, C, K) if damped else _undamped_modes(M, K)
-    except np.linalg.LinAlgError:
+    with np.errstate(over="ignore", invalid="ignore"):
+        values, X = _damped_modes(M, C, K) if damped else (None, undamped_shapes(M, K))
+    if X is None:
         return None
     inertia, stiffness = _forms(M, X), _forms(K, X)
     if damped:
@@ -163,30 +164,21 @@ def _symmetric_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.nd
     return None if not np.isfinite(spread) or is_worthwhile(spread, len(M) * 2) else (values, X)
 
 
-def _damped_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues on or above the real axis, and shapes, from the states (x, x' / rate), whose units are alike."""
-    n, (most, masses) = len(M), (np.abs(matrix).max() for matrix in (K, M))
-    rate, S = np.exp2(np.round(np.log2(most / masses) / 2)), np.zeros((2 * n, 2 * n), order="F")
-    S[range(n), range(n, 2 * n)] = rate
-    S[n:] = -solved(M, np.concatenate([K / rate, C], axis=1))
+def _damped_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray] | tuple[None, None]:
+    """Eigenvalues on or above the real axis, and shapes, from the states (x, x'), which LAPACK balances; None where that fails."""
+    n = len(M)
+    S = np.eye(2 * n, k=-n).T  # by columns, as LAPACK has it
+    S[n:] = -solved(M, np.concatenate([K, C], axis=1))
     if not np.isfinite(S).all():
-        raise np.linalg.LinAlgError("beyond the range of float64")
+        return None, None
     room = int(lapack.dgeev_lwork(2 * n, compute_vl=0)[0])
     real, imaginary, _, vectors, failed = lapack.dgeev(S, compute_vl=0, lwork=room, overwrite_a=1)
     if failed:
-        raise np.linalg.LinAlgError("no convergence")
+        return None, None
     upper = (imaginary >= 0).nonzero()[0]
     X, pair = vectors[:n, upper].astype(complex), imaginary[upper] > 0
     X.imag[:, pair] = vectors[:n, upper[pair] + 1]
     return real[upper] + 1j * imaginary[upper], X
-
-
-def _undamped_modes(M: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Squares of frequencies, and shapes."""
-    squares, X, failed = lapack.dsygvd(K, M)
-    if failed:
-        raise np.linalg.LinAlgError("the mass matrix is not positive definite")
-    return squares, X
 
 
 def _forms(matrix: np.ndarray, X: np.ndarray) -> np.ndarray:
@@ -198,39 +190,41 @@ def _forms(matrix: np.ndarray, X: np.ndarray) -> np.ndarray:
     row, column = row[upper], column[upper]
     if not len(row):
         return matrix.diagonal() @ X**2
-    sums = matrix.astype(np.longdouble).sum(axis=1).astype(float)
+    sums = np.add.reduce(matrix, axis=1, dtype=np.longdouble).astype(float)
     return sums @ X**2 - matrix[row, column] @ (X[row] - X[column]) ** 2
 
 
 def _grouped(values: np.ndarray, shapes: np.ndarray) -> Iterator[Moving]:
     """Eigenvalues with their multiplicities, ascending, and their shapes."""
-    groups = [*_equal(values)]
-    order = np.concatenate([np.zeros(0, dtype=int), *groups])
+    order, ends = _equal(values)
     values, shapes, begin = values[order], _normalized(shapes[:, order]), 0
-    real = np.abs(shapes.imag).max(axis=0, initial=0.0) <= noise_of(1.0, len(shapes))
-    parts, numbers, reals = shapes.real.copy(), values.tolist(), real.tolist()
-    for group in groups:
-        end = begin + len(group)
-        value = complex(numbers[begin] if end == begin + 1 else values[begin:end].mean())
-        yield value, end - begin, (parts if all(reals[begin:end]) else shapes)[:, begin:end], False
+    numbers, parts, real = values.tolist(), shapes, [True] * len(order)
+    if shapes.dtype.kind == "c":
+        real, parts = (np.abs(shapes.imag).max(axis=0, initial=0.0) <= noise_of(1.0, len(shapes))).tolist(), shapes.real.copy()
+    for end in ends:
+        value = numbers[begin] if end == begin + 1 else complex(values[begin:end].mean())
+        yield value, end - begin, (parts if all(real[begin:end]) else shapes)[:, begin:end], False
         begin = end
 
 
-def _equal(values: np.ndarray) -> Iterator[np.ndarray]:
-    """Places of eigenvalues that differ by rounding errors only, ascending by modulus, of one modulus by the real part."""
+def _equal(values: np.ndarray) -> tuple[np.ndarray, list[int]]:
+    """An order of eigenvalues, ascending by modulus, of one modulus by the real part; where those end that differ by rounding only."""
     moduli = np.abs(values)
-    order = np.argsort(moduli, kind="stable")
+    order = moduli.argsort(kind="stable")
     moduli = moduli[order]
-    cuts = (np.diff(moduli) > rounding_radius(2) * moduli[1:]).nonzero()[0] + 1
-    for begin, end in pairwise([0, *cuts.tolist(), len(order)]):
-        ring = order[begin:end]
+    ends = [*((moduli[1:] - moduli[:-1] > rounding_radius(2) * moduli[1:]).nonzero()[0] + 1).tolist(), *[len(order)][: len(order)]]
+    if len(ends) == len(order):
+        return order, ends
+    result: list[int] = []
+    for begin, end in pairwise([0, *ends]):
         if end > begin + 1:
+            ring = order[begin:end]
             parts = np.round(values[ring].real / (rounding_radius(2) * moduli[end - 1]))
-            ring = ring[np.lexsort([values[ring].imag, parts])]
+            order[begin:end] = ring = ring[np.lexsort([values[ring].imag, parts])]
             differ = np.abs(np.diff(values[ring])) > rounding_radius(1) * moduli[end - 1]
-            yield from np.split(ring, np.flatnonzero(differ) + 1)
-        elif end > begin:
-            yield ring
+            result += (begin + 1 + np.flatnonzero(differ)).tolist()
+        result.append(end)
+    return order, result
 
 
 def _by_pairs(A: PolynomialMatrix) -> tuple[list[Moving], list[Mode]]:
@@ -353,6 +347,9 @@ def conservation_of(system: MechanicalSystem, definite: bool = False) -> Conserv
     Args:
         system: of arrays.
         definite: whether M and K are known to be symmetric and positive definite.
+
+    Returns:
+        The two facts.
     """
     M, C, K = system.mass, system.damping, system.stiffness
     damped = C.any()
@@ -364,16 +361,15 @@ def conservation_of(system: MechanicalSystem, definite: bool = False) -> Conserv
 
 def _positive(matrix: np.ndarray) -> bool:
     """Positive semidefinite to within the rounding errors of its entries, each coordinate in units in which it counts as the others."""
-    size = np.sqrt(np.abs(np.diag(matrix)))
+    size = np.sqrt(np.abs(matrix.diagonal()))
     size[size == 0] = 1.0
     matrix = matrix / size / size[:, None]
     sums = np.abs(matrix).sum(axis=0)
-    noise = noise_of(float(sums.max()), len(matrix))
-    try:
-        np.linalg.cholesky(matrix - noise * np.eye(len(matrix)))
+    noise, shifted = noise_of(float(sums.max()), len(matrix)), matrix.copy()
+    shifted.reshape(-1)[:: len(matrix) + 1] -= noise
+    if not lapack.dpotrf(shifted, clean=0)[1]:
         return True
-    except np.linalg.LinAlgError:
-        lowest = np.linalg.eigvalsh(matrix)[0]
+    lowest = np.linalg.eigvalsh(matrix)[0]
     if lowest < -noise or len(matrix) > EXTENDED_SIZE:
         return bool(lowest >= -noise)
     work = matrix.astype(np.longdouble) + np.diag(EPS * sums)
