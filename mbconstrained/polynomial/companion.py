@@ -88,11 +88,11 @@ class ScaledCompanion:
         return split_regular(*self.pencil)
 
     def scaled_stack(self, initial: np.ndarray) -> np.ndarray:
-        """Values (q, r) at 0- as the pencil's state (g r,), in its units."""
-        stack = np.zeros((self.grade, self.size))
+        """Values (q, r) at 0- as the pencil's state (g r,), in its units; S of them, (q, r, S), as (g r, S)."""
+        stack = np.zeros((self.grade, *initial.shape[1:]))
         powers = self.scaling.time ** -np.arange(len(initial), dtype=float)
-        stack[: len(initial)] = initial * powers[:, None] / self.scaling.columns
-        return stack.reshape(-1)
+        stack[: len(initial)] = (initial.T * powers / self.scaling.columns[:, None]).T
+        return stack.reshape(-1, *initial.shape[2:])
 
 
 def scaled_companion(A: PolynomialMatrix, rank_tolerance: float | None = None, in_float64: bool = True) -> ScaledCompanion:

@@ -289,14 +289,13 @@ class Reduction:
 
     def states(self, initial: np.ndarray) -> np.ndarray:
         """The states at 0+ for values at 0- (S, q, r), shape (n, S)."""
-        return np.array([self.state(values) for values in initial]).T
+        m, places = len(self.second), initial[:, 0, self.chosen]
+        velocities = initial[:, 1, self.chosen[:m]] if m else places[:, :0]
+        return np.concatenate([places[:, :m], velocities, places[:, m:]], axis=1).T
 
     def state(self, values: np.ndarray) -> np.ndarray:
         """w from values (q, r) of x, x', ..."""
-        m = len(self.second)
-        velocities = values[1, self.chosen[:m]] if m else np.zeros(0)
-        places = values[0, self.chosen]
-        return np.concatenate([places[:m], velocities, places[m:]])
+        return self.states(values[None])[:, 0]
 
 
 def _groups(S: Matrix) -> list[np.ndarray]:

@@ -150,6 +150,26 @@ def reduced_flow(problem: Problem) -> Flow:
     return flow
 
 
+def reducible(A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth, rank_tolerance: float | None) -> np.ndarray:
+    """Which of S starts the reduced equations serve.
+
+    Args:
+        A: the polynomial matrix.
+        initial: x^(i)(0-), shape (S, q, r).
+        force: f of all.
+        rank_tolerance: as of ``solve``.
+
+    Returns:
+        Truth values, shape (S,).
+    """
+    proved = not unproved(Problem(A, initial[0], force, rank_tolerance))
+    try:
+        with np.errstate(over="raise", invalid="raise"):
+            return satisfying(serving_reduction(A, force, rank_tolerance, proved=proved), initial.transpose(1, 2, 0), force)
+    except (NotReducible, FloatingPointError):
+        return np.zeros(len(initial), dtype=bool)
+
+
 def serving_reduction(
     A: PolynomialMatrix, force: ImpulsiveSmooth, rank_tolerance: float | None = None, *, proved: bool = False
 ) -> Reduction:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from ..ground.errors import Overflow
 from ..linalg.rounding import Noisy, stacked
 from ..polynomial.decoupling import WeierstrassForm
 from ..signals.impulsive import ImpulsiveSmooth
-from .forcing import ScaledForce, power_of_two_of, scaled_data, scaled_force, scaled_impulses
+from .forcing import ScaledForce, power_of_two_of, scaled_force, scaled_impulses
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ def _impulse_effect(form: WeierstrassForm, inconsistency: Noisy, impulses: Seque
 
 @dataclass(frozen=True)
 class Start:
-    """State and jump at t = 0.
+    """State and jump at t = 0; of S starts, each with an axis for these at its end.
 
     Attributes:
         finite: y_1(0+) in scaled units, shape (n,).
@@ -177,9 +177,48 @@ class Start:
     jump: np.ndarray
     impulses: tuple[np.ndarray, ...]
 
+    def __getitem__(self, place: int) -> Start:
+        """One of S starts."""
+        impulses = without_zeros([impulse[:, place].copy() for impulse in self.impulses])
+        return Start(self.finite[:, place].copy(), self.jump[..., place].copy(), impulses)
+
+
+def starts_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth) -> Start:
+    """The states at 0+, the jumps and the impulses at t = 0 of S starts under one force.
+
+    All effects are linear in values and force, which are divided by a power of two near their size first: the squares of noise then
+    stay in range.
+
+    Args:
+        form: the decoupled pencil.
+        initial: x^(i)(0-) as row i, shape (q, r, S).
+        force: f.
+
+    Returns:
+        The ``Start`` of all.
+
+    Raises:
+        Overflow: one of them leaves the range of float64.
+    """
+    stack, f = form.companion.scaled_stack(initial), scaled_force(form, force)
+    own = np.concatenate([f.coefficients.ravel(), *f.impulses])
+    largest = power_of_two_of(own)
+    size = np.array([power_of_two_of(np.append(column, np.abs(own).max(initial=0.0))) for column in stack.T])
+    impulses = [np.multiply.outer(g, 1 / size) for g in f.impulses]
+    finite = form.finite_start @ (stack / size) + _finite_jump(form, impulses, len(size))
+    driven = replace(f.divided(largest), jump=np.multiply.outer(f.jump, largest / size))
+    inconsistency = inconsistency_of(form, stack / size, driven)
+    with np.errstate(over="ignore", invalid="ignore"):  # reported below
+        jump = size * _jump_effect(form, inconsistency, impulses, len(initial))
+        effect = tuple(size * c for c in _impulse_effect(form, inconsistency, impulses))
+        start = Start(size * finite, jump, effect)
+    if not all(np.isfinite(values).all() for values in (start.finite, start.jump, *start.impulses)):
+        raise Overflow("the jumps or impulses at t = 0 grow beyond the range of float64; choose other units or smaller values")
+    return start
+
 
 def start_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth) -> Start:
-    """The state at 0+, the jumps and the impulses at t = 0.
+    """The same of one start.
 
     Args:
         form: the decoupled pencil.
@@ -192,17 +231,7 @@ def start_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth)
     Raises:
         Overflow: one of them leaves the range of float64.
     """
-    stack, f, size = scaled_data(form, initial, force)
-    impulses = [g[:, None] for g in f.impulses]
-    finite = form.finite_start @ stack + _finite_jump(form, impulses, 1)[:, 0]
-    inconsistency = inconsistency_of(form, stack, f)[:, None]
-    with np.errstate(over="ignore", invalid="ignore"):  # reported below
-        jump = size * _jump_effect(form, inconsistency, impulses, len(initial))[..., 0]
-        effect = [size * c[:, 0] for c in _impulse_effect(form, inconsistency, impulses)]
-        start = Start(size * finite, jump, without_zeros(effect))
-    if not all(np.isfinite(values).all() for values in (start.finite, start.jump, *start.impulses)):
-        raise Overflow("the jumps or impulses at t = 0 grow beyond the range of float64; choose other units or smaller values")
-    return start
+    return starts_of(form, initial[..., None], force)[0]
 
 
 def inconsistency_of(form: WeierstrassForm, stack: np.ndarray, f: ScaledForce) -> Noisy:
@@ -210,11 +239,11 @@ def inconsistency_of(form: WeierstrassForm, stack: np.ndarray, f: ScaledForce) -
 
     Args:
         form: the decoupled pencil.
-        stack: the scaled values at 0-.
-        f: the scaled force.
+        stack: the scaled values at 0-, shape (g r,), or (g r, S) of S starts.
+        f: the scaled force, its jump of shape (k,) or (k, S).
 
     Returns:
-        Shape (m,), with its noise.
+        Shape (m,) or (m, S), with its noise.
     """
     given = form.infinite_start @ Noisy.rounded(stack)
     total = given + _driven_inconsistency(form, f, f.jump)

@@ -269,6 +269,14 @@ class Flow:
             return np.zeros(self.initial.shape)
         return self.derivatives_less(self.start_with_force[:, None], self.initial[..., None])[..., 0]
 
+    def jumps(self, initial: np.ndarray) -> np.ndarray:
+        """The same for other values at 0-, shape (S, q, r), which satisfy the algebraic equations; of this shape."""
+        if len(self.reduction.second) == initial.shape[2]:
+            return np.zeros(initial.shape)
+        force = np.repeat(self.force.smooth.start_at_zero[:, None], len(initial), axis=1)
+        states = np.concatenate([self.reduction.states(initial), force])
+        return self.derivatives_less(states, initial.transpose(1, 2, 0)).transpose(2, 0, 1)
+
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """Jumps of x and x' where the force jumps after t = 0."""

@@ -24,10 +24,10 @@ from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction, Piece, in_chunks
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
-from .choose import Method, Request
-from .events import Event
+from .choose import Method, Request, reducible
+from .events import Event, starts_of
 from .problem import Problem, checked_force
-from .response import Response
+from .response import Response, start_after
 
 if TYPE_CHECKING:
     from ..exact.enclosure.intervals import Enclosure
@@ -205,11 +205,8 @@ class Responses(Displayed):
     @cached_property
     def function(self) -> ManyFunctions:
         """The regular parts."""
-        by_force: dict[int, list[int]] = {}
-        for member, force in enumerate(self.forces):
-            by_force.setdefault(id(force), []).append(member)
         shape, groups = self.initial.shape[1:], []
-        for members in map(np.array, by_force.values()):
+        for members in self._by_force:
             force = self.forces[members[0]]
             if len(members) > shape[0] * shape[1]:
                 weights = self.initial[members].reshape(len(members), -1).T
@@ -221,21 +218,56 @@ class Responses(Displayed):
                 groups += [_Superposed(members[[k]], one, (), np.zeros((0, 1))) for k, one in enumerate(alone)]
         return ManyFunctions((len(self), shape[1]), tuple(groups))
 
-    @cached_property
-    def jump(self) -> np.ndarray:
-        """x_s^(i)(0+) - x_s^(i)(0-), shape (S, q, r); exactly zero where a start is consistent."""
-        return np.array([x.jump for x in self]).reshape(self.initial.shape)
+    @property
+    def _by_force(self) -> list[np.ndarray]:
+        """The members that have a force in common."""
+        by_force: dict[int, list[int]] = {}
+        for member, force in enumerate(self.forces):
+            by_force.setdefault(id(force), []).append(member)
+        return [np.array(members) for members in by_force.values()]
 
     @cached_property
+    def _alike(self) -> list[tuple[np.ndarray, Response]]:
+        """Members with one force and one method, and the first of them solved: the starts of the others differ from its own only."""
+        result = []
+        for members in self._by_force:
+            force = self.forces[members[0]]
+            reduced = reducible(self.polynomial_matrix, self.initial[members], force, self.rank_tolerance)
+            result += [
+                (own, self._solved(self.initial[own[0]], force)) for own in (members[reduced], members[~reduced]) if len(own)
+            ]
+        return result
+
+    @cached_property
+    def _starts(self) -> tuple[np.ndarray, tuple[tuple[np.ndarray, ...], ...]]:
+        """Jumps, shape (S, q, r), and impulses of the members."""
+        jumps = np.zeros(self.initial.shape)
+        impulses: list[tuple[np.ndarray, ...]] = [()] * len(self)
+        for members, first in self._alike:
+            with np.errstate(all="ignore"), short_work(self.initial[0].size):
+                if first.method.flow is not None:
+                    jumps[members] = first.method.flow.jumps(self.initial[members])
+                    continue
+                starts = starts_of(first.pairs.form, self.initial[members].transpose(1, 2, 0), first.force)
+                jumps[members] = starts.jump.transpose(2, 0, 1)
+                for place, member in enumerate(members):
+                    impulses[member] = starts[place].impulses
+        return jumps, tuple(impulses)
+
+    @property
+    def jump(self) -> np.ndarray:
+        """x_s^(i)(0+) - x_s^(i)(0-), shape (S, q, r); exactly zero where a start is consistent."""
+        return self._starts[0]
+
+    @property
     def impulses(self) -> tuple[tuple[np.ndarray, ...], ...]:
         """For each member the arrays (r,) of which the k-th multiplies the k-th derivative of Dirac's delta at t = 0."""
-        return tuple(x.impulses for x in self)
+        return self._starts[1]
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """Common notices, once, and how many members jump or have impulses; ``xs[s].notices`` are those of one."""
-        solved = (self[int(group.members[0])] for group in self.function.groups)
-        notices = dict.fromkeys(notice for x in solved for notice in (*x.force.notices, *x.solution.notices))
+        notices = dict.fromkeys(notice for _, x in self._alike for notice in (*x.force.notices, *x.solution.notices))
         jumping = int(self.jump.any(axis=(1, 2)).sum())
         impulsive = sum(any(part.any() for part in impulses) for impulses in self.impulses)
         for count, kind, what in (
@@ -254,12 +286,16 @@ class Responses(Displayed):
     @property
     def start(self) -> np.ndarray:
         """x_s^(i)(0+), shape (S, q, r)."""
-        return np.array([x.start for x in self]).reshape(self.initial.shape)
+        return start_after(self.initial, self.jump)
 
-    @cached_property
+    @property
     def events(self) -> tuple[tuple[Event, ...], ...]:
-        """For each member its jumps and impulses after t = 0, by ascending time."""
-        return tuple(x.events for x in self)
+        """For each member its jumps and impulses after t = 0, by ascending time; they are those of its force."""
+        events: list[tuple[Event, ...]] = [()] * len(self)
+        for members, first in self._alike:
+            for member in members:
+                events[member] = first.events
+        return tuple(events)
 
     def error_estimate(self, times, **options) -> np.ndarray:
         """Estimates of max |error| / max |value| over the times for each member.

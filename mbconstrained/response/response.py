@@ -236,8 +236,7 @@ class Response(Displayed):
     @property
     def start(self) -> np.ndarray:
         """x^(i)(0+) as row i, shape (q, r); a remainder of a jump within its rounding error is zero."""
-        start = self.initial + self.jump
-        return np.where(np.abs(start) <= noise_of(np.abs(self.jump)), 0.0, start)
+        return start_after(self.initial, self.jump)
 
     def error_estimate(self, times, *, order: int = 0) -> float:
         """Estimate of max |error| / max |x^(order)| over the given times, of x itself or a derivative (``response.estimate``).
@@ -348,6 +347,20 @@ class Response(Displayed):
     def notices(self) -> tuple[Notice, ...]:
         """Jumps, impulses, growth, doubtful decisions."""
         return response_notices(self)
+
+
+def start_after(initial: np.ndarray, jump: np.ndarray) -> np.ndarray:
+    """x^(i)(0+) from values at 0- and their jumps; a remainder of a jump within its rounding error is zero.
+
+    Args:
+        initial: x^(i)(0-), of any shape.
+        jump: of the same shape.
+
+    Returns:
+        Of the same shape.
+    """
+    start = initial + jump
+    return np.where(np.abs(start) <= noise_of(np.abs(jump)), 0.0, start)
 
 
 def moved_responses(x: Response) -> tuple[Response, ...]:
