@@ -79,6 +79,8 @@ Response.exact_engine = staticmethod(_exact_engine)
 
 
 def __getattr__(name: str):
+    if name == "__version__":
+        return import_module("importlib.metadata").version("mbconstrained")
     if name == "exact":
         return import_module(".exact", __name__)
     if name not in _LATE:
@@ -87,7 +89,7 @@ def __getattr__(name: str):
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_LATE, "exact"})
+    return sorted({*globals(), *_LATE, "exact", "__version__"})
 
 
 __all__ = [

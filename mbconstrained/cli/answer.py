@@ -37,7 +37,11 @@ def answer(path: str, json: bool, work: Callable[[Scene], int | None], settings:
         work: returns the exit code, or None for 0.
         settings: NAME=VALUE of each --set.
     """
-    values = dict(_setting(text) for text in settings or ())
+    values: dict[str, Any] = {}
+    for name, value in map(_setting, settings or ()):
+        if name in values:
+            raise typer.BadParameter(f'"{name}" is set twice; give it one value', param_hint="--set")
+        values[name] = value
     leave(Path(path).name, json, lambda: work(_read(path, values)))
 
 

@@ -51,7 +51,12 @@ Exit codes:
   2  the command line is wrong, or the results cannot be written
   3  there is an answer, and it is written, but it cannot be trusted; a warning gives the reason"""
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
+app = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
 
 
 def _verbatim(text: str) -> str:
@@ -59,8 +64,20 @@ def _verbatim(text: str) -> str:
     return "\n\n".join("\b\n" + block for block in text.split("\n\n"))
 
 
+def _show_version(requested: bool) -> None:
+    if requested:
+        from importlib.metadata import version
+
+        print(f"mbconstrained {version('mbconstrained')}")
+        raise typer.Exit
+
+
 @app.callback(help=_verbatim(HELP), epilog=_verbatim(EPILOG))
-def _group() -> None:
+def _group(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
     pass
 
 

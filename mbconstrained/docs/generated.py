@@ -156,7 +156,28 @@ def _cell(text: str) -> str:
     return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;").replace("*", "\\*")
 
 
+def units() -> str:
+    """The accepted units by kind, and the spellings that are refused."""
+    from mbconstrained.scene.quantities.units import AMBIGUOUS, UNITS
+
+    rows = "\n".join(map(_unit, UNITS))
+    refused = "\n".join(f"| `{name}` | {_cell(text)} |" for name, text in AMBIGUOUS.items())
+    return (
+        f"| measures | symbol | SI prefixes | other spellings | definition |\n|---|---|---|---|---|\n{rows}\n\n"
+        f"## Refused spellings\n\n| spelling | may be read as |\n|---|---|\n{refused}"
+    )
+
+
+def _unit(unit) -> str:
+    symbols, spellings = (
+        ", ".join(f"`{name}`" for name in names.split()) for names in (unit.symbols, f"{unit.names} {unit.irregular}")
+    )
+    definition = "base unit" if unit.definition.startswith("[") else f"`{unit.definition}`"
+    return f"| {unit.of} | {symbols} | {unit.prefixes.replace(' ', ', ')} | {spellings} | {definition} |"
+
+
 GENERATED = {
+    "units": units,
     "api": api,
     "notices": notices,
     "exceptions": exceptions,

@@ -16,6 +16,10 @@ from .errors import InputError, MissingPackage
 EXTRA = ".[exchange]"
 
 
+#: What to do with a function of time where an input is expected.
+OF_FUNCTION = "; an input is made of a function of time by mb.approximated(function, end)"
+
+
 def nearest(word: str, known: Iterable[str]) -> str:
     """The closest known name as a hint to append to a message, or an empty string.
 
@@ -79,6 +83,8 @@ def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None)
     """
     if hasattr(value, "toarray"):  # scipy.sparse
         value = value.toarray()
+    if callable(value):
+        raise InputError(f"{what}: found a Python function; expected numbers{OF_FUNCTION}")
     try:
         array = np.asarray(value)
     except ValueError:
@@ -87,7 +93,9 @@ def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None)
     if kind not in "biuf" and array.size:
         if kind == "c":
             raise InputError(f"{what}: complex numbers found; only real data is accepted")
-        raise InputError(f"{what}: found {_sample(array)}; expected numbers")
+        is_quantity = kind == "U" and array.ndim == 0 and str(array)[:1].isdigit()
+        advice = " in SI units without quotes; texts with units belong to scene files" if is_quantity else ""
+        raise InputError(f"{what}: found {_sample(array)}; expected {'a number' if is_quantity else 'numbers'}{advice}")
     array = np.array(array, dtype=float)
     if shape is not None and not _fits(array.shape, shape):
         wanted = " x ".join("any" if n is None else str(n) for n in shape) or "a single number"

@@ -1,14 +1,22 @@
-"""A mass, damping or stiffness matrix as the sum of its elements, which keep their digits next to stiffer ones."""
+"""A mass, damping or stiffness matrix as the sum of its elements, which keep their digits next to stiffer ones; damping of modes."""
 
 from __future__ import annotations
 
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from copy import copy
+from functools import cached_property, reduce
+from operator import add
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from ..ground.checks import counted, real_array
+from ..ground.checks import counted, real_array, real_number
 from ..ground.errors import InputError
+from ..ground.tolerances import noise_of
 from ..polynomial.polynomial_matrix import Factors
+
+if TYPE_CHECKING:
+    from .modes import Modes
 
 
 class ElementMatrix:
@@ -65,3 +73,141 @@ class ElementMatrix:
             return 1.0
         with np.errstate(over="ignore"):
             return float(min(size.max() / size.min(), np.finfo(float).max))
+
+    def __add__(self, other: ElementMatrix) -> ElementMatrix:
+        """The elements of both."""
+        return ElementMatrix(np.vstack([self.directions, other.directions]), np.append(self.constants, other.constants))
+
+    def __rmul__(self, factor: float) -> ElementMatrix:
+        """Every element multiplied by a number."""
+        return ElementMatrix(self.directions, factor * self.constants)
+
+
+def modal_damping(mass: np.ndarray, stiffness: np.ndarray, rows: np.ndarray, modes: Modes, ratios) -> ElementMatrix:
+    """C = sum over modes of 2 zeta_i w_i (M u_i)(M u_i)^T with u_i^T M u_j = delta_ij: C u_i = 2 zeta_i w_i M u_i.
+
+    Each undamped mode keeps its shape and becomes s^2 + 2 zeta_i w_i s + w_i^2 = 0; motions in which M x = 0, and modes with the ratio 0,
+    are not damped. Where constraint rows A x = b(t) move supports, the motion relative to the static response R b is damped, K R + A^T L = 0, A R = I:
+    M u_i becomes (I - R A)^T M u_i, which is the same on all motions with A x = 0. Source: Géradin and Rixen, Mechanical Vibrations (2015), section 3.1.2.
+
+    Args:
+        mass, stiffness: M and K, symmetric, shape (n, n).
+        rows: A, independent, shape (k, n).
+        modes: of the undamped system.
+        ratios: zeta of all oscillating modes, or those of the lowest ones, ascending by frequency.
+
+    Returns:
+        C, an element for each damped mode.
+
+    Raises:
+        InputError: unsymmetric M or K, negative ratios, or more of them than oscillating modes.
+    """
+    for matrix, name in ((mass, "mass"), (stiffness, "stiffness")):
+        if np.abs(matrix - matrix.T).max() > noise_of(np.abs(matrix).max(), len(matrix)):
+            raise InputError(f"modal damping: the {name} matrix is not symmetric, so that its modes are not orthogonal")
+    frequencies, ratios = modes.natural_frequencies, real_array(ratios, "damping ratios")
+    if ratios.ndim > 1 or (ratios.ndim and len(ratios) > len(frequencies)):
+        count = counted(len(frequencies), "oscillating mode")
+        raise InputError(f"damping ratios: found {ratios.size}; there {'is' if len(frequencies) == 1 else 'are'} {count}")
+    if ratios.size and ratios.min() < 0:
+        raise InputError(f"damping ratios: found {ratios.min():g}; expected 0 or a positive number, e.g. 0.02")
+    zeta = np.pad(ratios, (0, len(frequencies) - len(ratios))) if ratios.ndim else np.full(len(frequencies), ratios)
+    damped = zeta != 0
+    momenta = mass @ _normalized(mass, modes.shapes.real, frequencies)
+    momenta -= rows.T @ (_static_response(stiffness, rows).T @ momenta)
+    return ElementMatrix(momenta[:, damped].T, 2 * (zeta * frequencies)[damped])
+
+
+def _static_response(stiffness: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """R with K R + A^T L = 0 and A R = I, the smallest where a motion is free, shape (n, k)."""
+    size, count = rows.shape[1], len(rows)
+    scale = np.abs(stiffness).max(initial=0.0) or 1.0
+    saddle = np.block([[stiffness / scale, rows.T], [rows, np.zeros((count, count))]])
+    return np.linalg.lstsq(saddle, np.vstack([np.zeros((size, count)), np.eye(count)]), rcond=None)[0][:size]
+
+
+def _normalized(mass: np.ndarray, shapes: np.ndarray, frequencies: np.ndarray) -> np.ndarray:
+    """The shapes with U^T M U = I, by Gram-Schmidt twice: modes of one frequency are orthogonal only after it."""
+    normal = np.zeros_like(shapes)
+    for i, shape in enumerate(shapes.T):
+        for _ in range(2):
+            shape = shape - normal[:, :i] @ (normal[:, :i].T @ (mass @ shape))
+        energy = shape @ mass @ shape
+        if not energy > noise_of(np.abs(shape) @ np.abs(mass) @ np.abs(shape), len(shape)):
+            raise InputError(f"modal damping: the mode of {frequencies[i]:.6g} rad/s has no kinetic energy of its own")
+        normal[:, i] = shape / np.sqrt(energy)
+    return normal
+
+
+class DampedSystem:
+    """Copies of a mechanical system with damping of the system as a whole."""
+
+    given: tuple
+    mass: Any
+    stiffness: Any
+    constraint_matrix: Any
+    modes: Callable[..., Any]
+    _refuse_sparse: Callable[[str], None]
+    damping: Any
+    uncertainty: tuple
+    is_sparse: bool
+    _matrix: Callable[..., Any]
+    _reduced_pencil: Callable[[], Any]
+
+    def with_rayleigh_damping(self, mass: float = 0.0, stiffness: float = 0.0) -> Self:
+        """The same system with C + a M + b K for C, proportional (Rayleigh) damping: each mode has zeta = a / (2 w) + b w / 2.
+
+        Args:
+            mass: a, at least 0, in 1/s.
+            stiffness: b, at least 0, in s.
+
+        Returns:
+            A new system.
+
+        >>> import mbconstrained as mb
+        >>> mb.MechanicalSystem(np.eye(1), stiffness=[[4.0]]).with_rayleigh_damping(0.2, 0.1).modes().damping_ratios.round(12)
+        array([0.15])
+        """
+        factors = (real_number(stiffness, "stiffness", minimum=0.0), real_number(mass, "mass", minimum=0.0))
+        parts = [factor * self.given[place] for factor, place in zip(factors, (0, 2)) if factor]
+        return self._with_damping(parts, factors)
+
+    def with_modal_damping(self, ratios) -> Self:
+        """The same system with the damping ratios zeta of its undamped modes, in addition to C.
+
+            C + sum of 2 zeta_i w_i (M u_i)(M u_i)^T,  u_i^T M u_j = delta_ij
+
+        Args:
+            ratios: one number of all oscillating modes, or those of the lowest ones, ascending by frequency; higher ones stay as they are.
+
+        Returns:
+            A new system.
+
+        Raises:
+            InputError: sparse matrices, unsymmetric M or K, negative ratios, or more of them than oscillating modes.
+
+        >>> import mbconstrained as mb
+        >>> mb.MechanicalSystem(np.eye(2), stiffness=np.diag([4.0, 9.0])).with_modal_damping([0.02, 0.05]).modes().damping_ratios.round(12)
+        array([0.02, 0.05])
+        """
+        self._refuse_sparse("modal damping")
+        return self._with_damping(
+            [modal_damping(self.mass, self.stiffness, self.constraint_matrix, self.modes(damped=False), ratios)]
+        )
+
+    def _with_damping(self, parts: Sequence, factors: tuple[float, float] = (0.0, 0.0)) -> Self:
+        """The same system with further damping, whose entries have the errors of K and M times factors."""
+        stiffness, own, mass = self.given
+        elements = all(isinstance(part, ElementMatrix) for part in (own, *parts))
+        matrices = [part if elements or not isinstance(part, ElementMatrix) else part.matrix for part in (own, *parts)]
+        system: Any = copy(self)
+        total = reduce(add, matrices)
+        system.damping = system._matrix(total, "damping", self.mass.shape[0])
+        system.given = (stiffness, total if elements else system.damping, mass)
+        system._forms = {}
+        if self.is_sparse:
+            system.pencil = system._reduced_pencil()
+        else:
+            K, C, M = self.uncertainty
+            system.uncertainty = (K, C + factors[0] * K + factors[1] * M, M)
+        return system

@@ -9,7 +9,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 
-from ..ground.checks import counted, nearest, real_number
+from ..ground.checks import OF_FUNCTION, counted, nearest, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed, TextTable
 from ..ground.errors import InputError
@@ -139,7 +139,8 @@ class LumpedModel(Displayed):
         if name == GROUND:
             raise InputError('force: found "ground", which does not move; name a body')
         if not isinstance(signal, ImpulsiveSmooth) or signal.size != 1:
-            raise InputError(f"force on {name}: expected a signal with one row, such as mb.step([1.0])")
+            advice = OF_FUNCTION if callable(signal) and not isinstance(signal, ImpulsiveSmooth) else ""
+            raise InputError(f"force on {name}: expected a signal with one row, such as mb.step([1.0]){advice}")
         self._forces[name] = self._forces[name] + signal if name in self._forces else signal
 
     def incidence(self) -> Incidence:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..ground.checks import counted, real_array
+from ..ground.checks import OF_FUNCTION, counted, real_array
 from ..ground.errors import InputError
 from ..ground.tolerances import EPS, PROBE_SIZE
 from ..polynomial.polynomial_matrix import PolynomialMatrix
@@ -84,9 +84,8 @@ def checked_force(force, size: int) -> ImpulsiveSmooth:
     if force is None:
         return zero(size)
     if not isinstance(force, ImpulsiveSmooth):
-        of_function = "of a function of time make it with mb.approximated(function, end)"
-        advice = of_function if callable(force) else f"make it with {FORCE_FUNCTIONS}"
-        raise InputError(f"force: found {type(force).__name__}; {advice}")
+        advice = OF_FUNCTION if callable(force) else f"; make it with {FORCE_FUNCTIONS}"
+        raise InputError(f"force: found {type(force).__name__}{advice}")
     if force.size != size:
         raise InputError(f"force: it has {counted(force.size, 'row')}, but A(s) has {size}")
     return force

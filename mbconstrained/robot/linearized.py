@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ground.checks import nearest
+from ..ground.checks import OF_FUNCTION, nearest
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, NOISE_SAFETY, SYMMETRIC_STIFFNESS, noise_of
@@ -106,7 +106,8 @@ class LinearizedRobot(MechanicalSystem):
         total = zero(self.size)
         for name, signal in signals.items():
             if not isinstance(signal, ImpulsiveSmooth) or signal.size != 1:
-                raise InputError(f'input "{name}": expected a signal with one row, such as mb.step([1.0])')
+                advice = OF_FUNCTION if callable(signal) and not isinstance(signal, ImpulsiveSmooth) else ""
+                raise InputError(f'input "{name}": expected a signal with one row, such as mb.step([1.0]){advice}')
             total = total + signal.mapped(self.force_direction(name)[:, None])
         return total
 

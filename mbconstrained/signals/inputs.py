@@ -35,21 +35,30 @@ def zero(size: int) -> ImpulsiveSmooth:
     return ImpulsiveSmooth(BohlFunction(np.zeros((size, 0)), (), np.zeros(0)))
 
 
-def term(vector, *, power: int = 0, rate: float = 0.0, angular_frequency: float = 0.0, phase: float = 0.0) -> ImpulsiveSmooth:
+def term(
+    vector,
+    *,
+    power: int = 0,
+    rate: float = 0.0,
+    angular_frequency: float | None = None,
+    frequency_hz: float | None = None,
+    phase: float = 0.0,
+) -> ImpulsiveSmooth:
     """The input f(t) = v t^k e^{a t} cos(w t + p) for t >= 0.
 
     Args:
         vector: v, shape (r,).
         power: k, at least 0.
         rate: a in 1/s.
-        angular_frequency: w in rad/s.
+        angular_frequency: w in rad/s; 0 where neither frequency is given.
+        frequency_hz: w / (2 pi) in Hz, instead.
         phase: p in rad.
 
     Returns:
         An ImpulsiveSmooth with r rows.
 
     Raises:
-        InputError: an argument that is not a finite number, or a negative power.
+        InputError: an argument that is not a finite number, a negative power, or both frequencies.
 
     >>> from mbconstrained import term
     >>> float(term([2.0], power=2)(3.0)[0])
@@ -58,7 +67,10 @@ def term(vector, *, power: int = 0, rate: float = 0.0, angular_frequency: float 
     vector = _vector(vector)
     power = whole_number(power, "power")
     rate, phase = real_number(rate, "rate"), real_number(phase, "phase")
-    frequency = real_number(angular_frequency, "angular_frequency")
+    if angular_frequency is not None and frequency_hz is not None:
+        raise InputError("give either angular_frequency (rad/s) or frequency_hz (Hz), not both")
+    turns = 0.0 if frequency_hz is None else real_number(frequency_hz, "frequency_hz")
+    frequency = 2 * math.pi * turns if angular_frequency is None else real_number(angular_frequency, "angular_frequency")
     cosine, sine = (without_phase_noise(turned, phase) for turned in (math.cos(phase), math.sin(phase)))
     origin = ExactInput(ExactTerm(vector, power, rate, frequency, phase))
     if frequency == 0:
@@ -137,22 +149,30 @@ def impulse(vector, order: int = 0) -> ImpulsiveSmooth:
     return ImpulsiveSmooth(zero(len(vector)).smooth, (*zeros, vector)).described_by(ExactInput(ExactImpulse(vector, order)))
 
 
-def harmonic(vector, *, angular_frequency: float, phase: float = 0.0) -> ImpulsiveSmooth:
+def harmonic(
+    vector, *, angular_frequency: float | None = None, frequency_hz: float | None = None, phase: float = 0.0
+) -> ImpulsiveSmooth:
     """The harmonic f(t) = v cos(w t + p) for t >= 0.
 
     Args:
         vector: v, shape (r,).
         angular_frequency: w in rad/s.
+        frequency_hz: w / (2 pi) in Hz, instead.
         phase: p in rad; -pi/2 gives a sine.
 
     Returns:
         An ``ImpulsiveSmooth`` with r rows.
 
+    Raises:
+        InputError: no frequency, or both.
+
     >>> from mbconstrained import harmonic
     >>> harmonic([2.0], angular_frequency=3.0)(0.0)
     array([2.])
     """
-    return term(vector, angular_frequency=angular_frequency, phase=phase)
+    if angular_frequency is None and frequency_hz is None:
+        raise InputError("give angular_frequency (rad/s) or frequency_hz (Hz)")
+    return term(vector, angular_frequency=angular_frequency, frequency_hz=frequency_hz, phase=phase)
 
 
 def _vector(value) -> np.ndarray:
@@ -229,7 +249,7 @@ def sampled(times, values) -> ImpulsiveSmooth:
 
     Args:
         times: shape (T,), T >= 2, in s, ascending, the first at least 0; a time may appear twice.
-        values: shape (r, T).
+        values: shape (r, T), or (T,) of one row.
 
     Returns:
         An ``ImpulsiveSmooth`` with r rows.
@@ -260,6 +280,7 @@ def sampled(times, values) -> ImpulsiveSmooth:
 
 def _rows(values, count: int) -> np.ndarray:
     values = real_array(values, "values")
+    values = values[None] if values.ndim == 1 else values
     if values.ndim != 2 or values.shape[1] != count:
         shape = " x ".join(map(str, values.shape)) or "a single number"
         raise InputError(f"values: found shape {shape}; expected one row per coordinate, each of {count} values, e.g. [[1, 2]]")

@@ -154,7 +154,7 @@ def built(method, *arguments, **named):
         (built("spring", "ground", "cart", -2.0), "stiffness: found -2; expected a number greater than zero"),
         (built("spring", "ground", "cart", 0.0), "stiffness: found 0; expected a number greater than zero"),
         (built("spring", "ground", "cart", float("nan")), "stiffness: .* a finite number"),
-        (built("spring", "ground", "cart", "3 N/m"), "stiffness: found .*3 N/m.*; expected numbers"),
+        (built("spring", "ground", "cart", "3 N/m"), "stiffness: found .*3 N/m.*; expected a number in SI units"),
         (built("spring", "ground", "cart", 1.0, rest_length=float("inf")), "rest length: .* a finite number"),
         (built("damper", "ground", "cart", -1.0), "damping: found -1; expected a number greater than zero"),
         (built("mass", "ball", 0.0), 'mass "ball": found no mass; a point without mass is a node'),

@@ -78,6 +78,16 @@ def test_numbers_of_every_kind_scale(number):
         assert np.array_equal(product(1.0), 2 * V)
 
 
+def test_a_frequency_in_hz_is_that_of_whole_periods():
+    f = mb.harmonic(V, frequency_hz=2)
+    assert f(np.array([0.25, 0.5])) == pytest.approx(np.outer(V, [-1, 1]))
+    assert mb.term(V, frequency_hz=2)(0.3) == pytest.approx(f(0.3))
+
+
+def test_one_row_of_samples_is_a_list():
+    assert np.array_equal(mb.sampled([0, 1], [1, 2])(0.5), mb.sampled([0, 1], [[1, 2]])(0.5))
+
+
 @pytest.mark.parametrize(
     "make, text",
     [
@@ -88,7 +98,10 @@ def test_numbers_of_every_kind_scale(number):
         (lambda: mb.term(V, power=-1), "power: found -1; expected a whole number of at least 0"),
         (lambda: mb.term(V, power=1.5), "power: found 1.5; expected a whole number"),
         (lambda: mb.term(V, rate=np.inf), "rate: found inf; expected a finite number"),
-        (lambda: mb.harmonic(V, angular_frequency="2 Hz"), "angular_frequency: found .*2 Hz.*; expected numbers"),
+        (lambda: mb.harmonic(V, angular_frequency="2 Hz"), "found .2 Hz.; expected a number in SI units without quotes"),
+        (lambda: mb.harmonic(V), r"give angular_frequency \(rad/s\) or frequency_hz \(Hz\)"),
+        (lambda: mb.harmonic(V, angular_frequency=1, frequency_hz=1), "either angular_frequency .* or frequency_hz .*, not both"),
+        (lambda: mb.sampled([0, 1], [1, 2, 3]), "values: found shape 1 x 3; expected one row per coordinate, each of 2"),
         (lambda: mb.power(V, 1.0), "gamma: found 1.0; expected a whole number"),
         (lambda: mb.power(V, True), "gamma: found True; expected a whole number"),
         (lambda: mb.impulse(V, order=-1), "order: found -1; expected a whole number of at least 0"),

@@ -90,7 +90,7 @@ def test_ten_thousand_samples_need_two_states_a_row():
         ([0.0, 2.0, 1.0], [[1.0, 2.0, 3.0]], "times: 2 s is followed by 1 s"),
         ([0.0, 1.0, 1.0, 1.0], [[1.0] * 4], "times: 1 s appears three times"),
         ([0.0, 1.0], [[1.0, 2.0, 3.0]], "values: found shape 1 x 3; expected one row per coordinate, each of 2 values"),
-        ([0.0, 1.0], [1.0, 2.0], r"values: found shape 2; expected one row per coordinate, .* e.g. \[\[1, 2\]\]"),
+        ([0.0, 1.0], [[[1.0, 2.0]]], r"values: found shape 1 x 1 x 2; expected one row per coordinate, .* e.g. \[\[1, 2\]\]"),
         ([0.0, np.nan], [[1.0, 2.0]], "times: the entry"),
         ([0.0, 1e-300], [[0.0, 1e200]], "the slope after t = 0 s is beyond the range"),
     ],

@@ -19,7 +19,7 @@ from ...response.solve import solve
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import zero
 from ..file.messages import at
-from ..quantities.coordinates import Coordinates, beyond_noise, constraint_value, initial_values
+from ..quantities.coordinates import FORCE_UNITS, Coordinates, beyond_noise, constraint_row, initial_values
 from ..quantities.quantities import Expressed, quantity
 from .consistent_values import consistent_values
 from .data_files import entries_of
@@ -33,8 +33,12 @@ if TYPE_CHECKING:
     from .control_model import ControlScene
     from .robot_model import RobotScene
 
-#: What entries between coordinates in m are.
-ENTRY_UNITS = {"mass": "kg", "damping": "N*s/m", "stiffness": "N/m"}
+#: What entries are between coordinates in m, between one in m and one in rad, and between coordinates in rad.
+ENTRY_UNITS = {
+    "mass": ("kg", "kg*m/rad", "kg*m^2"),
+    "damping": ("N*s/m", "N*s/rad", "N*m*s/rad"),
+    "stiffness": ("N/m", "N/rad", "N*m/rad"),
+}
 
 
 @dataclass(frozen=True)
@@ -219,9 +223,8 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
     constraints = []
     for number, row in enumerate(table.model.constraint, 1):
         with at(file_name, f"model.constraint[{number}]"):
-            units_of_row = {coordinates.units[coordinates.number(name)] for name in row.rows}  # also of those with the factor 0
-            unit = units_of_row.pop() if len(units_of_row) == 1 else None
-            coefficients, value = coordinate_row(row.rows, coordinates.names), constraint_value(row, coordinates)
+            factors, value, unit = constraint_row(row, coordinates)
+            coefficients = coordinate_row(factors, coordinates.names)
             constraints.append(Constraint(coefficients, level=row.level, value=value, names=row.name, unit=unit))
     units = dict(zip(coordinates.names, coordinates.units))
     with at(file_name, "model"):
@@ -230,16 +233,16 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
 
 
 def _check_kinds(model, coordinates: Coordinates, file_name: str) -> None:
-    """Parameters in a mass matrix are masses, and so on, between coordinates in m; otherwise units mix."""
-    in_metres = [i for i, unit in enumerate(coordinates.units) if unit == "m"]
-    for key, unit in ENTRY_UNITS.items():
+    """Parameters and texts with units in a mass matrix are masses, and so on, between coordinates in m and rad; otherwise units mix."""
+    known = [i for i, unit in enumerate(coordinates.units) if unit in FORCE_UNITS]
+    for key, units in ENTRY_UNITS.items():
         entries = getattr(model, key)
         if not isinstance(entries, np.ndarray) or len(entries) != len(coordinates.names):
             continue
-        for i, j in product(in_metres, in_metres):
+        for i, j in product(known, known):
             if isinstance(entries[i, j], Expressed):
                 with at(file_name, f"model.{key}[{i + 1}][{j + 1}]"):
-                    quantity(entries[i, j], unit)
+                    quantity(entries[i, j], units[(coordinates.units[i] == "rad") + (coordinates.units[j] == "rad")])
 
 
 def _mechanical(table, system, coordinates, folder, file_name, model=None, robot_scene=None) -> Equations:
@@ -247,7 +250,8 @@ def _mechanical(table, system, coordinates, folder, file_name, model=None, robot
     if prescribed:
         with at(file_name, "motion"):
             system = system.with_constraints(*prescribed)
-        robot_scene = robot_scene and replace(robot_scene, system=system)
+    system = _damped(table.model, system, file_name)  # of the modes with the supports at rest
+    robot_scene = robot_scene and replace(robot_scene, system=system)
     with at(file_name, "model"):
         polynomial_matrix = system.polynomial_matrix()
     initial = initial_values(table.initial, coordinates, 2, file_name).astype(float)
@@ -255,6 +259,17 @@ def _mechanical(table, system, coordinates, folder, file_name, model=None, robot
         initial = consistent_values(initial, table.initial, system, coordinates, file_name)
     loads = loads_of(table.force, coordinates, folder, file_name, robot_scene and robot_scene.system)
     return Equations(coordinates, polynomial_matrix, initial, force_of(loads), system, model, robot_scene, loads=loads)
+
+
+def _damped(model, system: MechanicalSystem, file_name: str) -> MechanicalSystem:
+    """The system with the damping that the model has as a whole."""
+    if model.rayleigh_damping is not None:
+        with at(file_name, "model.rayleigh_damping"):
+            system = system.with_rayleigh_damping(model.rayleigh_damping.mass, model.rayleigh_damping.stiffness)
+    if model.modal_damping is not None:
+        with at(file_name, "model.modal_damping"):
+            system = system.with_modal_damping(model.modal_damping)
+    return system
 
 
 def _coefficients(table, folder: Path, file_name: str) -> Equations:

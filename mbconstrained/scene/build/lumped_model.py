@@ -7,7 +7,7 @@ from typing import Any
 from ...ground.errors import InputError
 from ...models.lumped import LumpedModel
 from ..file.messages import at
-from ..quantities.coordinates import Coordinates, constraint_value
+from ..quantities.coordinates import Coordinates, constraint_row
 from ..quantities.quantities import quantity
 
 
@@ -57,8 +57,9 @@ def element_fields(key: str, entry, units: dict[str, str]) -> dict[str, Any]:
     """
     fields = {name: value for name, value in entry if value is not None}
     if key == "constraint":
-        fields["coefficients"] = fields.pop("rows")
-        fields["value"] = constraint_value(entry, Coordinates(tuple(units), tuple(units.values())))
+        row = constraint_row(entry, Coordinates(tuple(units), tuple(units.values())))
+        del fields["rows"]
+        fields |= {"coefficients": row.factors, "value": row.value}
     if "between" in fields:
         fields["start"], fields["end"] = fields.pop("between")
     if key == "lever":

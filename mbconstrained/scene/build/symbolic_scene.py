@@ -16,7 +16,7 @@ from ...models.elements import Element, Mass, Tie
 from ...models.lumped import coordinate_row, incidence_of
 from ...models.rigid_bar import with_parts
 from ..file.messages import at
-from ..quantities.coordinates import FORCE_UNITS, Coordinates, constraint_value, force_value, initial_values, state_values
+from ..quantities.coordinates import FORCE_UNITS, Coordinates, constraint_row, force_value, initial_values, state_values
 from .data_files import entries_of
 from .forces import sampled_force
 from .lumped_model import element_fields
@@ -81,6 +81,14 @@ def _mechanical(scene: Scene, symbols: Symbols) -> ExactEquations:
         raise InputError("there is no formula with symbols for a model with prescribed motions ([[motion]])")
     coordinates = scene.equations.coordinates
     matrices, rows, static = _exact_lumped(scene, symbols) if scene.equations.model is not None else _matrices(scene, symbols)
+    model = scene.table.model
+    if model.modal_damping is not None:
+        raise InputError(
+            "there is no formula with symbols for modal damping, whose modes are computed in floating point; leave it out"
+        )
+    if model.rayleigh_damping is not None:
+        K, C, M = matrices
+        matrices = [K, C + symbols.of(model.rayleigh_damping.mass) * M + symbols.of(model.rayleigh_damping.stiffness) * K, M]
     form = exact_form(matrices, rows, coordinates.names)
     initial = symbols.all_of(initial_values(scene.table.initial, coordinates, 2, scene.path.name))
     if scene.table.initial.follow:
@@ -99,9 +107,9 @@ def _matrices(scene: Scene, symbols: Symbols) -> tuple[list[np.ndarray], list[Ro
     matrices = [symbols.all_of(np.zeros((size, size)) if source is None else entries_of(source, folder)) for source in given]
     rows = []
     for number, row in enumerate(model.constraint, 1):
-        coefficients = symbols.all_of([row.rows.get(name, 0) for name in coordinates.names])
-        value = symbols.of(constraint_value(row, coordinates))
-        rows.append(Row(row.name or f"constraint {number}", coefficients, LEVELS.index(row.level), value))
+        factors, value, _ = constraint_row(row, coordinates)
+        coefficients = symbols.all_of([factors.get(name, 0) for name in coordinates.names])
+        rows.append(Row(row.name or f"constraint {number}", coefficients, LEVELS.index(row.level), symbols.of(value)))
     return matrices, rows, [symbols.of(0)] * size
 
 

@@ -122,6 +122,15 @@ _SIGNS = (  # the error of a line with this pattern
 )  # fmt: skip
 
 
+_BOTH = "[{0}] and [[{0}]] stand in one file; write double brackets, [[{0}]], once for every entry"
+
+
+def _is_both(text: str, table: str) -> bool:
+    """Whether a table is written with single and with double brackets."""
+    heads = (rf"^\s*{brackets}\s*(#.*)?$" for brackets in (rf"\[\s*{re.escape(table)}\s*\]", rf"\[\[\s*{re.escape(table)}\s*\]\]"))
+    return all(re.search(head, text, re.MULTILINE) for head in heads)
+
+
 def _readable(problem: tomllib.TOMLDecodeError, text: str) -> str:
     """The parser's sentence in plain words, with the line it speaks of."""
     if text.lstrip().startswith(("{", "<")):
@@ -129,6 +138,8 @@ def _readable(problem: tomllib.TOMLDecodeError, text: str) -> str:
     message, _, place = str(problem).partition(" (at ")
     line = re.match(r"line (\d+)", place)  # or the end of the document
     lines = text.split("\n")[: int(line[1])] if line else text.rstrip().split("\n")
+    if (head := re.fullmatch(r"\s*\[+([^\[\]]+)\]+\s*(#.*)?", lines[-1])) and _is_both(text, head[1].strip()):
+        return f"{_BOTH.format(head[1].strip())}; at {place.rstrip(')')}"
     message = _MEANINGS.get(message, message)
     if twice := re.fullmatch(r"Cannot declare \((.*)\) twice", message):
         table = ".".join(re.findall("'([^']*)'", twice[1]))

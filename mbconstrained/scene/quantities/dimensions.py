@@ -1,9 +1,12 @@
-"""Units and kinds of quantities, by pint, which is imported at the first unit and only reads names of units."""
+"""Kinds of quantities: what a unit measures, with a name for messages."""
 
 from __future__ import annotations
 
 import functools
+import math
 from typing import TYPE_CHECKING, NamedTuple
+
+from .units import registry
 
 if TYPE_CHECKING:
     from pint.util import UnitsContainer
@@ -30,9 +33,6 @@ KINDS = {  # SI unit: (what it is called, an example)
     "1/s": ("a rate", '"-0.5 1/s"'),
 }
 
-#: Products that engineers write as one word; to pint, Nm is a fineness of yarn.
-_RUN_TOGETHER = ("Nm = newton * meter", "Nmm = newton * millimeter", "Ns = newton * second")
-
 
 class Dimension(NamedTuple):
     """A kind of quantity: the base units of pint with their exponents, and the radian.
@@ -49,6 +49,10 @@ class Dimension(NamedTuple):
         """The kind of a product."""
         return Dimension(self.units * other.units, None)
 
+    def over(self, other: Dimension) -> Dimension:
+        """The kind of a quotient."""
+        return Dimension(self.units / other.units, None)
+
     def power(self, exponent: int) -> Dimension:
         """The kind of a power."""
         return Dimension(self.units**exponent, None)
@@ -60,19 +64,10 @@ def unit_of(kind: Dimension) -> str:
     >>> unit_of(dimension("N/mm"))
     'N/m'
     """
-    known = (unit for unit in KINDS if unit != "1" and dimension(unit) == kind)
-    return next(known, "") or f"{registry().Quantity(1, kind.units).to_base_units().units:~C}".replace("**", "^")
-
-
-@functools.cache
-def registry():
-    """The units that there are; pint is imported at the first call."""
-    import pint
-
-    units = pint.UnitRegistry(on_redefinition="ignore")
-    for definition in _RUN_TOGETHER:
-        units.define(definition)
-    return units
+    if not kind.units and not kind.radian:
+        return "1"
+    known = (unit for unit in KINDS if unit != "1" and same_kind(kind, unit))
+    return next(known, "") or f"{registry().Quantity(1, kind.units).units:~C}".replace("**", "^")
 
 
 @functools.cache
@@ -87,7 +82,7 @@ def dimension(text: str) -> Dimension:
     from pint.util import UnitsContainer
 
     exponents = dict((1 * unit_named(text)).to_root_units().unit_items())
-    radian = exponents.pop("radian", 0)
+    radian = exponents.pop("rad", 0)
     return Dimension(UnitsContainer(exponents), radian)
 
 
@@ -125,18 +120,29 @@ def described(kind: Dimension, otherwise: str = "another kind of quantity") -> s
     return name or otherwise
 
 
-def advice(kind: Dimension, unit: str) -> str:
-    """A hint where turns per second and radians per second are confused.
+def advice(text: str, number: float, kind: Dimension, unit: str) -> str:
+    """A hint where cycles per second and radians per second, or masses and weights, are confused.
 
     Args:
-        kind: of the quantity that was given.
+        text: the quantity that was given.
+        number: its value in the SI unit of its kind.
+        kind: of the quantity.
         unit: of the expected quantity.
 
     Returns:
         The hint, or an empty string.
+
+    >>> advice("3 Hz", 3.0, dimension("Hz"), "rad/s")
+    '; an angular frequency is 2 pi times the frequency: write "18.8496 rad/s", or frequency = "3 Hz"'
     """
     if unit == "rad/s" and kind == dimension("Hz"):
-        return "; a frequency in Hz is 2 pi times an angular frequency in rad/s: say which one is meant"
+        angular = f"{2 * math.pi * number:.6g} rad/s"
+        return f'; an angular frequency is 2 pi times the frequency: write "{angular}", or frequency = "{text}"'
     if unit == "Hz" and kind == dimension("rad/s"):
-        return "; an angular frequency in rad/s or rpm is 2 pi times a frequency: say which one is meant"
+        frequency = f"{number / (2 * math.pi):.6g} Hz"
+        return f'; a frequency is the angular frequency divided by 2 pi: write "{frequency}", or angular_frequency = "{text}"'
+    if unit == "m/s^2" and kind == dimension("kg"):
+        return '; g is the gram: write "0.3 gn" for 0.3 times the standard acceleration of gravity'
+    if unit == "N" and kind == dimension("kg"):
+        return "; the weight of a mass is given in N, lbf or kgf"
     return ""

@@ -139,6 +139,10 @@ def with_parameters(data: dict, file_name: str) -> tuple[dict, Parameters]:
     return result, Parameters(values, {name: value.dimension for name, value in symbols.items()}, unused, work.places)
 
 
+class _Reported(InputError):
+    """A parameter is wrong, which was reported where it stands."""
+
+
 class _Substitution:
     """The parameters of a scene, and the expressions evaluated with them.
 
@@ -192,7 +196,8 @@ class _Substitution:
         try:
             yield
         except InputError as problem:
-            self.problems.append(f"{where}: {problem}")
+            if not isinstance(problem, _Reported):
+                self.problems.append(f"{where}: {problem}")
 
     def replaced(self, value, location: tuple):
         """The value with its expressions replaced; 1 for a wrong expression, whose problem is collected."""
@@ -239,7 +244,7 @@ class _Substitution:
         if name in self.known or name in _PI:
             return
         if name in self.given:
-            raise InputError(f'found {shown(text)}, but the parameter "{name}" is wrong')
+            raise _Reported  # once, where the parameter stands
         if not self.known:
             raise InputError(f'found {shown(text)}, but there is no parameter "{name}": give it a value in the table [parameters]')
         raise InputError(

@@ -10,10 +10,10 @@ import math
 import re
 from typing import TYPE_CHECKING
 
-from ...ground.checks import nearest
 from ...ground.errors import InputError
 from ..file.messages import quoted, shown
-from .dimensions import KINDS, Dimension, advice, described, dimension, registry, same_kind, unit_named
+from .dimensions import KINDS, Dimension, advice, described, dimension, same_kind, unit_named
+from .units import instead_of, registry, unknown_name
 
 if TYPE_CHECKING:
     from .expressions import Expression
@@ -24,12 +24,7 @@ ANOTHER = "which is another kind of quantity"
 
 LEAST, LARGEST = 1e-100, 1e100  # in SI; squares of what lies between stay within the range of float64
 
-_COMMON_UNITS = (
-    "kg g t lb slug m mm cm um km in ft N kN mN MN Nm kNm Nmm Ns lbf kgf s ms us min h Hz kHz rpm rad deg rev "
-    "J W Pa kPa MPa GPa bar"
-).split()
-
-_FACTOR = r"(?:[^\W\d_]+(?:\^-?[1-9])?|°)"
+_FACTOR = r"[^\W\d_]+(?:\^-?[1-9])?"
 _UNIT = re.compile(rf"(?:1(?=/)|{_FACTOR}(?:\*{_FACTOR})*)(?:/{_FACTOR})*")  # a product after a division is ambiguous
 _QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*)", re.ASCII)
 
@@ -65,7 +60,7 @@ def quantity(value, unit: str) -> float:
 
 
 def any_quantity(value) -> tuple[float, Dimension | None]:
-    """A quantity of any kind in SI, and its kind: None for a plain number, which may be anything in SI.
+    """A quantity of any kind in SI, and its kind: None for a plain number, which may be anything in SI; expressions stay as they are.
 
     Raises:
         InputError: as ``quantity``.
@@ -74,16 +69,10 @@ def any_quantity(value) -> tuple[float, Dimension | None]:
     (2.0, None)
     """
     if not isinstance(value, str):
-        return quantity(value, "1"), None
+        return quantity(value, "1"), getattr(value, "dimension", None)
     number, unit = _split(value, 'a quantity, e.g. 2.0 or "10 kg"')
     _check_known(value, unit, 'a quantity, e.g. "10 kg"')
-    try:
-        if (0 * unit_named(unit)).to_base_units().magnitude:
-            raise ValueError("its zero is not that of SI")
-        magnitude, kind = (float(number) * unit_named(unit)).to_base_units().magnitude, dimension(unit)
-    except (TypeError, ValueError):  # the errors of pint for degrees Celsius and of decibels
-        raise InputError(f"found {shown(value)}; expected a unit that is a multiple of one of SI") from None
-    return _finite(magnitude, value, "1"), kind
+    return _finite(_in_si(number, unit), value, "1"), dimension(unit)
 
 
 def in_range(number, text: str) -> float:
@@ -132,8 +121,8 @@ def unit_name(value) -> str:
         return text
     if not _UNIT.fullmatch(text):
         raise InputError(f'found {shown(value)}; expected a unit such as "m", "rad/s" or "V", or "1" for a plain number')
-    if unknown := _unknown_name(text):
-        raise InputError(f'found {shown(value)}, but there is no unit "{unknown}"{nearest(unknown, _COMMON_UNITS)}')
+    if unknown := unknown_name(text):
+        raise InputError(f"found {shown(value)}, but {instead_of(unknown)}")
     return text
 
 
@@ -154,7 +143,7 @@ def _checked(value: Expressed, unit: str) -> Expressed:
     if unit != "1" and value.dimension is not None and not same_kind(value.dimension, unit):
         kind = described(value.dimension, ANOTHER)
         named = "; a number in an expression has no unit: give what has one a name in [parameters]"
-        hint = advice(value.dimension, unit) or ("" if value.dimension.units else named)
+        hint = advice(value.text, float(value), value.dimension, unit) or ("" if value.dimension.units else named)
         raise InputError(f"found {shown(value)}, {kind}; expected {expected(unit)}{hint}")
     return value
 
@@ -164,23 +153,26 @@ def _from_text(text: str, unit: str) -> float:
     _check_known(text, unit_text, expected(unit))
     kind = dimension(unit_text)
     if not same_kind(kind, unit):
-        hint = advice(kind, unit) or _other_case(number, unit_text, unit)
+        hint = advice(text, _in_si(number, unit_text), kind, unit) or _other_case(number, unit_text, unit)
         raise InputError(f"found {shown(text)}, {described(kind, ANOTHER)}; expected {expected(unit)}{hint}")
     return float(registry().convert(float(number), unit_named(unit_text), unit_named(unit)))
+
+
+def _in_si(number: str, unit: str) -> float:
+    """The value in the base units, those of SI."""
+    return (float(number) * unit_named(unit)).to_root_units().magnitude
 
 
 def _other_case(number: str, unit_text: str, unit: str) -> str:
     """Seconds and siemens differ in a letter's size."""
     small = unit_text.lower()
-    fits = small != unit_text and not _unknown_name(small) and same_kind(dimension(small), unit)
+    fits = small != unit_text and not unknown_name(small) and same_kind(dimension(small), unit)
     return f'; did you mean "{number} {small}"?' if fits else ""
 
 
 def _check_known(text: str, unit: str, wanted: str) -> None:
-    if unknown := _unknown_name(unit):
-        same_letters = [name for name in _COMMON_UNITS if name.lower() == unknown.lower()]
-        hint = nearest(unknown, _COMMON_UNITS) if not same_letters else f'; did you mean "{same_letters[0]}"?'
-        raise InputError(f'found {shown(text)}, but there is no unit "{unknown}"{hint}; expected {wanted}')
+    if unknown := unknown_name(unit):
+        raise InputError(f"found {shown(text)}, but {instead_of(unknown)}; expected {wanted}")
 
 
 def _split(text: str, wanted: str) -> tuple[str, str]:
@@ -202,7 +194,7 @@ def _how_to_write(text: str) -> str:
 
 def _normal_unit(text: str) -> str:
     """One way of writing: ** and superscripts become ^, a dot or a space between two units becomes *."""
-    text = text.replace("**", "^").replace("·", "*").replace("²", "^2").replace("³", "^3")
+    text = text.replace("**", "^").replace("·", "*").replace("²", "^2").replace("³", "^3").replace("°", "deg")
     return re.sub(r"\s+", "*", re.sub(r"\s*([*/^])\s*", r"\1", text))
 
 
@@ -215,16 +207,23 @@ def count_texts(data) -> int:
     return sum(map(count_texts, data)) if isinstance(data, list) else 0
 
 
-def _unknown_name(unit: str) -> str | None:
-    return next((name for name in re.findall(r"[^\W\d_]+", unit) if name not in registry()), None)
+def measured(value) -> float:
+    """A quantity of any kind that keeps its text and its kind, to be checked where its unit is known; a plain number as it is.
+
+    >>> entry = measured("3 N/mm")
+    >>> entry, entry.text
+    (3000.0, '3 N/mm')
+    """
+    number, kind = any_quantity(value)
+    return Expressed(number, value, None, kind) if isinstance(value, str) else number
 
 
 class Expressed(float):
-    """The value of an expression with the default values of its parameters, in SI; it calculates as the number that it is.
+    """The value of an expression with the default values of its parameters, or of a text with a unit, in SI; it calculates as a number.
 
     Attributes:
-        text: the expression as it stands in the scene, with its "=".
-        tree: the expression.
+        text: as it stands in the scene, that of an expression with its "=".
+        tree: the expression; None of a text with a unit.
         dimension: its kind of quantity; None where unknown.
 
     >>> Expressed(4.0, "=2*k", None, None) + 1.0
@@ -232,10 +231,10 @@ class Expressed(float):
     """
 
     text: str
-    tree: Expression
+    tree: Expression | None
     dimension: Dimension | None
 
-    def __new__(cls, value: float, text: str, tree: Expression, dimension: Dimension | None):
+    def __new__(cls, value: float, text: str, tree: Expression | None, dimension: Dimension | None):
         """The number with where it comes from."""
         result = super().__new__(cls, value)
         result.text, result.tree, result.dimension = text, tree, dimension

@@ -19,10 +19,10 @@ from ..build.equations import Equations, equations_of
 from ..build.free_motions import free_motion_notices
 from ..file.includes import read_tables
 from ..file.messages import at
-from ..quantities.dimensions import registry
 from ..quantities.parameters import Parameters, with_parameters
 from ..quantities.quantities import count_texts
 from ..quantities.settings import Setting, with_settings, with_values
+from ..quantities.units import registry
 from ..schema.scene_schema import SceneFile
 from ..schema.validation import validated
 from .plan import Plan
@@ -187,7 +187,7 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     table = validated(data, name, SceneFile)
     costs.lap("read the scene")
     equations = equations_of(table, path.parent, name, costs.lap)
-    _check_output(table.output, equations, name)
+    _check_output(table.output, equations, name, getattr(table.model, "modal_damping", None) is not None)
     if equations.robot_scene and table.output.page and table.output.animation:
         equations.robot_scene.data.check_meshes()
     scene = Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name)
@@ -201,7 +201,7 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     return scene
 
 
-def _check_output(output, equations: Equations, file_name: str) -> None:
+def _check_output(output, equations: Equations, file_name: str, modal_damping: bool) -> None:
     with at(file_name, "output.certify"):
         for name in output.certify if isinstance(output.certify, list) else ():
             equations.coordinates.number(name)
@@ -211,6 +211,8 @@ def _check_output(output, equations: Equations, file_name: str) -> None:
     with at(file_name, "output.formula"):
         if output.formula and equations.robot:
             raise InputError("there is no formula with symbols for a robot; leave it out")
+        if output.formula and modal_damping:
+            raise InputError("there is no formula with symbols for modal damping; leave it out")
     system = equations.system
     with at(file_name, "output.arrows"):
         if output.arrows and not (system and system.rows):

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from ...ground.checks import nearest
 from ...ground.errors import InputError
 from ..file.messages import EntryError, shown
-from .entry_types import Angle, Name, Number, Table, Text, Vector
+from .entry_types import Angle, Name, Number, Table, Teeth, Text, Vector
 
 Shape = Literal["box", "sphere", "disc", "gear", "ring", "mark", "rail", "ground", "base"]
 LinkKind = Literal["spring", "damper", "strut", "rod", "bushing", "loop", "torsion spring", "torsion damper", "belt"]
@@ -79,7 +79,7 @@ class BodyTable(Table):
     label: Text | None = Field(None, description="What is written next to it; left out: its name.")
     size: Vector | None = Field(None, description="Extent along x, y, z.")
     color: Annotated[str, BeforeValidator(_color)] | None = Field(None, description='Its colour, e.g. "#1f77b4".')
-    teeth: int | None = Field(None, ge=3, le=400, description="Number of teeth of a gear.")
+    teeth: Teeth | None = Field(None, ge=3, le=400, description="Number of teeth of a gear.")
 
     @model_validator(mode="after")
     def _one_motion(self):

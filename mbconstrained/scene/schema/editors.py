@@ -39,7 +39,7 @@ def robot_schema() -> dict:
     """The schema of a robot.toml likewise.
 
     >>> robot_schema()["required"]
-    ['source', 'licence', 'urdf']
+    ['urdf']
     """
     return _schema(RobotFile, "A robot.toml of mbconstrained")
 

@@ -95,6 +95,56 @@ Frequency = quantity_field("Hz")
 Rate = quantity_field("1/s")
 
 
+class RayleighTable(Table):
+    """Proportional damping C = a M + b K, in addition to that of the dampers."""
+
+    mass: Rate = Field(  # type: ignore[valid-type]
+        0.0, ge=0, description='The factor a of the mass matrix, e.g. "0.4 1/s".'
+    )
+    stiffness: Time = Field(  # type: ignore[valid-type]
+        0.0, ge=0, description='The factor b of the stiffness matrix, e.g. "2 ms".'
+    )
+
+
+def _ratios(value):
+    return [quantity(entry, "1") for entry in value] if isinstance(value, list) else quantity(value, "1")
+
+
+class DampedTable(Table):
+    """A mechanical model, which may have damping of the model as a whole."""
+
+    rayleigh_damping: RayleighTable | None = Field(None, description="Proportional (Rayleigh) damping, a M + b K.")
+    modal_damping: Annotated[
+        Any,
+        BeforeValidator(_ratios),
+        WithJsonSchema(
+            {
+                "title": "a ratio, or those of the lowest modes",
+                "anyOf": [*NUMBER_SCHEMA["anyOf"], {"type": "array", "items": NUMBER_SCHEMA}],
+            }
+        ),
+    ] = Field(None, description="The damping ratio of all undamped modes, e.g. 0.02, or of the lowest ones, e.g. [0.02, 0.05].")
+
+
+def _teeth(value):
+    count = quantity(value, "1")
+    if count != int(count) or count < 1:
+        raise InputError(f"found {shown(value)}{_value_of(value)}; expected a whole number of teeth, e.g. 24")
+    return count
+
+
+def _value_of(value) -> str:
+    """The value of an expression of parameters, for messages."""
+    return f", which is {float(value):g}" if hasattr(value, "text") else ""
+
+
+Teeth = Annotated[
+    float,
+    PlainValidator(_teeth),
+    WithJsonSchema({"title": "a whole number, or an expression", "anyOf": [{"type": "integer", "minimum": 1}, EXPRESSION_SCHEMA]}),
+]
+
+
 def _number_or_text(value):
     """A quantity whose unit depends on the coordinate it belongs to: checked further once that is known."""
     if isinstance(value, str):

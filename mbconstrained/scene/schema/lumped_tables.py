@@ -11,17 +11,18 @@ from ..file.messages import shown
 from .entry_types import (
     Acceleration,
     Angle,
+    DampedTable,
     Damping,
     Inertia,
     Length,
     Level,
     Mass,
     Name,
-    Number,
     Pair,
     Quantity,
     Stiffness,
     Table,
+    Teeth,
     TorsionDamping,
     TorsionStiffness,
 )
@@ -121,8 +122,8 @@ class GearTable(ElementTable):
     radii: Annotated[list[Length], Field(min_length=2, max_length=2)] | None = Field(
         None, description="The two pitch radii, in the order of between; give these or the teeth."
     )
-    teeth: Annotated[list[int], Field(min_length=2, max_length=2)] | None = Field(
-        None, description="The two numbers of teeth, in the order of between."
+    teeth: Annotated[list[Teeth], Field(min_length=2, max_length=2)] | None = Field(
+        None, description='The two numbers of teeth, in the order of between, e.g. [20, 60] or ["=z1", "=z2"].'
     )
     internal: bool = Field(False, description="true where one wheel runs inside the other.")
 
@@ -135,7 +136,7 @@ class GearTable(ElementTable):
     @property
     def sizes(self) -> list[float]:
         """Radii, or numbers of teeth, which are proportional to them."""
-        return self.radii if self.radii is not None else [float(count) for count in self.teeth]
+        return self.radii if self.radii is not None else self.teeth
 
 
 class RackTable(Table):
@@ -164,14 +165,14 @@ class ConstraintTable(Table):
     """One constraint row: the sum of factor times coordinate, or its derivative, equals the value."""
 
     name: Name | None = Field(None, description="A name for messages and reactions.")
-    rows: Annotated[dict[Name, Number], BeforeValidator(_rows_by_name)] = Field(
-        description="Coordinates with their factors, e.g. { x1 = 1, q1 = -1 }."
+    rows: Annotated[dict[Name, Quantity], BeforeValidator(_rows_by_name)] = Field(
+        description='Coordinates with their factors, e.g. { x1 = 1, q1 = -1 } or { heave = 1, pitch = "1.01 m" }.'
     )
     level: Level = Field("position", description="What the row holds for: positions, velocities or accelerations.")
     value: Quantity = Field(0.0, description="The right hand side, constant in time.")
 
 
-class LumpedTable(Table):
+class LumpedTable(DampedTable):
     """Masses, inertias and massless joints along one axis, and what joins them."""
 
     kind: Literal["lumped"] = Field(description='"lumped": bodies along one axis, springs, dampers, gears ….')
@@ -203,5 +204,8 @@ class LumpedTable(Table):
     @property
     def elements(self) -> list[tuple[str, int, Table]]:
         """(key, number, table) of all elements: bodies first, otherwise in the order of the file."""
-        keys = sorted((key for key in self._order if isinstance(getattr(self, key), list)), key=lambda key: key not in BODIES)
+        keys = sorted(
+            (key for key in self._order if key not in DampedTable.model_fields and isinstance(getattr(self, key), list)),
+            key=lambda key: key not in BODIES,
+        )
         return [(key, number, table) for key in keys for number, table in enumerate(getattr(self, key), 1)]

@@ -9,8 +9,8 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from ...ground.errors import InputError
 from ..file.messages import shown
-from ..quantities.quantities import quantity
-from .entry_types import EXPRESSION_SCHEMA, Name, Number, Table, Text, Unit
+from ..quantities.quantities import measured
+from .entry_types import NUMBER_SCHEMA, DampedTable, Name, Number, Table, Text, Unit
 from .force_tables import MOST_POWER
 from .lumped_tables import ConstraintTable
 
@@ -86,7 +86,7 @@ def _matrix(value):
 
 
 def _numbers(value) -> np.ndarray:
-    """The entries as they are: floats, some of them perhaps expressions of parameters."""
+    """The entries as they are: floats in SI, some of them perhaps expressions of parameters or texts with units."""
     if not isinstance(value, list) or not value or not all(isinstance(row, list) for row in value):
         raise InputError(f"found {shown(value)}; expected rows of numbers, e.g. [[1, 0], [0, 1]], or the name of a file")
     lengths = {len(row) for row in value}
@@ -95,7 +95,7 @@ def _numbers(value) -> np.ndarray:
         raise InputError(f"found rows of {counts} numbers; expected rows of equal length")
     matrix = np.empty((len(value), len(value[0])), dtype=object)
     for place in np.ndindex(matrix.shape):
-        matrix[place] = quantity(value[place[0]][place[1]], "1")
+        matrix[place] = measured(value[place[0]][place[1]])
     return matrix
 
 
@@ -104,9 +104,9 @@ Matrix = Annotated[
     BeforeValidator(_matrix),
     WithJsonSchema(
         {
-            "title": 'rows of numbers in SI or expressions of parameters such as "=2*k", or a file',
+            "title": 'rows of numbers in SI, texts with units or expressions of parameters such as "=2*k", or a file',
             "anyOf": [
-                {"type": "array", "items": {"type": "array", "items": {"anyOf": [{"type": "number"}, EXPRESSION_SCHEMA]}}},
+                {"type": "array", "items": {"type": "array", "items": NUMBER_SCHEMA}},
                 {"type": "string"},
                 MatrixFile.model_json_schema(),
             ],
@@ -115,7 +115,7 @@ Matrix = Annotated[
 ]
 
 
-class MatricesTable(Table):
+class MatricesTable(DampedTable):
     """M x'' + C x' + K x = f with constraint rows, or A_0 x + A_1 x' + … + A_q x^(q) = f of any degree."""
 
     kind: Literal["matrices"] = Field(description='"matrices": the equations themselves.')
@@ -138,7 +138,7 @@ class MatricesTable(Table):
         return self
 
     def _refuse_with_coefficients(self) -> None:
-        for key in ("damping", "stiffness", "constraint"):
+        for key in ("damping", "stiffness", "constraint", "rayleigh_damping", "modal_damping"):
             if key in self.model_fields_set:
                 raise InputError(f"{key} cannot stand with coefficients; write it into A_0, A_1, … or give mass instead")
         if not self.coefficients:

@@ -11,6 +11,7 @@ from ..file.messages import shown
 from ..quantities.quantities import quantity
 from .entry_types import (
     Angle,
+    DampedTable,
     Damping,
     Inertia,
     Length,
@@ -136,8 +137,8 @@ class RobotFile(Table):
     """A robot: its URDF and what that does not say."""
 
     title: Text = Field("", description="What the robot is.")
-    source: Text = Field(description="Where it comes from.")
-    licence: Text = Field(description='Under which licence, e.g. "MIT".')
+    source: Text = Field("", description="Where it comes from.")
+    licence: Text = Field("", description='Under which licence, e.g. "MIT".')
     urdf: Text = Field(description="The URDF, a file in the robot's folder.")
     package_dirs: list[Text] = Field([], description="Folders in which package://NAME/… are looked up, relative to the robot's.")
     base: Literal["fixed", "free"] = Field("fixed", description="Whether the root link is fixed to the ground or moves freely.")
@@ -172,7 +173,7 @@ class SpotTable(Table):
         return self
 
 
-class RobotTable(Posing):
+class RobotTable(DampedTable, Posing):
     """A robot about an equilibrium, in small deviations from it."""
 
     kind: Literal["robot"] = Field(description='"robot": a URDF with its robot.toml, linearized about an equilibrium.')

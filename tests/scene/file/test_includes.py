@@ -71,7 +71,7 @@ def test_arrays_grow_and_of_all_else_the_last_word_counts(scene):
         ({"deeper": ("mass =", "mas =")}, r'^parts/deeper.toml: model.mass\[1\] \(of "load"\): unknown key "mas"; did you mean'),
         ({"base": ("[initial]", "[inital]")}, '^parts/base.toml: the file: unknown key "inital"'),
         ({"base": ("kind =", "color = 1\nkind =")}, '^parts/base.toml: model: unknown key "color"'),
-        ({"base": ("8 N/m", "8 N/fox")}, '  parts/base.toml: parameters.k: found "8 N/fox", but there is no unit "fox"'),
+        ({"base": ("8 N/m", "8 N/fox")}, '^parts/base.toml: parameters.k: found "8 N/fox", but there is no unit "fox"'),
         ({"main": ('"5 s"', '"5 m"')}, '^main.toml: time.end: found "5 m", a length'),
         ({"base": ("load = 0.2", "lod = 0.2")}, '^parts/base.toml: initial.displacement: there is no coordinate "lod"; did you mean "load"'),
         ({"main": ("cart = 0.1", "crat = 0.1")}, '^main.toml: initial.displacement: there is no coordinate "crat"; did you mean "cart"'),

@@ -36,7 +36,7 @@ def posture_evidence(robot_scene: RobotScene) -> list[tuple[str, str, str]]:
 def robot_fact(robot_scene: RobotScene) -> tuple[str, str]:
     """Title, source and licence of the robot."""
     data = robot_scene.data
-    return "robot", f"{data.title}; {data.source}; licence {data.licence}"
+    return "robot", "; ".join(filter(None, [data.title or data.name, data.source, data.licence and f"licence {data.licence}"]))
 
 
 def posture_json(robot_scene: RobotScene) -> dict:

@@ -1,0 +1,175 @@
+"""The units that a scene may use, by pint, which is imported at the first unit; spellings that are not in this table are refused."""
+
+from __future__ import annotations
+
+import functools
+import re
+from itertools import product
+from typing import NamedTuple
+
+from ...ground.checks import nearest
+
+
+class Unit(NamedTuple):
+    """A unit with its spellings.
+
+    Attributes:
+        of: what it measures.
+        symbols: its symbols, separated by blanks; the first is that of the tables.
+        definition: in units above it, as pint reads it.
+        prefixes: symbols of the SI prefixes that it may have.
+        names: its names in full, which may have the names of the prefixes, and an s behind them.
+        irregular: other spellings, without prefix or plural.
+    """
+
+    of: str
+    symbols: str
+    definition: str
+    prefixes: str = ""
+    names: str = ""
+    irregular: str = ""
+
+
+_ALL = "n u m k M G"
+UNITS = (
+    Unit("length", "m", "[length]", "n u m c d k", "meter metre"),
+    Unit("length", "in", "0.0254 * m", names="inch", irregular="inches"),
+    Unit("length", "ft", "0.3048 * m", names="foot", irregular="feet"),
+    Unit("mass", "kg", "[mass]", names="kilogram"),
+    Unit("mass", "g", "0.001 * kg", "n u m", "gram"),
+    Unit("mass", "t", "1000 * kg", names="tonne"),
+    Unit("mass", "lb", "0.45359237 * kg"),
+    Unit("mass", "slug", "0.45359237 * 9.80665 / 0.3048 * kg"),
+    Unit("time", "s", "[time]", "n u m", "second", "sec"),
+    Unit("time", "min", "60 * s", names="minute"),
+    Unit("time", "h", "3600 * s", names="hour", irregular="hr"),
+    Unit("time", "d", "86400 * s", names="day"),
+    Unit("angle", "rad", "[]", "u m", "radian"),
+    Unit("angle", "deg", "3.141592653589793 / 180 * rad", names="degree"),
+    Unit("angle", "rev", "2 * 3.141592653589793 * rad", names="revolution turn"),
+    Unit("frequency", "Hz", "1 / s", "m k M G", "hertz"),
+    Unit("angular velocity", "rpm", "rev / min"),
+    Unit("velocity", "mph", "0.44704 * m / s"),
+    Unit("acceleration", "gn", "9.80665 * m / s ** 2"),
+    Unit("force", "N", "kg * m / s ** 2", "u m k M", "newton"),
+    Unit("force", "lbf", "0.45359237 * 9.80665 * N"),
+    Unit("force", "kip", "1000 * lbf"),
+    Unit("force", "kgf", "9.80665 * N"),
+    Unit("torque", "Nm", "N * m", "m k M"),
+    Unit("torque", "Nmm", "0.001 * N * m", "k"),
+    Unit("impulse", "Ns", "N * s", "m k"),
+    Unit("energy", "J", "N * m", _ALL, "joule"),
+    Unit("power", "W", "J / s", _ALL, "watt"),
+    Unit("pressure", "Pa", "N / m ** 2", "k M G", "pascal"),
+    Unit("pressure", "bar", "100000 * Pa", "m"),
+    Unit("pressure", "psi", "lbf / in ** 2"),
+    Unit("volume", "l L", "0.001 * m ** 3", "m", "liter litre"),
+    Unit("current", "A", "[current]", "n u m k", "ampere"),
+    Unit("voltage", "V", "W / A", "n u m k M", "volt"),
+    Unit("charge", "C", "A * s", "n u m", "coulomb"),
+    Unit("resistance", "ohm Ω", "V / A", "u m k M"),
+    Unit("conductance", "S", "A / V", "u m", "siemens"),
+    Unit("capacitance", "F", "C / V", "p n u m", "farad"),
+    Unit("inductance", "H", "V * s / A", "n u m", "henry"),
+    Unit("magnetic flux", "Wb", "V * s", "m", "weber"),
+    Unit("magnetic flux density", "T", "Wb / m ** 2", "u m", "tesla"),
+    Unit("temperature", "K", "[temperature]", "m", "kelvin"),
+)
+#: SI prefixes with their names, factors, and further symbols.
+PREFIXES = {
+    "p": ("pico", 1e-12, ""), "n": ("nano", 1e-9, ""), "u": ("micro", 1e-6, "µ μ"), "m": ("milli", 1e-3, ""),
+    "c": ("centi", 1e-2, ""), "d": ("deci", 1e-1, ""), "k": ("kilo", 1e3, ""), "M": ("mega", 1e6, ""), "G": ("giga", 1e9, ""),
+}  # fmt: skip
+
+#: Spellings with two readings, or with one that is not what a unit of this name is elsewhere: what to write instead.
+AMBIGUOUS = {
+    "gr": 'a gram, "g", or a grain, "0.0648 g"',
+    "ton": 'a tonne, "t" (1000 kg), or a short ton, "907.185 kg"',
+    "pound": 'a pound of mass, "lb", or of force, "lbf"',
+    "oz": 'an ounce of mass, "28.3495 g", or of force, "0.278014 N"',
+    "hp": 'a metric horsepower, "735.499 W", or a mechanical one, "745.7 W"',
+    "PS": 'a metric horsepower, "735.499 W", or a picosecond, "1e-12 s"',
+    "mil": 'a thousandth of an inch, "0.001 in", or an angle, "0.001 rad"',
+    "cycle": 'a whole turn, "rev", or a period; cycles per second are "Hz"',
+    "cps": 'cycles per second, "Hz", or turns per second, "rev/s"',
+    "kph": 'kilometres per hour, "km/h", or kilopond hours',
+    "kp": 'a kilopond, "kgf", or a thousand points',
+    "rads": 'radians, "rad", or radian seconds, "rad*s"; radians per second are "rad/s"',
+    "cal": 'a thermochemical calorie, "4.184 J", or an international one, "4.1868 J"',
+}
+#: The factors into which an unknown name such as "Nms" may fall apart.
+_FACTORS = ("kg", "g", "rad", *(prefix + unit for prefix, unit in product(("", "m", "u", "c", "k", "M"), ("N", "m", "s"))))
+
+
+@functools.cache
+def _spellings() -> dict[str, str]:
+    """Every accepted spelling with its definition in terms of first symbols."""
+    result = {}
+    for unit in UNITS:
+        first, *others = unit.symbols.split()
+        result[first] = unit.definition
+        names = [name + plural for name in unit.names.split() for plural in ("", "s") if not (plural and name in ("inch", "foot"))]
+        result |= dict.fromkeys([*others, *names, *unit.irregular.split()], first)
+        for prefix in unit.prefixes.split():
+            name, factor, further = PREFIXES[prefix]
+            symbols = (letter + symbol for letter in (prefix, *further.split()) for symbol in (first, *others))
+            result |= dict.fromkeys([*symbols, *(name + each for each in names)], f"{factor!r} * {first}")
+    return result
+
+
+def is_accepted(name: str) -> bool:
+    """Whether a scene may use this spelling of a unit.
+
+    >>> is_accepted("kN"), is_accepted("ton")
+    (True, False)
+    """
+    return name in _spellings()
+
+
+@functools.cache
+def registry():
+    """The registry of pint with these units and no others, so that kg, m, s, rad are its base; pint is imported at the first call."""
+    import pint
+
+    units = pint.UnitRegistry(None)
+    units.load_definitions([f"{name} = {definition}" for name, definition in _spellings().items()])
+    return units
+
+
+def unknown_name(unit: str) -> str:
+    """The first name in a unit that is not accepted, or an empty string."""
+    return next((name for name in re.findall(r"[^\W\d_]+", unit) if not is_accepted(name)), "")
+
+
+def instead_of(name: str) -> str:
+    """What to write instead of a name that is not accepted.
+
+    >>> instead_of("Nms")
+    '"Nms" may be read as N*ms or N*m*s; write one of them'
+    >>> instead_of("Kg")
+    'there is no unit "Kg"; did you mean "kg"?'
+    """
+    singular = name.removesuffix("s")
+    for spelling in (name, singular, name.lower(), singular.lower()):
+        if spelling in AMBIGUOUS:
+            return f'"{name}" may be read as {AMBIGUOUS[spelling]}; write one of them'
+    common = [symbol for unit in UNITS for symbol in unit.symbols.split()] + [*_COMMON]
+    if same_letters := [symbol for symbol in common if symbol.lower() == name.lower()]:
+        return f'there is no unit "{name}"; did you mean "{same_letters[0]}"?'
+    if readings := _products(name):
+        one = "write one of them" if len(readings) > 1 else "write it with the *"
+        return f'"{name}" may be read as {" or ".join(readings)}; {one}'
+    return f'there is no unit "{name}"{nearest(name, common)}'
+
+
+#: Symbols with a prefix that stand among the proposals for a misspelled unit.
+_COMMON = ("mm", "cm", "um", "km", "kN", "mN", "MN", "ms", "us", "kHz", "kPa", "MPa", "GPa", "kNm", "mV", "mA", "kJ", "kW")
+
+
+def _products(name: str, most: int = 3) -> list[str]:
+    """The products of at most so many mechanical units whose symbols stand together in a name."""
+    readings = [name] if name in _FACTORS else []
+    for head in _FACTORS if most > 1 else ():
+        if name.startswith(head):
+            readings += [f"{head}*{tail}" for tail in _products(name[len(head) :], most - 1)]
+    return sorted(readings, key=len)

@@ -1,0 +1,94 @@
+"""Habits of the command line and of Python: versions, help, completion, settings given twice, functions as forces."""
+
+import subprocess
+import sys
+
+import pytest
+
+import mbconstrained as mb
+
+CART = """
+[model]
+kind = "lumped"
+
+[[model.mass]]
+name = "cart"
+mass = 2
+
+[[model.spring]]
+between = ["ground", "cart"]
+stiffness = 8
+
+[time]
+end = 1
+points = 3
+"""
+
+
+@pytest.fixture
+def scene(tmp_path):
+    path = tmp_path / "cart.toml"
+    path.write_text(CART, encoding="utf-8")
+    return path
+
+
+def test_the_version_is_that_of_the_installed_package(command):
+    code, out, _ = command("--version")
+    assert (code, out) == (0, f"mbconstrained {mb.__version__}\n")
+    assert "__version__" in dir(mb)
+
+
+@pytest.mark.parametrize("arguments", [["-h"], ["run", "-h"], ["modes", "-h"]])
+def test_h_is_help(command, arguments):
+    assert command(*arguments) == command(*arguments[:-1], "--help")
+
+
+def test_the_module_runs_as_a_command():
+    done = subprocess.run([sys.executable, "-m", "mbconstrained", "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("mbconstrained ")
+
+
+def test_there_is_completion_for_the_shell(command):
+    _, out, _ = command("-h")
+    assert "--install-completion" in out and "--show-completion" in out
+
+
+def test_a_setting_given_twice_is_refused(command, scene):
+    code, _, problem = command("check", scene, "--set", "time.end=2", "--set", "time.end=3")
+    assert code == 2 and '"time.end" is set twice; give it one value' in problem
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_single_and_double_brackets_of_one_table(command, scene, first):
+    single = '[model.mass]\nname = "b"\nmass = 1\n'
+    text = CART.replace("[[model.spring]]", single + "\n[[model.spring]]") if first else single + CART
+    scene.write_text(text, encoding="utf-8")
+    code, _, problem = command("check", scene)
+    assert code == 1 and "[model.mass] and [[model.mass]] stand in one file; write double brackets, [[model.mass]]" in problem
+
+
+def test_a_wrong_parameter_is_reported_once(command, scene):
+    text = '[parameters]\nk = "3 N/mn"\n' + CART.replace("= 8", '= "=k"').replace("mass = 2", 'mass = "=k"')
+    scene.write_text(text, encoding="utf-8")
+    _, _, problem = command("check", scene)
+    assert problem.count("\n") == 1 and problem.startswith("cart.toml: parameters.k: ")
+
+
+FUNCTION = r"mb\.approximated\(function, end\)"
+
+
+def test_a_function_as_force_is_answered():
+    model = mb.LumpedModel()
+    model.mass("b", 2.0)
+    with pytest.raises(mb.InputError, match=FUNCTION):
+        model.force("b", lambda t: t)
+    system = model.assemble()
+    for force in (abs, {"b": abs}):
+        with pytest.raises(mb.InputError, match=FUNCTION):
+            system.solve(force=force)
+
+
+def test_a_quantity_in_python_is_answered():
+    model = mb.LumpedModel()
+    with pytest.raises(mb.InputError, match="found .2 kg.; expected a number in SI units without quotes; texts with units belong"):
+        model.mass("b", "2 kg")
