@@ -10,6 +10,7 @@ from .control.state_space import StateSpace
 from .control.state_space_response import StateSpaceResponse
 from .control.transfer.matrix_fraction import matrix_fraction_response
 from .control.transfer.transfer_function import TransferFunctionResponse, transfer_function_response
+from .ground.display import Presented
 from .ground.errors import (
     ContradictoryConstraints,
     IllConditioned,
@@ -68,6 +69,7 @@ _LATE = {
     "read_record": "scene.build.record_file",
     "read_robot": "scene.build.robot_file",
     "read_scene": "scene.run.scene",
+    "show": "scene.python_models",
 }
 
 
@@ -75,7 +77,12 @@ def _exact_engine():
     return import_module(".exact.enclosure.exact_response", __name__)
 
 
+def _presentation():
+    return import_module(".scene.python_models", __name__)
+
+
 Response.exact_engine = staticmethod(_exact_engine)
+Presented.presentation = staticmethod(_presentation)
 
 
 def __getattr__(name: str):
@@ -157,6 +164,7 @@ __all__ = [
     "read_robot",
     "read_scene",
     "sampled",
+    "show",
     "solve",
     "solve_symbolically",
     "step",

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
+from pathlib import Path
 from textwrap import TextWrapper
+from typing import Any, ClassVar
 
 from .errors import InputError
 from .notices import Notice
@@ -68,6 +70,45 @@ class Displayed:
 
     def _repr_html_(self) -> str:
         return f"<p>{html.escape(repr(self))}</p>" + "".join(map(table_html, self._tables()))
+
+
+class Presented(Displayed):
+    """A public object that has a static page of its own.
+
+    Pages are made by rooms that import this one: the package's own first file sets ``presentation``, which imports them when
+    a page is asked for.
+    """
+
+    presentation: ClassVar[Callable[[], Any]]
+
+    def write_page(self, path, **options) -> Path:
+        """Write the static HTML page with animation, plots and tables.
+
+        Args:
+            path: of the page.
+            options: ``title``; of a motion also ``end``, the last time in s (by default some periods of the slowest oscillation),
+                ``points``, the number of times, and ``plots``, kinds of curves: "displacement", "velocity", "acceleration",
+                "reaction", "energy", "phase".
+
+        Returns:
+            The path.
+
+        Raises:
+            InputError: an unknown kind of curve, an end that is no positive number.
+        """
+        return type(self).presentation().write_page(self, path, **options)
+
+    def view(self, height: int = 700, **options):
+        """The page in a frame, for notebooks.
+
+        Args:
+            height: of the frame, in pixels.
+            options: as of ``write_page``.
+
+        Returns:
+            An object that a notebook shows as the page.
+        """
+        return type(self).presentation().view(self, height, **options)
 
 
 def notice_table(notices: Sequence[Notice]) -> TextTable:

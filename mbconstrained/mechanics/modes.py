@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from ..ground.checks import counted, whole_number
-from ..ground.display import Displayed, TextTable
+from ..ground.display import Presented, TextTable
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .energy import EnergyParts, EnergyShares
 
@@ -95,18 +95,20 @@ class Mode:
 
 
 @dataclass(frozen=True, repr=False)
-class Modes(Displayed, Sequence):
+class Modes(Presented, Sequence):
     """The modes of a mechanical system: a sequence of ``Mode``, ascending by |s|, with the tables that vibration people read.
 
     Attributes:
         modes: one ``Mode`` for each finite eigenvalue; an eigenvalue 0 is split into rigid body, offset and drift.
         names: of the coordinates, in the order of the rows of the shapes.
         polynomial_matrix: A(s) with A(s) u = 0 for each eigenvalue s and shape u; None where it is not known.
+        system: of arrays, that has these modes; None where it is not known.
     """
 
     modes: tuple[Mode, ...]
     names: tuple[str, ...]
     polynomial_matrix: PolynomialMatrix | None = field(default=None, repr=False, kw_only=True)
+    system: MechanicalSystem | None = field(default=None, repr=False, compare=False, kw_only=True)
 
     def __len__(self) -> int:
         return len(self.modes)

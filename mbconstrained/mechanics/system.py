@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -67,6 +68,7 @@ class MechanicalSystem(Displayed, DampedSystem):
         given: K, C, M as they were given, each a matrix or its elements.
         static_force: the constant part of the force, shape (n,).
         excitation: the part of the force that varies in time; None if there is none.
+        origin: the lumped model that it was assembled from, which has its drawing; None if there is none.
 
     >>> pair = MechanicalSystem(np.diag([1.0, 3.0]), constraints=[Constraint([1, -1])], names=["a", "b"])
     >>> pair.acceleration([0, 0], [0, 0], [8.0, 0.0])
@@ -113,6 +115,7 @@ class MechanicalSystem(Displayed, DampedSystem):
             self.uncertainty = self._uncertainty(uncertainty or {})
             self._independent = self._independent_rows()
         self._forms: dict[tuple[int, ...], ConstrainedForm] = {}
+        self.origin: Any = None
         varies = isinstance(force, ImpulsiveSmooth)
         self.excitation = self._signal(force) if varies else None
         constant = np.zeros(self.size) if varies else self._vector(force, "force")
@@ -300,7 +303,7 @@ class MechanicalSystem(Displayed, DampedSystem):
 
             return sparse_modes(self.pencil, _mode_count(count), damped and bool(self.damping.nnz))
         undamped = None if damped else MechanicalSystem(self.given[2], None, self.given[0], self.constraints, self.names)
-        modes = modes_of(undamped or self)
+        modes = replace(modes_of(undamped or self), system=undamped or self)
         return modes if count is None else modes.lowest(count)
 
     def acceleration(self, displacement, velocity, force=None, time: float = 0.0) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import Concatenate, ParamSpec, TypeVar
 
@@ -160,7 +161,7 @@ class LumpedModel(Displayed):
         factors, ties = self.incidence(), [element for element in with_parts(self.elements) if isinstance(element, Tie)]
         weights = {element.name: self._gravity * element.mass for element in self.elements if isinstance(element, Mass)}
         signals = [signal.mapped(coordinate_row({name: 1.0}, names)[:, None]) for name, signal in self._forces.items()]
-        return MechanicalSystem(
+        system = MechanicalSystem(
             mass=ElementMatrix(np.eye(len(names)), factors.masses),
             damping=factors.dampers.matrix,
             stiffness=factors.springs.matrix,
@@ -173,6 +174,9 @@ class LumpedModel(Displayed):
             units=units,
             energy_parts=_energy_parts(factors, names),
         )
+        system.origin = copy(self)
+        system.origin._elements = dict(self._elements)  # elements that are added later are not in the system
+        return system
 
     def _add(self, element):
         name = element.name

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ..ground.checks import counted, optional_package, places_of, real_array, whole_number
-from ..ground.display import Displayed, TextTable, notice_table
+from ..ground.display import Presented, TextTable, notice_table
 from ..ground.errors import IllConditioned, InputError, MbconstrainedError
 from ..ground.notices import Evidence, Notice
 from ..ground.threads import short_work
@@ -39,7 +39,7 @@ MOST_NAMES = 6
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Response(Displayed):
+class Response(Presented):
     """x with A(d/dt) x = f from values at 0-.
 
     ``x(t)`` is the regular part at t > 0 (t = 0 means 0+): a number gives shape (r,), times of shape (T,) give
@@ -138,6 +138,25 @@ class Response(Displayed):
     def events(self) -> tuple[Event, ...]:
         """Jumps and impulses after t = 0, where the force starts, stops, changes or has impulses, by ascending time."""
         return self.solution.events
+
+    def plot(self, axes=None, quantity: str = "displacement", **options):
+        """Draw the curves of a quantity over time with Matplotlib.
+
+        Args:
+            axes: of Matplotlib; new ones by default.
+            quantity: "displacement", "velocity", "acceleration", "reaction" or "energy".
+            options: ``end`` and ``points``, as of ``write_page``.
+
+        Returns:
+            The axes.
+
+        Raises:
+            InputError: an unknown quantity.
+        """
+        return type(self).presentation().plot(self, axes, quantity, **options)
+
+    def _repr_html_(self) -> str:
+        return super()._repr_html_() + type(self).presentation().picture(self)
 
     def _summary(self) -> str:
         names, jumps = self.polynomial_matrix.coordinates, int(self.jump.any(axis=0).sum())

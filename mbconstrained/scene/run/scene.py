@@ -187,7 +187,7 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     table = validated(data, name, SceneFile)
     costs.lap("read the scene")
     equations = equations_of(table, path.parent, name, costs.lap)
-    _check_output(table.output, equations, name, getattr(table.model, "modal_damping", None) is not None)
+    check_output(table.output, equations, name, getattr(table.model, "modal_damping", None) is not None)
     if equations.robot_scene and table.output.page and table.output.animation:
         equations.robot_scene.data.check_meshes()
     scene = Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name)
@@ -201,7 +201,18 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     return scene
 
 
-def _check_output(output, equations: Equations, file_name: str, modal_damping: bool) -> None:
+def check_output(output, equations: Equations, file_name: str, modal_damping: bool = False) -> None:
+    """Check that the equations have what [output] requests.
+
+    Args:
+        output: the table, validated.
+        equations: of the scene.
+        file_name: for messages.
+        modal_damping: whether damping is given by mode, which formulas do not know.
+
+    Raises:
+        SceneError: an unknown coordinate, curves that the equations do not have.
+    """
     with at(file_name, "output.certify"):
         for name in output.certify if isinstance(output.certify, list) else ():
             equations.coordinates.number(name)

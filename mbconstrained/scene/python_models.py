@@ -1,0 +1,202 @@
+"""Pages, plots and views of motions and modes that were computed in Python: the scene that they would have been."""
+
+from __future__ import annotations
+
+import html
+import tempfile
+import webbrowser
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..ground.checks import nearest, real_number, whole_number
+from ..ground.errors import InputError, MissingPackage
+from ..mechanics.modes import Modes
+from ..mechanics.motion import Motion
+from ..response.response import Response
+from ..signals.impulsive import ImpulsiveSmooth
+from .build.equations import Equations
+from .quantities.coordinates import Coordinates
+from .run.modes.scene_modes import SceneModes
+from .run.result import Result
+from .run.scene import Scene, check_output
+from .run.stages import plan_of
+from .schema.model_tables import MatricesTable
+from .schema.scene_schema import InitialTable, OutputTable, SceneFile, TimeTable
+
+if TYPE_CHECKING:
+    from ..mechanics.system import MechanicalSystem
+
+#: So many periods of the slowest oscillation, or time constants of the slowest decay, are shown where no end is given.
+PERIODS, TIME_CONSTANTS = 8.0, 5.0
+
+#: More than so many periods of the fastest oscillation are not shown by default: curves would be bands.
+MOST_PERIODS = 200.0
+
+KINDS = ("displacement", "velocity", "acceleration", "reaction", "energy", "phase")
+
+
+@dataclass(frozen=True)
+class SolvedEquations(Equations):
+    """The equations of a motion that is known.
+
+    Attributes:
+        response: the motion.
+    """
+
+    response: Response | None = None
+
+    @property
+    def right_hand_side(self) -> ImpulsiveSmooth:
+        """Of the problem that was solved."""
+        return self.response.problem.force if self.response is not None else super().right_hand_side
+
+    def solve(self) -> Response:
+        """The motion as it is."""
+        return self.response if self.response is not None else super().solve()
+
+
+def result_of(
+    motion: Response, end: float | None = None, points: int = 401, title: str = "", plots: Sequence[str] = ("displacement",)
+) -> Result:
+    """The result that a scene with this motion would have.
+
+    Args:
+        motion: a ``Motion`` or a ``Response``.
+        end: the last time in s; by default some periods of the slowest oscillation.
+        points: the number of times.
+        title: of the page.
+        plots: kinds of curves, of a Response without mechanical system "displacement" alone.
+
+    Returns:
+        The ``Result``.
+
+    Raises:
+        InputError: an end that is no positive number, an unknown kind of curve.
+    """
+    for kind in plots:
+        if kind not in KINDS:
+            raise InputError(f"plots: found {kind!r}{nearest(str(kind), KINDS)}; expected some of {', '.join(KINDS)}")
+    times = TimeTable.model_construct(
+        end=_last_time(motion) if end is None else real_number(end, "end", positive=True),
+        points=whole_number(points, "points", minimum=2),
+    )
+    system = motion.system if isinstance(motion, Motion) else None
+    kinds: list[Any] = list(dict.fromkeys(plots))
+    output = OutputTable(plots=kinds, csv=False, npz=False)
+    scene = _scene(system, motion, title, times, output)
+    check_output(output, scene.equations, "write_page")
+    return Result(scene, plan_of(scene))
+
+
+def _scene(system: MechanicalSystem | None, motion: Response | None, title: str, times: TimeTable, output: OutputTable) -> Scene:
+    A = motion.polynomial_matrix if motion is not None else system.polynomial_matrix()
+    units = tuple(system.units.values()) if system is not None else ("1",) * A.size
+    coordinates = Coordinates(tuple(A.coordinates), units)
+    initial = motion.initial if motion is not None else np.zeros((A.degree, A.size))
+    origin = getattr(system, "origin", None)
+    equations = SolvedEquations(coordinates, A, initial, None, system, origin, response=motion)
+    coefficients = None if system is not None else list(A.coefficients)
+    model = MatricesTable.model_construct(kind="matrices", coefficients=coefficients)
+    table = SceneFile.model_construct(title=title, model=model, time=times, output=output, initial=InitialTable())
+    return Scene(Path("motion"), table, equations, 0, {})
+
+
+def _last_time(motion: Response) -> float:
+    """Some periods of the slowest oscillation, or time constants of the slowest decay, after the last restart of the force."""
+    zeros = np.array([zero.value for zero in motion.pairs.finite.zeros] or [0.0], dtype=complex)
+    oscillating, decaying = np.abs(zeros[zeros.imag > 0]), -zeros[(zeros.imag == 0) & (zeros.real < 0)].real
+    last = float(motion.problem.force.knots[-1])
+    if not (oscillating.size or decaying.size):
+        return last + 1.0 if not last else 1.25 * last
+    lengths = [*(PERIODS * 2 * np.pi / oscillating), *(TIME_CONSTANTS / decaying)]
+    length = min(max(lengths), MOST_PERIODS * min(lengths) / PERIODS)
+    return float(f"{last + length:.2g}")
+
+
+def write_page(answer: Response | Modes, path, **options) -> Path:
+    """The static page of a motion or of modes; see ``Response.write_page`` and ``Modes.write_page``."""
+    path = Path(path)
+    if isinstance(answer, Response):
+        return result_of(answer, **options).write_page(path)
+    from ..page.html import write_page as write
+    from .run.modes.mode_pages import modes_content
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write(path, modes_content(_scene_modes(answer, **options)), "inside")
+    return path
+
+
+def _scene_modes(modes: Modes, title: str = "") -> SceneModes:
+    if modes.system is None:
+        raise InputError(
+            "write_page: these modes belong to no system of arrays; call system.modes() of a MechanicalSystem of arrays"
+        )
+    times, output = TimeTable.model_construct(end=1.0, points=2), OutputTable()
+    return SceneModes(_scene(modes.system, None, title, times, output))
+
+
+def plot(motion: Response, axes=None, quantity: str = "displacement", **options) -> Any:
+    """Draw the curves of a quantity into axes of Matplotlib; see ``Response.plot``."""
+    from matplotlib import pyplot
+
+    result = result_of(motion, plots=[quantity], **options)
+    curves = result.curves(quantity)
+    axes = pyplot.figure().add_subplot() if axes is None else axes
+    for name, values in zip(curves.names, curves.values):
+        axes.plot(result.times, values, label=name)
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel(" / ".join(dict.fromkeys(f"{title} ({unit})" for title, unit in zip(curves.titles, curves.units))))
+    axes.legend()
+    return axes
+
+
+def picture(motion: Response) -> str:
+    """The displacements as SVG for notebooks; empty where Matplotlib is not installed."""
+    from ..page.plots.images import plot_image
+    from .run.report.page_report import plots_of
+
+    try:
+        return "".join(plot_image(each, "svg").decode() for each in plots_of(result_of(motion)))
+    except MissingPackage:
+        return ""
+
+
+@dataclass(frozen=True)
+class PageView:
+    """A static page inside a notebook.
+
+    Attributes:
+        page: the HTML.
+        height: of the frame, in pixels.
+    """
+
+    page: str
+    height: int
+
+    def _repr_html_(self) -> str:
+        return f'<iframe srcdoc="{html.escape(self.page)}" width="100%" height="{self.height}" frameborder="0"></iframe>'
+
+
+def view(answer: Response | Modes, height: int = 700, **options) -> PageView:
+    """The page in a frame; see ``Response.view``."""
+    with tempfile.TemporaryDirectory() as folder:
+        return PageView(write_page(answer, Path(folder) / "view.html", **options).read_text(encoding="utf-8"), height)
+
+
+def show(answer: Response | Modes, **options) -> Path:
+    """Write the page of a motion or of modes to a temporary file and open it in the browser.
+
+    Args:
+        answer: a ``Motion``, ``Response`` or ``Modes``.
+        options: as of its ``write_page``.
+
+    Returns:
+        The path of the page.
+    """
+    path = write_page(answer, Path(tempfile.mkdtemp(prefix="mbconstrained-")) / "view.html", **options)
+    webbrowser.open(path.as_uri())
+    return path
