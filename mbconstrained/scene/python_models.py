@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..ground.checks import nearest, real_number, whole_number
-from ..ground.errors import InputError, MissingPackage
+from ..ground.errors import InputError
 from ..mechanics.modes import Modes
 from ..mechanics.motion import Motion
 from ..response.response import Response
@@ -118,7 +118,16 @@ def _last_time(motion: Response) -> float:
 
 
 def write_page(answer: Response | Modes, path, **options) -> Path:
-    """The static page of a motion or of modes; see ``Response.write_page`` and ``Modes.write_page``."""
+    """Write the static page of a motion or of modes.
+
+    Args:
+        answer: a ``Motion``, ``Response`` or ``Modes``.
+        path: of the page.
+        options: of ``result_of`` for a motion; ``title`` for modes.
+
+    Returns:
+        The path.
+    """
     path = Path(path)
     if isinstance(answer, Response):
         return result_of(answer, **options).write_page(path)
@@ -140,12 +149,22 @@ def _scene_modes(modes: Modes, title: str = "") -> SceneModes:
 
 
 def plot(motion: Response, axes=None, quantity: str = "displacement", **options) -> Any:
-    """Draw the curves of a quantity into axes of Matplotlib; see ``Response.plot``."""
-    from matplotlib import pyplot
+    """Draw the curves of a quantity into axes of Matplotlib.
+
+    Args:
+        motion: a ``Motion`` or a ``Response``.
+        axes: of Matplotlib; None for new ones.
+        quantity: the kind of curves.
+        options: of ``result_of``.
+
+    Returns:
+        The axes.
+    """
+    from ..page.plots.images import new_axes
 
     result = result_of(motion, plots=[quantity], **options)
     curves = result.curves(quantity)
-    axes = pyplot.figure().add_subplot() if axes is None else axes
+    axes = new_axes() if axes is None else axes
     for name, values in zip(curves.names, curves.values):
         axes.plot(result.times, values, label=name)
     axes.set_xlabel("time (s)")
@@ -155,14 +174,11 @@ def plot(motion: Response, axes=None, quantity: str = "displacement", **options)
 
 
 def picture(motion: Response) -> str:
-    """The displacements as SVG for notebooks; empty where Matplotlib is not installed."""
+    """The displacements as SVG, for notebooks."""
     from ..page.plots.images import plot_image
     from .run.report.page_report import plots_of
 
-    try:
-        return "".join(plot_image(each, "svg").decode() for each in plots_of(result_of(motion)))
-    except MissingPackage:
-        return ""
+    return "".join(plot_image(each, "svg").decode() for each in plots_of(result_of(motion)))
 
 
 @dataclass(frozen=True)
@@ -182,7 +198,16 @@ class PageView:
 
 
 def view(answer: Response | Modes, height: int = 700, **options) -> PageView:
-    """The page in a frame; see ``Response.view``."""
+    """The page in a frame, for notebooks.
+
+    Args:
+        answer: a ``Motion``, ``Response`` or ``Modes``.
+        height: of the frame, in pixels.
+        options: as of ``write_page``.
+
+    Returns:
+        What a notebook shows as the page.
+    """
     with tempfile.TemporaryDirectory() as folder:
         return PageView(write_page(answer, Path(folder) / "view.html", **options).read_text(encoding="utf-8"), height)
 

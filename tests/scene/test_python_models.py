@@ -64,15 +64,15 @@ def test_a_frame_for_notebooks_holds_the_page_as_text():
 
 
 def test_notebooks_show_a_motion_with_its_plot():
-    pytest.importorskip("matplotlib", reason="pictures are drawn by matplotlib")
     text = machine().solve([0.1, 0.0])._repr_html_()
     assert "<svg" in text and "2 coordinates" in text
 
 
 @pytest.mark.parametrize("quantity, count, label", [("displacement", 2, "displacement (m)"), ("energy", 4, "energy (J)")])
 def test_curves_in_axes_of_matplotlib_are_the_motion(quantity, count, label):
-    matplotlib = pytest.importorskip("matplotlib", reason="plots are drawn by matplotlib")
-    figure = matplotlib.figure.Figure()
+    from matplotlib.figure import Figure
+
+    figure = Figure()
     motion = machine().solve([0.1, 0.0])
     axes = motion.plot(figure.add_subplot(), quantity, end=2.0, points=9)
     assert len(axes.lines) == count and axes.get_ylabel() == label

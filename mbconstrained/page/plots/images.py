@@ -21,6 +21,7 @@ from .axis import axis_of
 from .svg_plot import MOST_CURVES, axis_titles
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 #: Size of an image without its legend, half a page of a report, inches.
@@ -73,6 +74,13 @@ _STYLE = {
     "legend.frameon": False,
     "legend.handlelength": 2.6,
 }
+
+
+def new_axes() -> Axes:
+    """Axes in a figure of their own, as Matplotlib's interactive window or a notebook shows them."""
+    from matplotlib import pyplot
+
+    return pyplot.figure(layout="constrained").add_subplot()
 
 
 def drawn_image(draw: Callable[[Figure], None], width: float, height: float, kind: Literal["svg", "png"]) -> bytes:
