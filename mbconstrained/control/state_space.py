@@ -9,7 +9,9 @@ from numbers import Number
 
 import numpy as np
 
-from ..ground.checks import counted, names_of, nearest, real_array
+from ..frequency.frequency_response import FrequencyResponse, evaluated
+from ..frequency.harmonic import Harmonic
+from ..ground.checks import counted, names_of, nearest, places_of, real_array
 from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..polynomial.polynomial_matrix import PolynomialMatrix
@@ -133,6 +135,34 @@ class StateSpace(Displayed):
         response = solve(self._pencil, self.start(initial)[None, :], u.mapped(self.B), rank_tolerance)
         return StateSpaceResponse(response.problem, response.solution, self, u)
 
+    def frequency_response(self, frequencies_hz="auto", inputs=None, outputs=None) -> FrequencyResponse:
+        """G(i w) = C (i w E - A)^-1 B + D with error estimates, poles, residues and polynomial part.
+
+        Args:
+            frequencies_hz: in Hz, shape (F,), or "auto", placed by the poles.
+            inputs, outputs: names or numbers from 0; all by default.
+
+        Returns:
+            A ``FrequencyResponse``.
+
+        Raises:
+            InputError: unknown names, frequencies that are negative or not finite.
+            SingularPolynomialMatrix: det (s E - A) = 0 for every s.
+
+        >>> lag = StateSpace([[-2.0]], [[2.0]], [[1.0]])
+        >>> lag.frequency_response([1 / np.pi]).values.item()
+        (0.5-0.5j)
+        """
+        own_inputs = self.inputs if inputs is None else [self.inputs[i] for i in _places(inputs, self.inputs, "input")]
+        own_outputs = self.outputs if outputs is None else [self.outputs[i] for i in _places(outputs, self.outputs, "output")]
+        columns, rows = [self.inputs.index(name) for name in own_inputs], [self.outputs.index(name) for name in own_outputs]
+        n, q = len(self.A), len(self.C)
+        B, C = np.vstack([self.B, self.D])[:, columns], np.eye(n + q)[n:][rows]
+        units = [[_unit_ratio(self.units[output], self.units[input]) for input in own_inputs] for output in own_outputs]
+        names = tuple(own_inputs), tuple(own_outputs)
+        harmonic = Harmonic(self._pencil_with_outputs, B, C, 0, None, None, *names, np.array(units), "transfer function")
+        return evaluated(harmonic, frequencies_hz)
+
     def start(self, initial) -> np.ndarray:
         """x(0-), shape (n,), from an array, a mapping from names, or None for zeros."""
         if not isinstance(initial, Mapping):
@@ -216,6 +246,14 @@ class StateSpace(Displayed):
     def from_control(cls, system) -> StateSpace:
         """From a python-control ``StateSpace`` or ``TransferFunction``, with its names; as ``from_scipy``."""
         return cls(**realization_of(system))
+
+
+def _places(chosen, names: Sequence[str], what: str) -> list[int]:
+    return places_of([chosen] if isinstance(chosen, (str, int)) else chosen, names, what)
+
+
+def _unit_ratio(above: str, below: str) -> str:
+    return "1" if above == below else above if below == "1" else f"{above}/({below})" if "/" in below else f"{above}/{below}"
 
 
 def _square(A) -> np.ndarray:

@@ -194,6 +194,23 @@ UNCLEAR_ERROR = 0.1
 #: An answer with a larger estimated relative error than this cannot be trusted (exit code 3).
 TRUST_LIMIT = 1e-3
 
+# Frequency responses.
+
+#: A value with a larger estimated relative error is solved for again, with pivots of its own, and refined.
+LINE_ACCURACY = 5e-11
+
+#: Sums of modes are estimated to be wrong by this many times the largest difference from solutions at some lines.
+SUM_SAFETY = 8.0
+
+#: Zeros of an entry leave at most this part of its terms: eigenvalues are known to half of the digits where they are double.
+ZERO_AGREEMENT = EPS**0.5
+
+#: Lines are placed as for this damping ratio where a pole is nearer to the axis.
+AUTO_DISTANCE = 1e-6
+
+#: Rounding errors of the entries of A(i w) and of their residual, in units of EPS times their terms.
+LINE_ROUNDING = 2.0
+
 # Mechanical systems: matrices of elements, constraint rows, modes of sparse matrices.
 
 #: Assembled in float64, springs or dampers with a larger ratio leave the softest fewer than four digits.

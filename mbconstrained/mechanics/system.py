@@ -24,6 +24,7 @@ from .constrained_form import ConstrainedForm, constrained_form, explicit_accele
 from .constraints import LEVELS, Constraint, ConstraintRow, IndependentRows, checked_constraints, constraint_rows, independent_rows
 from .element_matrix import DampedSystem, ElementMatrix
 from .energy import EnergyParts, coordinate_parts
+from .harmonic_equations import frequency_response
 from .mode_computation import modes_of
 from .modes import Modes
 from .motion import Motion
@@ -305,6 +306,8 @@ class MechanicalSystem(Displayed, DampedSystem):
         undamped = None if damped else MechanicalSystem(self.given[2], None, self.given[0], self.constraints, self.names)
         modes = replace(modes_of(undamped or self), system=undamped or self)
         return modes if count is None else modes.lowest(count)
+
+    frequency_response = frequency_response
 
     def acceleration(self, displacement, velocity, force=None, time: float = 0.0) -> np.ndarray:
         """x'' at a given state, shape (n,), by the explicit formula of Udwadia and Phohomsiri (``mechanics.constrained_form``).

@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...frequency.frequency_response import FrequencyResponse, evaluated
+from ...frequency.harmonic import Harmonic
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS, PROBE_SIZE, rounding_radius
 from ...papers.residue_form import ResidueForm
+from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...polynomial.structure import polynomial_text
 from ...response.estimate import TRIALS
 from ...response.problem import MOVES, Problem
@@ -57,6 +60,25 @@ class TransferFunctionResponse(Response):
     def denominator(self) -> Polynomial:
         """a as given, Fractions, the highest power first."""
         return self.fraction.denominator[::-1]
+
+    def frequency_response(self, frequencies_hz="auto") -> FrequencyResponse:
+        """b(i w) / a(i w), without the common factor, with its poles, residues, peaks and antiresonances.
+
+        Args:
+            frequencies_hz: in Hz, shape (F,), or "auto", placed by the poles.
+
+        Returns:
+            A ``FrequencyResponse`` of one output and one input.
+
+        >>> transfer_function_response([1], [1, 2, 1]).frequency_response([0.0]).values.item()
+        (1+0j)
+        """
+        reduced = self.fraction.reduced
+        b, a = ([float(c) for c in polynomial] for polynomial in (reduced.numerator, reduced.denominator))
+        coefficients = np.zeros((max(len(a), len(b), 1), 2, 2))  # a y = b v, v = u
+        coefficients[: len(a), 0, 0], coefficients[: len(b), 0, 1], coefficients[0, 1, 1] = a, np.negative(b), 1.0
+        A, names = PolynomialMatrix(coefficients), dict(input_names=("u",), output_names=("y",))
+        return evaluated(Harmonic(A, np.eye(2)[:, 1:], np.eye(2)[:1], **names, quantity="transfer function"), frequencies_hz)
 
     @property
     def common_factor(self) -> Polynomial:

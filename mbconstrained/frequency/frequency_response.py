@@ -1,0 +1,396 @@
+"""Frequency response H(i w) = (i w)^p C A(i w)^-1 B with an error estimate of every entry, its poles, residues and polynomial part."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..ground.checks import counted, names_of, optional_package, places_of, real_array, real_number
+from ..ground.display import Displayed, TextTable, notice_table, number_text
+from ..ground.errors import InputError
+from ..ground.files import replacing
+from ..ground.notices import Notice, NoticeKind
+from ..ground.tolerances import EPS, LINE_ACCURACY, SUM_SAFETY, TRUST_LIMIT
+from ..polynomial.polynomial_matrix import PolynomialMatrix
+from .features import Antiresonance, Peak, antiresonances_of, frequencies_by_poles, peaks_of
+from .harmonic import Harmonic
+from .pole_residue_form import Pole
+
+if TYPE_CHECKING:
+    from ..exact.enclosure.intervals import Enclosure
+
+#: From so many lines on, the poles and residues of a full A(s) take less time than solutions at all lines.
+SUM_LINES = 320
+
+#: Lines at which the sum of the terms is compared with solutions.
+COMPARED = 16
+
+
+@dataclass(frozen=True)
+class PoleOnLine:
+    """A requested frequency at which H has a pole on the imaginary axis.
+
+    Attributes:
+        line: its number.
+        frequency_hz: in Hz.
+        pole: with order and residues; entries of ``values`` are the finite part there, H without the terms of the pole.
+    """
+
+    line: int
+    frequency_hz: float
+    pole: Pole
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class FrequencyResponse(Displayed):
+    """H(i w) at given frequencies: a load Re(f e^{+i w t}) has the steady answer Re(H(i w) f e^{+i w t}).
+
+    H(s) = C (s I - J)^-1 B + sum of D_k s^k, from the finite and the infinite Jordan pair of the equations (Moysis et al., Theorem
+    2.8); values come from solutions of A(i w) X = B, or from that sum where it is as accurate.
+
+    Attributes:
+        harmonic: the matrices.
+        frequencies_hz: shape (F,).
+        values: complex, shape (outputs, inputs, F). At a pole on the axis they are the finite part, and ``error_estimate`` is infinite.
+        error_estimate: relative error of each value, shape (outputs, inputs, F).
+        poles_on_lines: the frequencies at which H has a pole.
+
+    >>> import mbconstrained as mb
+    >>> H = mb.MechanicalSystem([[1.0]], [[0.2]], [[4.0]]).frequency_response([0.0, 1 / np.pi])
+    >>> H.values[0, 0].round(6), H.units.item()
+    (array([0.25+0.j , 0.  -2.5j]), 'm/N')
+    """
+
+    harmonic: Harmonic
+    frequencies_hz: np.ndarray
+    values: np.ndarray
+    error_estimate: np.ndarray
+    poles_on_lines: tuple[PoleOnLine, ...] = ()
+
+    def _summary(self) -> str:
+        sizes = ((self.outputs, "output"), (self.inputs, "input"), (self.frequencies_hz, "frequency"))
+        several = {"frequency": "frequencies"}
+        return ", ".join([self.quantity, *(counted(len(own), what, several.get(what)) for own, what in sizes)])
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        return (notice_table(self.notices),)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the inputs."""
+        return self.harmonic.input_names
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs."""
+        return self.harmonic.output_names
+
+    @property
+    def quantity(self) -> str:
+        """The name of what is given."""
+        return self.harmonic.quantity
+
+    @property
+    def units(self) -> np.ndarray:
+        """The unit of each entry, shape (outputs, inputs)."""
+        return self.harmonic.units
+
+    @property
+    def angular_frequencies(self) -> np.ndarray:
+        """w = 2 pi f in rad/s, shape (F,)."""
+        return 2 * np.pi * self.frequencies_hz
+
+    @property
+    def poles(self) -> np.ndarray:
+        """The poles in 1/s with their conjugates, each once, ascending by modulus; ``residues`` has their orders."""
+        return np.array([pole.value for pole in self.harmonic.form.poles], dtype=complex)
+
+    @property
+    def residues(self) -> tuple[np.ndarray, ...]:
+        """For each pole R_0, R_1, ..., shape (order, outputs, inputs): the terms R_j / (s - pole)^(j + 1)."""
+        return tuple(pole.residues for pole in self.harmonic.form.poles)
+
+    @property
+    def polynomial(self) -> np.ndarray:
+        """D_0, D_1, ... of the polynomial part, shape (K, outputs, inputs); K = 0 where H vanishes at infinity."""
+        return self.harmonic.form.polynomial
+
+    @property
+    def rigid_body(self) -> np.ndarray:
+        """The coefficient of 1/s^2, shape (outputs, inputs): for receptances the inverse mass of rigid-body motions."""
+        at_zero = [pole for pole in self.harmonic.form.poles if not pole.value and pole.order > 1]
+        shape = (len(self.outputs), len(self.inputs))
+        return at_zero[0].residues[1].real if at_zero else np.zeros(shape)
+
+    def __call__(self, frequencies_hz) -> FrequencyResponse:
+        """The same response at other frequencies."""
+        return evaluated(self.harmonic, frequencies_hz)
+
+    @cached_property
+    def peaks(self) -> tuple[Peak, ...]:
+        """The maxima of |H| over all frequencies, entry by entry: frequency, amplitude, half-power bandwidth, phase.
+
+        Undamped resonances have infinite amplitude.
+        """
+        return tuple(peaks_of(self.harmonic))
+
+    @cached_property
+    def antiresonances(self) -> tuple[Antiresonance, ...]:
+        """The oscillating zeros of each entry, eigenvalues of [[A(s), -b], [c, 0]] (Rosenbrock 1970)."""
+        return tuple(antiresonances_of(self.harmonic))
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """Poles on lines, inputs that reach nothing, values that are not accurate."""
+        result = [_pole_notice(one, self) for one in self.poles_on_lines]
+        for name, column in zip(self.inputs, np.moveaxis(self.values, 1, 0)):
+            if len(self.frequencies_hz) and not column.any() and not self.poles_on_lines:
+                result.append(Notice(NoticeKind.OMITTED, f'the input "{name}" reaches none of the outputs: its responses are zero'))
+        others = np.setdiff1d(np.arange(len(self.frequencies_hz)), [one.line for one in self.poles_on_lines])
+        worst = self.error_estimate[..., others].max(axis=(0, 1), initial=0.0)
+        if (bad := worst > 2 * LINE_ACCURACY).any():
+            at = others[worst.argmax()]
+            text = (
+                f"{counted(int(bad.sum()), 'frequency', 'frequencies')} have values with an estimated relative error above "
+                f"{2 * LINE_ACCURACY:g}, at most {worst.max():.2g} at {number_text(self.frequencies_hz[at])} Hz"
+            )
+            result.append(Notice(NoticeKind.ACCURACY, text, doubtful=bool(worst.max() > TRUST_LIMIT)))
+        return tuple(result)
+
+    def enclose(self, frequency_hz: float, digits: int = 12) -> Enclosure:
+        """H at one frequency between proved bounds, real parts first: the data taken exactly, w = 2 pi f with all its digits.
+
+        Args:
+            frequency_hz: in Hz.
+            digits: of each value, relative to itself.
+
+        Returns:
+            An ``Enclosure`` of shape (2, outputs x inputs): the real and the imaginary parts of the entries, output by output.
+
+        Raises:
+            InputError: H has a pole there, or the frequency is negative.
+        """
+        from ..exact.enclosure.transfer_enclosure import enclosed_transfer
+
+        f = real_number(frequency_hz, "frequency_hz", minimum=0.0)
+        own = self.harmonic
+        return enclosed_transfer(own.A, own.imaginary, own.inputs, own.outputs, own.power, f, digits)
+
+    def plot(self, kind: str = "bode", figure=None):
+        """Draw the response with matplotlib: one axes for each output and input.
+
+        Args:
+            kind: "bode" (amplitude and phase), "nyquist", or "parts" (real and imaginary).
+            figure: a matplotlib figure; a new one by default.
+
+        Returns:
+            The figure.
+        """
+        from .plots import draw
+
+        return draw(self, kind, figure)
+
+    def to_xarray(self):
+        """The values as a ``DataArray`` with the dimensions output, input and frequency (Hz), and the error estimate as a coordinate.
+
+        Raises:
+            MissingPackage: xarray is not installed.
+        """
+        xarray = optional_package("xarray", "to_xarray")
+        coords = {
+            "output": list(self.outputs),
+            "input": list(self.inputs),
+            "frequency": ("frequency", self.frequencies_hz, {"units": "Hz"}),
+            "unit": (("output", "input"), self.units),
+            "error_estimate": (("output", "input", "frequency"), self.error_estimate),
+        }
+        return xarray.DataArray(self.values, coords, ("output", "input", "frequency"), self.quantity)
+
+    def to_pandas(self):
+        """The values as a complex ``DataFrame``: the index is the frequency in Hz, the columns are pairs (output, input).
+
+        Raises:
+            MissingPackage: pandas is not installed.
+        """
+        pandas = optional_package("pandas", "to_pandas")
+        columns = pandas.MultiIndex.from_product([self.outputs, self.inputs], names=("output", "input"))
+        index = pandas.Index(self.frequencies_hz, name="frequency_hz")
+        return pandas.DataFrame(self.values.reshape(-1, len(index)).T, index, columns)
+
+    def write(self, path: str | Path) -> Path:
+        """Write the values to a file, CSV (real and imaginary parts with units) or NumPy's npz by its ending.
+
+        Args:
+            path: of the file, which is replaced when the new one is complete.
+
+        Returns:
+            The path.
+        """
+        path = Path(path)
+        if path.suffix not in (".csv", ".npz"):
+            raise InputError(f'path: found the ending "{path.suffix}"; expected .csv or .npz')
+        with replacing(path) as temporary:
+            if path.suffix == ".npz":
+                with temporary.open("wb") as file:
+                    np.savez(file, allow_pickle=False, **self._arrays())
+            else:
+                temporary.write_text(self._csv(), encoding="utf-8")
+        return path
+
+    def _arrays(self) -> dict[str, np.ndarray]:
+        texts = {"outputs": np.array(self.outputs), "inputs": np.array(self.inputs), "units": np.array(self.units)}
+        numbers = {name: getattr(self, name) for name in ("frequencies_hz", "values", "error_estimate")}
+        return {**numbers, **texts, "quantity": np.array(self.quantity)}
+
+    def _csv(self) -> str:
+        heads, columns = ["frequency (Hz)"], [self.frequencies_hz]
+        for i, output in enumerate(self.outputs):
+            for j, input in enumerate(self.inputs):
+                for part in ("real", "imag"):
+                    heads.append(f"{part} {output}/{input} ({self.units[i, j]})".replace(",", ";").replace("\n", " "))
+                    columns.append(getattr(self.values[i, j], part))
+        lines = [",".join(heads), *(",".join(map(repr, row)) for row in np.array(columns).T.tolist())]
+        return "\n".join(lines) + "\n"
+
+
+def _pole_notice(one: PoleOnLine, response: FrequencyResponse) -> Notice:
+    R = one.pole.residues[-1]
+    i, j = np.unravel_index(np.abs(R).argmax(), R.shape)
+    real, imag = (part if abs(part) > NOISE * abs(R[i, j]) else 0.0 for part in (R[i, j].real, R[i, j].imag))
+    power = f"^{one.pole.order}" if one.pole.order > 1 else ""
+    where = "s" if not one.pole.value else f"(s - {one.pole.value.imag:.6g} i)"
+    text = (
+        f"{number_text(one.frequency_hz)} Hz: {response.quantity} has a pole of order {one.pole.order} there, of "
+        f'"{response.outputs[i]}" by "{response.inputs[j]}" the term ({number_text(real)}{imag:+.6g} i) / {where}{power}; '
+        "the values are the finite part without the terms of the pole"
+    )
+    return Notice(NoticeKind.ACCURACY, text)
+
+
+# Evaluation.
+
+
+def checked_frequencies(value) -> np.ndarray:
+    """Frequencies in Hz, finite and not negative, as an array (F,).
+
+    Raises:
+        InputError: others.
+
+    >>> checked_frequencies([1, 2.5])
+    array([1. , 2.5])
+    """
+    frequencies = np.atleast_1d(real_array(value, "frequencies_hz"))
+    if frequencies.ndim != 1:
+        raise InputError(f"frequencies_hz: found an array of shape {frequencies.shape}; expected a list of numbers")
+    if frequencies.size and frequencies.min() < 0:
+        raise InputError(f"frequencies_hz: found {frequencies.min():g} Hz; expected numbers >= 0 (H(-f) is the conjugate of H(f))")
+    return frequencies
+
+
+def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
+    """The response at these frequencies.
+
+    Args:
+        harmonic: the matrices.
+        frequencies_hz: shape (F,), or "auto".
+
+    Returns:
+        The response.
+    """
+    if isinstance(frequencies_hz, str):
+        if frequencies_hz != "auto":
+            raise InputError(f'frequencies_hz: found "{frequencies_hz}"; expected numbers in Hz or "auto"')
+        frequencies = frequencies_by_poles(harmonic)
+    else:
+        frequencies = checked_frequencies(frequencies_hz)
+    omega = 2 * np.pi * frequencies
+    H, errors = _values(harmonic, omega)
+    H = H * (1j * omega) ** harmonic.power if harmonic.power else H
+    on_lines = []
+    for line in np.flatnonzero(~(errors <= TRUST_LIMIT).all(axis=(0, 1))):
+        s, form = 1j * omega[line], harmonic.form
+        if (pole := form.pole_at(s)) is not None:
+            on_lines.append(PoleOnLine(int(line), float(frequencies[line]), pole))
+        total, size = form.finite_part(s if pole is None else pole.value, pole)
+        own = SUM_SAFETY * NOISE * size / np.maximum(np.abs(total), np.finfo(float).tiny)
+        if pole is not None:
+            own[pole.residues.any(axis=0)] = np.inf
+        replaced = ~(errors[..., line] <= np.where(np.isfinite(own), own, 0.0))
+        H[..., line] = np.where(replaced, total, H[..., line])
+        errors[..., line] = np.where(replaced, own, errors[..., line])
+    return FrequencyResponse(harmonic, frequencies, H, errors, tuple(on_lines))
+
+
+#: Rounding errors of residues, where they are not measured.
+NOISE = 64 * EPS
+
+
+def _values(harmonic: Harmonic, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """C A^-1 B and the relative errors: by the sum of all terms where that is cheaper and accurate, else by solutions."""
+    solver = harmonic.solver
+    if len(omega) < SUM_LINES or solver.is_sparse:
+        lines = solver.solve(omega)
+        return lines.values, lines.relative
+    form = replace(harmonic.form, power=0)
+    H, sizes = form.values(1j * omega)
+    compared = np.unique(np.linspace(0, len(omega) - 1, COMPARED).astype(int))
+    lines = solver.solve(omega[compared])
+    difference = np.abs(lines.values - H[..., compared]) / sizes[..., compared]
+    noise = max(NOISE / SUM_SAFETY, float(np.nanmax(np.where(np.isfinite(difference), difference, 0.0))))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        errors = SUM_SAFETY * noise * sizes / np.abs(H)
+    left = np.flatnonzero(~(errors <= LINE_ACCURACY).all(axis=(0, 1)))
+    if len(left):
+        lines = solver.solve(omega[left])
+        relative = lines.relative
+        better = ~(errors[..., left] <= relative)
+        H[..., left] = np.where(better, lines.values, H[..., left])
+        errors[..., left] = np.where(better, relative, errors[..., left])
+    return H, errors
+
+
+def frequency_response(A: PolynomialMatrix, frequencies_hz, inputs=None, outputs=None) -> FrequencyResponse:
+    """H(i w) = C A(i w)^-1 B of A(d/dt) x = B u, y = C x.
+
+    Args:
+        A: A(s), size r.
+        frequencies_hz: in Hz, shape (F,), or "auto": placed by the poles so that no peak is missed.
+        inputs: B, shape (r, m), or names of equations; all of them by default.
+        outputs: C, shape (p, r), or names of coordinates; all of them by default.
+
+    Returns:
+        A ``FrequencyResponse``.
+
+    Raises:
+        InputError: shapes that do not match, unknown names, frequencies that are negative or not finite.
+        SingularPolynomialMatrix: det A(s) = 0 for every s.
+
+    >>> H = frequency_response(PolynomialMatrix([[[1.0]], [[1.0]]]), [0.0])
+    >>> H.values.item(), H.poles.tolist()
+    ((1+0j), [(-1+0j)])
+    """
+    if not isinstance(A, PolynomialMatrix):
+        raise InputError(f"A: found an object of type {type(A).__name__}; expected a PolynomialMatrix")
+    B, input_names = _selected(inputs, A.equations, "input", A.size)
+    C, output_names = _selected(outputs, A.coordinates, "output", A.size)
+    units = np.full((len(C), len(B)), "")
+    harmonic = Harmonic(A, B.T, C, input_names=input_names, output_names=output_names, units=units)
+    return evaluated(harmonic, frequencies_hz)
+
+
+def _selected(chosen, names: Sequence[str], what: str, size: int) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Rows of a matrix that is given, or of the identity, with names."""
+    if chosen is None:
+        return np.eye(size), tuple(names)
+    if isinstance(chosen, str) or (isinstance(chosen, (list, tuple)) and all(isinstance(one, str) for one in chosen)):
+        places = places_of([chosen] if isinstance(chosen, str) else chosen, names, what)
+        return np.eye(size)[places], tuple(names[i] for i in places)
+    shape = (size, None) if what == "input" else (None, size)
+    matrix = real_array(chosen, f"{what}s", shape=shape)
+    rows = matrix.T if what == "input" else matrix
+    return rows, names_of(None, len(rows), f"{what}s", what + " ")

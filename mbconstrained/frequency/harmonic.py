@@ -1,0 +1,71 @@
+"""The matrices of a frequency response: s^p C A(s)^-1 B, with names and units of its inputs and outputs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from ..polynomial.polynomial_matrix import PolynomialMatrix
+from .pole_residue_form import PoleResidueForm
+from .structured_solve import StructuredSolver
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """s^p C A(s)^-1 B, what a frequency response is of; A(s) may have an imaginary part without s, of structural damping.
+
+    Attributes:
+        A: the real polynomial matrix.
+        inputs: B, shape (r, m).
+        outputs: C, shape (p, r).
+        power: p.
+        imaginary: the imaginary part of A_0, shape (r, r); None for none. It holds for w > 0 and changes its sign with w.
+        sizes: of the terms that coefficients are sums of, shape (q + 1, r, r); None for those of the coefficients.
+        input_names, output_names: texts.
+        units: of the entries of H, shape (p, m), "" where unknown.
+        quantity: its name.
+    """
+
+    A: PolynomialMatrix
+    inputs: np.ndarray
+    outputs: np.ndarray
+    power: int = 0
+    imaginary: np.ndarray | None = None
+    sizes: np.ndarray | None = None
+    input_names: tuple[str, ...] = ()
+    output_names: tuple[str, ...] = ()
+    units: np.ndarray = field(default_factory=lambda: np.array([[""]]))
+    quantity: str = "response"
+
+    @property
+    def coefficients(self) -> np.ndarray:
+        """A_0, A_1, ..., A_0 with its imaginary part."""
+        if self.imaginary is None:
+            return self.A.coefficients
+        return self.A.coefficients + 1j * np.array([self.imaginary, *np.zeros_like(self.A.coefficients[1:])])
+
+    @cached_property
+    def solver(self) -> StructuredSolver:
+        """Solutions at given lines."""
+        return StructuredSolver(self.coefficients, self.inputs, self.outputs, self.sizes)
+
+    @cached_property
+    def real(self) -> tuple[PolynomialMatrix, np.ndarray, np.ndarray]:
+        """A real A(s) with B and a C, complex where A(s) is complex.
+
+        [[A, -H], [H, A]] (u, v) = (b, 0) has the solution u + i v of (A + i H) x = b.
+        """
+        if self.imaginary is None:
+            return self.A, self.inputs, self.outputs
+        H = [self.imaginary, *np.zeros_like(self.A.coefficients[1:])]
+        doubled = [np.block([[own, -other], [other, own]]) for own, other in zip(self.A.coefficients, H)]
+        inputs = np.vstack([self.inputs, 0 * self.inputs])
+        return PolynomialMatrix(doubled), inputs, np.hstack([self.outputs, 1j * self.outputs])
+
+    @cached_property
+    def form(self) -> PoleResidueForm:
+        """Poles, residues and polynomial part."""
+        A, inputs, outputs = self.real
+        return PoleResidueForm(A.jordan_pairs(), inputs, outputs, self.power)

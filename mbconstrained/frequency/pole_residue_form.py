@@ -1,0 +1,247 @@
+"""H(s) = s^p C A(s)^-1 B as poles, residues and a polynomial part, from the finite and the infinite Jordan pair of A(s).
+
+A(s)^-1 = C_F (s I - J)^-1 B_F + sum of H_k s^k (Moysis et al., Theorem 2.8) gives
+
+    H(s) = sum over poles and j of R_j / (s - pole)^(j + 1) + sum of D_k s^k,  D_k = C H_(k - p) B.
+
+A sum of these terms is right to some rounding errors of the largest of them: where |H| is much smaller it is no value of H any more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg
+
+from ..ground.tolerances import CLUSTER_SAFETY, EPS, NOISE_SAFETY, rounding_radius
+from ..linalg.blocks import block_slices
+from ..linalg.rounding import Noisy
+from ..polynomial.jordan_pairs import JordanPairs
+from ..polynomial.structure import FiniteZero
+
+
+@dataclass(frozen=True)
+class Pole:
+    """A pole of H(s).
+
+    Attributes:
+        value: in 1/s.
+        residues: R_0, R_1, ... with the terms R_j / (s - value)^(j + 1), shape (order, p, m).
+    """
+
+    value: complex
+    residues: np.ndarray
+
+    @property
+    def order(self) -> int:
+        """The highest power of 1 / (s - value)."""
+        return len(self.residues)
+
+
+@dataclass(frozen=True)
+class PoleResidueForm:
+    """Poles, residues and polynomial part of s^p C A(s)^-1 B.
+
+    Attributes:
+        pairs: of A(s).
+        inputs: B, shape (r, m).
+        outputs: C, shape (p, r), real or complex.
+        power: p.
+    """
+
+    pairs: JordanPairs
+    inputs: np.ndarray
+    outputs: np.ndarray
+    power: int = 0
+
+    @cached_property
+    def poles(self) -> tuple[Pole, ...]:
+        """The poles, ascending by modulus, conjugates next to each other; eigenvalues with zero residues are no poles."""
+        result = []
+        for zero in self.pairs.finite.zeros:
+            one, other = self._residues(zero)
+            if len(one):
+                result.append(Pole(zero.value if zero.value.imag else complex(zero.value.real), one))
+            if zero.value.imag and len(other):
+                result.append(Pole(zero.value.conjugate(), other))
+        return tuple(result)
+
+    @cached_property
+    def polynomial(self) -> np.ndarray:
+        """D_0, D_1, ..., shape (K, p, m); none where H(s) vanishes at infinity."""
+        highest = self.pairs.form.highest_impulse + self.power
+        terms = [self._through(k - self.power) for k in range(highest + 1)]
+        while terms and not terms[-1].any():
+            terms.pop()
+        shape = (len(terms), len(self.outputs), self.inputs.shape[1])
+        return np.array(terms).reshape(shape) + 0.0  # no negative zeros
+
+    def _through(self, index: int) -> np.ndarray:
+        """C H_index B, zero where it is rounding error."""
+        form = self.pairs.form
+        scaling = form.companion.scaling
+        middle = form.laurent(index) @ Noisy.exact(scaling.rows[:, None] * self.inputs)
+        parts = [(Noisy.exact(C * scaling.columns) @ middle).cleaned() for C in _parts(self.outputs)]
+        return _joined(parts) / scaling.time ** float(index)
+
+    def _residues(self, zero: FiniteZero) -> tuple[np.ndarray, np.ndarray]:
+        """The coefficients at a zero and at its conjugate, without those that are rounding errors."""
+        pair, value = self.pairs.finite, zero.value if zero.value.imag else zero.value.real
+        chosen = self._blocks_of(zero)
+        at = np.concatenate([np.arange(*self._slices[i].indices(len(pair.B))) for i in chosen])
+        J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
+        right, J, left = _invariant(J, value, zero.multiplicity)
+        C = pair.C[:, at]
+        order = max(zero.partial_multiplicities, default=1)
+        front, sizes = np.linalg.matrix_power(J, self.power), []
+        N, terms = J - value * np.eye(len(J)), []
+        B = left @ (pair.B[at] @ self.inputs)
+        B_size = np.abs(left) @ (np.abs(pair.B[at]) @ np.abs(self.inputs))
+        for _ in range(order):
+            terms.append([part @ C @ right @ front @ B for part in _parts(self.outputs)])
+            middle = np.abs(right) @ np.abs(front) @ B_size
+            sizes.append(sum(np.abs(part) @ np.abs(C) for part in _parts(self.outputs)) @ middle)
+            front = front @ N
+        noise = CLUSTER_SAFETY * EPS * max(pair.coupling, 1.0) * len(pair.B) ** 0.5
+        limits, shape = noise * np.array(sizes), (order, len(self.outputs), self.inputs.shape[1])
+        turned = [[_joined([turn(part) for part in own]) for own in terms] for turn in (np.array, np.conj)]
+        one, conjugate = (_cleaned(np.array(each).reshape(shape), limits) for each in turned)
+        return one, conjugate
+
+    @cached_property
+    def _slices(self) -> list[slice]:
+        return block_slices(self.pairs.finite.blocks)
+
+    @cached_property
+    def _eigenvalues(self) -> tuple[np.ndarray, np.ndarray]:
+        """All eigenvalues, and the numbers of the blocks that have them."""
+        blocks = self.pairs.finite.blocks
+        values = np.concatenate([np.linalg.eigvals(block) for block in blocks] or [np.zeros(0)])
+        return values, np.repeat(np.arange(len(blocks)), [len(block) for block in blocks])
+
+    def _blocks_of(self, zero: FiniteZero) -> np.ndarray:
+        values, owner = self._eigenvalues
+        return np.unique(owner[np.argsort(np.abs(values - zero.value), kind="stable")[: zero.multiplicity]])
+
+    # Values as sums.
+
+    def values(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """s^p times the sum of all terms, and the sizes in which its errors are measured, both of shape (p, m, S).
+
+        The size of a term is what its residue is made of, next to the pole times its relative distance.
+
+        Args:
+            s: shape (S,).
+
+        Returns:
+            Values and sizes.
+        """
+        p, m = len(self.outputs), self.inputs.shape[1]
+        total, size = np.zeros((p, m, len(s)), dtype=complex), np.zeros(len(s))
+        form, scaling = self.pairs.form, self.pairs.form.companion.scaling
+        C, B = self.outputs @ self.pairs.finite.C, self.pairs.finite.B @ self.inputs
+        C_size = np.abs(self.pairs.finite.C / scaling.columns[:, None]).max(axis=0, initial=0.0)
+        B_size = np.abs(self.pairs.finite.B / scaling.rows).max(axis=1, initial=0.0)
+        for at, block in zip(self._slices, self.pairs.finite.blocks):
+            own, inverse_size = _block_values(C[:, at], block, B[at], s)
+            total += own
+            spread = (C_size[at] @ np.abs(np.eye(len(block)))).max() * B_size[at].max()
+            size += spread * inverse_size * (1 + np.linalg.norm(block) * inverse_size)
+        polynomial = [self._term(k) for k in range(form.highest_impulse + 1)]
+        for k, D in enumerate(polynomial):
+            total += D[:, :, None] * s**k
+        scales = np.abs(self.outputs) @ scaling.columns, scaling.rows @ np.abs(self.inputs)
+        powers = s**self.power
+        sizes = np.multiply.outer(np.multiply.outer(*scales), size) + sum(
+            np.abs(D)[:, :, None] * np.abs(s) ** k for k, D in enumerate(polynomial)
+        )
+        return total * powers, sizes * np.abs(powers)
+
+    def _term(self, index: int) -> np.ndarray:
+        parts = [part @ self.pairs.laurent(index) @ self.inputs for part in _parts(self.outputs)]
+        return _joined(parts)
+
+    def finite_part(self, s: complex, pole: Pole | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """H(s) without the terms of a pole, and the sum of the sizes of its terms, both of shape (p, m).
+
+        Args:
+            s: in 1/s.
+            pole: one of ``poles``; None to leave out nothing.
+
+        Returns:
+            At a pole the constant term of the Laurent series of H about it, and sizes.
+        """
+        shape = (len(self.outputs), self.inputs.shape[1])
+        terms = [np.zeros(shape, dtype=complex), *(D * s**k for k, D in enumerate(self.polynomial))]
+        for other in self.poles:
+            if other is not pole:
+                terms += [R / (s - other.value) ** (j + 1) for j, R in enumerate(other.residues)]
+        return np.sum(terms, axis=0), np.abs(terms).sum(axis=0)
+
+    def pole_at(self, s: complex) -> Pole | None:
+        """The pole that s is to rounding errors, if any.
+
+        Args:
+            s: in 1/s.
+
+        Returns:
+            A pole or None.
+        """
+        near = [pole for pole in self.poles if abs(s - pole.value) <= _radius(pole)]
+        return min(near, key=lambda pole: abs(s - pole.value), default=None)
+
+
+def _radius(pole: Pole) -> float:
+    return NOISE_SAFETY * EPS * abs(pole.value) if pole.order == 1 else rounding_radius(pole.order) * abs(pole.value)
+
+
+def _block_values(C, J, B, s) -> tuple[np.ndarray, np.ndarray]:
+    """C (s I - J)^-1 B, shape (p, m, S), and the size of (s I - J)^-1."""
+    if len(J) == 1:
+        inverse = 1 / (s - J[0, 0])
+        return (C @ B)[:, :, None] * inverse, np.abs(inverse)
+    if len(J) == 2:
+        (a, b), (c, d) = J
+        inverse = 1 / ((s - a) * (s - d) - b * c)
+        constant = C @ np.array([[-d, b], [c, -a]]) @ B
+        return ((C @ B)[:, :, None] * s + constant[:, :, None]) * inverse, (np.abs(s) + np.linalg.norm(J)) * np.abs(inverse)
+    matrices = s[:, None, None] * np.eye(len(J)) - J
+    inverses = np.linalg.inv(matrices)
+    return np.einsum("pi,sij,jm->pms", C, inverses, B), np.linalg.norm(inverses, axis=(1, 2))
+
+
+def _invariant(J: np.ndarray, value: complex, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Right vectors, matrix and left vectors of the ``count`` eigenvalues of J nearest to one: J right = right M, left J = M left."""
+    if count == len(J):
+        return np.eye(len(J)), J, np.eye(len(J))
+    distance = np.sort(np.abs(np.linalg.eigvals(J) - value))
+    limit = (distance[count - 1] + distance[count]) / 2
+    T, Q, _ = scipy.linalg.schur(J, output="complex", sort=lambda root: abs(root - value) <= limit)
+    X = scipy.linalg.solve_sylvester(T[:count, :count], -T[count:, count:], -T[:count, count:])
+    left = Q.conj().T
+    return Q[:, :count], T[:count, :count], left[:count] - X @ left[count:]
+
+
+def _parts(outputs: np.ndarray) -> list[np.ndarray]:
+    """A real matrix alone; of a complex one the real and the imaginary part."""
+    return [outputs.real, outputs.imag] if np.iscomplexobj(outputs) else [outputs]
+
+
+def _joined(parts: list[np.ndarray]) -> np.ndarray:
+    return parts[0] if len(parts) == 1 else parts[0] + 1j * parts[1]
+
+
+def _cleaned(terms: np.ndarray, limits: np.ndarray) -> np.ndarray:
+    """Without rounding errors, and without the last terms that are zero."""
+    terms = np.where(np.abs(terms) > limits, terms, 0)
+    return terms[: max((k + 1 for k, term in enumerate(terms) if term.any()), default=0)]
+
+
+def poles_on_axis(poles: tuple[Pole, ...]) -> Iterator[Pole]:
+    """Those with no real part to rounding errors, zero and above."""
+    for pole in poles:
+        if pole.value.imag >= 0 and abs(pole.value.real) <= _radius(pole):
+            yield pole
