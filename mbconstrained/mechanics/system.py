@@ -24,10 +24,11 @@ from .constrained_form import ConstrainedForm, constrained_form, explicit_accele
 from .constraints import LEVELS, Constraint, ConstraintRow, IndependentRows, checked_constraints, constraint_rows, independent_rows
 from .element_matrix import DampedSystem, ElementMatrix
 from .energy import EnergyParts, coordinate_parts
-from .harmonic_equations import frequency_response
 from .mode_computation import modes_of
 from .modes import Modes
 from .motion import Motion
+from .vibration.harmonic_equations import frequency_response
+from .vibration.steady_state import steady_state
 
 if TYPE_CHECKING:
     from .sparse.pencil import ReducedPencil
@@ -308,6 +309,7 @@ class MechanicalSystem(Displayed, DampedSystem):
         return modes if count is None else modes.lowest(count)
 
     frequency_response = frequency_response
+    steady_state = steady_state
 
     def acceleration(self, displacement, velocity, force=None, time: float = 0.0) -> np.ndarray:
         """x'' at a given state, shape (n,), by the explicit formula of Udwadia and Phohomsiri (``mechanics.constrained_form``).

@@ -13,19 +13,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..frequency.frequency_response import FrequencyResponse, evaluated
-from ..frequency.harmonic import Harmonic
-from ..ground.checks import nearest, real_array, real_number
-from ..ground.coordinate_units import force_unit, rate_unit
-from ..ground.errors import InputError
-from ..ground.tolerances import SYMMETRIC_STIFFNESS
-from ..linalg.arrays import full
-from ..polynomial.polynomial_matrix import PolynomialMatrix
-from .element_matrix import ElementMatrix
-from .energy import CoordinatePart
+from ...frequency.frequency_response import FrequencyResponse, evaluated
+from ...frequency.harmonic import Harmonic
+from ...ground.checks import nearest, real_number
+from ...ground.coordinate_units import force_unit, rate_unit
+from ...ground.errors import InputError
+from ...linalg.arrays import full
+from ...polynomial.polynomial_matrix import PolynomialMatrix
+from ..element_matrix import ElementMatrix
+from ..element_matrix import modal_damping as modal_damping_elements
+from ..energy import CoordinatePart
 
 if TYPE_CHECKING:
-    from .system import MechanicalSystem
+    from ..system import MechanicalSystem
+
+
+#: Rounding errors of the entries of a damping matrix from modes, in units of those of its terms.
+MODE_ROUNDING = 16.0
 
 
 @dataclass(frozen=True)
@@ -74,7 +78,7 @@ def frequency_response(
             "apparent mass", the forces at the inputs for a unit motion of one output, the other outputs at rest and all other
             coordinates free (shape (inputs, outputs, F)); "transmissibility" x by a prescribed motion of a row, both
             displacements; "reaction" of constraint rows.
-        modal_damping: damping ratios of an undamped system: one for all modes, or one for each, ascending by frequency.
+        modal_damping: damping ratios in addition to C: one for all modes, or one for each, ascending by frequency.
         loss_factor: eta of structural damping, K (1 + i eta), of the whole model or by name of the springs. It exists for
             harmonic motion only: in time it would answer before the load.
 
@@ -119,7 +123,7 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     known_outputs = _places(outputs, names, default, "output")
     _check(quantity, known_inputs, known_outputs, names, n)
     levels = [0 if quantity == "transmissibility" else row.order for row in rows]
-    coefficients, imaginary, sizes = _saddle_point(system, levels, modal_damping, loss_factor)
+    coefficients, imaginary, sizes = saddle_point(system, levels, modal_damping, loss_factor)
     unit = np.eye(n + len(rows))
     B = unit[:, [names.index(name) for name in known_inputs]]
     C = unit[[names.index(name) for name in known_outputs]]
@@ -208,14 +212,25 @@ def _ratio(above: str, below: str) -> str:
     return f"{above}/{below}" if not any(sign in below for sign in " /") else f"{above}/({below})"
 
 
-def _saddle_point(system, levels, modal_damping, loss_factor):
-    """K, C, M with the constraint rows, the imaginary part of K, and sizes of terms where damping is computed from modes."""
+def saddle_point(
+    system: MechanicalSystem, levels: Sequence[int], modal_damping=None, loss_factor=None
+) -> tuple[list[np.ndarray], np.ndarray | None, np.ndarray | None]:
+    """K, C, M with the constraint rows, the imaginary part of K, and sizes of terms where damping is computed from modes.
+
+    Args:
+        system: with n coordinates and k rows.
+        levels: the order of the derivative in each row.
+        modal_damping, loss_factor: as of ``frequency_response``.
+
+    Returns:
+        Coefficients of shape (n + k, n + k), and None where there is no imaginary part, or no such sizes.
+    """
     n, A, k = system.size, system.constraint_matrix, len(system.rows)
     damping, damping_sizes = system.damping, None
     if modal_damping is not None:
-        if damping.any():
-            raise InputError("modal_damping: the system has a damping matrix; give damping ratios or the matrix, not both")
-        damping, damping_sizes = modal_damping_matrix(system, modal_damping)
+        parts = modal_damping_elements(system.mass, system.stiffness, A, system.modes(damped=False), modal_damping)
+        directions = np.abs(parts.directions)
+        damping, damping_sizes = damping + parts.matrix, MODE_ROUNDING * (directions.T * np.abs(parts.constants)) @ directions
     coefficients = [np.pad(matrix, ((0, k), (0, k))) for matrix in (system.stiffness, damping, system.mass)]
     coefficients[0][:n, n:] = A.T
     for place, level in enumerate(levels):
@@ -223,7 +238,7 @@ def _saddle_point(system, levels, modal_damping, loss_factor):
     sizes = None
     if damping_sizes is not None:
         sizes = np.abs(coefficients)
-        sizes[1, :n, :n] = damping_sizes
+        sizes[1, :n, :n] += damping_sizes
     H = structural_damping(system, loss_factor)
     return coefficients, None if H is None else np.pad(H, ((0, k), (0, k))), sizes
 
@@ -252,40 +267,3 @@ def structural_damping(system: MechanicalSystem, loss_factor) -> np.ndarray | No
         matrix = part.matrix if isinstance(part, ElementMatrix) else full(part)
         H += real_number(value, f"loss factor of {name}", minimum=0.0) * matrix
     return H
-
-
-def modal_damping_matrix(system: MechanicalSystem, ratios) -> tuple[np.ndarray, np.ndarray]:
-    """C = sum of 2 zeta w (M u)(M u)^T over the undamped modes u with u^T M u = 1, and the sizes of its terms.
-
-    Args:
-        system: undamped, M and K symmetric.
-        ratios: zeta of all modes, or of each oscillating mode, ascending by frequency, zero for those that are not given.
-
-    Returns:
-        Two matrices (n, n) in N s/m.
-    """
-    for matrix, what in ((system.mass, "mass"), (system.stiffness, "stiffness")):
-        if np.abs(matrix - matrix.T).max() > SYMMETRIC_STIFFNESS * np.abs(matrix).max():
-            raise InputError(f"modal_damping: the {what} matrix is unsymmetric; give a damping matrix instead")
-    modes = system.modes(damped=False)
-    count = len(modes.natural_frequencies)
-    given = real_array(ratios, "modal_damping")
-    if given.ndim > 1 or (given.ndim == 1 and len(given) > count):
-        raise InputError(f"modal_damping: found shape {given.shape}; expected a number, or one for each of at most {count} modes")
-    if given.size and given.min() < 0:
-        raise InputError(f"modal_damping: found {given.min():g}; expected damping ratios of at least 0")
-    zeta = np.full(count, float(given)) if given.ndim == 0 else np.pad(given, (0, count - len(given)))
-    C, sizes, at = np.zeros_like(system.mass), np.zeros_like(system.mass), 0
-    for mode in modes.oscillating:
-        shapes = np.real(mode.shapes)
-        factor = np.linalg.cholesky(shapes.T @ system.mass @ shapes)
-        forces = system.mass @ np.linalg.solve(factor, shapes.T).T
-        own = zeta[at : at + mode.multiplicity] * 2 * mode.natural_frequency
-        C += (forces * own) @ forces.T
-        sizes += (np.abs(forces) * own) @ np.abs(forces).T
-        at += mode.multiplicity
-    return (C + C.T) / 2, MODE_ROUNDING * sizes
-
-
-#: Rounding errors of the entries of a damping matrix from modes, in units of those of its terms.
-MODE_ROUNDING = 16.0
