@@ -146,13 +146,17 @@ class Defect:
             return self.flow.reduction.decoupled.basis
         return self.flow.modal_output(np.eye(len(self.flow.start_with_force)))
 
-    @cached_property
+    @property
     def _residual(self) -> np.ndarray:
         """Bounds of the residual of each mode in each row of A(s), shape (r, N)."""
+        return self._residuals[1]
+
+    @cached_property
+    def _residuals(self) -> tuple[np.ndarray, np.ndarray]:
         return self._residual_of(self._states, self._modes.J)
 
-    def _residual_of(self, states: np.ndarray, generator: np.ndarray) -> np.ndarray:
-        """|A_0 P Z + A_1 P Z J + A_2 P Z J^2 - F Z_v| with its own rounding errors."""
+    def _residual_of(self, states: np.ndarray, generator: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """A_0 P Z + A_1 P Z J + A_2 P Z J^2 - F Z_v, and bounds of it with its own rounding errors."""
         flow, n = self.flow, len(self.flow.start)
         given = [full(A) for A in flow.reduction.given]
         A, x, step = np.concatenate(given, axis=1), full(flow.output) @ states, np.abs(generator)
@@ -169,7 +173,9 @@ class Defect:
             size[:, original] += size[:, copy]
             total[:, copy] = size[:, copy] = 0.0
         bound = np.abs(total).astype(float) + (A.shape[1] + 6) * UNIT * size
-        return bound + np.concatenate(self.rounding, axis=1) @ np.concatenate(sizes) if self.rounding else bound
+        if self.rounding:
+            bound += np.concatenate(self.rounding, axis=1) @ np.concatenate(sizes)
+        return total.astype(float), bound
 
     @cached_property
     def _copies(self) -> list[tuple[slice, slice]]:
@@ -189,8 +195,13 @@ class Defect:
                     break
         return copies
 
-    def _driven(self, left: np.ndarray, residual: np.ndarray, generator: np.ndarray) -> np.ndarray:
-        """|left B R|: what residuals (r, N) of all rows add to left @ w', those of algebraic rows through their derivatives."""
+    def _driven(self, left: np.ndarray, residuals: tuple[np.ndarray, np.ndarray], generator: np.ndarray) -> np.ndarray:
+        """|left B R|: what residuals (r, N) of all rows add to left @ w', those of algebraic rows through their derivatives.
+
+        Errors of several rows that belong together cancel in the products, as in a quotient of Rayleigh; what is known of them by
+        bounds alone does not.
+        """
+        signed, residual = residuals
         reduction, m = self.flow.reduction, len(self.flow.reduction.second)
         M = np.linalg.inv(full(reduction.M))
         parts, sizes, rows = left[:, m : 2 * m] @ M, np.abs(left[:, m : 2 * m]) @ np.abs(M), reduction.second
@@ -201,7 +212,7 @@ class Defect:
             parts, sizes = np.concatenate([parts, rates], axis=1), np.concatenate([sizes, size @ np.abs(inverse)], axis=1)
             rows = np.concatenate([rows, reduction.first])
         noise = len(left) * DIVISOR_CONDITION * EPS  # of the inverses
-        driven = (np.abs(parts) + noise * sizes) @ residual[rows]
+        driven = np.abs(parts @ signed[rows]) + np.abs(parts) @ (residual - np.abs(signed))[rows] + noise * (sizes @ residual[rows])
         if len(reduction.algebraic):
             right, step, matrix = [residual[reduction.algebraic]], np.abs(generator), np.concatenate(reduction.through, axis=1)
             for _ in reduction.given[1:]:
@@ -212,7 +223,7 @@ class Defect:
     @cached_property
     def _modal_residual(self) -> np.ndarray:
         """E = |X^-1 B R|, how the residual of each mode drives each mode, shape (n, N)."""
-        return self._driven(self._inverse, self._residual, self._modes.J)
+        return self._driven(self._inverse, self._residuals, self._modes.J)
 
     @cached_property
     def _folded_residual(self) -> np.ndarray:
