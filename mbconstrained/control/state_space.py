@@ -187,6 +187,16 @@ class StateSpace(Displayed):
     to_scipy = to_scipy
     to_control = to_control
 
+    def to_dict(self) -> dict:
+        """A, B, C, D, E, and lists of states, inputs, outputs and their units, as plain data.
+
+        >>> StateSpace([[-2.0]], [[1.0]], [[1.0]]).to_dict()["A"].tolist()
+        [[-2.0]]
+        """
+        matrices = {name: getattr(self, name).copy() for name in "ABCDE"}
+        names = {key: list(getattr(self, key)) for key in ("states", "inputs", "outputs")}
+        return {**matrices, **names, "units": dict(self.units)}
+
     def dc_gains(self) -> np.ndarray | None:
         """G(0), shape (q, p); None where s E - A has a zero at 0."""
         if any(not zero.value for zero in self.polynomial_matrix().jordan_pairs().structure.finite_zeros):

@@ -1,10 +1,18 @@
-"""Trajectories with names and units, and the files that they are written to."""
+"""Trajectories with names and units, and the files that they are written to: CSV, npz, MATLAB, netCDF, Zarr, universal files."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+
+from ..ground.checks import nearest, optional_package
+from ..ground.errors import InputError
+from ..ground.files import Replacements
+from .universal import UNIVERSAL, Geometry, write_functions
 
 
 @dataclass(frozen=True)
@@ -13,7 +21,7 @@ class Curves:
 
     Attributes:
         kind: "displacement", "velocity", "acceleration", "reaction", "energy" or "output".
-        names, titles, units: of the rows; a title names the quantity, e.g. "angle".
+        names, titles, units: of the rows; a title names the quantity, e.g. "angle". An unknown unit is an empty text.
         values: shape (rows, T).
     """
 
@@ -22,3 +30,189 @@ class Curves:
     titles: tuple[str, ...]
     units: tuple[str, ...]
     values: np.ndarray
+
+    @property
+    def heads(self) -> list[str]:
+        """Name, title and unit of each row."""
+        units = (f" ({unit})" if unit else "" for unit in self.units)
+        return [f"{name} {title}{unit}" for name, title, unit in zip(self.names, self.titles, units)]
+
+
+def checked_kinds(kinds: Sequence[str], known: Sequence[str]) -> list[str]:
+    """The names of kinds, each once; an InputError for others.
+
+    Args:
+        kinds: of a user, a name or several.
+        known: all that there are.
+
+    Returns:
+        The names.
+
+    >>> checked_kinds("velocity", ("displacement", "velocity"))
+    ['velocity']
+    """
+    chosen = [kinds] if isinstance(kinds, str) else list(kinds)
+    for kind in chosen:
+        if kind not in known:
+            raise InputError(f"kinds: found {kind!r}{nearest(str(kind), known)}; expected some of {', '.join(known)}")
+    return list(dict.fromkeys(chosen))
+
+
+#: The endings of files of trajectories.
+ENDINGS = (".csv", ".npz", ".mat", ".nc", ".zarr", *UNIVERSAL)
+
+
+def write_trajectories(
+    path: str | Path,
+    times: np.ndarray,
+    curves: Sequence[Curves],
+    arrays: Mapping[str, np.ndarray] | None = None,
+    *,
+    excel: bool = False,
+    geometry: Geometry | None = None,
+    binary: bool = True,
+    files: Replacements | None = None,
+) -> Path:
+    """Write trajectories; the ending of the file chooses the format. Every format but text of universal files keeps every bit.
+
+    Args:
+        path: of the file; it ends in .csv, .npz, .mat, .nc (netCDF 3), .zarr, .uff or .unv. Its folder is created.
+        times: shape (T,), in s.
+        curves: of each kind.
+        arrays: further arrays by name, for all formats but CSV and universal files.
+        excel: of .csv: semicolons, a decimal comma and the mark of UTF-8, as spreadsheets with a decimal comma read it.
+        geometry: of universal files, where the coordinates are.
+        binary: of universal files, binary functions; otherwise text.
+        files: others that are written together with it; None for none.
+
+    Returns:
+        The path.
+
+    Raises:
+        InputError: another ending, or an option of another format.
+        MissingPackage: xarray for .nc, xarray and zarr for .zarr, pyuff for universal files.
+
+    >>> import tempfile
+    >>> curves = Curves("displacement", ("cart",), ("displacement",), ("m",), np.array([[0.5, 0.25]]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     print(write_trajectories(Path(folder, "run.csv"), np.array([0.0, 1.0]), [curves]).read_text())
+    time (s),cart displacement (m)
+    0,0.5
+    1,0.25
+    <BLANKLINE>
+    """
+    path = Path(path)
+    ending = path.suffix.lower()
+    if ending not in ENDINGS:
+        raise InputError(f"{path.name}: expected a file that ends in {', '.join(ENDINGS)}{nearest(ending, ENDINGS)}")
+    if excel and ending != ".csv":
+        raise InputError(f"{path.name}: excel is an option of .csv files; leave it out")
+    if (geometry or not binary) and ending not in UNIVERSAL:
+        raise InputError(
+            f"{path.name}: geometry and binary are options of universal files ({', '.join(UNIVERSAL)}); leave them out"
+        )
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with nullcontext(files) if files is not None else Replacements() as files:
+        place = files.temporary(path, ".zgroup" if ending == ".zarr" else "")
+        if ending == ".csv":
+            write_csv(place, times, curves, excel)
+        elif ending in (".nc", ".zarr"):
+            _write_dataset(place, dataset_of(times, curves, arrays), ending)
+        elif ending in UNIVERSAL:
+            write_functions(place, times, curves, geometry or Geometry(), path.stem, binary)
+        else:
+            write_arrays(place, {**arrays_of(times, curves), **(arrays or {})}, ending)
+    return path
+
+
+def _write_dataset(path: Path, dataset, ending: str) -> None:
+    if ending == ".nc":
+        dataset.to_netcdf(path, engine="scipy")
+        return
+    optional_package("zarr", "Zarr")
+    dataset.to_zarr(path, mode="w", zarr_format=2)  # version 3 has no standard for texts yet
+
+
+def write_csv(path: Path, times: np.ndarray, curves: Sequence[Curves], excel: bool = False) -> None:
+    """Write one line for each time: time, then every curve, headed by name and unit, with 17 digits.
+
+    Args:
+        path: of the file.
+        times: shape (T,), in s.
+        curves: of each kind.
+        excel: semicolons, a decimal comma and the mark of UTF-8.
+    """
+    columns = np.vstack([times, *(block.values for block in curves)])
+    heads = ["time (s)", *(head for block in curves for head in block.heads)]
+    separator = ";" if excel else ","
+    quoted = [f'"{head}"' if separator in head else head for head in heads]
+    with open(path, "w", encoding="utf-8-sig" if excel else "utf-8", newline="\n") as file:
+        file.write(separator.join(quoted) + "\n")
+        for row in columns.T.tolist():
+            line = separator.join([f"{value:.17g}" for value in row])
+            file.write((line.replace(".", ",") if excel else line) + "\n")
+
+
+def arrays_of(times: np.ndarray, curves: Sequence[Curves]) -> dict[str, np.ndarray]:
+    """The times, and of each kind the values, names and units.
+
+    Args:
+        times: shape (T,), in s.
+        curves: of each kind.
+
+    Returns:
+        Arrays by name: times, and for each kind KIND, KIND_names and KIND_units.
+    """
+    arrays = {"times": times}
+    for block in curves:
+        arrays |= {
+            block.kind: block.values,
+            f"{block.kind}_names": np.array(block.names),
+            f"{block.kind}_units": np.array(block.units),
+        }
+    return arrays
+
+
+def write_arrays(path: Path, arrays: Mapping[str, np.ndarray], ending: str) -> None:
+    """Write arrays by name, readable without pickle.
+
+    Args:
+        path: of the file, with any ending.
+        arrays: of numbers or texts.
+        ending: ".npz" or ".mat" (MATLAB, version 5); texts are cells in MATLAB.
+    """
+    with open(path, "wb") as file:  # by its name alone, np.savez would put .npz behind it
+        if ending == ".npz":
+            np.savez(file, **arrays)  # type: ignore[arg-type]
+            return
+        import scipy.io
+
+        cells = {name: array.astype(object) if array.dtype.kind == "U" else array for name, array in arrays.items()}
+        scipy.io.savemat(file, cells, long_field_names=True, do_compression=True)
+
+
+def dataset_of(times: np.ndarray, curves: Sequence[Curves], arrays: Mapping[str, np.ndarray] | None = None):
+    """An ``xarray.Dataset``: for each kind an array over time and name, with the units as a coordinate.
+
+    Args:
+        times: shape (T,), in s.
+        curves: of each kind.
+        arrays: further arrays; empty ones are left out, for which netCDF has no form.
+
+    Returns:
+        The data set.
+
+    Raises:
+        MissingPackage: xarray is not installed.
+    """
+    xarray = optional_package("xarray", "netCDF and Zarr")
+    coords: dict[str, object] = {"time": ("time", times, {"units": "s"})}
+    variables: dict[str, object] = {}
+    for block in curves:
+        rows = f"{block.kind}_name"
+        variables[block.kind] = (("time", rows), block.values.T)
+        coords |= {rows: list(block.names), f"{block.kind}_unit": (rows, list(block.units))}
+    for name, array in (arrays or {}).items():
+        if array.size:
+            variables[name] = (tuple(f"{name}_{axis}" for axis in range(array.ndim)), array)
+    return xarray.Dataset(variables, coords, {"source": "mbconstrained"})

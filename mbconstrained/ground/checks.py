@@ -56,10 +56,11 @@ def optional_package(name: str, what_for: str) -> ModuleType:
     try:
         return importlib.import_module(name)
     except ModuleNotFoundError as problem:
-        if problem.name != name.split(".")[0]:
+        package = name.split(".")[0]
+        if problem.name.split(".")[0] != package:
             raise
         raise MissingPackage(
-            f"{what_for} needs the package {problem.name}, which is not installed; in the folder of the checkout: pip install '{EXTRA}'"
+            f"{what_for} needs the package {package}, which is not installed; in the folder of the checkout: pip install '{EXTRA}'"
         ) from None
 
 

@@ -10,6 +10,8 @@ from .errors import InputError
 #: The name of the fixed body, which has no coordinate.
 GROUND = "ground"
 
+DERIVATIVES = ("displacement", "velocity", "acceleration", "jerk")
+
 _FORCES = {"m": "N", "rad": "N m", "1": "J"}
 
 
@@ -67,6 +69,26 @@ def rate_unit(unit: str, order: int = 1) -> str:
     'm/s^2'
     """
     return unit if order == 0 else f"{unit}/{_seconds(order)}"
+
+
+def derivative_name(unit: str, order: int) -> str:
+    """The name of a derivative.
+
+    Args:
+        unit: of the coordinate.
+        order: of the derivative.
+
+    Returns:
+        Its name, e.g. "velocity".
+
+    >>> derivative_name("m", 1), derivative_name("rad", 0), derivative_name("N", 0), derivative_name("m", 5)
+    ('velocity', 'angle', 'value', 'derivative 5')
+    """
+    if order >= len(DERIVATIVES) or unit not in ("m", "rad"):
+        return "value" if order == 0 else f"derivative {order}"
+    if unit == "m":
+        return DERIVATIVES[order]
+    return "angle" if order == 0 else f"angular {DERIVATIVES[order]}"
 
 
 def force_unit(unit: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -62,13 +63,20 @@ class Replacements:
     def __init__(self):
         self._places: dict[Path, Path] = {}
 
-    def temporary(self, path: Path) -> Path:
+    def temporary(self, path: Path, mark: str = "") -> Path:
         """The temporary path of a file that replaces the target at the end.
 
+        Args:
+            path: of the target.
+            mark: the name of a file by which a folder is recognized as one that may be replaced, of formats that are folders.
+
+        Returns:
+            The path.
+
         Raises:
-            IsADirectoryError: the target is a directory.
+            IsADirectoryError: the target is a directory, without the mark.
         """
-        if path.is_dir():  # checked here, before the first files are replaced
+        if path.is_dir() and not (mark and (path / mark).exists()):  # checked here, before the first files are replaced
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
         temporary = path.with_name(f".{path.name}.{os.getpid()}")
         self._places[temporary] = path
@@ -86,9 +94,13 @@ class Replacements:
         try:
             if problem is None:
                 for temporary, path in self._places.items():
+                    if path.is_dir():
+                        shutil.rmtree(path)
                     os.replace(temporary, path)
         finally:
             for temporary in self._places:
+                if temporary.is_dir():
+                    shutil.rmtree(temporary, ignore_errors=True)
                 temporary.unlink(missing_ok=True)
 
 

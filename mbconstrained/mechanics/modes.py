@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from ..exchange.trajectories import write_arrays
+from ..exchange.universal import UNIVERSAL, Geometry, write_modes
 from ..ground.checks import counted, whole_number
+from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Presented, TextTable
+from ..ground.errors import InputError
+from ..ground.files import replacing
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .energy import EnergyParts, EnergyShares
 
@@ -18,6 +24,9 @@ if TYPE_CHECKING:
     from .system import MechanicalSystem
 
 Kind = Literal["oscillation", "decay", "growth", "rigid body", "drift", "offset"]
+
+#: Kinds of modes that are no motion of a structure, which universal files leave out.
+STILL = ("drift", "offset", "decay")
 
 
 @dataclass(frozen=True)
@@ -189,6 +198,44 @@ class Modes(Presented, Sequence):
     def table(self) -> list[dict[str, str]]:
         """A row of texts per mode: kind, frequency in Hz, damping ratio, eigenvalue, frequency in rad/s, multiplicity, meaning."""
         return [_table_row(mode) for mode in self.modes]
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """eigenvalues, natural_frequencies, frequencies_hz, damping_ratios, shapes (of the oscillating modes) and names, as arrays."""
+        keys = ("eigenvalues", "natural_frequencies", "frequencies_hz", "damping_ratios", "shapes")
+        return {**{key: np.asarray(getattr(self, key)) for key in keys}, "names": np.array(self.names)}
+
+    def write(self, path: str | Path, *, units: Mapping[str, str] | None = None, geometry: Geometry | None = None) -> Path:
+        """Write the modes: as arrays in .npz or .mat, or as universal file (.uff, .unv: data sets 151, 164, 15, 82 and 55).
+
+        A universal file has every shape of the oscillating and rigid-body modes: a normal mode with frequency and damping ratio where
+        the shape is real, otherwise a complex eigenvalue. Its numbers have the 6 digits of the format; the eigenvalue stands with all
+        its digits in the fourth line of identification.
+
+        Args:
+            path: of the file.
+            units: of the coordinates by name, "m" or "rad", as ``system.units``; "m" by default.
+            geometry: nodes, directions and points of the coordinates in a universal file.
+
+        Returns:
+            The path.
+
+        Raises:
+            InputError: another ending; complex shapes of angles, which data set 55 has no place for.
+            MissingPackage: pyuff for universal files.
+        """
+        path = Path(path)
+        ending = path.suffix.lower()
+        if ending not in (".npz", ".mat", *UNIVERSAL):
+            raise InputError(f"{path.name}: expected a file that ends in .npz, .mat, {', '.join(UNIVERSAL)}")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with replacing(path) as place:
+            if ending not in UNIVERSAL:
+                write_arrays(place, self.arrays(), ending)
+                return path
+            each = list(coordinate_units(units, self.names).values())
+            modes = [(mode.eigenvalue, shape) for mode in self.modes if mode.kind not in STILL for shape in mode.shapes.T]
+            write_modes(place, modes, self.names, each, geometry or Geometry(), path.stem)
+        return path
 
 
 def _table_row(mode: Mode) -> dict[str, str]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ..ground.checks import counted, nearest, whole_number
+from ..exchange.exported import RATES
+from ..exchange.trajectories import Curves
+from ..ground.checks import counted, nearest, real_array, whole_number
 from ..ground.coordinate_units import force_unit, impulse_unit, rate_unit
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
@@ -144,6 +146,32 @@ class Motion(SystemMotion, Response):
         form = system.constrained_form()
         x = Response.solved(Problem.checked(form.polynomial_matrix, start, form.force(applied), rank_tolerance), request)
         return cls(x.problem, x.solution, system, applied)
+
+    kinds = (*RATES, "reaction")
+
+    def trajectories(self, times, kinds: Sequence[str] = RATES[:1]) -> tuple[Curves, ...]:
+        """As of ``Response``, with the kind "reaction": the multipliers of the constraint rows.
+
+        Args:
+            times: in s, a list of numbers.
+            kinds: "displacement", "velocity", "acceleration", "reaction".
+
+        Returns:
+            Values of each kind.
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> oscillator = MechanicalSystem([[1.0]], stiffness=[[4.0]], names=["cart"])
+        >>> oscillator.solve([1.0]).trajectories([0.0], ["velocity"])[0].heads
+        ['cart velocity (m/s)']
+        """
+        chosen = [kinds] if isinstance(kinds, str) else list(kinds)
+        rates = super().trajectories(times, [kind for kind in chosen if kind != "reaction"])
+        if "reaction" not in chosen:
+            return rates
+        rows = self.system.rows
+        names, units = tuple(row.name for row in rows), tuple(force_unit(row.unit) for row in rows)
+        values = self.reaction(real_array(times, "times", shape=(None,)))
+        return (*rates, Curves("reaction", names, ("reaction",) * len(rows), units, values))
 
     def reaction(self, times) -> np.ndarray:
         """The multipliers lambda(t) of the constraint rows.

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import scipy.sparse
@@ -153,6 +153,10 @@ class MechanicalSystem(Displayed, DampedSystem):
     def _independent_rows(self) -> IndependentRows:
         with short_work(2 * self.size):
             return independent_rows(constraint_rows(self.constraints, self.units), self.size)
+
+    #: Both are functions of ``control.descriptor_form``, above this room; ``mbconstrained/__init__.py`` sets them.
+    to_state_space: ClassVar[Callable[..., Any]]
+    to_dict: ClassVar[Callable[..., dict]]
 
     @property
     def size(self) -> int:

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..ground.checks import counted, optional_package, places_of, real_array, whole_number
+from ..exchange.exported import Exported
+from ..ground.checks import counted, places_of, whole_number
 from ..ground.display import Presented, TextTable, notice_table
-from ..ground.errors import IllConditioned, InputError, MbconstrainedError
+from ..ground.errors import IllConditioned, MbconstrainedError
 from ..ground.notices import Evidence, Notice
 from ..ground.threads import short_work
 from ..ground.tolerances import noise_of
@@ -39,7 +40,7 @@ MOST_NAMES = 6
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Response(Presented):
+class Response(Exported, Presented):
     """x with A(d/dt) x = f from values at 0-.
 
     ``x(t)`` is the regular part at t > 0 (t = 0 means 0+): a number gives shape (r,), times of shape (T,) give
@@ -308,44 +309,6 @@ class Response(Presented):
         notices = self.exact_engine().structure_notices(self, self.exact)
         return self.exact.enclose(times, digits, order=order).with_notices(notices)
 
-    def to_xarray(self, times):
-        """x at times (T,) as a ``DataArray`` with the dimensions time (s) and coordinate; of a state space the outputs too.
-
-        Its coordinate "unit" gives the unit of each entry, where units are known. Its attributes are arrays with an entry for each
-        coordinate: jump_0, jump_1, ... of x, x', ... at t = 0 and impulse_0, impulse_1, ..., the factors of Dirac's delta and its
-        derivatives there; event_times are the times of the later events.
-
-        Raises:
-            InputError: times that are not a list of numbers, negative or not finite.
-            MissingPackage: xarray is not installed.
-        """
-        xarray = optional_package("xarray", "to_xarray")
-        times, names, values, units = _curves(self, times)
-        coords = {"time": ("time", times, {"units": "s"}), "coordinate": list(names)}
-        if units:
-            coords["unit"] = ("coordinate", [units[name] for name in names])
-        attributes = {"long_name": "regular part of x"}
-        if units and len({units[name] for name in names}) == 1:
-            attributes["units"] = units[names[0]]
-        return xarray.DataArray(values.T, coords, ("time", "coordinate"), "x", {**attributes, **_jumps_and_impulses(self)})
-
-    def to_pandas(self, times):
-        """x at times (T,) as a ``DataFrame``: the index is the time in s, a column for each coordinate, of a state space outputs too.
-
-        ``.attrs`` has the units by name (where they are known), and the same jumps and impulses as ``to_xarray``, as dictionaries.
-
-        Raises:
-            InputError: times that are not a list of numbers, negative or not finite.
-            MissingPackage: pandas is not installed.
-        """
-        pandas = optional_package("pandas", "to_pandas")
-        times, names, values, units = _curves(self, times)
-        frame = pandas.DataFrame(values.T, pandas.Index(times, name="time"), pandas.Index(names, name="coordinate"))
-        frame.attrs = {"units": {"time": "s", **{name: units[name] for name in names if name in units}}}
-        for key, values in _jumps_and_impulses(self).items():
-            frame.attrs[key] = values.tolist() if key == "event_times" else dict(zip(names, values.tolist()))
-        return frame
-
     @cached_property
     def moved(self) -> tuple[Response, ...]:
         """Solutions of the same problem with its data moved by about a rounding error (see ``response.estimate``)."""
@@ -386,27 +349,3 @@ def moved_responses(x: Response) -> tuple[Response, ...]:
     """Solutions of the problem of x with its data moved by about a rounding error."""
     request = Request(x.method.evaluations)
     return tuple(Response.solved(x.problem.moved(seed), request) for seed in range(TRIALS))
-
-
-# A response at given times as a table, with names, units, jumps and impulses.
-
-
-def _curves(x: Response, times) -> tuple[np.ndarray, tuple[str, ...], np.ndarray, dict[str, str]]:
-    """Times, names, values and units; those are known to the system that a response is of, if there is one."""
-    times = real_array(times, "times")
-    if times.ndim != 1:
-        raise InputError(f"times: found {'one number' if times.ndim == 0 else 'a table'}; expected a list of numbers")
-    units, whole = getattr(getattr(x, "system", None), "units", {}), _whole(x)
-    return times, whole.polynomial_matrix.coordinates, whole(times), units
-
-
-def _whole(x: Response) -> Response:
-    """States and outputs together where x has outputs."""
-    return getattr(x, "together", x)
-
-
-def _jumps_and_impulses(x: Response) -> dict[str, np.ndarray]:
-    x = _whole(x)
-    attributes = {f"jump_{order}": row.copy() for order, row in enumerate(x.jump)}
-    attributes |= {f"impulse_{order}": row.copy() for order, row in enumerate(x.impulses)}
-    return attributes | ({"event_times": np.array([event.time for event in x.events])} if x.events else {})

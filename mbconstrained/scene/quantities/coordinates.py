@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...ground.checks import nearest
+from ...ground.coordinate_units import DERIVATIVES
 from ...ground.errors import InputError
 from ...ground.tolerances import noise_of
 from ...mechanics.constraints import LEVELS
@@ -16,28 +17,7 @@ from ..file.messages import EntryError, at, named, shown
 from .dimensions import Dimension, dimension, unit_of
 from .quantities import any_quantity, quantity
 
-DERIVATIVES = ("displacement", "velocity", "acceleration", "jerk")
 FORCE_UNITS = {"m": "N", "rad": "N*m"}
-
-
-def derivative_name(unit: str, order: int) -> str:
-    """The name of a derivative.
-
-    Args:
-        unit: of the coordinate.
-        order: of the derivative.
-
-    Returns:
-        Its name, e.g. "velocity".
-
-    >>> derivative_name("m", 1), derivative_name("rad", 0), derivative_name("N", 0), derivative_name("m", 5)
-    ('velocity', 'angle', 'value', 'derivative 5')
-    """
-    if order >= len(DERIVATIVES) or unit not in FORCE_UNITS:
-        return "value" if order == 0 else f"derivative {order}"
-    if unit == "m":
-        return DERIVATIVES[order]
-    return "angle" if order == 0 else f"angular {DERIVATIVES[order]}"
 
 
 def with_time(unit: str, power: int) -> str:

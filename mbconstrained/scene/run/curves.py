@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...exchange.trajectories import Curves
-from ...ground.coordinate_units import force_unit, rate_unit
+from ...ground.coordinate_units import derivative_name, force_unit, rate_unit
 from ...ground.tolerances import NOT_DRAWN
-from ..quantities.coordinates import derivative_name
 
 if TYPE_CHECKING:
     from .result import Result

@@ -259,6 +259,12 @@ def still(scene: Scene) -> Decision:
     return (True, f"{scene.name}.still.png, the model at {time:g} s") if browser() else (False, NONE_INSTALLED)
 
 
+def formats(scene: Scene) -> Decision:
+    """Files for other programs."""
+    requested = scene.table.output.formats
+    return bool(requested), ", ".join(requested) if requested else 'not requested (formats in [output], e.g. ["mat", "uff"])'
+
+
 def plot_images(scene: Scene) -> Decision:
     """The plots as files."""
     requested = scene.table.output.plot_images

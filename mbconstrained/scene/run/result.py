@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...exchange.trajectories import write_arrays, write_csv, write_trajectories
 from ...ground.checks import counted
 from ...ground.display import Displayed, TextTable
 from ...ground.errors import InputError, MbconstrainedError
@@ -25,10 +26,11 @@ from .plan import Plan
 from .report.jumps import Impulse, Jump, forces_of_rows, impulses_of, jumps_of, with_units
 from .report.robot_report import motion_notices
 from .report.tables import notices_of, tables_of
-from .result_files import write_csv, write_npz
+from .result_files import arrays_of_result, more_arrays
 
 if TYPE_CHECKING:
     from ...exact.formulas.closed_form import ClosedForm
+    from ...exchange.universal import Geometry
     from ...mechanics.modes import Modes
     from ...mechanics.motion import Motion
     from ...mechanics.system import MechanicalSystem
@@ -264,11 +266,45 @@ class Result(Displayed):
 
     def write_csv(self, path: str | Path | None = None) -> Path:
         """Write the curves as CSV, one line for each time; path as of ``write_page``."""
-        return self._written("csv", path, lambda path: write_csv(path, self))
+        return self._written("csv", path, lambda path: write_csv(path, self.times, self._all_curves))
 
     def write_npz(self, path: str | Path | None = None) -> Path:
         """Write curves, jumps, impulses and the Jordan pairs as NumPy arrays; path as of ``write_page``."""
-        return self._written("npz", path, lambda path: write_npz(path, self))
+        return self._written("npz", path, lambda path: write_arrays(path, arrays_of_result(self), ".npz"))
+
+    def write(self, path: str | Path, *, excel: bool = False, geometry: Geometry | None = None, binary: bool = True) -> Path:
+        """Write the curves in the format that the ending of the path names: .csv, .npz, .mat, .nc, .zarr, .uff or .unv.
+
+        Args:
+            path: of the file.
+            excel, geometry, binary: as of ``Motion.write``.
+
+        Returns:
+            The path.
+
+        Raises:
+            InputError: another ending, or an option of another format.
+            MissingPackage: xarray for .nc, xarray and zarr for .zarr, pyuff for universal files.
+        """
+        if Path(path).suffix.lower() == ".npz":
+            return self.write_npz(path)
+        arrays = more_arrays(self)
+        curves = self._all_curves
+        with self.writing_together() as files:
+            path = write_trajectories(path, self.times, curves, arrays, excel=excel, geometry=geometry, binary=binary, files=files)
+        self.files.append(path)
+        return path
+
+    def write_formats(self) -> list[Path]:
+        """Write the files that [output] formats requests, next to the others."""
+        names = {"excel": ".excel.csv", "mat": ".mat", "netcdf": ".nc", "zarr": ".zarr", "uff": ".uff"}
+        formats = self.scene.table.output.formats
+        paths = {kind: (self.folder or Path()) / f"{self.scene.name}{names[kind]}" for kind in formats}
+        return [self.write(path, excel=kind == "excel") for kind, path in paths.items()]
+
+    @property
+    def _all_curves(self) -> list[Curves]:
+        return [self.curves(kind) for kind in self.kinds]
 
     def write_plots(self, folder: str | Path | None = None) -> list[Path]:
         """Write each plot of the page as SVG and PNG, named after scene and plot; without a folder into that of the run."""

@@ -81,6 +81,7 @@ STEPS = (
     Step("animation", decisions.animation, attrgetter("animation"), writes=True),
     Step("CSV", partial(decisions.written, kind="csv"), methodcaller("write_csv"), writes=True),
     Step("npz", partial(decisions.written, kind="npz"), methodcaller("write_npz"), writes=True),
+    Step("other formats", decisions.formats, methodcaller("write_formats"), writes=True),
     Step("plots as images (matplotlib)", decisions.plot_images, methodcaller("write_plots"), writes=True),
     Step("still picture (Chromium)", decisions.still, methodcaller("try_still"), writes=True),
     Step(PAGE, partial(decisions.written, kind="page"), methodcaller("write_page"), writes=True),  # after the stages that it lists

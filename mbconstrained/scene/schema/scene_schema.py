@@ -123,8 +123,11 @@ class OutputTable(Table):
     still: Time | None = Field(None, description="A picture of the model at this time as PNG, taken by an installed Chromium.")
     csv: bool = Field(True, description="The trajectories as CSV.")
     npz: bool = Field(True, description="The trajectories, jumps and impulses as NumPy .npz.")
+    formats: list[Literal["excel", "mat", "netcdf", "zarr", "uff"]] = Field(
+        [], description="Further files: CSV with semicolons and decimal commas, MATLAB, netCDF, Zarr, a universal file."
+    )
 
-    @field_validator("plots", "coordinates")
+    @field_validator("plots", "coordinates", "formats")
     @classmethod
     def _once(cls, names):
         if repeated := next((name for name in names or () if names.count(name) > 1), None):

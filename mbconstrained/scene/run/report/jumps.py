@@ -6,14 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ....ground.coordinate_units import force_unit, impulse_unit, rate_unit
+from ....ground.coordinate_units import derivative_name, force_unit, impulse_unit, rate_unit
 from ....ground.display import number_text, with_unit
 from ....ground.notices import Notice, NoticeKind
 from ....mechanics.motion import DELTAS
 from ....response.admissible import admissible
 from ....response.events import Event
 from ....response.response_notices import first_and_count, sides
-from ...quantities.coordinates import Coordinates, beyond_noise, derivative_name
+from ...quantities.coordinates import Coordinates, beyond_noise
 
 if TYPE_CHECKING:
     from ....mechanics.system import MechanicalSystem
