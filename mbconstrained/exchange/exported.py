@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -16,6 +16,13 @@ from .universal import Geometry
 
 #: Kinds of trajectories: x, x', x''.
 RATES = DERIVATIVES[:3]
+
+
+class ExportedSystem:
+    """Conversions of a mechanical system: functions of ``control.descriptor_form``, above, which ``mbconstrained/__init__.py`` sets."""
+
+    to_state_space: ClassVar[Callable[..., Any]]
+    to_dict: ClassVar[Callable[..., dict]]
 
 
 class Exported:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.sparse
 
+from ..exchange.exported import ExportedSystem
 from ..ground.checks import constant_zeros, counted, names_of, nearest, real_array, real_number, whole_number
 from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Displayed, TextTable, notice_table
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 DEFAULT_MODE_COUNT = 50
 
 
-class MechanicalSystem(Displayed, DampedSystem):
+class MechanicalSystem(ExportedSystem, Displayed, DampedSystem):
     """M x'' + C x' + K x = f + A^T lambda with the constraint rows A x^(level) = b, in SI units, for t in s.
 
     The matrices are all arrays, or some of them ``scipy.sparse``. Arrays have all their modes, and motions in closed form in all of
@@ -153,10 +154,6 @@ class MechanicalSystem(Displayed, DampedSystem):
     def _independent_rows(self) -> IndependentRows:
         with short_work(2 * self.size):
             return independent_rows(constraint_rows(self.constraints, self.units), self.size)
-
-    #: Both are functions of ``control.descriptor_form``, above this room; ``mbconstrained/__init__.py`` sets them.
-    to_state_space: ClassVar[Callable[..., Any]]
-    to_dict: ClassVar[Callable[..., dict]]
 
     @property
     def size(self) -> int:
