@@ -177,21 +177,17 @@ class Loop {
   }
 }
 
-// A soft block between two bodies: from point to point, and round where these coincide. A pale copy is
-// drawn over bodies in front of it.
+// A soft block between two bodies: from point to point, and round where these coincide. Bodies in front of it hide it.
 class Bushing {
   constructor() {
-    const shape = new THREE.SphereGeometry(0.15, 32, 20);
-    this.block = group(solid(shape, "#e0a458"), overlay(shape, "#e0a458", 0.35, 10));
-    this.core = overlay(new THREE.SphereGeometry(0.05, 24, 16), ink, 0.8, 12);
-    this.object = group(this.block, this.core);
+    this.object = group(solid(new THREE.SphereGeometry(0.15, 32, 20), "#e0a458"));
   }
 
   update(from, to) {
     const length = lay(this.object, from.position, to.position);
-    this.block.position.x = length / 2;
-    this.block.scale.x = 1 + length / 0.3;
-    this.core.position.x = length;
+    const [block] = this.object.children;
+    block.position.x = length / 2;
+    block.scale.x = 1 + length / 0.3;
   }
 }
 

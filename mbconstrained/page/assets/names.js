@@ -14,6 +14,8 @@ class Names {
     const named = this.drawn.filter(({ label }) => label);
     this.box.classList.toggle("many", named.length > (named.some(({ shape }) => shape === "solids") ? 8 : 24));
     this.hidden = null; // computed when first needed after each change of the view
+    this.sides = null;
+    this.lines = [];
   }
 
   label(text) {
@@ -26,23 +28,63 @@ class Names {
 
   viewChanged() {
     this.hidden = null;
+    this.sides = null; // chosen anew, too
   }
 
-  // Above the middle of a body, at the height of its highest edge, in pixels.
-  top(i) {
-    if (this.boxes[i]) return this.onSolid(i);
+  // The middle of a body and half of its width and height in the view, in pixels.
+  outline(i) {
     const { shape, size, rest_turn } = this.drawn[i];
     const turn = this.stage.turn.clone().multiply(quaternionOf(rest_turn));
     const middle = this.stage.bodies[i].getWorldPosition(new THREE.Vector3()); // in axes with y up
     const { x, y } = middle.clone().project(this.stage.camera);
-    const reach = (...axis) => {
-      const [along, back, upwards] = new THREE.Vector3(...axis).applyQuaternion(turn).toArray();
-      return middle.clone().add(new THREE.Vector3(along, upwards, -back)).project(this.stage.camera).y - y;
-    };
-    const [across, away, up] = [(size[0] / 2) * reach(1, 0, 0), (size[1] / 2) * reach(0, 1, 0), (size[2] / 2) * reach(0, 0, 1)];
-    const face = wheels[shape] ? wheels[shape] * Math.hypot(across, up) : Math.abs(across) + Math.abs(up);
     const [width, height] = this.stage.size;
-    return [((x + 1) / 2) * width, ((1 - (y + face + Math.abs(away))) / 2) * height];
+    const reach = (axis) => {
+      const [along, back, upwards] = new THREE.Vector3(...axis).applyQuaternion(turn).toArray();
+      const end = middle.clone().add(new THREE.Vector3(along, upwards, -back)).project(this.stage.camera);
+      return [Math.abs(end.x - x), Math.abs(end.y - y)];
+    };
+    const axes = [reach([size[0] / 2, 0, 0]), reach([0, size[1] / 2, 0]), reach([0, 0, size[2] / 2])];
+    const half = [0, 1].map((k) => {
+      const [across, away, up] = axes.map((axis) => axis[k]);
+      return (wheels[shape] ? wheels[shape] * Math.hypot(across, up) : across + up) + away;
+    });
+    return { x: ((x + 1) / 2) * width, y: ((1 - y) / 2) * height, across: (half[0] / 2) * width, up: (half[1] / 2) * height };
+  }
+
+  // The boxes in which the name of a body may be, in pixels: above it, to its right, to its left, below it.
+  places(i) {
+    const [width, height] = this.sizes[i];
+    const box = (x, y) => ({ left: x - width / 2, right: x + width / 2, top: y - height, bottom: y });
+    if (this.boxes[i]) {
+      const [x, top] = this.onSolid(i);
+      return [box(x, top - 4)];
+    }
+    const { x, y, across, up } = this.outline(i);
+    const [aside, level] = [across + width / 2 + 4, y + height / 2];
+    return [box(x, y - up - 4), box(x + aside, level), box(x - aside, level), box(x, y + up + height + 4)];
+  }
+
+  // The first of these places in which a name covers no link, no other body and no other name; else the first.
+  side(i, places, occupied) {
+    if (places.length === 1) return 0;
+    const [width, height] = this.stage.size;
+    const others = this.drawn.flatMap(({ shape }, k) => {
+      if (k === i || this.boxes[k] || shape === "rail" || shape === "base") return [];
+      const { x, y, across, up } = this.outline(k);
+      return [{ left: x - across, right: x + across, top: y - up, bottom: y + up }];
+    });
+    const isInside = (box) => box.left > 0 && box.right < width && box.top > 0 && box.bottom < height;
+    const isClear = (box) => isFree(box, occupied) && isFree(box, others) && this.lines.every((line) => !crosses(box, line));
+    return Math.max(places.findIndex((box) => isInside(box) && isClear(box)), 0);
+  }
+
+  // The links as lines in the view, in pixels.
+  lineOf({ ends, drawn }) {
+    const [width, height] = this.stage.size;
+    return ends.map((end) => {
+      const { x, y } = drawn.object.parent.localToWorld(end.clone()).project(this.stage.camera);
+      return [((x + 1) / 2) * width, ((1 - y) / 2) * height];
+    });
   }
 
   // On the middle of the largest solid of a body, or just above it where that is flat.
@@ -69,16 +111,19 @@ class Names {
     return this.drawn.map(({ label }, i) => Boolean(this.boxes[i] && label) && hidden(i));
   }
 
-  // Places the names a little above their bodies; a name that would cover another one or an occupied box,
-  // or belongs to a hidden body, is left out.
+  // Places the names next to their bodies, on the side that was clear when the view was chosen; a name that would cover
+  // another one or an occupied box, or belongs to a hidden body, is left out.
   place(occupied) {
     this.hidden = this.hidden || this.behind();
     this.sizes = this.sizes || this.labels.map(({ offsetWidth, offsetHeight }) => [offsetWidth, offsetHeight]);
+    const chosen = Boolean(this.sides);
+    this.sides = this.sides || this.drawn.map(() => 0);
+    if (!chosen) this.lines = this.stage.links.filter(({ ends }) => ends).map((link) => this.lineOf(link));
     for (const i of this.order()) {
-      const [label, [x, top], [width, height]] = [this.labels[i], this.top(i), this.sizes[i]];
-      const y = top - 4;
-      label.style.transform = `translate(-50%, -100%) translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
-      const box = { left: x - width / 2, right: x + width / 2, top: y - height, bottom: y };
+      const [label, places] = [this.labels[i], this.places(i)];
+      if (!chosen && label.textContent) this.sides[i] = this.side(i, places, occupied);
+      const box = places[this.sides[i]];
+      label.style.transform = `translate(${box.left.toFixed(1)}px, ${box.top.toFixed(1)}px)`;
       const shown = isFree(box, occupied) && !this.hidden[i];
       label.style.visibility = shown ? "visible" : "hidden";
       if (shown && label.textContent) occupied.push(box);
@@ -96,6 +141,20 @@ class Names {
 // Whether a box, in pixels, overlaps none of the occupied ones.
 function isFree(box, occupied) {
   return occupied.every((b) => box.right < b.left || box.left > b.right || box.bottom < b.top || box.top > b.bottom);
+}
+
+// Whether a line comes nearer to a box than half the width of a spring, in pixels.
+function crosses(box, [[x0, y0], [x1, y1]]) {
+  const near = 8;
+  let [first, last] = [0, 1]; // the part of the line that is within the sides so far
+  for (const [start, end, low, high] of [[x0, x1, box.left - near, box.right + near], [y0, y1, box.top - near, box.bottom + near]]) {
+    if (start === end && (start < low || start > high)) return false;
+    if (start === end) continue;
+    const [one, other] = [(low - start) / (end - start), (high - start) / (end - start)];
+    first = Math.max(first, Math.min(one, other));
+    last = Math.min(last, Math.max(one, other));
+  }
+  return first <= last;
 }
 
 // The opaque meshes of an object.

@@ -164,7 +164,9 @@ class Stage {
     for (const link of this.links) {
       const over = link.over === null ? null : this.end(poses[link.over], [0, 0, 0], false, link.back);
       const from = this.end(poses[link.start], link.start_point, link.start_turns, link.back);
-      link.drawn.update(from, this.end(poses[link.end], link.end_point, link.end_turns, link.back), over);
+      const to = this.end(poses[link.end], link.end_point, link.end_turns, link.back);
+      link.drawn.update(from, to, over);
+      link.ends = [from.position, to.position];
     }
     if (this.overlay) this.overlay.show(poses, coordinates, time, motion);
     this.draw();

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from .chains import Chain
 from .joints import Joint, groups, joints_of, natural_positions, walk
 from .orientation import angle_scale, direction_of, displacement_scale, turned_piece
 from .pieces import PULLEY, Piece, stacked, tie_of
+from .storeys import are_storeys, columns, storeys
 from .wheels import Train
 
 #: Two directions (unit vectors) that differ by less are equal within rounding error.
@@ -30,7 +32,9 @@ MOST_NAMED = 3
 PITCH, WIDTH, GAP = 0.95, 5.6, 0.8
 
 
-def lumped_drawing(elements: Iterable[Element], names, values=None, scale=None, turn_scale=None, directions=None) -> Drawing:
+def lumped_drawing(
+    elements: Iterable[Element], names, values=None, scale=None, turn_scale=None, directions=None, stack=None
+) -> Drawing:
     """A drawing of a lumped model that shows what is joined to what; distances are schematic, motion is to scale.
 
     A body stands at its place in the layout plus its displacement from the state in which all springs and rods have
@@ -42,6 +46,8 @@ def lumped_drawing(elements: Iterable[Element], names, values=None, scale=None, 
         values: the motion (r, T) or typical values (r,), by which the magnification is chosen; None for 1.
         scale, turn_scale: the magnification of displacements and of angles, where it shall not be chosen.
         directions: vectors by name, of bodies that move along, or turn about, another axis than usual.
+        stack: "vertical" draws bodies that move along the axis as the storeys of a building, "horizontal" in a row; None
+            takes their names for it.
 
     Returns:
         The drawing.
@@ -83,7 +89,11 @@ def lumped_drawing(elements: Iterable[Element], names, values=None, scale=None, 
     pieces = bar_pieces(bars, sliding, slides, massless, length, scale / (length * (turn_scale or 1.0)))
     barred = {name for piece in pieces for name in piece.names}
     rows = groups([name for name in sliding if name not in barred], (joint.ends for joint in slides))
-    chains = [_chain(group, slides, massless, pulleys, spots) for group in rows]
+    upright = {tuple(group) for group in rows if stack == "vertical" or (stack is None and are_storeys(group))}
+    chains = [
+        storeys(walk(group, slides), slides) if tuple(group) in upright else _chain(group, slides, massless, pulleys, spots)
+        for group in rows
+    ]
     trains = groups(wheels, [*(joint.ends for joint in twists), *meshing])
     chains += [Train(group, massless, twists, gears, racked).piece() for group in trains]
     if directions:
@@ -136,7 +146,7 @@ def _askew(bodies: list[Body], joints: list[Joint]) -> str:
     return f"{', '.join(names[:MOST_NAMED])}{further} {join} bodies of different directions: not drawn to scale"
 
 
-def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=None, directions=None) -> Drawing:
+def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=None, directions=None, stack=None) -> Drawing:
     """A box on a rail for each displacement, a disc for each angle, one below the other, in several columns when there are many.
 
     Args:
@@ -145,6 +155,8 @@ def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=No
         units: r units: "m" for displacements, "rad" for angles; others are not drawn. None for "m".
         scale, turn_scale: the magnifications; None for automatic ones.
         directions: by name, of coordinates that move along, or turn about, another axis than usual; these are on the right.
+        stack: "vertical" draws displacements as the storeys of a building, upwards in their order, "horizontal" as boxes;
+            None takes their names for it.
 
     Returns:
         The drawing.
@@ -155,12 +167,19 @@ def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=No
     unit_of = dict(zip(names, ["m"] * len(names) if units is None else units))
     motion, directions = _motion(names, np.zeros(len(names)) if values is None else values), directions or {}
     drawn = [name for name in names if unit_of[name] in ("m", "rad")]
-    usual = [name for name in drawn if name not in directions]
+    floors = [name for name in drawn if unit_of[name] == "m" and name not in directions]
+    floors = floors if stack == "vertical" or (stack is None and are_storeys(floors)) else []
+    building = storeys(floors, columns(floors)) if floors else Piece(())
+    usual = [name for name in drawn if name not in directions and name not in floors]
     rows = max(6, math.ceil(1.3 * math.sqrt(len(usual))))
     bodies = []
     for i, name in enumerate(usual):
         bodies += _of_coordinate(name, unit_of[name], (WIDTH * (i // rows), 0.0, -PITCH * (i % rows)))
     left = Piece(tuple(bodies)).corners[1, 0] + GAP if bodies else 0.0
+    if floors:
+        low, high = building.corners
+        bodies += building.shifted((left - low[0], 0.0, 0.0)).bodies
+        left += high[0] - low[0] + GAP
     for name in drawn:
         if name in directions:
             own = _of_coordinate(name, unit_of[name], (0.0, 0.0, 0.0))
@@ -170,12 +189,13 @@ def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=No
             bodies += piece.shifted((left - low[0], 0.0, 0.0)).bodies
             left += high[0] - low[0] + GAP
     if scale is None:
-        scale = displacement_scale({name: motion[name] for name in names if unit_of[name] == "m"}, ())
+        moves = {name: motion[name] for name in names if unit_of[name] == "m"}
+        scale = displacement_scale(moves, pairwise((GROUND, *floors)))
     if turn_scale is None:
         turn_scale = angle_scale([motion[name] for name in names if unit_of[name] == "rad"])
     missing = [name for name in names if name not in drawn]
     note = f"not drawn, neither displacement nor angle: {', '.join(missing)}" if missing else ""
-    return Drawing(tuple(bodies), (), scale, turn_scale, note)
+    return Drawing(tuple(bodies), building.links, scale, turn_scale, note)
 
 
 def _of_coordinate(name: str, unit: str, place: tuple[float, float, float]) -> list[Body]:

@@ -118,6 +118,10 @@ class DrawingTable(Table):
     about: PlainVector | None = Field(
         None, description="About what positive angles turn counter-clockwise in the automatic drawing."
     )
+    stack: Literal["vertical", "horizontal"] | None = Field(
+        None,
+        description="vertical: displacements are those of the storeys of a building, upwards; horizontal: in a row. Left out: by names.",
+    )
     scale: Number = Field(1.0, description="By how much displacements are magnified, 1 is true; of a robot all motion in a run.")
     turn_scale: Number = Field(1.0, description="By how much angles are magnified, 1 is true.")
     note: Text = Field("", description="A sentence under the drawing.")
@@ -136,6 +140,8 @@ class DrawingTable(Table):
             product = sum(a * b for a, b in zip(self.along, self.about))
             if abs(product) > 1e-9 * math.hypot(*self.along) * math.hypot(*self.about):
                 raise EntryError("along and about are not at right angles; leave out one of them", "about", "along")
+        if self.is_own and self.stack:
+            raise EntryError("stack is for the automatic drawing; here rest says where the bodies are", "stack")
         if self.is_own and any(table.along or table.about for table in (self, *self.body)):
             raise InputError("along and about turn the automatic drawing; here moves and turns of the bodies say where they go")
         return self

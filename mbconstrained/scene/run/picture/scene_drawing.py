@@ -70,11 +70,12 @@ def automatic_drawing(scene: Scene, elements, values, **scales: float) -> Drawin
     from ....page.drawing.automatic_drawing import coordinate_drawing, lumped_drawing
 
     names, units = scene.equations.coordinates.names, scene.equations.coordinates.units
+    table = scene.table.drawing
     if elements is not None:
-        laid_out = partial(lumped_drawing, elements, names, values, **scales)
+        laid_out = partial(lumped_drawing, elements, names, values, **scales, stack=table and table.stack)
     else:
-        laid_out = partial(coordinate_drawing, names, values, units, **scales)
-    drawing, table = laid_out(), scene.table.drawing
+        laid_out = partial(coordinate_drawing, names, values, units, **scales, stack=table and table.stack)
+    drawing = laid_out()
     if table is None:
         return replace(drawing, turn=_upright(scene, drawing))
     turn = turn_to(table.along, table.about) if table.along or table.about else _upright(scene, drawing)
@@ -86,7 +87,7 @@ def automatic_drawing(scene: Scene, elements, values, **scales: float) -> Drawin
 def _upright(scene: Scene, drawing: Drawing) -> Vector:
     """What falls is drawn standing, unless it would be too tall to be seen well, or hangs on pulleys already."""
     model = scene.table.model
-    stands = any(move[2] for body in drawing.bodies for move in body.moves.values())
+    stands = any(body.shape == "base" or any(move[2] for move in body.moves.values()) for body in drawing.bodies)
     falls = model.kind == "lumped" and model.gravity and not (model.pulley or stands)
     length = np.ptp([body.rest[0] for body in drawing.bodies]) if drawing.bodies else 0.0
     return turn_to((0.0, 0.0, -np.sign(model.gravity)), None) if falls and length <= TALLEST else (0.0, 0.0, 0.0)
@@ -191,6 +192,8 @@ def check_drawing(scene: Scene) -> None:
 def _check_robot(drawing) -> None:
     if drawing.body or drawing.link:
         raise InputError("a robot is drawn from its URDF: leave out body and link; scale, view and note may stand here")
+    if drawing.stack:
+        raise InputError("a robot is drawn from its URDF: leave out stack")
     if drawing.along or drawing.about:
         raise InputError("a robot stands as in its URDF: leave out along and about; view sets from where it is looked at")
 
