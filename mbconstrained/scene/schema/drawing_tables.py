@@ -141,7 +141,7 @@ class DrawingTable(Table):
             if abs(product) > 1e-9 * math.hypot(*self.along) * math.hypot(*self.about):
                 raise EntryError("along and about are not at right angles; leave out one of them", "about", "along")
         if self.is_own and self.stack:
-            raise EntryError("stack is for the automatic drawing; here rest says where the bodies are", "stack")
+            raise EntryError("stack is for the automatic drawing; here the bodies have places of their own, rest", "stack")
         if self.is_own and any(table.along or table.about for table in (self, *self.body)):
             raise InputError("along and about turn the automatic drawing; here moves and turns of the bodies say where they go")
         return self
