@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,12 +12,28 @@ from ..ground.checks import real_array
 from ..ground.display import TextTable
 from ..ground.errors import InputError
 from ..ground.notices import Notice
+from .plots.axis import Axis, Scale, axis_of
 
 if TYPE_CHECKING:
     from .animation.animation import Animation
 
 #: Larger numbers cannot be drawn: the arithmetic of axes and of interpolation would overflow.
 LARGEST = 1e290
+
+
+@dataclass(frozen=True, eq=False)
+class TimeFunctions:
+    """Functions of time that curves show.
+
+    Attributes:
+        at: their values, shape (r, T), at ascending times (T,).
+        breaks: times at which one of them or a derivative of it may jump, ascending.
+        noise: their error, relative to the largest value of any of them.
+    """
+
+    at: Callable[[np.ndarray], np.ndarray]
+    breaks: np.ndarray
+    noise: float = 1e-13
 
 
 @dataclass(frozen=True)
@@ -28,28 +45,34 @@ class Curve:
         values: shape (T,), at the plot's times.
         color: number of its colour and dashes; for a coordinate its number in the animation, so that the curve has the
             colour of the body that it moves. None for its number in the plot.
+        function: its values at all times, as functions and a row of them; None for straight lines between the values.
     """
 
     name: str
     values: np.ndarray
     color: int | None = None
+    function: tuple[TimeFunctions, int] | None = None
 
 
 @dataclass(frozen=True)
 class Plot:
-    """Curves over time, or in a phase plane.
+    """Curves over time or another variable, or in a phase plane.
 
     Attributes:
         title: heading, such as "displacement".
         unit: of the curves, such as "m"; an empty string for a pure number.
-        times: shape (T,), ascending, in s.
+        times: shape (T,), ascending, in s; of a plot over another variable its values.
         curves: their values have the shape of the times.
         across: of a phase plane, a curve along the horizontal axis, whose name is its title; None for the time.
         across_unit: of the horizontal axis.
         quantity: title of the vertical axis; an empty string for that of the plot.
+        variable: what the times are, such as "frequency".
+        scales: of the horizontal and of the vertical axis, "linear" or "log"; values that are not positive are at the low end of a
+            logarithmic axis.
 
     Raises:
-        InputError: shapes that do not match, NaN, infinity or numbers beyond 1e290, times that do not ascend.
+        InputError: shapes that do not match, NaN, infinity or numbers beyond 1e290, times that do not ascend; no positive value for
+            a logarithmic axis.
     """
 
     title: str
@@ -59,21 +82,45 @@ class Plot:
     across: Curve | None = None
     across_unit: str = "s"
     quantity: str = ""
+    variable: str = "time"
+    scales: tuple[Scale, Scale] = ("linear", "linear")
 
     def __post_init__(self):
-        times = ascending_times(self.times, f'plot "{self.title[:60]}", times')
+        times = ascending_times(self.times, f'plot "{self.title[:60]}", {"times" if self.variable == "time" else self.variable}')
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "curves", tuple(self._checked(curve, i) for i, curve in enumerate(self.curves)))
         object.__setattr__(self, "across", self.across and self._checked(self.across, 0))
+        values = [curve.values for curve in self.curves]
+        for name, scale, rows in zip(("horizontal", "vertical"), self.scales, ([self.horizontal.values], values)):
+            if scale == "log" and rows and not (np.array(rows) > 0).any():
+                raise InputError(
+                    f'plot "{self.title[:60]}": no value along its {name} axis is positive; '
+                    "a logarithmic axis needs positive values, give it a linear one"
+                )
 
     def _checked(self, curve: Curve, place: int) -> Curve:
         values = drawable(curve.values, f'plot "{self.title[:60]}", curve "{curve.name}"', self.times.shape)
-        return Curve(curve.name, values, place if curve.color is None else curve.color)
+        return replace(curve, values=values, color=place if curve.color is None else curve.color)
 
     @property
     def horizontal(self) -> Curve:
         """The values along the horizontal axis and their name."""
-        return self.across or Curve("time", self.times)
+        return self.across or Curve(self.variable, self.times)
+
+    @property
+    def axes(self) -> tuple[Axis, Axis]:
+        """The horizontal and the vertical axis; of a plot with at least one curve."""
+        across, up = self.horizontal.values, np.array([curve.values for curve in self.curves])
+        return (
+            axis_of(*_range(across, self.scales[0]), widen=self.across is not None, scale=self.scales[0]),
+            axis_of(*_range(up, self.scales[1]), scale=self.scales[1]),
+        )
+
+
+def _range(values: np.ndarray, scale: Scale) -> tuple[float, float]:
+    """The lowest and the highest value; of a logarithmic axis of the positive ones."""
+    values = values[values > 0] if scale == "log" else values
+    return float(values.min()), float(values.max())
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from .animation.keyframes import KeyFrames, key_frames
 from .animation.overlay import force_scale
 from .content import PageContent
 from .mode_page import ModesContent, mode_sections
-from .plots.svg_plot import AnimatedCoordinates, plot_figures
+from .plots.svg_plot import PlotFunctions, plot_figures
 from .sections import figure_section, formula_section, notice_section, stage_section, table_section
 from .typeset import typeset
 
@@ -36,6 +36,7 @@ VIEWER_FILE = "mbconstrained-viewer.js"
 
 _ASSETS = Path(__file__).with_name("assets")
 _ANIMATION = ("motion.js", "shapes.js", "solids.js", "links.js", "names.js", "stage.js", "player.js", "keys.js", "print.js")
+_PLOTS = ("readings.js", "axes.js", "plots.js")
 
 
 def write_page(path, content: PageContent | ModesContent, viewer: Delivery = "inside", files: Replacements | None = None) -> Path:
@@ -88,18 +89,22 @@ def page_html(content: PageContent | ModesContent, viewer: Delivery = "inside") 
     >>> "<script" in page_html(PageContent("Only a title"))
     False
     """
-    names, has_curves = [], False
+    names: list[str] = []
+    blocks: dict[str, list | dict] = {}
     if isinstance(content, ModesContent):
         sections, data = mode_sections(content)
     else:
-        sections, data = _run_sections(content)
-        has_curves = any(plot.curves and len(plot.times) > 1 for plot in content.plots)
+        functions = PlotFunctions(content.plots)
+        sections, data = _run_sections(content, functions)
+        if functions.sets:
+            blocks["plot-data"], names = functions.as_data(), list(_PLOTS)
     if data:
         kind = "modes.js" if isinstance(content, ModesContent) else "run.js"
-        names = [*_ANIMATION, *["overlay.js"] * ("overlay" in data["figure"]), kind]
-    if data or has_curves:
-        names = ["theme.js", *["plots.js"] * has_curves, *names]
-    elements, allowed = _scripts(names, data, viewer)
+        names += [*_ANIMATION, *["overlay.js"] * ("overlay" in data["figure"]), kind]
+        blocks["motion-data"] = data
+    if names:
+        names = ["theme.js", "numbers.js", *names]
+    elements, allowed = _scripts(names, blocks, viewer)
     body = [
         _header(content.title, content.source, with_theme=bool(names)),
         "<main>",
@@ -131,7 +136,7 @@ base-uri 'none'; form-action 'none'">
 def _header(title: str, source: str, *, with_theme: bool) -> str:
     """Title and source, and with scripts the switch from light to dark."""
     source = f"\n<p>{html.escape(source)}</p>" if source else ""
-    theme = '\n<button type="button" id="theme" aria-pressed="false">Dark</button>' if with_theme else ""
+    theme = '\n<button type="button" id="theme">Switch to dark</button>' if with_theme else ""
     return f"<header>\n<h1>{html.escape(title)}</h1>{source}{theme}\n</header>"
 
 
@@ -142,9 +147,9 @@ def _footer(facts: tuple[tuple[str, str], ...], licences: str) -> str:
     return f"<footer>\n{f'<dl>{rows}</dl>{chr(10)}' if facts else ''}{details if licences else ''}</footer>"
 
 
-def _run_sections(content: PageContent) -> tuple[list[str], dict]:
+def _run_sections(content: PageContent, functions: PlotFunctions) -> tuple[list[str], dict]:
     """The sections of the page of a run, and the data of its animation; none without."""
-    animation, stage, data, coordinates = content.animation, "", {}, None
+    animation, stage, data = content.animation, "", {}
     if animation is not None:
         frames = key_frames(animation)
         figure = figure_data(animation.drawing, [frames], animation.overlay)
@@ -152,7 +157,6 @@ def _run_sections(content: PageContent) -> tuple[list[str], dict]:
         start, end = float(frames.times[0]), float(frames.times[-1])
         decimals = min(12, max(0, 3 - math.floor(math.log10(end - start)))) if end > start else 3
         data = {"figure": figure, "frames": frames.as_data(*errors), "decimals": decimals, "unit": "s"}
-        coordinates = AnimatedCoordinates(animation, frames, errors[0])
         usual = 1.0 if 3 <= end - start <= 90 or end <= start else 10.0 ** round(math.log10((end - start) / 15))
         speeds = [usual * factor for factor in (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)]  # 1 shows the motion in 3 to 90 s
         stage = stage_section(start, end, _magnification(animation, frames), ("time in seconds", "s"), speeds, usual)
@@ -163,7 +167,7 @@ def _run_sections(content: PageContent) -> tuple[list[str], dict]:
         *map(figure_section, content.figures),
         frequencies,
         stage,
-        plot_figures(content.plots, coordinates),
+        plot_figures(content.plots, functions),
         formula_section(content.formulas) if content.formulas else "",
         *map(table_section, content.tables),
     ], data
@@ -186,29 +190,31 @@ def _magnification(animation: Animation, frames: KeyFrames) -> str:
     return " · ".join(filter(None, (drawing.note, *texts)))
 
 
-def _scripts(names: list[str], data: dict, delivery: Delivery) -> tuple[list[str], str]:
+def _scripts(names: list[str], blocks: dict[str, list | dict], delivery: Delivery) -> tuple[list[str], str]:
     """The elements at the end of the body, and the sources of scripts that the policy allows.
 
-    The page's own scripts are in one scope, so that the only global name is ``mbconstrained``.
+    The page's own scripts are in one scope, so that the only global name is ``mbconstrained``. Each block of data is an element
+    with its name.
     """
     if not names:
         return [], "'none'"
     own = '(function () {\n"use strict";\n' + "\n".join(map(_asset, names)) + "})();\n"
-    if not data:
-        return [f"<script>{own}</script>"], _hashes(own)
-    viewer, text = viewer_script(), script_json(data)
+    texts = {name: script_json(data) for name, data in blocks.items()}
+    data = [f'<script type="application/json" id="{name}">{text}</script>' for name, text in texts.items()]
+    if "motion-data" not in blocks:
+        return [*data, f"<script>{own}</script>"], _hashes(own)
+    viewer = viewer_script()
     if delivery == "compressed":
         unpack = _asset("unpack.js")
         packed = [
             f'<script type="application/gzip" data-content="{name}">{_base64(gzip.compress(part.encode(), 9, mtime=0))}</script>'
-            for name, part in (("viewer", viewer), ("motion-data", text), ("own", own))
+            for name, part in (("viewer", viewer), *texts.items(), ("own", own))
         ]
         return [*packed, f"<script>{unpack}</script>"], _hashes(unpack, viewer, own)
-    data_element = f'<script type="application/json" id="motion-data">{text}</script>'
     if delivery == "separate":
         allowed = f"'self' file: {_hashes(own)}"  # not all browsers take file: for 'self'
-        return [data_element, f'<script src="{VIEWER_FILE}"></script>', f"<script>{own}</script>"], allowed
-    return [data_element, f"<script>{viewer}</script>", f"<script>{own}</script>"], _hashes(viewer, own)
+        return [*data, f'<script src="{VIEWER_FILE}"></script>', f"<script>{own}</script>"], allowed
+    return [*data, f"<script>{viewer}</script>", f"<script>{own}</script>"], _hashes(viewer, own)
 
 
 def _base64(content: bytes) -> str:

@@ -111,7 +111,7 @@ class Texts(HTMLParser):
 def test_hostile_texts_come_out_as_texts():
     content = hostile_content()
     page = Texts(page_html(content))
-    assert page.tags.count("script") == 3  # the data, the viewer, the page's own
+    assert page.tags.count("script") == 4  # the data of the plots and of the motion, the viewer, the page's own
     assert not {"img", "b2"} & set(page.tags)
     assert not [name for name in page.attributes if name.startswith("on")]
     assert page.texts.count(content.title) == 3  # title, heading and source
@@ -127,7 +127,7 @@ def test_the_data_are_the_values():
     assert frames["times"] == {"start": 0, "end": 50, "count": 401}
 
 
-@pytest.mark.parametrize("plotted, size", [(True, 60_000), (False, 20_000)])
+@pytest.mark.parametrize("plotted, size", [(True, 80_000), (False, 20_000)])
 def test_without_an_animation_there_is_no_viewer_and_without_plots_too_no_script(plotted, size):
     page = page_html(replace(two_masses_content(), animation=None, **({} if plotted else {"plots": ()})))
     assert len(page) < size

@@ -1,14 +1,6 @@
 // The motion: each coordinate as a function of time, cubic between the key frames and exact on them; and the poses of
 // bodies on paths, cubic too.
 
-// Numbers packed as base64.
-function unpack(text, Type) {
-  const letters = atob(text);
-  const bytes = new Uint8Array(letters.length);
-  for (let i = 0; i < bytes.length; i++) bytes[i] = letters.charCodeAt(i);
-  return new Type(bytes.buffer);
-}
-
 // Packed numbers, or a track: codes of 16 bits with the lowest value and the step of each row.
 function unpacked(numbers, Type) {
   if (typeof numbers === "string") return unpack(numbers, Type);

@@ -1,229 +1,431 @@
 // Plots: cursors at the current time, values of the curves next to their names at the time of the pointer or else of the
-// cursor, and names that show and hide their curves. On a page with an animation plots.seek(time) is called by a press or
-// a drag in a plot, and plots.read(coordinate, time) gives the value of a coordinate.
+// cursor, names that show and hide their curves, and parts of the axes. On a page with an animation plots.seek(time) is called by
+// a press in a plot, and by a drag where the whole is shown.
 const cells = 10000; // of the square in which curves are written, as wide and as high as the axes
-const plots = { all: [], seek: null, read: null, time: null, hover: null };
+const near = 14; // px from a curve to the pointer that highlights it
+const pressed = 4; // px that the pointer moves at most in a press
+const scrolling = 400; // ms after the wheel has scrolled the page in which it goes on scrolling
+const plots = { all: [], sets: [], seek: null, time: null, hover: null, over: null, scrolled: -Infinity };
 const svgNamespace = "http://www.w3.org/2000/svg";
 
 class PlottedCurve {
-  constructor(plot, path, entry) {
+  constructor(plot, entry, number, path) {
     this.plot = plot;
     this.path = path;
+    this.original = path && path.getAttribute("d");
+    this.entry = entry;
     this.button = entry.querySelector("button");
     this.value = entry.querySelector(".value");
-    this.points = pointsOf(path.getAttribute("d"));
-    this.digits = Number(path.dataset.digits); // NaN where none are known
-    this.error = "error" in path.dataset ? Number(path.dataset.error) : null; // of the points; between them it is estimated from the curvature
-    this.coordinate = "coordinate" in path.dataset ? Number(path.dataset.coordinate) : null;
-    this.dot = plot.add("circle", { class: path.getAttribute("class").replace("off", ""), r: 4, visibility: "hidden" });
+    const places = entry.dataset.function.split(" ").map(Number);
+    this.functions = plots.sets[places[places.length - 2]];
+    this.row = places[places.length - 1];
+    this.across = plot.phase ? { functions: plots.sets[places[0]], row: places[1] } : null;
+    this.look = entry.querySelector("path").getAttribute("class");
+    this.dot = plot.add("circle", { class: this.look, r: 4, visibility: "hidden" });
     this.button.addEventListener("click", () => this.toggle());
+    this.button.addEventListener("dblclick", () => this.plot.showOnly(this));
     for (const [event, lit] of [["pointerenter", true], ["pointerleave", false], ["focus", true], ["blur", false]]) {
-      this.button.addEventListener(event, () => this.light(lit && this.shown));
+      this.button.addEventListener(event, () => this.plot.light(lit && this.shown ? this : null));
     }
   }
 
   get shown() {
-    return !this.path.classList.contains("off");
+    return this.button.getAttribute("aria-pressed") === "true";
+  }
+
+  set shown(shown) {
+    this.button.setAttribute("aria-pressed", shown);
+    if (shown) this.draw();
+    if (this.path) this.path.classList.toggle("off", !shown);
   }
 
   toggle() {
-    const off = this.path.classList.toggle("off");
-    this.button.setAttribute("aria-pressed", !off);
-    this.light(!off);
+    this.shown = !this.shown;
+    this.plot.light(this.shown ? this : null);
     this.plot.show();
   }
 
-  light(lit) {
-    this.path.classList.toggle("lit", lit);
-    this.plot.svg.classList.toggle("dim", lit);
+  // The whole curve as it was written, or the part of it that is shown, from the functions.
+  draw() {
+    if (!this.path) {
+      this.path = document.createElementNS(svgNamespace, "path");
+      this.path.setAttribute("class", this.look);
+      this.plot.paths.append(this.path);
+    }
+    const part = this.original && !this.plot.zoomed ? this.original : this.outline();
+    if (this.path.getAttribute("d") !== part) this.path.setAttribute("d", part);
   }
 
-  // The point at a share of the time of the plot, between its neighbours.
-  at(share) {
-    const last = this.points.x.length - 1;
-    const position = this.along ? place(this.along, share * cells) : share * last;
-    const key = Math.min(last - 1, Math.floor(position));
-    const between = (numbers) => numbers[key] + (position - key) * (numbers[key + 1] - numbers[key]);
-    return [between(this.points.x), between(this.points.y), key];
+  outline() {
+    const { across, up, svg, phase, start, end } = this.plot;
+    const width = svg.clientWidth || 600;
+    const [from, to] = phase ? [start, end] : across.ends.map((time) => Math.min(end, Math.max(start, time)));
+    const spacing = phase ? (to - from) / Math.min(20000, 2000 / (across.view[1] - across.view[0])) : (to - from) / width;
+    const x = (time) => cells * across.share(phase ? this.across.functions.at(this.across.row, time)[0] : time);
+    const y = (time) => cells * (1 - up.share(this.functions.at(this.row, time)[0]));
+    const points = this.functions.timesBetween(from, to, spacing).map((time) => [x(time), y(time)]);
+    const kept = phase ? points : thinned(points, cells / width);
+    return "M" + kept.map(([a, b]) => `${Math.round(10 * a) / 10} ${Math.round(10 * clipped(b)) / 10}`).join("L");
   }
 
-  get along() {
-    return this.plot.even ? null : this.plot.times || this.points.x;
-  }
-
-  // How far a point lies above the line through its neighbours, in cells.
-  bend(key) {
-    const y = this.points.y;
-    if (key <= 0 || key >= y.length - 1) return 0;
-    const [before, here, after] = [key - 1, key, key + 1].map((i) => (this.along ? this.along[i] : i));
-    const part = after > before ? (here - before) / (after - before) : 0.5;
-    return y[key] - y[key - 1] - part * (y[key + 1] - y[key - 1]);
-  }
-
-  // Error in cells of a value after a point: of a smooth curve a quarter of the bend; at a jump the bends are opposite.
-  errorAfter(key) {
-    const [one, other] = [this.bend(key), this.bend(key + 1)];
-    const bent = one * other < 0 ? Math.abs(one - other) : Math.max(Math.abs(one), Math.abs(other)) / 2;
-    return this.error + bent;
+  at(time) {
+    return this.functions.at(this.row, time);
   }
 
   show(time) {
-    const share = this.plot.share(time);
-    const there = share !== null && this.shown;
-    this.dot.setAttribute("visibility", there ? "visible" : "hidden");
-    this.value.textContent = there ? this.read(share, time) : "";
+    const there = time !== null && this.shown;
+    const point = there ? this.point(time) : [NaN, NaN];
+    const inside = point.every((share) => share >= 0 && share <= 1);
+    this.dot.setAttribute("visibility", there && inside ? "visible" : "hidden");
+    if (inside) {
+      this.dot.setAttribute("cx", `${(100 * point[0]).toFixed(3)}%`);
+      this.dot.setAttribute("cy", (this.plot.height * (1 - point[1])).toFixed(2));
+    }
+    this.value.textContent = there ? this.text(time) : "";
   }
 
-  // The value with its known digits: of a coordinate from the motion itself, of any other curve from its drawn points.
-  read(share, time) {
-    const { across, up, phase, height } = this.plot;
-    const [x, y, key] = this.at(share);
-    const read = this.coordinate !== null && plots.read;
-    const upwards = read ? up.share(plots.read(this.coordinate, time)) : 1 - y / cells;
-    this.dot.setAttribute("cx", `${(100 * x) / cells}%`);
-    this.dot.setAttribute("cy", height * (1 - upwards));
-    const digits = this.error === null ? this.digits : up.digitsFor(this.errorAfter(key));
-    const texts = [...(phase ? [across.text(x / cells)] : []), up.text(upwards, digits)];
-    return texts.every(Boolean) ? texts.join(", ") : "";
+  point(time) {
+    const { across, up, phase } = this.plot;
+    return [across.share(phase ? this.across.functions.at(this.across.row, time)[0] : time), up.share(this.at(time)[0])];
+  }
+
+  text(time) {
+    const { across, up, phase } = this.plot;
+    const texts = phase ? [readingText(...this.across.functions.at(this.across.row, time), across.unit, across.exponent)] : [];
+    return [...texts, readingText(...this.at(time), up.unit, up.exponent)].join(", ");
   }
 }
 
 class PlottedFigure {
   constructor(svg) {
     this.svg = svg;
+    this.figure = svg.closest("figure");
     this.height = svg.clientHeight || 214;
     this.start = Number(svg.dataset.start);
     this.end = Number(svg.dataset.end);
-    this.phase = "times" in svg.dataset;
-    this.times = svg.dataset.times ? sums(svg.dataset.times.split(" ").map(Number)) : null;
-    this.even = "even" in svg.dataset || svg.dataset.times === "";
-    this.across = new Scale(svg.dataset.across, svg.dataset.acrossUnit, Number(svg.dataset.acrossDigits));
-    this.up = new Scale(svg.dataset.up, svg.dataset.upUnit);
+    this.over = svg.dataset.over === "phase" ? "time" : svg.dataset.over;
+    this.phase = svg.dataset.over === "phase";
+    this.across = new Axis(svg.dataset.across, svg.dataset.acrossUnit);
+    this.up = new Axis(svg.dataset.up, svg.dataset.upUnit);
+    this.ticks = svg.querySelector(".ticks");
+    this.paths = svg.querySelector(".curves");
+    this.grid = this.ticks.innerHTML;
+    this.pointers = new Map();
     this.cursor = this.add("line", { class: "cursor", y2: this.height, visibility: "hidden" });
     this.pointer = this.add("line", { class: "pointer", y2: this.height, visibility: "hidden" });
     this.pointerTime = this.add("text", { class: "pointer-time", y: -3, "text-anchor": "middle" });
-    const entries = svg.closest("figure").querySelectorAll(".legend li");
-    this.curves = [...svg.querySelectorAll("path")].map((path, i) => new PlottedCurve(this, path, entries[i]));
-    svg.addEventListener("pointerdown", (event) => this.press(event));
-    svg.addEventListener("pointermove", (event) => this.move(event));
-    for (const end of ["pointerleave", "pointercancel"]) svg.addEventListener(end, () => hover(null));
+    const entries = [...this.figure.querySelectorAll(".legend li")];
+    const pathOf = (number) => this.paths.querySelector(`[data-number="${number}"]`);
+    this.curves = entries.map((entry, i) => new PlottedCurve(this, entry, i, pathOf(i)));
+    this.reset = this.resetButton();
+    this.listen();
+    this.choose();
   }
 
-  add(tag, attributes) {
+  get zoomed() {
+    return this.across.zoomed || this.up.zoomed;
+  }
+
+  add(tag, attributes, parent = this.svg) {
     const element = document.createElementNS(svgNamespace, tag);
     for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
-    this.svg.append(element);
+    parent.append(element);
     return element;
+  }
+
+  resetButton() {
+    const button = document.createElement("button");
+    Object.assign(button, { type: "button", className: "whole", textContent: "Show the whole", hidden: true });
+    button.addEventListener("click", () => this.showWhole());
+    this.figure.prepend(button);
+    return button;
+  }
+
+  listen() {
+    const { svg } = this;
+    svg.addEventListener("pointerdown", (event) => this.press(event));
+    svg.addEventListener("pointermove", (event) => this.move(event));
+    svg.addEventListener("pointerup", (event) => this.release(event));
+    for (const end of ["pointerleave", "pointercancel"]) {
+      svg.addEventListener(end, (event) => {
+        this.pointers.delete(event.pointerId);
+        this.light(null);
+        hover(null);
+      });
+    }
+    svg.addEventListener("dblclick", () => this.showWhole());
+    svg.addEventListener("wheel", (event) => this.turn(event), { passive: false });
+    svg.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  // The names of many curves can be searched, and all found ones shown or hidden.
+  choose() {
+    const search = this.figure.querySelector(".choice input");
+    if (!search) return;
+    const found = () => this.curves.filter((curve) => !curve.entry.hidden);
+    search.addEventListener("input", () => {
+      const text = search.value.toLowerCase();
+      this.curves.forEach((curve) => (curve.entry.hidden = !curve.button.textContent.toLowerCase().includes(text)));
+    });
+    for (const button of this.figure.querySelectorAll("[data-choice]")) {
+      button.addEventListener("click", () => {
+        found().forEach((curve) => (curve.shown = button.dataset.choice === "all"));
+        this.show();
+      });
+    }
+  }
+
+  showOnly(only) {
+    this.curves.forEach((curve) => (curve.shown = curve === only));
+    this.show();
+  }
+
+  // Highlights a curve and brings it to the front; null for none.
+  light(lit) {
+    if (this.lit === lit) return;
+    this.lit = lit;
+    this.svg.classList.toggle("dim", lit !== null);
+    for (const curve of this.curves) {
+      curve.entry.classList.toggle("lit", curve === lit);
+      if (curve.path) curve.path.classList.toggle("lit", curve === lit);
+    }
+    if (lit && lit.path) this.paths.append(lit.path);
+    else this.sort();
+  }
+
+  // The smallest curve is drawn last, as on the whole page.
+  sort() {
+    const drawn = this.curves.filter((curve) => curve.path);
+    drawn.forEach((curve) => (curve.span = curve.span || spanOf(curve)));
+    drawn.sort((one, other) => other.span - one.span).forEach((curve) => this.paths.append(curve.path));
   }
 
   // Values are those at the pointer, or else at the current time.
   show() {
-    const [time, pointed] = [this.share(plots.time), this.share(plots.hover)];
-    this.curves.forEach((curve) => curve.show(plots.hover === null ? plots.time : plots.hover));
+    const now = this.over === "time" ? this.within(plots.time) : null;
+    const pointed = plots.over === this.over ? this.within(plots.hover) : null;
+    this.curves.forEach((curve) => curve.show(pointed === null ? now : pointed));
     if (this.phase) return;
-    this.put(this.cursor, time);
+    this.put(this.cursor, now);
     this.put(this.pointer, pointed);
-    this.pointerTime.textContent = pointed === null ? "" : this.across.text(pointed);
-    this.pointerTime.setAttribute("x", `${100 * pointed}%`);
+    const rounded = pointed !== null && this.across.rounded(pointed, 2 * this.svg.clientWidth);
+    this.pointerTime.textContent = rounded ? this.across.text(pointed, rounded.digits) : "";
+    this.pointerTime.setAttribute("x", `${100 * (rounded ? this.across.share(pointed) : 0)}%`);
   }
 
-  // The part of the plot's time that has passed, or null where it has no such time.
-  share(time) {
-    const share = time === null ? NaN : (time - this.start) / (this.end - this.start);
-    return share >= 0 && share <= 1 ? share : null;
+  // A time that the plot has, or null.
+  within(time) {
+    return time !== null && time >= this.start && time <= this.end ? time : null;
   }
 
-  put(line, share) {
-    line.setAttribute("visibility", share === null ? "hidden" : "visible");
+  put(line, time) {
+    const share = time === null ? -1 : this.across.share(time);
+    line.setAttribute("visibility", share >= 0 && share <= 1 ? "visible" : "hidden");
     for (const end of ["x1", "x2"]) line.setAttribute(end, `${(100 * share).toFixed(3)}%`);
   }
 
-  timeAt(event) {
+  // Where a pointer is, as shares of the axes, from the left and from below.
+  shares(event) {
     const box = this.svg.getBoundingClientRect();
-    const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
-    const share = this.phase ? this.nearest(x, y, box) : Math.min(1, Math.max(0, x));
-    return this.start + share * (this.end - this.start);
+    return [(event.clientX - box.left) / box.width, 1 - (event.clientY - box.top) / box.height];
   }
 
-  // The part of the time at which a phase curve is nearest to the pointer; where it crosses itself, the one nearest to now.
-  nearest(x, y, box) {
-    const { points } = this.curves[0];
-    const distances = points.x.map((px, i) => Math.hypot((px / cells - x) * box.width, (points.y[i] / cells - y) * box.height));
+  timeAt(event) {
+    const [x, y] = this.shares(event);
+    if (this.phase) return this.nearest(x, y);
+    const time = this.across.value(Math.min(1, Math.max(0, x)));
+    return Math.min(this.end, Math.max(this.start, this.across.rounded(time, 2 * this.svg.clientWidth).value));
+  }
+
+  // The time at which a phase curve is nearest to the pointer; where it crosses itself, the one nearest to now.
+  nearest(x, y) {
+    const [curve, box] = [this.curves[0], this.svg.getBoundingClientRect()];
+    const times = Array.from({ length: 2001 }, (_, i) => this.start + ((this.end - this.start) * i) / 2000);
+    const distances = times.map((time) => {
+      const [px, py] = curve.point(time);
+      return Math.hypot((px - x) * box.width, (py - y) * box.height);
+    });
     const closest = Math.min(...distances);
-    const shareAt = (i) => (this.times ? this.times[i] / cells : i / (distances.length - 1));
-    const now = this.share(plots.time) || 0;
-    const shares = distances.flatMap((distance, i) => (distance < closest + 5 ? [shareAt(i)] : []));
-    return shares.reduce((best, share) => (Math.abs(share - now) < Math.abs(best - now) ? share : best));
+    const now = this.within(plots.time) === null ? this.start : plots.time;
+    return times
+      .filter((_, i) => distances[i] < closest + 5)
+      .reduce((best, time) => (Math.abs(time - now) < Math.abs(best - now) ? time : best));
+  }
+
+  // The shown curve that is nearest to the pointer, or null.
+  curveAt(event) {
+    if (this.phase) return null;
+    const [, y] = this.shares(event);
+    const time = this.timeAt(event);
+    const distances = this.curves.map((curve) => (curve.shown ? Math.abs(curve.point(time)[1] - y) * this.height : Infinity));
+    const least = Math.min(...distances);
+    return least < near ? this.curves[distances.indexOf(least)] : null;
   }
 
   press(event) {
     if (event.button !== 0) return;
     this.svg.setPointerCapture(event.pointerId);
-    if (plots.seek) plots.seek(this.timeAt(event));
-    hover(this.timeAt(event));
+    this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY, startX: event.clientX, startY: event.clientY, moved: false });
+    if (this.pointers.size > 1) return;
+    if (plots.seek && !this.zoomed) plots.seek(this.timeAt(event));
+    hover(this.timeAt(event), this.over);
   }
 
   move(event) {
-    const time = this.timeAt(event);
-    if (plots.seek && event.buttons === 1 && this.svg.hasPointerCapture(event.pointerId)) plots.seek(time);
-    hover(time);
+    const held = this.pointers.get(event.pointerId);
+    if (!held) {
+      this.light(this.curveAt(event));
+      hover(this.timeAt(event), this.over);
+      return;
+    }
+    const box = this.svg.getBoundingClientRect();
+    held.moved = held.moved || Math.hypot(event.clientX - held.startX, event.clientY - held.startY) > pressed;
+    if (this.pointers.size === 2) {
+      this.pinch(event, held, box);
+    } else if (this.zoomed) {
+      if (held.moved) this.pan((held.x - event.clientX) / box.width, (event.clientY - held.y) / box.height);
+      hover(this.timeAt(event), this.over);
+    } else {
+      if (plots.seek) plots.seek(this.timeAt(event));
+      hover(this.timeAt(event), this.over);
+    }
+    Object.assign(held, { x: event.clientX, y: event.clientY });
+  }
+
+  // Two fingers: the part that is shown follows their distance and their middle.
+  pinch(event, held, box) {
+    const [other] = [...this.pointers.entries()].filter(([id]) => id !== event.pointerId).map(([, pointer]) => pointer);
+    const before = Math.hypot(held.x - other.x, held.y - other.y);
+    const after = Math.hypot(event.clientX - other.x, event.clientY - other.y);
+    const middle = { clientX: (event.clientX + other.x) / 2, clientY: (event.clientY + other.y) / 2 };
+    other.moved = held.moved = true;
+    this.pan((held.x - event.clientX) / 2 / box.width, (event.clientY - held.y) / 2 / box.height);
+    if (before > 0) this.zoom(after / before, ...this.shares(middle));
+  }
+
+  release(event) {
+    const held = this.pointers.get(event.pointerId);
+    this.pointers.delete(event.pointerId);
+    if (held && !held.moved && this.zoomed && plots.seek) plots.seek(this.timeAt(event));
+  }
+
+  // The wheel zooms at the pointer: over the labels along their axis only. A page that is being scrolled goes on scrolling, and so it
+  // does where the whole is shown and would become smaller.
+  turn(event) {
+    const factor = Math.exp(-0.002 * event.deltaY * (event.deltaMode === 1 ? 16 : 1));
+    if ((factor < 1 && !this.zoomed) || (!event.ctrlKey && performance.now() - plots.scrolled < scrolling)) return;
+    event.preventDefault();
+    const [x, y] = this.shares(event);
+    this.zoom(factor, x, y, x >= 0 && !event.altKey, y >= 0 && !event.shiftKey);
+    hover(this.timeAt(event), this.over);
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const act = {
+      "+": () => this.zoom(1.5, 0.5, 0.5),
+      "=": () => this.zoom(1.5, 0.5, 0.5),
+      "-": () => this.zoom(1 / 1.5, 0.5, 0.5),
+      0: () => this.showWhole(),
+      ArrowLeft: () => this.pan(-0.1, 0),
+      ArrowRight: () => this.pan(0.1, 0),
+      ArrowUp: () => this.pan(0, 0.1),
+      ArrowDown: () => this.pan(0, -0.1),
+    }[event.key];
+    if (!act || (event.key.startsWith("Arrow") && !this.zoomed)) return;
+    event.preventDefault();
+    event.stopPropagation(); // the animation has keys, too
+    act();
+  }
+
+  zoom(factor, x, y, along = true, upwards = true) {
+    if (along) this.across.zoom(factor, Math.min(1, Math.max(0, x)));
+    if (upwards) this.up.zoom(factor, Math.min(1, Math.max(0, y)));
+    this.redraw();
+  }
+
+  pan(along, upwards) {
+    this.across.pan(along);
+    this.up.pan(upwards);
+    this.redraw();
+  }
+
+  showWhole() {
+    this.across.reset();
+    this.up.reset();
+    this.redraw();
+  }
+
+  // Axes and curves of the part that is shown, once for each picture of the screen.
+  redraw() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      this.svg.classList.toggle("zoomed", this.zoomed);
+      this.reset.hidden = !this.zoomed;
+      if (this.zoomed) this.drawTicks();
+      else this.ticks.innerHTML = this.grid;
+      this.curves.filter((curve) => curve.shown).forEach((curve) => curve.draw());
+      this.show();
+    });
+  }
+
+  drawTicks() {
+    const { ticks, height } = this;
+    ticks.textContent = "";
+    const along = this.across.ticks();
+    along.forEach(([value, text], i) => {
+      const x = `${(100 * this.across.share(value)).toFixed(2)}%`;
+      this.add("line", { class: "grid", x1: x, x2: x, y2: height }, ticks);
+      this.add("text", { class: along.length > 5 && i % 2 ? "second" : "first", x: x, y: height + 18, "text-anchor": "middle" }, ticks).textContent = text;
+    });
+    for (const [value, text] of this.up.ticks()) {
+      const y = (height * (1 - this.up.share(value))).toFixed(1);
+      this.add("line", { class: value === 0 ? "axis" : "grid", x2: "100%", y1: y, y2: y }, ticks);
+      this.add("text", { x: -8, y: Number(y) + 4, "text-anchor": "end" }, ticks).textContent = text;
+    }
+    this.add("line", { class: "axis", y2: height }, ticks);
+    this.add("line", { class: "axis", x2: "100%", y1: height, y2: height }, ticks);
   }
 }
 
-// An axis: its ends in the unit of its labels, the power of ten of that unit, the unit, and the number of known digits.
-class Scale {
-  constructor(ends, unit, digits) {
-    [this.low, this.high, this.exponent] = ends.split(" ").map(Number);
-    this.unit = unit;
-    this.digits = digits;
+// The height of a curve in its plot, in cells.
+function spanOf(curve) {
+  const numbers = (curve.original || curve.path.getAttribute("d")).match(/-?[\d.]+/g).map(Number);
+  let [y, low, high] = [numbers[1], numbers[1], numbers[1]];
+  for (let i = 3; i < numbers.length; i += 2) {
+    y = curve.original ? y + numbers[i] : numbers[i];
+    [low, high] = [Math.min(low, y), Math.max(high, y)];
   }
-
-  share(value) {
-    return (value / 10 ** this.exponent - this.low) / (this.high - this.low);
-  }
-
-  // Digits after the decimal point of numbers with an error in cells; NaN where not even the first is known.
-  digitsFor(error) {
-    const cell = (this.high - this.low) / cells;
-    const digits = Math.min(12, Math.floor(1e-9 - Math.log10(Math.max(cell, 2 * error * cell))));
-    return 10 ** -digits > this.high - this.low ? NaN : digits;
-  }
-
-  // With digits below zero tens or hundreds, as in "≈ 300"; all other zeros at the end are known digits.
-  text(share, digits = this.digits) {
-    if (Number.isNaN(digits)) return "";
-    const value = this.low + share * (this.high - this.low);
-    const number = digits < 0 ? String(Math.round(value * 10 ** digits) * 10 ** -digits) : value.toFixed(digits);
-    if (digits < 0 && Number(number) === 0) return ""; // it is smaller than its error
-    const signed = number.replace(/^-(?=[0.]*$)/, "").replace("-", "−");
-    return `${digits < 0 ? "≈ " : ""}${signed} ${this.unit}`.trim();
-  }
+  return high - low;
 }
 
-// "M0 5l1 2 3-4": the first point, then the steps from point to point.
-function pointsOf(data) {
-  const numbers = data.match(/-?\d+/g).map(Number);
-  return { x: sums(numbers.filter((_, i) => i % 2 === 0)), y: sums(numbers.filter((_, i) => i % 2 === 1)) };
-}
-
-function sums(numbers) {
-  let total = 0;
-  return numbers.map((number) => (total += number));
-}
-
-// The position of a number in an ascending list: 2.5 is in the middle between the third entry and the fourth.
-function place(list, number) {
-  let [low, high] = [0, list.length - 1];
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (list[middle] <= number) low = middle;
-    else high = middle;
+// Of points from left to right those that are seen: the first, lowest, highest and last of each column.
+function thinned(points, column) {
+  if (points.length < (4 * cells) / column) return points;
+  const kept = [];
+  for (let begin = 0; begin < points.length; ) {
+    let end = begin;
+    const place = Math.floor(points[begin][0] / column);
+    while (end < points.length && Math.floor(points[end][0] / column) === place) end++;
+    const group = points.slice(begin, end);
+    const extreme = (pick) => group.reduce((best, point) => (pick(point[1], best[1]) ? point : best));
+    const four = [group[0], extreme((a, b) => a < b), extreme((a, b) => a > b), group[group.length - 1]];
+    kept.push(...[...new Set(four)].sort((a, b) => a[0] - b[0]));
+    begin = end;
   }
-  return low + Math.min(1, Math.max(0, (number - list[low]) / (list[high] - list[low] || 1)));
+  return kept;
 }
 
-function hover(time) {
+// Heights far outside the picture cannot be drawn.
+function clipped(height) {
+  return Math.min(1e6, Math.max(-1e6, height));
+}
+
+function hover(time, over = null) {
   plots.hover = time;
+  plots.over = over;
   plots.all.forEach((plot) => plot.show());
 }
 
@@ -232,6 +434,8 @@ function showInPlots(time) {
   plots.all.forEach((plot) => plot.show());
 }
 
+plots.sets = JSON.parse(document.getElementById("plot-data").textContent).map((packed) => new TimeFunctions(packed));
 for (const svg of document.querySelectorAll("svg.plot")) {
   if (svg.querySelector("path")) plots.all.push(new PlottedFigure(svg));
 }
+document.addEventListener("wheel", (event) => event.defaultPrevented || (plots.scrolled = performance.now()), { passive: true });

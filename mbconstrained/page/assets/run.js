@@ -35,8 +35,5 @@ control("loop").addEventListener("click", () => {
   announce(page.loops() ? "loops at the end" : "stops at the end");
   publish();
 });
-if (page.plots) {
-  plots.seek = seek;
-  plots.read = (coordinate, time) => player.motion.value(coordinate, time);
-}
+if (page.plots) plots.seek = seek;
 open(new Motion(data.frames));

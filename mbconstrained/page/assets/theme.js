@@ -9,7 +9,7 @@ const theme = {
   },
 
   show() {
-    theme.button.setAttribute("aria-pressed", theme.dark);
+    theme.button.textContent = theme.dark ? "Switch to light" : "Switch to dark";
     window.dispatchEvent(new Event("themechange"));
   },
 

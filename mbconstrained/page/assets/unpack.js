@@ -10,7 +10,7 @@
 
   function add(name, text) {
     const script = document.createElement("script");
-    if (name === "motion-data") Object.assign(script, { type: "application/json", id: name });
+    if (name.endsWith("-data")) Object.assign(script, { type: "application/json", id: name });
     script.textContent = text;
     document.body.append(script);
   }

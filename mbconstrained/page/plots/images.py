@@ -12,17 +12,17 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-
 from ..animation.figure import PALETTE
 from ..content import Curve, Plot
 from ..typeset import shortened
-from .axis import axis_of
-from .svg_plot import MOST_CURVES, axis_titles
+from .svg_plot import axis_titles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+#: Curves of an image: more are indistinct.
+MOST_CURVES = 24
 
 #: Size of an image without its legend, half a page of a report, inches.
 WIDTH, HEIGHT = 6.4, 3.1
@@ -122,6 +122,7 @@ def page_style() -> Iterator[None]:
 def plot_images(plots: Iterable[Plot]) -> dict[str, Plot]:
     """The plots that have curves, by unique names for their files, such as "angular-velocity".
 
+    >>> import numpy as np
     >>> plots = [Plot("angular velocity", unit, np.array([0.0]), (Curve("a", np.array([1.0])),)) for unit in ("rad/s", "1")]
     >>> list(plot_images(plots))
     ['angular-velocity', 'angular-velocity-2']
@@ -145,6 +146,7 @@ def plot_image(plot: Plot, kind: Literal["svg", "png"]) -> bytes:
     Returns:
         The content of the file.
 
+    >>> import numpy as np
     >>> plot_image(Plot("speed", "m/s", np.array([0.0, 1.0]), (Curve("cart", np.array([0.0, 2.0])),)), "png")[1:4]
     b'PNG'
     """
@@ -158,18 +160,18 @@ def plot_image(plot: Plot, kind: Literal["svg", "png"]) -> bytes:
 def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -> None:
     axes = figure.add_subplot()
     horizontal = plot.horizontal.values
-    values = np.array([curve.values for curve in curves])
-    across = axis_of(horizontal.min(), horizontal.max(), widen=plot.across is not None)
-    up = axis_of(values.min(), values.max())
+    across, up = plot.axes
     marker = "o" if len(plot.times) == 1 else ""
     for curve in curves:
         dashes = _DASHES[curve.color // len(PALETTE) % len(_DASHES)]
         (line,) = axes.plot(horizontal, curve.values, label=shortened(curve.name), marker=marker)
         line.set(color=PALETTE[curve.color % len(PALETTE)], linestyle="-" if dashes is None else (0, dashes))
+    axes.set(xscale=across.scale, yscale=up.scale)
     axes.set_xlim(across.low, across.high)
     axes.set_ylim(up.low, up.high)
     axes.set_xticks(across.ticks, across.labels)
     axes.set_yticks(up.ticks, up.labels)
+    axes.minorticks_off()
     if 0.0 in up.ticks:
         axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0.9)
     xlabel, ylabel = axis_titles(plot, across.exponent, up.exponent)

@@ -2,25 +2,22 @@
 
 The origin of the picture is the upper left corner of its axes; horizontal positions are in percent of their width and
 vertical ones in pixels. The curves lie in a square of ``CELLS`` by ``CELLS`` that is stretched over the axes, and are
-written in whole cells from point to point. The page's script reads from them the values next to the names, of a coordinate
-of the animation from its key frames, and displays no more digits than these data determine: a number with an error of at
-most half a unit of its last digit has, once rounded, an error of at most one unit.
+written in whole cells from point to point. The first of many curves are drawn here, the others by the page's script, which also
+draws the part of all of them that a zoomed plot shows: from the functions in ``readings.py``, which give it the values next to the
+names, too.
 """
 
 from __future__ import annotations
 
 import html
-import math
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from ..animation.animation import Animation
-from ..animation.keyframes import KeyFrames
-from ..content import Curve, Plot
+from ..content import Curve, Plot, TimeFunctions
 from ..typeset import raised, shortened, superscript
-from .axis import NOISE_SPAN, Axis, axis_of
+from .axis import Axis
+from .readings import Readings, linear_readings, readings_of
 
 #: Height of the axes, px.
 HEIGHT = 214
@@ -34,8 +31,8 @@ MOST_POINTS = 2400
 #: Curves shown at first: more in one picture are indistinct.
 MOST_SHOWN = 8
 
-#: Curves kept: more are a burden to the page.
-MOST_CURVES = 24
+#: With more curves than this the names can be searched, and all be shown or hidden at once.
+FEW_CURVES = 12
 
 #: Labels along an axis that fit on a phone.
 MOST_LABELS = 5
@@ -46,129 +43,139 @@ AXIS_NAME = 20
 #: Colours of curves in the style sheet, and patterns of dashes: one for each round through the colours.
 COLORS, DASHES = 6, 4
 
-#: Error of interpolation between points relative to the error with every second point left out: a quarter for lines through a
-#: smooth curve, a sixteenth for cubics, a half at a kink.
-INTERPOLATION_ERROR = 0.5
+#: Curves that differ by less than this share of the height coincide in the picture.
+COINCIDE = 1 / 200
+
+HELP = (
+    "To zoom into a plot turn the wheel, pinch, or press + and −; drag or press the arrow keys to move the part that is shown; "
+    "double-click or press 0 for the whole. A click on a name shows or hides its curve, a double click shows it alone."
+)
 
 
-@dataclass(frozen=True)
-class AnimatedCoordinates:
-    """The coordinates of an animation as the page reads them.
+class PlotFunctions:
+    """The functions behind the curves of a page, numbered as the page's script finds them."""
 
-    Attributes:
-        animation: the exact values.
-        frames: the key frames.
-        storage_errors: of each coordinate by the method of storing its key frames, shape (r,).
-    """
+    def __init__(self, plots: tuple[Plot, ...]):
+        drawn = [plot for plot in plots if plot.curves and len(plot.times) > 1]
+        self.sets: list[Readings] = []
+        self._places: dict[tuple, tuple[int, int]] = {}
+        shared: dict[tuple, tuple[TimeFunctions, list[int]]] = {}
+        for plot in drawn:
+            own = []
+            for curve in _all_curves(plot):
+                if curve.function is None:
+                    own.append(curve)
+                    continue
+                functions, row = curve.function
+                rows = shared.setdefault((id(functions), plot.times[0], plot.times[-1]), (functions, []))[1]
+                if row not in rows:
+                    rows.append(row)
+            if own:
+                self._places |= {(id(plot), id(curve.values)): (len(self.sets), row) for row, curve in enumerate(own)}
+                self.sets.append(linear_readings(plot.times, np.array([curve.values for curve in own])))
+        for (key, start, end), (functions, rows) in shared.items():
+            self._places |= {(key, start, end, row): (len(self.sets), place) for place, row in enumerate(rows)}
+            self.sets.append(readings_of(_selected(functions, rows), float(start), float(end)))
 
-    animation: Animation
-    frames: KeyFrames
-    storage_errors: np.ndarray
+    def place(self, plot: Plot, curve: Curve) -> tuple[int, int]:
+        """Where the function of a curve is.
+
+        Args:
+            plot: of the page.
+            curve: of the plot, along one of its axes.
+
+        Returns:
+            The number of the set, and the row in it.
+        """
+        if curve.function is None:
+            return self._places[id(plot), id(curve.values)]
+        functions, row = curve.function
+        return self._places[id(functions), plot.times[0], plot.times[-1], row]
+
+    def as_data(self) -> list[dict]:
+        """Plain data for the page."""
+        return [readings.as_data() for readings in self.sets]
 
 
-def plot_figures(plots: tuple[Plot, ...], coordinates: AnimatedCoordinates | None = None) -> str:
+def _all_curves(plot: Plot) -> tuple[Curve, ...]:
+    return (*([plot.across] if plot.across else []), *plot.curves)
+
+
+def _selected(functions: TimeFunctions, rows: list[int]) -> TimeFunctions:
+    return TimeFunctions(lambda times: functions.at(times)[rows], functions.breaks, functions.noise)
+
+
+def plot_figures(plots: tuple[Plot, ...], functions: PlotFunctions | None = None) -> str:
     """All plots, in pairs side by side where the window is wide enough; the last of an odd number takes the whole width.
 
     Args:
         plots: in their order.
-        coordinates: of the animation on the same page, from which curves that show them are read.
+        functions: behind their curves; None to compute them.
 
     Returns:
         One <figure> for each plot: title, axes with units, curves, cursor and legend. Every text of the user is escaped.
     """
-    paired = len(plots) - len(plots) % 2
-    figures = "\n".join(_figure(plot, coordinates, " wide" if i >= paired else "") for i, plot in enumerate(plots))
-    return f'<div class="plots">\n{figures}\n</div>' if plots else ""
+    paired, functions = len(plots) - len(plots) % 2, functions or PlotFunctions(plots)
+    figures = "\n".join(_figure(plot, functions, " wide" if i >= paired else "") for i, plot in enumerate(plots))
+    note = f'\n<p class="note plot-help">{HELP}</p>' if functions.sets else ""
+    return f'<div class="plots">\n{figures}\n</div>{note}' if plots else ""
 
 
-def _figure(plot: Plot, coordinates: AnimatedCoordinates | None, wide: str) -> str:
-    kept, count, note = plot.curves[:MOST_CURVES], len(plot.curves), ""
-    body = f"{_svg(plot, kept, coordinates)}\n{_legend(kept, len(plot.times) > 1)}" if count else '<p class="note">no curves</p>'
+def _figure(plot: Plot, functions: PlotFunctions, wide: str) -> str:
+    count, note, body = len(plot.curves), "", '<p class="note">no curves</p>'
+    if count:
+        body = f"{_svg(plot)}\n{_legend(plot, functions)}"
     if count > MOST_SHOWN:
-        number = f"the first {MOST_CURVES} of {count} curves are available" if count > MOST_CURVES else f"{count} curves"
-        note = f'\n<p class="note">{number}, {MOST_SHOWN} of them shown at first: click on a name to show or hide its curve</p>'
+        note = f'\n<p class="note">{count} curves, {MOST_SHOWN} of them shown at first</p>'
     return f'<figure class="plot-figure{wide}">\n<h2>{html.escape(plot.title)}</h2>\n{body}{note}\n</figure>'
 
 
-def _svg(plot: Plot, curves: tuple[Curve, ...], coordinates: AnimatedCoordinates | None) -> str:
+def _svg(plot: Plot) -> str:
     """The picture alone; its data attributes describe the axes to the script."""
-    times, phase, horizontal = plot.times, plot.across is not None, plot.horizontal.values
-    across = axis_of(horizontal.min(), horizontal.max(), widen=phase)
-    values = np.array([curve.values for curve in curves])
-    up = axis_of(values.min(), values.max())
-    x, y = _cells(across, horizontal), CELLS - _cells(up, values)
-    digits, elements = _digits(across, 0.0), [_grid(across, up)]
+    times, phase = plot.times, plot.across is not None
+    across, up = plot.axes
+    shown = plot.curves[:MOST_SHOWN]
+    x, y = _cells(across, plot.horizontal.values), CELLS - _cells(up, np.array([curve.values for curve in shown]))
     right, upwards = map(html.escape, axis_titles(plot, across.exponent, up.exponent))
-    elements += [
+    elements = [
+        f'<g class="ticks">\n{_grid(across, up)}\n</g>',
         f'<text x="50%" y="{HEIGHT + 38}" text-anchor="middle">{right}</text>',
         f'<text transform="translate(-58 {HEIGHT // 2}) rotate(-90)" text-anchor="middle">{upwards}</text>',
     ]
     if len(times) == 1:
         elements += [
             f'<circle class="{_classes(curve.color)}" cx="{100 * x[0] / CELLS:.2f}%" cy="{HEIGHT * row[0] / CELLS:.1f}" r="3.5"/>'
-            for curve, row in zip(curves, y)
+            for curve, row in zip(shown, y)
         ]
     else:
-        drawn = [plotted(times, x, row, phase=phase) for row in y]
+        order = np.argsort(-np.ptp(y, axis=1), kind="stable")  # the smallest is drawn last, so that no larger one hides it
+        twins = _coinciding(y[order])
         paths = "\n".join(
-            _path(i, curve, cells, _reading(plot, curve, cells, errors, up, coordinates))
-            for i, (curve, (cells, errors)) in enumerate(zip(curves, drawn))
+            _path(number, shown[number], plotted(x, y[number], phase=phase), twin) for number, twin in zip(order.tolist(), twins)
         )
         elements.append(f'<svg class="curves" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">\n{paths}\n</svg>')
-        digits = _digits(across, drawn[0][1][0]) if phase else digits
-    even = evenly(times)
-    time = ' data-even=""' * even
-    if phase:  # times of points, in cells from point to point, unless evenly spaced
-        time = f' data-times="{"" if even else " ".join(map(str, _time_steps(times)))}"'
+    over = "phase" if phase else html.escape(plot.variable)
     return (
-        f'<svg class="plot" role="img" aria-label="{html.escape(_description(plot, curves))}"'
-        f' data-start="{float(times[0])!r}" data-end="{float(times[-1])!r}"{time}'
-        f' {_scale("across", across, plot.across_unit)} data-across-digits="{digits}" {_scale("up", up, plot.unit)}>\n'
-        + "\n".join(elements)
-        + "\n</svg>"
+        f'<svg class="plot" role="img" tabindex="0" aria-label="{html.escape(_description(plot, plot.curves))}"'
+        f' data-start="{float(times[0])!r}" data-end="{float(times[-1])!r}" data-over="{over}"'
+        f" {_scale('across', across, plot.across_unit)} {_scale('up', up, plot.unit)}>\n" + "\n".join(elements) + "\n</svg>"
     )
 
 
+def _coinciding(rows: np.ndarray) -> list[bool]:
+    """Of each curve in the order of drawing, whether it lies on one that is drawn before it."""
+    near = COINCIDE * CELLS
+    return [any(np.abs(row - other).max() < near for other in rows[:i]) for i, row in enumerate(rows)]
+
+
 def _cells(axis: Axis, values: np.ndarray) -> np.ndarray:
-    return (values - axis.low) * (CELLS / (axis.high - axis.low))
-
-
-def _digits(axis: Axis, cells: float) -> str:
-    """Digits after the decimal point, in the unit of the labels, of numbers with an error of some cells; "none" without any."""
-    span, unit = axis.high - axis.low, 10.0**axis.exponent
-    digits = min(12, math.floor(NOISE_SPAN - math.log10(span / CELLS * max(1.0, 2 * cells) / unit)))
-    return "none" if unit * 10.0**-digits > span else str(digits)
-
-
-def _reading(plot: Plot, curve: Curve, cells: np.ndarray, errors, up: Axis, coordinates: AnimatedCoordinates | None) -> str:
-    """Where the script reads the values of a curve, and how many digits are known or how accurate its points are."""
-    if coordinates and plot.across is None and (known := _coordinate(coordinates, curve, plot.times)):
-        number, error = known
-        return f'data-digits="{_digits(up, error * CELLS / (up.high - up.low))}" data-coordinate="{number}"'
-    is_complete = plot.across is None and cells.shape[1] == len(plot.times)
-    return f'data-error="{errors[1]:.3g}"' if is_complete else f'data-digits="{_digits(up, errors[1])}"'
-
-
-def _coordinate(coordinates: AnimatedCoordinates, curve: Curve, times: np.ndarray) -> tuple[int, float] | None:
-    """The number of the coordinate that a curve shows, and its largest error at any time; None where it shows something else."""
-    animation, frames, exact = coordinates.animation, coordinates.frames, curve.values
-    if curve.name not in animation.names or not np.array_equal(times, animation.times):
-        return None
-    number = animation.names.index(curve.name)
-    if not np.array_equal(exact, animation.values[number]):
-        return None
-    keys, values, rates = frames.times, frames.values[number], frames.rates[number]
-    at_times = np.abs(_cubic(keys, values, rates, times) - exact).max()
-    half = np.unique([*range(0, len(keys), 2), len(keys) - 1])
-    between = INTERPOLATION_ERROR * np.abs(_cubic(keys[half], values[half], rates[half], keys) - values).max()
-    rounding = np.finfo(np.float32).eps * np.abs(exact).max()  # of key frames stored with 4 bytes
-    return number, float(max(at_times, between) + rounding + coordinates.storage_errors[number])
+    return CELLS * axis.shares(values)
 
 
 def _scale(name: str, axis: Axis, unit: str) -> str:
-    """For the script: ends of the axis in the unit of its labels, the power of ten of that, the unit."""
-    ends = " ".join(f"{end / 10.0**axis.exponent:.12g}" for end in (axis.low, axis.high))
-    return f'data-{name}="{ends} {axis.exponent}" data-{name}-unit="{html.escape(_measure(unit, axis.exponent))}"'
+    """For the script: ends of the axis, the power of ten of its labels, the kind of its scale, the unit."""
+    ends = f"{axis.low!r} {axis.high!r} {axis.exponent} {axis.scale}"
+    return f'data-{name}="{ends}" data-{name}-unit="{html.escape(shortened(raised(unit), AXIS_NAME))}"'
 
 
 def _grid(across: Axis, up: Axis) -> str:
@@ -219,27 +226,36 @@ def _description(plot: Plot, curves: tuple[Curve, ...]) -> str:
     return f"{vertical} over {horizontal}, {plot.times[0]:g} to {plot.times[-1]:g} s. {'; '.join(rows)}.".replace("-", "−")
 
 
-def _path(number: int, curve: Curve, cells: np.ndarray, reading: str) -> str:
+def _path(number: int, curve: Curve, cells: np.ndarray, twin: bool) -> str:
     (x, y), steps = cells[:, 0], np.diff(cells).T.tolist()
     data = f"M{x} {y}l" + " ".join(f"{a} {b}" for a, b in steps).replace(" -", "-")
-    return f'<path class="{_classes(curve.color)}{" off" if number >= MOST_SHOWN else ""}" d="{data}" {reading}/>'
+    return f'<path class="{_classes(curve.color)}{" twin" if twin else ""}" data-number="{number}" d="{data}"/>'
 
 
-def _legend(curves: tuple[Curve, ...], lines: bool) -> str:
-    """Names, of lines as buttons that show and hide them, each with space for its value."""
-    rows = []
+def _legend(plot: Plot, functions: PlotFunctions) -> str:
+    """Names, of lines as buttons that show and hide them, each with space for its value; of many curves with a search."""
+    rows, has_lines, curves = [], len(plot.times) > 1, plot.curves if len(plot.times) > 1 else plot.curves[:MOST_SHOWN]
     for number, curve in enumerate(curves):
-        name = html.escape(curve.name)
+        name, data = html.escape(curve.name), ""
         entry = (
             f'<svg width="26" height="8" aria-hidden="true"><path class="{_classes(curve.color)}" d="M1 4H25"/></svg>'
             f"<span>{name}</span>"
         )
-        if lines:
+        if has_lines:
             title = f' title="{name}"' if len(curve.name) > AXIS_NAME else ""
             pressed = "true" if number < MOST_SHOWN else "false"
             entry = f'<button type="button" aria-pressed="{pressed}"{title}>{entry}</button><span class="value"></span>'
-        rows.append(f"<li>{entry}</li>")
-    return f'<ul class="legend">{"".join(rows)}</ul>'
+            across = (plot.across,) if plot.across else ()
+            places = " ".join(f"{number} {row}" for number, row in (functions.place(plot, each) for each in (*across, curve)))
+            data = f' data-function="{places}"'
+        rows.append(f"<li{data}>{entry}</li>")
+    choice = ""
+    if has_lines and len(curves) > FEW_CURVES:
+        choice = (
+            '<div class="choice"><input type="search" placeholder="find a name" aria-label="find a name">'
+            '<button type="button" data-choice="all">Show all</button><button type="button" data-choice="none">Hide all</button></div>\n'
+        )
+    return f'{choice}<ul class="legend{" many" if choice else ""}">{"".join(rows)}</ul>'
 
 
 def _classes(number: int) -> str:
@@ -248,69 +264,23 @@ def _classes(number: int) -> str:
     return f"curve c{number % COLORS}" + (f" d{dashes}" if dashes else "")
 
 
-def plotted(times: np.ndarray, x: np.ndarray, y: np.ndarray, *, phase: bool) -> tuple[np.ndarray, tuple[float, float]]:
+def plotted(x: np.ndarray, y: np.ndarray, *, phase: bool) -> np.ndarray:
     """The drawn points of a curve: all, or the extremes of each pixel column; of a phase plane evenly chosen ones.
 
     Args:
-        times: in s, shape (T,), at least two.
         x, y: in cells, shape (T,).
         phase: whether it is a curve in a phase plane.
 
     Returns:
-        Whole cells to the right and down, shape (2, k), and the errors of a horizontal and a vertical reading in cells; of a
-        curve over time of which all points are drawn the errors at these, as the script estimates those between them.
+        Whole cells to the right and down, shape (2, k).
     """
-    kept = _sparse(times) if phase else _kept(x, y)
-    cells = np.rint(np.array([x[kept], y[kept]])).astype(int)
-    read_times = cells[0]  # as the script reads them, in cells of the duration
-    if evenly(times):
-        read_times = np.linspace(0, CELLS, len(kept))
-    elif phase:
-        read_times = np.cumsum(_time_steps(times))
-    share = CELLS * (times - times[0]) / (times[-1] - times[0])
-    is_complete = not phase and len(kept) == len(times)
-    across, up = (_reading_error(share, exact, read_times, read, is_complete) for exact, read in zip((x, y), cells))
-    return cells, (across, up)
+    kept = _sparse(x) if phase else _kept(x, y)
+    return np.rint(np.array([x[kept], y[kept]])).astype(int)
 
 
-def _reading_error(moments: np.ndarray, values: np.ndarray, read_moments: np.ndarray, read: np.ndarray, is_complete: bool) -> float:
-    """Largest error of linear interpolation of the drawn points (k,): at the exact ones (T,) and, unless complete, between."""
-    at_moments = float(np.abs(np.interp(moments, read_moments, read) - values).max())
-    if is_complete:
-        return at_moments
-    share = (moments[1:-1] - moments[:-2]) / (moments[2:] - moments[:-2])
-    bend = values[1:-1] - values[:-2] - share * (values[2:] - values[:-2])
-    return float(at_moments + INTERPOLATION_ERROR * np.abs(bend).max(initial=0.0))
-
-
-def _cubic(keys: np.ndarray, values: np.ndarray, rates: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Cubic Hermite interpolation of key frames (k,) at times (T,), as in the page's script."""
-    if len(keys) == 1:
-        return np.full(len(times), values[0])
-    key = np.clip(np.searchsorted(keys, times, side="right") - 1, 0, len(keys) - 2)
-    length = keys[key + 1] - keys[key]
-    s = (times - keys[key]) / length
-    r = 1 - s
-    ends = r * r * (1 + 2 * s) * values[key] + s * s * (1 + 2 * r) * values[key + 1]
-    return ends + length * s * r * (r * rates[key] - s * rates[key + 1])
-
-
-def evenly(times: np.ndarray) -> bool:
-    """Whether all points are drawn and evenly spaced, so that the script needs no times."""
-    return len(times) <= MOST_POINTS and bool(
-        np.abs(times - np.linspace(times[0], times[-1], len(times))).max() * CELLS <= 0.1 * (times[-1] - times[0])
-    )
-
-
-def _time_steps(times: np.ndarray) -> np.ndarray:
-    """The times of the points of a phase curve, in cells from point to point."""
-    shares = (times[_sparse(times)] - times[0]) / ((times[-1] - times[0]) or 1.0)
-    return np.diff(np.rint(CELLS * shares).astype(int), prepend=0)
-
-
-def _sparse(times: np.ndarray) -> np.ndarray:
+def _sparse(x: np.ndarray) -> np.ndarray:
     """Indices of the drawn points of a phase curve: at most ``MOST_POINTS``, evenly chosen."""
-    return np.linspace(0, len(times) - 1, min(len(times), MOST_POINTS)).round().astype(int)
+    return np.linspace(0, len(x) - 1, min(len(x), MOST_POINTS)).round().astype(int)
 
 
 def _kept(x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,7 @@ from ...ground.coordinate_units import derivative_name, force_unit, rate_unit
 from ...ground.tolerances import NOT_DRAWN
 
 if TYPE_CHECKING:
+    from ...page.content import TimeFunctions
     from .result import Result
 
 ORDERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
@@ -19,6 +21,10 @@ PARTS = {  # curves that are made of others
     "output": ("displacement",),
     "phase": ("displacement", "velocity"),
 }
+
+#: Errors of trajectories, relative to the largest value of a kind, that are assumed at least and at most.
+LEAST_NOISE, MOST_NOISE = 1e-13, 0.1
+
 ENERGIES = ("kinetic", "strain", "static", "total")
 
 
@@ -33,23 +39,57 @@ def curves_of(result: Result, kind: str) -> Curves:
     Returns:
         The curves with names and units.
     """
-    equations, motion, times = result.scene.equations, result.motion, result.times
+    equations, values = result.scene.equations, functions_of(result, kind)(result.times)
     if kind in ORDERS:
         order, coordinates = ORDERS[kind], equations.coordinates
-        values = motion.derivative(order)(times) if order else motion(times)
         titles = tuple(derivative_name(unit, order) for unit in coordinates.units)
         return Curves(kind, coordinates.names, titles, tuple(rate_unit(unit, order) for unit in coordinates.units), values)
     if kind == "reaction":
-        rows, values = equations.system.rows, motion.reaction(times)
+        rows = equations.system.rows
         names, units = tuple(row.name for row in rows), tuple(force_unit(row.unit) for row in rows)
     elif kind == "output":
         names, units = equations.outputs.names, equations.outputs.units
-        values = equations.output_values(times, result.values)
     else:
-        energy = motion.energy(times)
         names, units = ENERGIES, ("J",) * len(ENERGIES)
-        values = np.array([getattr(energy, name) for name in ENERGIES])
     return Curves(kind, names, (kind,) * len(names), units, values)
+
+
+def functions_of(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray]:
+    """The same trajectories as functions of time.
+
+    Args:
+        result: of the scene.
+        kind: as of ``curves_of``.
+
+    Returns:
+        The function: of times, shape (T,), in s, values of shape (rows, T).
+    """
+    equations, motion = result.scene.equations, result.motion
+    if kind in ORDERS:
+        return motion.derivative(ORDERS[kind]) if ORDERS[kind] else motion
+    if kind == "reaction":
+        return motion.reaction
+    if kind == "output":
+        return lambda times: equations.output_values(times, motion(times))
+    return lambda times: np.array([getattr(motion.energy(times), name) for name in ENERGIES])
+
+
+def time_functions(result: Result, kind: str) -> TimeFunctions:
+    """The same as the page stores them: with the times at which they may jump or bend, and their estimated error.
+
+    Args:
+        result: of the scene.
+        kind: as of ``curves_of``.
+
+    Returns:
+        The functions, in the order of the curves.
+    """
+    from ...page.content import TimeFunctions
+
+    motion, parts = result.motion, PARTS.get(kind, (kind,))
+    breaks = np.unique([*motion.force.knots, *(event.time for event in motion.events)])
+    estimates = [result.error_estimates.get(part, 0.0) for part in (kind, *parts)]
+    return TimeFunctions(functions_of(result, kind), breaks, min(max(LEAST_NOISE, *estimates), MOST_NOISE))
 
 
 def visible(values: np.ndarray, units: tuple[str, ...]) -> np.ndarray:

@@ -20,7 +20,7 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import TRUST_LIMIT
 from ...response.estimate import error_estimate
 from .aliasing import aliasing_notices
-from .curves import ORDERS, PARTS, Curves, curves_of
+from .curves import ORDERS, PARTS, Curves, curves_of, time_functions
 from .decisions import still, too_large_for_formula
 from .plan import Plan
 from .report.jumps import Impulse, Jump, forces_of_rows, impulses_of, jumps_of, with_units
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from ...mechanics.motion import Motion
     from ...mechanics.system import MechanicalSystem
     from ...page.animation.animation import Animation
-    from ...page.content import Formulas
+    from ...page.content import Formulas, TimeFunctions
     from ...polynomial.jordan_pairs import FinitePair, InfinitePair
     from ...response.events import Event
     from ...signals.impulsive import ImpulsiveLoad
@@ -67,6 +67,7 @@ class Result(Displayed):
         self._together: Replacements | None = None
         self.formula_problem = ""
         self._curves: dict[str, Curves] = {}
+        self._functions: dict[str, TimeFunctions] = {}
 
     def _summary(self) -> str:
         names = self.scene.equations.coordinates.names
@@ -100,6 +101,12 @@ class Result(Displayed):
         if kind not in self._curves:
             self._curves[kind] = curves_of(self, kind)
         return self._curves[kind]
+
+    def time_functions(self, kind: str) -> TimeFunctions:
+        """The same at all times, as a page stores them."""
+        if kind not in self._functions:
+            self._functions[kind] = time_functions(self, kind)
+        return self._functions[kind]
 
     @property
     def kinds(self) -> list[str]:

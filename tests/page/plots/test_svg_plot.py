@@ -6,8 +6,9 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from mbconstrained.page.content import Curve, Plot
-from mbconstrained.page.plots.svg_plot import CELLS, MOST_CURVES, MOST_POINTS, MOST_SHOWN, plot_figures
+from mbconstrained.ground.errors import InputError
+from mbconstrained.page.content import Curve, Plot, TimeFunctions
+from mbconstrained.page.plots.svg_plot import CELLS, FEW_CURVES, HELP, MOST_POINTS, MOST_SHOWN, PlotFunctions, plot_figures
 from tests.page.contents import HOSTILE, phase_plane
 
 TIMES = np.linspace(0, 10, 11)
@@ -15,17 +16,25 @@ TIMES = np.linspace(0, 10, 11)
 
 def points(figure: str) -> list[np.ndarray]:
     """The points of each curve, shape (n, 2), in parts of the width and of the height from above."""
-    drawn = re.findall(r'<path class="curve [^"]*" d="M(\d+ \d+)l([^"]*)"', figure)
-    pairs = [re.findall(r"-?\d+", f"{first} {steps}") for first, steps in drawn]
+    drawn = sorted(
+        re.findall(r'<path class="curve [^"]*" data-number="(\d+)" d="M(\d+ \d+)l([^"]*)"', figure), key=lambda row: int(row[0])
+    )
+    pairs = [re.findall(r"-?\d+", f"{first} {steps}") for _, first, steps in drawn]
     return [np.cumsum(np.array(numbers, int).reshape(-1, 2), axis=0) / CELLS for numbers in pairs]
 
 
 def figure_of(plot: Plot) -> str:
-    return plot_figures((plot,)).removeprefix('<div class="plots">\n').removesuffix("\n</div>")
+    return (
+        plot_figures((plot,))
+        .partition(f'\n<p class="note plot-help">{HELP}')[0]
+        .removeprefix('<div class="plots">\n')
+        .removesuffix("\n</div>")
+    )
 
 
 def looks(*curves: Curve) -> list[str]:
-    return re.findall(r'<path class="curve ([^"]*)" d="M\d+ \d+l', figure_of(Plot("p", "m", TIMES, curves)))
+    found = re.findall(r'<path class="curve ([^"]*)" data-number="(\d+)"', figure_of(Plot("p", "m", TIMES, curves)))
+    return [look.removesuffix(" twin") for look, _ in sorted(found, key=lambda pair: int(pair[1]))]
 
 
 def test_curves_are_linear_images_of_their_values():
@@ -50,12 +59,36 @@ def test_a_phase_plane_is_the_velocity_over_the_displacement():
     assert np.allclose([2 * x - 1, 1 - 2 * y], [np.cos(phases), -np.sin(phases)], atol=2e-4)
     assert ">angle in rad<" in figure and ">angular velocity in rad/s<" in figure
     assert 'class="curve c2"' in figure
-    assert 'data-times=""' in figure  # evenly spaced
 
 
-def test_the_points_of_a_phase_plane_know_their_times_where_they_are_uneven():
+def test_a_phase_plane_refers_to_a_function_for_each_axis():
     plane = phase_plane("p", "q", [0.0, 1.0, 4.0], [0.0, 1.0, 2.0], [1.0, 1.0, 0.0])
-    assert 'data-times="0 2500 7500"' in figure_of(plane)
+    assert 'data-over="phase"' in figure_of(plane) and 'data-function="0 0 0 1"' in figure_of(plane)
+
+
+def test_plots_of_the_same_functions_share_their_data():
+    functions = TimeFunctions(lambda times: np.array([times, 2 * times, np.cos(times)]), np.array([]))
+    one, other = (Plot("p", "m", TIMES, (Curve("c", functions.at(TIMES)[i], function=(functions, i)),)) for i in (2, 0))
+    shared = PlotFunctions((one, other))
+    assert [shared.place(one, one.curves[0]), shared.place(other, other.curves[0])] == [(0, 0), (0, 1)]
+    assert [len(readings.codes) for readings in shared.sets] == [2]
+
+
+def test_logarithmic_axes():
+    frequencies = np.geomspace(0.1, 1000.0, 9)
+    scales = ("log", "log")
+    plot = Plot("gain", "", frequencies, (Curve("H", frequencies**-2.0),), across_unit="Hz", variable="frequency", scales=scales)
+    x, y = points(figure_of(plot))[0].T
+    assert np.allclose(x, np.linspace(0, 1, 9), atol=1e-4) and np.allclose(y, np.linspace(0, 1, 9), atol=1e-4)
+    assert {">frequency in Hz<", ">0.1<", ">1000<", ">10⁻⁶<", ">100<"} <= set(re.findall(r">[^<>]+<", figure_of(plot)))
+    with pytest.raises(InputError, match="no value along its vertical axis is positive"):
+        Plot("gain", "", frequencies, (Curve("H", -frequencies),), scales=scales)
+
+
+def test_the_smallest_curve_is_drawn_last_and_one_on_another_is_dashed():
+    curves = (Curve("small", 0.1 * TIMES), Curve("large", 10 * TIMES), Curve("twin", 10 * TIMES))
+    drawn = re.findall(r'<path class="curve ([^"]*)" data-number="(\d+)"', figure_of(Plot("p", "m", TIMES, curves)))
+    assert drawn == [("c1", "1"), ("c2 twin", "2"), ("c0", "0")]
 
 
 def test_a_picture_is_described_for_those_who_cannot_see_it():
@@ -67,13 +100,11 @@ def test_a_picture_is_described_for_those_who_cannot_see_it():
 
 
 def test_every_curve_has_its_own_look_and_its_name_in_the_legend():
-    count = MOST_CURVES
-    figure = figure_of(Plot("p", "", TIMES, tuple(Curve(f"curve {i}", i * TIMES, i) for i in range(count))))
-    assert len(set(looks(*(Curve("c", TIMES, i) for i in range(MOST_SHOWN))))) == MOST_SHOWN
+    count = 24
+    figure = figure_of(Plot("p", "", TIMES, tuple(Curve(f"curve {i}", (count - i) * TIMES, i) for i in range(count))))
     found = re.findall(r'<path class="([^"]*)" d="M1 4H25"/></svg><span>curve (\d+)<', figure)
-    drawn = re.findall(r'<path class="([^"]*?)(?: off)?" d="M\d+ \d+l', figure)
-    assert found == [(look, str(i)) for i, look in enumerate(drawn)]
-    assert len(set(drawn)) == count
+    drawn = re.findall(r'<path class="([^"]*)" data-number="(\d+)" d="M\d+ \d+l', figure)
+    assert (len({look for look, _ in found}), found[:MOST_SHOWN]) == (count, drawn)
 
 
 def test_a_curve_keeps_its_colour_in_whatever_plot_it_stands():
@@ -82,15 +113,13 @@ def test_a_curve_keeps_its_colour_in_whatever_plot_it_stands():
     assert looks(two) == looks(one)  # without a number, by the place in the plot
 
 
-@pytest.mark.parametrize("count", [MOST_SHOWN, MOST_SHOWN + 1, MOST_CURVES + 1, 300])
-def test_of_many_curves_the_first_are_shown_and_others_can_be(count):
+@pytest.mark.parametrize("count", [MOST_SHOWN, MOST_SHOWN + 1, FEW_CURVES + 1, 150])
+def test_of_many_curves_the_first_are_shown_and_all_can_be(count):
     figure = figure_of(Plot("p", "m", TIMES, tuple(Curve(f"x{i}", 10.0**i / 10**count * TIMES) for i in range(count))))
-    kept = min(count, MOST_CURVES)
-    assert re.findall(r"<span>(\w+)<", figure) == [f"x{i}" for i in range(kept)]
-    assert re.findall(r'aria-pressed="(\w+)"', figure) == ["true"] * MOST_SHOWN + ["false"] * (kept - MOST_SHOWN)
-    assert (len(points(figure)), figure.count(' off" d=')) == (kept, kept - MOST_SHOWN)
-    assert (f"the first {MOST_CURVES} of {count} curves are available" in figure) is (count > MOST_CURVES)
-    assert ("click on a name to show or hide its curve" in figure) is (count > MOST_SHOWN)
+    assert re.findall(r"<span>(\w+)<", figure) == [f"x{i}" for i in range(count)]
+    assert re.findall(r'aria-pressed="(\w+)"', figure) == ["true"] * MOST_SHOWN + ["false"] * (count - MOST_SHOWN)
+    assert (len(points(figure)), figure.count("data-function=")) == (MOST_SHOWN, count)
+    assert ('type="search"' in figure, f"{count} curves, " in figure) == (count > FEW_CURVES, count > MOST_SHOWN)
 
 
 def test_powers_of_units_are_raised():
@@ -126,5 +155,5 @@ def test_texts_are_escaped(text):
     assert figure.find("h2").text == text
     assert figure.find("ul/li/button/span").text == text
     assert {element.tag for element in figure.iter()} <= {
-        "figure", "h2", "svg", "line", "text", "path", "ul", "li", "button", "span",
+        "figure", "h2", "svg", "g", "line", "text", "path", "ul", "li", "button", "span",
     }  # fmt: skip

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....ground.tolerances import NOT_DRAWN
 from ....page.content import Curve, PageContent, Plot
+from ....page.typeset import raised, shortened
 from ..curves import ORDERS
 from ..decisions import is_animated
 from .control_report import control_facts
@@ -56,16 +59,24 @@ MOST_PLANES = 12
 def plots_of(result: Result) -> tuple[Plot, ...]:
     """The plots that the scene requests, in its order."""
     kinds = result.scene.table.output.plots
-    return tuple(
-        plot for kind in kinds for plot in (_phase_planes(result) if kind == "phase" else _plots(result, result.curves(kind)))
-    )
+    plots = [plot for kind in kinds for plot in (_phase_planes(result) if kind == "phase" else _plots(result, result.curves(kind)))]
+    count = Counter(plot.title for plot in plots)
+    return tuple(_with_unit(plot) if count[plot.title] > 1 else plot for plot in plots)
+
+
+def _with_unit(plot: Plot) -> Plot:
+    """The same plot, where another has the title, too: with the unit, of pure numbers with the names of the curves."""
+    source = raised(plot.unit) or shortened(", ".join(curve.name for curve in plot.curves))
+    return replace(plot, title=f"{plot.title} ({source})", quantity=plot.quantity or plot.title)
 
 
 def _plots(result: Result, curves: Curves) -> list[Plot]:
     """One plot for each unit: curves in m and in rad share no axis."""
     groups: dict[tuple[str, str], list[Curve]] = {}
+    functions = result.time_functions(curves.kind)
     for i in _wanted(result, curves):
-        groups.setdefault((curves.titles[i], curves.units[i]), []).append(Curve(curves.names[i], curves.values[i], i))
+        curve = Curve(curves.names[i], curves.values[i], i, (functions, i))
+        groups.setdefault((curves.titles[i], curves.units[i]), []).append(curve)
     return [Plot(title, _shown(unit), result.times, tuple(drawn)) for (title, unit), drawn in groups.items()]
 
 
@@ -77,14 +88,15 @@ def _wanted(result: Result, curves: Curves) -> list[int]:
 def _phase_planes(result: Result) -> list[Plot]:
     """The velocity over the displacement of each coordinate that moves."""
     places, rates = result.curves("displacement"), result.curves("velocity")
+    functions = [result.time_functions(curves.kind) for curves in (places, rates)]
     moving = [i for i in _wanted(result, places) if np.ptp(places.values[i]) > NOT_DRAWN * np.abs(places.values[i]).max()]
     return [
         Plot(
             f"phase plane of {places.names[i]}",
             _shown(rates.units[i]),
             result.times,
-            (Curve(places.names[i], rates.values[i], i),),
-            across=Curve(places.titles[i], places.values[i]),
+            (Curve(places.names[i], rates.values[i], i, (functions[1], i)),),
+            across=Curve(places.titles[i], places.values[i], function=(functions[0], i)),
             across_unit=_shown(places.units[i]),
             quantity=rates.titles[i],
         )
