@@ -72,7 +72,7 @@ class Axis {
 
   text(value, digits) {
     const number = (value / 10 ** this.exponent).toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
-    return withUnit(this.exponent ? `${number}·10${superscript(this.exponent)}` : number, this.unit);
+    return numberWithUnit(this.exponent ? `${number}·10${superscript(this.exponent)}` : number, this.unit);
   }
 }
 

@@ -94,7 +94,13 @@ class Forces {
   }
 }
 
-const withUnit = (size, unit) => `${String(Number(Math.abs(size).toPrecision(3)))} ${unit}`.trim();
+const withUnit = (size, unit) => numberWithUnit(threeDigits(Math.abs(size)), unit);
+
+function threeDigits(size) {
+  if (size === 0 || (size >= 1e-4 && size < 1e5)) return String(Number(size.toPrecision(3)));
+  const [factor, power] = size.toExponential(2).split("e").map(Number);
+  return decimalText(Math.round(100 * factor), power - 2, 0);
+}
 
 // Jumps and impulses, each shown for a while after its time.
 class Events {

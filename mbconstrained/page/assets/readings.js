@@ -102,29 +102,7 @@ function readingText(value, error, unit, exponent) {
   for (let digits = 4; digits > 0; digits--) {
     const power = Math.floor(Math.log10(Math.abs(value))) - digits + 1;
     const [low, high] = [value - error, value + error].map((end) => Math.round(end / 10 ** power));
-    if (value !== 0 && low === high && low !== 0) return withUnit(decimalText(low, power, exponent), unit);
+    if (value !== 0 && low === high && low !== 0) return numberWithUnit(decimalText(low, power, exponent), unit);
   }
-  return withUnit("0", unit);
-}
-
-// A whole number times a power of ten.
-function decimalText(number, power, exponent) {
-  const digits = String(Math.abs(number));
-  const sign = number < 0 ? "−" : "";
-  const largest = digits.length - 1 + power - exponent;
-  if (largest >= -4 && largest <= 4 && power <= exponent) {
-    const value = (Math.abs(number) / 10 ** Math.max(0, exponent - power)).toFixed(exponent - power);
-    return sign + value + (exponent ? `·10${superscript(exponent)}` : "");
-  }
-  const own = digits.length - 1 + power;
-  const factor = digits.length > 1 ? `${digits[0]}.${digits.slice(1)}` : digits;
-  return `${sign}${factor}${own ? `·10${superscript(own)}` : ""}`;
-}
-
-function withUnit(number, unit) {
-  return unit ? `${number} ${unit}` : number;
-}
-
-function superscript(number) {
-  return String(number).replace(/[-0-9]/g, (sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)]);
+  return numberWithUnit("0", unit);
 }
