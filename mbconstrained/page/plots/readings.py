@@ -40,8 +40,8 @@ FEW_BREAKS = 2_000
 #: Panels at the start of a motion without restarts.
 FIRST_PANELS = 8
 
-#: Of more panels than this only so many are compared at first: where hardly any is good enough, all are divided.
-TRIED = 48
+#: Times at which the size of the functions is sampled.
+SAMPLES = 257
 
 #: Panels are not divided beyond this number, nor below this share of the duration.
 MOST_PANELS, SHORTEST = 300_000, 1e-9
@@ -49,8 +49,8 @@ MOST_PANELS, SHORTEST = 300_000, 1e-9
 #: Values below this share of the largest count as zero.
 SMALLEST_SHARE = 1e-60
 
-#: Times that are evaluated at once, by the number of functions.
-AT_ONCE = 2_000_000
+#: Panels that are evaluated at once.
+AT_ONCE = 8_000
 
 #: How far the first and last point of a panel are inside it, as a share of its length: a function may jump at its ends.
 INSIDE = 1e-9
@@ -143,39 +143,21 @@ def _resolved(functions: TimeFunctions, start: float, end: float, breaks: np.nda
     """All panels, from a few to as many as are necessary."""
     first = np.linspace(start, end, FIRST_PANELS + 1) if len(breaks) <= FEW_BREAKS else [start, end]
     edges = np.union1d(first, breaks)
-    largest = float(np.abs(functions.at(np.unique(np.append(np.linspace(start, end, 257), edges)))).max(initial=0.0))
+    some = np.append(np.linspace(start, end, SAMPLES), edges[:: len(edges) // SAMPLES + 1])
+    largest = float(np.abs(functions.at(np.unique(some))).max(initial=0.0))
     floor = max(functions.noise, SMALLEST_SHARE) * largest
     left, right = edges[:-1], edges[1:]
     done: list[_Panels] = []
     kept = 0
     while len(left):
         last = kept + 2 * len(left) > MOST_PANELS or (right - left).max() <= SHORTEST * (end - start)
-        open_ = np.arange(len(left))
-        if len(left) > TRIED and not last:
-            some = np.linspace(0, len(left) - 1, TRIED).astype(int)
-            _, failed = _met(functions, left[some], right[some], fineness, floor, False)
-            open_ = np.arange(0) if len(failed) > 0.9 * TRIED else open_
-        met, failed = _met(functions, left[open_], right[open_], fineness, floor, last)
+        met, failed = _met(functions, left, right, fineness, floor, last)
         done += met
         kept += sum(len(panels.left) for panels in met)
-        divided = open_[failed] if len(open_) else np.arange(len(left))
-        a, b = left[divided], right[divided]
-        middle = _middle(a, b, breaks)
+        a, b = left[failed], right[failed]
+        middle = (a + b) / 2
         left, right = np.column_stack([a, middle]).ravel(), np.column_stack([middle, b]).ravel()
     return _joined(done, end)
-
-
-def _middle(left: np.ndarray, right: np.ndarray, breaks: np.ndarray) -> np.ndarray:
-    """Where panels are divided: at the break that is nearest to the middle, or else there."""
-    middle = (left + right) / 2
-    if not len(breaks):
-        return middle
-    after = np.clip(np.searchsorted(breaks, middle), 1, len(breaks) - 1) if len(breaks) > 1 else np.zeros(len(left), int)
-    near = breaks[after]
-    if len(breaks) > 1:
-        before = breaks[after - 1]
-        near = np.where(middle - before < near - middle, before, near)
-    return np.where((left < near) & (near < right), near, middle)
 
 
 @dataclass(frozen=True)
@@ -190,9 +172,8 @@ class _Panels:
 def _met(functions, left, right, fineness: float, floor: float, is_last: bool) -> tuple[list[_Panels], np.ndarray]:
     """The panels on which a polynomial meets the functions, and the indices of the others; of the last level all are taken."""
     met, failed = [], []
-    size = AT_ONCE // (2 * DEGREES[-1] + 1) // 8
-    for begin in range(0, len(left), size):
-        part = np.arange(begin, min(begin + size, len(left)))
+    for begin in range(0, len(left), AT_ONCE):
+        part = np.arange(begin, min(begin + AT_ONCE, len(left)))
         values = None
         for degree in DEGREES:
             if not len(part):
