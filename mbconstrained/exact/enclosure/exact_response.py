@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from math import inf, isfinite, nextafter
 
 import flint
 import numpy as np
@@ -308,10 +309,10 @@ def _is_rounded(column: list[flint.arb]) -> bool:
 def _as_float(entry: flint.arb) -> tuple[float, float]:
     """The nearest float64 number, and a bound of its error."""
     value = float(entry.mid())
-    if not np.isfinite(value):
-        return value, np.inf
+    if not isfinite(value):
+        return value, inf
     error = (entry - value).abs_upper()
-    return value, float(np.nextafter(float(error), np.inf)) if error > 0 else 0.0
+    return value, nextafter(float(error), inf) if error > 0 else 0.0
 
 
 def _is_immediate(source: Source) -> bool:

@@ -192,8 +192,9 @@ class PartialFractions:
     def weights(self, calls: Sequence[tuple[flint.fmpq, flint.arb]]) -> list[flint.arb]:
         """The sum over calls (t, amount) of amount times the function at t is ``matrix`` times these, 2 K of them."""
         parts: list[flint.arb] = []
+        since = [(flint.arb(time), amount) for time, amount in calls]
         for pole in self.poles:
-            weighted = [amount * (pole.value * flint.arb(time)).exp() for time, amount in calls]
+            weighted = [(pole.value * time).exp() * amount for time, amount in since]
             for j in range(len(pole.columns)):
                 if j:
                     weighted = [value * flint.arb(time / j) for value, (time, _) in zip(weighted, calls)]

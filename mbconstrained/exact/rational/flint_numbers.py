@@ -32,6 +32,8 @@ def rational(number) -> flint.fmpq:
     """The exact value of an int, a float, a Fraction, a Decimal or a number of FLINT."""
     if isinstance(number, (flint.fmpq, flint.fmpz)):
         return flint.fmpq(number)
+    if isinstance(number, float):
+        return flint.fmpq(*number.as_integer_ratio())
     exact = Fraction(int(number)) if isinstance(number, Integral) else Fraction(number)
     return flint.fmpq(exact.numerator, exact.denominator)
 
