@@ -1,0 +1,118 @@
+"""Parts of plots, and the choice of curves, in a browser."""
+
+import numpy as np
+import pytest
+
+from mbconstrained.page.content import Curve, PageContent, Plot, TimeFunctions
+from mbconstrained.page.html import write_page
+from mbconstrained.page.plots.axis import axis_of
+from tests.page.browser import needs_chromium
+
+pytestmark = needs_chromium
+
+TIMES = np.linspace(0.0, 10.0, 101)
+COUNT = 150
+LABELS = "[...document.querySelectorAll('svg.plot')[{}].querySelectorAll('.ticks text')].map(t => t.textContent)"
+NAMES = "[...document.querySelectorAll('.legend.many li button')]"
+
+
+def waves(times):
+    return np.sin(np.outer(1 + 0.1 * np.arange(COUNT), times))
+
+
+@pytest.fixture(scope="module")
+def opened(browser, tmp_path_factory):
+    functions = TimeFunctions(waves, np.array([]))
+    many = tuple(Curve(f"storey {i}", row, function=(functions, i)) for i, row in enumerate(waves(TIMES)))
+    gain = Curve("H", 1e3 / (1 + TIMES**4))
+    logarithmic = Plot("gain", "m/N", TIMES + 0.1, (gain,), across_unit="Hz", variable="frequency", scales=("log", "log"))
+    content = PageContent("t", plots=(Plot("displacement", "m", TIMES, many[:2]), Plot("many", "m", TIMES, many), logarithmic))
+    browser.size(1100, 900)
+    return browser.open(write_page(tmp_path_factory.mktemp("zoom") / "page.html", content))
+
+
+def wheel(browser, number, across, up, delta):
+    box = browser.evaluate(f"""(() => {{
+        const svg = document.querySelectorAll("svg.plot")[{number}];
+        svg.scrollIntoView({{block: "center"}});
+        const box = svg.getBoundingClientRect();
+        return [box.x, box.y, box.width, box.height];
+    }})()""")
+    place = {"x": box[0] + across * box[2], "y": box[1] + (1 - up) * box[3]}
+    browser.call("Input.dispatchMouseEvent", type="mouseWheel", deltaX=0, deltaY=delta, **place)
+    browser.wait(0.1)
+    return place
+
+
+def ends(labels):
+    """The lowest and highest label along the horizontal axis, whose labels come first and ascend."""
+    numbers = [float(text.replace("−", "-")) for text in labels]
+    count = next((i for i in range(1, len(numbers)) if numbers[i] <= numbers[i - 1]), len(numbers))
+    return numbers[0], numbers[count - 1]
+
+
+def test_the_wheel_zooms_at_the_pointer_a_drag_moves_and_a_double_click_shows_the_whole(opened):
+    whole = opened.evaluate(LABELS.format(0))
+    for _ in range(4):
+        place = wheel(opened, 0, 0.5, 0.5, -200)
+    low, high = ends(opened.evaluate(LABELS.format(0)))
+    assert 3.5 < low < 5 < high < 6.5 and "−1.0" not in opened.evaluate(LABELS.format(0))
+    drawn = opened.evaluate("document.querySelector('svg.plot .curves path').getAttribute('d').split('L').length")
+    assert drawn > 300  # the part itself, not the points of the whole that lie in it
+    for kind, right in (("mousePressed", 0), ("mouseMoved", -150), ("mouseReleased", -150)):
+        opened.call(
+            "Input.dispatchMouseEvent", type=kind, x=place["x"] + right, y=place["y"], button="left", buttons=1, clickCount=1
+        )
+    opened.wait(0.1)
+    assert ends(opened.evaluate(LABELS.format(0)))[0] > low
+    for count in (1, 2):
+        for kind in ("mousePressed", "mouseReleased"):
+            opened.call("Input.dispatchMouseEvent", type=kind, **place, button="left", clickCount=count)
+    opened.wait(0.1)
+    assert opened.evaluate(LABELS.format(0)) == whole
+    assert opened.messages == []
+
+
+def test_keys_zoom_and_move_the_plot_in_focus(opened):
+    opened.evaluate("document.querySelector('svg.plot').focus()")
+    for key in ("+", "+", "ArrowRight"):
+        opened.press(key)
+    opened.wait(0.1)
+    low, high = ends(opened.evaluate(LABELS.format(0)))
+    assert 2 <= low < high <= 8
+    opened.press("0")
+    opened.wait(0.1)
+    assert ends(opened.evaluate(LABELS.format(0))) == (0, 10)
+
+
+def test_the_axes_of_a_part_have_the_ticks_of_an_axis_of_that_range(opened):
+    for number in (0, 2):
+        wheel(opened, number, 0.4, 0.6, -150)
+        scale = "log" if number == 2 else "linear"
+        shown = opened.evaluate(LABELS.format(number))
+        (low, high), start = ((0.1, 10.1) if number == 2 else (0.0, 10.0)), 0.4 * (1 - np.exp(-0.3))
+        bounds = np.log10([low, high]) if number == 2 else np.array([low, high])
+        part = bounds[0] + (bounds[1] - bounds[0]) * np.array([start, start + np.exp(-0.3)])
+        expected = axis_of(*(10**part if number == 2 else part), widen=False, scale=scale).labels
+        assert tuple(shown[: len(expected)]) == expected
+    opened.evaluate("document.querySelectorAll('.whole').forEach(button => button.click())")
+
+
+def test_all_of_many_curves_can_be_found_and_shown(opened):
+    opened.evaluate(f"{NAMES}[{COUNT - 1}].click()")
+    values = "[...document.querySelectorAll('.legend.many .value')].map(v => v.textContent)"
+    opened.point("svg.plot", 0.5)
+    shown = opened.evaluate(values)
+    assert [bool(text) for text in shown] == [True] * 8 + [False] * (COUNT - 9) + [True]
+    opened.evaluate("""(() => {
+        const search = document.querySelector(".choice input");
+        search.value = "storey 14";
+        search.dispatchEvent(new Event("input"));
+        document.querySelector("[data-choice=none]").click();
+        document.querySelector("[data-choice=all]").click();
+    })()""")
+    pressed = opened.evaluate(f"{NAMES}.flatMap((b, i) => b.getAttribute('aria-pressed') === 'true' ? [i] : [])")
+    assert pressed == [*range(8), 14, *range(140, 150)]
+    opened.evaluate(f"{NAMES}[14].dispatchEvent(new MouseEvent('dblclick'))")
+    assert opened.evaluate(f"{NAMES}.filter(b => b.getAttribute('aria-pressed') === 'true').length") == 1
+    assert opened.messages == []
