@@ -308,8 +308,9 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
         frequencies = frequencies_by_poles(harmonic)
     else:
         frequencies = checked_frequencies(frequencies_hz)
-    omega = 2 * np.pi * frequencies
-    H, errors = _values(harmonic, omega)
+    exact = 8 * np.arctan(np.longdouble(1)) * frequencies  # near a sharp peak a rounded w is another frequency
+    omega = exact.astype(float)
+    H, errors = _values(harmonic, exact)
     H = H * (1j * omega) ** harmonic.power if harmonic.power else H
     on_lines = []
     for line in np.flatnonzero(~(errors <= TRUST_LIMIT).all(axis=(0, 1))):
@@ -337,7 +338,7 @@ def _values(harmonic: Harmonic, omega: np.ndarray) -> tuple[np.ndarray, np.ndarr
         lines = solver.solve(omega)
         return lines.values, lines.relative
     form = replace(harmonic.form, power=0)
-    H, sizes = form.values(1j * omega)
+    H, sizes = form.values(1j * omega.astype(float))
     compared = np.unique(np.linspace(0, len(omega) - 1, COMPARED).astype(int))
     lines = solver.solve(omega[compared])
     difference = np.abs(lines.values - H[..., compared]) / sizes[..., compared]

@@ -12,6 +12,7 @@ first-order bound of the errors by residuals and by relative errors of every ent
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,7 +25,7 @@ from ..ground.tolerances import EPS, LINE_ACCURACY, LINE_ROUNDING
 from ..linalg.scaling import joint_scaling
 
 #: So many complex numbers of factors and vectors are computed at once; so many lines at least.
-CHUNK, LEAST = 1 << 20, 64
+CHUNK, LEAST = 1 << 21, 64
 
 #: A threshold pivot is at least this part of the largest of its column.
 THRESHOLD = 0.1
@@ -106,20 +107,20 @@ class StructuredSolver:
         """Values and errors at these angular frequencies.
 
         Args:
-            omega: w in rad/s, shape (F,).
+            omega: w in rad/s, shape (F,), in extended precision where it is known so.
             accuracy: lines with a larger relative estimate are solved again, pivoted, and refined.
             with_solutions: also return A(i w)^-1 B.
 
         Returns:
             The lines.
         """
-        nu = np.asarray(omega, dtype=float) / self.time
+        nu = np.asarray(omega) / self.time
         p, m, F = len(self.outputs), self.inputs.shape[1], len(nu)
         values, errors = np.zeros((p, m, F), dtype=complex), np.full((p, m, F), np.inf)
         solutions = np.zeros((self.size, m, F), dtype=complex) if with_solutions else None
         left = np.arange(F)
         for _ in range(ORDERS):
-            factors = self._factors(nu[left[len(left) // 2]]) if len(left) else None
+            factors = self._factors(float(nu[left[len(left) // 2]])) if len(left) else None
             if factors is None:
                 break
             self._pass(values, errors, solutions, left, nu, factors, accuracy)
@@ -137,12 +138,18 @@ class StructuredSolver:
         entries = self.size**2 if factors is None else len(factors.rows) + 4 * self.size * self.inputs.shape[1]
         count = max(LEAST, CHUNK // max(entries, 1))
         for part in np.array_split(lines, -(-len(lines) // count)) if len(lines) else ():
-            with np.errstate(all="ignore"):
-                solver = _Full(self, nu[part]) if factors is None else _Eliminated(self, nu[part], factors)
+            lost: list[str] = []
+            with np.errstate(all="ignore", under="call", call=lambda kind, _, seen=lost: seen.append(kind)):
+                own = nu[part].astype(float)
+                solver = _Full(self, own) if factors is None else _Eliminated(self, own, factors)
                 X, Z = solver.both()
-                H, error, X = self._estimated(nu[part], X, Z)
-                if factors is None and (~(error <= accuracy * np.abs(H))).any():
-                    H, error, X = self._refined(solver, nu[part], X, Z)
+                H, error, X = self._estimated(own, X, Z)
+                bad = ~(error <= accuracy * np.abs(H)).all(axis=(0, 1)) & np.isfinite(error).all(axis=(0, 1))
+                if bad.any():
+                    refined = self._refined(solver.at(bad), nu[part][bad], X[..., bad], Z[..., bad])
+                    H[..., bad], error[..., bad], X[..., bad] = refined
+            if lost:  # below the range of float64 a value is no digit of the answer
+                error = np.where(np.abs(H) < np.finfo(float).tiny / EPS, np.inf, error)
             error = np.where(np.isfinite(error) & np.isfinite(H), error, np.inf)
             better = error < errors[..., part]
             values[..., part] = np.where(better, H, values[..., part])
@@ -179,7 +186,7 @@ class StructuredSolver:
             residual = _extended_product(coefficients, s, X) - self.inputs[:, :, None]
             X = X - solver.solved(residual.astype(complex))
         residual = np.abs(_extended_product(coefficients, s, X) - self.inputs[:, :, None]).astype(float)
-        H, error, X = self._estimated(nu, X, Z, residual, LINE_ROUNDING * float(np.finfo(np.longdouble).eps))
+        H, error, X = self._estimated(nu.astype(float), X, Z, residual, LINE_ROUNDING * float(np.finfo(np.longdouble).eps))
         H = H.astype(complex)
         return H, error + EPS * np.abs(H), X.astype(complex)
 
@@ -237,17 +244,19 @@ def _contracted(outputs, X) -> np.ndarray:
 
 
 def _triplets(matrix):
+    """Rows that are not empty, where their entries begin, columns and entries."""
     rows, columns = np.nonzero(matrix)
-    return rows, columns, matrix[rows, columns]
+    filled, begins = np.unique(rows, return_index=True)
+    return filled, begins, columns, matrix[rows, columns][:, None, None]
 
 
 def _extended_product(coefficients, s, X) -> np.ndarray:
     """A(s) X in extended precision."""
     total = np.zeros_like(X)
-    for rows, columns, entries in coefficients[::-1]:
+    for filled, begins, columns, entries in coefficients[::-1]:
         total = total * s
-        for row, column, entry in zip(rows, columns, entries):
-            total[row] += entry * X[column]
+        if len(filled):
+            total[filled] += np.add.reduceat(entries * X[columns], begins, axis=0)
     return total
 
 
@@ -330,6 +339,12 @@ class _Eliminated:
                     W[one] -= factor * W[other]
         self.W = W
 
+    def at(self, lines: np.ndarray) -> _Eliminated:
+        """The same at some of the lines."""
+        part = copy(self)
+        part.W, part.inverse = self.W[:, lines], self.inverse[:, lines]
+        return part
+
     def both(self):
         """A^-1 B, and Z with C A^-1 = Z^T."""
         solver = self.solver
@@ -383,6 +398,12 @@ class _Full:
             self.matrices *= s[:, None, None]
             self.matrices += matrix
         self.factors = [_lu(matrix) for matrix in self.matrices]
+
+    def at(self, lines: np.ndarray) -> _Full:
+        """The same at some of the lines."""
+        part = copy(self)
+        part.factors = [self.factors[line] for line in np.flatnonzero(lines)]
+        return part
 
     def both(self):
         """A^-1 B, and Z with C A^-1 = Z^T."""
