@@ -119,8 +119,9 @@ class StructuredSolver:
         values, errors = np.zeros((p, m, F), dtype=complex), np.full((p, m, F), np.inf)
         solutions = np.zeros((self.size, m, F), dtype=complex) if with_solutions else None
         left = np.arange(F)
-        for _ in range(ORDERS):
-            factors = self._factors(float(nu[left[len(left) // 2]])) if len(left) else None
+        for attempt in range(ORDERS):  # first where inertia dominates: stop bands need pivots on the diagonal most
+            at = np.argsort(nu[left])[len(left) // 2 if attempt else -1] if len(left) else 0
+            factors = self._factors(float(nu[left[at]])) if len(left) else None
             if factors is None:
                 break
             self._pass(values, errors, solutions, left, nu, factors, accuracy)
