@@ -177,6 +177,7 @@ PREPARED = (
     "dependent constraint rows",
     "constrained form",
     "scaling and staircase",
+    "proof (python-flint)",  # part of the error estimate
 )
 
 AUDIT = """
