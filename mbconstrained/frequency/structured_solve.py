@@ -140,7 +140,7 @@ class StructuredSolver:
         count = max(LEAST, CHUNK // max(entries, 1))
         for part in np.array_split(lines, -(-len(lines) // count)) if len(lines) else ():
             lost: list[str] = []
-            with np.errstate(all="ignore", under="call", call=lambda kind, _, seen=lost: seen.append(kind)):
+            with np.errstate(all="ignore", under="call", call=lambda kind, _, kinds=lost: kinds.append(kind)):
                 own = nu[part].astype(float)
                 solver = _Full(self, own) if factors is None else _Eliminated(self, own, factors)
                 X, Z = solver.both()
