@@ -178,7 +178,8 @@ def picture(motion: Response) -> str:
     from ..page.plots.images import plot_image
     from .run.report.page_report import plots_of
 
-    return "".join(plot_image(each, "svg").decode() for each in plots_of(result_of(motion)))
+    images = (plot_image(each, "svg").decode() for each in plots_of(result_of(motion)))
+    return "".join(image[image.index("<svg") :] for image in images)  # without the head of an XML file
 
 
 @dataclass(frozen=True)
