@@ -14,9 +14,12 @@ import numpy as np
 from ..exact.enclosure.exact_response import ExactResponse
 from ..exact.enclosure.exact_sources import sources_of
 from ..exact.rational.rational_matrix import RationalMatrix, regular
+from ..ground.tolerances import EPS
 from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..response.methods.defect import UNIT, Extended, Rounding
 from ..signals.inputs import step
 from .constraints import right_sides
+from .element_matrix import ElementMatrix
 
 if TYPE_CHECKING:
     from .motion import Motion
@@ -38,6 +41,42 @@ def exact_motion(motion: Motion) -> ExactResponse:
     if prescribed is not None:
         force = force + prescribed.mapped(np.eye(n + k)[:, n:])
     return ExactResponse(_regular_form(motion.system), start, sources_of(force), range(n))
+
+
+def rounding_of_form(motion: Motion) -> Rounding | None:
+    """What the constrained form of the motion lost of the masses, springs, dampers and rows, and of the forces.
+
+    V^T K was rounded, and so was V: where A V is not zero, constraint forces enter, lambda = G (K x + ... - f) with G A^T = I.
+
+    Returns:
+        Bounds; None where the form has the data themselves.
+    """
+    system, form = motion.system, motion.system.constrained_form()
+    given, V, A = system.given, form.null_space.astype(Extended), form.rows
+    if not len(A) and not any(isinstance(matrix, ElementMatrix) for matrix in given):
+        return None
+    unit = UNIT * (len(V) + 4)
+    forces = np.abs(V.T @ A.T) + unit * (np.abs(V.T) @ np.abs(A.T))
+    through = (forces @ np.abs(system._independent.left_inverse)).astype(float)
+    coefficients, own = [], V.shape[1]
+    for matrix, projected in zip(given, form.polynomial_matrix.coefficients):
+        whole, size = _extended(matrix)
+        lost = np.zeros(projected.shape)
+        lost[:own] = np.abs(V.T @ whole - projected[:own]) + unit * (np.abs(V.T) @ size) + through @ size
+        coefficients.append(lost)
+    load = np.abs(motion.applied.smooth.coefficients).max(axis=1, initial=0.0)
+    mixed = ~(((V != 0).sum(axis=0) == 1) & (V.max(axis=0, initial=0.0) == 1.0))
+    force = np.zeros(len(V))
+    force[:own] = through @ load + mixed * EPS * len(V) * (np.abs(V.T).astype(float) @ load)
+    return Rounding(tuple(coefficients), force)
+
+
+def _extended(matrix: np.ndarray | ElementMatrix) -> tuple[np.ndarray, np.ndarray]:
+    """A matrix in extended precision, and the sizes of the terms of its entries."""
+    if not isinstance(matrix, ElementMatrix):
+        return matrix.astype(Extended), np.abs(matrix)
+    B, k = matrix.directions.astype(Extended), matrix.constants
+    return (B.T * k) @ B, (np.abs(matrix.directions.T) * np.abs(k)) @ np.abs(matrix.directions)
 
 
 def _regular_form(system) -> RationalMatrix:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
@@ -19,9 +19,10 @@ from ..ground.tolerances import noise_of
 from ..response.choose import Request
 from ..response.estimate import error_estimate
 from ..response.events import Event
+from ..response.methods.proved import ProvedFunction, proved_event
 from ..response.problem import Problem
 from ..response.response import Response
-from ..response.response_notices import first_and_count, sides, unsatisfied
+from ..response.response_notices import first_and_count, remaining_notices, sides
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .energy import Energy, energy_of
@@ -30,6 +31,7 @@ from .reaction import reaction_function, reaction_impulses
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
     from ..exact.enclosure.intervals import Enclosure
+    from ..response.methods.defect import Rounding
     from .constraints import ConstraintRow
     from .system import MechanicalSystem
 
@@ -203,11 +205,19 @@ class Motion(SystemMotion, Response):
 
     def reaction_of(self, response: Response) -> BohlFunction:
         """The same for another response of the system to the same forces."""
-        return reaction_function(self.system, response, self.applied)
+        function = reaction_function(self.system, response, self.applied)
+        if response is not self or not self.is_decided_exactly:
+            return function
+        return ProvedFunction(function, lambda: self.exact_reaction, self.solution.finite_count, None)
 
     @cached_property
     def _constraint_loads(self) -> tuple[ImpulsiveLoad, ...]:
-        return reaction_impulses(self.system, self, self.applied)
+        loads = reaction_impulses(self.system, self, self.applied)
+        if not self.is_decided_exactly:
+            return loads
+        none = np.zeros((len(self.initial), len(self.system.rows)))
+        events = [proved_event(self.exact_reaction, Event(load.time, none, load.impulses), none) for load in loads]
+        return tuple(ImpulsiveLoad(event.time, event.impulses) for event in events)
 
     @property
     def constraint_impulses(self) -> tuple[np.ndarray, ...]:
@@ -230,6 +240,11 @@ class Motion(SystemMotion, Response):
             return super()._states(times)
         values = self._with_velocity(times)
         return values[:n], values[n:]
+
+    def _rounding(self) -> Rounding | None:
+        from .exact_motion import rounding_of_form
+
+        return rounding_of_form(self)
 
     @cached_property
     def exact(self) -> ExactResponse:
@@ -292,17 +307,24 @@ class Motion(SystemMotion, Response):
         """Violated rows, jumps, impulses, drift and doubtful decisions, with names and units."""
         at_start = (Event(0.0, self.jump, self.impulses), ImpulsiveLoad(0.0, self.constraint_impulses))
         return (
-            *self.system.notices,
-            *self.system.constrained_form().notices,
+            *self._notices_of_system,
             *_violated_rows(self),
             *(notice for event in at_start for notice in _sentences(self, event)),
             *first_and_count(lambda event: _sentences(self, event), self.events, self.later_constraint_impulses),
             *self.force.notices,
             *_drift(self),
             *_static_offsets(self.system),
-            *self.solution.notices,
-            *unsatisfied(self),
+            *remaining_notices(self),
         )
+
+    @property
+    def _notices_of_system(self) -> tuple[Notice, ...]:
+        """Those of its rows and of its constrained form. A rank that the exact engine confirms is no doubt; a row that was left out is."""
+        notices = (*self.system.notices, *self.system.constrained_form().notices)
+        ranks = [notice for notice in notices if notice.doubtful and notice.kind == NoticeKind.RANK]
+        if not (ranks and self.is_proved):
+            return notices
+        return tuple(replace(notice, doubtful=False) if notice in ranks else notice for notice in notices)
 
 
 def _order_of(quantity) -> int | None:

@@ -107,13 +107,14 @@ class JordanPairs(Displayed):
         """(C, J, B) of the finite zeros."""
         form, scaling = self.form, self.form.companion.scaling
         parts = block_diagonalize(form.T)
-        return FinitePair(
-            C=scaling.columns[:, None] * (form.C @ parts.basis),
-            B=scaling.time * (parts.inverse @ form.B) * scaling.rows,
-            blocks=tuple(scaling.time * block for block in parts.blocks),
-            coupling=parts.coupling,
-            form=form,
-        )
+        with np.errstate(over="ignore", invalid="ignore"):  # values that are not finite are reported with their time
+            return FinitePair(
+                C=scaling.columns[:, None] * (form.C @ parts.basis),
+                B=scaling.time * (parts.inverse @ form.B) * scaling.rows,
+                blocks=tuple(scaling.time * block for block in parts.blocks),
+                coupling=parts.coupling,
+                form=form,
+            )
 
     @cached_property
     def infinite(self) -> InfinitePair:

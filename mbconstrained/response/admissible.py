@@ -13,6 +13,7 @@ import numpy as np
 
 from ..ground.checks import counted
 from ..ground.display import Displayed, TextTable
+from ..ground.errors import IllConditioned
 from ..linalg.rounding import Noisy, columnwise, eliminate
 from ..polynomial.decoupling import WeierstrassForm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
@@ -20,6 +21,7 @@ from ..signals.inputs import ImpulsiveSmooth
 from .events import inconsistency_of
 from .forcing import scaled_data
 from .problem import checked_force, checked_matrix
+from .response import OUT_OF_RANGE, Response
 from .response_notices import DERIVATIVE_NAMES
 from .solve import solve
 
@@ -79,7 +81,7 @@ def admissible(A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None 
         An ``Admissibility``.
 
     Raises:
-        InputError, SingularPolynomialMatrix: as ``solve``.
+        InputError, SingularPolynomialMatrix, IllConditioned: as ``solve``.
 
     >>> A = PolynomialMatrix([[[1.0, -1.0], [-1.0, 1.0]], [[0, 0], [0, 0]], [[0, 0], [0, 1.0]]])  # a massless body on a spring
     >>> admissibility = admissible(A, initial=[[1.0, 0.0], [0.0, 0.0]])
@@ -91,6 +93,17 @@ def admissible(A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None 
     """
     smooth = checked_force(force, checked_matrix(A).size).smooth
     start = solve(A, initial, ImpulsiveSmooth(smooth))
+    try:
+        with np.errstate(all="ignore"):
+            found = _admissibility(A, start)
+    except (np.linalg.LinAlgError, ValueError, OverflowError):  # what is not finite reached an algorithm
+        raise IllConditioned(OUT_OF_RANGE) from None
+    if not (np.isfinite(found.nearest).all() and np.isfinite(found.nearest_continuous).all()):
+        raise IllConditioned(OUT_OF_RANGE)
+    return found
+
+
+def _admissibility(A: PolynomialMatrix, start: Response) -> Admissibility:
     form, structure = start.pairs.form, start.pairs.structure
     stack, f, size = scaled_data(form, start.initial, start.force)
     inconsistency = inconsistency_of(form, stack, f)

@@ -62,8 +62,8 @@ def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] 
     largest = np.abs(values).max(initial=0.0)
     if largest == 0:
         return EPS
-    # eigenvalues are known to half a unit at best
-    phase = EPS / 2 * float(np.abs(times * np.asarray(function.derivative()(times)) / largest).max())
+    with np.errstate(over="ignore"):  # eigenvalues are known to half a unit at best
+        phase = EPS / 2 * float(np.abs(times * np.asarray(function.derivative()(times)) / largest).max())
     if isinstance(function, ProvedFunction) and function.is_provable:
         rounded = max(2 * LEAST, min(phase, PROVED_ACCURACY))  # what rounded data move, within what is proved
         return max(_proved_error(function, times, values), rounded)

@@ -28,6 +28,7 @@ from .choose import Method, Request, reducible
 from .events import Event, starts_of
 from .problem import Problem, checked_force
 from .response import Response, start_after
+from .response_notices import remaining_notices
 
 if TYPE_CHECKING:
     from ..exact.enclosure.intervals import Enclosure
@@ -248,6 +249,10 @@ class Responses(Displayed):
                 if first.method.flow is not None:
                     jumps[members] = first.method.flow.jumps(self.initial[members])
                     continue
+                if first.is_decided_exactly:
+                    for member in members:
+                        jumps[member], impulses[member] = self[int(member)].jump, self[int(member)].impulses
+                    continue
                 starts = starts_of(first.pairs.form, self.initial[members].transpose(1, 2, 0), first.force)
                 jumps[members] = starts.jump.transpose(2, 0, 1)
                 for place, member in enumerate(members):
@@ -267,7 +272,7 @@ class Responses(Displayed):
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """Common notices, once, and how many members jump or have impulses; ``xs[s].notices`` are those of one."""
-        notices = dict.fromkeys(notice for _, x in self._alike for notice in (*x.force.notices, *x.solution.notices))
+        notices = dict.fromkeys(notice for _, x in self._alike for notice in (*x.force.notices, *remaining_notices(x)))
         jumping = int(self.jump.any(axis=(1, 2)).sum())
         impulsive = sum(any(part.any() for part in impulses) for impulses in self.impulses)
         for count, kind, what in (

@@ -24,16 +24,20 @@ from ..signals.impulsive import ImpulsiveSmooth
 from .choose import PAIRS, Method, Request, choose, unproved
 from .estimate import TRIALS, error_estimate
 from .events import Event
-from .methods.defect import Defect
+from .methods.defect import Defect, Rounding
 from .methods.pair_solution import PairSolution
-from .methods.proved import ProvedFunction
+from .methods.proved import ProvedFunction, proved_event
 from .methods.reduced_solution import ReducedSolution
 from .problem import Problem
-from .response_notices import response_notices
+from .response_notices import response_notices, unsatisfied
 
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
     from ..exact.enclosure.intervals import Enclosure
+
+OUT_OF_RANGE = (
+    "products of the data leave the range of float64, or their inverses do; choose other units, in which they are nearer to 1"
+)
 
 #: So many coordinates are named where a response is shown in one line.
 MOST_NAMES = 6
@@ -85,9 +89,7 @@ class Response(Exported, Presented):
         except MbconstrainedError:
             raise
         except (np.linalg.LinAlgError, ValueError, OverflowError):  # what is not finite reached an algorithm
-            raise IllConditioned(
-                "products of the data leave the range of float64, or their inverses do; choose other units, in which they are nearer to 1"
-            ) from None
+            raise IllConditioned(OUT_OF_RANGE) from None
 
     @classmethod
     def by_pairs(cls, pairs: JordanPairs, initial: np.ndarray, force: ImpulsiveSmooth) -> Response:
@@ -128,17 +130,40 @@ class Response(Exported, Presented):
     @property
     def jump(self) -> np.ndarray:
         """x^(i)(0+) - x^(i)(0-), shape (q, r); exactly zero where the initial values are consistent."""
-        return self.solution.jump
+        return self._events[0].jump
 
     @property
     def impulses(self) -> tuple[np.ndarray, ...]:
         """Arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta at t = 0."""
-        return self.solution.impulses
+        return self._events[0].impulses
 
     @property
     def events(self) -> tuple[Event, ...]:
         """Jumps and impulses after t = 0, where the force starts, stops, changes or has impulses, by ascending time."""
-        return self.solution.events
+        return self._events[1:]
+
+    @cached_property
+    def _events(self) -> tuple[Event, ...]:
+        """That at t = 0, whether there are jumps or not, and the later ones."""
+        events = Event(0.0, self.solution.jump, self.solution.impulses), *self.solution.events
+        return tuple(proved_event(self.exact, event, self.initial) for event in events) if self.is_decided_exactly else events
+
+    @cached_property
+    def is_proved(self) -> bool:
+        """Whether the values are right to ``PROVED_ACCURACY``, by the exact engine where float64 does not suffice."""
+        return isinstance(self.function, ProvedFunction) and self.function.is_provable
+
+    @cached_property
+    def doubts(self) -> tuple[Notice, ...]:
+        """The equations and values at 0+ that the float64 solution does not satisfy to half of the digits."""
+        return tuple(unsatisfied(self))
+
+    @cached_property
+    def is_decided_exactly(self) -> bool:
+        """Whether float64 leaves a doubt, of a rank or a residual, that the exact engine settles: jumps and impulses are its own then."""
+        if self.unproved or self.method.flow is not None:
+            return False
+        return bool(self.doubts or any(notice.doubtful for notice in self.solution.notices)) and self.is_proved
 
     def plot(self, axes=None, quantity: str = "displacement", **options):
         """Draw the curves of a quantity over time with Matplotlib.
@@ -200,7 +225,8 @@ class Response(Exported, Presented):
     @cached_property
     def function(self) -> BohlFunction:
         """The regular part as a Bohl function C e^{J t} v, of a small model with values that are proved (``response.methods.proved``)."""
-        return self.solution.function if self.unproved else self._proved_function
+        with np.errstate(all="ignore"):  # values that are not finite are reported with their time
+            return self.solution.function if self.unproved else self._proved_function
 
     @cached_property
     def unproved(self) -> str:
@@ -211,8 +237,16 @@ class Response(Exported, Presented):
     def _proved_function(self) -> ProvedFunction:
         flow = self.method.flow
         bounded = flow is not None and flow.reduction.is_small and len(flow.knots) == 1
-        defect = Defect(flow) if bounded else None
+        defect = Defect(flow, self._rounding()) if bounded else None
         return ProvedFunction(self.solution.function, lambda: self.exact, self.solution.finite_count, defect)
+
+    def _rounding(self) -> Rounding | None:
+        """What the equations that were solved lost of the data; None where they are the data, or their elements in full."""
+        A = self.polynomial_matrix
+        if not any(factors is not None for factors in A.factors):
+            return None
+        lost = [np.spacing(np.abs(A_k)) / 2 * (factors is not None) for A_k, factors in zip(A.coefficients, A.factors)]
+        return Rounding(tuple(lost), np.zeros(A.size))
 
     @property
     def coupling(self) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,6 @@ from ..linalg.exponential.block_exponential import block_states
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveLoad
 from .events import Event
-from .methods.proved import ProvedFunction
 
 if TYPE_CHECKING:
     from .response import Response
@@ -31,10 +31,22 @@ DERIVATIVE_NAMES = ("value", "velocity", "acceleration", "jerk")
 
 def response_notices(x: Response) -> tuple[Notice, ...]:
     """Jumps, impulses, the notices of the force, growth, doubtful rank decisions and unsatisfied equations of a response."""
-    doubts = tuple(unsatisfied(x))
-    if doubts and isinstance(x.function, ProvedFunction) and x.function.is_provable:
-        doubts = ()  # the values are proved, whatever the float64 ones at the times of this check
-    return (*_jumps(x), *_impulses(x), *_later(x), *x.force.notices, *x.solution.notices, *doubts)
+    return (*_jumps(x), *_impulses(x), *_later(x), *x.force.notices, *remaining_notices(x))
+
+
+def remaining_notices(x: Response) -> tuple[Notice, ...]:
+    """The notices of the solution that concern the answer: where values are proved by the exact engine no doubt of float64 does.
+
+    A rank of a small model that the exact data have not keeps its notice, which names the entry that decides.
+    """
+    notices, doubts = x.solution.notices, x.doubts
+    ranks = any(notice.doubtful and notice.kind == NoticeKind.RANK for notice in notices)
+    if (doubts or any(notice.doubtful for notice in notices)) and x.is_proved:
+        return tuple(notice for notice in notices if not notice.doubtful)
+    entry = x.exact_engine().deciding_entry(x.polynomial_matrix) if ranks and not x.unproved else ""
+    if entry:
+        notices = tuple(replace(one, text=f"{one.text}; {entry}") if one.kind == NoticeKind.RANK else one for one in notices)
+    return (*notices, *doubts)
 
 
 def pair_notices(pairs) -> tuple[Notice, ...]:
@@ -194,8 +206,11 @@ def unsatisfied(x: Response) -> Iterator[Notice]:
         cause is none: the error estimate has these.
     """
     A = x.polynomial_matrix
+    jump = x.solution.jump
     with np.errstate(all="ignore"):  # what is not finite is not tested
+        begin = np.where(np.abs(x.initial + jump) <= noise_of(np.abs(jump)), 0.0, x.initial + jump)
         times, derivatives, states, rate = x.solution.sums(A.degree + 1)
+        rate = np.float64(rate)  # its powers overflow to infinity
         loads, sizes = x.force(times), [np.abs(rows @ states).max(axis=0, initial=0.0) for rows in derivatives]
         largest = np.max([size / rate**order for order, size in enumerate(sizes)], axis=0)
         residual, terms, noise = -loads, np.abs(loads), noise_of(np.abs(loads))
@@ -204,7 +219,7 @@ def unsatisfied(x: Response) -> Iterator[Notice]:
             values, size = rows @ states, abs(rows) @ np.abs(states)
             rounding = noise_of(size, len(states))
             if order < A.degree:
-                starts.append((values[:, 0] - x.start[order], np.abs(x.start[order]), rounding[:, 0]))
+                starts.append((values[:, 0] - begin[order], np.abs(begin[order]), rounding[:, 0]))
             own, moving = np.abs(coefficient), np.abs(values) > noise_of(largest * rate**order, len(states))
             residual, terms = residual + coefficient @ values, terms + own @ np.where(moving, np.abs(values), 0.0)
             noise = noise + own @ rounding + (uncertainty + (x.problem.rank_tolerance or 0.0) * own) @ np.abs(values)

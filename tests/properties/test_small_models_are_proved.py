@@ -150,6 +150,36 @@ def test_a_rigid_link_over_a_soft_spring(gap):
             assert max(abs(mpmath.mpf(float(value)) - expected) for value in motion(time)) <= ACCURACY * abs(expected)
 
 
+@pytest.mark.parametrize("row", [[1.0, -1.0, 0.0], [1.0, -3.0, 0.5], [0.3, -0.7, 1.1]])
+@pytest.mark.parametrize("stiffness", [1e3, 1e9, 1e14])
+def test_a_stiff_spring_along_a_constraint_row(row, stiffness):
+    """The spring does nothing, and its rounding errors do much. The oracle: x3 or x2 eliminated in fractions."""
+    K = stiffness * np.outer(row, row) + np.diag([1.0, 2.0, 3.0])
+    start = np.cross(row, [1.0, 1.0, 1.0])
+    motion = mb.MechanicalSystem(np.diag([1.0, 2.0, 1.5]), 0.1 * np.eye(3), K, [mb.Constraint(row)]).solve(start)
+    a, fixed = [Fraction(x) for x in row], 2 if row[2] else 1
+    free = [k for k in range(3) if k != fixed]
+    V = [[Fraction(i == k) if i != fixed else -a[k] / a[fixed] for k in free] for i in range(3)]
+
+    def reduced(matrix: np.ndarray) -> list[list[Fraction]]:
+        X = [[Fraction(x) for x in line] for line in matrix.tolist()]
+        return [[sum(V[i][k] * X[i][j] * V[j][m] for i in range(3) for j in range(3)) for m in range(2)] for k in range(2)]
+
+    M, C, whole = reduced(np.diag([1.0, 2.0, 1.5])), reduced(0.1 * np.eye(3)), reduced(K)
+    right = solved(np.array(M, dtype=object), np.array([[-x for x in (*k, *c)] for k, c in zip(whole, C)], dtype=object))
+    with mpmath.workdps(DIGITS):
+        G = mpmath.zeros(4)
+        for i in range(2):
+            G[i, 2 + i] = 1
+            for j in range(4):
+                G[2 + i, j] = mpmath.mpf(right[i][j].numerator) / right[i][j].denominator
+        for time in (0.7, 20.0, 100.0):
+            z = exponential(G * time) * mpmath.matrix([*start[free].tolist(), 0.0, 0.0])
+            expected = [sum(mpmath.mpf(v.numerator) / v.denominator * z[k] for k, v in enumerate(line)) for line in V]
+            error = max(abs(mpmath.mpf(float(value)) - exact) for value, exact in zip(motion(time), expected))
+            assert error <= ACCURACY * max(map(abs, expected))
+
+
 def test_a_small_input_of_a_state_space():
     system = mb.StateSpace(np.diag([-1.0, 1.0]), [[1.0], [1e-15]], np.eye(2))
     x = system.solve(input=mb.step([1.0]))

@@ -64,15 +64,48 @@ def test_small_jumps_are_told_beside_large_ones():
     assert kinds(x) == ["jump", "jump"]
 
 
+def nearly_singular(gap: float, parts: int = 1) -> tuple[mb.PolynomialMatrix, np.ndarray]:
+    """Leading coefficient [[1, 1/3], [3, 1 + gap]], many times over: its rank is one or two; and a start."""
+    blocks = [np.kron(np.eye(parts), part) for part in (np.eye(2), [[1.0, 1 / 3], [3.0, 1.0 + gap]])]
+    return mb.PolynomialMatrix(blocks), np.tile([1.0, 0.0], parts)[None]
+
+
 @pytest.mark.parametrize("gap, doubtful", [(0.0, False), (2.3e-16, False), (3e-14, True), (1e-6, False)])
 def test_a_rank_decision_near_the_rounding_is_doubtful(gap, doubtful):
-    """Leading coefficient [[1, 1/3], [3, 1 + gap]]: its rank is one or two, and near the rounding of 1/3 that is a guess."""
-    A = mb.PolynomialMatrix([np.eye(2), [[1.0, 1 / 3], [3.0, 1.0 + gap]]])
-    x = mb.solve(A, [[1.0, 0.0]])
+    """Of a model whose values are not proved: near the rounding of 1/3 the rank is a guess."""
+    x = mb.solve(*nearly_singular(gap, parts=26))
     assert ("rank" in kinds(x)) == doubtful
     assert any(notice.doubtful for notice in x.notices) == doubtful
     if doubtful:
         assert "no clear gap" in next(notice.text for notice in x.notices if notice.kind == "rank")
+
+
+@pytest.mark.parametrize("gap", [3e-14, -3e-14])
+def test_a_rank_that_the_exact_data_have_is_no_doubt_of_a_small_model(gap):
+    """It is solved as the data are, a fast zero near -2 / gap included."""
+    x = mb.solve(*nearly_singular(gap))
+    assert not x.solution.has_clear_ranks and not any(notice.doubtful for notice in x.notices)
+    assert not x.jump.any() and x.error_estimate(1e-14) <= 1e-12
+
+
+def test_a_rank_that_the_exact_data_have_not_names_the_entry_that_decides():
+    """det [[1, 1/3], [3, 1 + gap]] vanishes where an entry is less by gap: 3e-15, to the rounding of 1/3 and of 1 + gap."""
+    x = mb.solve(*nearly_singular(3e-15))
+    (notice,) = (notice for notice in x.notices if notice.doubtful)
+    assert 'the entry of A_1 in the equation "equation 1" for x1' in notice.text and "less by 3" in notice.text
+
+
+def test_jumps_of_a_small_model_are_those_of_the_data_where_float64_leaves_a_doubt():
+    """x1 + x2 = 0 and x1 + (1 + g) x2 + g x3 = 0 leave x = (-x2, x2, -x2); M = diag(1, 2, 3) keeps (-1, 1, -1) M x'."""
+    g = 2.0**-44
+    rows = [mb.Constraint([1.0, 1.0, 0.0]), mb.Constraint([1.0, 1.0 + g, g])]
+    motion = mb.MechanicalSystem(np.diag([1.0, 2.0, 3.0]), stiffness=np.eye(3), constraints=rows).solve([0, 0, 0], [1.0, 0.0, 0.0])
+    after = motion.initial[1] + motion.jump[1]
+    assert np.allclose(after, np.array([1.0, -1.0, 1.0]) / 6, rtol=1e-15, atol=0)
+    assert not any(notice.doubtful for notice in motion.notices)
+    # the momentum lost is A^T p: p1 + p2 = -5/6, p1 + (1 + g) p2 = -1/3, g p2 = 1/2
+    (impulse,) = motion.constraint_impulses
+    assert np.allclose(impulse, [-5 / 6 - 0.5 / g, 0.5 / g], rtol=1e-15, atol=0)
 
 
 def test_a_very_light_mass_is_a_mass():

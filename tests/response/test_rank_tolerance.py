@@ -36,12 +36,15 @@ def test_a_tolerance_may_make_the_equations_dependent():
         A.structure(1e-6)
 
 
-def test_exact_data_can_be_declared():
-    """A difference of 2 units in the last place is in doubt as rounded data, and none as exact data."""
-    A = mb.PolynomialMatrix([[[1, 1], [1, 1 + 2.0**-46]], [[1, 0], [0, 0]]])
-    doubtful, exact = mb.solve(A), mb.solve(A, rank_tolerance=0.0)
-    notice = next(notice for notice in doubtful.notices if notice.kind == "rank")
-    assert notice.doubtful and "singular value" in notice.text and "rank_tolerance" in notice.text
+@pytest.mark.parametrize("parts", [1, 26])
+def test_exact_data_can_be_declared(parts):
+    """A difference of 2^-46 is in doubt as rounded data, and none as exact data, as which a small model is solved anyway."""
+    blocks = [np.kron(np.eye(parts), part) for part in ([[1, 1], [1, 1 + 2.0**-46]], [[1, 0], [0, 0]])]
+    A = mb.PolynomialMatrix(blocks)
+    rounded, exact = mb.solve(A), mb.solve(A, rank_tolerance=0.0)
+    notices = [notice for notice in rounded.notices if notice.kind == "rank"]
+    assert bool(notices) == (parts > 1)
+    assert all(notice.doubtful and "singular value" in notice.text and "rank_tolerance" in notice.text for notice in notices)
     assert not [notice for notice in exact.notices if notice.kind == "rank"]
 
 

@@ -19,15 +19,16 @@ import numpy as np
 from ...ground.checks import counted, real_array, whole_number
 from ...ground.display import Displayed
 from ...ground.errors import InputError, SingularPolynomialMatrix
-from ...ground.notices import Notice, NoticeKind
 from ...polynomial.polynomial_matrix import PolynomialMatrix
-from ...response.response import Response
 from ...signals.impulsive import ImpulsiveSmooth
 from ..rational.flint_numbers import fraction, polynomial, rational, working_precision
 from ..rational.rational_matrix import RationalMatrix, regular_matrix
 from .exact_sources import ONE, Factor, S, Shape, Source, added, ball, sources_of, vector_of
 from .fractions import ZERO, RationalResponse
 from .intervals import Enclosure, bits_of, has_digits
+from .structure import deciding_entry, structure_notices
+
+__all__ = ["ExactResponse", "deciding_entry", "exact_fraction_response", "exact_response", "structure_notices"]
 
 #: Bits to begin with, beyond those of the requested digits.
 FIRST_BITS = 40
@@ -40,6 +41,9 @@ MOST_DIGITS = 1000
 
 #: Bits of values that are rounded to float64, relative to the largest row at each time, and those of the first attempt.
 ROUNDED_BITS, FIRST_ROUNDED_BITS = 56, 128
+
+#: Bits of jumps and impulses.
+EVENT_BITS = 256
 
 #: Values below this power of two vanish in float64.
 SMALLEST_EXPONENT = -1080
@@ -242,6 +246,29 @@ class ExactResponse(Displayed):
             pending, precision = late, 2 * precision
         return values, errors
 
+    def event(self, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """Jumps of x, x', ... and impulses at a time, in float64; zero where they cancel to so many bits as they are computed with.
+
+        Args:
+            time: of an event, in s.
+
+        Returns:
+            x^(i)(t+) - x^(i)(t-) as row i, shape (q, r), and the factors of Dirac's delta and its derivatives, shape (k, r).
+        """
+        begin = self._events.get(time, rational(time))
+        with working_precision(EVENT_BITS):
+            calls = [(part.response, ball(factor)) for part in self._parts for at, factor in part.calls if at == begin]
+            jump = [[-ball(row[k]) if begin == 0 else flint.arb(0) for k in self.rows] for row in self.initial]
+            impulses = [[flint.arb(0)] * self.size for _ in range(max((len(x.impulses) for x, _ in calls), default=0))]
+            for x, amount in calls:
+                for order, row in enumerate(jump):
+                    jump[order] = [a + amount * b for a, b in zip(row, x.start(order))]
+                for order, impulse in enumerate(x.impulses):
+                    impulses[order] = [a + amount * b for a, b in zip(impulses[order], impulse)]
+            values = [[0.0 if entry.contains(0) else float(entry.mid()) for entry in row] for row in (*jump, *impulses)]
+        table = np.array(values).reshape(-1, self.size)
+        return table[: len(jump)], table[len(jump) :]
+
     @cached_property
     def _events(self) -> dict[float, flint.fmpq]:
         """The exact times of events by the nearest floats: the right limit of an event is meant by either."""
@@ -381,23 +408,3 @@ def exact_fraction_response(
     sources = [Source(Shape(b * one.shape.numerator, one.shape.denominator), one.vector, one.time, one.factor) for one in acting]
     a = RationalMatrix([[[c]] for c in denominator])
     return ExactResponse(a, np.zeros((len(denominator) - 1, 1)), sources)
-
-
-def structure_notices(x: Response, exact: ExactResponse) -> tuple[Notice, ...]:
-    """A notice where the number of finite zeros of the exact data differs from that of the numeric answer.
-
-    Args:
-        x: the numeric response.
-        exact: the exact response to the same data.
-
-    Returns:
-        One notice where the numbers of finite zeros differ, none otherwise.
-    """
-    numeric_count, exact_count = x.solution.finite_count, exact.matrix.determinant.degree()
-    if numeric_count == exact_count:
-        return ()
-    text = (
-        f"the exact data have {counted(exact_count, 'finite zero')} where the answer has {numeric_count}: it treats differences of the "
-        "size of rounding errors as zero; the bounds belong to the exact data, whose motion is a different one"
-    )
-    return (Notice(NoticeKind.RANK, text, doubtful=True),)

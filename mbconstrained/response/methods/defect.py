@@ -35,16 +35,29 @@ UNIT = float(np.finfo(Extended).eps)
 
 
 @dataclass(frozen=True, eq=False)
+class Rounding:
+    """What A(d/dt) x = f lost of the data that it was made of.
+
+    Attributes:
+        coefficients: bounds of the errors of A_0, A_1, ..., shape (r, r) each.
+        force: a bound of the errors of the coefficients of f, for each row, shape (r,).
+    """
+
+    coefficients: tuple[np.ndarray, ...]
+    force: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class Defect:
     """The error of the values of a flow.
 
     Attributes:
         flow: of a small model, without restarts of its force.
-        rounding: bounds of the rounding errors of A_0, A_1, ... themselves, shape (r, r) each; none where they are the data.
+        rounding: of A_0, A_1, ... and f themselves; None where they are the data.
     """
 
     flow: Flow
-    rounding: tuple[np.ndarray, ...] = ()
+    rounding: Rounding | None = None
 
     def allows(self, place: np.ndarray, order: int, times: np.ndarray, allowed: np.ndarray) -> np.ndarray:
         """At which times the errors of the derivative of this order of place @ z, by its modes, are surely as small as allowed.
@@ -173,8 +186,9 @@ class Defect:
             size[:, original] += size[:, copy]
             total[:, copy] = size[:, copy] = 0.0
         bound = np.abs(total).astype(float) + (A.shape[1] + 6) * UNIT * size
-        if self.rounding:
-            bound += np.concatenate(self.rounding, axis=1) @ np.concatenate(sizes)
+        if self.rounding is not None:
+            bound += np.concatenate(self.rounding.coefficients, axis=1) @ np.concatenate(sizes)
+            bound += np.multiply.outer(self.rounding.force, np.abs(states[n:]).sum(axis=0))
         return total.astype(float), bound
 
     @cached_property
@@ -336,12 +350,12 @@ class Modes:
                     stretch.append(1.0)
                 else:
                     up, down, half = entries[row][row + 1], entries[row + 1][row], (a - entries[row + 1][row + 1]) / 2
-                    square = -up * down - half**2
+                    square = -up * down - half * half
                     if not square > 0:
                         return None
-                    larger = (half**2 + (up**2 + down**2) / 2) / square  # (s^2 + 1 / s^2) / 2 of singular values s, 1 / s
+                    larger = (half * half + (up * up + down * down) / 2) / square  # (s^2 + 1 / s^2) / 2 of singular values s, 1 / s
                     zeros.append(complex(a - half, square**0.5))
-                    stretch.append((larger + max(larger**2 - 1, 0.0) ** 0.5) ** 0.5)
+                    stretch.append((larger + max(larger * larger - 1, 0.0) ** 0.5) ** 0.5)
                 row += 1 + pair
             begin += size
         J, at, first = block_matrix(states.blocks), np.array(starts), np.array(zeros, dtype=complex)

@@ -16,9 +16,10 @@ import numpy as np
 
 from ...ground.checks import real_array, real_number, whole_number
 from ...ground.errors import SingularPolynomialMatrix
-from ...ground.tolerances import PROVED_ACCURACY
+from ...ground.tolerances import EPS, PROVED_ACCURACY
 from ...signals.bohl import BohlFunction
 from ...signals.restarts import Restarts
+from ..events import Event, without_zeros
 from .defect import Defect
 
 if TYPE_CHECKING:
@@ -169,3 +170,24 @@ class ProvedFunction(BohlFunction):
         return self.rough + (other.rough if isinstance(other, ProvedFunction) else other)
 
     __radd__ = __add__
+
+
+def proved_event(exact: ExactResponse, event: Event, initial: np.ndarray) -> Event:
+    """An event with the exact jumps and impulses, where float64 has some: which values jump at all, rounded starts do not decide.
+
+    Args:
+        exact: the exact response.
+        event: the same in float64.
+        initial: x^(i)(0-) as row i, shape (q, r).
+
+    Returns:
+        An ``Event``.
+    """
+    jump, impulses = exact.event(event.time)
+    if event.time:
+        before = np.array([exact.rounded(np.array([event.time]), order)[0][:, 0] for order in range(len(jump))]) - jump
+    else:
+        before = initial
+    jump[(event.jump == 0) & (np.abs(jump) <= EPS**0.5 * (np.abs(before) + np.abs(before + jump)))] = 0.0
+    kept = [np.where(own != 0, true, 0.0) for own, true in zip(event.impulses, impulses)]
+    return Event(event.time, jump, without_zeros(kept))
