@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
 
 class MbconstrainedError(Exception):
     """The base of all errors of this package; its text is one message that ends with the remedy."""
@@ -73,3 +78,29 @@ class IllConditioned(MbconstrainedError, ArithmeticError):
 
 class MissingPackage(MbconstrainedError, ImportError):
     """An optional package is not installed; the text names it with the command that installs it."""
+
+
+#: What to do about data whose products are not numbers of float64 any more.
+OUT_OF_RANGE = (
+    "products of the data leave the range of float64, or their inverses do; choose other units, in which they are nearer to 1"
+)
+
+
+@contextmanager
+def within_float64() -> Iterator[None]:
+    """A context without warnings of floating-point arithmetic: what is not finite is reported where it is evaluated.
+
+    Raises:
+        IllConditioned: it reached an algorithm that takes finite numbers only.
+
+    >>> with within_float64():
+    ...     np.float64(1e300) * 1e300
+    np.float64(inf)
+    """
+    try:
+        with np.errstate(all="ignore"):
+            yield
+    except MbconstrainedError:
+        raise
+    except (np.linalg.LinAlgError, ValueError, ArithmeticError):
+        raise IllConditioned(OUT_OF_RANGE) from None

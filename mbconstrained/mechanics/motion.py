@@ -13,7 +13,7 @@ from ..exchange.exported import RATES
 from ..exchange.trajectories import Curves
 from ..ground.checks import counted, nearest, real_array, whole_number
 from ..ground.coordinate_units import force_unit, impulse_unit, rate_unit
-from ..ground.errors import InputError
+from ..ground.errors import InputError, within_float64
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import noise_of
 from ..response.choose import Request
@@ -303,6 +303,7 @@ class Motion(SystemMotion, Response):
         return error_estimate(self, times, view)
 
     @cached_property
+    @within_float64()
     def notices(self) -> tuple[Notice, ...]:
         """Violated rows, jumps, impulses, drift and doubtful decisions, with names and units."""
         at_start = (Event(0.0, self.jump, self.impulses), ImpulsiveLoad(0.0, self.constraint_impulses))

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..ground.checks import counted
 from ..ground.display import Displayed, TextTable
-from ..ground.errors import IllConditioned
+from ..ground.errors import OUT_OF_RANGE, IllConditioned, within_float64
 from ..linalg.rounding import Noisy, columnwise, eliminate
 from ..polynomial.decoupling import WeierstrassForm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
@@ -21,7 +21,7 @@ from ..signals.inputs import ImpulsiveSmooth
 from .events import inconsistency_of
 from .forcing import scaled_data
 from .problem import checked_force, checked_matrix
-from .response import OUT_OF_RANGE, Response
+from .response import Response
 from .response_notices import DERIVATIVE_NAMES
 from .solve import solve
 
@@ -93,11 +93,8 @@ def admissible(A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None 
     """
     smooth = checked_force(force, checked_matrix(A).size).smooth
     start = solve(A, initial, ImpulsiveSmooth(smooth))
-    try:
-        with np.errstate(all="ignore"):
-            found = _admissibility(A, start)
-    except (np.linalg.LinAlgError, ValueError, OverflowError):  # what is not finite reached an algorithm
-        raise IllConditioned(OUT_OF_RANGE) from None
+    with within_float64():
+        found = _admissibility(A, start)
     if not (np.isfinite(found.nearest).all() and np.isfinite(found.nearest_continuous).all()):
         raise IllConditioned(OUT_OF_RANGE)
     return found

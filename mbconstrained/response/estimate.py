@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..ground.checks import real_array
-from ..ground.errors import Overflow
+from ..ground.errors import Overflow, within_float64
 from ..ground.tolerances import EPS, PROVED_ACCURACY, UNCLEAR_ERROR
 from ..linalg.blocks import CHUNK_ENTRIES
 from ..linalg.exponential.block_exponential import block_states
@@ -57,13 +57,18 @@ def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] 
         times: in s, a number or shape (T,).
         view: the function of time y of a response; x itself when not given.
     """
-    times, function = real_array(times, "time"), view(x)
+    with within_float64():
+        return _estimate(x, real_array(times, "time"), view)
+
+
+def _estimate(x: Response, times: np.ndarray, view: Callable[[Response], BohlFunction]) -> float:
+    function = view(x)
     values = np.asarray(function(times))
     largest = np.abs(values).max(initial=0.0)
     if largest == 0:
         return EPS
-    with np.errstate(over="ignore"):  # eigenvalues are known to half a unit at best
-        phase = EPS / 2 * float(np.abs(times * np.asarray(function.derivative()(times)) / largest).max())
+    # eigenvalues are known to half a unit at best
+    phase = EPS / 2 * float(np.abs(times * np.asarray(function.derivative()(times)) / largest).max())
     if isinstance(function, ProvedFunction) and function.is_provable:
         rounded = max(2 * LEAST, min(phase, PROVED_ACCURACY))  # what rounded data move, within what is proved
         return max(_proved_error(function, times, values), rounded)

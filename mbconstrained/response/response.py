@@ -13,7 +13,7 @@ import numpy as np
 from ..exchange.exported import Exported
 from ..ground.checks import counted, places_of, whole_number
 from ..ground.display import Presented, TextTable, notice_table
-from ..ground.errors import IllConditioned, MbconstrainedError
+from ..ground.errors import InputError, within_float64
 from ..ground.notices import Evidence, Notice
 from ..ground.threads import short_work
 from ..ground.tolerances import noise_of
@@ -77,19 +77,11 @@ class Response(Exported, Presented):
             IllConditioned: the data leave the range of float64.
         """
         A = problem.polynomial_matrix
-        try:
-            with (
-                short_work(A.degree * A.size),
-                np.errstate(all="ignore"),
-            ):  # values that are not finite are reported with their time
-                method = choose(problem, request)
-                if method.flow is not None:
-                    return Response(problem, ReducedSolution.of(method))
-                return Response(problem, PairSolution.of(problem, method, A.jordan_pairs(problem.rank_tolerance)))
-        except MbconstrainedError:
-            raise
-        except (np.linalg.LinAlgError, ValueError, OverflowError):  # what is not finite reached an algorithm
-            raise IllConditioned(OUT_OF_RANGE) from None
+        with short_work(A.degree * A.size), within_float64():
+            method = choose(problem, request)
+            if method.flow is not None:
+                return Response(problem, ReducedSolution.of(method))
+            return Response(problem, PairSolution.of(problem, method, A.jordan_pairs(problem.rank_tolerance)))
 
     @classmethod
     def by_pairs(cls, pairs: JordanPairs, initial: np.ndarray, force: ImpulsiveSmooth) -> Response:
@@ -104,7 +96,7 @@ class Response(Exported, Presented):
             A ``Response``.
         """
         problem = Problem(pairs.polynomial_matrix, initial, force, pairs.rank_tolerance)
-        with np.errstate(all="ignore"):  # values that are not finite are reported with their time
+        with within_float64():
             return Response(problem, PairSolution.of(problem, Method(PAIRS, "by the Jordan pairs, which were given"), pairs))
 
     @property
@@ -225,7 +217,7 @@ class Response(Exported, Presented):
     @cached_property
     def function(self) -> BohlFunction:
         """The regular part as a Bohl function C e^{J t} v, of a small model with values that are proved (``response.methods.proved``)."""
-        with np.errstate(all="ignore"):  # values that are not finite are reported with their time
+        with within_float64():
             return self.solution.function if self.unproved else self._proved_function
 
     @cached_property
@@ -357,7 +349,8 @@ class Response(Exported, Presented):
     @cached_property
     def evidence(self) -> tuple[Evidence, ...]:
         """Residuals, conditions and gaps of the method of the solution."""
-        return self.solution.evidence
+        with within_float64():
+            return self.solution.evidence
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:

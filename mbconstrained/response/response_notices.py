@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..ground.errors import within_float64
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, PRECISE_STATES, noise_of, rounding_radius
 from ..linalg.blocks import zeros_of
@@ -29,6 +30,7 @@ LISTED_SINGULAR_VALUES = 4
 DERIVATIVE_NAMES = ("value", "velocity", "acceleration", "jerk")
 
 
+@within_float64()
 def response_notices(x: Response) -> tuple[Notice, ...]:
     """Jumps, impulses, the notices of the force, growth, doubtful rank decisions and unsatisfied equations of a response."""
     return (*_jumps(x), *_impulses(x), *_later(x), *x.force.notices, *remaining_notices(x))

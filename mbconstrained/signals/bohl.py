@@ -15,7 +15,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from ..ground.checks import counted, evaluation_times, real_array, real_number, whole_number
-from ..ground.errors import InputError, Overflow
+from ..ground.errors import InputError, Overflow, within_float64
 from ..ground.threads import short_work
 from ..ground.tolerances import MODERATE_EXPONENT
 from ..linalg.blocks import CHUNK_ENTRIES, block_slices
@@ -77,7 +77,7 @@ class BohlFunction:
             Overflow: a value leaves the range of float64.
         """
         times = evaluation_times(times)
-        with np.errstate(over="ignore", invalid="ignore"), short_work(self.state_count):  # reported below, with the time
+        with within_float64(), short_work(self.state_count):  # what is not finite is reported below, with the time
             values = self._values(np.atleast_1d(times))
             finite = not values.size or (math.isfinite(values.min()) and math.isfinite(values.max()))
         if not finite:

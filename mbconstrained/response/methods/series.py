@@ -74,8 +74,8 @@ class Series:
         """The series of the derivative of this order."""
         series = self
         for _ in range(whole_number(order, "order")):
-            factors = np.arange(1.0, max(series.coefficients.shape[1], 1)) / series.span
             with np.errstate(over="ignore", invalid="ignore"):  # a row whose series leaves the range is not evaluated by it
+                factors = np.arange(1.0, max(series.coefficients.shape[1], 1)) / series.span
                 series = Series(series.span, series.coefficients[:, 1:] * factors, series.noise[:, 1:] * factors)
         return series
 
