@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import ModuleType
 from typing import TYPE_CHECKING, ClassVar
@@ -350,7 +350,11 @@ class Response(Exported, Presented):
     def evidence(self) -> tuple[Evidence, ...]:
         """Residuals, conditions and gaps of the method of the solution."""
         with within_float64():
-            return self.solution.evidence
+            evidence = self.solution.evidence
+            if self.solution.has_clear_ranks or not self.is_proved:
+                return evidence
+            confirmed = "; the exact data have the rank that was decided"
+            return tuple(replace(item, text=item.text + confirmed * (item.name == "rank gap")) for item in evidence)
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:

@@ -227,13 +227,14 @@ def _primes(order: int) -> str:
 
 def _evidence_table(result: Result) -> TextTable:
     """Error estimates, residuals and rank gaps: how far the answer can be trusted."""
-    proved = getattr(getattr(result.motion, "function", None), "is_provable", False)
+    proved = ("displacement", "velocity", "acceleration") if getattr(result.motion, "is_proved", False) else ()
+    proved += ("reaction",) if proved and result.motion.is_decided_exactly else ()
     estimates = [
         (
             f"error estimate: {_estimated(result, kind)}",
             f"{value:.2g}",
             "proved bound of the error over the largest value, at each time"
-            if proved and kind in ("displacement", "velocity", "acceleration")
+            if kind in proved
             else "largest error over largest value, over all times",
         )
         for kind, value in result.error_estimates.items()
