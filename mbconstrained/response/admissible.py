@@ -94,10 +94,10 @@ def admissible(A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None 
     smooth = checked_force(force, checked_matrix(A).size).smooth
     start = solve(A, initial, ImpulsiveSmooth(smooth))
     with within_float64():
-        found = _admissibility(A, start)
-    if not (np.isfinite(found.nearest).all() and np.isfinite(found.nearest_continuous).all()):
+        answer = _admissibility(A, start)
+    if not (np.isfinite(answer.nearest).all() and np.isfinite(answer.nearest_continuous).all()):
         raise IllConditioned(OUT_OF_RANGE)
-    return found
+    return answer
 
 
 def _admissibility(A: PolynomialMatrix, start: Response) -> Admissibility:

@@ -24,9 +24,9 @@ from ...signals.impulsive import ImpulsiveSmooth
 from ..rational.flint_numbers import fraction, polynomial, rational, working_precision
 from ..rational.rational_matrix import RationalMatrix, regular_matrix
 from .exact_sources import ONE, Factor, S, Shape, Source, added, ball, sources_of, vector_of
+from .exact_structure import deciding_entry, structure_notices
 from .fractions import ZERO, RationalResponse
 from .intervals import Enclosure, bits_of, has_digits
-from .structure import deciding_entry, structure_notices
 
 __all__ = ["ExactResponse", "deciding_entry", "exact_fraction_response", "exact_response", "structure_notices"]
 

@@ -169,7 +169,7 @@ def _error(problem: StudyProblem, response: Response, answer: np.ndarray) -> tup
 
     Not known where the answer treats as rounding errors what the exact data contain: they describe another motion.
     """
-    from ...exact.enclosure.structure import structure_notices
+    from ...exact.enclosure.exact_structure import structure_notices
 
     if not np.isfinite(answer).all():
         return math.inf, ""
