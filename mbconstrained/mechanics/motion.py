@@ -320,12 +320,15 @@ class Motion(SystemMotion, Response):
 
     @property
     def _notices_of_system(self) -> tuple[Notice, ...]:
-        """Those of its rows and of its constrained form. A rank that the exact engine confirms is no doubt; a row that was left out is."""
-        notices = (*self.system.notices, *self.system.constrained_form().notices)
-        ranks = [notice for notice in notices if notice.doubtful and notice.kind == NoticeKind.RANK]
-        if not (ranks and self.is_proved):
-            return notices
-        return tuple(replace(notice, doubtful=False) if notice in ranks else notice for notice in notices)
+        """Those of its rows and of its constrained form: rows that the exact engine confirms to be independent are no doubt.
+
+        A row that was left out is one, and so are entries of the data that cancel to their own rounding errors.
+        """
+        own, of_form = self.system.notices, self.system.constrained_form().notices
+        ranks = [notice for notice in own if notice.doubtful and notice.kind == NoticeKind.RANK]
+        if ranks and self.is_proved:
+            own = tuple(replace(notice, doubtful=False) if notice in ranks else notice for notice in own)
+        return (*own, *of_form)
 
 
 def _order_of(quantity) -> int | None:

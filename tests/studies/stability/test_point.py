@@ -234,7 +234,7 @@ title = "pair"
 [model]
 kind = "matrices"
 coordinates = ["a", "b"]
-mass = [[1, 0], [0, 1]]
+mass = {mass}
 stiffness = [[{stiff} , -{stiff}], [-{stiff}, {sum}]]
 [initial]
 displacement = {{ a = "1 m" }}
@@ -250,11 +250,12 @@ plots = ["displacement"]
 
 
 @pytest.mark.parametrize("stiff", [1e2, 1e13, 1e14])
-def test_a_scene_is_trusted_where_its_point_has_no_warning(tmp_path, stiff):
+@pytest.mark.parametrize("mass, doubtful", [([[1, 0], [0, 1]], False), ([[1, 1 / 3], [3, 1 + 3e-15]], True)])
+def test_a_scene_is_trusted_where_its_point_has_no_warning(tmp_path, stiff, mass, doubtful):
     path = tmp_path / "pair.toml"
-    path.write_text(SCENE.format(stiff=stiff, sum=stiff + 3))
+    path.write_text(SCENE.format(mass=mass, stiff=stiff, sum=stiff + 3))
     scene = mb.read_scene(path)
     doubts = {notice.text for notice in scene.run().notices if notice.doubtful}
     warnings = point_of(problem_of(scene), variations=0).warnings
-    assert bool(doubts) == bool(warnings) == (stiff > 1e10)
+    assert bool(doubts) == bool(warnings) == doubtful
     assert len(doubts) == len(warnings)
