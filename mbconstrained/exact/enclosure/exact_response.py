@@ -18,7 +18,7 @@ import numpy as np
 
 from ...ground.checks import counted, real_array, whole_number
 from ...ground.display import Displayed
-from ...ground.errors import InputError, SingularPolynomialMatrix
+from ...ground.errors import InputError, SingularPolynomialMatrix, within_float64
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.impulsive import ImpulsiveSmooth
 from ..rational.flint_numbers import fraction, polynomial, rational, working_precision
@@ -142,6 +142,7 @@ class ExactResponse(Displayed):
         before = [[fraction(entry) for entry in (row[k] for k in self.rows)] for row in self.initial]
         return self.start - np.array(before, dtype=object).reshape(self.start.shape)
 
+    @within_float64()
     def enclose(self, times, digits: int = 15, *, order: int = 0) -> Enclosure:
         """Intervals that contain x^(order)(t), t > 0 (t = 0 means 0+, the time of an event its right limit).
 
