@@ -13,7 +13,7 @@ import numpy as np
 from ..exchange.exported import Exported
 from ..ground.checks import counted, places_of, whole_number
 from ..ground.display import Presented, TextTable, notice_table
-from ..ground.errors import InputError, within_float64
+from ..ground.errors import within_float64
 from ..ground.notices import Evidence, Notice
 from ..ground.threads import short_work
 from ..ground.tolerances import noise_of
