@@ -38,15 +38,19 @@ def answer(path: str, json: bool, work: Callable[[Scene], int | None], settings:
         settings: NAME=VALUE of each --set.
     """
     values: dict[str, Any] = {}
-    for name, value in map(_setting, settings or ()):
+    for name, value in map(setting, settings or ()):
         if name in values:
             raise typer.BadParameter(f'"{name}" is set twice; give it one value', param_hint="--set")
         values[name] = value
-    leave(Path(path).name, json, lambda: work(_read(path, values)))
+    leave(Path(path).name, json, lambda: work(read(path, values)))
 
 
-def _setting(text: str) -> tuple[str, Any]:
-    """Name and value of a --set."""
+def setting(text: str) -> tuple[str, Any]:
+    """Name and value of a --set.
+
+    >>> setting("k=3 N/mm")
+    ('k', '3 N/mm')
+    """
     from ..scene.quantities.settings import value_of
 
     name, equals, value = (part.strip() for part in text.partition("="))
@@ -83,7 +87,7 @@ def _cause(problem: OSError) -> str:
     return f"{problem.filename}: {problem.strerror}" if problem.filename and problem.strerror else str(problem)
 
 
-def _read(path: str, settings: Mapping[str, Any]) -> Scene:
+def read(path: str, settings: Mapping[str, Any]) -> Scene:
     """The scene; errors of the system while it is read are about the scene, not about the results."""
     from ..ground.errors import SceneError
     from ..scene.run.scene import read_scene

@@ -34,6 +34,8 @@ EPILOG = """Examples:
   mbconstrained run bridge.toml --still 1.25s    a picture of the model at that time too, by an installed Chromium
   mbconstrained run bridge.toml --certify        digits proved by exact arithmetic
   mbconstrained run bridge.toml --compress       a page of less than half the size; --shared-viewer: one viewer for many
+  mbconstrained compare a.toml b.toml            both runs, each in a folder of its own, their curves in common plots
+  mbconstrained compare a.toml --set k=1,2       the same of one scene with several values
   mbconstrained modes bridge.toml                frequencies, damping, shapes, shares of energy
   mbconstrained modes bridge.toml --page         the same with a page in which each mode moves
   mbconstrained formula bridge.toml --as python  the motion as a formula, here as a function of NumPy

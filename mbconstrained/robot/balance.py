@@ -89,7 +89,7 @@ class Balance:
         """The terms of the left side, each of shape (nv,)."""
         springs = [element.force for element in self.elastic]
         applied = [-value * row for row, value in self._rows]
-        return (self.gravity, self.load.joint_stiffness * self._stretch, *springs, -self.load.joint_force, *applied)
+        return (self.gravity, self.load.joint_stiffness * self.joint_stretch, *springs, -self.load.joint_force, *applied)
 
     @property
     def force(self) -> np.ndarray:
@@ -198,7 +198,7 @@ class Balance:
         return kept + self.kinematics.velocity(anchor.joint)[3:].T @ arm
 
     @cached_property
-    def _stretch(self) -> np.ndarray:
+    def joint_stretch(self) -> np.ndarray:
         """The displacement of each joint from its rest, for a continuous one modulo a full turn, shape (nv,)."""
         stretch = np.zeros(self.tree.model.nv)
         for joint in list(self.tree.model.joints)[1:]:

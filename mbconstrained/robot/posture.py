@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -12,9 +12,9 @@ from ..ground.checks import nearest, real_number
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import JOINT_LIMIT, LOOPS_CLOSED
+from ..ground.tolerances import JOINT_LIMIT, LOOPS_CLOSED, LOOPS_CLOSED_AS_ROUNDED
 from .balance import Balance, Load
-from .connections import PointMotion
+from .connections import BodySpring, PointMotion
 from .equilibrium import LARGEST_STEP, Equilibrium, Search, closed, equilibrium
 from .kinematics import Kinematics
 from .mechanism import Attached, untwisted, with_rest_length
@@ -181,6 +181,19 @@ def _size(robot: Robot, connections) -> float:
     return float(max(lengths, default=0.0)) or 1.0
 
 
+def _assumed_lengths(balance: Balance, robot: Robot, guess: np.ndarray) -> Iterator[Notice]:
+    """A notice for each spring without a rest length, with the gap that the guess leaves in loops where the length is taken."""
+    for item in balance.load.springs:
+        spring = item.connection
+        if isinstance(spring, BodySpring) and spring.stiffness and spring.rest_length is None and spring.preload is None:
+            gap = float(np.abs(Balance(robot.tree, balance.load, guess).gaps).max(initial=0.0))
+            closed_first = (
+                f", after its loops, open by up to {gap:.2g} (m, rad), were closed" if gap > LOOPS_CLOSED_AS_ROUNDED else ""
+            )
+            text = f"it has no rest_length; its length at the guess, {item.rest_length:.6g} m, is taken{closed_first}"
+            yield Notice(NoticeKind.OMITTED, f"{spring.label}: {text}")
+
+
 def _posture(robot: Robot, state: Equilibrium, free: np.ndarray, guess: np.ndarray, rounded: str) -> Posture:
     balance = state.balance
     rows = loop_rows(balance, rounded)
@@ -193,7 +206,14 @@ def _posture(robot: Robot, state: Equilibrium, free: np.ndarray, guess: np.ndarr
         torques={robot.coordinates[i]: float(left[i]) for i in np.flatnonzero(~free)},
         residual=state.residual,
         loop_error=float(np.abs(balance.gaps).max(initial=0.0)),
-        notices=(*_far(robot, state, guess), *_misfit(state), *rows.notices, *(_SHARED if shared else ()), *_left_out(robot)),
+        notices=(
+            *_far(robot, state, guess),
+            *_misfit(state),
+            *rows.notices,
+            *(_SHARED if shared else ()),
+            *_left_out(robot),
+            *_assumed_lengths(balance, robot, guess),
+        ),
         balance=balance,
         independent_rows=rows.kept,
     )

@@ -87,13 +87,13 @@ def problem_of(scene: Scene) -> StudyProblem:
     >>> problem.title, problem.polynomial_matrix.size, len(problem.times)
     ('Two masses with a redundant coordinate', 3, 1001)
     """
-    equations, time = scene.equations, scene.table.time
+    equations = scene.equations
     return StudyProblem(
         title=scene.heading,
         polynomial_matrix=equations.polynomial_matrix,
         initial=equations.initial,
         force=equations.right_hand_side,
-        times=np.linspace(0.0, time.end, time.points),
+        times=scene.times,
         system=equations.system,
         applied=equations.force,
         respond=_transfer_response(equations.control),

@@ -15,6 +15,7 @@ from ...ground.tolerances import noise_of
 from ...mechanics.constraints import LEVELS
 from ..file.messages import EntryError, at, named, shown
 from .dimensions import Dimension, dimension, unit_of
+from .output_units import OutputUnits
 from .quantities import any_quantity, quantity
 
 FORCE_UNITS = {"m": "N", "rad": "N*m"}
@@ -43,10 +44,11 @@ def with_time(unit: str, power: int) -> str:
 
 @dataclass(frozen=True)
 class Coordinates:
-    """Names of coordinates with their SI units."""
+    """Names of coordinates with their SI units, and the units in which tables show their values."""
 
     names: tuple[str, ...]
     units: tuple[str, ...]
+    shown: OutputUnits = OutputUnits()
 
     def number(self, name: str, *others: str) -> int:
         """The number of a coordinate, from 0.
@@ -70,7 +72,8 @@ class Coordinates:
     @property
     def listed(self) -> str:
         """All names with their units, but for the unit 1."""
-        return ", ".join(name if unit == "1" else f"{name} ({unit})" for name, unit in zip(self.names, self.units))
+        units = (self.shown.of(unit)[0] for unit in self.units)
+        return ", ".join(name if unit == "1" else f"{name} ({unit})" for name, unit in zip(self.names, units))
 
     def as_json(self) -> list[dict[str, str]]:
         """Names and units as plain data."""

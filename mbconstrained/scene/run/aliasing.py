@@ -42,14 +42,15 @@ ALIKE = 1e-3
 def aliasing_notices(result: Result) -> tuple[Notice, ...]:
     """A notice where the times are too coarse for the fastest visible motion, with the entry to write instead."""
     time = result.scene.table.time
-    spacing = time.end / (time.points - 1)
+    spacing = time.spacing
     angular = _fastest_visible(result, 2 * math.pi / (FEWEST * spacing))
     if angular is None:
         return ()
     period = 2 * math.pi / angular
-    points = math.ceil(time.end * SMOOTH / period) + 1
-    end = f'end = "{period * (time.points - 1) / SMOOTH:.2g} s"'  # which shows only the first of the motion
-    instead = f"points = {points}" if points <= time.MOST_POINTS else end
+    points = math.ceil((time.end - time.start) * SMOOTH / period) + 1
+    end = f'end = "{time.start + period * (time.points - 1) / SMOOTH:.2g} s"'  # which shows only the first of the motion
+    few = f"points = {points}" if time.step is None else f'step = "{period / SMOOTH:.2g} s"'
+    instead = few if points <= time.MOST_POINTS else end
     text = (
         f"the times are {spacing:.3g} s apart, but the fastest visible motion has a period of {period:.3g} s: curves through "
         "these times show a slower motion that does not exist (aliasing), while the values at the times are right; "
@@ -109,10 +110,11 @@ def _amplitudes(parts: np.ndarray, values: np.ndarray) -> np.ndarray:
 def _stretches(result: Result, period: float) -> Iterator[tuple[float, float]]:
     """Where the motion is looked at for what has this period: beginnings and lengths, in s; as long again behind each."""
     time, force = result.scene.table.time, result.scene.equations.force
-    length = min(PERIODS * period, time.end / 2)
-    yield from ((min(place * time.end, time.end - 2 * length), length) for place in ALIASING_PLACES)
+    whole = time.end - time.start
+    length = min(PERIODS * period, whole / 2)
+    yield from ((time.start + min(place * whole, whole - 2 * length), length) for place in ALIASING_PLACES)
     changes = np.array([0.0]) if force is None else force.knots[force.knots < time.end]
-    begins = changes + LASTS * time.end / (time.points - 1)
+    begins = np.maximum(changes + LASTS * time.spacing, time.start)
     left = np.append(changes[1:], time.end) - begins
     for k in np.argsort(-left, kind="stable")[:MOST_CHANGES]:
         if left[k] >= 2 * LEAST_PERIODS * period:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +11,8 @@ import numpy as np
 from ...exchange.trajectories import Curves
 from ...ground.coordinate_units import derivative_name, force_unit, rate_unit
 from ...ground.tolerances import NOT_DRAWN
+from ..quantities.output_units import OutputUnits
+from .report.element_quantities import element_quantities
 
 if TYPE_CHECKING:
     from ...page.content import TimeFunctions
@@ -20,6 +23,7 @@ PARTS = {  # curves that are made of others
     "energy": ("displacement", "velocity"),
     "output": ("displacement",),
     "phase": ("displacement", "velocity"),
+    "quantity": ("displacement", "velocity"),
 }
 
 #: Errors of trajectories, relative to the largest value of a kind, that are assumed at least and at most.
@@ -33,7 +37,7 @@ def curves_of(result: Result, kind: str) -> Curves:
 
     Args:
         result: of the scene.
-        kind: a key of ORDERS, "reaction" (forces of the constraint rows), "energy", or "output" (of a robot as deviations from its
+        kind: a key of ORDERS, "reaction" (forces of the constraint rows), "energy", "quantity", or "output" (of a robot as deviations from its
             posture, of a transfer function or state space as they are).
 
     Returns:
@@ -44,6 +48,10 @@ def curves_of(result: Result, kind: str) -> Curves:
         order, coordinates = ORDERS[kind], equations.coordinates
         titles = tuple(derivative_name(unit, order) for unit in coordinates.units)
         return Curves(kind, coordinates.names, titles, tuple(rate_unit(unit, order) for unit in coordinates.units), values)
+    if kind == "quantity":
+        quantities = element_quantities(result.scene.table.output.quantity, equations)
+        names, titles, units = zip(*((each.name, each.title, each.unit) for each in quantities))
+        return Curves(kind, names, titles, units, values)
     if kind == "reaction":
         rows = equations.system.rows
         names, units = tuple(row.name for row in rows), tuple(force_unit(row.unit) for row in rows)
@@ -71,11 +79,15 @@ def functions_of(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray
         return motion.reaction
     if kind == "output":
         return lambda times: equations.output_values(times, motion(times))
+    if kind == "quantity":
+        quantities = tuple(element_quantities(result.scene.table.output.quantity, equations))
+        return lambda times: np.array([each.values(motion, times) for each in quantities])
     return lambda times: np.array([getattr(motion.energy(times), name) for name in ENERGIES])
 
 
 def time_functions(result: Result, kind: str) -> TimeFunctions:
-    """The same as the page stores them: with the times at which they may jump or bend, and their estimated error.
+    """The same as the page stores them: in the units of [output], with the times at which they may jump or bend, and their
+    estimated error.
 
     Args:
         result: of the scene.
@@ -89,7 +101,26 @@ def time_functions(result: Result, kind: str) -> TimeFunctions:
     motion, parts = result.motion, PARTS.get(kind, (kind,))
     breaks = np.unique([*motion.force.knots, *(event.time for event in motion.events)])
     estimates = [result.error_estimates.get(part, 0.0) for part in (kind, *parts)]
-    return TimeFunctions(functions_of(result, kind), breaks, min(max(LEAST_NOISE, *estimates), MOST_NOISE))
+    noise = min(max(LEAST_NOISE, *estimates), MOST_NOISE)
+    values, shown = functions_of(result, kind), result.scene.equations.coordinates.shown
+    factors = np.array([[shown.of(unit)[1]] for unit in result.curves(kind).units])
+    return TimeFunctions(lambda times: factors * values(times), breaks, noise)
+
+
+def in_units(curves: Curves, units: OutputUnits) -> Curves:
+    """The same in the units of page and CSV.
+
+    Args:
+        curves: in SI.
+        units: that stand for those of SI.
+
+    Returns:
+        New curves.
+    """
+    if not units.units:
+        return curves
+    names, factors = zip(*map(units.of, curves.units))
+    return replace(curves, units=names, values=np.array(factors)[:, None] * curves.values)
 
 
 def visible(values: np.ndarray, units: tuple[str, ...]) -> np.ndarray:

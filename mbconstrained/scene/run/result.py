@@ -20,7 +20,7 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import TRUST_LIMIT
 from ...response.estimate import error_estimate
 from .aliasing import aliasing_notices
-from .curves import ORDERS, PARTS, Curves, curves_of, time_functions
+from .curves import ORDERS, PARTS, Curves, curves_of, in_units, time_functions
 from .decisions import still, too_large_for_formula
 from .plan import Plan
 from .report.jumps import Impulse, Jump, forces_of_rows, impulses_of, jumps_of, with_units
@@ -102,8 +102,12 @@ class Result(Displayed):
             self._curves[kind] = curves_of(self, kind)
         return self._curves[kind]
 
+    def shown_curves(self, kind: str) -> Curves:
+        """The same in the units of [output], for page and CSV."""
+        return in_units(self.curves(kind), self.scene.equations.coordinates.shown)
+
     def time_functions(self, kind: str) -> TimeFunctions:
-        """The same at all times, as a page stores them."""
+        """The same at all times, as the page stores them."""
         if kind not in self._functions:
             self._functions[kind] = time_functions(self, kind)
         return self._functions[kind]
@@ -113,7 +117,12 @@ class Result(Displayed):
         """The kinds of curves that the scene requests, the coordinates first."""
         output = self.scene.table.output
         plots = [part for kind in output.plots for part in (PARTS[kind] if kind == "phase" else (kind,))]
-        requested = ["displacement", *plots, *(["reaction"] if output.reactions else [])]
+        requested = [
+            "displacement",
+            *plots,
+            *(["reaction"] if output.reactions else []),
+            *(["quantity"] if output.quantity else []),
+        ]
         rows = self.system is not None and self.system.rows
         available = {"reaction": rows, "output": not self.scene.equations.has_outputs_among_coordinates}
         return [kind for kind in dict.fromkeys(requested) if available.get(kind, True)]
@@ -128,7 +137,11 @@ class Result(Displayed):
         """The impulses at t = 0 in the coordinates, then in the constraint forces."""
         impulses = impulses_of(self.motion.impulses, self.scene.equations.coordinates)
         rows = self.system is not None and self.system.rows
-        return impulses + (impulses_of(self.motion.constraint_impulses, forces_of_rows(self.system)) if rows else [])
+        return impulses + (
+            impulses_of(self.motion.constraint_impulses, forces_of_rows(self.system, shown=self.scene.equations.coordinates.shown))
+            if rows
+            else []
+        )
 
     @cached_property
     def later(self) -> list[Event | ImpulsiveLoad]:
@@ -272,8 +285,8 @@ class Result(Displayed):
         return page
 
     def write_csv(self, path: str | Path | None = None) -> Path:
-        """Write the curves as CSV, one line for each time; path as of ``write_page``."""
-        return self._written("csv", path, lambda path: write_csv(path, self.times, self._all_curves))
+        """Write the curves as CSV, one line for each time, in the units of [output]; path as of ``write_page``."""
+        return self._written("csv", path, lambda path: write_csv(path, self.times, self._all_shown_curves))
 
     def write_npz(self, path: str | Path | None = None) -> Path:
         """Write curves, jumps, impulses and the Jordan pairs as NumPy arrays; path as of ``write_page``."""
@@ -296,7 +309,7 @@ class Result(Displayed):
         if Path(path).suffix.lower() == ".npz":
             return self.write_npz(path)
         arrays = more_arrays(self)
-        curves = self._all_curves
+        curves = self._all_shown_curves if Path(path).suffix.lower() == ".csv" else self._all_curves
         with self.writing_together() as files:
             path = write_trajectories(path, self.times, curves, arrays, excel=excel, geometry=geometry, binary=binary, files=files)
         self.files.append(path)
@@ -312,6 +325,10 @@ class Result(Displayed):
     @property
     def _all_curves(self) -> list[Curves]:
         return [self.curves(kind) for kind in self.kinds]
+
+    @property
+    def _all_shown_curves(self) -> list[Curves]:
+        return [self.shown_curves(kind) for kind in self.kinds]
 
     def write_plots(self, folder: str | Path | None = None) -> list[Path]:
         """Write each plot of the page as SVG and PNG, named after scene and plot; without a folder into that of the run."""

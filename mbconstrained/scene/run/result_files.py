@@ -32,6 +32,8 @@ def more_arrays(result: Result) -> dict[str, np.ndarray]:
         arrays["constraints"] = np.array(result.curves("reaction").names)
     if result.scene.equations.has_outputs_among_coordinates:
         arrays["outputs"] = np.array(result.scene.equations.control.outputs.names)
+    if "quantity" in result.kinds:
+        arrays["quantities"] = np.array(result.curves("quantity").names)
     if "output" in result.kinds:
         arrays["outputs"] = np.array(result.curves("output").names)
     arrays |= result.motion.start_arrays()

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...ground.display import Displayed
 from ...ground.errors import InputError
-from ...ground.notices import Notice
+from ...ground.notices import Notice, NoticeKind
+from ...ground.tolerances import noise_of
 from ...response.choose import Method, Request, choose
 from ...response.problem import Problem
 from ..build.equations import Equations, equations_of
 from ..build.free_motions import free_motion_notices
 from ..file.includes import read_tables
 from ..file.messages import at
+from ..quantities.output_units import OutputUnits
 from ..quantities.parameters import Parameters, with_parameters
 from ..quantities.quantities import count_texts
 from ..quantities.settings import Setting, with_settings, with_values
@@ -26,9 +28,13 @@ from ..quantities.units import registry
 from ..schema.scene_schema import SceneFile
 from ..schema.validation import validated
 from .plan import Plan
+from .report.element_quantities import element_quantities
 from .result import Result
 from .stage_costs import Cost, Costs
 from .stages import plan_of, run_stages
+
+if TYPE_CHECKING:
+    from ...mechanics.system import MechanicalSystem
 
 
 @dataclass(frozen=True, repr=False)
@@ -66,7 +72,7 @@ class Scene(Displayed):
     @property
     def times(self) -> np.ndarray:
         """The times of the scene, shape (T,), in s."""
-        return np.linspace(0.0, self.table.time.end, self.table.time.points)
+        return self.table.time.times
 
     @property
     def title(self) -> str:
@@ -84,7 +90,8 @@ class Scene(Displayed):
         """Notices before a run: overrides, unused parameters, unconstrained bodies."""
         has_elements = self.equations.system is not None and self.table.model.kind in ("lumped", "matrices")
         free = free_motion_notices(self.equations.system) if has_elements else ()
-        return (*(setting.notice for setting in self.settings), *self.parameters.notices, *free)
+        given = (*self.parameters.notices, *_late_loads(self.table), *_matrix_notices(self.table, self.equations.system))
+        return (*(setting.notice for setting in self.settings), *given, *free)
 
     @cached_property
     def method(self) -> Method:
@@ -116,9 +123,9 @@ class Scene(Displayed):
         Raises:
             InputError: a time that the scene does not reach.
         """
-        end = self.table.time.end
-        if not 0 <= time <= end:
-            raise InputError(f"still picture: found {time:g} s; expected a time from 0 to {end:g} s, where the scene ends")
+        start, end = self.table.time.start, self.table.time.end
+        if not start <= time <= end:
+            raise InputError(f"still picture: found {time:g} s; expected a time from {start:g} to {end:g} s, where the scene ends")
         return self._with_output(still=float(time))
 
     def unwritten(self) -> Scene:
@@ -149,6 +156,38 @@ class Scene(Displayed):
             MbconstrainedError: the equations have no answer, or none within the range of float64.
         """
         return run_stages(self, None if folder is None else Path(folder), progress)
+
+
+def _late_loads(table) -> Iterator[Notice]:
+    """A notice for each force that begins after the last time."""
+    for number, load in enumerate(table.force, 1):
+        first = getattr(load, "start", 0.0) if load.kind == "pulse" else 0.0
+        times = getattr(load, "times", None)
+        begin = load.delay + (times[0] if times else first)
+        if begin > table.time.end:
+            text = f"it begins at {begin:g} s, after the last time, {table.time.end:g} s, and has no effect before"
+            yield Notice(NoticeKind.OMITTED, f'force[{number}] on "{load.coordinate}": {text}')
+
+
+def _matrix_notices(table, system: MechanicalSystem | None) -> Iterator[Notice]:
+    """What the matrices of a scene are that those of springs and masses never are: unsymmetric, or M with a negative eigenvalue."""
+    if table.model.kind != "matrices" or system is None or system.is_sparse:
+        return
+    for name, matrix in (("mass", system.mass), ("stiffness", system.stiffness)):
+        skew = np.abs(matrix - matrix.T)
+        if skew.max() > noise_of(np.abs(matrix).max(), len(matrix)):
+            i, j = np.unravel_index(int(skew.argmax()), skew.shape)
+            entries = f"entry [{i + 1}][{j + 1}] is {matrix[i, j]:g}, entry [{j + 1}][{i + 1}] is {matrix[j, i]:g}"
+            yield Notice(
+                NoticeKind.UNSYMMETRIC, f"the {name} matrix is not symmetric: {entries}; no elastic or inertial force is so"
+            )
+    M = (system.mass + system.mass.T) / 2
+    sizes = np.sqrt(np.abs(np.diag(M)))
+    scaled = M / np.outer(np.where(sizes > 0, sizes, 1.0), np.where(sizes > 0, sizes, 1.0))
+    least = float(np.linalg.eigvalsh(scaled)[0])
+    if least < -noise_of(np.abs(scaled).max(), len(M)):
+        text = "the mass matrix is not positive semidefinite: some motion has a negative kinetic energy, which no machine has"
+        yield Notice(NoticeKind.UNSTABLE, text)
 
 
 def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> Scene:
@@ -187,6 +226,9 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     table = validated(data, name, SceneFile)
     costs.lap("read the scene")
     equations = equations_of(table, path.parent, name, costs.lap)
+    if table.output.units:
+        coordinates = replace(equations.coordinates, shown=OutputUnits(table.output.units))
+        equations = replace(equations, coordinates=coordinates)
     check_output(table.output, equations, name, getattr(table.model, "modal_damping", None) is not None)
     if equations.robot_scene and table.output.page and table.output.animation:
         equations.robot_scene.data.check_meshes()
@@ -216,6 +258,9 @@ def check_output(output, equations: Equations, file_name: str, modal_damping: bo
     with at(file_name, "output.certify"):
         for name in output.certify if isinstance(output.certify, list) else ():
             equations.coordinates.number(name)
+    for number, table in enumerate(output.quantity, 1):
+        with at(file_name, f"output.quantity[{number}]"):
+            list(element_quantities([table], equations))
     with at(file_name, "output.coordinates"):
         for name in output.coordinates or ():
             equations.coordinates.number(name)

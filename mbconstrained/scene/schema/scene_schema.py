@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
 
 from ...ground.errors import InputError
+from ...ground.tolerances import noise_of
 from ..file.messages import shown
 from ..quantities.coordinates import DERIVATIVES
+from ..quantities.output_units import output_units
 from .drawing_tables import DrawingTable
-from .entry_types import NUMBER_SCHEMA, Name, Quantity, Table, Text, Time
+from .entry_types import NUMBER_SCHEMA, Name, Pair, Quantity, Table, Text, Time
 from .force_tables import ForceTable, MotionTable
 from .lumped_tables import LumpedTable
 from .model_tables import MatricesTable, StateSpaceTable, TransferFunctionTable
@@ -78,19 +81,55 @@ class InitialTable(Table):
 
 
 class TimeTable(Table):
-    """The times of the answer, equally spaced from 0 to end."""
+    """The times of the answer, equally spaced from start to end; the motion begins at 0 all the same."""
 
     FEWEST_POINTS: ClassVar[int] = 2
     MOST_POINTS: ClassVar[int] = 200_000
 
     end: Time = Field(description="The last time.")
-    points: int = Field(401, ge=FEWEST_POINTS, le=MOST_POINTS, description="How many times, 0 and end included.")
+    start: Time = Field(0.0, description="The first time of the answer; the values of [initial] are those at 0 all the same.")
+    points: int = Field(401, ge=FEWEST_POINTS, le=MOST_POINTS, description="How many times, start and end included.")
+    step: Time | None = Field(None, description="Instead of points: from one time to the next; the last time is at most end.")
 
     @model_validator(mode="after")
     def _forwards(self):
         if not self.end > 0:
             raise InputError(f"end is {self.end:g} s; expected a time after 0")
+        if not 0 <= self.start < self.end:
+            raise InputError(f"start is {self.start:g} s; expected a time from 0 to before the end, which is {self.end:g} s")
+        return self if self.step is None else self._with_step()
+
+    def _with_step(self) -> TimeTable:
+        if "points" in self.model_fields_set:
+            raise InputError("give either step or points, not both")
+        if not 0 < self.step <= self.end - self.start:
+            raise InputError(
+                f"step is {self.step:g} s; expected a time from 0 to {self.end - self.start:g} s, the length of the answer"
+            )
+        steps = (self.end - self.start) / self.step
+        points = int(steps + noise_of(steps)) + 1  # a step that divides the length but for rounding errors
+        if points > self.MOST_POINTS:
+            raise InputError(f"step is {self.step:g} s, which makes {points} times; expected at most {self.MOST_POINTS}")
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "end", self.start + self.step * (points - 1))
         return self
+
+    @property
+    def times(self) -> np.ndarray:
+        """All times in s, shape (points,)."""
+        if self.step is None:
+            return np.linspace(self.start, self.end, self.points)
+        return self.start + self.step * np.arange(self.points)
+
+    @property
+    def spacing(self) -> float:
+        """From one time to the next in s."""
+        return (self.end - self.start) / (self.points - 1)
+
+    @property
+    def text(self) -> str:
+        """First and last time, for the page and the summary."""
+        return f"{self.start:g} to {self.end:g} s"
 
 
 Curve = Literal["displacement", "velocity", "acceleration", "reaction", "energy", "output", "phase"]
@@ -100,6 +139,23 @@ def _flag_or_names(value):
     if not isinstance(value, bool | list):
         raise InputError(f'found {shown(value)}; expected true, false or a list of coordinates, e.g. ["x1"]')
     return value
+
+
+class QuantityTable(Table):
+    """A force or elongation of a spring or damper, or the motion of one coordinate relative to another, over time."""
+
+    name: Name | None = Field(None, description="What it is called; by default as the element, or after both coordinates.")
+    of: Text | None = Field(None, description="A spring or damper by its name, of a robot a spring or a joint; or else between.")
+    between: Pair | None = Field(None, description='Two coordinates, e.g. ["wheel", "body"]: the second relative to the first.')
+    quantity: Literal["force", "elongation", "rate", "displacement", "velocity", "acceleration"] | None = Field(
+        None, description="Of an element its force (default), elongation or rate; between coordinates displacement (default) …"
+    )
+
+    @model_validator(mode="after")
+    def _one_source(self):
+        if (self.of is None) == (self.between is None):
+            raise InputError('give either of, the name of a spring or damper, or between, e.g. ["wheel", "body"]')
+        return self
 
 
 class OutputTable(Table):
@@ -117,8 +173,12 @@ class OutputTable(Table):
     )
     plots: list[Curve] = Field(["displacement"], description="What the page plots; phase is the velocity over the displacement.")
     coordinates: list[Name] | None = Field(None, description="Only these coordinates are plotted; left out: all.")
+    quantity: list[QuantityTable] = Field([], description="Forces, elongations and relative motions for plots, CSV and npz.")
     reactions: bool = Field(False, description="Forces of the constraints in the CSV and npz files.")
     arrows: list[Literal["reaction"]] = Field([], description="Forces that the animation shows as arrows.")
+    units: Annotated[
+        tuple[str, ...], BeforeValidator(output_units), WithJsonSchema({"type": "string", "examples": ["mm, deg, rpm, kN"]})
+    ] = Field((), description='Units of page, tables and CSV, e.g. "mm, deg, rpm, kN"; SI when left out, and in the npz file.')
     plot_images: bool = Field(False, description="The plots as pictures too, SVG and PNG, for reports.")
     still: Time | None = Field(None, description="A picture of the model at this time as PNG, taken by an installed Chromium.")
     csv: bool = Field(True, description="The trajectories as CSV.")
@@ -172,9 +232,9 @@ class SceneFile(Table):
 
     @model_validator(mode="after")
     def _still_in_time(self):
-        if self.output.still is not None and not 0 <= self.output.still <= self.time.end:
+        if self.output.still is not None and not self.time.start <= self.output.still <= self.time.end:
             still, end = f"{self.output.still:g} s", f"{self.time.end:g} s"
-            raise InputError(f"output.still is {still}; expected a time from 0 to time.end, which is {end}")
+            raise InputError(f"output.still is {still}; expected a time from {self.time.start:g} to time.end, which is {end}")
         return self
 
     @model_validator(mode="after")

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ....ground.coordinate_units import derivative_name, force_unit, impulse_unit, rate_unit
-from ....ground.display import number_text, with_unit
+from ....ground.display import number_text
 from ....ground.notices import Notice, NoticeKind
 from ....mechanics.motion import DELTAS
 from ....response.admissible import admissible
 from ....response.events import Event
 from ....response.response_notices import first_and_count, sides
 from ...quantities.coordinates import Coordinates, beyond_noise
+from ...quantities.output_units import OutputUnits
 
 if TYPE_CHECKING:
     from ....mechanics.system import MechanicalSystem
@@ -66,7 +67,7 @@ def jumps_of(motion: Response, coordinates: Coordinates, event: Event | None = N
             before, after = sides(motion, event, order)
         for i in places:
             unit = rate_unit(coordinates.units[i], order)
-            texts = (with_unit(value, unit) for value in (before[i], after[i], row[i]))
+            texts = (coordinates.shown.text(value, unit) for value in (before[i], after[i], row[i]))
             jumps.append(Jump(coordinates.names[i], derivative_name(coordinates.units[i], order), *texts))
     return jumps
 
@@ -82,23 +83,26 @@ def impulses_of(impulses: Sequence, coordinates: Coordinates) -> list[Impulse]:
         The impulses by order of derivative.
     """
     return [
-        Impulse(coordinates.names[i], order, with_unit(row[i], impulse_unit(coordinates.units[i], order)))
+        Impulse(coordinates.names[i], order, coordinates.shown.text(row[i], impulse_unit(coordinates.units[i], order)))
         for order, row in enumerate(impulses)
         for i in row.nonzero()[0]
     ]
 
 
-def forces_of_rows(system: MechanicalSystem, name: str = "force of {}") -> Coordinates:
+def forces_of_rows(system: MechanicalSystem, name: str = "force of {}", shown: OutputUnits = OutputUnits()) -> Coordinates:
     """Names and units of the constraint forces.
 
     Args:
         system: with its constraint rows.
         name: of a force, by the name of its row.
+        shown: units of tables.
 
     Returns:
         One for each row.
     """
-    return Coordinates(tuple(name.format(row.name) for row in system.rows), tuple(force_unit(row.unit) for row in system.rows))
+    return Coordinates(
+        tuple(name.format(row.name) for row in system.rows), tuple(force_unit(row.unit) for row in system.rows), shown
+    )
 
 
 def with_units(response: Response, coordinates: Coordinates) -> tuple[Notice, ...]:

@@ -48,7 +48,7 @@ def _facts(result: Result) -> tuple[tuple[str, str], ...]:
         (scene.equations.coordinates_called, coordinates.listed),
         ("degree of the equations", str(scene.equations.polynomial_matrix.degree)),
         ("eigenvalues" if result.system else "zeros", str(sum(zero.count for zero in result.finite_pair.zeros))),
-        ("time", f"0 to {time.end:g} s, {time.points} points, in closed form"),
+        ("time", f"{time.text}, {time.points} points, in closed form"),
     )
 
 
@@ -58,8 +58,11 @@ MOST_PLANES = 12
 
 def plots_of(result: Result) -> tuple[Plot, ...]:
     """The plots that the scene requests, in its order."""
-    kinds = result.scene.table.output.plots
-    plots = [plot for kind in kinds for plot in (_phase_planes(result) if kind == "phase" else _plots(result, result.curves(kind)))]
+    output = result.scene.table.output
+    kinds = [*output.plots, *(["quantity"] if output.quantity else [])]
+    plots = [
+        plot for kind in kinds for plot in (_phase_planes(result) if kind == "phase" else _plots(result, result.shown_curves(kind)))
+    ]
     count = Counter(plot.title for plot in plots)
     return tuple(_with_unit(plot) if count[plot.title] > 1 else plot for plot in plots)
 
@@ -87,7 +90,7 @@ def _wanted(result: Result, curves: Curves) -> list[int]:
 
 def _phase_planes(result: Result) -> list[Plot]:
     """The velocity over the displacement of each coordinate that moves."""
-    places, rates = result.curves("displacement"), result.curves("velocity")
+    places, rates = result.shown_curves("displacement"), result.shown_curves("velocity")
     functions = [result.time_functions(curves.kind) for curves in (places, rates)]
     moving = [i for i in _wanted(result, places) if np.ptp(places.values[i]) > NOT_DRAWN * np.abs(places.values[i]).max()]
     return [

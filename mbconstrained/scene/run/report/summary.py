@@ -51,8 +51,8 @@ def heading(result: Result) -> str:
     scene = result.scene
     coordinates = scene.equations.coordinates
     what = scene.equations.coordinates_called
-    end = scene.table.time.end
-    lines = [scene.title, scene.table.source, f"{what[0].upper()}{what[1:]}: {coordinates.listed}; t from 0 to {end:g} s"]
+    times = scene.table.time.text
+    lines = [scene.title, scene.table.source, f"{what[0].upper()}{what[1:]}: {coordinates.listed}; t from {times}"]
     return "\n".join(line for line in lines if line)
 
 

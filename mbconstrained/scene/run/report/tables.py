@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....ground.coordinate_units import rate_unit
 from ....ground.display import TextTable, number_text
 from ....ground.notices import Notice
 from ....mechanics.mode_computation import Conservation, cleaned
@@ -16,12 +17,14 @@ from ....response.events import Event
 from ....response.response_notices import counts
 from ....signals.impulsive import ImpulsiveLoad
 from ...quantities.coordinates import Coordinates
+from ...quantities.output_units import OutputUnits
 from ..modes.mode_summary import share_entries
 from .control_report import control_tables
 from .jumps import Impulse, folded, forces_of_rows, impulses_of, jumps_of
 from .robot_report import posture_evidence, posture_tables
 
 if TYPE_CHECKING:
+    from ....mechanics.constraints import ConstraintRow
     from ....mechanics.system import MechanicalSystem
     from ...build.control_model import ControlScene
     from ..result import Result
@@ -44,7 +47,7 @@ def tables_of(result: Result) -> tuple[TextTable, ...]:
     ]
     details = [
         *(posture_tables(robot) if robot else ()),
-        *([_constraint_table(result.system)] if result.system else []),
+        *([_constraint_table(result.system, result.scene.equations.coordinates.shown)] if result.system else []),
         eigenvalue_table(result),
         _evidence_table(result),
     ]
@@ -60,9 +63,13 @@ def notices_of(result: Result) -> tuple[Notice, ...]:
     return folded(result.notices, len(result.jumps), len(result.impulses), counts(result.later))
 
 
-def _constraint_table(system: MechanicalSystem) -> TextTable:
+def _right_side(row: ConstraintRow, shown: OutputUnits) -> str:
+    return shown.text(row.value, rate_unit(row.unit, row.order)) if row.signal is None else row.right_side_text
+
+
+def _constraint_table(system: MechanicalSystem, shown: OutputUnits) -> TextTable:
     """The rows in force with their levels."""
-    cells = tuple((row.name, row.level, row.right_side_text) for row in system.rows)
+    cells = tuple((row.name, row.level, _right_side(row, shown)) for row in system.rows)
     note = "Errors at the start persist in rows at velocity or acceleration level: their eigenvalues at 0 are drift."
     drifting = any(row.order for row in system.rows)
     return TextTable("Constraints", ("row", "level", "value"), cells, note if drifting else "")
@@ -213,7 +220,9 @@ def _event_rows(result: Result, event: Event | ImpulsiveLoad) -> list[tuple[str,
     coordinates, is_load = result.scene.equations.coordinates, isinstance(event, ImpulsiveLoad)
     jumps = [] if is_load else jumps_of(result.motion, coordinates, event)
     rows = [(jump.name, f"{jump.what} jumps", jump.before, jump.after, jump.size) for jump in jumps]
-    rows += _impulse_rows(impulses_of(event.impulses, forces_of_rows(result.system) if is_load else coordinates))
+    rows += _impulse_rows(
+        impulses_of(event.impulses, forces_of_rows(result.system, shown=coordinates.shown) if is_load else coordinates)
+    )
     return [(f"{number_text(event.time)} s", *row) for row in rows]
 
 

@@ -1,0 +1,79 @@
+"""Units of the page, of tables and of CSV files that a scene chooses instead of those of SI."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...ground.display import with_unit
+from ...ground.errors import InputError
+from ..file.messages import shown
+from .dimensions import dimension, unit_named
+from .quantities import unit_name
+from .units import registry
+
+
+@dataclass(frozen=True)
+class OutputUnits:
+    """Units that stand for those of SI of the same kind; derivatives and products follow, so that mm brings mm/s and kN brings kN m.
+
+    Attributes:
+        units: each of another kind; none for SI.
+
+    >>> units = OutputUnits(("mm", "deg", "rpm", "kN"))
+    >>> units.of("m/s^2"), units.of("N m"), units.of("rad/s")[0], units.of("J")
+    (('mm/s^2', 1000.0), ('kN m', 0.001), 'rpm', ('J', 1.0))
+    """
+
+    units: tuple[str, ...] = ()
+
+    def of(self, unit: str) -> tuple[str, float]:
+        """The unit that stands for one of SI.
+
+        Args:
+            unit: as texts write it, products with a blank.
+
+        Returns:
+            Its name, and the factor of the values.
+        """
+        for each in self.units if unit != "1" else ():
+            if _alike(each, unit):
+                return each, _factor(unit, each)
+        head, slash, below = unit.partition("/")
+        first, blank, further = head.partition(" ")
+        for each in self.units if first != "1" and (blank or slash) else ():
+            if _alike(each, first):
+                return f"{each}{blank}{further}{slash}{below}", _factor(first, each)
+        return unit, 1.0
+
+    def text(self, value: float, unit: str) -> str:
+        """A value in SI as a text with the unit that stands for its own."""
+        name, factor = self.of(unit)
+        return with_unit(factor * value, name)
+
+
+def output_units(value) -> tuple[str, ...]:
+    """The units of a text such as "mm, deg, rpm, kN", or of a list.
+
+    Raises:
+        InputError: no unit, or two of one kind.
+    """
+    if not isinstance(value, (str, list)):
+        raise InputError(f'found {shown(value)}; expected units, e.g. "mm, deg, rpm, kN"')
+    names = tuple(
+        unit_name(name.strip() if isinstance(name, str) else name)
+        for name in (value.split(",") if isinstance(value, str) else value)
+    )
+    for number, name in enumerate(names):
+        if twin := next((other for other in names[:number] if _alike(other, name)), None):
+            raise InputError(f'found "{twin}" and "{name}", which measure the same; give one of them')
+    return names
+
+
+def _alike(one: str, other: str) -> bool:
+    """Whether both measure the same; a torque in N m is no energy."""
+    is_energy = [name.endswith("J") for name in (one, other)]
+    return is_energy[0] == is_energy[1] and dimension(one) == dimension(other.replace(" ", "*"))
+
+
+def _factor(unit: str, chosen: str) -> float:
+    return 1.0 / float(registry().convert(1.0, unit_named(chosen), unit_named(unit.replace(" ", "*"))))

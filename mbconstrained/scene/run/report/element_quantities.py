@@ -1,0 +1,155 @@
+"""The [[output.quantity]] tables: forces and elongations of springs and dampers, and motions of one body relative to another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....ground.checks import nearest
+from ....ground.coordinate_units import GROUND, force_unit, rate_unit
+from ....ground.errors import InputError
+from ....models.elements import Damper, Link, TorsionDamper
+from ...file.messages import shown
+
+if TYPE_CHECKING:
+    from ...build.equations import Equations
+
+RELATIVE = ("displacement", "velocity", "acceleration")
+
+
+@dataclass(frozen=True)
+class ElementQuantity:
+    """constant + sum over i of rows[i] @ x^(i)(t).
+
+    Attributes:
+        name, title, unit: of the curve; the title is the quantity.
+        rows: of x, x' and x'', shape (3, n).
+        constant: in the unit.
+    """
+
+    name: str
+    title: str
+    unit: str
+    rows: np.ndarray
+    constant: float = 0.0
+
+    def values(self, motion, times: np.ndarray) -> np.ndarray:
+        """Over times (T,), of a motion.
+
+        Args:
+            motion: of the system.
+            times: in s.
+
+        Returns:
+            Shape (T,).
+        """
+        orders = [order for order, row in enumerate(self.rows) if row.any()]
+        parts = (self.rows[order] @ (motion.derivative(order)(times) if order else motion(times)) for order in orders)
+        return self.constant + sum(parts, np.zeros(len(times)))
+
+
+def element_quantities(tables, equations: Equations) -> Iterator[ElementQuantity]:
+    """The quantities of the tables.
+
+    Args:
+        tables: validated.
+        equations: of the scene.
+
+    Yields:
+        One for each table, in their order.
+
+    Raises:
+        InputError: an unknown element or coordinate, a force of what has none.
+    """
+    for table in tables:
+        yield _between(table, equations) if table.between else _of_element(table, equations)
+
+
+def _between(table, equations: Equations) -> ElementQuantity:
+    """The motion of the second coordinate relative to the first."""
+    coordinates = equations.coordinates
+    row, units = np.zeros(len(coordinates.names)), set()
+    for name, sign in zip(table.between, (-1.0, 1.0)):
+        if name != GROUND:
+            place = coordinates.number(name, GROUND)
+            row[place] += sign
+            units.add(coordinates.units[place])
+    if not row.any() or len(units) != 1:
+        raise InputError(
+            f"between: found {shown(table.between[0])} and {shown(table.between[1])}; expected two coordinates of one unit"
+        )
+    quantity = table.quantity or "displacement"
+    if quantity not in RELATIVE:
+        raise InputError(f"quantity: found {shown(quantity)}; between two coordinates expected {', '.join(RELATIVE)}")
+    order = RELATIVE.index(quantity)
+    rows = np.zeros((3, len(row)))
+    rows[order] = row
+    name = table.name or f"{table.between[1]} relative to {table.between[0]}"
+    return ElementQuantity(name, f"relative {quantity}", rate_unit(units.pop(), order), rows)
+
+
+def _of_element(table, equations: Equations) -> ElementQuantity:
+    elements = _elements(equations)
+    if table.of not in elements:
+        there = f"; there are {', '.join(elements)}" if elements else "; the model has no springs and dampers with names"
+        raise InputError(f"of: there is no spring or damper {shown(table.of)}{nearest(table.of, elements)}{there}")
+    elongation, rest, stiffness, damping, unit = elements[table.of]
+    quantity, rows = table.quantity or "force", np.zeros((3, len(elongation)))
+    if quantity == "force":
+        rows[0], rows[1] = stiffness * elongation, damping * elongation
+        return ElementQuantity(
+            table.name or table.of, "force" if unit == "m" else "torque", force_unit(unit), rows, stiffness * rest
+        )
+    if quantity not in ("elongation", "rate"):
+        raise InputError(f"quantity: found {shown(quantity)}; expected force, elongation or rate of a spring or damper")
+    rows[int(quantity == "rate")] = elongation
+    constant = rest if quantity == "elongation" else 0.0
+    return ElementQuantity(
+        table.name or table.of,
+        quantity if quantity == "elongation" else "elongation rate",
+        rate_unit(unit, int(quantity == "rate")),
+        rows,
+        constant,
+    )
+
+
+def _elements(equations: Equations) -> dict[str, tuple[np.ndarray, float, float, float, str]]:
+    """By name: the elongation by coordinates, that at rest, stiffness, damping, and the unit of the elongation."""
+    if equations.model is not None:
+        return _lumped(equations)
+    return _of_robot(equations) if equations.robot_scene is not None else {}
+
+
+def _lumped(equations: Equations):
+    names, elements = equations.coordinates.names, {}
+    for link in equations.model.elements:
+        if isinstance(link, Link):
+            row = np.array([(name == link.end) - float(name == link.start) for name in names])
+            is_damper = isinstance(link, (Damper, TorsionDamper))
+            stiffness, damping = (0.0, link.constant) if is_damper else (link.constant, 0.0)
+            elements[link.name] = (row, -link.rest, stiffness, damping, "rad" if link.turning else "m")
+    return elements
+
+
+def _of_robot(equations: Equations):
+    """Springs between bodies, elongations from their rest lengths; springs and dampers of joints."""
+    balance, robot = equations.posture.balance, equations.robot
+    size, links = len(equations.coordinates.names), len(robot.coordinates)
+    elements = {}
+    for place, name in enumerate(robot.coordinates):
+        if robot.joint_stiffness[place] or robot.joint_damping[place]:
+            row = np.eye(size)[place]
+            stretch = float(balance.joint_stretch[place]) if robot.joint_stiffness[place] else 0.0
+            elements[name] = (row, stretch, robot.joint_stiffness[place], robot.joint_damping[place], robot.units[place])
+    for item in balance.load.springs:
+        spring = item.connection
+        if hasattr(spring, "preload"):
+            pose = item.pose(balance.kinematics)
+            length = float(np.linalg.norm(pose.value[:3]))
+            row = np.zeros(size)
+            row[:links] = pose.value[:3] @ pose.jacobian[:3] / (length or 1.0)
+            elements[spring.name] = (row, length - item.rest_length, spring.stiffness, spring.damping, "m")
+    return elements
