@@ -139,7 +139,7 @@ def test_from_the_command_line(tmp_path):
         "--out",
         str(tmp_path),
     ]
-    text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    text = subprocess.run([*command, "--verbose"], capture_output=True, text=True, check=True).stdout
     assert "Proved digits" in text and "at 101 of 1001 times" in " ".join(text.split())
     assert "Proved digits" in (tmp_path / "two_masses.html").read_text(encoding="utf-8")
     data = json.loads(subprocess.run([*command, "--json"], capture_output=True, text=True, check=True).stdout)

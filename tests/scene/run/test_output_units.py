@@ -7,6 +7,7 @@ import pytest
 
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.scene.quantities.output_units import OutputUnits
+from mbconstrained.scene.run.report.page_report import plots_of
 from tests.scene.scenes import OSCILLATOR, scene_of
 
 OUTPUT = '\n[output]\nunits = "{}"\nplots = ["displacement", "velocity", "energy", "phase"]\nanimation = false\n'
@@ -24,6 +25,16 @@ def test_csv_and_page_have_the_units_and_npz_is_in_si(tmp_path):
     page = (tmp_path / "scene.html").read_text(encoding="utf-8")
     assert "displacement in mm" in page and "velocity in mm/s" in page and not re.search(r"in m<", page)
     assert "cart (mm)" in result.summary()
+
+
+def test_readings_of_the_page_have_the_units_of_the_curves(tmp_path):
+    quantity = '\n[[output.quantity]]\nbetween = ["ground", "cart"]\nquantity = "acceleration"\n'
+    result = scene_of(tmp_path, OSCILLATOR + OUTPUT.format("mm, kJ") + quantity).run()
+    plots = plots_of(result)
+    assert [plot.unit for plot in plots] == ["mm", "mm/s", "kJ", "mm/s", "mm/s^2"]
+    for curve in (curve for plot in plots for curve in (*plot.curves, plot.across) if curve):
+        functions, row = curve.function
+        assert functions.at(result.times)[row] == pytest.approx(curve.values, rel=1e-12)
 
 
 def test_jumps_impulses_and_constraints_have_the_units(tmp_path):
