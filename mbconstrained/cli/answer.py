@@ -88,7 +88,18 @@ def _cause(problem: OSError) -> str:
 
 
 def read(path: str, settings: Mapping[str, Any]) -> Scene:
-    """The scene; errors of the system while it is read are about the scene, not about the results."""
+    """The scene; errors of the system while it is read are about the scene, not about the results.
+
+    Args:
+        path: of the scene file.
+        settings: values by the name of a parameter or place.
+
+    Returns:
+        The scene.
+
+    Raises:
+        SceneError: a file that cannot be read, or what it has is no scene.
+    """
     from ..ground.errors import SceneError
     from ..scene.run.scene import read_scene
 

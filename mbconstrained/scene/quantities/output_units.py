@@ -46,7 +46,15 @@ class OutputUnits:
         return unit, 1.0
 
     def text(self, value: float, unit: str) -> str:
-        """A value in SI as a text with the unit that stands for its own."""
+        """A value in SI as a text with the unit that stands for its own.
+
+        Args:
+            value: in the unit.
+            unit: of SI.
+
+        Returns:
+            Number and unit.
+        """
         name, factor = self.of(unit)
         return with_unit(factor * value, name)
 

@@ -32,7 +32,7 @@ CASES = [  # base, what is replaced, by what, message
     # keys and tables
     ("lumped", "[initial]", "[inital]", r'the file: unknown key "inital"; did you mean "initial"\?; known here are title'),
     ("lumped", "stiffness", "stifness", r'model\.spring\[1\]: unknown key "stifness"; did you mean "stiffness"\?'),
-    ("lumped", "[time]\nend", "[time]\nstop = 1\nend", r'time: unknown key "stop".*known here are end, points'),
+    ("lumped", "[time]\nend", "[time]\nstop = 1\nend", r'time: unknown key "stop".*known here are end, start, points, step'),
     ("lumped", 'end = "5 s"', "", r"time\.end: this key is missing"),
     (
         "lumped",
@@ -94,7 +94,7 @@ CASES = [  # base, what is replaced, by what, message
         r"force: found one table; write it with double brackets, \[\[force\]\], once for every entry",
     ),
     ("lumped", "points = 11", "points = 0", r"time\.points: found 0; expected at least 2"),
-    ("lumped", "points = 11", "start = 3", r'time: unknown key "start"; known here are end, points'),
+    ("lumped", "points = 11", "number = 3", r'time: unknown key "number"; known here are end, start, points, step'),
     # quantities
     (
         "lumped",

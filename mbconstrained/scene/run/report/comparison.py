@@ -39,7 +39,15 @@ def comparison(labels: Sequence[str], results: Sequence[Result]) -> PageContent:
 
 
 def comparison_table(labels: Sequence[str], results: Sequence[Result]) -> TextTable:
-    """The lowest natural frequencies with their damping ratios, and the error estimate of each run."""
+    """The lowest natural frequencies with their damping ratios, and the error estimate of each run.
+
+    Args:
+        labels: of the runs.
+        results: of each.
+
+    Returns:
+        One row for each run.
+    """
     rows = []
     for label, result in zip(labels, results):
         modes = result.modes if result.system else None
