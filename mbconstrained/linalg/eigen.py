@@ -22,6 +22,7 @@ from ..ground.threads import one_thread
 from ..ground.tolerances import DECOUPLING_LIMIT, EPS, MODE_AMPLIFICATION, SEPARATION_STEPS, WEAK_COUPLING, noise_of
 from .arrays import Matrix, entries, entry_count, full, kept, of_like_kind
 from .blocks import BlockDiagonal, assembled, block_diagonalize
+from .rounding import exact_row_sums
 from .scaling import balancing_units
 
 #: So many vectors are looked at at once.
@@ -250,6 +251,7 @@ class SymmetricModes:
         rates: w, 1 where a mode has none.
         blocks: [[0, w], [-w, -c]], [[0, w], [w, -c]] where k_i < 0.
         coupling: 1, as the modes of a symmetric problem are orthogonal.
+        exact_blocks: none of them is in a place of its own.
     """
 
     M: Matrix
@@ -257,6 +259,7 @@ class SymmetricModes:
     rates: np.ndarray
     blocks: tuple[np.ndarray, ...]
     coupling: float = 1.0
+    exact_blocks: int = 0
 
     @property
     def basis(self) -> np.ndarray:
@@ -285,12 +288,13 @@ class SymmetricModes:
         return result
 
 
-def symmetric_modes(M: Matrix, C: Matrix, K: Matrix, resting: np.ndarray | None = None) -> SymmetricModes | None:
+def symmetric_modes(M: Matrix, C: Matrix, K: Matrix, bodies: np.ndarray | None = None) -> SymmetricModes | None:
     """The states (x, x') decoupled; None where that fails.
 
     Args:
         M, C, K: symmetric, shape (m, m).
-        resting: all shapes, one a row, that K has no forces against: exactly then.
+        bodies: the shapes v of free bodies, one a row, with v K and v C, which are zero, or about a rounding error of K and C: these
+            count exactly; shape (3, k, m).
 
     Returns:
         One block of size two for each mode.
@@ -298,9 +302,9 @@ def symmetric_modes(M: Matrix, C: Matrix, K: Matrix, resting: np.ndarray | None 
     shapes = undamped_shapes(M, K)
     if shapes is None:
         return None
-    free = 0 if resting is None else len(resting)
+    free = 0 if bodies is None else bodies.shape[1]
     if free:
-        shapes = _with_resting(M, K, shapes, resting)
+        shapes, supports = _with_bodies(M, K, shapes, bodies)
     damping = np.zeros(len(shapes))
     if entry_count(C):
         modal = shapes.T @ (C @ shapes)
@@ -308,9 +312,9 @@ def symmetric_modes(M: Matrix, C: Matrix, K: Matrix, resting: np.ndarray | None 
         root = np.sqrt(np.einsum("ik,ik->k", np.abs(shapes), abs(C) @ np.abs(shapes)))  # each in the units of its mode
         if (np.abs(modal - np.diag(damping)) > noise_of(np.multiply.outer(root, root), len(shapes))).any():
             return None
-        damping[:free] = np.where(np.abs(damping[:free]) > noise_of(root[:free] ** 2, len(shapes)), damping[:free], 0.0)
     stiffness, blocks = _quotients(K, shapes), np.zeros((len(shapes), 2, 2))
-    stiffness[:free] = 0.0
+    if free:
+        stiffness[:free], damping[:free] = supports
     rates = np.sqrt(np.abs(stiffness))
     rates = np.where(rates > 0, rates, 1.0)
     blocks[:, 0, 1], blocks[:, 1, 0], blocks[:, 1, 1] = rates, -stiffness / rates, -damping
@@ -336,16 +340,27 @@ def undamped_shapes(M: Matrix, K: Matrix) -> np.ndarray | None:
     return None if failed else vectors
 
 
-def _with_resting(M: Matrix, K: Matrix, shapes: np.ndarray, resting: np.ndarray) -> np.ndarray:
-    """The shapes with so many of least frequency replaced, the others without any part in these."""
-    result = resting.T
+def _with_bodies(M: Matrix, K: Matrix, shapes: np.ndarray, bodies: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The shapes with those of free bodies in the places of so many of least frequency, and the stiffness and damping of these.
+
+    The others have no part in them. Supports couple both, which changes the shapes by the first order of a small number.
+    """
+    result, stiff, damped = bodies.transpose(0, 2, 1)
     for _ in range(2):  # once more, for shapes that are nearly alike
         triangle = np.linalg.cholesky(result.T @ (M @ result))
-        result = scipy.linalg.solve_triangular(triangle, result.T, lower=True).T
+        result, stiff, damped = (scipy.linalg.solve_triangular(triangle, part.T, lower=True).T for part in (result, stiff, damped))
     order = np.argsort(np.abs(_quotients(K, shapes)), kind="stable")[result.shape[1] :]
     others = shapes[:, np.sort(order)]
     others = others - result @ (result.T @ (M @ others))
-    return np.hstack([result, others / np.sqrt(np.einsum("ik,ik->k", others, M @ others))])
+    others = others / np.sqrt(np.einsum("ik,ik->k", others, M @ others))
+    own = _quotients(K, others)[:, None]
+    mixed = others.T @ stiff / own
+    if stiff.any():
+        turn = np.linalg.eigh(result.T @ stiff - mixed.T @ (own * mixed))[1]
+        result, stiff, damped, mixed = result @ turn, stiff @ turn, damped @ turn, mixed @ turn
+    supports = np.array([np.einsum("ik,ik->k", result, part) for part in (stiff, damped)])
+    supports[0] -= (own * mixed**2).sum(axis=0)
+    return np.hstack([result - others @ mixed, others + result @ mixed.T]), supports
 
 
 def _vectors(matrix: Matrix) -> np.ndarray:
@@ -371,9 +386,10 @@ def _symmetric_vectors(matrix: np.ndarray) -> np.ndarray:
 
 def _quotients(K: Matrix, shapes: np.ndarray) -> np.ndarray:
     """phi^T K phi for every column."""
-    row, column, values = entries((K + K.T) / 2)
+    K = (K + K.T) / 2
+    row, column, values = entries(K)
     upper = row < column
     if np.count_nonzero(upper) > FEW * len(shapes):
         return np.einsum("ik,ik->k", shapes, K @ shapes)
-    sums, row, column = np.bincount(row, values, len(shapes)), row[upper], column[upper]
+    sums, row, column = exact_row_sums(K), row[upper], column[upper]
     return sums @ shapes**2 - values[upper] @ (shapes[row] - shapes[column]) ** 2
