@@ -138,6 +138,14 @@ RANK_TRIALS = (1.0, 10.0, 100.0, CLUSTER_SAFETY)
 #: Up to this many states the pairs of the data taken exactly are computed in precise arithmetic: a quarter of a second.
 AS_WRITTEN_STATES = 24
 
+#: Where the largest stiffness of a mode is more than this many times the least, undamped modes are refined: their shapes have lost six
+#: digits.
+REFINED_SPREAD = 1e6
+
+#: Refined shapes have converged with a correction below this, whose square is negligible; with one above the other they are combined
+#: in groups first.
+LAST_CORRECTION, LARGEST_CORRECTION = EPS**0.5, 0.1
+
 #: Where the moduli of all eigenvalues are within this ratio nothing cancels in the generator, and they need no refinement.
 SIMILAR_EIGENVALUES = 4.0
 

@@ -50,6 +50,9 @@ def reduction_of(A: PolynomialMatrix, like: Reduction | None = None) -> Reductio
     Args:
         A: the polynomial matrix.
         like: of a matrix from which A(s) differs by rounding errors: free motions are the same.
+
+    Returns:
+        The reduced equations, or the condition.
     """
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is not regular

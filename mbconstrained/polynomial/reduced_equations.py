@@ -38,9 +38,10 @@ from ..linalg.arrays import (
 )
 from ..linalg.blocks import BlockDiagonal, assembled, block_matrix, block_slices, coupled_rows, zeros_of
 from ..linalg.division import divided, is_semidefinite, is_symmetric, solved, without_noise
-from ..linalg.eigen import decoupled, symmetric_modes, weakly_coupled_groups
+from ..linalg.eigen import decoupled, weakly_coupled_groups
 from ..linalg.rounding import exact_row_sums
 from ..linalg.scaling import balancing_units
+from ..linalg.symmetric.symmetric_modes import SymmetricModes, modes_of_wide_spread, symmetric_modes
 from ..linalg.tree_modes.residue_modes import ResidueModes
 from ..linalg.tree_modes.topology import SparseTopology, sparse_topology
 from .conserved import Conserved, Freed, decoupled_with_conserved
@@ -72,6 +73,7 @@ class Reduction:
         conserved: what rows without stiffness keep, and sums of rows; None where there are none.
         freed: the sums of rows without stiffness among them, where they were looked for.
         largest_condition: of the parts that were divided by.
+        order: in which coordinates are taken for modes of a wide spread; None for the given one.
 
     All matrices are sparse where A(s) is large, for what is built of elements mostly is; those of a small one are full.
     """
@@ -90,6 +92,7 @@ class Reduction:
     conserved: Conserved | None
     freed: Freed | None
     largest_condition: float
+    order: np.ndarray | None = None
 
     @property
     def through(self) -> list[Matrix]:
@@ -287,9 +290,23 @@ class Reduction:
         if self.conserved is not None and not self.is_symmetric:
             parts = decoupled_with_conserved(full(self.generator), self.conserved, self._decoupled_rest)
             return refined(self, parts)
+        if self.wide_modes is not None:
+            return self.wide_modes
         groups, modes = self._groups, self._topology_modes
         parts = assembled(groups, [own or self._decoupled(states) for own, states in zip(modes, groups)])
         return parts if self.is_symmetric or isinstance(parts, ResidueModes) else refined(self, parts)
+
+    @cached_property
+    def wide_modes(self) -> SymmetricModes | BlockDiagonal | None:
+        """Of a symmetric M and K the modes where rates span many orders of magnitude; None where they do not, or it is not worth it."""
+        if self.is_small or len(self.first) or self.conserved is not None or len(self._groups) > 1:
+            return None
+        if not (is_symmetric(self.M) and is_symmetric(self.K)) or self.topology is not None:
+            return None
+        balanced = of_like_kind(self.generator * self.units / self.units[:, None], self.generator)
+        if entry_count(self.C) and len(weakly_coupled_groups(balanced)) > 1:
+            return None
+        return modes_of_wide_spread(self.M, self.C, self.K, self.order)
 
     @property
     def topology_failed(self) -> bool:

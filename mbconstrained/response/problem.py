@@ -60,7 +60,7 @@ class Problem:
     def moved(self, seed: int) -> Problem:
         """The same with all data moved, entry by entry, by about a rounding error."""
         random = np.random.default_rng(seed)
-        A = self.polynomial_matrix.moved(lambda entries, uncertainty: _moved(entries, random, uncertainty))
+        A = self.polynomial_matrix.moved(random, lambda entries, uncertainty: _moved(entries, random, uncertainty))
         return Problem(A, _moved(self.initial, random), _moved_force(self.force, random), self.rank_tolerance)
 
 
