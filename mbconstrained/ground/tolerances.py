@@ -118,6 +118,14 @@ DIVISOR_CONDITION = 1e4
 #: The rank of a stiffness matrix is clear where no pivot lies between rounding error and this share of the largest.
 FREE_MOTION_GAP = EPS**0.5
 
+#: Supports of a free body up to this part of the largest stiffness, those that rounding errors of assembled entries make, change the
+#: shapes of a symmetric model by so little that its square is negligible.
+ROUNDING_SUPPORT = EPS**0.75
+
+#: A free body that dampers slow down at less than this part of the rates of its own motions is separated from these by iteration, as a
+#: slow motion; its conserved number is one of large displacements otherwise, and nearly parallel to others.
+SLOWED_RATE = 1e-4
+
 #: Entries of a free motion nearer than this to whole numbers are tried as these.
 INTEGER_DISTANCE = EPS**0.5
 
@@ -129,6 +137,14 @@ RANK_TRIALS = (1.0, 10.0, 100.0, CLUSTER_SAFETY)
 
 #: Up to this many states the pairs of the data taken exactly are computed in precise arithmetic: a quarter of a second.
 AS_WRITTEN_STATES = 24
+
+#: Where the largest stiffness of a mode is more than this many times the least, undamped modes are refined: their shapes have lost six
+#: digits.
+REFINED_SPREAD = 1e6
+
+#: Refined shapes have converged with a correction below this, whose square is negligible; with one above the other they are combined
+#: in groups first.
+LAST_CORRECTION, LARGEST_CORRECTION = EPS**0.5, 0.1
 
 #: Where the moduli of all eigenvalues are within this ratio nothing cancels in the generator, and they need no refinement.
 SIMILAR_EIGENVALUES = 4.0
@@ -187,6 +203,10 @@ PROVED_RESTARTS = 32
 
 #: The error estimate compares the answer with answers to data perturbed by this many units in the last place.
 PROBE_SIZE = 1.0
+
+#: Rounded data do not decide whether a body is free or constrained by a stiffness of the size of rounding: in a time t that
+#: makes a difference of eps (w t)^2, w the fastest frequency. Over thousands of periods that is a millionth: only more is reported.
+ROUNDED_FREE = 1e-6
 
 #: Least estimate of the relative error where a rank decision is not clear, since a wrong one invalidates all values.
 UNCLEAR_ERROR = 0.1

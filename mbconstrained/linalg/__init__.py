@@ -5,7 +5,8 @@ May import ``ground`` alone; flint is imported late, by ``precise`` and ``modula
 * ``arrays``, ``division``, ``scaling``: dense and sparse matrices behind one set of operations, solutions, scale factors;
 * ``rounding``, ``rank``: matrices with their rounding errors, elimination, and rank decisions with their evidence;
 * ``staircase``, ``triangular``: a pencil s E - F split into its finite and infinite part, and the finite one as s I - T;
-* ``blocks``, ``eigen``, ``tree_modes``: matrices decoupled by Schur forms, by eigenvectors and by their topology;
+* ``blocks``, ``eigen``, ``symmetric``, ``tree_modes``: matrices decoupled by Schur forms, by eigenvectors, by undamped modes and by
+  their topology;
 * ``exponential``: e^{J t} v at many times;
 * ``precise``, ``precise_blocks``, ``modular``: what float64 cannot tell.
 """

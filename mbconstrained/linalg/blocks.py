@@ -30,12 +30,14 @@ class BlockDiagonal:
         basis, inverse: shape (n, n).
         blocks: real quasi-triangular diagonal blocks.
         coupling: the largest norm of a decoupling transformation used.
+        exact_blocks: so many of the last blocks are exact to rounding errors of their own entries, however slow.
     """
 
     basis: np.ndarray
     inverse: np.ndarray
     blocks: tuple[np.ndarray, ...]
     coupling: float
+    exact_blocks: int = 0
 
     def modal_output(self, output: Matrix) -> np.ndarray:
         """output @ basis."""

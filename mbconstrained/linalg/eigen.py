@@ -10,17 +10,15 @@ cancel.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy.linalg
 from scipy.linalg import lapack
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
+from scipy.sparse.csgraph import connected_components
 
 from ..ground.threads import one_thread
-from ..ground.tolerances import DECOUPLING_LIMIT, EPS, MODE_AMPLIFICATION, SEPARATION_STEPS, WEAK_COUPLING, noise_of
-from .arrays import Matrix, entries, entry_count, full, kept, of_like_kind
+from ..ground.tolerances import DECOUPLING_LIMIT, EPS, MODE_AMPLIFICATION, SEPARATION_STEPS, WEAK_COUPLING
+from .arrays import Matrix, entries, full, kept, of_like_kind
 from .blocks import BlockDiagonal, assembled, block_diagonalize
 from .scaling import balancing_units
 
@@ -224,156 +222,3 @@ def _clusters(blocks: tuple[np.ndarray, ...], F: np.ndarray) -> list[np.ndarray]
     joined = csr_array((np.ones(len(row)), (number[row], number[column])), shape=(len(blocks),) * 2)
     which = connected_components(joined, directed=False)[1][number]
     return [np.flatnonzero(which == cluster) for cluster in np.unique(which)]
-
-
-# M x'' + C x' + K x = 0 with M, K symmetric, M positive definite, decoupled by one symmetric eigenproblem of half the size.
-#
-# With Phi^T M Phi = I and Phi^T K Phi = diag(k_i) the motion is sum of phi_i eta_i, eta_i'' + c_i eta_i' + k_i eta_i = 0, where
-# C = 0 or Phi^T C Phi is diagonal (proportional damping: Caughey and O'Kelly 1965). Each k_i is found once more from its vector,
-# in a form in which nothing of a slow motion cancels next to a stiff one:
-#
-# phi^T K phi = sum over i of (sum of row i) phi_i^2 - sum over i < j of K_ij (phi_i - phi_j)^2.
-
-#: Where a matrix has at most so many entries in a row the differences of coordinates are taken one by one.
-FEW = 12
-
-
-@dataclass(frozen=True, eq=False)
-class SymmetricModes:
-    """As a ``BlockDiagonal`` of the states (x, x'), its basis and inverse are computed when they are read.
-
-    The states are eta_i and eta_i' / w_i.
-
-    Attributes:
-        M: the mass matrix.
-        shapes: Phi, shape (m, m).
-        rates: w, 1 where a mode has none.
-        blocks: [[0, w], [-w, -c]], [[0, w], [w, -c]] where k_i < 0.
-        coupling: 1, as the modes of a symmetric problem are orthogonal.
-    """
-
-    M: Matrix
-    shapes: np.ndarray
-    rates: np.ndarray
-    blocks: tuple[np.ndarray, ...]
-    coupling: float = 1.0
-
-    @property
-    def basis(self) -> np.ndarray:
-        """Shape (2 m, 2 m)."""
-        return self.modal_output(np.eye(2 * len(self.shapes)))
-
-    @property
-    def inverse(self) -> np.ndarray:
-        """Of the basis, shape (2 m, 2 m)."""
-        return self.coordinates(np.eye(2 * len(self.shapes)))
-
-    def modal_output(self, output: Matrix) -> np.ndarray:
-        """output @ basis, for an output of shape (r, 2 m)."""
-        m = len(self.shapes)
-        result, velocities = np.zeros((output.shape[0], 2 * m)), output[:, m:]
-        result[:, 0::2] = output[:, :m] @ self.shapes
-        if abs(velocities).max() > 0:
-            result[:, 1::2] = velocities @ self.shapes * self.rates
-        return result
-
-    def coordinates(self, states: np.ndarray) -> np.ndarray:
-        """inverse @ states, of shape (2 m, any) or (2 m,)."""
-        m, result = len(self.shapes), np.empty(states.shape)
-        result[0::2], velocities = self.shapes.T @ (self.M @ states[:m]), self.shapes.T @ (self.M @ states[m:])
-        result[1::2] = (velocities.T / self.rates).T
-        return result
-
-
-def symmetric_modes(M: Matrix, C: Matrix, K: Matrix, resting: np.ndarray | None = None) -> SymmetricModes | None:
-    """The states (x, x') decoupled; None where that fails.
-
-    Args:
-        M, C, K: symmetric, shape (m, m).
-        resting: all shapes, one a row, that K has no forces against: exactly then.
-
-    Returns:
-        One block of size two for each mode.
-    """
-    shapes = undamped_shapes(M, K)
-    if shapes is None:
-        return None
-    free = 0 if resting is None else len(resting)
-    if free:
-        shapes = _with_resting(M, K, shapes, resting)
-    damping = np.zeros(len(shapes))
-    if entry_count(C):
-        modal = shapes.T @ (C @ shapes)
-        damping = np.diag(modal).copy()
-        root = np.sqrt(np.einsum("ik,ik->k", np.abs(shapes), abs(C) @ np.abs(shapes)))  # each in the units of its mode
-        if (np.abs(modal - np.diag(damping)) > noise_of(np.multiply.outer(root, root), len(shapes))).any():
-            return None
-        damping[:free] = np.where(np.abs(damping[:free]) > noise_of(root[:free] ** 2, len(shapes)), damping[:free], 0.0)
-    stiffness, blocks = _quotients(K, shapes), np.zeros((len(shapes), 2, 2))
-    stiffness[:free] = 0.0
-    rates = np.sqrt(np.abs(stiffness))
-    rates = np.where(rates > 0, rates, 1.0)
-    blocks[:, 0, 1], blocks[:, 1, 0], blocks[:, 1, 1] = rates, -stiffness / rates, -damping
-    return SymmetricModes(M, shapes, rates, tuple(blocks))
-
-
-def undamped_shapes(M: Matrix, K: Matrix) -> np.ndarray | None:
-    """The shapes of M x'' + K x = 0 for symmetric M and K.
-
-    Args:
-        M, K: shape (m, m).
-
-    Returns:
-        Phi with Phi^T M Phi = I, one shape a column; None where M is not positive definite.
-    """
-    diagonal = M.diagonal()
-    if entry_count(M) == len(diagonal) and (diagonal > 0).all():
-        root = np.sqrt(diagonal)
-        vectors = _vectors(of_like_kind(K * (1 / root[:, None]) * (1 / root), K))
-        vectors /= root[:, None]
-        return vectors
-    _, vectors, failed = lapack.dsygvd(full(K), full(M))
-    return None if failed else vectors
-
-
-def _with_resting(M: Matrix, K: Matrix, shapes: np.ndarray, resting: np.ndarray) -> np.ndarray:
-    """The shapes with so many of least frequency replaced, the others without any part in these."""
-    result = resting.T
-    for _ in range(2):  # once more, for shapes that are nearly alike
-        triangle = np.linalg.cholesky(result.T @ (M @ result))
-        result = scipy.linalg.solve_triangular(triangle, result.T, lower=True).T
-    order = np.argsort(np.abs(_quotients(K, shapes)), kind="stable")[result.shape[1] :]
-    others = shapes[:, np.sort(order)]
-    others = others - result @ (result.T @ (M @ others))
-    return np.hstack([result, others / np.sqrt(np.einsum("ik,ik->k", others, M @ others))])
-
-
-def _vectors(matrix: Matrix) -> np.ndarray:
-    """The eigenvectors of a symmetric matrix; of a large tridiagonal one by an algorithm for those."""
-    matrix = (matrix + matrix.T) / 2
-    if isinstance(matrix, np.ndarray):
-        return _symmetric_vectors(matrix)
-    order = reverse_cuthill_mckee(csr_array(matrix), symmetric_mode=True)
-    narrow = csr_array(matrix)[order][:, order].tocoo()
-    if len(order) > 2 and np.abs(narrow.row - narrow.col).max(initial=0) <= 1:
-        result = np.empty(matrix.shape)
-        result[order] = scipy.linalg.eigh_tridiagonal(narrow.diagonal(), narrow.diagonal(1))[1]
-        return result
-    return _symmetric_vectors(matrix.toarray())
-
-
-def _symmetric_vectors(matrix: np.ndarray) -> np.ndarray:
-    _, vectors, failed = lapack.dsyevd(matrix)
-    if failed:
-        raise np.linalg.LinAlgError("the eigenvalues did not converge")
-    return vectors
-
-
-def _quotients(K: Matrix, shapes: np.ndarray) -> np.ndarray:
-    """phi^T K phi for every column."""
-    row, column, values = entries((K + K.T) / 2)
-    upper = row < column
-    if np.count_nonzero(upper) > FEW * len(shapes):
-        return np.einsum("ik,ik->k", shapes, K @ shapes)
-    sums, row, column = np.bincount(row, values, len(shapes)), row[upper], column[upper]
-    return sums @ shapes**2 - values[upper] @ (shapes[row] - shapes[column]) ** 2

@@ -15,11 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from ..ground.tolerances import DECOUPLING_LIMIT, EPS, FREE_MOTION_GAP, INTEGER_DISTANCE, SEPARATION_STEPS, noise_of
-from ..linalg.arrays import Matrix, filled_rows, full, others
+from ..ground.tolerances import DECOUPLING_LIMIT, EPS, FREE_MOTION_GAP, INTEGER_DISTANCE, SEPARATION_STEPS, SLOWED_RATE, noise_of
+from ..linalg.arrays import Matrix, filled_rows, full, kept, others
 from ..linalg.blocks import BlockDiagonal, assembled, block_diagonalize, block_matrix
-from ..linalg.division import solution, without_noise
-from ..linalg.scaling import equilibration
+from ..linalg.division import solution
+from ..linalg.rounding import exact_product
+from ..linalg.scaling import balancing_units, equilibration
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,8 @@ class Conserved:
         rows: L, shape (k, n).
         blocks: of J.
         places: which states they replace, shape (k,).
-        left: R with L S = J L + R, shape (k, n): what soft supports of a free body change of them; None where there are none.
+        left: R with L S = J L + R [I; S_d], S_d the rows of x_d, shape (k, n + d): what soft supports of a free body change of
+            them; None where there are none.
     """
 
     rows: np.ndarray
@@ -96,23 +98,22 @@ def conserved(
 
 def _left(freed: Freed, m: int, rows: np.ndarray, powers: np.ndarray) -> np.ndarray | None:
     """R of ``Conserved``; with a second power the first of both numbers changes by the second alone."""
-    stiff, damped = freed.left
+    stiff, damped = freed.remainders[:, np.searchsorted(freed.places, rows)]
+    damped = damped * ~freed.slowed[np.searchsorted(freed.places, rows), None]
     if not stiff.any() and not damped.any():
         return None
-    own = np.hstack([stiff[rows, :m], (powers > 1)[:, None] * damped[rows, :m], stiff[rows, m:]])
+    own = np.hstack([stiff[:, :m], damped[:, :m], stiff[:, m:], damped[:, m:]])
     return -np.concatenate([np.stack([0 * row, row])[2 - power :] for row, power in zip(own, powers.tolist())])
 
 
-def decoupled_with_conserved(
-    S: np.ndarray, given: Conserved, decoupled: Callable[[np.ndarray, np.ndarray | None], BlockDiagonal]
-) -> BlockDiagonal:
+def decoupled_with_conserved(S: np.ndarray, given: Conserved, decoupled: Callable[..., BlockDiagonal]) -> BlockDiagonal:
     """S decoupled, what is conserved last.
 
     Args:
         S: shape (n, n), in 1/s.
         given: the conserved numbers of its states.
         decoupled: does the same for a matrix without zeros at 0; its second argument is which states of S it is the part of, None
-            where it is none.
+            where it is none, its third a matrix whose units serve, where they are not its own.
 
     Returns:
         Blocks, those of J last.
@@ -127,7 +128,8 @@ def decoupled_with_conserved(
     A, D = moving[:, :count], moving[:, count:]
     rows, own, is_part = inverse[:count], basis[:, count:], not np.count_nonzero(D)
     if given.left is not None:
-        return _decoupled_with_slow(A, D, J, given.left @ basis, basis, inverse, decoupled)
+        slow = given.left[:, :n] + given.left[:, n:] @ S[2 * n - given.left.shape[1] :]
+        return _decoupled_with_slow(A, D, given.blocks, slow @ basis, basis, inverse, decoupled)
     if not is_part:
         X = _separating(A, D, J)
         rows, own = rows - X @ L, own + basis[:, :count] @ X
@@ -136,25 +138,59 @@ def decoupled_with_conserved(
     return _with_conserved(decoupled(A, rest if is_part else None), basis[:, :count], rows, own, given)
 
 
-def _decoupled_with_slow(A, D, J, left: np.ndarray, basis, inverse, decoupled) -> BlockDiagonal:
+def _decoupled_with_slow(A, D, blocks, left: np.ndarray, basis, inverse, decoupled) -> BlockDiagonal:
     """The same where the numbers change slowly: y' = A y + D z, z' = E y + (J + G) z for [E, G] = R basis.
 
     y - X z and z - Z (y - X z) are decoupled. Their equations are solved by iteration from the small R on, so that the slow motion has
     as many digits as R has.
     """
-    count, size = len(A), len(basis)
-    E, slow = left[:, :count], J + left[:, count:]
+    count, size, sizes = len(A), len(basis), [len(block) for block in blocks]
+    own = balancing_units(kept(A))
+    rate = _power_of_two(np.abs(A * own / own[:, None]).max())
+    units = np.concatenate([own, *(np.array([1.0, rate])[:width] for width in sizes)])
+    basis, inverse = basis * units, inverse / units[:, None]  # the iterations end where their largest entries are right
+    whole = np.block([[A, D], [left + np.hstack([np.zeros((size - count, count)), block_matrix(blocks)])]]) * units / units[:, None]
+    A, D, E, direct = whole[:count, :count], whole[:count, count:], whole[count:, :count], whole[count:, count:]
+    slow = direct
     with np.errstate(over="ignore", invalid="ignore"):  # what does not converge is seen at the end
         X = _fixed_point(lambda X: solution(A, X @ (slow + E @ X) - D), D.shape)
         fast, slow = A - X @ E, slow + E @ X
         Z = _fixed_point(lambda Z: solution(fast.T, (E + slow @ Z).T).T, E.shape)
     if not (np.isfinite(X).all() and np.isfinite(Z).all() and np.abs(Z @ X).max() < 1.0):
-        parts = decoupled(np.block([[A, D], [left[:, :count], J + left[:, count:]]]), None)
+        parts = decoupled(whole, None)
         return BlockDiagonal(basis @ parts.basis, parts.inverse @ inverse, parts.blocks, parts.coupling)
-    parts = assembled([np.arange(count), np.arange(count, size)], [decoupled(fast, None), decoupled(slow, None)])
+    bodies = _of_bodies(slow, sizes, lambda: decoupled(slow, None, direct))
+    parts = assembled([np.arange(count), np.arange(count, size)], [decoupled(fast, None, A), bodies])
     unit_fast, unit_slow = np.eye(count), np.eye(len(slow))
     columns, rows = np.block([[unit_fast + X @ Z, X], [Z, unit_slow]]), np.block([[unit_fast, -X], [-Z, unit_slow + Z @ X]])
-    return BlockDiagonal(basis @ columns @ parts.basis, parts.inverse @ rows @ inverse, parts.blocks, parts.coupling)
+    bases = basis @ columns @ parts.basis, parts.inverse @ rows @ inverse
+    return BlockDiagonal(*bases, parts.blocks, parts.coupling, len(bodies.blocks))
+
+
+def _of_bodies(slow: np.ndarray, sizes: list[int], decoupled: Callable[[], BlockDiagonal]) -> BlockDiagonal:
+    """The slow motions decoupled, those of a body with place and momentum as one block: before it has moved they are not opposite.
+
+    q' = w p, p' = -G q - C p of all bodies is decoupled by the eigenvectors of G; these are real and C becomes diagonal with them, or
+    the general method serves.
+    """
+    if min(sizes) < 2:
+        return decoupled()
+    G, C, rate = -slow[1::2, 0::2], -slow[1::2, 1::2], float(slow[0, 1])
+    stiffness, shapes = np.linalg.eig(G) if (G != np.diag(np.diag(G))).any() else (np.diag(G), np.eye(len(G)))
+    if np.iscomplexobj(stiffness) or not np.linalg.cond(shapes) <= DECOUPLING_LIMIT:
+        return decoupled()
+    rows = np.linalg.inv(shapes)
+    modal = rows @ C @ shapes
+    damping = np.diag(modal)
+    if np.abs(modal - np.diag(damping)).max() > noise_of(np.abs(damping).max(initial=0.0), len(G)):
+        return decoupled()
+    blocks = tuple(np.array([[0.0, rate], [-k, -c]]) for k, c in zip(stiffness.tolist(), damping.tolist()))
+    return BlockDiagonal(np.kron(shapes, np.eye(2)), np.kron(rows, np.eye(2)), blocks, 1.0)
+
+
+def _power_of_two(size: float) -> float:
+    """The nearest."""
+    return float(2.0 ** np.rint(np.log2(size)))
 
 
 def _fixed_point(following: Callable[[np.ndarray], np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
@@ -176,13 +212,14 @@ def _separating(A: np.ndarray, D: np.ndarray, J: np.ndarray) -> np.ndarray:
 def _with_conserved(parts: BlockDiagonal, basis, inverse, own, given: Conserved) -> BlockDiagonal:
     """The conserved numbers after the others; what grows with a momentum is measured in the others' unit of time."""
     rate = max((float(np.abs(block).max()) for block in parts.blocks), default=0.0)
-    unit = float(2.0 ** np.rint(np.log2(rate))) if rate else 1.0
+    unit = _power_of_two(rate) if rate else 1.0
     units = np.concatenate([[1.0, unit][: len(block)] for block in given.blocks])
     return BlockDiagonal(
         np.concatenate([basis @ parts.basis, own * units], axis=1),
         np.concatenate([parts.inverse @ inverse, given.rows / units[:, None]]),
         (*parts.blocks, *(unit * block for block in given.blocks)),
         parts.coupling,
+        len(given.blocks),
     )
 
 
@@ -210,23 +247,28 @@ class Freed:
     Attributes:
         M, C, K: their coefficients, M of shape (m, m), C and K of (m + d, m + d).
         sums: the rows v, shape (k, m + d).
-        left: what the sums have of stiffness and of damping that counts as none in ``K`` and ``C``: shape (2, m + d, m + d), in the
-            rows of the sums.
+        places: the rows that they take the places of, ascending, shape (k,).
+        slowed: which of them dampers act on: these are rows of ``C``, shape (k,).
+        remainders: v K and v C exactly: what is left of stiffness and damping, zero mostly, shape (2, k, m + d).
     """
 
     M: np.ndarray
     C: np.ndarray
     K: np.ndarray
     sums: np.ndarray
-    left: np.ndarray
+    places: np.ndarray
+    slowed: np.ndarray
+    remainders: np.ndarray
 
 
-def freed(M: Matrix, C: Matrix, K: Matrix) -> Freed | None:
+def freed(M: Matrix, C: Matrix, K: Matrix, like: tuple[Freed, Matrix, Matrix] | None = None) -> Freed | None:
     """The equations with those of free motions among them; None where there are none, or that is not clear.
 
     Args:
         M: shape (m, m).
         C, K: shape (m + d, m + d).
+        like: the same of equations that differ by rounding errors, with their C and K: their sums are these, and what is left of
+            them differs by as much of itself.
 
     Returns:
         The equations with these sums in the places of some, or None.
@@ -235,47 +277,62 @@ def freed(M: Matrix, C: Matrix, K: Matrix) -> Freed | None:
     array([[1., 1.]])
     """
     m, (M, C, K) = M.shape[0], (full(matrix).copy() for matrix in (M, C, K))
-    result = null_rows(K)
-    if result is None or not len(result[0]):
+    known = _sums(M, C, K) if like is None else (like[0].sums, like[0].places, like[0].slowed, _moved_alike(like, C, K))
+    if known is None:
         return None
-    sums, places = result
-    slowed, terms = sums @ C, np.abs(sums) @ np.abs(C)
-    whole = np.equal(sums, np.rint(sums)).all(axis=1, keepdims=True)
-    slowed[(np.abs(slowed) <= np.where(whole, FREE_MOTION_GAP, noise_of(1.0)) * terms).all(axis=1)] = 0.0
-    slowed = without_noise(slowed, terms)
-    left = np.zeros((2, *K.shape))
-    left[0, places], left[1, places] = _left_by(sums, K), _left_by(sums, C)
-    left[1, places[np.flatnonzero(slowed.any(axis=1))]] = 0.0
-    if left[1, :, m:].any():
-        return None
-    if slowed.any():  # sums of the sums that no damper acts on either, in the places of some
-        within = null_rows(slowed) if len(sums) > 1 else (np.zeros((0, 1)), np.zeros(0, dtype=int))
-        if within is None:
-            return None
-        combined, chosen = within
-        if left.any():  # which of them are supported softly is not clear
-            return None
-        sums[chosen], slowed[chosen] = combined @ sums, 0.0
+    sums, places, slowed, remainders = known
     heavy = np.abs(sums[:, :m]).any(axis=1)
     if (heavy & (places >= m)).any():  # an equation of first order has no place for a mass
         return None
     M[places[heavy]] = sums[heavy, :m] @ M
-    C[places], K[places] = slowed, 0.0
-    return Freed(M, C, K, sums, left)
+    C[places], K[places] = np.where(slowed[:, None], remainders[1], 0.0), 0.0
+    return Freed(M, C, K, *known)
 
 
-def _left_by(sums: np.ndarray, matrix: np.ndarray) -> np.ndarray:
-    """sums @ matrix where the sums are whole numbers and more is left than rounding errors of the terms; else zero."""
-    exact = np.equal(sums, np.rint(sums)).all(axis=1, keepdims=True) * sums
-    left = (exact.astype(np.longdouble) @ matrix).astype(float)
-    counts = np.abs(left) > EPS * (np.abs(exact) @ np.abs(matrix))
-    return left * counts.any(axis=1)[:, None]
+def _sums(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:
+    """The last four attributes of ``Freed``; None where no motion is free, or that is not clear."""
+    result = null_rows(K)
+    if result is None or not len(result[0]):
+        return None
+    sums, places = result
+    slowed = _slowed(sums, M, C, K)
+    if len(sums) > 1 and slowed.any():  # sums of the sums that no damper acts on either, in the places of some
+        within = null_rows(np.where(slowed[:, None], sums @ C, 0.0))
+        if within is None:
+            return None
+        combined, chosen = within
+        sums[chosen] = combined @ sums
+        slowed = _slowed(sums, M, C, K)
+    return sums, places, slowed, np.array([[exact_product(row, matrix) for row in sums] for matrix in (K, C)])
+
+
+def _slowed(sums: np.ndarray, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> np.ndarray:
+    """Which bodies dampers slow down by more than is solved for by iteration; what has no mass has nothing else.
+
+    The rates of the bodies, v C v^T / v M v^T in size, are compared with the slowest one of a single coordinate.
+    """
+    m = len(M)
+    inertia, stiffness = np.abs(np.diag(M)), np.abs(np.diag(K)[:m])
+    present = (inertia > 0) & (stiffness > 0)
+    rate = np.sqrt((stiffness[present] / inertia[present]).min(initial=np.inf))
+    damped = (np.abs(sums @ C) * np.abs(sums)).sum(axis=1)
+    masses = (np.abs(sums[:, :m] @ M) * np.abs(sums[:, :m])).sum(axis=1)
+    return (damped > SLOWED_RATE * rate * masses) & (masses > 0) | (masses == 0)
+
+
+def _moved_alike(like: tuple[Freed, Matrix, Matrix], C: np.ndarray, K: np.ndarray) -> np.ndarray:
+    """The remainders, each column moved by as many units in the last place as its largest entry."""
+    known, *given = like
+    sizes = [(abs(moved).max(axis=0), abs(matrix).max(axis=0)) for moved, matrix in zip((K, C), given[::-1])]
+    least = np.finfo(float).tiny
+    ratios = [full(after).reshape(-1) / np.maximum(full(before).reshape(-1), least) for after, before in sizes]
+    return known.remainders * np.array(ratios)[:, None]
 
 
 def null_rows(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """All v with v A = 0, each 1 in a place where the others are 0, and these places; None where the rank is not clear.
 
-    Whole numbers v are exact: with those v A may be small instead of zero, a soft support of the body.
+    v A may be small instead of zero, a soft support of the body.
 
     >>> (v,), _ = null_rows(np.array([[2.0, -2.0], [-1.0, 1.0]]))
     >>> bool(np.isclose(v[1], 2 * v[0]))
@@ -291,14 +348,11 @@ def null_rows(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     space = Q[:, rank:].T
     places = np.sort(scipy.linalg.qr(space, mode="r", pivoting=True)[1][: len(space)])
     result = np.linalg.solve(space[:, places], space) * rows / rows[places][:, None]
-    size = np.abs(matrix)
-    for sums in (_whole(result), result):
-        exact = np.equal(sums, np.rint(sums)).all(axis=1, keepdims=True)
-        terms = np.abs(sums) @ size
-        soft = exact & (np.abs(sums @ matrix) <= FREE_MOTION_GAP * np.maximum(terms, size.max(axis=0)))
-        if (soft | (np.abs(sums @ matrix) <= noise_of(terms, len(matrix)))).all():
-            return sums, places
-    return None
+    whole, size = _whole(result), np.abs(matrix)
+    left, least = ((np.abs(sums @ matrix) / np.where(size.any(axis=0), size.max(axis=0), 1.0)).max() for sums in (whole, result))
+    sums = whole if left <= max(2 * least, noise_of(1.0, len(matrix))) else result
+    soft = FREE_MOTION_GAP * np.maximum(np.abs(sums) @ size, size.max(axis=0))
+    return (sums, places) if (np.abs(sums @ matrix) <= soft).all() else None
 
 
 def _whole(result: np.ndarray) -> np.ndarray:

@@ -33,7 +33,7 @@ from ..linalg.arrays import (
 )
 from ..linalg.division import condition, is_symmetric, solution, without_noise
 from ..linalg.rounding import Noisy, reduce_in_order
-from ..linalg.scaling import column_units
+from ..linalg.scaling import column_units, equilibration
 from .conserved import Conserved, Freed, conserved, freed, lowest
 from .reduced_equations import FEW_STATES, NotReducible, Reduction
 
@@ -44,16 +44,24 @@ _SINGULAR_MASS = "the mass matrix of the reduced equations is singular"
 _SINGULAR_STIFFNESS = "the stiffness matrix is near-singular: rank decisions have to settle whether a body is free"
 
 
-def reduction_of(A: PolynomialMatrix) -> Reduction | NotReducible:
-    """The reduction of A(s), or the condition that its structure does not meet."""
+def reduction_of(A: PolynomialMatrix, like: Reduction | None = None) -> Reduction | NotReducible:
+    """The reduction of A(s), or the condition that its structure does not meet.
+
+    Args:
+        A: the polynomial matrix.
+        like: of a matrix from which A(s) differs by rounding errors: free motions are the same.
+
+    Returns:
+        The reduced equations, or the condition.
+    """
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is not regular
-            return _reduction_of(A)
+            return _reduction_of(A, like)
     except NotReducible as condition:
         return NotReducible(str(condition))  # without its traceback, as it is kept
 
 
-def _reduction_of(A: PolynomialMatrix) -> Reduction:
+def _reduction_of(A: PolynomialMatrix, like: Reduction | None) -> Reduction:
     if not 1 <= A.degree <= 2:
         raise NotReducible(f"A(s) has degree {A.degree}")
     if any(factors is not None for factors in A.factors):
@@ -87,17 +95,18 @@ def _reduction_of(A: PolynomialMatrix) -> Reduction:
     floor, powers = lowest(M, C, K)
     if len(algebraic) and powers.any() and _is_doubtful(powers, A0[rest] @ V, A1[rest] @ V):
         raise NotReducible("the stiffness or damping of a row is zero to rounding only")
-    equations, sums, unconstrained = (M, C, K), None, None
-    if not _is_regular(floor):
-        unconstrained = freed(M, C, K) if 2 * m + len(first) >= FEW_STATES else None
+    equations, unconstrained = (M, C, K), None
+    if like.freed is not None if like is not None else not _is_regular(floor):
+        alike = None if like is None else (like.freed, like.C, like.K)
+        unconstrained = freed(M, C, K, alike) if 2 * m + len(first) >= FEW_STATES else None
         if unconstrained is None:
             raise NotReducible(_SINGULAR_STIFFNESS)
-        equations, sums = (unconstrained.M, unconstrained.C, unconstrained.K), unconstrained.sums
+        equations = unconstrained.M, unconstrained.C, unconstrained.K
         floor, powers = lowest(*equations)
         if not _is_regular(floor):
             raise NotReducible(_SINGULAR_STIFFNESS)
     momenta = _conserved(equations, full(floor), powers, unconstrained) if powers.any() else None
-    return Reduction(given, algebraic, second, first, free, V, Y, M, C, K, moving, momenta, sums, largest)
+    return Reduction(given, algebraic, second, first, free, V, Y, M, C, K, moving, momenta, unconstrained, largest)
 
 
 def _is_regular(floor: Matrix) -> bool:
@@ -114,7 +123,7 @@ def _conserved(equations, floor: np.ndarray, powers: np.ndarray, freed: Freed | 
     M, C, K = equations
     rows = np.argsort(-powers, kind="stable")[: np.count_nonzero(powers)]  # rows of s^2 first: x_d is in none of them
     ignorable = ~filled_columns(K) & ~(filled_columns(C) & (powers.max() > 1))
-    return conserved(M, C, rows, powers[rows], pivots_of(floor[rows], ignorable), freed)
+    return conserved(M, C, rows, powers[rows], pivots_of(floor[rows], ignorable, equilibration(np.abs(floor))[1]), freed)
 
 
 # The elimination of coordinates by algebraic rows, and which equation belongs to which coordinate.
@@ -199,19 +208,21 @@ def _assigned(costs: np.ndarray) -> np.ndarray | None:
     return np.array(order) if np.isfinite(costs[order, columns]).all() else None
 
 
-def pivots_of(rows: np.ndarray, static: np.ndarray) -> np.ndarray | None:
+def pivots_of(rows: np.ndarray, static: np.ndarray, units: np.ndarray | None = None) -> np.ndarray | None:
     """A pivot column for each row by elimination, static coordinates before others; None where rows depend on each other.
 
     Args:
         rows: shape (k, r).
         static: preferred coordinates, shape (r,).
+        units: of the coordinates, shape (r,); those in which these rows have entries of one size when not given.
 
     Returns:
         Shape (k,), or None.
     """
-    if len(rows) == 1:  # any entry of one row serves
-        there = rows[0] != 0
-        return (there & static if (there & static).any() else there).argmax(keepdims=True) if there.any() else None
-    work = Noisy.rounded(rows * column_units(np.abs(rows)))
+    units = column_units(np.abs(rows)) if units is None else units
+    if len(rows) == 1:  # the largest entry of one row serves
+        size = np.abs(rows[0]) * units
+        return (np.where(static, size, 0.0) if size[static].any() else size).argmax(keepdims=True) if size.any() else None
+    work = Noisy.rounded(rows * units)
     kept, pivots = reduce_in_order(work, rows.shape[1], static, DIVISOR_CONDITION)
     return np.array(pivots, dtype=int) if len(kept) == len(rows) else None

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from numbers import Number
@@ -65,6 +65,8 @@ class PolynomialMatrix:
             constant_zeros(shape) if uncertainty is None else np.abs(real_array(uncertainty, "uncertainty", shape=shape))
         )
         self._pairs: dict[float | None, JordanPairs] = {}
+        self._like: PolynomialMatrix | None = None
+        self._order: np.ndarray | None = None
         self.coordinates = names_of(coordinates, self.size, "coordinates", "x")
         self.equations = names_of(equations, self.size, "equations", "equation ")
 
@@ -108,7 +110,39 @@ class PolynomialMatrix:
     @cached_property
     def reduction(self) -> Reduction | NotReducible:
         """Its reduction to first-order equations, or the condition that it does not meet (``polynomial.direct_reduction``)."""
-        return reduction_of(self)
+        like = None if self._like is None else self._like.reduction
+        result = reduction_of(self, like if isinstance(like, Reduction) else None)
+        if self._like is not None and isinstance(result, Reduction) and isinstance(like, Reduction) and like.wide_modes is not None:
+            return replace(result, order=self._order)
+        return result
+
+    def moved(self, random: np.random.Generator, move: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> PolynomialMatrix:
+        """The same with entries moved by rounding errors, or values of a coefficient that is given by its factors; what is free
+        stays free.
+
+        Where the method is so accurate that moved data would show the condition of the data alone, these stay, and its coordinates
+        are taken in another order: all its rounding errors are others.
+
+        Args:
+            random: the source of the order.
+            move: returns the moved entries from given ones and their uncertainty.
+
+        Returns:
+            Another A(s).
+        """
+        result = PolynomialMatrix(self._moved_coefficients(move), self.coordinates, self.equations, self.uncertainty)
+        like = self.reduction
+        if isinstance(like, Reduction) and like.wide_modes is not None:
+            result = PolynomialMatrix(self.coefficients, self.coordinates, self.equations, self.uncertainty)
+            result._order = random.permutation(len(like.second))
+        result._like = self
+        return result
+
+    def _moved_coefficients(self, move) -> list:
+        return [
+            move(matrix, uncertainty) if factors is None else replace(factors, values=move(factors.values, np.zeros(())))
+            for matrix, factors, uncertainty in zip(self.coefficients, self.factors, self.uncertainty)
+        ]
 
     @property
     def is_regular(self) -> bool:

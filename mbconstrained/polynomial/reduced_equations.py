@@ -6,18 +6,23 @@ itself, and what rows without stiffness conserve separately from all else, so th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from ..ground.tolerances import EPS, REDUCED_AMPLIFICATION, SIMILAR_EIGENVALUES, noise_of
+from ..ground.tolerances import (
+    DOUBTFUL_SUM,
+    EPS,
+    REDUCED_AMPLIFICATION,
+    ROUNDED_FREE,
+    ROUNDING_SUPPORT,
+    noise_of,
+)
 from ..linalg.arrays import (
     Matrix,
-    entries,
     entry_count,
     full,
     hstack,
@@ -28,13 +33,15 @@ from ..linalg.arrays import (
     vstack,
     zeros_of_kind,
 )
-from ..linalg.blocks import BlockDiagonal, assembled, block_matrix, block_slices, coupled_rows, zeros_of
-from ..linalg.division import divided, is_semidefinite, is_symmetric, solved, without_noise
-from ..linalg.eigen import decoupled, symmetric_modes, weakly_coupled_groups
+from ..linalg.blocks import BlockDiagonal, assembled, block_matrix, coupled_rows, zeros_of
+from ..linalg.division import divided, is_semidefinite, is_symmetric, without_noise
+from ..linalg.eigen import decoupled, weakly_coupled_groups
 from ..linalg.scaling import balancing_units
+from ..linalg.symmetric.symmetric_modes import SymmetricModes, modes_of_wide_spread, symmetric_modes
 from ..linalg.tree_modes.residue_modes import ResidueModes
 from ..linalg.tree_modes.topology import SparseTopology, sparse_topology
-from .conserved import Conserved, decoupled_with_conserved
+from .conserved import Conserved, Freed, decoupled_with_conserved
+from .zero_refinement import refined
 
 #: So few states are decoupled at once.
 FEW_STATES = 48
@@ -61,8 +68,9 @@ class Reduction:
         C, K: the coefficients of s and of 1 in all remaining rows, the second-order ones first, shape (m + d, m + d).
         moving: which coordinates have mass or damping.
         conserved: what rows without stiffness keep, and sums of rows; None where there are none.
-        sums: v with v K = 0 of these, shape (k, m + d), where they were looked for.
+        freed: the sums of rows without stiffness among them, where they were looked for.
         largest_condition: of the parts that were divided by.
+        order: in which coordinates are taken for modes of a wide spread; None for the given one.
 
     All matrices are sparse where A(s) is large, for what is built of elements mostly is; those of a small one are full.
     """
@@ -79,8 +87,9 @@ class Reduction:
     K: Matrix
     moving: np.ndarray
     conserved: Conserved | None
-    sums: np.ndarray | None
+    freed: Freed | None
     largest_condition: float
+    order: np.ndarray | None = None
 
     @property
     def through(self) -> list[Matrix]:
@@ -150,13 +159,22 @@ class Reduction:
 
     @cached_property
     def spread(self) -> float:
-        """The modulus of the fastest zero over that of the slowest, those at 0 left out that rows without stiffness have."""
+        """The modulus of the fastest zero over that of the slowest, those left out that rows without stiffness have, and bodies."""
         known = self.is_small or self.conserved is not None
-        moduli = np.abs(self.eigenvalues if known else np.linalg.eigvals(full(self.generator)))
+        moduli = np.abs(zeros_of(self._own_blocks) if known else np.linalg.eigvals(full(self.generator)))
         if self.conserved is not None:
             moduli = moduli[moduli > 0]
         largest = moduli.max(initial=0.0)
         return float(largest / max(moduli.min(initial=largest), EPS * largest)) if largest else 1.0
+
+    @property
+    def _own_blocks(self) -> tuple[np.ndarray, ...]:
+        """The blocks without those of slow motions that are exact: of softly supported bodies."""
+        blocks = self.decoupled.blocks
+        if self.freed is not None and self.is_symmetric:
+            sizes = [np.abs(zeros_of([block])).max() for block in blocks]
+            return tuple(blocks[i] for i in np.argsort(sizes)[len(self.freed.sums) :])
+        return blocks[: len(blocks) - self.decoupled.exact_blocks]
 
     @cached_property
     def modal_residual(self) -> float:
@@ -191,7 +209,7 @@ class Reduction:
     @property
     def is_free(self) -> bool:
         """Whether a free body is balanced by springs only to rounding, which alone would move it."""
-        return self.sums is not None and any(len(block) > 1 for block in self.conserved.blocks)
+        return self.freed is not None and any(len(block) > 1 for block in self.conserved.blocks)
 
     @property
     def is_small(self) -> bool:
@@ -206,7 +224,7 @@ class Reduction:
     @cached_property
     def is_reciprocal(self) -> bool:
         """Whether M, C and K are symmetric, and no row is without stiffness."""
-        return (self.conserved is None or self.sums is not None) and all(
+        return (self.conserved is None or self.freed is not None) and all(
             is_symmetric(matrix) for matrix in (self.M, self.C, self.K)
         )
 
@@ -224,14 +242,37 @@ class Reduction:
         Its shapes have errors relative to their largest entries. So weakly coupled groups that decay or grow differently are left to
         the general method.
         """
-        softly_supported = self.conserved is not None and self.conserved.left is not None
-        if len(self.first) or not self.is_reciprocal or softly_supported:
+        if len(self.first) or not self.is_reciprocal or self._is_softly_supported:
             return False
         damped = entry_count(self.C) > 0
         if damped and not is_symmetric(self.C @ self.divided_by_mass(self.K)):
             return False
         balanced = of_like_kind(self.generator * self.units / self.units[:, None], self.generator)
         return len(weakly_coupled_groups(balanced)) == 1 or (not damped and is_semidefinite(self.K))
+
+    @property
+    def _is_softly_supported(self) -> bool:
+        """Whether a body is supported softly, by more than rounding errors, whose effect on shapes is of first order."""
+        if self.conserved is None or self.conserved.left is None:
+            return False
+        sizes = [float(abs(matrix).max()) for matrix in (self.K, self.C)]
+        return any(np.abs(left).max() > ROUNDING_SUPPORT * size for left, size in zip(self.freed.remainders, sizes))
+
+    @property
+    def rounded_supports(self) -> list[tuple[int, float]]:
+        """Free bodies that springs support by so little that it may be rounding errors of the entries: how many coordinates each has,
+        and from which time on its motion differs by ``ROUNDED_FREE`` from that of a free body."""
+        if self.freed is None:
+            return []
+        left, m = self.freed.remainders[0], self.M.shape[0]
+        units = np.abs(left) / np.maximum(EPS * full(abs(self.K).max(axis=0)).reshape(-1), np.finfo(float).tiny)
+        bodies = ((units > DOUBTFUL_SUM[0]) & (units <= DOUBTFUL_SUM[1])).any(axis=1) & (units <= DOUBTFUL_SUM[1]).all(axis=1)
+        result = []
+        for v, rest in zip(self.freed.sums[bodies], left[bodies]):
+            stiffness, mass = abs(rest @ v), abs(v[:m] @ (self.M @ v[:m]))
+            if stiffness and mass:
+                result.append((int(np.count_nonzero(v)), float(np.sqrt(ROUNDED_FREE * mass / stiffness))))
+        return result
 
     @cached_property
     def is_dissipative(self) -> bool:
@@ -244,10 +285,25 @@ class Reduction:
     def decoupled(self) -> BlockDiagonal | ResidueModes:
         """S decoupled, what nothing couples each for itself: a motion that grows in one part is not in the others."""
         if self.conserved is not None and not self.is_symmetric:
-            return refined(self, decoupled_with_conserved(full(self.generator), self.conserved, self._decoupled_rest))
+            parts = decoupled_with_conserved(full(self.generator), self.conserved, self._decoupled_rest)
+            return refined(self, parts)
+        if self.wide_modes is not None:
+            return self.wide_modes
         groups, modes = self._groups, self._topology_modes
         parts = assembled(groups, [own or self._decoupled(states) for own, states in zip(modes, groups)])
         return parts if self.is_symmetric or isinstance(parts, ResidueModes) else refined(self, parts)
+
+    @cached_property
+    def wide_modes(self) -> SymmetricModes | BlockDiagonal | None:
+        """Of a symmetric M and K the modes where rates span many orders of magnitude; None where they do not, or it is not worth it."""
+        if self.is_small or len(self.first) or self.conserved is not None or len(self._groups) > 1:
+            return None
+        if not (is_symmetric(self.M) and is_symmetric(self.K)) or self.topology is not None:
+            return None
+        balanced = of_like_kind(self.generator * self.units / self.units[:, None], self.generator)
+        if entry_count(self.C) and len(weakly_coupled_groups(balanced)) > 1:
+            return None
+        return modes_of_wide_spread(self.M, self.C, self.K, self.order)
 
     @property
     def topology_failed(self) -> bool:
@@ -274,14 +330,19 @@ class Reduction:
         m, result = len(self.second), None
         if self.is_symmetric:
             own = states[states < m]
-            resting = np.zeros((0, m)) if self.sums is None else self.sums
-            resting = resting[resting[:, own].any(axis=1)][:, own]
-            result = symmetric_modes(*(matrix[own][:, own] for matrix in (self.M, self.C, self.K)), resting)
+            bodies = None
+            if self.freed is not None:
+                there = self.freed.sums[:, own].any(axis=1)
+                bodies = np.concatenate([self.freed.sums[None], self.freed.remainders])[:, there][:, :, own]
+            result = symmetric_modes(*(matrix[own][:, own] for matrix in (self.M, self.C, self.K)), bodies)
         return decoupled(full(self.generator[states][:, states]), self.units[states]) if result is None else result
 
-    def _decoupled_rest(self, rest: np.ndarray, states: np.ndarray | None) -> BlockDiagonal:
-        """The rest of S without the conserved quantities, group by group; its part on these states where it is one."""
-        units = balancing_units(kept(rest)) if states is None else self.units[states]
+    def _decoupled_rest(self, rest: np.ndarray, states: np.ndarray | None, like: np.ndarray | None = None) -> BlockDiagonal:
+        """The rest of S without the conserved quantities, group by group; its part on these states where it is one.
+
+        In units that balance it, or a matrix like it: those of very small couplings would be far from those of all others.
+        """
+        units = balancing_units(kept(rest if like is None else like)) if states is None else self.units[states]
         groups = coupled_rows(rest)
         if len(groups) == 1:
             return decoupled(rest, units)
@@ -304,112 +365,3 @@ def _groups(S: Matrix) -> list[np.ndarray]:
         return coupled_rows(S)
     count, which = connected_components(S, directed=False)
     return [np.flatnonzero(which == group) for group in range(count)]
-
-
-# Zeros of a reduced A(s) once more from its equations, where those of S = M^-1 K ... have lost what cancels in them.
-#
-# A slow motion of a chain has neighbours that move alike: K x is a small difference of large terms, and rounding errors of S move its
-# zero by as much as that of the stiffest ones. With the vectors x and u of a zero s, found from S, one step of Newton's method on
-#
-# u^T P(s) x = 0,  P(s) = M s^2 + C s + K,        s - u^T P(s) x / (u^T P'(s) x)
-#
-# has an error of the second order in theirs (Lancaster 1961, the generalized Rayleigh quotient), if P(s) x keeps its digits: each
-# row is summed as (sum of its entries) x_i + sum over j of K_ij (x_j - x_i), in which nothing large cancels.
-
-#: So many zeros are refined at once.
-CHUNK = 32
-
-
-def refined(reduction: Reduction, parts: BlockDiagonal) -> BlockDiagonal:
-    """The same with single zeros and pairs [[a, b], [-b, a]] refined; clusters stay as they are.
-
-    Args:
-        reduction: the equations.
-        parts: their generator S decoupled.
-
-    Returns:
-        The same bases, better blocks.
-    """
-    blocks = list(parts.blocks)
-    moduli = np.abs(zeros_of(blocks))
-    if SIMILAR_EIGENVALUES * moduli.min(initial=np.inf, where=moduli > 0) >= moduli.max(initial=0.0):
-        return parts
-    largest, places = max(np.abs(block).max() for block in blocks), block_slices(blocks)
-    correction = _correction(reduction)
-    for chosen in _chunks([i for i, block in enumerate(blocks) if _is_single(block)]):
-        zeros, right, left = _vectors(parts, [blocks[i] for i in chosen], [places[i] for i in chosen])
-        change = correction(zeros, right, left)
-        change[~(np.abs(change) <= EPS**0.5 * largest)] = 0.0  # no refinement of what was wrong
-        for i, zero in zip(chosen, zeros + change):
-            a, b = zero.real, zero.imag
-            blocks[i] = np.array([[a, b], [-b, a]]) if len(blocks[i]) == 2 else np.array([[a]])
-    return replace(parts, blocks=tuple(blocks))
-
-
-def _is_single(block: np.ndarray) -> bool:
-    """Whether it is a real zero, other than 0 itself, or a pair in the form [[a, b], [-b, a]]."""
-    if len(block) == 1:
-        return bool(block[0, 0])
-    return len(block) == 2 and block[0, 0] == block[1, 1] and block[0, 1] == -block[1, 0]
-
-
-def _chunks(numbers: list[int]) -> Iterator[list[int]]:
-    for begin in range(0, len(numbers), CHUNK):
-        yield numbers[begin : begin + CHUNK]
-
-
-def _vectors(parts: BlockDiagonal, blocks, places) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The zeros s above the real axis or on it with S x = s x, shape (n, k), and y S = s y, shape (k, n), y x = 1."""
-    begin = np.array([place.start for place in places])
-    pair = np.array([len(block) == 2 for block in blocks])
-    second = begin + pair
-    zeros = np.array([block[0, -1] * 1j * (len(block) == 2) + block[0, 0] for block in blocks])
-    right = parts.basis[:, begin] + 1j * pair * parts.basis[:, second]
-    left = np.where(pair[:, None], (parts.inverse[begin] - 1j * parts.inverse[second]) / 2, parts.inverse[begin])
-    return zeros, right, left
-
-
-def _correction(reduction: Reduction) -> Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]:
-    """By how much zeros change, from them and their vectors in the states (x_m, x_m', x_d)."""
-    m, C = len(reduction.second), reduction.C
-    damped, stiff = _Differences(C), _Differences(reduction.K)
-    first, mass = C[m:, m:].T, reduction.M.T
-
-    def correction(zeros, right, left) -> np.ndarray:
-        x = np.vstack([right[:m], right[2 * m :]])
-        u = solved(mass, left[:, m : 2 * m].T)
-        if first.shape[0]:
-            u = np.vstack([u, solved(first, left[:, 2 * m :].T - C[:m, m:].T @ u)])
-        inertia = reduction.M @ x[:m]
-        residual = zeros * damped(x) + stiff(x)
-        residual[:m] += zeros**2 * inertia
-        slope = C @ x
-        slope[:m] += 2 * zeros * inertia
-        return -np.einsum("ik,ik->k", u, residual) / np.einsum("ik,ik->k", u, slope)
-
-    return correction
-
-
-class _Differences:
-    """A square matrix times vectors by differences of their entries, where these are the smaller terms: units may differ."""
-
-    def __init__(self, matrix: Matrix):
-        self.matrix = matrix
-        row, column, values = entries(matrix)
-        beyond = row != column
-        self.row, self.column = row[beyond], column[beyond]
-        shape = matrix.shape[0], len(self.row)
-        if shape[0] < FEW_STATES:
-            self.factors: Matrix = np.zeros(shape)
-            self.factors[self.row, range(shape[1])] = values[beyond]
-        else:
-            self.factors = csr_array((values[beyond], (self.row, np.arange(shape[1]))), shape=shape)
-        sums = np.zeros(shape[0], dtype=np.longdouble)
-        np.add.at(sums, row, values)
-        self.sums = sums.astype(float)
-
-    def __call__(self, x: np.ndarray) -> np.ndarray:
-        relative, size = x[self.column] - x[self.row], np.abs(x)
-        differences = np.abs(self.sums)[:, None] * size + abs(self.factors) @ np.abs(relative)
-        less = differences < abs(self.matrix) @ size
-        return np.where(less, self.sums[:, None] * x + self.factors @ relative, self.matrix @ x)

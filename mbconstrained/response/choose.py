@@ -212,7 +212,7 @@ def serving_reduction(
 def _is_stiff(reduction: Reduction) -> bool:
     """Whether more digits are worth their time; eigenvalues are computed only where the number of states and a bound allow it."""
     states = reduction.state_count
-    if not is_worthwhile(1 / EPS, states):  # float64 computes no larger spread
+    if reduction.wide_modes is not None or not is_worthwhile(1 / EPS, states):  # float64 computes no larger spread
         return False
     return is_worthwhile(reduction.spread_bound, states) and is_worthwhile(reduction.spread, states)
 
@@ -261,6 +261,8 @@ def evaluation_method(flow: Flow, shape: tuple[int, int], request: Request) -> t
     modes = _modes_of(reduction)
     if reduction.is_free:
         return MODES, f"by {modes}, which separate the motion of a free body from all others: no rounding error moves it"
+    if reduction.wide_modes is not None:
+        return MODES, f"by {modes}, refined: their rates span many orders of magnitude, of which powers of e^(S h) keep the fastest"
     if request.evaluations == "many":
         return MODES, f"by {modes}, which many evaluations share"
     if times is None:

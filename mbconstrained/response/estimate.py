@@ -22,7 +22,7 @@ import numpy as np
 
 from ..ground.checks import real_array
 from ..ground.errors import Overflow, within_float64
-from ..ground.tolerances import EPS, PROVED_ACCURACY, UNCLEAR_ERROR
+from ..ground.tolerances import EPS, PROVED_ACCURACY, ROUNDED_FREE, UNCLEAR_ERROR
 from ..linalg.blocks import CHUNK_ENTRIES
 from ..linalg.exponential.block_exponential import block_states
 from ..signals.bohl import BohlFunction
@@ -43,10 +43,6 @@ MOST_PROVED = 64
 
 #: No solution is claimed to be better than so many rounding errors: its evaluation makes as many.
 LEAST = 8 * EPS
-
-#: Rounded data do not decide whether a body is free or constrained by a stiffness of the size of rounding: in a time t that
-#: makes a difference of eps (w t)^2, w the fastest frequency. Over thousands of periods that is a millionth: only more is reported.
-ROUNDED_FREE = 1e-6
 
 
 def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] = lambda response: response.function) -> float:

@@ -60,7 +60,7 @@ class Problem:
     def moved(self, seed: int) -> Problem:
         """The same with all data moved, entry by entry, by about a rounding error."""
         random = np.random.default_rng(seed)
-        A = _moved_matrix(self.polynomial_matrix, random)
+        A = self.polynomial_matrix.moved(random, lambda entries, uncertainty: _moved(entries, random, uncertainty))
         return Problem(A, _moved(self.initial, random), _moved_force(self.force, random), self.rank_tolerance)
 
 
@@ -89,15 +89,6 @@ def checked_force(force, size: int) -> ImpulsiveSmooth:
     if force.size != size:
         raise InputError(f"force: it has {counted(force.size, 'row')}, but A(s) has {size}")
     return force
-
-
-def _moved_matrix(A: PolynomialMatrix, random) -> PolynomialMatrix:
-    """Of a coefficient that is given by its factors the values are moved, not the entries that they add up to."""
-    coefficients = [
-        _moved(matrix, random, uncertainty) if factors is None else replace(factors, values=_moved(factors.values, random))
-        for matrix, factors, uncertainty in zip(A.coefficients, A.factors, A.uncertainty)
-    ]
-    return PolynomialMatrix(coefficients, A.coordinates, A.equations, A.uncertainty)
 
 
 def _moved_force(force: ImpulsiveSmooth, random) -> ImpulsiveSmooth:

@@ -1,9 +1,12 @@
 """Free bodies found as such, only where that is clear, against closed forms, conservation laws and the Jordan pairs."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.linalg import expm
 
 import mbconstrained as mb
 from mbconstrained.polynomial.conserved import freed, null_rows
@@ -57,9 +60,9 @@ def test_momentum_and_centre_of_mass(seed):
     random = np.random.default_rng(seed)
     n = int(random.integers(24, 40))
     masses, start = random.uniform(0.5, 2.0, n), random.standard_normal((2, n))
-    C = links(n, [(2, 3), (7, 11)], random.uniform(0.0, 1.0, 2) * random.integers(0, 2))
+    C = links(n, [(2, 3), (7, 11)], random.integers(0, 1024, 2) / 1024 * random.integers(0, 2))  # sums of entries are exact
     v = random.standard_normal(n)
-    x, other = solved(np.diag(masses), C, chain(n, random.uniform(0.5, 2.0, n - 1)), start, mb.step(v))
+    x, other = solved(np.diag(masses), C, chain(n, random.integers(512, 2048, n - 1) / 1024), start, mb.step(v))
     momentum, path = masses @ start[1], masses @ start[0]
     expected = path + momentum * TIMES + v.sum() * TIMES**2 / 2
     found = masses @ x(TIMES)
@@ -124,15 +127,15 @@ def test_resonance_with_the_motion_at_zero():
     assert np.allclose(x(TIMES).mean(axis=0), TIMES**5 / 20 / n, rtol=1e-12)
 
 
-@pytest.mark.parametrize("spring", [1e-3, 1e-8, 1e-11, 1e-13, 2.0**-50])
+@pytest.mark.parametrize("spring", [1e-3, 1e-7, 1e-11, 1e-13, 2.0**-51])
 def test_a_soft_spring_is_no_free_body(spring):
     """It is not stiff enough to be found among the others, and stays in the equation of the momentum."""
     n = 60
     K = chain(n) + np.diag(np.eye(n)[0] * spring)
     result = freed(np.eye(n), np.zeros((n, n)), K)
-    assert (result is None) == (spring >= 1e-8)
+    assert (result is None) == (spring >= 1e-7)
     if result is not None:
-        assert result.left[0].sum() == K[0].sum() and not result.left[1].any()
+        assert result.remainders[0].sum() == K[0].sum() and not result.remainders[1].any()
 
 
 SOFT = {
@@ -156,6 +159,34 @@ def test_a_softly_supported_body_returns(supports, damping):
     expected = np.cos(np.sqrt(springs / masses.sum()) * times)
     # The support is a difference of entries of K: one unit in the last place of one of them changes it by 1e-3 and more.
     assert np.abs(x(times) - expected).max() <= 1e-8
+
+
+UNITS = 30
+
+SUPPORTED = {  # what the ground adds to the diagonals of stiffness and damping of a free chain
+    "an ulp of each entry": (np.full(UNITS, 2.0**-51), np.zeros(UNITS), 0.0),
+    "the first one only": (4e-14 * np.eye(UNITS)[0], np.zeros(UNITS), 0.1),
+    "dampers of all sizes": (np.zeros(UNITS), np.geomspace(1e-17, 1e-12, UNITS), 0.1),
+    "one damper": (np.zeros(UNITS), 1e-13 * np.eye(UNITS)[7], 0.0),
+    "a spring and a damper": (3e-15 * np.eye(UNITS)[4], 1e-12 * np.eye(UNITS)[9], 0.1),
+}
+
+
+@pytest.mark.parametrize("supports", SUPPORTED)
+@pytest.mark.parametrize("random_springs", [False, True])
+def test_supports_of_the_size_of_rounding_errors_count(supports, random_springs):
+    """Entries are exact numbers: the body moves as one mass on the sums of all entries of K and C, as long as these are tiny."""
+    springs, dampers, damping = SUPPORTED[supports]
+    k = np.random.default_rng(0).uniform(0.5, 2.0, UNITS - 1) if random_springs else np.ones(UNITS - 1)
+    K, C = chain(UNITS, k) + np.diag(springs), damping * chain(UNITS) + np.diag(dampers)
+    stiffness, rate = (float(sum(map(Fraction, matrix.ravel().tolist())) / UNITS) for matrix in (K, C))
+    x = mb.solve(mb.PolynomialMatrix([K, C, np.eye(UNITS)]), [np.ones(UNITS), np.ones(UNITS)])
+    for time in (10.0, 2.0**15, 2.0**24):
+        body = expm(np.array([[0.0, 1.0], [-stiffness, -rate]]) * time) @ [1.0, 1.0]
+        error = np.abs(x(time) - body[0]).max() / abs(body[0])
+        assert error <= 1e-9
+    if supports == "an ulp of each entry" and not random_springs:
+        assert any("a few units in the last place" in notice.text for notice in x.notices)
 
 
 def test_bodies_on_springs_softer_than_their_own_by_thirteen_orders():

@@ -10,10 +10,10 @@ import mbconstrained as mb
 from mbconstrained.ground.errors import Overflow
 from mbconstrained.polynomial.reduced_equations import NotReducible, Reduction
 from mbconstrained.response.choose import serving_reduction
-from mbconstrained.response.methods.pair_solution import PairSolution
 from mbconstrained.response.methods.reduced_solution import ReducedSolution
 from mbconstrained.response.response import Response
 from mbconstrained.signals.inputs import zero
+from tests.oracles.ball_exponential import motion
 
 from .plain_models import difference, fitting_start, general, plain_system
 
@@ -288,12 +288,22 @@ def test_masses_from_a_gram_to_a_ton():
     assert own <= x.error_estimate(times) * np.abs(x(times)).max()
 
 
-def test_stiff_small_models_go_to_precise_arithmetic_whatever_the_unit_of_time():
-    springs = np.where(np.arange(25) % 2, 1e9, 1.0)
+@pytest.mark.long
+@pytest.mark.parametrize(("stiff", "damping"), [(1e12, 0.0), (1e9, 0.01)])
+def test_bodies_of_stiff_links_on_soft_springs_keep_their_digits_whatever_the_unit_of_time(stiff, damping):
+    """Fifteen pairs of masses move as bodies: their springs are remainders of sums of rows, a billionth of the entries."""
+    n = 30
+    springs = np.where(np.arange(n + 1) % 2, stiff, 1.0)
     K = np.diag(springs[:-1] + springs[1:]) - np.diag(springs[1:-1], 1) - np.diag(springs[1:-1], -1)
-    for unit in (1e-6, 1.0, 1e6):
-        x = mb.solve(mb.PolynomialMatrix([K, np.zeros((24, 24)), unit**2 * np.eye(24)]), np.ones((2, 24)))
-        assert isinstance(x.solution, PairSolution)
+    C = damping * (np.diag(np.arange(n) % 7 + 1.0) + np.eye(n))
+    exact = np.array(motion([K, C, np.eye(n)], np.ones((2, n)), 100.0), dtype=float)
+    for unit in (2.0**-20, 1.0, 2.0**20):
+        x = mb.solve(mb.PolynomialMatrix([K, unit * C, unit**2 * np.eye(n)]), [np.ones(n), np.ones(n) / unit])
+        error = np.abs(x(100.0 * unit) - exact).max() / np.abs(exact).max()
+        assert is_reduced(x) and error <= 1e-11 and error <= 10 * x.error_estimate(100.0 * unit)
+
+
+def test_light_masses_are_not_stiff():
     mild = mb.solve(mb.PolynomialMatrix([np.eye(24), np.zeros((24, 24)), 1e-12 * np.eye(24)]), np.ones((2, 24)))
     assert is_reduced(mild)
 

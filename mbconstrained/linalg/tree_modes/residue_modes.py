@@ -25,6 +25,7 @@ class ResidueModes:
         upper, real: s of pairs, above the real axis, and real ones.
         signs: x^T P'(s) x of real zeros, 1 or -1.
         coupling: the largest sum of |y| |w| over the states, y the row that goes with the vector w.
+        exact_blocks: none of them needs a place of its own.
     """
 
     M: Matrix
@@ -34,6 +35,7 @@ class ResidueModes:
     real: np.ndarray
     signs: np.ndarray
     coupling: float
+    exact_blocks: int = 0
 
     @cached_property
     def blocks(self) -> tuple[np.ndarray, ...]:

@@ -14,8 +14,8 @@ from functools import cached_property
 import numpy as np
 
 from ...ground.checks import real_array, real_number, whole_number
-from ...ground.notices import Evidence, Notice
-from ...ground.tolerances import noise_of, rounding_radius
+from ...ground.notices import Evidence, Notice, NoticeKind
+from ...ground.tolerances import ROUNDED_FREE, noise_of, rounding_radius
 from ...linalg.arrays import Matrix, of_like_kind
 from ...linalg.exponential.powers import values_of_steps
 from ...linalg.exponential.recursion import shared_gaps
@@ -91,13 +91,22 @@ class ReducedSolution:
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """Growing motions."""
+        """Supports that may be rounding errors, and growing motions."""
         reduction = self.method.flow.reduction
+        supports = tuple(
+            Notice(
+                NoticeKind.RANK,
+                f"springs on a body of {count} coordinates cancel to a few units in the last place of their terms: these count as the "
+                f"support that they are; if they are rounding errors, the body is free, and x differs by {ROUNDED_FREE:g} of itself "
+                f"and more from t = {time:.3g} s on",
+            )
+            for count, time in reduction.rounded_supports
+        )
         if reduction.is_dissipative:
-            return ()
+            return supports
         values = reduction.eigenvalues
         noise = np.maximum(rounding_radius(1) * np.abs(values), noise_of(np.abs(values).max(initial=0.0)))
-        return growth_notice(values[(values.imag >= 0) & (values.real > noise)])
+        return supports + growth_notice(values[(values.imag >= 0) & (values.real > noise)])
 
 
 class FlowFunction(BohlFunction):

@@ -1,0 +1,118 @@
+"""Undamped modes refined: K Phi = M Phi diag(k), Phi^T M Phi = I, to rounding errors of each k, not of the largest.
+
+A symmetric eigenproblem leaves errors of eps times the largest k in all others: of a beam of 30 elements nine digits of the slowest
+motion. With S = X^T K X and R = I - X^T M X of approximate shapes X, computed with twice the digits, one step
+
+k_j = S_jj / (1 - R_jj),    E_ij = (S_ij + k_j R_ij) / (k_j - k_i),    E_jj = R_jj / 2,    Phi = X (I + E)
+
+squares the error (Ogita and Aishima 2018). The products are sums of products of slices of the factors, each exact in float64 (Ozaki,
+Ogita, Oishi and Rump 2012).
+"""
+
+from __future__ import annotations
+
+import math
+from functools import reduce
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from ...ground.tolerances import EPS, LARGEST_CORRECTION, LAST_CORRECTION
+
+#: Slices of a factor: three hold all 53 bits, and 16 more of entries smaller than the largest of their row.
+SLICES = 3
+
+#: Most steps.
+STEPS = 5
+
+
+def congruence(shapes: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """X^T A X with twice the digits, rounded once.
+
+    Args:
+        shapes: X, shape (n, k).
+        matrix: A, shape (n, n).
+
+    Returns:
+        Shape (k, k).
+
+    >>> x = np.array([[1.0], [1.0]])
+    >>> congruence(x, np.array([[1.0, -1.0], [-1.0, 1.0 + 2.0**-52]])) * 2.0**52
+    array([[1.]])
+    """
+    columns = _slices(shapes, 0)
+    high, low = _product(_slices(matrix, 1), columns)
+    rows = [part.T for part in columns]
+    return sum(_product(rows, _slices(high, 0))) + shapes.T @ low
+
+
+def _slices(matrix: np.ndarray, axis: int) -> list[np.ndarray]:
+    """Parts that add up to the matrix, of so few bits relative to the largest entry along an axis that their products are exact."""
+    bits, result, rest = math.ceil((53 + math.log2(max(matrix.shape[axis], 2))) / 2), [], matrix
+    for _ in range(SLICES - 1):
+        size = np.abs(rest).max(axis=axis, keepdims=True)
+        shift = np.ldexp(1.0, np.frexp(size)[1] + bits)
+        result.append((rest + shift) - shift)
+        rest = rest - result[-1]
+    return [*result, rest]
+
+
+def _product(left: list[np.ndarray], right: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """The sum of the products of slices, as a matrix and what it is rounded by."""
+    pairs = [(i, j) for total in range(SLICES + 1) for i in range(SLICES) for j in range(SLICES) if i + j == total]
+
+    def add(sums, pair):
+        (high, low), term = sums, left[pair[0]] @ right[pair[1]]
+        total = high + term
+        part = total - high
+        return total, low + ((high - (total - part)) + (term - part))
+
+    zero = np.zeros((left[0].shape[0], right[0].shape[1]))
+    return reduce(add, pairs, (zero, zero))
+
+
+def refined_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, ...] | None:
+    """Shapes, their stiffness k and damping Phi^T C Phi; None where the steps do not converge.
+
+    Args:
+        M, C, K: shape (n, n), M and K symmetric.
+        shapes: X, shape (n, n).
+
+    Returns:
+        Phi of shape (n, n), k of shape (n,) and shape (n, n).
+    """
+    unit = np.eye(len(shapes))
+    for _ in range(STEPS):
+        S, R = congruence(shapes, K), unit - congruence(shapes, M)
+        k = np.diag(S) / (1 - np.diag(R))
+        if not (k > 0).all():
+            return None
+        change, gaps = S + k * R, k - k[:, None]
+        alike = np.abs(change) <= 64 * EPS * np.sqrt(np.multiply.outer(k, k))
+        np.fill_diagonal(alike, True)
+        mixed = ~alike & (np.abs(change) > LARGEST_CORRECTION * np.abs(gaps))
+        if mixed.any():
+            shapes = shapes @ _combined(S, unit - R, mixed)
+            continue
+        far = ~alike | (np.abs(gaps) > LARGEST_CORRECTION * np.maximum(k, k[:, None]))
+        np.fill_diagonal(far, False)
+        E = np.where(far, change / np.where(far, gaps, 1.0), R / 2)
+        following = shapes + shapes @ E
+        if np.abs(E).max() <= LAST_CORRECTION:
+            damping = congruence(shapes, C)
+            return following, k, damping + E.T @ damping + damping @ E
+        shapes = following
+    return None
+
+
+def _combined(S: np.ndarray, units: np.ndarray, mixed: np.ndarray) -> np.ndarray:
+    """The matrix that decouples groups of shapes that are mixed."""
+    result = np.eye(len(S))
+    which = connected_components(csr_array(mixed | mixed.T), directed=False)[1]
+    for group in range(which.max() + 1):
+        at = np.flatnonzero(which == group)
+        if len(at) > 1:
+            triangle = np.linalg.inv(np.linalg.cholesky(units[np.ix_(at, at)]))
+            result[np.ix_(at, at)] = triangle.T @ np.linalg.eigh(triangle @ S[np.ix_(at, at)] @ triangle.T)[1]
+    return result

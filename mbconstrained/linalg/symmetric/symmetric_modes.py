@@ -1,0 +1,235 @@
+"""M x'' + C x' + K x = 0 with M, K symmetric, M positive definite, decoupled by one symmetric eigenproblem of half the size.
+
+With Phi^T M Phi = I and Phi^T K Phi = diag(k_i) the motion is sum of phi_i eta_i, eta_i'' + c_i eta_i' + k_i eta_i = 0, where
+C = 0 or Phi^T C Phi is diagonal (proportional damping: Caughey and O'Kelly 1965). Each k_i is found once more from its vector,
+in a form in which nothing of a slow motion cancels next to a stiff one:
+
+phi^T K phi = sum over i of (sum of row i) phi_i^2 - sum over i < j of K_ij (phi_i - phi_j)^2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from scipy.linalg import lapack
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from ...ground.tolerances import EPS, REFINED_SPREAD, noise_of
+from ..arrays import Matrix, entries, entry_count, full, of_like_kind
+from ..blocks import BlockDiagonal
+from ..division import condition
+from ..eigen import decoupled
+from ..rounding import exact_row_sums
+from .mode_refinement import refined_modes
+
+#: Where a matrix has at most so many entries in a row the differences of coordinates are taken one by one.
+FEW = 12
+
+
+#: A condition of K below the spread by this factor, with the diagonal of M, does not belong to modes of such a spread.
+PRECHECK = 100.0
+
+#: So many shapes at most are refined: 200 take as long as some ten symmetric eigenproblems of that size.
+REFINED_SHAPES = 200
+
+
+@dataclass(frozen=True, eq=False)
+class SymmetricModes:
+    """As a ``BlockDiagonal`` of the states (x, x'), its basis and inverse are computed when they are read.
+
+    The states are eta_i and eta_i' / w_i.
+
+    Attributes:
+        M: the mass matrix.
+        shapes: Phi, shape (m, m).
+        rates: w, 1 where a mode has none.
+        blocks: [[0, w], [-w, -c]], [[0, w], [w, -c]] where k_i < 0.
+        coupling: 1, as the modes of a symmetric problem are orthogonal.
+        exact_blocks: none of them is in a place of its own.
+    """
+
+    M: Matrix
+    shapes: np.ndarray
+    rates: np.ndarray
+    blocks: tuple[np.ndarray, ...]
+    coupling: float = 1.0
+    exact_blocks: int = 0
+
+    @property
+    def basis(self) -> np.ndarray:
+        """Shape (2 m, 2 m)."""
+        return self.modal_output(np.eye(2 * len(self.shapes)))
+
+    @property
+    def inverse(self) -> np.ndarray:
+        """Of the basis, shape (2 m, 2 m)."""
+        return self.coordinates(np.eye(2 * len(self.shapes)))
+
+    def modal_output(self, output: Matrix) -> np.ndarray:
+        """output @ basis, for an output of shape (r, 2 m)."""
+        m = len(self.shapes)
+        result, velocities = np.zeros((output.shape[0], 2 * m)), output[:, m:]
+        result[:, 0::2] = output[:, :m] @ self.shapes
+        if abs(velocities).max() > 0:
+            result[:, 1::2] = velocities @ self.shapes * self.rates
+        return result
+
+    def coordinates(self, states: np.ndarray) -> np.ndarray:
+        """inverse @ states, of shape (2 m, any) or (2 m,)."""
+        m, result = len(self.shapes), np.empty(states.shape)
+        result[0::2], velocities = self.shapes.T @ (self.M @ states[:m]), self.shapes.T @ (self.M @ states[m:])
+        result[1::2] = (velocities.T / self.rates).T
+        return result
+
+
+def symmetric_modes(M: Matrix, C: Matrix, K: Matrix, bodies: np.ndarray | None = None) -> SymmetricModes | None:
+    """The states (x, x') decoupled; None where that fails.
+
+    Args:
+        M, C, K: symmetric, shape (m, m).
+        bodies: the shapes v of free bodies, one a row, with v K and v C, which are zero, or about a rounding error of K and C: these
+            count exactly; shape (3, k, m).
+
+    Returns:
+        One block of size two for each mode.
+    """
+    shapes = undamped_shapes(M, K)
+    if shapes is None:
+        return None
+    free = 0 if bodies is None else bodies.shape[1]
+    if free:
+        shapes, supports = _with_bodies(M, K, shapes, bodies)
+    damping = np.zeros(len(shapes))
+    if entry_count(C):
+        modal = shapes.T @ (C @ shapes)
+        damping = np.diag(modal).copy()
+        root = np.sqrt(np.einsum("ik,ik->k", np.abs(shapes), abs(C) @ np.abs(shapes)))  # each in the units of its mode
+        if (np.abs(modal - np.diag(damping)) > noise_of(np.multiply.outer(root, root), len(shapes))).any():
+            return None
+    stiffness = _quotients(K, shapes)
+    if free:
+        stiffness[:free], damping[:free] = supports
+    return _of_modes(M, shapes, stiffness, damping)
+
+
+def _of_modes(M: Matrix, shapes: np.ndarray, stiffness: np.ndarray, damping: np.ndarray) -> SymmetricModes:
+    rates, blocks = np.sqrt(np.abs(stiffness)), np.zeros((len(shapes), 2, 2))
+    rates = np.where(rates > 0, rates, 1.0)
+    blocks[:, 0, 1], blocks[:, 1, 0], blocks[:, 1, 1] = rates, -stiffness / rates, -damping
+    return SymmetricModes(M, shapes, rates, tuple(blocks))
+
+
+def modes_of_wide_spread(M: Matrix, C: Matrix, K: Matrix, order: np.ndarray | None = None) -> SymmetricModes | BlockDiagonal | None:
+    """The states (x, x') decoupled where undamped rates span many orders of magnitude, and any damping.
+
+    In the coordinates of refined undamped modes the motion is eta'' + D eta' + diag(k) eta = 0: in the states (w eta, eta'), w^2 = k,
+    nothing is larger than the fastest rate, where K has its square.
+
+    Args:
+        M, K: symmetric, positive definite, shape (m, m).
+        C: any, shape (m, m).
+        order: in which the coordinates are taken, a permutation: it changes nothing but rounding errors.
+
+    Returns:
+        The modes; None where the rates are alike, or the refinement does not converge.
+    """
+    size = K.shape[0]
+    if size > REFINED_SHAPES:
+        return None
+    order = np.arange(size) if order is None else order
+    mass, damper, stiff = (full(matrix)[np.ix_(order, order)] for matrix in (M, C, K))
+    root = np.sqrt(np.abs(np.diag(mass)))
+    wide = (root > 0).all() and condition(stiff / np.multiply.outer(root, root), np.inf) > REFINED_SPREAD / PRECHECK
+    shapes = undamped_shapes(mass, stiff) if wide else None
+    if shapes is None:
+        return None
+    quotients = _quotients(stiff, shapes)
+    if not quotients.max() > REFINED_SPREAD * quotients.min() or (modes := refined_modes(mass, damper, stiff, shapes)) is None:
+        return None
+    shapes, stiffness, modal = modes
+    shapes = shapes[np.argsort(order)]
+    size = np.sqrt(np.abs(np.diag(modal)))
+    if (np.abs(modal - np.diag(np.diag(modal))) <= EPS / 2 * np.multiply.outer(size, size)).all():
+        return _of_modes(M, shapes, stiffness, np.diag(modal).copy())
+    rates = np.diag(np.sqrt(stiffness))
+    parts = decoupled(np.block([[np.zeros_like(rates), rates], [-rates, -modal]]))
+    columns, rows = scipy.linalg.block_diag(shapes / np.diag(rates), shapes), shapes.T @ full(M)
+    inverse = scipy.linalg.block_diag(np.diag(rates)[:, None] * rows, rows)
+    return BlockDiagonal(columns @ parts.basis, parts.inverse @ inverse, parts.blocks, parts.coupling, len(parts.blocks))
+
+
+def undamped_shapes(M: Matrix, K: Matrix) -> np.ndarray | None:
+    """The shapes of M x'' + K x = 0 for symmetric M and K.
+
+    Args:
+        M, K: shape (m, m).
+
+    Returns:
+        Phi with Phi^T M Phi = I, one shape a column; None where M is not positive definite.
+    """
+    diagonal = M.diagonal()
+    if entry_count(M) == len(diagonal) and (diagonal > 0).all():
+        root = np.sqrt(diagonal)
+        vectors = _vectors(of_like_kind(K * (1 / root[:, None]) * (1 / root), K))
+        vectors /= root[:, None]
+        return vectors
+    _, vectors, failed = lapack.dsygvd(full(K), full(M))
+    return None if failed else vectors
+
+
+def _with_bodies(M: Matrix, K: Matrix, shapes: np.ndarray, bodies: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The shapes with those of free bodies in the places of so many of least frequency, and the stiffness and damping of these.
+
+    The others have no part in them. Supports couple both, which changes the shapes by the first order of a small number.
+    """
+    result, stiff, damped = bodies.transpose(0, 2, 1)
+    for _ in range(2):  # once more, for shapes that are nearly alike
+        triangle = np.linalg.cholesky(result.T @ (M @ result))
+        result, stiff, damped = (scipy.linalg.solve_triangular(triangle, part.T, lower=True).T for part in (result, stiff, damped))
+    order = np.argsort(np.abs(_quotients(K, shapes)), kind="stable")[result.shape[1] :]
+    others = shapes[:, np.sort(order)]
+    others = others - result @ (result.T @ (M @ others))
+    others = others / np.sqrt(np.einsum("ik,ik->k", others, M @ others))
+    own = _quotients(K, others)[:, None]
+    mixed = others.T @ stiff / own
+    if stiff.any():
+        turn = np.linalg.eigh(result.T @ stiff - mixed.T @ (own * mixed))[1]
+        result, stiff, damped, mixed = result @ turn, stiff @ turn, damped @ turn, mixed @ turn
+    supports = np.array([np.einsum("ik,ik->k", result, part) for part in (stiff, damped)])
+    supports[0] -= (own * mixed**2).sum(axis=0)
+    return np.hstack([result - others @ mixed, others + result @ mixed.T]), supports
+
+
+def _vectors(matrix: Matrix) -> np.ndarray:
+    """The eigenvectors of a symmetric matrix; of a large tridiagonal one by an algorithm for those."""
+    matrix = (matrix + matrix.T) / 2
+    if isinstance(matrix, np.ndarray):
+        return _symmetric_vectors(matrix)
+    order = reverse_cuthill_mckee(csr_array(matrix), symmetric_mode=True)
+    narrow = csr_array(matrix)[order][:, order].tocoo()
+    if len(order) > 2 and np.abs(narrow.row - narrow.col).max(initial=0) <= 1:
+        result = np.empty(matrix.shape)
+        result[order] = scipy.linalg.eigh_tridiagonal(narrow.diagonal(), narrow.diagonal(1))[1]
+        return result
+    return _symmetric_vectors(matrix.toarray())
+
+
+def _symmetric_vectors(matrix: np.ndarray) -> np.ndarray:
+    _, vectors, failed = lapack.dsyevd(matrix)
+    if failed:
+        raise np.linalg.LinAlgError("the eigenvalues did not converge")
+    return vectors
+
+
+def _quotients(K: Matrix, shapes: np.ndarray) -> np.ndarray:
+    """phi^T K phi for every column."""
+    K = (K + K.T) / 2
+    row, column, values = entries(K)
+    upper = row < column
+    if np.count_nonzero(upper) > FEW * len(shapes):
+        return np.einsum("ik,ik->k", shapes, K @ shapes)
+    sums, row, column = exact_row_sums(K), row[upper], column[upper]
+    return sums @ shapes**2 - values[upper] @ (shapes[row] - shapes[column]) ** 2
