@@ -38,7 +38,7 @@ def nearest(word: str, known: Iterable[str]) -> str:
 
 
 def optional_package(name: str, what_for: str) -> ModuleType:
-    """An optional package, imported on demand.
+    """An optional package, imported on demand; NumPy prints as before, whatever the package sets (pyyeti sets a legacy mode).
 
     Args:
         name: of the module.
@@ -53,6 +53,7 @@ def optional_package(name: str, what_for: str) -> ModuleType:
     >>> optional_package("math", "to_numbers").sqrt(4.0)
     2.0
     """
+    options = np.get_printoptions()
     try:
         return importlib.import_module(name)
     except ModuleNotFoundError as problem:
@@ -62,6 +63,8 @@ def optional_package(name: str, what_for: str) -> ModuleType:
         raise MissingPackage(
             f"{what_for} needs the package {package}, which is not installed; in the folder of the checkout: pip install '{EXTRA}'"
         ) from None
+    finally:
+        np.set_printoptions(**options)
 
 
 def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None) -> np.ndarray:

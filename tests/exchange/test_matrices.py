@@ -11,10 +11,12 @@ import numpy as np
 import pytest
 import scipy.io
 import scipy.sparse
-from pyyeti.nastran import op4
 
 from mbconstrained.exchange.matrices import LARGEST_SPARSE_SIDE, full_matrix, read_matrix
+from mbconstrained.ground.checks import optional_package
 from mbconstrained.ground.errors import InputError
+
+op4 = optional_package("pyyeti.nastran.op4", "this test")
 
 MATRIX = np.array([[2.0, -1.0, 0.0], [-1.0, 1e-9, 0.1], [0.0, 1 / 3, 4e20]])
 RNG = random.Random(21)
@@ -240,3 +242,8 @@ def test_a_file_that_may_not_be_read_is_wrong_input(tmp_path, monkeypatch, name)
 def test_a_name_that_no_file_can_have(tmp_path):
     with pytest.raises(InputError, match=r"a{300}\.csv: the file cannot be read \(File name too long\)"):
         read_matrix(tmp_path / ("a" * 300 + ".csv"))
+
+
+def test_reading_op4_does_not_change_how_numpy_prints():
+    """pyyeti sets NumPy's legacy mode of 1.13 when it is imported."""
+    assert repr(np.array([0.0, 6.0])) == "array([0., 6.])"
