@@ -124,8 +124,11 @@ def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], li
     values = np.concatenate([rates, larger, smaller[real]])
     vectors = [outputs[:, double] * b + outputs[:, double + 1] * (s - a) for s in (larger, smaller)]
     shapes = np.hstack([outputs[:, single], vectors[0], vectors[1][:, real]])
-    count = int((values == 0).sum())
+    computed = values
+    if reduction.freed is not None:  # what the rounding errors of K support has the eigenvalue 0
+        values = np.where(np.abs(values) ** 2 <= EPS * np.abs(values).max() ** 2, 0.0, values)
     moving = values != 0
+    count = int((~moving).sum() + (~moving & (computed.imag > 0)).sum())  # of a complex pair one is listed
     return [*_grouped(values[moving], shapes[:, moving])], [*_at_rest(A, count)]
 
 
