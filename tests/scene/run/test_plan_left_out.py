@@ -73,7 +73,7 @@ def computed(kind: str) -> str:
 
 WORK = {
     "read the scene": Work("plain", None, "scene/file/reading.py:parse"),
-    "units": Work("all", "plain", "scene/quantities/dimensions.py:registry", ("pint",)),
+    "units": Work("all", "plain", "scene/quantities/units.py:registry", ("pint",)),
     "robot model (pinocchio)": Work("robot", "lumped", "scene/build/robot_file.py:robot_of", ("pinocchio", "coal")),
     "equilibrium": Work("robot", "lumped", "robot/posture.py:find_posture", ("mbconstrained.robot",)),
     "robot meshes": Work("robot with meshes", "robot with unread meshes", "robot/description/visuals.py:_read_mesh", ("coal",)),
@@ -103,9 +103,10 @@ WORK = {
     "animation": Work(
         "lumped", "still page", "page/animation/keyframes.py:key_frames", ("mbconstrained.scene.run.picture.result_animation",)
     ),
-    "CSV": Work("lumped", "plain", "scene/run/result_files.py:write_csv"),
-    "npz": Work("lumped", "plain", "scene/run/result_files.py:write_npz"),
+    "CSV": Work("lumped", "plain", "scene/run/result.py:Result.write_csv"),
+    "npz": Work("lumped", "plain", "scene/run/result.py:Result.write_npz"),
     "page": Work("still page", "plain", "page/html.py:page_html", ("mbconstrained.page.html",)),
+    "other formats": Work(None, "all", "scene/run/result.py:Result.write_formats"),
     "plots as images (matplotlib)": Work("pictures", "all", "page/plots/images.py:plot_images", PICTURES),
     "still picture (Chromium)": Work(None, "all", "page/photograph.py:photograph", ("mbconstrained.page.html",)),
 }
