@@ -140,7 +140,9 @@ def modes(scene: Scene) -> Decision:
 
 def proof(scene: Scene) -> Decision:
     """Small models of exact data have bounds of the error instead of estimates."""
-    reason = unproved(scene.problem)
+    control, reason = scene.equations.control, unproved(scene.problem)
+    if reason and control and control.form and "output" in scene.table.output.plots:
+        reason = unproved(control.response.together.problem)  # the outputs are those of the state space itself
     return not reason, reason or "few states: the error is bounded, and values beyond the bound come from the exact engine"
 
 
