@@ -93,8 +93,9 @@ class PoleResidueForm:
         chosen = self._blocks_of(zero)
         at = np.concatenate([np.arange(*self._slices[i].indices(len(pair.B))) for i in chosen])
         J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
-        right, J, left = _invariant(J, value, zero.multiplicity)
+        right, J, left = invariant_vectors(J, value, zero.multiplicity)
         C = pair.C[:, at]
+        C_size = np.abs(C) if len(at) == 1 else np.maximum(np.abs(C), np.abs(C).max(axis=1, keepdims=True) * NOISE_SAFETY / CLUSTER_SAFETY)
         order = max(zero.partial_multiplicities, default=1)
         front, sizes = np.linalg.matrix_power(J, self.power), []
         N, terms = J - value * np.eye(len(J)), []
@@ -103,7 +104,7 @@ class PoleResidueForm:
         for _ in range(order):
             terms.append([part @ C @ right @ front @ B for part in _parts(self.outputs)])
             middle = np.abs(right) @ np.abs(front) @ B_size
-            sizes.append(sum(np.abs(part) @ np.abs(C) for part in _parts(self.outputs)) @ middle)
+            sizes.append(sum(np.abs(part) @ C_size for part in _parts(self.outputs)) @ middle)
             front = front @ N
         noise = CLUSTER_SAFETY * EPS * max(pair.coupling, 1.0) * len(pair.B) ** 0.5
         limits, shape = noise * np.array(sizes), (order, len(self.outputs), self.inputs.shape[1])
@@ -213,7 +214,7 @@ def _block_values(C, J, B, s) -> tuple[np.ndarray, np.ndarray]:
     return np.einsum("pi,sij,jm->pms", C, inverses, B), np.linalg.norm(inverses, axis=(1, 2))
 
 
-def _invariant(J: np.ndarray, value: complex, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def invariant_vectors(J: np.ndarray, value: complex, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Right vectors, matrix and left vectors of the ``count`` eigenvalues of J nearest to one: J right = right M, left J = M left."""
     if count == len(J):
         return np.eye(len(J)), J, np.eye(len(J))
@@ -243,5 +244,10 @@ def _cleaned(terms: np.ndarray, limits: np.ndarray) -> np.ndarray:
 def poles_on_axis(poles: tuple[Pole, ...]) -> Iterator[Pole]:
     """Those with no real part to rounding errors, zero and above."""
     for pole in poles:
-        if pole.value.imag >= 0 and abs(pole.value.real) <= _radius(pole):
+        if pole.value.imag >= 0 and is_on_axis(pole):
             yield pole
+
+
+def is_on_axis(pole: Pole) -> bool:
+    """Whether its real part is zero to rounding errors."""
+    return abs(pole.value.real) <= _radius(pole)

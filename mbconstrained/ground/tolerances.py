@@ -231,6 +231,13 @@ AUTO_DISTANCE = 1e-6
 #: Rounding errors of the entries of A(i w) and of their residual, in units of EPS times their terms.
 LINE_ROUNDING = 2.0
 
+#: Poles with a smaller ratio of damping have real parts that are refined; below the other, a refined real part is rounding error.
+LIGHT_DAMPING, UNDAMPED = 1e-2, 1e10 * EPS**2
+
+#: Integrals of spectra have smaller relative rounding errors than this, or their panels are halved, and values at their nodes solved for.
+SPECTRAL_ACCURACY = 1e-13
+
+
 # Mechanical systems: matrices of elements, constraint rows, modes of sparse matrices.
 
 #: Assembled in float64, springs or dampers with a larger ratio leave the softest fewer than four digits.

@@ -1,0 +1,141 @@
+"""Whether the variance of an output is finite, and why not: poles on the axis, unstable poles, direct paths of white noise, slow decay.
+
+The integral of f^k G(f) exists at infinity where the exponent of f is below -1, and at a pole on the axis where the spectrum vanishes fast enough.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...ground.display import number_text
+from ...ground.tolerances import EPS, NOISE_SAFETY
+from .spectra import Line, Rational
+from .spectral_matrix import SpectralMatrix
+from .transfer import RefinedPole, Transfer
+
+
+@dataclass(frozen=True)
+class Existence:
+    """Why integrals of f^k G(f) are infinite.
+
+    Attributes:
+        reasons: for each power k and output a sentence, "" where the integral is finite, shape (K, p).
+        white_part: the one-sided intensity per Hz of the white part of each output, shape (p,); infinite where it is rougher than white noise.
+    """
+
+    reasons: np.ndarray
+    white_part: np.ndarray
+
+
+def existence(transfer: Transfer, spectra: SpectralMatrix, powers: tuple[int, ...], units: tuple[str, ...]) -> Existence:
+    """Which spectral integrals exist.
+
+    Args:
+        transfer: H.
+        spectra: S of the inputs.
+        powers: k.
+        units: of the outputs, for the intensity of the white part.
+
+    Returns:
+        Reasons and intensities.
+    """
+    p = len(transfer.harmonic.outputs)
+    reasons = np.full((len(powers), p), "", dtype=object)
+    for pole in transfer.poles:
+        for output in np.flatnonzero(pole.residues.any(axis=(0, 2))):
+            for row, power in enumerate(powers):
+                reasons[row, output] = reasons[row, output] or _at_pole(pole, output, spectra, power)
+    white = np.zeros(p)
+    corners = spectra.corners
+    if len(corners) and np.isinf(corners[-1]):
+        exponents, white = _growth(transfer, spectra, corners[-2] + 1.0)
+        for row, power in enumerate(powers):
+            for output in np.flatnonzero(exponents + power >= -1):
+                if not reasons[row, output]:
+                    intensity = f"; its intensity is {number_text(white[output])} ({units[output]})^2/Hz" if np.isfinite(white[output]) else ""
+                    reasons[row, output] = (
+                        f"white noise reaches it directly{intensity}"
+                        if exponents[output] == 0 and not power
+                        else f"its spectrum{' times f^' + str(power) if power else ''} falls no faster than f^{exponents[output] + power:g}"
+                    )
+    return Existence(reasons, white)
+
+
+def _at_pole(pole: RefinedPole, output: int, spectra: SpectralMatrix, power: int) -> str:
+    """The reason why the integral is infinite by one pole, or ""."""
+    f0 = abs(pole.value.imag) / (2 * np.pi)
+    if pole.value.real > 0 and not pole.on_axis:
+        reached = pole.residues[:, output, [piece for piece in range(len(spectra.spectra)) if spectra.spectra[piece].pieces]]
+        return f"the motion with the eigenvalue {pole.value:.4g} 1/s is unstable and grows" if reached.any() else ""
+    if not pole.on_axis:
+        return ""
+    corners = spectra.corners
+    for a, b in zip(corners, corners[1:]):
+        if not a <= f0 <= b:
+            continue
+        middle = a + 1.0 if np.isinf(b) else (a + b) / 2
+        for j in range(pole.order - 1, -1, -1):
+            R = pole.residues[j][output]
+            moved = R @ spectra(np.array([f0 + 0j]), middle)[..., 0] @ R.conj()
+            rise = _rise(spectra, middle, R) if f0 == 0 else 0 if abs(moved) > 0 else np.inf
+            if rise + (power if f0 == 0 else 0) - 2 * (j + 1) <= -1:
+                kind = "a rigid-body motion" if not f0 else "an undamped motion"
+                return f"{kind} of {number_text(f0)} Hz has no damping and its excitation does not vanish there"
+    return ""
+
+
+def _rise(spectra: SpectralMatrix, middle: float, R: np.ndarray) -> float:
+    """The exponent of f of the noise that reaches a pole at zero frequency."""
+    rises = [np.inf]
+    for entry, spectrum in zip(R, spectra.spectra):
+        piece = spectrum.piece_at(middle)
+        if entry and piece is not None:
+            if isinstance(piece, Rational):
+                rises.append(2 * (len(piece.numerator) - len(np.trim_zeros(piece.numerator, "b"))))
+            else:
+                rises.append(1.0 if isinstance(piece, Line) and piece.level == 0 else 0.0)
+    return min(rises)
+
+
+def _growth(transfer: Transfer, spectra: SpectralMatrix, middle: float) -> tuple[np.ndarray, np.ndarray]:
+    """The exponent of f of the spectrum of each output towards infinity, and the intensity of its white part, both of shape (p,)."""
+    harmonic = transfer.harmonic
+    slopes, D = spectra.slopes(middle), harmonic.form.polynomial
+    p = len(harmonic.outputs)
+    exponents, white = np.full(p, -np.inf), np.zeros(p)
+    S = spectra(np.array([middle + 0j]), middle)[..., 0]
+    decays = _decays(transfer)
+    for output in range(p):
+        for entry, slope in enumerate(slopes):
+            if np.isfinite(slope):
+                orders = [k for k in range(len(D)) if D[k, output, entry]]
+                order = max(orders) if orders else -decays[output, entry]
+                exponents[output] = max(exponents[output], slope + 2 * order)
+        if exponents[output] == 0:
+            flat = [entry for entry, slope in enumerate(slopes) if slope == 0]
+            if len(D) and flat:
+                row = D[0, output, flat]
+                white[output] = (row @ S[np.ix_(flat, flat)] @ row.conj()).real
+        elif exponents[output] > 0:
+            white[output] = np.inf
+    return exponents, white
+
+
+def _decays(transfer: Transfer) -> np.ndarray:
+    """The relative degrees: H ~ s^-decay towards infinity, shape (p, m), infinite where H is zero or a polynomial."""
+    form = transfer.harmonic.form
+    C, B = np.abs(form.outputs @ form.pairs.finite.C), np.abs(form.pairs.finite.B @ form.inputs)
+    right, right_size = form.pairs.finite.B @ form.inputs, B
+    result = np.full((len(C), B.shape[1]), np.inf)
+    J = form.pairs.finite.J
+    for index in range(len(J) + 1):
+        values, noise = form.outputs @ form.pairs.finite.C @ right, NOISE_SAFETY * EPS * max(len(J), 1) * C @ right_size
+        if index >= form.power:
+            first = (np.abs(values) > noise) & np.isinf(result)
+            result[first] = index + 1 - form.power
+        right, right_size = J @ right, np.abs(J) @ right_size
+        if np.isfinite(result).all():
+            break
+    return result

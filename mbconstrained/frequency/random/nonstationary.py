@@ -1,0 +1,222 @@
+"""Covariance over time and sample paths: white noise through C e^{J t} B exactly, tabulated spectra by their harmonics.
+
+    P(t) = e^{J t} P_0 e^{J^T t} + integral of e^{J (t - s)} B (G/2) B^T e^{J^T (t - s)} m(s) ds
+
+Over a short step the integral is a matrix exponential (Van Loan, IEEE Transactions on Automatic Control 23, 1978); steps are doubled,
+P(2 h) = P(h) + e^{J h} P(h) e^{J^T h}: sums of semidefinite matrices, in which nothing cancels, whatever the multiplicities.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg
+
+from ...ground.checks import evaluation_times, real_array
+from ...ground.errors import InputError
+from .spectra import PowerLaw, Rational
+from .spectral_integral import TURN, _Integration
+from .spectral_matrix import SpectralMatrix
+from .transfer import Transfer
+
+#: Harmonics that are added at once, times the number of times.
+CHUNK = 1 << 22
+
+#: Time constants after which a process is stationary: e^-40 is below rounding errors.
+DECAY = 40.0
+
+
+class MarkovModel:
+    """y = C z, z' = J z + B w with white noise w of intensity 1: the finite poles of H and of the filters of its inputs."""
+
+    def __init__(self, transfer: Transfer, spectra: SpectralMatrix):
+        """For independent or partly coherent inputs that are white or filtered.
+
+        Args:
+            transfer: H.
+            spectra: of its inputs.
+
+        Raises:
+            InputError: spectra with corner frequencies, delays.
+        """
+        if spectra.longest_delay or spectra.cross:
+            raise InputError("white or filtered noise without delays and cross spectra is expected here")
+        form, m = transfer.harmonic.form, len(spectra.names)
+        J, B, C = form.pairs.finite.J, form.pairs.finite.B @ form.inputs, form.outputs @ form.pairs.finite.C
+        C = C @ np.linalg.matrix_power(J, form.power)
+        filters = [_filter(spectrum, name) for name, spectrum in zip(spectra.names, spectra.spectra)]
+        if any(D for *_, D in filters) and len(form.polynomial) and any((form.polynomial[..., i]).any() for i, f in enumerate(filters) if f[3]):
+            raise InputError("an output is reached by white noise directly; its variance is infinite at all times")
+        if len(form.polynomial) and any(len(F[0]) for F in filters):
+            raise InputError("an output with a direct path of filtered noise is not covered; use displacements or velocities")
+        sizes = [len(F[0]) for F in filters]
+        N, extra = len(J), sum(sizes)
+        self.J, self.B, self.C = np.zeros((N + extra,) * 2), np.zeros((N + extra, m)), np.hstack([C, np.zeros((len(C), extra))])
+        self.J[:N, :N], at = J, N
+        for i, (a, b, c, d) in enumerate(filters):
+            own = slice(at, at + len(a))
+            self.J[own, own], self.B[own, i] = a, b
+            self.J[:N, own], self.B[:N, i] = np.outer(B[:, i], c), B[:, i] * d
+            at += len(a)
+        self.Q = self.B @ spectra.coherence @ self.B.T / 2
+        self.states = N
+        self.transfer = transfer
+
+    def initial(self, covariance) -> np.ndarray:
+        """P_0 of the covariance of displacements and velocities, z_0 = sum over k of (sum over j > k of J^(j-1-k) B A_j) x^(k)."""
+        P = np.zeros_like(self.J)
+        if covariance is None:
+            return P
+        pairs, coefficients = self.transfer.harmonic.form.pairs.finite, self.transfer.harmonic.A.coefficients
+        given = np.asarray(covariance)
+        n = len(given) // 2 if given.ndim == 2 else 0
+        given = real_array(covariance, "initial_covariance", shape=(2 * n, 2 * n))
+        if 2 * n > 2 * coefficients.shape[1] or np.linalg.eigvalsh((given + given.T) / 2).min(initial=0.0) < -1e-12 * np.abs(given).max(initial=1.0):
+            raise InputError("initial_covariance: expected a positive semidefinite matrix of the displacements and velocities")
+        rows = []
+        for k in range(2):
+            terms = [np.linalg.matrix_power(pairs.J, j - 1 - k) @ pairs.B @ coefficients[j][:, :n] for j in range(k + 1, len(coefficients))]
+            rows.append(sum(terms, np.zeros((len(pairs.J), n))))
+        T = np.hstack(rows)
+        P[: self.states, : self.states] = T @ given @ T.T
+        return P
+
+    def step(self, time: float, rate: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+        """e^{J t}, and the integral of e^{J (t - s)} Q e^{J^T (t - s)} e^{-rate s} ds from 0 to t.
+
+        Args:
+            time: t in s.
+            rate: of the modulation in 1/s.
+
+        Returns:
+            Two matrices.
+        """
+        size = (np.linalg.norm(self.J, 1) + abs(rate)) * time
+        doublings = max(0, int(np.ceil(np.log2(size))) + 1) if size > 0.5 else 0
+        h, N = time / 2**doublings, len(self.J)
+        M = self.J + rate / 2 * np.eye(N)
+        whole = scipy.linalg.expm(np.block([[M, self.Q], [np.zeros((N, N)), -M.T]]) * h)
+        E = np.exp(-rate * h / 2) * whole[:N, :N]
+        P = np.exp(-rate * h) * whole[:N, N:] @ whole[:N, :N].T
+        for _ in range(doublings):
+            P = np.exp(-rate * h) * P + E @ P @ E.T
+            E, h = E @ E, 2 * h
+        return E, (P + P.T) / 2
+
+
+def _filter(spectrum, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """A, b, c, d of the filter that makes the spectrum of white noise of intensity 1."""
+    none = np.zeros((0, 0)), np.zeros(0), np.zeros(0)
+    if not spectrum.pieces:
+        return *none, 0.0
+    (piece, *others) = spectrum.pieces
+    if others or not np.isinf(piece.upper) or not isinstance(piece, (Rational, PowerLaw)):
+        raise InputError(f"excitation of {name}: it has corner frequencies; white or filtered noise (mb.white_noise, mb.rational_spectrum) is expected here")
+    if isinstance(piece, PowerLaw):
+        return *none, float(np.sqrt(piece.level.real))
+    root, below = np.sqrt(piece.intensity), np.array(piece.denominator)
+    above = np.pad(np.array(piece.numerator), (len(below) - len(piece.numerator), 0)) / below[0]
+    below = below / below[0]
+    n = len(below) - 1
+    A = np.eye(n, k=1)
+    A[-1:] = -below[:0:-1]
+    d = above[0]
+    c = above[:0:-1] - d * below[:0:-1]
+    b = np.zeros(n)
+    b[-1:] = 1.0
+    return A, b * root, c, d * root
+
+
+def covariance_over_time(transfer: Transfer, spectra: SpectralMatrix, times, initial_covariance=None, modulation=None) -> np.ndarray:
+    """E[y y^T] after the noise is switched on; arguments as of ``RandomResponse.covariance_over_time``.
+
+    Args:
+        transfer: H.
+        spectra: of its inputs.
+        times, initial_covariance, modulation: as there.
+
+    Returns:
+        Shape (T, p, p).
+    """
+    times = np.atleast_1d(evaluation_times(times))
+    model = MarkovModel(transfer, spectra)
+    terms = real_array([(1.0, 0.0)] if modulation is None else modulation, "modulation", shape=(None, 2))
+    start = model.initial(initial_covariance)
+    result = np.empty((len(times), len(model.C), len(model.C)))
+    for place, time in enumerate(times):
+        total = np.zeros_like(start)
+        for number, (factor, rate) in enumerate(terms):
+            E, P = model.step(time, rate)
+            total += factor * P
+            if number == 0 and start.any():
+                total += E @ start @ E.T
+        result[place] = model.C @ total @ model.C.T
+    return result
+
+
+def sample(transfer: Transfer, spectra: SpectralMatrix, times, seed=None) -> np.ndarray:
+    """A stationary Gaussian path, y(t) = Re sum over nodes of sqrt(weight) H L xi e^{2 pi i f t}, G = L L^H, xi complex normal.
+
+    Panels are so short that Gauss's rule integrates G(f) e^{2 pi i f t} to rounding error up to the longest difference of two times.
+
+    Args:
+        transfer: H.
+        spectra: of its inputs.
+        times: shape (T,).
+        seed: of the random numbers.
+
+    Returns:
+        Shape (p, T).
+    """
+    times = np.atleast_1d(real_array(times, "times"))
+    generator = np.random.default_rng(seed)
+    if len(spectra.corners) and np.isinf(spectra.corners[-1]):
+        return _markov_path(transfer, spectra, times, generator)
+    work = _Integration(transfer, spectra, (0,), None)
+    work.others = np.array([pole.frequency for pole in work.poles], dtype=complex)
+    panels = work._resolved(work._octaves())
+    span = float(np.ptp(times)) if len(times) else 0.0
+    for _ in range(60):
+        wide = 2 * np.pi * (panels.upper - panels.lower) * span > 4 * TURN
+        if not wide.any():
+            break
+        panels = panels.only(~wide).joined(panels.halves(wide))
+    f, H = panels.nodes.ravel(), work._values(panels)[0]
+    p, m = H.shape[:2]
+    H, S = H.reshape(p, m, -1), work._spectra_at(panels).reshape(m, m, -1)
+    values, vectors = np.linalg.eigh(np.moveaxis(S, 2, 0))
+    root = np.moveaxis(vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :], 0, 2)
+    noise = generator.standard_normal((m, len(f))) + 1j * generator.standard_normal((m, len(f)))
+    amplitudes = np.einsum("aif,ijf,jf->af", H, root, noise) * np.sqrt(panels.weights.ravel())
+    result, count = np.zeros((p, len(times))), max(1, CHUNK // max(len(times), 1))
+    for start in range(0, len(f), count):
+        own = slice(start, start + count)
+        result += (amplitudes[:, own] @ np.exp(2j * np.pi * np.multiply.outer(f[own], times - times[:1]))).real
+    return result
+
+
+def _markov_path(transfer, spectra, times, generator) -> np.ndarray:
+    """Steps z -> e^{J h} z + w with the covariance of w over the step, from the stationary distribution."""
+    model = MarkovModel(transfer, spectra)
+    order = np.argsort(times, kind="stable")
+    rates = [-pole.value.real for pole in transfer.poles] + [-value.real for value in np.linalg.eigvals(model.J[model.states :, model.states :])]
+    P = model.step(DECAY / min(rates, default=1.0))[1]
+    z = _normal(P, generator)
+    result, now, known = np.empty((len(model.C), len(times))), None, {}
+    for place in order:
+        h = 0.0 if now is None else times[place] - now
+        if h > 0:
+            if h not in known:
+                known[h] = model.step(h)
+            E, Q = known[h]
+            z = E @ z + _normal(Q, generator)
+        now = times[place]
+        result[:, place] = model.C @ z
+    return result
+
+
+def _normal(covariance: np.ndarray, generator) -> np.ndarray:
+    """A normal vector of this covariance."""
+    scale = np.sqrt(np.maximum(covariance.diagonal(), 0.0))
+    safe = np.where(scale > 0, scale, 1.0)
+    values, vectors = np.linalg.eigh(covariance / safe[:, None] / safe)
+    return scale * (vectors @ (np.sqrt(np.maximum(values, 0.0)) * generator.standard_normal(len(values))))

@@ -1,0 +1,264 @@
+"""The stationary response to random excitation: covariance, spectral moments, rates, extremes, fatigue."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...ground.checks import counted, whole_number
+from ...ground.display import Displayed, TextTable, notice_table, number_text
+from ...ground.errors import InputError
+from ...ground.notices import Notice, NoticeKind
+from ...ground.tolerances import TRUST_LIMIT
+from ..frequency_response import evaluated
+from ..harmonic import Harmonic
+from . import nonstationary, statistics
+from .existence import Existence, existence
+from .spectral_integral import SpectralIntegral, spectral_integral
+from .spectral_matrix import SpectralMatrix
+from .transfer import Transfer
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class RandomResponse(Displayed):
+    """Stationary Gaussian outputs of zero mean, with the one-sided spectra G_y = H G_u H^H per Hz.
+
+        E[y y^T] = Re integral from 0 to infinity of H(2 pi i f) G_u(f) H(2 pi i f)^H df
+
+    The integrals are exact: logarithms and arc tangents of the poles near each panel of the frequency axis, Gauss's rule for what has no singularity
+    there.
+
+    Attributes:
+        harmonic: the matrices of H, from the random inputs to the outputs.
+        spectra: G_u.
+
+    >>> import mbconstrained as mb
+    >>> system = mb.MechanicalSystem([[1.0]], [[0.2]], [[4.0]])
+    >>> R = system.random_response({"x1": mb.white_noise(3.2)})  # E[x^2] = G / (4 c k)
+    >>> bool(np.isclose(R.rms[0], 1.0, rtol=1e-13)), R.units, R.infinite
+    (True, ('m',), {})
+    """
+
+    harmonic: Harmonic
+    spectra: SpectralMatrix
+
+    def _summary(self) -> str:
+        return f"{self.quantity}, {counted(len(self.outputs), 'output')}, {counted(len(self.inputs), 'random input')}"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        return (self.table, notice_table(self.notices))
+
+    @property
+    def table(self) -> TextTable:
+        """RMS values with units, and the rates of upward zero crossings."""
+        rates = self.crossing_rate()
+        rows = [
+            (name, f"{number_text(rms)} {unit}" if np.isfinite(rms) else "infinite", number_text(rate) if np.isfinite(rate) else "infinite")
+            for name, rms, unit, rate in zip(self.outputs, self.rms, self.units, rates)
+        ]
+        return TextTable(f"Random {self.quantity}", ("output", "RMS", "zero crossings (Hz)"), tuple(rows))
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the random inputs."""
+        return self.harmonic.input_names
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs."""
+        return self.harmonic.output_names
+
+    @property
+    def quantity(self) -> str:
+        """What the outputs are."""
+        return self.harmonic.quantity
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """The unit of each output."""
+        return tuple(self.harmonic.units)
+
+    @cached_property
+    def _transfer(self) -> Transfer:
+        return Transfer(self.harmonic)
+
+    @cached_property
+    def _existence(self) -> dict[int, Existence]:
+        return {}
+
+    @cached_property
+    def _integrals(self) -> dict[int, tuple[np.ndarray, SpectralIntegral]]:
+        return {}
+
+    def _exists(self, power: int) -> Existence:
+        if power not in self._existence:
+            self._existence[power] = existence(self._transfer, self.spectra, (power,), self.units)
+        return self._existence[power]
+
+    def _integral(self, power: int) -> tuple[np.ndarray, SpectralIntegral]:
+        """The outputs whose integral exists, and their integrals."""
+        if power not in self._integrals:
+            finite = np.flatnonzero([not reason for reason in self._exists(power).reasons[0]])
+            self._integrals[power] = finite, spectral_integral(self._transfer, self.spectra, (power,), finite)
+        return self._integrals[power]
+
+    @property
+    def infinite(self) -> dict[str, str]:
+        """The outputs of infinite variance by name, each with its reason."""
+        return {name: reason for name, reason in zip(self.outputs, self._exists(0).reasons[0]) if reason}
+
+    @property
+    def white_part(self) -> np.ndarray:
+        """The one-sided intensity per Hz of the white noise in each output, shape (p,); infinite where it is rougher than white noise."""
+        return self._exists(0).white_part
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """E[y y^T], shape (p, p); infinite in rows and columns of outputs of infinite variance."""
+        finite, integral = self._integral(0)
+        result = np.full((len(self.outputs),) * 2, np.inf)
+        result[np.ix_(finite, finite)] = integral.values[0].real
+        return result
+
+    @property
+    def rms(self) -> np.ndarray:
+        """sqrt(E[y^2]), shape (p,)."""
+        return np.sqrt(self.moment(0))
+
+    @property
+    def error_estimate(self) -> np.ndarray:
+        """Estimates of the relative errors of the variances, shape (p,); 0 where they are 0 or infinite."""
+        finite, integral = self._integral(0)
+        result, values = np.zeros(len(self.outputs)), integral.values[0].diagonal().real
+        result[finite] = np.where(values > 0, integral.errors[0] / np.where(values > 0, values, 1.0), 0.0)
+        return result
+
+    def moment(self, order: int) -> np.ndarray:
+        """The spectral moment: the integral of f^order G_y(f) df, f in Hz; moment 0 is the variance.
+
+        Args:
+            order: 0, 1, 2, ...
+
+        Returns:
+            Shape (p,), infinite where the integral does not exist.
+        """
+        finite, integral = self._integral(whole_number(order, "order"))
+        result = np.full(len(self.outputs), np.inf)
+        result[finite] = integral.values[0].diagonal().real
+        return result
+
+    def psd(self, frequencies_hz) -> np.ndarray:
+        """One-sided spectra of the outputs, shape (p, F), in the squared unit per Hz.
+
+        Args:
+            frequencies_hz: shape (F,).
+        """
+        return self.cross_psd(frequencies_hz).diagonal().T.real
+
+    def cross_psd(self, frequencies_hz) -> np.ndarray:
+        """One-sided cross spectra H G_u H^H, complex, shape (p, p, F).
+
+        Args:
+            frequencies_hz: shape (F,).
+        """
+        response = evaluated(self.harmonic, frequencies_hz)
+        corners = np.append(self.spectra.corners, np.inf)
+        f, H = response.frequencies_hz, response.values
+        result = np.zeros((len(H), len(H), len(f)), dtype=complex)
+        for a, b in zip(corners, corners[1:]):
+            own = (f >= a) & ((f < b) | (f == corners[-2]))
+            if own.any() and np.isfinite(a):
+                middle = a + 1.0 if np.isinf(b) else (a + b) / 2
+                result[:, :, own] = np.einsum("aif,ijf,bjf->abf", H[..., own], self.spectra(f[own], middle), H[..., own].conj())
+        return result
+
+    # Statistics.
+
+    def _moments(self, *orders: int) -> dict[int, np.ndarray]:
+        return {order: self.moment(order) for order in orders}
+
+    def crossing_rate(self, level: float = 0.0) -> np.ndarray:
+        """Upward crossings of a level per second (Rice 1945), shape (p,).
+
+        Args:
+            level: in the unit of the outputs.
+        """
+        return statistics.crossing_rate(self._moments(0, 2), level)
+
+    @property
+    def peak_rate(self) -> np.ndarray:
+        """Maxima per second (Rice 1945), shape (p,)."""
+        return statistics.peak_rate(self._moments(2, 4))
+
+    @property
+    def irregularity(self) -> np.ndarray:
+        """Upward zero crossings by maxima, 1 for a narrow band, shape (p,)."""
+        return statistics.irregularity(self._moments(0, 2, 4))
+
+    def expected_maximum(self, duration: float) -> np.ndarray:
+        """The mean of the largest |y| over a duration in s (Davenport 1964), shape (p,).
+
+        Args:
+            duration: in s.
+        """
+        return statistics.expected_maximum(self._moments(0, 2), duration)
+
+    def damage_rate(self, exponent: float, strength: float = 1.0, method: str = "dirlik") -> np.ndarray:
+        """Fatigue damage per second of outputs that are stresses or proportional to them, shape (p,).
+
+        Args:
+            exponent: k of the S-N curve N = (strength / amplitude)^k.
+            strength: the amplitude that fails in one cycle, in the unit of the outputs.
+            method: "dirlik" or "narrow-band".
+        """
+        return statistics.damage_rate(self._moments(0, 1, 2, 4), exponent, strength, method)
+
+    # Functions of time.
+
+    def covariance_over_time(self, times, initial_covariance=None, modulation=None) -> np.ndarray:
+        """E[y y^T] at times after white or filtered white noise is switched on at t = 0, exactly.
+
+        Args:
+            times: in s, shape (T,).
+            initial_covariance: of the displacements and velocities (x, x') at t = 0, shape (2 n, 2 n), with n the number of coordinates; zero by default.
+            modulation: pairs (c, b): the intensity is multiplied by sum of c e^{-b t}.
+
+        Returns:
+            Shape (T, p, p).
+
+        Raises:
+            InputError: excitations with corner frequencies or delays, outputs that white noise reaches directly.
+        """
+        return nonstationary.covariance_over_time(self._transfer, self.spectra, times, initial_covariance, modulation)
+
+    def sample(self, times, seed=None) -> np.ndarray:
+        """A random path of the stationary outputs with exactly these spectra.
+
+        Args:
+            times: in s, shape (T,), any spacing.
+            seed: of ``numpy.random.default_rng``.
+
+        Returns:
+            Shape (p, T).
+
+        Raises:
+            InputError: an output of infinite variance.
+        """
+        if self.infinite:
+            name, reason = next(iter(self.infinite.items()))
+            raise InputError(f"sample: the output {name} has infinite variance: {reason}")
+        return nonstationary.sample(self._transfer, self.spectra, times, seed)
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """Outputs of infinite variance, inputs without spectra, values that are not accurate."""
+        result = [Notice(NoticeKind.ACCURACY, f'"{name}" has infinite variance: {reason}') for name, reason in self.infinite.items()]
+        silent = [name for name, spectrum in zip(self.inputs, self.spectra.spectra) if not spectrum.pieces]
+        result += [Notice(NoticeKind.OMITTED, f'the spectrum of "{name}" is zero') for name in silent]
+        worst = self.error_estimate.max(initial=0.0)
+        if worst > 1e-9:
+            text = f"variances have an estimated relative error of at most {worst:.2g}"
+            result.append(Notice(NoticeKind.ACCURACY, text, doubtful=bool(worst > TRUST_LIMIT)))
+        return tuple(result)

@@ -1,0 +1,358 @@
+"""One-sided power spectral densities per Hz: tables, white noise, and rational spectra of shaping filters.
+
+    E[u^2] = integral from 0 to infinity of G(f) df
+
+A two-sided density S per rad/s of the same process is S(w) = G(w / 2 pi) / (4 pi). Every density is analytic between its corner
+frequencies, so that it can be evaluated at complex frequencies, where the integrals have their residues.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...ground.checks import nearest, real_array, real_number
+from ...ground.display import Displayed
+from ...ground.errors import InputError
+
+#: What may be random, and the order of the derivative of a displacement that it is.
+KINDS = {"force": None, "displacement": 0, "velocity": 1, "acceleration": 2}
+
+#: Units of random quantities, by kind: the factor to SI units.
+_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048, "rad": 1.0, "deg": np.pi / 180, "1": 1.0}
+_RATES = {f"{name}/s": factor for name, factor in _LENGTHS.items()}
+_ACCELERATIONS = {**{f"{name}/s^2": factor for name, factor in _LENGTHS.items()}, "g": 9.80665, "g0": 9.80665}
+_FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605, "N m": 1.0, "Nm": 1.0, "N*m": 1.0, "J": 1.0}
+UNITS = {"force": _FORCES, "displacement": _LENGTHS, "velocity": _RATES, "acceleration": _ACCELERATIONS}
+
+INTERPOLATIONS = ("log-log", "linear", "steps")
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """G(f) = level (f / lower)^exponent between two corner frequencies; a constant where the exponent is 0.
+
+    Attributes:
+        lower, upper: in Hz; the upper one may be infinite where the exponent is 0.
+        level: G at the lower corner.
+        exponent: slope in a plot with two logarithmic axes.
+    """
+
+    lower: float
+    upper: float
+    level: complex
+    exponent: float = 0.0
+
+    #: G ~ f^slope towards infinity.
+    slope = 0
+
+    def __call__(self, f: np.ndarray) -> np.ndarray:
+        """G at real or complex frequencies in Hz."""
+        return self.level * (f / self.lower) ** self.exponent if self.exponent else np.full(np.shape(f), self.level, dtype=complex)
+
+    @property
+    def singularities(self) -> tuple[complex, ...]:
+        """Frequencies near which G is not analytic."""
+        return (0j,) if self.exponent else ()
+
+
+@dataclass(frozen=True)
+class Line:
+    """G(f) = level + slope_per_hz (f - lower) between two corner frequencies.
+
+    Attributes:
+        lower, upper: in Hz.
+        level, end: G at both.
+    """
+
+    lower: float
+    upper: float
+    level: complex
+    end: complex
+
+    slope = 0
+
+    def __call__(self, f: np.ndarray) -> np.ndarray:
+        """G at real or complex frequencies in Hz."""
+        part = (f - self.lower) / (self.upper - self.lower)
+        return self.level * (1 - part) + self.end * part
+
+    @property
+    def singularities(self) -> tuple[complex, ...]:
+        """A line is analytic; the square root of it, in cross spectra, is not at its zero."""
+        rise = self.end - self.level
+        return (complex(self.lower - self.level * (self.upper - self.lower) / rise),) if rise else ()
+
+
+@dataclass(frozen=True)
+class Rational:
+    """G(f) = intensity |F(i w)|^2, F(s) = numerator(s) / denominator(s), w = 2 pi f: white noise through a filter.
+
+    Attributes:
+        intensity: of the white noise, one-sided per Hz.
+        numerator, denominator: coefficients, highest power first.
+        lower, upper: 0 and infinity.
+    """
+
+    intensity: float
+    numerator: tuple[float, ...]
+    denominator: tuple[float, ...]
+    lower: float = 0.0
+    upper: float = np.inf
+
+    def __call__(self, f: np.ndarray) -> np.ndarray:
+        """G at real or complex frequencies in Hz."""
+        s = 2j * np.pi * np.asarray(f, dtype=complex)
+        above = np.polyval(self.numerator, s) * np.polyval(self.numerator, -s)
+        return self.intensity * above / (np.polyval(self.denominator, s) * np.polyval(self.denominator, -s))
+
+    @property
+    def slope(self) -> int:
+        """G ~ f^slope towards infinity."""
+        return 2 * (len(self.numerator) - len(self.denominator))
+
+    @property
+    def singularities(self) -> tuple[complex, ...]:
+        """The poles of F as complex frequencies, in both half planes."""
+        at = np.roots(self.denominator) / (2j * np.pi)
+        return tuple(at) + tuple(at.conj())
+
+
+@dataclass(frozen=True, repr=False)
+class Spectrum(Displayed):
+    """The one-sided power spectral density G(f) of a random excitation, per Hz; zero outside its pieces.
+
+    Attributes:
+        pieces: between corner frequencies, ascending.
+        of: "force" (also a moment), "displacement", "velocity" or "acceleration".
+        name: how it was given, for printing.
+
+    >>> import mbconstrained as mb
+    >>> table = mb.psd([10, 100], [1.0, 0.1], of="acceleration", unit="g^2/Hz")
+    >>> table(np.array([5.0, 10.0])).round(4), table
+    (array([ 0.    , 96.1704]), Spectrum(of acceleration, table from 10 Hz to 100 Hz))
+    """
+
+    pieces: tuple
+    of: str = "force"
+    name: str = ""
+
+    def _summary(self) -> str:
+        return f"of {self.of}, {self.name}"
+
+    def __call__(self, frequencies_hz) -> np.ndarray:
+        """G at frequencies in Hz, in SI units squared per Hz."""
+        f = real_array(frequencies_hz, "frequencies_hz")
+        result = np.zeros(f.shape, dtype=complex)
+        for piece in self.pieces:
+            inside = (f >= piece.lower) & (f <= piece.upper)
+            result[inside] = piece(f[inside])
+        return result if any(np.iscomplexobj(getattr(piece, "level", 0.0)) for piece in self.pieces) else result.real
+
+    def piece_at(self, frequency_hz: float):
+        """The piece that holds this frequency, or None."""
+        return next((piece for piece in self.pieces if piece.lower <= frequency_hz <= piece.upper), None)
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """Where pieces begin and end, in Hz."""
+        return tuple(sorted({edge for piece in self.pieces for edge in (piece.lower, piece.upper)}))
+
+
+def psd(frequencies_hz, values, of: str = "force", unit: str | None = None, interpolation: str = "log-log") -> Spectrum:
+    """A tabulated one-sided power spectral density, zero outside the table.
+
+    Args:
+        frequencies_hz: corner frequencies in Hz, ascending, shape (F,).
+        values: G at the corners, shape (F,); with "steps" shape (F - 1,), each from its frequency to the next.
+        of: what is random: "force" (also a moment), or the "displacement", "velocity" or "acceleration" of a prescribed motion.
+        unit: of the values, such as "g^2/Hz", "(m/s^2)^2/Hz" or "N^2/Hz"; "N^2 s/rad" and other units per rad/s are those of a two-sided density
+            over the angular frequency, G(f) = 4 pi S(2 pi f). SI units by default.
+        interpolation: "log-log" (straight lines in a plot with logarithmic axes, as in test standards), "linear" or "steps".
+
+    Returns:
+        A ``Spectrum``.
+
+    Raises:
+        InputError: frequencies that do not ascend, negative values, units that are not those of a density.
+
+    >>> float(psd([1.0, 4.0], [1.0, 16.0])(2.0))
+    4.0
+    """
+    f = real_array(frequencies_hz, "frequencies_hz", shape=(None,))
+    if of not in KINDS:
+        raise InputError(f"of: found {of!r}; expected one of {', '.join(KINDS)}{nearest(str(of), KINDS)}")
+    if interpolation not in INTERPOLATIONS:
+        raise InputError(
+            f"interpolation: found {interpolation!r}; expected one of {', '.join(INTERPOLATIONS)}{nearest(str(interpolation), INTERPOLATIONS)}"
+        )
+    is_cross = np.iscomplexobj(np.asarray(values))
+    G = np.asarray(values, dtype=complex) if is_cross else real_array(values, "values", shape=(None,))
+    count = len(f) - (interpolation == "steps")
+    if len(f) < 2 or G.shape != (count,):
+        raise InputError(f"values: found {G.size} for {len(f)} frequencies; expected {max(count, 2)}, and at least two frequencies")
+    if f[0] < 0:
+        raise InputError(f"frequencies_hz: found {f[0]:g} Hz; a one-sided density has frequencies >= 0")
+    bad = np.flatnonzero(np.diff(f) <= 0)
+    if len(bad):
+        first = bad[0]
+        raise InputError(f"frequencies_hz: {f[first]:g} Hz is followed by {f[first + 1]:g} Hz; expected ascending frequencies, each once")
+    if not is_cross and (G < 0).any():
+        place = int(np.argmin(G))
+        raise InputError(f"values: found {G[place]:g} at {f[place]:g} Hz; a power spectral density is not negative")
+    if interpolation == "log-log" and (is_cross or (G == 0).any() or f[0] == 0):
+        what = "a frequency of 0 Hz" if f[0] == 0 else "complex values" if is_cross else "a value of 0"
+        raise InputError(f'{what} has no place on logarithmic axes; expected positive numbers, or interpolation="linear"')
+    G = G * _factor(unit, of)
+    if interpolation == "steps":
+        pieces = [PowerLaw(a, b, level) for a, b, level in zip(f, f[1:], G)]
+    elif interpolation == "linear":
+        pieces = [Line(a, b, one, two) for a, b, one, two in zip(f, f[1:], G, G[1:])]
+    else:
+        slopes = np.diff(np.log(G)) / np.diff(np.log(f))
+        pieces = [PowerLaw(a, b, level, slope if c != level else 0.0) for a, b, level, c, slope in zip(f, f[1:], G, G[1:], slopes)]
+    return Spectrum(tuple(piece for piece in pieces if piece.level or getattr(piece, "end", 0)), of, f"table from {f[0]:g} Hz to {f[-1]:g} Hz")
+
+
+def white_noise(intensity: float, of: str = "force", unit: str | None = None) -> Spectrum:
+    """White noise of the one-sided intensity G per Hz; a force on one mass gives E[x^2] = G / (4 c k).
+
+    Args:
+        intensity: G; a two-sided S0 per rad/s is G = 4 pi S0.
+        of, unit: as of ``psd``.
+
+    Returns:
+        A ``Spectrum``.
+
+    >>> white_noise(2.0)
+    Spectrum(of force, white noise)
+    """
+    if of not in KINDS:
+        raise InputError(f"of: found {of!r}; expected one of {', '.join(KINDS)}{nearest(str(of), KINDS)}")
+    level = real_number(intensity, "intensity", minimum=0.0) * _factor(unit, of)
+    return Spectrum((PowerLaw(0.0, np.inf, level),) if level else (), of, "white noise")
+
+
+def rational_spectrum(intensity: float, numerator: Sequence[float], denominator: Sequence[float], of: str = "force", unit: str | None = None) -> Spectrum:
+    """White noise of intensity G0 through a filter F(s): G(f) = G0 |F(2 pi i f)|^2.
+
+    Args:
+        intensity: G0, one-sided per Hz.
+        numerator, denominator: of F, highest power of s first, as in scipy.signal.
+        of, unit: as of ``psd``, of the filtered noise.
+
+    Returns:
+        A ``Spectrum``.
+
+    Raises:
+        InputError: a filter that is not stable.
+
+    >>> float(rational_spectrum(3.0, [1.0], [1.0, 1.0])(1 / (2 * np.pi)).round(12))
+    1.5
+    """
+    above = np.trim_zeros(real_array(numerator, "numerator", shape=(None,)), "f")
+    below = np.trim_zeros(real_array(denominator, "denominator", shape=(None,)), "f")
+    if not len(below):
+        raise InputError("denominator: found 0; expected coefficients, highest power of s first")
+    poles = np.roots(below)
+    if len(poles) and poles.real.max() >= 0:
+        raise InputError(f"denominator: found a root {poles[poles.real.argmax()]:.4g}; a filter of noise needs roots with negative real parts")
+    level = real_number(intensity, "intensity", minimum=0.0) * _factor(unit, of)
+    pieces = (Rational(level, tuple(above), tuple(below)),) if level and len(above) else ()
+    return Spectrum(pieces, of, "filtered white noise")
+
+
+def kanai_tajimi(intensity: float, frequency_hz: float = 2.5, damping_ratio: float = 0.6, unit: str | None = None) -> Spectrum:
+    """Ground acceleration of an earthquake: white noise through a layer of soil, F(s) = (2 z w s + w^2) / (s^2 + 2 z w s + w^2).
+
+    Args:
+        intensity: one-sided, of the acceleration of the rock.
+        frequency_hz: of the soil.
+        damping_ratio: z of the soil.
+        unit: of the intensity, as of ``psd``.
+
+    Returns:
+        A ``Spectrum`` of acceleration. Source: Tajimi, Proc. 2nd World Conference on Earthquake Engineering (1960).
+
+    >>> float(kanai_tajimi(0.1)(0.0).round(12))
+    0.1
+    """
+    w = 2 * np.pi * real_number(frequency_hz, "frequency_hz", positive=True)
+    z = real_number(damping_ratio, "damping_ratio", positive=True)
+    spectrum = rational_spectrum(intensity, [2 * z * w, w**2], [1.0, 2 * z * w, w**2], "acceleration", unit)
+    return Spectrum(spectrum.pieces, spectrum.of, f"Kanai-Tajimi, soil of {frequency_hz:g} Hz")
+
+
+def dryden(rms: float, speed: float, length: float, component: str = "longitudinal") -> Spectrum:
+    """The velocity of atmospheric turbulence along a flight: sigma^2 as total power, correlation length L, flight speed V.
+
+    Args:
+        rms: sigma in m/s.
+        speed: V in m/s.
+        length: L in m.
+        component: "longitudinal", F = 1 / (1 + T s), or "lateral" and "vertical", F = (1 + sqrt(3) T s) / (1 + T s)^2, with T = L / V.
+
+    Returns:
+        A ``Spectrum`` of velocity. Source: MIL-HDBK-1797, section 3.7.
+
+    >>> dryden(1.0, 50.0, 200.0)
+    Spectrum(of velocity, Dryden, longitudinal)
+    """
+    sigma, T = real_number(rms, "rms", minimum=0.0), real_number(length, "length", positive=True) / real_number(speed, "speed", positive=True)
+    if component == "longitudinal":
+        above, below, intensity = [1.0], [T, 1.0], 4 * sigma**2 * T
+    elif component in ("lateral", "vertical"):
+        above, below, intensity = [np.sqrt(3.0) * T, 1.0], [T**2, 2 * T, 1.0], 2 * sigma**2 * T
+    else:
+        expected = ("longitudinal", "lateral", "vertical")
+        raise InputError(f"component: found {component!r}; expected one of {', '.join(expected)}{nearest(str(component), expected)}")
+    return Spectrum(rational_spectrum(intensity, above, below, "velocity").pieces, "velocity", f"Dryden, {component}")
+
+
+#: ISO 8608:2016, table C.1: geometric mean of the displacement density at 0.1 cycles/m in m^3, and the range of spatial frequencies.
+ROAD_CLASSES = {letter: 16e-6 * 4.0**number for number, letter in enumerate("ABCDEFGH")}
+ROAD_RANGE = (0.011, 2.83)
+
+
+def road_profile(road_class: str, speed: float, waviness: float = 2.0) -> Spectrum:
+    """The displacement of a wheel on a road of ISO 8608: G(n) = G(n0) (n / n0)^-waviness, n0 = 0.1 cycles/m, n = f / speed.
+
+    Args:
+        road_class: "A" (very good) to "H".
+        speed: of the vehicle in m/s.
+        waviness: exponent; 2 in the standard.
+
+    Returns:
+        A ``Spectrum`` of displacement between the spatial frequencies 0.011 and 2.83 cycles/m. Source: ISO 8608:2016, Annex C.
+
+    >>> float(road_profile("A", 10.0)(1.0))
+    1.6e-06
+    """
+    if road_class not in ROAD_CLASSES:
+        raise InputError(f"road_class: found {road_class!r}; expected a letter from A to H")
+    v, w = real_number(speed, "speed", positive=True), real_number(waviness, "waviness")
+    low, high = ROAD_RANGE
+    level = ROAD_CLASSES[road_class] * (low / 0.1) ** -w / v
+    return Spectrum((PowerLaw(low * v, high * v, level, -w),), "displacement", f"ISO 8608 class {road_class} at {v:g} m/s")
+
+
+def _factor(unit: str | None, of: str) -> float:
+    """From a unit of a density to SI units squared per Hz, one-sided."""
+    if unit is None:
+        return 1.0
+    text = unit.replace("**", "^").replace("²", "^2").replace("·", " ").strip() if isinstance(unit, str) else ""
+    known = UNITS[of]
+    special = {"m^2/s^3": ("acceleration", 1.0), "rad^2/s^3": ("acceleration", 1.0), "m^2/s": ("velocity", 1.0), "m^2 s": ("displacement", 1.0)}
+    if special.get(text, ("", 0))[0] == of:
+        return special[text][1]
+    match = re.fullmatch(r"\(?([^()]*?)\)?\^2\s*(/\s*Hz|s/rad|/\s*\(rad/s\)|s)", text)
+    name = match[1].strip() if match else ""
+    if name not in known:
+        examples = {"force": "N^2/Hz", "displacement": "mm^2/Hz", "velocity": "(m/s)^2/Hz", "acceleration": "g^2/Hz"}
+        advice = f'; "{text}" is no density: it must be a unit squared per Hz' if text in known else ""
+        raise InputError(f'unit: found {unit!r} for a density of {of}; expected for example "{examples[of]}"{advice}')
+    per_radian = "rad" in match[2]
+    return known[name] ** 2 * (4 * np.pi if per_radian else 1.0)

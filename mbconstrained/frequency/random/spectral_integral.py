@@ -1,0 +1,282 @@
+"""Integrals of f^k H(f) S(f) H(f)^H over all positive frequencies, in closed form near poles and exactly by Gauss's rule elsewhere.
+
+The integrand is analytic between corner frequencies but for the poles of H and their mirror images. Every octave is a panel. A simple pole
+f_j that is nearer to its middle than its width has the principal part
+
+    r / (f - f_j) + r^H / (f - conj f_j),   r = R S(f_j) H(conj f_j)^H / (2 pi i),
+
+whose integral is a logarithm and an arc tangent. What remains has no singularity within two half-widths of the middle: Gauss's rule with
+16 nodes is exact to 3.7^-32 for it. Where principal parts cancel (near multiple poles) and near singularities of other kinds, panels are
+halved instead: the integrand on the diagonal is positive, so that nothing cancels. Source of the principal parts: residue theorem; of the rule and its
+error: Trefethen, Approximation Theory and Approximation Practice (2013), Theorem 19.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...ground.tolerances import EPS, SPECTRAL_ACCURACY
+from .spectral_matrix import SpectralMatrix
+from .transfer import Transfer
+
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
+
+#: A singularity nearer to the middle of a panel than so many half-widths counts as near.
+NEAR = 2.0
+
+#: Values of H at nodes are solved for where the estimated error of an integral by their sums exceeds this share of it.
+SOLVED = 10 * SPECTRAL_ACCURACY
+
+#: Panels are halved at most so many times: then they are as narrow as rounding errors.
+HALVINGS = 60
+
+#: Radians that e^{-i w delay} turns on a panel at most.
+TURN = 3.0
+
+
+@dataclass(frozen=True)
+class SpectralIntegral:
+    """Integrals of f^k G(f) df over f > 0, G the one-sided spectra of p outputs.
+
+    Attributes:
+        values: complex, Hermitian, shape (K, p, p), for each power.
+        errors: estimates of the absolute errors of the diagonals, shape (K, p).
+    """
+
+    values: np.ndarray
+    errors: np.ndarray
+
+
+@dataclass
+class _Panels:
+    """P intervals of the frequency, each with the middle of its pieces of the spectra; of the last kind the variable is 1/f."""
+
+    lower: np.ndarray
+    upper: np.ndarray
+    middle: np.ndarray
+    is_tail: np.ndarray
+
+    def halves(self, chosen: np.ndarray) -> _Panels:
+        """Two panels for each of those that are chosen."""
+        a, b = self.lower[chosen], self.upper[chosen]
+        c = (a + b) / 2
+        twice = [np.tile(one[chosen], 2) for one in (self.middle, self.is_tail)]
+        return _Panels(np.append(a, c), np.append(c, b), *twice)
+
+    def only(self, chosen: np.ndarray) -> _Panels:
+        """Those that are chosen."""
+        return _Panels(self.lower[chosen], self.upper[chosen], self.middle[chosen], self.is_tail[chosen])
+
+    def joined(self, other: _Panels) -> _Panels:
+        """Both."""
+        return _Panels(*(np.append(one, two) for one, two in zip(vars(self).values(), vars(other).values())))
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Frequencies in Hz, shape (P, 16)."""
+        own = (self.lower + self.upper)[:, None] / 2 + (self.upper - self.lower)[:, None] / 2 * NODES
+        return np.where(self.is_tail[:, None], 1 / own, own)
+
+    @property
+    def weights(self) -> np.ndarray:
+        """Of the nodes, shape (P, 16)."""
+        own = (self.upper - self.lower)[:, None] / 2 * WEIGHTS
+        return np.where(self.is_tail[:, None], own * self.nodes**2, own)
+
+
+def spectral_integral(transfer: Transfer, spectra: SpectralMatrix, powers: Sequence[int] = (0,), outputs: np.ndarray | None = None) -> SpectralIntegral:
+    """The integrals of f^k H S H^H df.
+
+    Args:
+        transfer: H, of p outputs and m inputs; the integrals exist.
+        spectra: S of the inputs.
+        powers: k.
+        outputs: the numbers of those outputs that are integrated; all by default.
+
+    Returns:
+        The integrals with estimates of their errors.
+    """
+    return _Integration(transfer, spectra, tuple(powers), outputs).result()
+
+
+def _hermitian(matrices: np.ndarray) -> np.ndarray:
+    """The Hermitian parts, (M + M^H) / 2; those of -i M are the skew parts over i."""
+    return (matrices + np.conj(np.swapaxes(matrices, -1, -2))) / 2
+
+
+class _Integration:
+    """The work of one call."""
+
+    def __init__(self, transfer: Transfer, spectra: SpectralMatrix, powers: tuple[int, ...], outputs):
+        self.transfer, self.spectra, self.powers = transfer, spectra, powers
+        self.outputs = np.arange(len(transfer.harmonic.outputs)) if outputs is None else outputs
+        self.poles = [pole for pole in transfer.poles if pole.residues[:, self.outputs].any()]
+        simple = [pole for pole in self.poles if pole.order == 1 and not pole.on_axis]
+        self.frequencies = np.array([pole.frequency for pole in simple], dtype=complex)
+        self.sigma = np.array([pole.value.real for pole in simple])
+        shape = (len(simple), len(self.outputs), len(spectra.names))
+        self.residues = np.array([pole.residues[0, self.outputs] for pole in simple]).reshape(shape)
+        self.mirrored = transfer.mirrored(simple)[:, self.outputs]
+        self.others = np.array([pole.frequency for pole in self.poles if pole.order > 1 or pole.on_axis], dtype=complex)
+
+    def result(self) -> SpectralIntegral:
+        """The integrals."""
+        p, K = len(self.outputs), len(self.powers)
+        panels = self._resolved(self._octaves())
+        H, errors = self._values(panels)
+        total, loss = self._integrals(panels, H)
+        for _ in range(HALVINGS):
+            size = np.abs(total.sum(axis=0).diagonal(axis1=1, axis2=2)).real
+            bad = (loss > 0.1 * SPECTRAL_ACCURACY * size).any(axis=(1, 2)) & (panels.upper - panels.lower > 8 * EPS * panels.upper)
+            if not bad.any():
+                break
+            halves = self._resolved(panels.halves(bad))
+            new_H, new_errors = self._values(halves)
+            new_total, new_loss = self._integrals(halves, new_H)
+            keep = ~bad
+            panels = panels.only(keep).joined(halves)
+            H, errors = np.concatenate([H[:, :, keep], new_H], axis=2), np.concatenate([errors[:, :, keep], new_errors], axis=2)
+            total, loss = np.concatenate([total[keep], new_total]), np.concatenate([loss[keep], new_loss])
+        return self._improved(panels, H, errors, total, loss) if p and K else SpectralIntegral(np.zeros((K, p, p)), np.zeros((K, p)))
+
+    # Panels.
+
+    def _octaves(self) -> _Panels:
+        """Panels between the corners, none wider than an octave where the integrand is singular at 0, with ends beyond all poles."""
+        sizes = np.abs([pole.frequency for pole in self.poles if pole.value] or [0.0])
+        rows: list[tuple[float, float, float, bool]] = []
+        corners = self.spectra.corners
+        for a, b in zip(corners, corners[1:]):
+            middle = a + 1.0 if np.isinf(b) else (a + b) / 2
+            own = [abs(one) for one in self.spectra.singularities(middle) if one] + [size for size in sizes if size]
+            low, high = (min(own), max(own)) if own else (1.0, 1.0)
+            if np.isinf(b):
+                last = max(2.0 * high, 2.0 * a)
+                rows.append((0.0, 1 / last, middle, True))
+                b = last
+            if a == 0:
+                first = min(low / 2, b)
+                rows.append((0.0, first, middle, False))
+                a = first
+            if b > a:
+                edges = np.geomspace(a, b, int(np.ceil(np.log2(b / a) - 1e-9)) + 1)
+                edges[0], edges[-1] = a, b
+                rows += [(one, two, middle, False) for one, two in zip(edges, edges[1:])]
+        if self.spectra.longest_delay:
+            rows = [part for row in rows for part in self._divided(row)]
+        lower, upper, middle, tail = (np.array(column) for column in zip(*rows)) if rows else (np.zeros(0),) * 4
+        return _Panels(lower, upper, middle, tail.astype(bool))
+
+    def _divided(self, row):
+        a, b, middle, tail = row
+        count = 1 if tail else int(np.ceil(2 * np.pi * (b - a) * self.spectra.longest_delay / TURN))
+        edges = np.linspace(a, b, max(count, 1) + 1)
+        return [(one, two, middle, tail) for one, two in zip(edges, edges[1:])]
+
+    def _near(self, panels: _Panels, places: np.ndarray) -> np.ndarray:
+        """Which complex frequencies are near which panels, shape (P, number)."""
+        middle, half = (panels.lower + panels.upper) / 2, (panels.upper - panels.lower) / 2
+        return (np.abs(middle[:, None] - places) < (1 - 1e-9) * NEAR * half[:, None]) & ~panels.is_tail[:, None]
+
+    def _resolved(self, panels: _Panels) -> _Panels:
+        """Panels halved until no singularity other than simple poles is near."""
+        finished = None
+        for _ in range(HALVINGS):
+            blocked = self._near(panels, self.others).any(axis=1)
+            for middle in np.unique(panels.middle):
+                own = np.array(self.spectra.singularities(middle), dtype=complex)
+                blocked |= (panels.middle == middle) & self._near(panels, own).any(axis=1)
+            blocked &= panels.upper - panels.lower > 8 * EPS * panels.upper
+            done = panels.only(~blocked)
+            finished = done if finished is None else finished.joined(done)
+            if not blocked.any():
+                return finished
+            panels = panels.halves(blocked)
+        return finished.joined(panels)
+
+    # Values and integrals.
+
+    def _values(self, panels: _Panels) -> tuple[np.ndarray, np.ndarray]:
+        """H and its errors at all nodes, shape (p, m, P, 16)."""
+        nodes = panels.nodes
+        H, errors = self.transfer.values(nodes.ravel())
+        shape = (len(self.outputs), H.shape[1], *nodes.shape)
+        return H[self.outputs].reshape(shape), errors[self.outputs].reshape(shape)
+
+    def _spectra_at(self, panels: _Panels) -> np.ndarray:
+        """S at the nodes, shape (m, m, P, 16)."""
+        nodes, m = panels.nodes, len(self.spectra.names)
+        S = np.zeros((m, m, *nodes.shape), dtype=complex)
+        for middle in np.unique(panels.middle):
+            own = panels.middle == middle
+            S[:, :, own] = self.spectra(nodes[own].ravel(), middle).reshape(m, m, -1, len(NODES))
+        return S
+
+    def _integrals(self, panels: _Panels, H: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The integral over each panel, shape (P, K, p, p), and the rounding errors of its diagonal by cancellation, (P, K, p)."""
+        S, nodes, weights = self._spectra_at(panels), panels.nodes, panels.weights
+        left, right = np.moveaxis(H, (2, 3), (0, 1)), np.moveaxis(H.conj(), (2, 3, 1), (0, 1, 2))
+        G = left @ np.moveaxis(S, (2, 3), (0, 1)) @ right
+        weighted = weights[..., None] * nodes[..., None] ** np.array(self.powers)
+        total = np.einsum("xnk,xnab->xkab", weighted, G)
+        loss = np.zeros(total.shape[:3])
+        x, number = np.nonzero(self._near(panels, self.frequencies))
+        if not len(x):
+            return total, loss
+        a, b = self.frequencies[number].real, self.frequencies[number].imag
+        distance, lower, upper = nodes[x] - a[:, None], panels.lower[x] - a, panels.upper[x] - a
+        size = distance**2 + b[:, None] ** 2
+        first, second = (weights[x] * distance / size).sum(axis=1), b * (weights[x] / size).sum(axis=1)
+        logarithm = 0.5 * np.log((upper**2 + b**2) / (lower**2 + b**2))
+        angle = np.sign(b) * np.arctan2((upper - lower) * np.abs(b), b**2 + upper * lower)
+        for k, power in enumerate(self.powers):
+            X, Y = self._principal_parts(number, panels.middle[x], power)
+            part = 2 * (X * (logarithm - first)[:, None, None] - Y * (angle - second)[:, None, None])
+            np.add.at(total, (x, k), part)
+            terms = [np.abs(one.diagonal(axis1=1, axis2=2)) * (np.abs(u) + np.abs(v))[:, None] for one, u, v in ((X, logarithm, first), (Y, angle, second))]
+            np.add.at(loss, (x, k), 2 * EPS * sum(terms))
+        return total, loss
+
+    def _principal_parts(self, number: np.ndarray, middle: np.ndarray, power: int) -> tuple[np.ndarray, np.ndarray]:
+        """Of poles by number, at pieces of the spectra: X and Y of r = X + i Y, both Hermitian, shape (number, p, p).
+
+        r = -i R f^k S(f) (conj R / (2 |sigma|) + rest)^T / (2 pi) at the pole. The term with 1 / sigma belongs to Y but for the change of S from
+        the axis to the pole, which is taken by itself: far from the peak it is the small part X that counts.
+        """
+        S = np.zeros((len(number), *(len(self.spectra.names),) * 2), dtype=complex)
+        at = self.frequencies[number]
+        for piece in np.unique(middle):
+            own = middle == piece
+            S[own] = np.moveaxis(self.spectra(at[own], piece), 2, 0)
+        S *= (at**power)[:, None, None]
+        R, rest = self.residues[number], self.mirrored[number]
+        even = R @ _hermitian(S) @ np.conj(np.swapaxes(R, 1, 2)) / (-2 * self.sigma[number])[:, None, None]
+        odd = R @ _hermitian(-1j * S) @ np.conj(np.swapaxes(R, 1, 2)) / (-2 * self.sigma[number])[:, None, None]
+        other = R @ S @ np.swapaxes(rest, 1, 2)
+        return _hermitian(odd + _hermitian(-1j * other)) / (2 * np.pi), -_hermitian(even + other) / (2 * np.pi)
+
+    def _improved(self, panels, H, errors, total, loss) -> SpectralIntegral:
+        """With values of H solved for where the errors of their sums count."""
+        S, weights = self._spectra_at(panels), panels.weights
+        powers = panels.nodes[..., None] ** np.array(self.powers)
+
+        def node_errors() -> np.ndarray:
+            """Of the diagonal, by nodes and powers, shape (P, 16, K, p)."""
+            delta = np.einsum("ijxn,ajxn->aixn", np.abs(S), errors)
+            both = ((2 * np.abs(H) + errors) * delta).sum(axis=1)
+            return (weights * both).transpose(1, 2, 0)[:, :, None, :] * powers[..., None]
+
+        size = np.abs(total.sum(axis=0).diagonal(axis1=1, axis2=2).real)
+        own = node_errors()
+        if (own.sum(axis=(0, 1)) > SOLVED * size).any():
+            at = (own > 0.1 * SPECTRAL_ACCURACY * size / max(own.shape[0] * own.shape[1], 1)).any(axis=(2, 3))
+            solved, solved_errors = self.transfer.solved(panels.nodes[at])
+            better = solved_errors[self.outputs] < errors[:, :, at]
+            H[:, :, at] = np.where(better, solved[self.outputs], H[:, :, at])
+            errors[:, :, at] = np.where(better, solved_errors[self.outputs], errors[:, :, at])
+            total, loss = self._integrals(panels, H)
+            own = node_errors()
+        return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + loss.sum(axis=0) + 16 * EPS * size)

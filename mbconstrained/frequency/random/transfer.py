@@ -1,0 +1,136 @@
+"""H(f) with refined poles: the real part of a pole near the axis is the damping, and has to keep its own digits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg
+
+from ...ground.tolerances import LIGHT_DAMPING, UNDAMPED
+from ...linalg import precise
+from ..frequency_response import NOISE
+from ..harmonic import Harmonic
+from ..pole_residue_form import invariant_vectors, is_on_axis
+
+
+@dataclass(frozen=True)
+class RefinedPole:
+    """A pole p = sigma + i w of H(s), with sigma accurate relative to itself.
+
+    Attributes:
+        value: p in 1/s.
+        residues: R_0, R_1, ... of 1 / (s - p), 1 / (s - p)^2, ..., shape (order, p, m).
+        on_axis: whether sigma is zero.
+    """
+
+    value: complex
+    residues: np.ndarray
+    on_axis: bool
+
+    @property
+    def frequency(self) -> complex:
+        """p / (2 pi i): a complex frequency in Hz, above the real axis where the pole is stable."""
+        return complex(self.value.imag, -self.value.real) / (2 * np.pi)
+
+    @property
+    def order(self) -> int:
+        """The highest power of 1 / (s - p)."""
+        return len(self.residues)
+
+
+class Transfer:
+    """The values, poles and residues of s^p C A(s)^-1 B on the positive frequency axis."""
+
+    def __init__(self, harmonic: Harmonic):
+        """For the matrices of one response."""
+        self.harmonic = harmonic
+
+    @cached_property
+    def poles(self) -> tuple[RefinedPole, ...]:
+        """All poles with their conjugates; the real parts of lightly damped ones are refined by Newton's method.
+
+        One step from p with the null vectors x and y of A(p), y^T A'(p) x = 1, is -y^T A(p) x: its error is a product of the errors of both vectors
+        where the sum is computed in extended precision.
+        """
+        form = self.harmonic.form
+        own = list(form.poles)
+        light = [k for k, pole in enumerate(own) if pole.order == 1 and pole.value and abs(pole.value.real) < LIGHT_DAMPING * abs(pole.value)]
+        steps = self._newton_steps([own[k].value for k in light]) if light else []
+        values = {k: own[k].value + step for k, step in zip(light, steps)}
+        result = []
+        for k, pole in enumerate(own):
+            value = values.get(k, pole.value)
+            on_axis = not value or (abs(value.real) <= UNDAMPED * abs(value) if k in values else is_on_axis(pole))
+            result.append(RefinedPole(complex(0.0 if on_axis else value.real, value.imag), pole.residues, on_axis))
+        return tuple(result)
+
+    def _newton_steps(self, values: list[complex]) -> list[complex]:
+        """-mean of the diagonal of Y^T A(p) X for each pole, X and Y its vectors."""
+        form = self.harmonic.form
+        pair, coefficients = form.pairs.finite, self.harmonic.real[0].coefficients
+        zeros = {}
+        for zero in pair.zeros:
+            zeros[zero.value], zeros[zero.value.conjugate()] = zero, zero
+        columns, rows, at, owner = [], [], [], []
+        slices = form._slices
+        for number, value in enumerate(values):
+            zero = zeros[value] if value in zeros else min(zeros.values(), key=lambda one: min(abs(one.value - value), abs(one.value.conjugate() - value)))
+            chosen = form._blocks_of(zero)
+            places = np.concatenate([np.arange(*slices[i].indices(len(pair.B))) for i in chosen])
+            J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
+            right, _, left = invariant_vectors(J, value, zero.multiplicity)
+            X, Y = pair.C[:, places] @ right, left @ pair.B[places]
+            for i in range(X.shape[1]):
+                columns.append(X[:, i])
+                rows.append(Y[i])
+                at.append(value)
+                owner.append(number)
+        with precise.precise_arithmetic():
+            residuals = _bilinear(coefficients, np.array(columns).T, np.array(rows), np.array(at))
+        owner = np.array(owner)
+        return [-residuals[owner == number].mean() for number in range(len(values))]
+
+    def values(self, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """H by the sum of its terms at real frequencies in Hz, and estimates of the absolute errors, both of shape (p, m, F)."""
+        H, sizes = self.harmonic.form.values(2j * np.pi * f)
+        return H, NOISE * sizes
+
+    def solved(self, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """H by solutions of A(i w) X = B, and estimates of the absolute errors, both of shape (p, m, F)."""
+        omega = 8 * np.arctan(np.longdouble(1)) * f
+        lines = self.harmonic.solver.solve(omega)
+        powers = (1j * omega.astype(float)) ** self.harmonic.power
+        return lines.values * powers, lines.errors * np.abs(powers)
+
+    def mirrored(self, chosen: list[RefinedPole]) -> np.ndarray:
+        """The conjugate of H at -conj(p) for poles p, without the conjugate of the term of p itself, shape (number, p, m).
+
+        It is the continuation of conj(H) from the axis to p; the term that is left out is conj(R) / (2 |sigma|).
+        """
+        s = np.array([pole.value for pole in chosen], dtype=complex)
+        itself = np.array([[pole is other for other in self.poles] for pole in chosen], dtype=bool).reshape(len(s), len(self.poles))
+        total = np.zeros((len(s), len(self.harmonic.outputs), self.harmonic.inputs.shape[1]), dtype=complex)
+        distances = -s[:, None] - np.array([other.value.conjugate() for other in self.poles], dtype=complex)
+        for j in range(max((pole.order for pole in self.poles), default=0)):
+            terms = np.where(itself, 0.0, np.where(itself, 1.0, distances) ** -(j + 1.0))
+            residues = [other.residues[j] if j < other.order else np.zeros(total.shape[1:]) for other in self.poles]
+            total += np.tensordot(terms, np.conj(residues), 1)
+        for k, D in enumerate(self.harmonic.form.polynomial):
+            total += np.multiply.outer((-s) ** k, D.conj())
+        return total
+
+
+def _bilinear(coefficients: np.ndarray, X: np.ndarray, Y: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """y_k^T A(p_k) x_k in extended precision, shape (K,)."""
+    real, imaginary = precise.precise(X.real), precise.precise(X.imag)
+    pr, pi = precise.precise(p.real), precise.precise(p.imag)
+    yr, yi = precise.precise(Y.real.T), precise.precise(Y.imag.T)
+    total_real, total_imaginary = 0, 0
+    for A in coefficients:
+        matrix = precise.precise(A)
+        u, v = precise.product(matrix, real), precise.product(matrix, imaginary)
+        total_real, total_imaginary = total_real + (yr * u - yi * v).sum(axis=0), total_imaginary + (yr * v + yi * u).sum(axis=0)
+        real, imaginary = real * pr - imaginary * pi, real * pi + imaginary * pr
+    return precise.floats(total_real) + 1j * precise.floats(total_imaginary)
