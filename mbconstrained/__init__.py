@@ -64,6 +64,8 @@ _LATE = {
     "dryden": "frequency.random.spectra",
     "kanai_tajimi": "frequency.random.spectra",
     "psd": "frequency.random.spectra",
+    "ShockResponseSpectrum": "frequency.shock.response_spectrum",
+    "shock_response_spectrum": "frequency.shock.response_spectrum",
     "rational_spectrum": "frequency.random.spectra",
     "road_profile": "frequency.random.spectra",
     "white_noise": "frequency.random.spectra",
