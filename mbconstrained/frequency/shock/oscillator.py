@@ -7,6 +7,7 @@ order. Source: the ramp-invariant filter of Smallwood, Shock and Vibration Bulle
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,8 +25,8 @@ EACH_RADIAN = 4.0
 STEPS = 30
 
 
-#: Steps shorter than this, in units of the fastest rate, take Taylor's series of so many terms: 0.1^10 / 10! is below rounding error.
-SHORT, DEGREE = 0.1, 10
+#: Steps shorter than this, in units of the fastest rate, take Taylor's series of so many terms: 1 / 20! is below rounding error.
+SHORT, DEGREE = 1.0, 20
 
 
 def _taylor(derivatives: list, tau) -> np.ndarray:
@@ -34,6 +35,14 @@ def _taylor(derivatives: list, tau) -> np.ndarray:
     for k in range(len(derivatives) - 1, -1, -1):
         total = derivatives[k] + total * tau / (k + 1)
     return total
+
+
+def _phi(order: int, x: np.ndarray) -> np.ndarray:
+    """phi_1 = (e^x - 1) / x or phi_2 = (e^x - 1 - x) / x^2 for x <= 0."""
+    near = _taylor([1 / math.perm(k + order, order) for k in range(DEGREE)], np.where(np.abs(x) < 1, x, 0.0))
+    far = np.where(np.abs(x) < 1, -1.0, x)
+    value = np.expm1(far) / far if order == 1 else (np.expm1(far) - far) / far**2
+    return np.where(np.abs(x) < 1, near, value)
 
 
 @dataclass(frozen=True)
@@ -110,6 +119,13 @@ class Oscillator:
             while len(terms) < DEGREE:
                 terms.append(-2 * z * w * terms[-1] - w**2 * terms[-2])
             return _taylor(terms, tau), _taylor(terms[1:], tau)
+        if z >= 1:  # u' = l1 u + a with the fast root first: its particular solution does not cancel
+            l1, l2 = (root.real for root in self.roots)
+            k, start = -slope / l1, -a / l1 - slope / l1**2
+            rest = v - l2 * y - start
+            u = start + k * tau + rest * np.exp(l1 * tau)
+            moved = np.exp(l2 * tau) * y + tau * _phi(1, l2 * tau) * start + tau**2 * _phi(2, l2 * tau) * k + rest * self._mixed(tau)
+            return moved, l2 * moved + u
         # y = p + s tau + g(tau), the free motion g from y - p, v - s.
         s = slope / w**2
         p = a / w**2 - 2 * z * s / w
@@ -124,10 +140,15 @@ class Oscillator:
             wd = l1.imag
             decay, cosine, sine = np.exp(-z * w * tau), np.cos(wd * tau), tau * np.sinc(wd * tau / np.pi)
             return decay * (y * cosine + (v + z * w * y) * sine), decay * (v * cosine - (w**2 * y + z * w * v) * sine)
-        first, gap = np.exp(l2.real * tau), l2.real - l1.real
-        mixed = first * -np.expm1(-gap * tau) / gap if gap else tau * first
+        first, mixed = np.exp(l2.real * tau), self._mixed(tau)
         rate = v - l2.real * y
         return y * first + rate * mixed, l2.real * y * first + rate * (l1.real * mixed + first)
+
+    def _mixed(self, tau) -> np.ndarray:
+        """(e^{l2 tau} - e^{l1 tau}) / (l2 - l1) of real roots."""
+        l1, l2 = (root.real for root in self.roots)
+        first, gap = np.exp(l2 * tau), l2 - l1
+        return first * -np.expm1(-gap * tau) / gap if gap else tau * first
 
     def peaks(self, times, values, output) -> tuple[float, float, float, float]:
         """max and min of c_0 y + c_1 y' during the record, and after it.
