@@ -17,6 +17,7 @@ from ..ground.files import replacing
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, LINE_ACCURACY, SUM_SAFETY, TRUST_LIMIT
 from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..response.response import Response
 from .features import Antiresonance, Peak, antiresonances_of, frequencies_by_poles, peaks_of
 from .harmonic import Harmonic
 from .pole_residue_form import Pole
@@ -175,11 +176,9 @@ class FrequencyResponse(Displayed):
         Raises:
             InputError: H has a pole there, or the frequency is negative.
         """
-        from ..exact.enclosure.transfer_enclosure import enclosed_transfer
-
         f = real_number(frequency_hz, "frequency_hz", minimum=0.0)
         own = self.harmonic
-        return enclosed_transfer(own.A, own.imaginary, own.inputs, own.outputs, own.power, f, digits)
+        return Response.exact_engine().enclosed_transfer(own.A, own.imaginary, own.inputs, own.outputs, own.power, f, digits)
 
     def plot(self, kind: str = "bode", figure=None):
         """Draw the response with matplotlib: one axes for each output and input.

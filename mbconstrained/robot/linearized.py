@@ -11,6 +11,7 @@ from ..ground.checks import OF_FUNCTION, nearest
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, NOISE_SAFETY, SYMMETRIC_STIFFNESS, noise_of
+from ..mechanics.channels import Side
 from ..mechanics.constraints import Constraint, Level, checked_level
 from ..mechanics.energy import EnergyParts
 from ..mechanics.system import MechanicalSystem
@@ -91,6 +92,11 @@ class LinearizedRobot(MechanicalSystem):
     def notices(self) -> tuple[Notice, ...]:
         """Of the posture, of the matrices and of the constraint rows."""
         return (*self.posture.notices, *self._notices, *super().notices)
+
+    def named_directions(self, side: Side) -> Mapping[str, tuple[np.ndarray, str]]:
+        """Those of the inputs, or of the outputs, with units."""
+        directions, units = (self.inputs, self.input_units) if side == "inputs" else (self.outputs, self.output_units)
+        return {name: (direction, units[name]) for name, direction in directions.items()}
 
     @property
     def output_matrix(self) -> np.ndarray:
