@@ -135,6 +135,8 @@ def _maxima(entry: _Entry, grid, output: str, input: str) -> Iterator[Peak]:
             continue
         peak = _root(lambda w: float(entry.slope(np.array([w]))[0]), grid[at], grid[at + 1])
         value = entry.value(peak)
+        if not value:  # an entry that is zero but for rounding errors of its residues
+            continue
         rising = np.flatnonzero(signs[: at + 1] < 0)
         falling = np.flatnonzero(signs[at + 1 :] > 0)
         low = grid[rising[-1] + 1] if len(rising) else grid[0]

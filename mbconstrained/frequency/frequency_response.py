@@ -236,17 +236,19 @@ class FrequencyResponse(Displayed):
         with replacing(path) as temporary:
             if path.suffix == ".npz":
                 with temporary.open("wb") as file:
-                    np.savez(file, allow_pickle=False, **self._arrays())
+                    np.savez(file, allow_pickle=False, **self.arrays())
             else:
-                temporary.write_text(self._csv(), encoding="utf-8")
+                temporary.write_text(self.csv_text(), encoding="utf-8")
         return path
 
-    def _arrays(self) -> dict[str, np.ndarray]:
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Frequencies, values, error estimates, names, units and quantity, as ``write`` stores them."""
         texts = {"outputs": np.array(self.outputs), "inputs": np.array(self.inputs), "units": np.array(self.units)}
         numbers = {name: getattr(self, name) for name in ("frequencies_hz", "values", "error_estimate")}
         return {**numbers, **texts, "quantity": np.array(self.quantity)}
 
-    def _csv(self) -> str:
+    def csv_text(self) -> str:
+        """Real and imaginary parts with names and units, one line for each frequency."""
         heads, columns = ["frequency (Hz)"], [self.frequencies_hz]
         for i, output in enumerate(self.outputs):
             for j, input in enumerate(self.inputs):
