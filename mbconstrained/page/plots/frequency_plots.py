@@ -26,6 +26,9 @@ ABOVE = 10.0
 #: Below the highest value of a curve in dB.
 LOWEST_DECIBEL = 360.0
 
+#: A response whose largest value is below this share of that of another is zero but for rounding errors, and has no curve.
+ABSENT = 1e-13
+
 #: More lines in one plot are drawn from every second, third ... of them.
 MOST_LINES = 4000
 
@@ -173,16 +176,19 @@ def _bode(drawn: _Drawn, entries: list[_Entry], title: str, quantity: str, unit:
         lowest = highest[id(entry)] * 10 ** (-LOWEST_DECIBEL / 20) or 1.0
         return 20 * np.log10(np.maximum(size, lowest))
 
-    curves = drawn.curves(entries, amplitude)
+    present = [each for each in entries if highest[id(each)] > ABSENT * max(highest.values())]
+    curves = drawn.curves(present, amplitude)
     if len(drawn.poles):  # an infinite peak has a finite picture
-        most = {id(each): 20 * np.log10(ABOVE * size) if is_decibel else ABOVE * size for each, size in _with(entries, highest)}
-        curves = tuple(replace(curve, values=np.minimum(curve.values, most[id(each)])) for curve, each in zip(curves, entries))
+        most = {id(each): 20 * np.log10(ABOVE * size) if is_decibel else ABOVE * size for each, size in _with(present, highest)}
+        curves = tuple(replace(curve, values=np.minimum(curve.values, most[id(each)])) for curve, each in zip(curves, present))
     if quantity == "transmissibility":
         one = np.full(len(drawn.lines), 0.0 if is_decibel else 1.0)
         curves += (Curve("as the support", one, max(curve.color or 0 for curve in curves) + 1),)
     vertical: Scale = "log" if drawn.look.amplitude == "log" and any((curve.values > 0).any() for curve in curves) else "linear"
     shown = f"dB re 1 {unit}".rstrip() if is_decibel else unit
-    phases = drawn.curves(entries, _phase(drawn, entries))
+    phases = drawn.curves(present, _phase(drawn, present))
+    if not present:
+        return []
     return [
         _plot(drawn, title, shown, curves, quantity, vertical),
         _plot(drawn, f"phase of the {title}", "°", phases, "phase"),

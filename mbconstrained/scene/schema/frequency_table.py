@@ -70,6 +70,9 @@ class FrequencyTable(Table):
     )  # fmt: skip
     outputs: list[Text] | None = Field(None, description="Coordinates, of reactions constraint rows; left out: all.")
     quantity: ResponseQuantity = Field("receptance", description="What is given by what: displacement by force, …")
+    relative_to: Text | None = Field(
+        None, description="A coordinate or prescribed motion, subtracted from the outputs of its unit."
+    )
     lowest: AnyFrequency | None = Field(
         None, alias="from", ge=0, description="The lowest frequency; by default a decade below the lowest pole."
     )

@@ -22,7 +22,7 @@ MOST_ROWS = 16
 MOST_ROWS_OF_PAGE = 200
 
 NOTHING = "–"
-HALF_POWER = "bandwidth: between the frequencies of half the power; damping: bandwidth / (2 frequency)"
+HALF_POWER = "bandwidth: between the frequencies of half the power; damping ratio: bandwidth / (2 frequency)"
 NO_PEAKS = "There are none in this range."
 
 
@@ -91,7 +91,9 @@ def peak_table(frequency: SceneFrequency, most: int = MOST_ROWS_OF_PAGE) -> Text
     """
     rows = [_peak_row(frequency, peak) for peak in frequency.peaks]
     unit = frequency.table.axis
-    columns = (*_heads(frequency), f"frequency ({unit})", "amplitude", f"bandwidth ({unit})", "damping", "phase (°)")
+    wide = (f"frequency ({unit})", "amplitude", f"bandwidth ({unit})", "damping ratio", "phase (°)")
+    narrow = (unit, "amplitude", "bandwidth", "damping", "phase (°)")
+    columns = (*_heads(frequency), *(narrow if most == MOST_ROWS else wide))
     more = [f"and {len(rows) - most} more"] if len(rows) > most else []
     note = "; ".join([*more, HALF_POWER]) if rows else NO_PEAKS
     return TextTable(f"Peaks of the {frequency.response.quantity}", columns, tuple(rows[:most]), note)

@@ -16,6 +16,7 @@ from ....frequency.frequency_response import FrequencyResponse, frequency_respon
 from ....ground.errors import InputError
 from ....ground.files import Replacements
 from ....ground.notices import Notice
+from ....mechanics.channels import channels
 from ...file.messages import at
 from ...schema.entry_types import Table
 from ...schema.frequency_table import FrequencyTable
@@ -93,8 +94,8 @@ class SceneFrequency:
                     "name those of interest in inputs and outputs"
                 )
             damping = {"modal_damping": table.modal_damping, "loss_factor": table.loss_factor}
-            return self.system.frequency_response([], inputs, outputs, table.quantity, **damping)
-        mechanical = [key for key in ("quantity", "modal_damping", "loss_factor") if key in table.model_fields_set]
+            return self.system.frequency_response([], inputs, outputs, table.quantity, **damping, relative_to=table.relative_to)
+        mechanical = [key for key in ("quantity", "modal_damping", "loss_factor", "relative_to") if key in table.model_fields_set]
         if mechanical:
             raise InputError(f"{mechanical[0]} belongs to models with mass, damping and stiffness; leave it out")
         if equations.control is None:
@@ -123,7 +124,8 @@ class SceneFrequency:
             return motions or [row.name for row in self.system.rows]
         if motions and table.quantity not in INVERSES:
             return motions
-        loaded = [load.coordinate for load in scene.force if load.coordinate in self.system.names]
+        known = channels(self.system, "inputs")
+        loaded = [load.coordinate for load in scene.force if load.coordinate in known]
         return list(dict.fromkeys(loaded)) or [name for name in self.system.names if name not in self._prescribed]
 
     @property
@@ -144,6 +146,8 @@ class SceneFrequency:
             return [row.name for row in self.system.rows]
         if self.table.quantity in INVERSES:
             return self._inputs()
+        if self.system.named_directions("outputs"):  # of a robot
+            return list(self.system.named_directions("outputs"))
         return [name for name in self.system.names if name not in self._prescribed] or list(self.system.names)
 
     def _lines(self, empty: FrequencyResponse) -> np.ndarray:

@@ -75,7 +75,7 @@ def test_units_of_output_hold_for_values_peaks_and_files(tmp_path):
     assert own.shown.units.tolist() == [["mm/kN"]] and own.shown.factors.tolist() == [[1e6]]
     (peak,) = own.peaks
     text = "\n".join(table_text(block) if isinstance(block, TextTable) else block for block in blocks(own))
-    assert f"{1e6 * peak.amplitude:.4g} mm/kN" in text and f"{60 * peak.frequency_hz:.5g}" in text and "frequency (rpm)" in text
+    assert f"{1e6 * peak.amplitude:.4g} mm/kN" in text and f"{60 * peak.frequency_hz:.5g}" in text and "rpm" in text
     head, *lines = (tmp_path / "out" / "scene.frequency.csv").read_text("utf-8").splitlines()
     assert head.split(",") == ["frequency (Hz)", "real machine/machine (mm/kN)", "imag machine/machine (mm/kN)"]
     first = np.array([float(cell) for cell in lines[0].split(",")])
@@ -135,7 +135,7 @@ def test_structural_damping_by_spring_is_that_of_the_formula(tmp_path):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"inputs": ["machin"]}, "frequency: inputs: there is no coordinate or constraint row 'machin'; did you mean \"machine\"?"),
+        ({"inputs": ["machin"]}, "frequency: inputs: there is no \"machin\"; did you mean \"machine\"?"),
         ({"outputs": ["mashine"]}, "did you mean \"machine\"?"),
         ({"quantity": "mobilty"}, 'frequency.quantity: found "mobilty"; expected "receptance", "mobility"'),
         ({"from": "-1 Hz"}, "frequency.from: found"),
@@ -163,6 +163,12 @@ def test_transmissibility_and_reactions_need_a_support(tmp_path):
         frequency_of(tmp_path, OSCILLATOR, quantity="transmissibility").response
     with pytest.raises(SceneError, match="reaction is the force of a constraint row, and there are none"):
         frequency_of(tmp_path, OSCILLATOR, quantity="reaction").response
+
+
+def test_motion_relative_to_a_support_is_absolute_motion_less_that_of_the_support(tmp_path):
+    options = {"quantity": "transmissibility", "frequencies": [1, 45, 200]}
+    absolute, relative = (frequency_of(tmp_path, ISOLATED, **options, **more) for more in ({}, {"relative_to": "floor"}))
+    assert np.allclose(relative.response.values, absolute.response.values - 1, rtol=1e-13)
 
 
 def test_an_input_that_reaches_nothing_is_reported(tmp_path):
