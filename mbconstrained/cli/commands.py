@@ -38,6 +38,8 @@ EPILOG = """Examples:
   mbconstrained compare a.toml --set k=1,2       the same of one scene with several values
   mbconstrained modes bridge.toml                frequencies, damping, shapes, shares of energy
   mbconstrained modes bridge.toml --page         the same with a page in which each mode moves
+  mbconstrained frequency bridge.toml            frequency response: peaks, antiresonances, Bode plots, values
+  mbconstrained frequency bridge.toml --input base --output deck --quantity transmissibility --to "200 Hz"
   mbconstrained formula bridge.toml --as python  the motion as a formula, here as a function of NumPy
   mbconstrained plan bridge.toml                 the stages of a run, taken or left out, and why
   mbconstrained plan bridge.toml --run           the same with the time and memory that each stage takes
@@ -103,7 +105,7 @@ def _run(
     from ..scene.run.report.summary import blocks, overview
     from .printing import line_width, show, stage_progress
 
-    viewer, moment = _viewer(shared_viewer, compress), _moment(still)
+    viewer, moment = viewer_of(shared_viewer, compress), _moment(still)
 
     def work(loaded: Scene) -> int:
         loaded = loaded.certified() if certify else loaded
@@ -135,7 +137,7 @@ def _modes(
 
     if out and not page:
         raise typer.BadParameter("only the page is written; give --page too", param_hint="--out")
-    viewer = _viewer(shared_viewer, compress)
+    viewer = viewer_of(shared_viewer, compress)
 
     def work(loaded: Scene) -> int:
         from ..scene.run.modes.mode_summary import as_json, blocks
@@ -209,8 +211,16 @@ def _checked(scene: Scene, json: bool) -> None:
     show(json, lambda: data, lambda: ["\n".join(lines)])
 
 
-def _viewer(shared: bool, compressed: bool) -> str:
-    """Where the viewer's script shall be, or an empty string for that in the scene."""
+def viewer_of(shared: bool, compressed: bool) -> str:
+    """Where the viewer's script shall be, or an empty string for that in the scene.
+
+    Args:
+        shared: whether in a file that pages share.
+        compressed: whether compressed in the page.
+
+    Returns:
+        A value of [output] viewer.
+    """
     if shared and compressed:
         raise typer.BadParameter("a viewer in a separate file is not compressed; leave out one of the two", param_hint="--compress")
     return "separate" if shared else "compressed" if compressed else ""

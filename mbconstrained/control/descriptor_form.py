@@ -7,9 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..ground.checks import nearest
 from ..ground.coordinate_units import force_unit, rate_unit
-from ..ground.errors import InputError
+from ..mechanics.channels import Channel, channels, chosen_by_name, coordinate_channels, row_channels
 from ..mechanics.system import MechanicalSystem
 from .state_space import StateSpace
 
@@ -55,7 +54,7 @@ def to_state_space(
     k, eye = len(rows), np.eye(n)
     named_inputs = _inputs(system, inputs)
     chosen = _outputs(system, outputs)
-    with_acceleration = any(output.kind == "acceleration" for output in chosen)
+    with_acceleration = any(output.kind == "2" for output in chosen)
     sizes = {"x": n, "v": n, "a": n * with_acceleration, "lambda": k}
     ends = np.cumsum(list(sizes.values()))
     parts = {name: slice(int(end) - size, int(end)) for (name, size), end in zip(sizes.items(), ends)}
@@ -75,16 +74,17 @@ def to_state_space(
             E[equation, v] = A[place]
         else:
             J[equation, (x, v, a)[level]] = -A[place]
-    for column, (_, kind, place) in enumerate(named_inputs):
-        B[(motion if kind == "force" else multipliers).start + place, column] = 1.0
+    for column, (_, _, channel) in enumerate(named_inputs):
+        B[motion, column], B[multipliers, column] = np.split(channel.unknowns(system), [n])
     C = np.zeros((len(chosen), N))
-    for line, output in enumerate(chosen):
-        part = {"displacement": x, "velocity": v, "acceleration": a, "reaction": multipliers}[output.kind]
-        C[line, part.start + output.place] = 1.0
+    for line, (_, kind, channel) in enumerate(chosen):
+        along, C[line, multipliers] = np.split(channel.unknowns(system), [n])
+        if kind != "reaction":
+            C[line, (x, v, a)[int(kind)]] = along
     states = [f"state {name}{rate}" for rate in RATES[: 2 + with_acceleration] for name in system.names]
     states += [f"state {row.name} reaction" for row in rows]
     units = dict(zip(states, _state_units(system, 2 + with_acceleration)))
-    units |= {one.name: one.unit(system) for one in (*named_inputs, *chosen)}
+    units |= {one.name: one.unit for one in (*named_inputs, *chosen)}
     input_names, output_names = [one.name for one in named_inputs], [one.name for one in chosen]
     return StateSpace(J, B, C, None, E, states, input_names, output_names, units)
 
@@ -117,51 +117,46 @@ def system_to_dict(system: MechanicalSystem) -> dict:
     return {**copies, "b": b, "static_force": system.static_force.copy(), **lists}
 
 
-class _Channel(NamedTuple):
-    """An input or output: the kind of quantity, and the place of its coordinate or row."""
+class _Port(NamedTuple):
+    """A channel as an input or output: which quantity of it."""
 
     name: str
     kind: str
-    place: int
+    channel: Channel
 
-    def unit(self, system: MechanicalSystem) -> str:
+    @property
+    def unit(self) -> str:
         """In SI."""
-        if self.kind in ("value", "reaction"):
-            row = system.rows[self.place]
-            return rate_unit(row.unit, row.order) if self.kind == "value" else force_unit(row.unit)
-        unit = system.units[system.names[self.place]]
-        order = ("displacement", "velocity", "acceleration").index(self.kind) if self.kind != "force" else 0
-        return force_unit(unit) if self.kind == "force" else rate_unit(unit, order)
+        unit = self.channel.unit
+        return force_unit(unit) if self.kind in ("force", "reaction") else rate_unit(unit, int(self.kind))
 
 
-def _inputs(system: MechanicalSystem, chosen) -> list[_Channel]:
-    forces = {f"force on {name}": _Channel(f"force on {name}", "force", i) for i, name in enumerate(system.names)}
-    values = {f"value of {row.name}": _Channel(f"value of {row.name}", "value", i) for i, row in enumerate(system.rows)}
-    short = {row.name: values[f"value of {row.name}"] for row in system.rows}
-    short |= {name: forces[f"force on {name}"] for name in system.names if name not in short}
-    return _channels("inputs", chosen, {**short, **forces, **values}, list(forces.values()))
+def _inputs(system: MechanicalSystem, chosen) -> list[_Port]:
+    known: dict[str, _Port | None] = {}
+    for name, channel in channels(system, "inputs").items():
+        known[name] = port = None if channel is None else _input(system, channel)
+        if port is not None:
+            known[port.name] = port
+    forces = [_input(system, channel) for channel in coordinate_channels(system)]
+    known |= {port.name: port for port in (*forces, *(_input(system, channel) for channel in row_channels(system)))}
+    return chosen_by_name("inputs", chosen, known, forces)
 
 
-def _outputs(system: MechanicalSystem, chosen) -> list[_Channel]:
-    names, rows = system.names, system.rows
-    kinds = ("displacement", "velocity", "acceleration")
-    known = {f"{row.name} reaction": _Channel(f"{row.name} reaction", "reaction", i) for i, row in enumerate(rows)}
-    for kind, rate in reversed(list(zip(kinds, RATES))):
-        known |= {f"{name}{rate}": _Channel(f"{name}{rate}", kind, i) for i, name in enumerate(names)}
-    return _channels("outputs", chosen, known, [known[name] for name in names])
+def _input(system: MechanicalSystem, channel: Channel) -> _Port:
+    if channel.row is None:
+        return _Port(f"force on {channel.name}", "force", channel)
+    return _Port(f"value of {channel.name}", str(system.rows[channel.row].order), channel)
 
 
-def _channels(what: str, chosen, known: dict[str, _Channel], default: list[_Channel]) -> list[_Channel]:
-    if chosen is None:
-        return default
-    if isinstance(chosen, str) or not isinstance(chosen, Sequence):
-        raise InputError(f"{what}: found {chosen!r}; expected a list of names, e.g. {[channel.name for channel in default[:1]]}")
-    for name in chosen:
-        if name not in known:
-            hint = nearest(str(name), known)
-            listed = ", ".join(f'"{channel}"' for channel in list(known)[-8:])
-            raise InputError(f'{what}: there is no "{name}"{hint}; known are, among others, {listed}')
-    return [known[name] for name in chosen]
+def _outputs(system: MechanicalSystem, chosen) -> list[_Port]:
+    moving = coordinate_channels(system)
+    named = [one for one in channels(system, "outputs").values() if one is not None and one.row is None]
+    known: dict[str, _Port | None] = {}
+    for one in row_channels(system):
+        known[f"{one.name} reaction"] = _Port(f"{one.name} reaction", "reaction", one)
+    for order, rate in reversed(list(enumerate(RATES))):
+        known |= {f"{one.name}{rate}": _Port(f"{one.name}{rate}", str(order), one) for one in (*moving, *named)}
+    return chosen_by_name("outputs", chosen, known, [_Port(one.name, "0", one) for one in moving])
 
 
 def _state_units(system: MechanicalSystem, rates: int) -> list[str]:

@@ -27,6 +27,9 @@ FIRST, RATIO, MOST = 0.25, 1.5, 60
 #: Lines for each decade between the poles, and how far the range goes beyond them.
 EACH_DECADE, BEYOND = 40, 10.0
 
+#: The sum of the modes and the solution at a peak agree to this share of it; what is larger is no peak but rounding errors.
+PEAK_AGREEMENT = 0.01
+
 
 @dataclass(frozen=True)
 class Peak:
@@ -135,6 +138,8 @@ def _maxima(entry: _Entry, grid, output: str, input: str) -> Iterator[Peak]:
             continue
         peak = _root(lambda w: float(entry.slope(np.array([w]))[0]), grid[at], grid[at + 1])
         value = entry.value(peak)
+        if not abs(entry.sums(np.array([peak]))[0][0] - value) <= PEAK_AGREEMENT * abs(value):
+            continue  # of the rounding errors of residues, in an entry that is zero
         rising = np.flatnonzero(signs[: at + 1] < 0)
         falling = np.flatnonzero(signs[at + 1 :] > 0)
         low = grid[rising[-1] + 1] if len(rising) else grid[0]

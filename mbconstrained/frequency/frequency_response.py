@@ -17,6 +17,7 @@ from ..ground.files import replacing
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, LINE_ACCURACY, SUM_SAFETY, TRUST_LIMIT
 from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..response.response import Response
 from .features import Antiresonance, Peak, antiresonances_of, frequencies_by_poles, peaks_of
 from .harmonic import Harmonic
 from .pole_residue_form import Pole
@@ -175,11 +176,9 @@ class FrequencyResponse(Displayed):
         Raises:
             InputError: H has a pole there, or the frequency is negative.
         """
-        from ..exact.enclosure.transfer_enclosure import enclosed_transfer
-
         f = real_number(frequency_hz, "frequency_hz", minimum=0.0)
         own = self.harmonic
-        return enclosed_transfer(own.A, own.imaginary, own.inputs, own.outputs, own.power, f, digits)
+        return Response.exact_engine().enclosed_transfer(own.A, own.imaginary, own.inputs, own.outputs, own.power, f, digits)
 
     def plot(self, kind: str = "bode", figure=None):
         """Draw the response with matplotlib: one axes for each output and input.
@@ -237,17 +236,19 @@ class FrequencyResponse(Displayed):
         with replacing(path) as temporary:
             if path.suffix == ".npz":
                 with temporary.open("wb") as file:
-                    np.savez(file, allow_pickle=False, **self._arrays())
+                    np.savez(file, allow_pickle=False, **self.arrays())
             else:
-                temporary.write_text(self._csv(), encoding="utf-8")
+                temporary.write_text(self.csv_text(), encoding="utf-8")
         return path
 
-    def _arrays(self) -> dict[str, np.ndarray]:
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Frequencies, values, error estimates, names, units and quantity, as ``write`` stores them."""
         texts = {"outputs": np.array(self.outputs), "inputs": np.array(self.inputs), "units": np.array(self.units)}
         numbers = {name: getattr(self, name) for name in ("frequencies_hz", "values", "error_estimate")}
         return {**numbers, **texts, "quantity": np.array(self.quantity)}
 
-    def _csv(self) -> str:
+    def csv_text(self) -> str:
+        """Real and imaginary parts with names and units, one line for each frequency."""
         heads, columns = ["frequency (Hz)"], [self.frequencies_hz]
         for i, output in enumerate(self.outputs):
             for j, input in enumerate(self.inputs):

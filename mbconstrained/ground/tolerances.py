@@ -348,8 +348,12 @@ LOOP_RANK_DOUBTFUL = 1e-4
 #: Rows with a smaller relative singular value may be independent only because angles have two digits.
 LOOP_RANK_TILTED = 5e-3
 
-#: Rows below this are dependent to rounding error; those up to LOOP_RANK to the rounded digits of the URDF, which is reported.
-LOOP_RANK_EXACT = 1e-10
+#: Rows below this are dependent to rounding error: loops are closed to LOOPS_CLOSED, and change their rows by as much. Those up to
+#: LOOP_RANK may be so by the rounded digits of the URDF, which is reported.
+LOOP_RANK_EXACT = 1e-12
+
+#: Rounded data that make rows independent also keep the loop open, by a like amount; a gap below this part of it is none of theirs.
+LEFT_OPEN = 1e-3
 
 #: Second derivative along the motion, relative to that of single rows, above which a posture is singular; rounded axes cause up
 #: to LOOP_RANK.

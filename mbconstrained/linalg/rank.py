@@ -13,6 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import lapack
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import structural_rank
 
 from ..ground.tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY, PIVOT_PREFERENCE
 from .blocks import coupled
@@ -33,17 +35,20 @@ class RankDecision:
         smallest_kept: the least ratio (pivot / bound below which it counts as zero); inf when none was kept.
         largest_dropped: the largest such ratio of the entries dropped; zero when none was dropped.
         singular_values: where the decision is not clear, those of the equilibrated matrix, descending.
+        is_structural: the rank is the largest that the pattern of the entries allows, those dropped among them: had they been
+            kept, it would be the same.
     """
 
     rank: int
     smallest_kept: float
     largest_dropped: float
     singular_values: tuple[float, ...] = ()
+    is_structural: bool = False
 
     @property
     def clear(self) -> bool:
-        """True where no value kept or dropped is near the bound that decides."""
-        return self.smallest_kept >= CLEAR_KEPT and self.largest_dropped <= CLEAR_DROPPED
+        """True where no value that could have changed the rank is near the bound that decides."""
+        return self.smallest_kept >= CLEAR_KEPT and (self.is_structural or self.largest_dropped <= CLEAR_DROPPED)
 
 
 @dataclass(frozen=True)
@@ -113,7 +118,7 @@ def compress_rows(
         first.append(np.full(len(order), i[0]))
     in_order = np.argsort(np.concatenate(first), kind="stable")
     null = _null_rows(matrix, empty, components, rows - decision.rank)
-    return RowCompression(np.concatenate(pivots)[in_order], null, _with_singular_values(decision, matrix))
+    return RowCompression(np.concatenate(pivots)[in_order], null, _with_evidence(decision, matrix))
 
 
 def _null_rows(matrix: Noisy, empty, components, count: int) -> Noisy:
@@ -180,7 +185,7 @@ def _eliminated(matrix: Noisy, weights, favour, decided=None) -> tuple[np.ndarra
         kept = min(kept, float(abs(work.data[rank, column])) / bound if bound else np.inf)
         dropped = max(dropped, eliminate(work, rank, column, rank + 1, columns, clean=decided is None))
         rank += 1
-    decision = decided or _with_singular_values(RankDecision(rank, float(kept), dropped), matrix)
+    decision = decided or RankDecision(rank, float(kept), dropped)
     return order[:rank], work[rank:, columns:], decision
 
 
@@ -196,8 +201,12 @@ def _pivot(rest: Noisy, weights, at_any_rate: bool):
     return (row, column) if size[row, column] else (None, None)
 
 
-def _with_singular_values(decision: RankDecision, matrix: Noisy) -> RankDecision:
-    if decision.clear or decision.singular_values:
+def _with_evidence(decision: RankDecision, matrix: Noisy) -> RankDecision:
+    """Of a decision near its bound, whether entries could have changed it, and the singular values."""
+    if decision.clear:
+        return decision
+    decision = replace(decision, is_structural=decision.rank == structural_rank(csr_array(matrix.size != 0)))
+    if decision.clear:
         return decision
     rows, columns = equilibration(matrix.size)
     values = np.linalg.svd(rows[:, None] * floats(matrix.data) * columns, compute_uv=False)
@@ -226,5 +235,4 @@ def _joined(decisions) -> RankDecision:
         sum(decision.rank for decision in decisions),
         min(decision.smallest_kept for decision in decisions),
         max(decision.largest_dropped for decision in decisions),
-        tuple(sorted((value for decision in decisions for value in decision.singular_values), reverse=True)),
     )

@@ -140,6 +140,12 @@ class ConstraintRow:
         constant = step([self.value if order == self.order else 0.0]).smooth
         return constant if self.signal is None else constant + self.signal.derivative(order - self.order)
 
+    def constraint(self) -> Constraint:
+        """The row as a constraint of its own."""
+        doubt = np.atleast_2d(self.uncertainty + np.zeros(len(self.coefficients)))
+        value = self.value if self.signal is None else self.signal
+        return Constraint(np.atleast_2d(self.coefficients), self.level, value, self.name, self.unit, doubt)
+
     @property
     def order(self) -> int:
         """Order of the constrained derivative: 0, 1 or 2."""

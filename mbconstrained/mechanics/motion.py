@@ -25,6 +25,7 @@ from ..response.response import Response
 from ..response.response_notices import first_and_count, remaining_notices, sides
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
+from .channels import reference
 from .energy import Energy, energy_of
 from .reaction import reaction_function, reaction_impulses
 
@@ -54,7 +55,7 @@ class SystemMotion:
         Args:
             times: in s, a number or shape (T,), t >= 0; t = 0 means 0+.
             relative_to: a coordinate or a constraint row, such as a prescribed motion: its value a x is subtracted from the
-                coordinates of its unit.
+                coordinates of its unit; "ground" for none.
 
         Returns:
             Shape (n,) or (n, T), in m or rad; of S motions (S, n) or (S, n, T).
@@ -115,12 +116,8 @@ class SystemMotion:
 
 def _relative_matrix(system: MechanicalSystem, name: str) -> np.ndarray:
     """I - e a: subtracts from x the value a x of a coordinate or of a constraint row, in the coordinates e of its unit."""
-    rows = {row.name: (row.coefficients, row.unit) for row in system.rows}
-    rows |= {own: (row, system.units[own]) for own, row in zip(system.names, np.eye(system.size))}
-    if name not in rows:
-        raise InputError(f"relative_to: there is no coordinate or constraint row {name!r}{nearest(name, tuple(rows))}")
-    coefficients, unit = rows[name]
-    return np.eye(system.size) - np.outer([own == unit for own in system.units.values()], coefficients)
+    other = reference(system, name)
+    return np.eye(system.size) - np.outer([own == other.unit for own in system.units.values()], other.direction)
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -189,13 +189,13 @@ def serving_reduction(
     """
     if rank_tolerance is not None:
         raise NotReducible("a rank tolerance is given, and the reduced equations decide no rank")
-    if force.impulses or force.later:
-        raise NotReducible("the force contains Dirac impulses")
     reduction = A.reduction
     if isinstance(reduction, NotReducible):
         raise NotReducible(str(reduction))
     if not reduction.is_finite:
         raise NotReducible("the reduced equations leave the range of float64")
+    if force.impulses or force.later:
+        _check_impulses(reduction, force)
     restarts = len(force.knots) - 1
     if reduction.is_small and restarts:  # sums of modes may cancel at any of them
         raise NotReducible(f"the force restarts at {counted(restarts, 'time')}")
@@ -207,6 +207,17 @@ def serving_reduction(
         if not proved and reduction.drives_unstable_part:
             raise NotReducible("a part is one-way coupled to an unstable part")
     return reduction
+
+
+def _check_impulses(reduction: Reduction, force: ImpulsiveSmooth) -> None:
+    """Impulses on masses and dampers make their velocities and places jump, and no coordinate has an impulse."""
+    if reduction.is_small:  # the jumps of the velocities are rounded
+        raise NotReducible("the force contains Dirac impulses")
+    loads = [force.impulses, *(load.impulses for load in force.later)]
+    if any(len(load) > 1 and any(part.any() for part in load[1:]) for load in loads):
+        raise NotReducible("the force contains derivatives of Dirac impulses")
+    if any(part[reduction.algebraic].any() for load in loads for part in load[:1]):
+        raise NotReducible("the force contains Dirac impulses on algebraic equations")
 
 
 def _is_stiff(reduction: Reduction) -> bool:
@@ -293,7 +304,7 @@ def _cost_of_powers(flow: Flow, times: np.ndarray) -> float | None:
 def _cost_of_steps(flow: Flow, shape: tuple[int, int], times: np.ndarray) -> float | None:
     """Of steps where the times are the first knots of the force, and these even; else None."""
     knots, count = flow.knots, len(times)
-    if not FEWEST_KNOTS <= count <= len(knots) or not np.array_equal(times, knots[:count]):
+    if flow.force.later or not FEWEST_KNOTS <= count <= len(knots) or not np.array_equal(times, knots[:count]):
         return None
     gaps = shared_gaps(times)
     if (gaps != gaps[0]).any():

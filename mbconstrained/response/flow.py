@@ -21,7 +21,7 @@ from ..linalg.exponential.powers import Propagator
 from ..linalg.scaling import balanced_norm
 from ..polynomial.reduced_equations import Reduction
 from ..signals.bohl import BohlFunction
-from ..signals.impulsive import ImpulsiveSmooth
+from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .events import Event
 from .forcing import Driven, units_of_pieces
 from .methods.finite_motion import FinitePart, driven_motion
@@ -94,11 +94,12 @@ class Flow:
 
     Attributes:
         reduction: the equations w' = S w + ....
-        force: f, its states v.
+        force: f, its states v; Dirac impulses, none of their derivatives, on rows with mass or dampers only.
         initial: x^(i)(0-) as row i, shape (q, r).
         start: w at 0+, shape (n,).
         excitation: D with w' = S w + D v, shape (n, m).
         output: P, shape (r, n + m).
+        impulsive: the jumps of w by Dirac impulses at the knots of the force, shape (n, K); None where there are no impulses.
     """
 
     reduction: Reduction
@@ -107,6 +108,7 @@ class Flow:
     start: np.ndarray
     excitation: Matrix
     output: Matrix
+    impulsive: np.ndarray | None = None
 
     @classmethod
     def of(cls, reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> Flow:
@@ -115,14 +117,17 @@ class Flow:
         Args:
             reduction: the reduced equations.
             initial: x^(i)(0-) as row i, shape (q, r); satisfying the algebraic equations.
-            force: f without Dirac impulses.
+            force: f; its Dirac impulses on rows with mass or dampers only, and not their derivatives.
 
         Returns:
             The ``Flow``.
         """
         smooth, start = force.smooth, reduction.state(initial)
+        impulsive = _jumps_by_impulses(reduction, force)
+        if impulsive is not None:
+            start = start + impulsive[:, 0]
         if not smooth.blocks:
-            return cls(reduction, force, initial, start, zeros_of_kind((len(start), 0), reduction.K), reduction.output)
+            return cls(reduction, force, initial, start, zeros_of_kind((len(start), 0), reduction.K), reduction.output, impulsive)
         J, columns = (of_like_kind(matrix, reduction.K) for matrix in (smooth.generator, smooth.coefficients))
         algebraic, right = columns[reduction.algebraic], columns[np.concatenate([reduction.second, reduction.first])]
         output = hstack(reduction.output, reduction.Y @ algebraic)
@@ -131,7 +136,7 @@ class Flow:
                 right, algebraic = right - matrix @ algebraic, algebraic @ J
         accelerations, rates = reduction.solved(right)
         excitation = vstack(zeros_of_kind(accelerations.shape, reduction.K), accelerations, rates)
-        return cls(reduction, force, initial, start, excitation, output)
+        return cls(reduction, force, initial, start, excitation, output, impulsive)
 
     def after(self, knot: int, states: np.ndarray) -> Flow:
         """The motion after a knot of the force as one of its own, for states w there.
@@ -198,7 +203,7 @@ class Flow:
     def _modal(self) -> tuple[BohlFunction, float]:
         smooth, n = self.force.smooth, len(self.start)
         m, free = smooth.coefficients.shape[1], self.reduction.decoupled
-        if not m:
+        if not m and len(self.knots) == 1:
             return BohlFunction(np.zeros((0, n)), free.blocks, free.coordinates(self.start)), free.coupling
         units = np.ones(m)
         for block, at in zip(smooth.blocks, block_slices(smooth.blocks)):
@@ -206,8 +211,8 @@ class Flow:
             units[at] = sizes if sizes is not None and sizes.max() <= STEEPEST else 1.0
         generator, through = smooth.generator * units / units[:, None], np.eye(n + m)[:, n:] * units
         driven = Driven(full(self.excitation) * units, generator, through, units)
-        no_jumps = np.broadcast_to(np.zeros((n, 1)), (n, len(self.knots) - 1))
-        part = FinitePart(free, scipy.sparse.eye_array(n + m, n), driven, self.start, no_jumps, 1.0, np.ones(n + m))
+        jumps = np.broadcast_to(np.zeros((n, 1)), (n, len(self.knots) - 1)) if self.impulsive is None else self.impulsive[:, 1:]
+        part = FinitePart(free, scipy.sparse.eye_array(n + m, n), driven, self.start, jumps, 1.0, np.ones(n + m))
         return driven_motion(part, self.force)
 
     @cached_property
@@ -265,16 +270,19 @@ class Flow:
     @cached_property
     def jump(self) -> np.ndarray:
         """x^(i)(0+) - x^(i)(0-), shape (q, r)."""
-        if len(self.reduction.second) == self.initial.shape[1]:  # all values are states, which do not jump
+        if (
+            self.impulsive is None and len(self.reduction.second) == self.initial.shape[1]
+        ):  # all values are states, which do not jump
             return np.zeros(self.initial.shape)
         return self.derivatives_less(self.start_with_force[:, None], self.initial[..., None])[..., 0]
 
     def jumps(self, initial: np.ndarray) -> np.ndarray:
         """The same for other values at 0-, shape (S, q, r), which satisfy the algebraic equations; of this shape."""
-        if len(self.reduction.second) == initial.shape[2]:
+        if self.impulsive is None and len(self.reduction.second) == initial.shape[2]:
             return np.zeros(initial.shape)
         force = np.repeat(self.force.smooth.start_at_zero[:, None], len(initial), axis=1)
-        states = np.concatenate([self.reduction.states(initial), force])
+        own = self.reduction.states(initial)
+        states = np.concatenate([own if self.impulsive is None else own + self.impulsive[:, :1], force])
         return self.derivatives_less(states, initial.transpose(1, 2, 0)).transpose(2, 0, 1)
 
     @cached_property
@@ -311,13 +319,29 @@ class Flow:
 
     def _later_jumps(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """For each of x, x', ... the rows that jump where the states of the force do, and by how much, shape (rows, K)."""
-        changes, n, G = self.force.smooth.restarts.jumps[:, 1:], len(self.start), self.generator
+        changes, G = self.force.smooth.with_knots(self.knots).restarts.jumps[:, 1:], self.generator
+        own = np.zeros((len(self.start), 0)) if self.impulsive is None else self.impulsive[:, 1:]
+        used = np.append(own.any(axis=1), np.ones(len(changes), dtype=bool))
+        changes = np.concatenate([own if own.size else np.zeros((len(own), changes.shape[1])), changes])[used]
         jumps, matrix, bound = [], self.output, abs(self.output)
         for order in range(len(self.initial)):
             if order:
                 matrix, bound = matrix @ G, bound @ abs(G)
-            through, size = full(matrix[:, n:]), full(bound[:, n:])
+            through, size = full(matrix[:, used]), full(bound[:, used])
             rows = np.flatnonzero(through.any(axis=1))
             values = through[rows] @ changes
             jumps.append((rows, np.where(np.abs(values) <= noise_of(size[rows] @ np.abs(changes)), 0.0, values)))
         return jumps
+
+
+def _jumps_by_impulses(reduction: Reduction, force: ImpulsiveSmooth) -> np.ndarray | None:
+    """Of w at the knots of a force: M x_m'' + C_md x_d' and C_dd x_d' contain its impulses, all else is finite."""
+    if not (force.impulses or force.later):
+        return None
+    m, rows = len(reduction.second), np.concatenate([reduction.second, reduction.first])
+    right = np.zeros((len(rows), len(force.knots)))
+    for load in (ImpulsiveLoad(0.0, force.impulses), *force.later):
+        for impulse in load.impulses:
+            right[:, np.searchsorted(force.knots, load.time)] += impulse[rows]
+    accelerations, rates = reduction.solved(of_like_kind(right, reduction.K))
+    return full(vstack(zeros_of_kind((m, right.shape[1]), reduction.K), accelerations, rates))

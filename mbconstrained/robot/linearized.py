@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ground.checks import OF_FUNCTION, nearest
+from ..ground.checks import OF_FUNCTION, nearest, real_number
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, NOISE_SAFETY, SYMMETRIC_STIFFNESS, noise_of
+from ..mechanics.channels import Side, channels, chosen_by_name
 from ..mechanics.constraints import Constraint, Level, checked_level
 from ..mechanics.energy import EnergyParts
 from ..mechanics.system import MechanicalSystem
+from ..mechanics.vibration.harmonic_equations import frequency_response
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
 from .connections import PointMotion
@@ -21,6 +24,7 @@ from .equilibrium import rows_of
 from .flexible_joint import FlexibleJoint
 
 if TYPE_CHECKING:
+    from ..frequency.frequency_response import FrequencyResponse
     from .flexible_joint import WithoutMotors
     from .posture import Posture
 
@@ -72,15 +76,8 @@ class LinearizedRobot(MechanicalSystem):
                 "stiffness": self._with_motors(rounding),
             },
         )
-        for name in _by_name(inputs, "inputs"):
-            if name in self.names:
-                raise InputError(
-                    f'input "{name}": this is the name of a coordinate, on which forces can act anyway; choose another'
-                )
-        self.inputs = {str(name): self._input(value, f'input "{name}"') for name, value in inputs.items()}
-        self.outputs = {str(name): self._row(value, f'output "{name}"') for name, value in _by_name(outputs, "outputs").items()}
-        self.output_units = {str(name): self._unit(value) for name, value in outputs.items()}
-        self.input_units = {str(name): self._unit(value) for name, value in inputs.items()}
+        self.inputs, self.input_units = self._directions("input", inputs)
+        self.outputs, self.output_units = self._directions("output", outputs)
 
     @property
     def flexible_joints(self) -> tuple[tuple[int, FlexibleJoint], ...]:
@@ -91,6 +88,11 @@ class LinearizedRobot(MechanicalSystem):
     def notices(self) -> tuple[Notice, ...]:
         """Of the posture, of the matrices and of the constraint rows."""
         return (*self.posture.notices, *self._notices, *super().notices)
+
+    def named_directions(self, side: Side) -> Mapping[str, tuple[np.ndarray, str]]:
+        """Those of the inputs, or of the outputs, with units."""
+        directions, units = (self.inputs, self.input_units) if side == "inputs" else (self.outputs, self.output_units)
+        return {name: (direction, units[name]) for name, direction in directions.items()}
 
     @property
     def output_matrix(self) -> np.ndarray:
@@ -119,6 +121,81 @@ class LinearizedRobot(MechanicalSystem):
             known = (*self.inputs, *self.names)
             raise InputError(f'there is no input or coordinate "{name}"{nearest(name, known)}')
         return np.eye(self.size)[self.names.index(name)]
+
+    def prescribe(
+        self, motions: Mapping[str, ImpulsiveSmooth | float] | Sequence[str] | str, level: Level = "position"
+    ) -> LinearizedRobot:
+        """The same robot with prescribed motions: signals that joints, points or a moving base follow.
+
+        The multiplier of a row is the force or torque that its motion needs, in addition to that at rest.
+
+        Args:
+            motions: by name of a coordinate, an output or a row of a loop: the signal, with one row, of its deviation from the
+                posture, or a constant. Names alone stand for 0: motors that hold joints, and inputs of frequency responses.
+            level: the derivative that is given, "position", "velocity" or "acceleration".
+
+        Returns:
+            A system with rows "motion of NAME", which are inputs of ``frequency_response``; a row that there is already, as
+            those of a moving base, takes the signal and the level.
+
+        Raises:
+            InputError: unknown names, signals with several rows.
+            ContradictoryConstraints: rows that are dependent, with different values.
+
+        >>> from mbconstrained import Robot
+        >>> urdf = '''<robot name="pendulum"><link name="base"/><link name="rod"><inertial><mass value="2"/>
+        ...   <origin xyz="0 0 -0.5"/><inertia ixx="0.1" iyy="0.1" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        ...   <joint name="hinge" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint></robot>'''
+        >>> robot = Robot(urdf, base="moving")
+        >>> system = robot.linearize(robot.equilibrium())
+        >>> H = system.frequency_response([0.0, 1000.0], ["motion of base x"], ["hinge"])
+        >>> H.values.real.round(3).ravel().tolist()  # at last m l / (I + m l^2) with l = 0.5 m: the rod turns about a point at rest
+        [0.0, 1.667]
+        """
+        values = motions if isinstance(motions, Mapping) else dict.fromkeys([motions] if isinstance(motions, str) else motions, 0.0)
+        known, rows = channels(self, "outputs"), {row.name: row.constraint() for row in self.rows}
+        for name, value in values.items():
+            if not isinstance(value, ImpulsiveSmooth):
+                value = real_number(value, f"motion of {name}")
+            label = name if name in rows else f"motion of {name}"
+            (channel,) = chosen_by_name("motions", label if label in rows else name, known, ())
+            doubt = rows[label].uncertainty if label in rows else None
+            rows[label] = Constraint(np.atleast_2d(channel.direction), level, value, label, channel.unit, doubt)
+        bare = copy(self)
+        bare.constraints = ()
+        return bare.with_constraints(*rows.values())
+
+    def frequency_response(self, frequencies_hz="auto", inputs=None, outputs=None, *arguments, **named) -> FrequencyResponse:
+        """As of every mechanical system, with inputs and outputs of its own: joints and points.
+
+        Args:
+            frequencies_hz: in Hz, or "auto".
+            inputs: names of coordinates, rows and ``inputs``, or a mapping from new names to joints and ``PointMotion``: forces
+                and torques that act there.
+            outputs: names of coordinates, rows and ``outputs``, or such a mapping: what moves.
+            arguments, named: see ``MechanicalSystem.frequency_response``.
+
+        Returns:
+            The response.
+
+        Raises:
+            InputError: unknown names, quantities that do not fit.
+
+        >>> from mbconstrained import PointMotion, Robot
+        >>> urdf = '''<robot name="arm"><link name="base"/><link name="rod"><inertial><mass value="2"/>
+        ...   <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        ...   <joint name="j1" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint></robot>'''
+        >>> robot = Robot(urdf, joint_stiffness={"j1": 50.0})
+        >>> tip = {"tip": PointMotion("rod", (1, 0, 0), along=(0, 0, 1))}
+        >>> robot.linearize(robot.equilibrium()).frequency_response([0.0], tip, tip).values.real.item()
+        0.02
+        """
+        system = copy(self)
+        if isinstance(inputs, Mapping):
+            (system.inputs, system.input_units), inputs = self._directions("input", inputs), list(inputs)
+        if isinstance(outputs, Mapping):
+            (system.outputs, system.output_units), outputs = self._directions("output", outputs), list(outputs)
+        return frequency_response(system, frequencies_hz, inputs, outputs, *arguments, **named)
 
     def without_motors(self) -> WithoutMotors:
         """The same motion with the motors of flexible joints eliminated: a polynomial matrix of degree 4."""
@@ -162,6 +239,17 @@ class LinearizedRobot(MechanicalSystem):
             hint = nearest(str(value), self.names)
             raise InputError(f"{what}: found {value!r}{hint}; expected the name of a joint, or mb.PointMotion(body, ...)")
         return row
+
+    def _directions(self, what: str, values) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+        """Inputs or outputs by name over the coordinates, with their units."""
+        directions, row = {}, self._input if what == "input" else self._row
+        for name, value in _by_name(values, f"{what}s").items():
+            if what == "input" and name in self.names:
+                raise InputError(
+                    f'input "{name}": this is the name of a coordinate, on which forces can act anyway; choose another'
+                )
+            directions[str(name)] = row(value, f'{what} "{name}"')
+        return directions, {str(name): self._unit(value) for name, value in values.items()}
 
     def _input(self, value, what: str) -> np.ndarray:
         motor = f"{value} motor"

@@ -24,7 +24,7 @@ import scipy.linalg
 from ..ground.checks import counted
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import LOOP_RANK, LOOP_RANK_DOUBTFUL, LOOP_RANK_EXACT, LOOP_RANK_TILTED, SINGULAR_POSTURE
+from ..ground.tolerances import LEFT_OPEN, LOOP_RANK, LOOP_RANK_DOUBTFUL, LOOP_RANK_EXACT, LOOP_RANK_TILTED, SINGULAR_POSTURE
 from .balance import Balance
 from .equilibrium import Rows, rows_of
 
@@ -66,18 +66,26 @@ def loop_rows(balance: Balance, rounded: str = "") -> LoopRows:
     kept = tuple(sorted(order[: rows.rank].tolist()))
     empty = np.abs(J).max(axis=1, initial=0.0) <= LOOP_RANK
     notices = _redundant({load.row_names[row]: bool(empty[row]) for row in range(len(J)) if row not in kept})
-    return LoopRows(kept, (*notices, *_narrow(rows, rounded)))
+    return LoopRows(kept, (*notices, *_narrow(rows, np.abs(rows.combinations.T @ balance.scaled_gaps).max(initial=0.0), rounded)))
 
 
-def _narrow(rows: Rows, rounded: str) -> list[Notice]:
-    """Notices on an unclear rank."""
+def _narrow(rows: Rows, open_by: float, rounded: str) -> list[Notice]:
+    """Notices on an unclear rank, rounded data among the reasons: they leave loops open by as much as rows are independent."""
     notices, values, rank = [], rows.relative, rows.rank
     if rank < len(values) and values[rank] > LOOP_RANK_EXACT:
-        text = (
-            f"rows of the loops that were left out are dependent to {values[rank]:.1e} only, as where axes in the URDF are "
-            "rounded; if this is meant, the robot is near a singular posture: choose another"
-        )
-        notices.append(Notice(NoticeKind.RANK, text))
+        text = f"rows of the loops that were left out are dependent to {values[rank]:.1e} only"
+        if rounded or open_by > LEFT_OPEN * values[rank]:
+            text += (
+                ", as where axes in the URDF are rounded; if this is meant, the robot is near a singular posture: choose another"
+            )
+            notices.append(Notice(NoticeKind.RANK, text))
+        else:
+            fewer = counted(int((values[rank:] > LOOP_RANK_EXACT).sum()), "motion")
+            text += (
+                f", and no rounded number explains it: with these rows the robot has {fewer} less; remove the redundant loop, or "
+                "make its dimensions agree with the others"
+            )
+            notices.append(Notice(NoticeKind.RANK, text, doubtful=True))
     if rank and values[rank - 1] < LOOP_RANK_DOUBTFUL:
         text = (
             f"the rows of the loops are almost dependent (relative singular value {values[rank - 1]:.1e}): the posture is near a "

@@ -9,21 +9,25 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from ..ground.checks import nearest, real_array, real_number
+from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..mechanics.constraints import Level
 from .connections import BodySpring, Bushing, Loop, PointMotion
-from .description.urdf import checked_tree, link_masses, mimics_of, read_urdf, skeleton
+from .description.urdf import checked_tree, link_masses, mimics_of, read_urdf, root_link, skeleton
 from .flexible_joint import FlexibleJoint
 from .kinematics import Tree, built_model
 from .linearized import LinearizedRobot
 from .mechanism import LinkFrames, checked_connections
 from .posture import Posture, find_posture
-from .tangent import Tangent, locked_values, mimic_rows
+from .tangent import BASE, Tangent, locked_values, mimic_rows
 
 if TYPE_CHECKING:
     from .description.visuals import Visual
     from .visualization import ConnectionPoints, Poses
+
+
+_ORIGIN = (0.0, 0.0, 0.0)
 
 
 class Robot(Displayed):
@@ -33,7 +37,8 @@ class Robot(Displayed):
         urdf: the path of a .urdf file, or the XML text itself. Collision geometry is never read.
         loops: joints that close loops, ``Loop``.
         springs: connections between bodies, ``BodySpring`` and ``Bushing``.
-        base: "fixed" to the ground, or "free".
+        base: "fixed" to the ground; "free"; or "moving", with a prescribed motion: it rests at the origin unless
+            ``LinearizedRobot.prescribe`` moves it, and the rows "motion of base x" ... "rz" are inputs of frequency responses.
         joint_stiffness: spring constants by joint with one degree of freedom (N m/rad, N/m).
         joint_rest: values of these joints without spring force (rad, m), 0 by default; of a continuous joint modulo a full turn.
         joint_damping: damping constants by joint (N m s/rad, N s/m), in addition to those of the URDF.
@@ -62,7 +67,7 @@ class Robot(Displayed):
         urdf: str | Path,
         loops: Sequence[Loop] = (),
         springs: Sequence[BodySpring | Bushing] = (),
-        base: Literal["fixed", "free"] = "fixed",
+        base: Literal["fixed", "free", "moving"] = "fixed",
         joint_stiffness: Mapping[str, float] | None = None,
         joint_rest: Mapping[str, float] | None = None,
         joint_damping: Mapping[str, float] | None = None,
@@ -75,18 +80,21 @@ class Robot(Displayed):
         text, self.folder = read_urdf(urdf)
         self.description = checked_tree(text)
         self.name = str(name or self.description.get("name") or "robot")
-        if base not in ("fixed", "free"):
-            raise InputError(f'base: found {base!r}{nearest(str(base), ("fixed", "free"))}; expected "fixed" or "free"')
+        if base not in (bases := ("fixed", "free", "moving")):
+            raise InputError(f'base: found {base!r}{nearest(str(base), bases)}; expected "fixed", "free" or "moving"')
         if isinstance(package_dirs, str) or not all(isinstance(folder, (str, Path)) for folder in package_dirs):
             raise InputError(f"package_dirs: found {package_dirs!r}; expected a list of folders")
         self.package_dirs = tuple(Path(folder) for folder in package_dirs)
         mimics = mimics_of(self.description)
         self.locked = locked_values(locked, mimics)
-        self.tree = Tree(built_model(skeleton(self.description), base == "free", self.locked, _gravity(gravity)))
-        self.tangent = Tangent(self.model, base == "free", tuple(self.locked))
+        self.tree = Tree(built_model(skeleton(self.description), base != "fixed", self.locked, _gravity(gravity)))
+        self.tangent = Tangent(self.model, base != "fixed", tuple(self.locked))
         self.link_frames = LinkFrames(self.model, link_masses(self.description))
         self.mimic_rows = mimic_rows(mimics, self.tangent)
-        self.loops = checked_connections(loops, (Loop,), "loops", self.link_frames)
+        given = checked_connections(loops, (Loop,), "loops", self.link_frames)
+        support = Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
+        self.moving_base = support if base == "moving" else None
+        self.loops = given if base != "moving" else checked_connections((*given, support), (Loop,), "loops", self.link_frames)
         self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
         self._set_joints(joint_stiffness, joint_rest, joint_damping, flexible_joints)
 

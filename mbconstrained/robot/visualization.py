@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -27,6 +27,9 @@ DRAWING_GAP = 1e-5
 
 #: Chord steps with the Jacobian of the posture before Gauss-Newton steps with that of the configuration itself.
 MOST_CHORDS = 6
+
+#: A base that moves has the first coordinates.
+BASE_COORDINATES = 6
 
 
 @dataclass(frozen=True)
@@ -73,21 +76,27 @@ def link_poses(posture: Posture, displacements, scale: float = 1.0) -> dict[str,
 def _onto_loops(posture: Posture) -> Callable[[np.ndarray], np.ndarray]:
     """From a configuration near the posture to one with closed loops.
 
-    Chord steps with the Jacobian of the posture come first, since they need no new derivatives; then Gauss-Newton steps.
+    Chord steps with the Jacobian of the posture come first, since they need no new derivatives; then Gauss-Newton steps. A base
+    with a prescribed motion stays where it is moved to.
     """
-    balance, load = posture.balance, posture.balance.load
+    robot, load, free = posture.robot, posture.balance.load, np.ones(len(posture.balance.load.units), bool)
+    if robot.moving_base is not None:
+        load = replace(load, loops=tuple(item for item in load.loops if item.connection != robot.moving_base))
+        free[:BASE_COORDINATES] = False
     if not load.has_rows:
         return lambda q: q
-    everywhere = Search(posture.robot.tree, load, np.ones(len(load.units), bool))
-    rows = rows_of(balance.scaled_jacobian)
+    search = Search(robot.tree, load, free)
+    rows = rows_of(search.at(posture.configuration).scaled_jacobian[:, free])
 
     def on_loops(q: np.ndarray) -> np.ndarray:
-        here = everywhere.at(q)
+        here = search.at(q)
         for _ in range(MOST_CHORDS):
             if np.abs(here.scaled_gaps).max() <= DRAWING_GAP:
                 return here.configuration
-            here = everywhere.moved(here, -rows.shortest(here.scaled_gaps) * load.lengths)
-        return closed(everywhere, q).configuration
+            step = np.zeros(len(free))
+            step[free] = -rows.shortest(here.scaled_gaps)
+            here = search.moved(here, step * load.lengths)
+        return closed(search, q).configuration
 
     return on_loops
 
@@ -111,10 +120,12 @@ class ConnectionPoints:
 
 
 def connection_points(posture: Posture) -> tuple[ConnectionPoints, ...]:
-    """The ends of all loops, then of all springs."""
+    """The ends of all loops, then of all springs; a base that is moved is not drawn as a loop."""
     load, points = posture.balance.load, []
     for item in (*load.loops, *load.springs):
         connection = item.connection
+        if connection == posture.robot.moving_base:
+            continue
         ends = [
             _in_body(posture, body, anchor) for body, anchor in ((connection.body1, item.first), (connection.body2, item.second))
         ]

@@ -9,7 +9,7 @@ from tests.audits.source import FILES, MODULES, expect_none, functions, imports,
 
 #: The rooms, lowest first. A file imports its own room and lower rooms.
 LAYERS = (
-    *("ground", "exchange", "linalg", "signals", "polynomial", "response", "exact", "frequency", "papers"),  # arrays in, arrays out
+    *("ground", "exchange", "linalg", "signals", "polynomial", "response", "frequency", "exact", "papers"),  # arrays in, arrays out
     *("mechanics", "control", "models", "robot"),
     *("page", "scene", "studies", "cli", "docs", "__main__"),
 )

@@ -121,6 +121,16 @@ def test_what_is_cleaned_away_before_the_elimination_is_told():
     assert not decision.clear and len(decision.singular_values) == 2
 
 
+def test_an_entry_that_could_not_have_raised_the_rank_leaves_the_decision_clear():
+    """Three columns allow a rank of three, with the entry near its noise and without it; of a square matrix it decides."""
+    regular = Noisy(np.array([[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [8e-16, 0.0, 1.0]]), np.full((4, 3), 1e-16))
+    decision = compress_rows(regular).decision
+    assert decision.rank == 3 and decision.largest_dropped == pytest.approx(0.5)
+    assert decision.is_structural and decision.clear and not decision.singular_values
+    deciding = compress_rows(Noisy(np.array([[1.0, 0.0], [1.0, 8e-16]]), np.array([[0.0, 0.0], [0.0, 1e-16]]))).decision
+    assert deciding.rank == 1 and not deciding.is_structural and not deciding.clear
+
+
 def test_all_rows_are_independent_where_that_was_decided():
     decided = RankDecision(2, 1.0, 0.0)
     found = compress_rows(Noisy.rounded(np.ones((2, 2))), decided=decided)

@@ -156,10 +156,11 @@ def test_relative_motion_is_that_to_a_row_or_a_coordinate():
         values = rate(TIMES)
         expected = values - values[0]
         assert (rate(TIMES, relative_to="base") == expected).all() and (rate(TIMES, relative_to="road") == expected).all(), order
+    assert (x.displacement(TIMES, relative_to="ground") == x(TIMES)).all()
     both = quarter_car(SINE).solve(displacement=[[0.0, 0.0], [0.0, 1.0]])
     assert both.displacement(TIMES, relative_to="base").shape == (2, 2, len(TIMES))
     assert (both.displacement(1.0, relative_to="base")[:, 0] == 0.0).all()
-    with pytest.raises(mb.InputError, match="no coordinate or constraint row 'bse'; did you mean \"base\""):
+    with pytest.raises(mb.InputError, match='relative_to: there is no "bse"; did you mean "base"'):
         x.displacement(TIMES, relative_to="bse")
 
 

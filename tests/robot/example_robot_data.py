@@ -46,3 +46,44 @@ def talos():
     stiffness, damping = dict.fromkeys(guess, 3000.0), dict.fromkeys(guess, 10.0)
     robot = mb.Robot(path, loops=loops, base="free", joint_stiffness=stiffness, joint_rest=guess, joint_damping=damping)
     return robot, {**guess, "base": sitting["root_joint"]}
+
+
+#: Legged robots: URDF, SRDF with a posture (None: all joints at 0), feet, and what each foot does to the ground.
+LEGGED = {
+    "anymal c": (
+        "anymal_c_simple_description/urdf/anymal.urdf",
+        "anymal_c_simple_description/srdf/anymal.srdf",
+        "LF_FOOT RF_FOOT LH_FOOT RH_FOOT",
+        "point",
+    ),
+    "hyq": (
+        "hyq_description/robots/hyq_no_sensors.urdf",
+        "hyq_description/srdf/hyq.srdf",
+        "lf_foot rf_foot lh_foot rh_foot",
+        "point",
+    ),
+    "go1": ("go1_description/urdf/go1.urdf", "go1_description/srdf/go1.srdf", "FL_foot FR_foot RL_foot RR_foot", "point"),
+    "g1": ("g1_description/urdf/g1_29dof_rev_1_0.urdf", None, "left_ankle_roll_link right_ankle_roll_link", "rigid"),
+    "romeo": ("romeo_description/urdf/romeo_small.urdf", "romeo_description/srdf/romeo_small.srdf", "l_sole r_sole", "rigid"),
+}
+
+
+def standing(name: str, seed: int):
+    """(robot, guess): on three or four feet, or on two soles, near the posture of the SRDF; joint springs and dampers of any size."""
+    rng = np.random.default_rng(seed)
+    urdf, srdf, feet, kind = LEGGED[name]
+    tree = ElementTree.parse(file(srdf)) if srdf else ElementTree.ElementTree(ElementTree.Element("robot"))
+    state = next(tree.iter("group_state"), ())
+    given = {item.get("name"): [float(x) for x in item.get("value").split()] for item in state}
+    bare = mb.Robot(file(urdf), base="free")
+    guess = {}
+    for joint in bare.joints[1:]:
+        low, high = bare.limits.get(joint, (-np.inf, np.inf))
+        value = given.get(joint, [0.0])[0] + 0.1 * rng.standard_normal()
+        guess[joint] = float(np.clip(value, low + 0.01, high - 0.01))
+    standing_on = feet.split()[: rng.integers(3, 5)]
+    loops = [mb.Loop(foot, (0, 0, 0), "ground", kind=kind, name=foot) for foot in standing_on]
+    stiffness, damping = ({name: float(10 ** rng.uniform(*decades)) for name in guess} for decades in ((1.5, 3.5), (-1, 1)))
+    robot = mb.Robot(file(urdf), loops=loops, base="free", joint_stiffness=stiffness, joint_rest=guess, joint_damping=damping)
+    base = next((value for value in given.values() if len(value) == 7), [0, 0, 1, 0, 0, 0, 1])
+    return robot, {**guess, "base": base}

@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pinocchio as pin
 import pytest
+import scipy.linalg
 
 import mbconstrained as mb
 from tests.robot import example_robot_data
@@ -73,6 +74,24 @@ def test_talos_stiffness_is_the_derivative_of_all_forces(talos):
     zeros = np.linalg.eigvals(A)
     known = np.sort(np.abs(zeros[zeros.imag > 1e-6]))
     assert system.modes().natural_frequencies == pytest.approx(known, rel=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("name", example_robot_data.LEGGED)
+def test_legged_robots_are_trusted_where_they_are_right(name, seed):
+    """The motion against the matrix exponential of the equations on an orthonormal basis of null(J)."""
+    robot, guess = example_robot_data.standing(name, seed)
+    system = robot.linearize(robot.equilibrium(guess, hold="all"))
+    N = null_space(system.constraint_matrix)
+    start = 0.01 * N @ np.random.default_rng(seed).standard_normal(N.shape[1])
+    motion = system.solve(displacement=start)
+    M, C, K = (N.T @ matrix @ N for matrix in (system.mass, system.damping, system.stiffness))
+    n, times = len(M), np.linspace(0.0, 1.0, 11)
+    A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+    known = np.array([N @ (scipy.linalg.expm(A * t)[:n, :n] @ (N.T @ start)) for t in times]).T
+    error = np.abs(motion.displacement(times) - known).max() / np.abs(known).max()
+    assert error <= max(motion.error_estimate(times), 1e-11) <= 1e-6
+    assert not [notice.text for notice in motion.notices if notice.doubtful]
 
 
 ARMS = {

@@ -76,3 +76,38 @@ def test_a_gap_that_rounding_cannot_make_is_not_blamed_on_it():
     with pytest.raises(mb.InputError) as problem:
         robot.equilibrium(GUESS)
     assert "rounded" not in str(problem.value)
+
+
+def crossed_crank(turned: float) -> tuple[mb.Robot, dict]:
+    """A parallelogram with a third crank that closes exactly but is turned: with it nothing moves, parallel it moves."""
+    end = np.array([0.25, 0.0]) + 0.3 * np.array([np.cos(1.2), np.sin(1.2)])
+    pivot = end - 0.3 * np.array([np.cos(1.2 + turned), np.sin(1.2 + turned)])
+    parts = [bar(name, 0.5, 0.5 if name == "coupler" else 0.3) for name in ("crank", "coupler", "rocker", "third")]
+    joints = [
+        joint(name, parent, child, at=(*at, 0))
+        for name, parent, child, at in [
+            ("j1", "frame", "crank", (0, 0)),
+            ("j2", "crank", "coupler", (0.3, 0)),
+            ("j3", "frame", "rocker", (0.5, 0)),
+            ("j4", "frame", "third", pivot.tolist()),
+        ]
+    ]
+    pins = [mb.Loop("coupler", (at, 0, 0), body, (0.3, 0, 0), name=body) for at, body in ((0.5, "rocker"), (0.25, "third"))]
+    robot = mb.Robot(urdf(GROUND, *parts, *joints), loops=pins, joint_stiffness={"j1": 20.0}, joint_rest={"j1": 1.2})
+    return robot, {"j1": 1.2, "j2": -1.2, "j3": 1.2, "j4": 1.2 + turned}
+
+
+@pytest.mark.parametrize("digits", range(2, 12))
+def test_a_redundant_crank_that_is_nearly_parallel_on_purpose_is_never_trusted_to_move(digits):
+    robot, guess = crossed_crank(10.0**-digits)
+    posture = robot.equilibrium(guess, hold="all")
+    freedom = len(robot.coordinates) - len(posture.independent_rows)
+    assert freedom == 0 or any(notice.doubtful and "less" in notice.text for notice in posture.notices)
+
+
+@pytest.mark.parametrize("turned", [0.0, 1e-15])
+def test_a_parallel_crank_is_redundant_without_a_doubt(turned):
+    robot, guess = crossed_crank(turned)
+    posture = robot.equilibrium(guess)
+    assert len(robot.coordinates) - len(posture.independent_rows) == 1
+    assert not any(notice.doubtful for notice in posture.notices)

@@ -20,6 +20,7 @@ from ...ground.coordinate_units import force_unit, rate_unit
 from ...ground.errors import InputError
 from ...linalg.arrays import full
 from ...polynomial.polynomial_matrix import PolynomialMatrix
+from ..channels import Channel, channels, chosen_by_name, coordinate_channels, reference, row_channels
 from ..element_matrix import ElementMatrix
 from ..element_matrix import modal_damping as modal_damping_elements
 from ..energy import CoordinatePart
@@ -65,6 +66,7 @@ def frequency_response(
     quantity: str = "receptance",
     modal_damping=None,
     loss_factor=None,
+    relative_to: str | None = None,
 ) -> FrequencyResponse:
     """The steady answer to harmonic loads: f e^{+i w t} gives H(i w) f e^{+i w t}, entry by entry with an error estimate.
 
@@ -81,6 +83,8 @@ def frequency_response(
         modal_damping: damping ratios in addition to C: one for all modes, or one for each, ascending by frequency.
         loss_factor: eta of structural damping, K (1 + i eta), of the whole model or by name of the springs. It exists for
             harmonic motion only: in time it would answer before the load.
+        relative_to: a coordinate or a constraint row, such as a moving base: its motion is subtracted from the outputs of its
+            unit. "ground" is absolute motion.
 
     Returns:
         A ``FrequencyResponse``: ``values`` (outputs, inputs, F), ``error_estimate``, ``poles``, ``residues``, ``peaks``, ...
@@ -96,15 +100,15 @@ def frequency_response(
     >>> bool(np.isclose(abs(T.values.item()), 1.0)), T.units.item()  # at sqrt(2) times the natural frequency
     (True, '1')
     """
-    harmonic = harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor)
+    harmonic = harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to)
     return evaluated(harmonic, frequencies_hz)
 
 
-def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor) -> Harmonic:
+def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to=None) -> Harmonic:
     """The matrices of one response; arguments as of ``frequency_response``.
 
     Args:
-        system, inputs, outputs, quantity, modal_damping, loss_factor: as there.
+        system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to: as there.
 
     Returns:
         The matrices.
@@ -115,93 +119,65 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
         raise InputError(
             f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
         )
-    chosen, n, rows = QUANTITIES[quantity], system.size, system.rows
-    row_names = tuple(row.name for row in rows)
-    names = _unambiguous(system.names, row_names)
-    known_inputs = _places(inputs, names, system.names, "input")
-    default = row_names if quantity == "reaction" else system.names
-    known_outputs = _places(outputs, names, default, "output")
-    _check(quantity, known_inputs, known_outputs, names, n)
+    chosen, rows = QUANTITIES[quantity], system.rows
+    default = row_channels(system) if quantity == "reaction" else coordinate_channels(system)
+    known_inputs = chosen_by_name("inputs", inputs, channels(system, "inputs"), coordinate_channels(system))
+    known_outputs = chosen_by_name("outputs", outputs, channels(system, "outputs"), default)
+    _check(quantity, known_inputs, known_outputs)
     levels = [0 if quantity == "transmissibility" else row.order for row in rows]
     coefficients, imaginary, sizes = saddle_point(system, levels, modal_damping, loss_factor)
-    unit = np.eye(n + len(rows))
-    B = unit[:, [names.index(name) for name in known_inputs]]
-    C = unit[[names.index(name) for name in known_outputs]]
-    C[:, n:] *= -1.0  # the unknowns are -lambda
-    units = _Units(system, levels)
-    equations = [f"motion of {name}" for name in system.names] + [f"constraint {name}" for name in row_names]
+    B = np.array([channel.unknowns(system) for channel in known_inputs]).T
+    C = np.array([channel.unknowns(system) for channel in known_outputs])
+    C[:, system.size :] *= -1.0  # the unknowns are -lambda
+    if relative_to is not None:
+        other = reference(system, relative_to)
+        C[:, : system.size] -= np.outer([one.row is None and one.unit == other.unit for one in known_outputs], other.direction)
+    names = (*system.names, *(row.name for row in rows))
+    equations = [f"motion of {name}" for name in system.names] + [f"constraint {row.name}" for row in rows]
+    input_names, output_names = (tuple(channel.name for channel in own) for own in (known_inputs, known_outputs))
+    table = np.array([[_unit(output, input, chosen, levels) for input in known_inputs] for output in known_outputs])
     if not chosen.inverse:
-        table = [[units.of(output, input, chosen.order) for input in known_inputs] for output in known_outputs]
-        A = PolynomialMatrix(coefficients, names, equations)
-        return Harmonic(A, B, C, chosen.order, imaginary, sizes, known_inputs, known_outputs, np.array(table), quantity)
-    m = len(known_inputs)
+        distinct = names if len(set(names)) == len(names) else equations
+        A = PolynomialMatrix(coefficients, distinct, equations)
+        return Harmonic(A, B, C, chosen.order, imaginary, sizes, input_names, output_names, table, quantity)
+    m, size = B.shape[1], len(B)
     wide = [np.pad(matrix, ((0, m), (0, m))) for matrix in coefficients]
-    wide[0][: len(unit), len(unit) :], wide[chosen.order][len(unit) :, : len(unit)] = -B, C
+    wide[0][:size, size:], wide[chosen.order][size:, :size] = -B, C
     A = PolynomialMatrix(wide)
     pad = ((0, m), (0, m))
     imaginary = None if imaginary is None else np.pad(imaginary, pad)
     sizes = None if sizes is None else np.array([np.pad(matrix, pad) for matrix in sizes])
-    select = np.eye(len(unit) + m)[len(unit) :]
-    table = [[units.of(output, input, chosen.order, inverse=True) for output in known_outputs] for input in known_inputs]
-    return Harmonic(A, select.T, select, 0, imaginary, sizes, known_outputs, known_inputs, np.array(table), quantity)
+    select = np.eye(size + m)[size:]
+    return Harmonic(A, select.T, select, 0, imaginary, sizes, output_names, input_names, table.T, quantity)
 
 
-def _unambiguous(coordinates: Sequence[str], rows: Sequence[str]) -> list[str]:
-    both = set(coordinates) & set(rows)
-    if both:
-        raise InputError(f'the name "{min(both)}" is that of a coordinate and of a constraint row; rename one of them')
-    return [*coordinates, *rows]
-
-
-def _places(chosen, names: Sequence[str], default: Sequence[str], what: str) -> tuple[str, ...]:
-    """The names of the inputs or outputs, each a coordinate or a constraint row."""
-    result = tuple(default if chosen is None else [chosen] if isinstance(chosen, str) else chosen)
-    if not result:
-        raise InputError(f"{what}s: none was named; give one or several of {', '.join(names[:6])}{', ...' * (len(names) > 6)}")
-    for name in result:
-        if name not in names:
-            raise InputError(f"{what}s: there is no coordinate or constraint row {name!r}{nearest(str(name), names)}")
-    if len(set(result)) < len(result):
-        raise InputError(f"{what}s: a name is given twice; names must differ")
-    return result
-
-
-def _check(quantity: str, inputs, outputs, names, n: int) -> None:
+def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Channel]) -> None:
     """Quantities that do not fit their inputs or outputs."""
-    prescribed = [name for name in inputs if names.index(name) >= n]
-    reactions = [name for name in outputs if names.index(name) >= n]
+    if not inputs or not outputs:
+        raise InputError(f"{quantity}: this system has no constraint rows")
+    loads = [channel.name for channel in inputs if channel.row is None]
+    motions = [channel.name for channel in outputs if channel.row is None]
+    reactions = [channel.name for channel in outputs if channel.row is not None]
     chosen = QUANTITIES[quantity]
-    if quantity == "transmissibility" and len(prescribed) < len(inputs):
-        loads = [name for name in inputs if name not in prescribed]
+    if quantity == "transmissibility" and loads:
         raise InputError(
             f'transmissibility: the input "{loads[0]}" is a force; expected constraint rows, whose motion is prescribed'
         )
-    if quantity == "reaction" and len(reactions) < len(outputs):
-        raise InputError(
-            f"reaction: found the coordinate {next(o for o in outputs if o not in reactions)!r}; expected constraint rows"
-        )
+    if quantity == "reaction" and motions:
+        raise InputError(f"reaction: found the coordinate {motions[0]!r}; expected constraint rows")
     if quantity != "reaction" and reactions:
         raise InputError(f'{quantity}: the output "{reactions[0]}" is a constraint row; its force is the quantity "reaction"')
-    if chosen.inverse and (prescribed or len(inputs) != len(outputs)):
+    if chosen.inverse and (len(loads) < len(inputs) or len(inputs) != len(outputs)):
         raise InputError(
             f"{quantity}: it is the inverse of a matrix of responses to forces; expected as many forces on coordinates as outputs"
         )
 
 
-@dataclass(frozen=True)
-class _Units:
-    """Units of entries."""
-
-    system: MechanicalSystem
-    levels: list[int]
-
-    def of(self, output: str, input: str, order: int, inverse: bool = False) -> str:
-        """The unit of an output, or its derivative, by an input."""
-        units, rows = self.system.units, {row.name: row for row in self.system.rows}
-        level = {row.name: own for row, own in zip(self.system.rows, self.levels)}
-        above = force_unit(rows[output].unit) if output in rows else rate_unit(units[output], order)
-        below = rate_unit(rows[input].unit, level[input]) if input in rows else force_unit(units[input])
-        return _ratio(below, above) if inverse else _ratio(above, below)
+def _unit(output: Channel, input: Channel, quantity: Quantity, levels: Sequence[int]) -> str:
+    """The unit of an output, or its derivative, by an input."""
+    above = rate_unit(output.unit, quantity.order) if output.row is None else force_unit(output.unit)
+    below = force_unit(input.unit) if input.row is None else rate_unit(input.unit, levels[input.row])
+    return _ratio(below, above) if quantity.inverse else _ratio(above, below)
 
 
 def _ratio(above: str, below: str) -> str:

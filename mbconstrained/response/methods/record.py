@@ -77,7 +77,9 @@ class Record:
     def of(flow: Flow) -> Record | None:
         """None where gaps are few, or long relative to the motion."""
         gaps, states = flow.force.smooth.restarts.gaps, flow.force.smooth.restarts.states
-        if len(gaps) < FEWEST_KNOTS or not len(states) or not len(flow.start):  # no force, or nothing that moves
+        if (
+            len(gaps) < FEWEST_KNOTS or flow.force.later or not len(states) or not len(flow.start)
+        ):  # no force, or nothing that moves
             return None
         modes = Modes.of(flow.reduction.decoupled)
         short = gaps * flow.norm <= (SHORT if len(modes.rest) else SHORT * PARTS)

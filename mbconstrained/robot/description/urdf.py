@@ -77,6 +77,12 @@ def checked_tree(text: str) -> ElementTree.Element:
     return root
 
 
+def root_link(root: ElementTree.Element) -> str:
+    """The name of the link without a parent, the base, of a checked tree."""
+    children = {child.get("link") for joint in root.findall("joint") for child in joint.findall("child")}
+    return next(str(link.get("name")) for link in root.findall("link") if link.get("name") not in children)
+
+
 @dataclass(frozen=True)
 class Mimic:
     """A joint that follows another: q_follower = multiplier q_leader + offset; a leader that is fixed stays at 0."""

@@ -45,6 +45,18 @@ class OutputUnits:
                 return f"{each}{blank}{further}{slash}{below}", _factor(first, each)
         return unit, 1.0
 
+    def of_ratio(self, unit: str) -> tuple[str, float]:
+        """The same of the unit of a response, something by something else, such as m/N or N/(m/s^2).
+
+        >>> OutputUnits(("mm", "kN")).of_ratio("m/N")
+        ('mm/kN', 1000000.0)
+        """
+        above, slash, below = unit.partition("/(") if "/(" in unit else unit.rpartition("/")
+        if not slash:
+            return self.of(unit)
+        (above, up), (below, down) = self.of(above), self.of(below.removesuffix(")"))
+        return f"{above}/({below})" if any(sign in below for sign in " /") else f"{above}/{below}", up / down
+
     def text(self, value: float, unit: str) -> str:
         """A value in SI as a text with the unit that stands for its own.
 

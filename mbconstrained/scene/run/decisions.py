@@ -282,6 +282,23 @@ def robot_meshes(scene: Scene) -> Decision:
     return drawn, f"{counted(len(meshes), 'mesh', 'meshes')} to draw" if drawn else "meshes are read only where they are drawn"
 
 
+def frequency(scene: Scene) -> Decision:
+    """The frequency response."""
+    table = scene.table.frequency
+    if table is None:
+        return False, "not requested (a table [frequency], or the command frequency)"
+    return True, f"[frequency]: {table.quantity}"
+
+
+def frequency_files(scene: Scene) -> Decision:
+    """Its page, CSV and npz."""
+    output, requested = scene.table.output, scene.table.frequency is not None
+    kinds = [ending for ending, wanted in (("html", output.page), ("csv", output.csv), ("npz", output.npz)) if wanted]
+    if not (requested and kinds):
+        return False, "page, csv and npz = false" if requested else "no frequency response"
+    return True, f"{scene.name}.frequency.{', .'.join(kinds)}"
+
+
 def written(scene: Scene, kind: str) -> Decision:
     """A file.
 

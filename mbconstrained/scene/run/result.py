@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from ...response.events import Event
     from ...signals.impulsive import ImpulsiveLoad
     from .certificate import Certificate
+    from .frequency.scene_frequency import SceneFrequency
     from .scene import Scene
 
 NOTHING_MOVES = "nothing moves: neither the start nor a force sets anything in motion"
@@ -195,7 +196,7 @@ class Result(Displayed):
         accuracy = (Notice(NoticeKind.ACCURACY, text, doubtful=True) for text in texts)
         proved = self.certificate.notices if self.certificate else ()
         moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
-        first = (*self.scene.notices, *self._omissions(), *proved)
+        first = (*self.scene.notices, *self._omissions(), *proved, *(self.frequency.response.notices if self.frequency else ()))
         of_motion = (*(() if moves else (Notice(NoticeKind.AT_REST, NOTHING_MOVES),)), *aliasing_notices(self))
         return (*first, *self.scene.equations.form_notices, *notices, *of_motion, *robot, *accuracy)
 
@@ -243,6 +244,22 @@ class Result(Displayed):
         except InputError as problem:
             self.formula_problem = str(problem)
             return None
+
+    @cached_property
+    def frequency(self) -> SceneFrequency | None:
+        """The frequency response; None where the scene has no [frequency]."""
+        if self.scene.table.frequency is None:
+            return None
+        from .frequency.scene_frequency import SceneFrequency
+
+        return SceneFrequency(self.scene)
+
+    def write_frequency(self) -> list[Path]:
+        """Write the page, CSV and npz of the frequency response into the folder of the run, as far as [output] requests them."""
+        with self.writing_together() as files:
+            written = self.frequency.write(self.folder or Path(), images=self.scene.table.output.plot_images, files=files)
+        self.files += written
+        return written
 
     @property
     def formulas(self) -> Formulas | None:

@@ -78,6 +78,8 @@ STEPS = (
     Step("proof (python-flint)", decisions.proof, part_of="error estimate"),
     Step("certificate (python-flint)", decisions.certificate, attrgetter("certificate")),
     Step("symbols (sympy)", decisions.symbols, attrgetter("formula"), writes=True),
+    Step("frequency response", decisions.frequency, attrgetter("frequency.response")),
+    Step("frequency page and files", decisions.frequency_files, methodcaller("write_frequency"), writes=True),
     Step("animation", decisions.animation, attrgetter("animation"), writes=True),
     Step("CSV", partial(decisions.written, kind="csv"), methodcaller("write_csv"), writes=True),
     Step("npz", partial(decisions.written, kind="npz"), methodcaller("write_npz"), writes=True),

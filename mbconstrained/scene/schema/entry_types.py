@@ -48,11 +48,16 @@ class Table(BaseModel):
         if isinstance(data, list) and all(isinstance(entry, dict) for entry in data):
             raise InputError("there is one table of this kind only: write it with single brackets, […]")
         if not isinstance(data, dict):
-            raise InputError(f"found {shown(data)}; expected a table with the keys {', '.join(cls.model_fields)}")
-        unknown = next((key for key in data if key not in cls.model_fields), None)
+            raise InputError(f"found {shown(data)}; expected a table with the keys {', '.join(cls.known_keys())}")
+        unknown = next((key for key in data if key not in cls.known_keys()), None)
         if unknown is not None:
-            raise UnknownKey(unknown, cls.model_fields, cls._hint(unknown))
+            raise UnknownKey(unknown, cls.known_keys(), cls._hint(unknown))
         return data
+
+    @classmethod
+    def known_keys(cls) -> list[str]:
+        """The keys as scenes write them; words of Python's grammar have another name as attributes."""
+        return [field.alias or name for name, field in cls.model_fields.items()]
 
     @classmethod
     def _hint(cls, key: str) -> str:
@@ -106,7 +111,8 @@ class RayleighTable(Table):
     )
 
 
-def _ratios(value):
+def ratios(value):
+    """A damping ratio, or one for each mode."""
     return [quantity(entry, "1") for entry in value] if isinstance(value, list) else quantity(value, "1")
 
 
@@ -116,7 +122,7 @@ class DampedTable(Table):
     rayleigh_damping: RayleighTable | None = Field(None, description="Proportional (Rayleigh) damping, a M + b K.")
     modal_damping: Annotated[
         Any,
-        BeforeValidator(_ratios),
+        BeforeValidator(ratios),
         WithJsonSchema(
             {
                 "title": "a ratio, or those of the lowest modes",

@@ -141,7 +141,9 @@ class RobotFile(Table):
     licence: Text = Field("", description='Under which licence, e.g. "MIT".')
     urdf: Text = Field(description="The URDF, a file in the robot's folder.")
     package_dirs: list[Text] = Field([], description="Folders in which package://NAME/… are looked up, relative to the robot's.")
-    base: Literal["fixed", "free"] = Field("fixed", description="Whether the root link is fixed to the ground or moves freely.")
+    base: Literal["fixed", "free", "moving"] = Field(
+        "fixed", description="Whether the root link is fixed to the ground, moves freely, or has a prescribed motion."
+    )
     gravity: Gravity = Field([0.0, 0.0, -9.81], description="A number for downwards along z, or a vector.")
     joint_stiffness: JointValues = Field({}, description="Springs of joints, by name.")
     joint_rest: JointValues = Field({}, description="Where these springs are without torque.")

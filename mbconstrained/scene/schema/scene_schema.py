@@ -15,6 +15,7 @@ from ..quantities.output_units import output_units
 from .drawing_tables import DrawingTable
 from .entry_types import NUMBER_SCHEMA, Name, Pair, Quantity, Table, Text, Time
 from .force_tables import ForceTable, MotionTable
+from .frequency_table import FrequencyTable
 from .lumped_tables import LumpedTable
 from .model_tables import MatricesTable, StateSpaceTable, TransferFunctionTable
 from .robot_tables import RobotTable
@@ -210,6 +211,7 @@ class SceneFile(Table):
     force: list[ForceTable] = Field([], description="Forces from t = 0 or from their delays on; entries on one coordinate add up.")
     motion: list[MotionTable] = Field([], description="Prescribed motions of coordinates: supports that move.")
     time: TimeTable = Field(description="Where the answer is wanted.")
+    frequency: FrequencyTable | None = Field(None, description="The frequency response that is computed, too; left out: none.")
     output: OutputTable = Field(OutputTable(), description="Which files are written, and what the page shows.")
     drawing: DrawingTable | None = Field(None, description="How the model is drawn; left out: automatically.")
 

@@ -82,6 +82,16 @@ def test_transmissibility_is_one_at_sqrt_2_times_the_natural_frequency_for_every
     assert T.units.tolist() == [["1"]]
 
 
+def test_relative_motion_of_an_isolated_machine_is_that_of_a_seismometer():
+    """x - u = -s^2 / (s^2 + 2 zeta w s + w^2) u; the machine relative to the ground is its absolute motion."""
+    f, system = np.array([0.01, 0.3, 5.0]), isolated(0.1)
+    s = 2j * np.pi * f
+    get = lambda other: system.frequency_response(f, ["base"], ["machine", "floor"], "transmissibility", relative_to=other)  # noqa: E731
+    relative, absolute = get("base"), get("ground")
+    np.testing.assert_allclose(relative.values[0, 0], -(s**2) / (s**2 + 0.4 * s + 4), rtol=1e-10)
+    assert not relative.values[1].any() and (absolute.values == get(None).values).all()
+
+
 def test_the_reaction_at_a_moved_support_is_the_apparent_stiffness_of_what_it_carries():
     f = np.array([0.1, 1.0])
     R = isolated(0.1).frequency_response(f, ["base"], quantity="reaction")

@@ -55,7 +55,8 @@ def blocks(modes: SceneModes) -> list[str | TextTable]:
 def table(modes: SceneModes) -> TextTable:
     """All zeros, a line for each shape."""
     rows = tuple((str(line.number), *(line.cells[column] for column in COLUMNS)) for line in modes.lines)
-    note = "damping: damping ratio; times: multiplicity of the eigenvalue" if rows else NO_MODES
+    several = "; 1 of 2: the first of the two shapes of a double one" if any(line.shape_count > 1 for line in modes.lines) else ""
+    note = f"damping: damping ratio; times: multiplicity of the eigenvalue{several}" if rows else NO_MODES
     return TextTable("Modes", ("no.", *COLUMNS.values()), rows, note)
 
 

@@ -98,7 +98,7 @@ class SceneModes:
         if self.system is None:
             zeros = enumerate(zip(cells, result.finite_pair.zeros), 1)
             return tuple(ModeLine(number, row, complex(zero.value), zero.multiplicity) for number, (row, zero) in zeros)
-        wanted = ((row, mode, place) for row, mode in zip(cells, result.modes) for place in _places(mode))
+        wanted = ((row | _times(mode, place), mode, place) for row, mode in zip(cells, result.modes) for place in _places(mode))
         return tuple(
             ModeLine(number, row, complex(mode.eigenvalue), mode.multiplicity, mode, place)
             for number, (row, mode, place) in enumerate(wanted, 1)
@@ -139,6 +139,15 @@ class SceneModes:
             write_page(path, modes_content(self), self.scene.table.output.viewer, files)
         self.files += files.paths
         return path
+
+
+def _times(mode: Mode, place: int | None) -> dict[str, str]:
+    """The cell of the multiplicity: of an eigenvalue with several shapes, a line for each, also which of them this is."""
+    shapes = mode.shapes.shape[1]
+    if shapes < 2 or place is None:
+        return {}
+    among = f"{place + 1} of {shapes}"
+    return {"multiplicity": among if shapes == mode.multiplicity else f"{mode.multiplicity}, {among}"}
 
 
 def _places(mode: Mode) -> list[int | None]:

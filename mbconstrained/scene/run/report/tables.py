@@ -18,6 +18,7 @@ from ....response.response_notices import counts
 from ....signals.impulsive import ImpulsiveLoad
 from ...quantities.coordinates import Coordinates
 from ...quantities.output_units import OutputUnits
+from ..frequency.frequency_summary import peak_table
 from ..modes.mode_summary import share_entries
 from .control_report import control_tables
 from .jumps import Impulse, folded, forces_of_rows, impulses_of, jumps_of
@@ -40,6 +41,7 @@ def tables_of(result: Result) -> tuple[TextTable, ...]:
     frequencies = frequency_table(result)
     answers = [
         *(control_tables(control) if control else ()),
+        *([peak_table(result.frequency)] if result.frequency else []),
         *([_output_table(control)] if control and control.form else []),
         *_at_start(result),
         *([_later_table(result)] if result.later else []),

@@ -1,0 +1,132 @@
+"""Inputs and outputs of a mechanical system by name: a coordinate, a constraint row, or a direction that has a name of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
+
+import numpy as np
+
+from ..ground.checks import nearest
+from ..ground.coordinate_units import GROUND
+from ..ground.errors import InputError
+
+if TYPE_CHECKING:
+    from .system import MechanicalSystem
+
+#: So many names are listed in a message.
+LISTED = 8
+
+
+Side = Literal["inputs", "outputs"]
+
+
+class NamedDirections:
+    """What a system has besides its coordinates and rows: none here; robots have inputs and outputs at joints and points."""
+
+    def named_directions(self, side: Side) -> Mapping[str, tuple[np.ndarray, str]]:
+        """Directions over the coordinates, shape (n,), with units, by names of their own."""
+        return {}
+
+
+class Channel(NamedTuple):
+    """A combination of coordinates, on which a force works along and which moves; or a constraint row.
+
+    Attributes:
+        name: its name.
+        direction: the combination a of a x, shape (n,); of a constraint row its coefficients.
+        unit: of a x, "m", "rad" or "1".
+        row: the place of the constraint row; None of other channels.
+    """
+
+    name: str
+    direction: np.ndarray
+    unit: str
+    row: int | None = None
+
+    def unknowns(self, system: MechanicalSystem) -> np.ndarray:
+        """Its place among the coordinates and the multipliers of all rows, shape (n + k,)."""
+        if self.row is None:
+            return np.concatenate([self.direction, np.zeros(len(system.rows))])
+        return np.eye(1, system.size + len(system.rows), system.size + self.row)[0]
+
+
+Known = TypeVar("Known")
+
+
+def reference(system: MechanicalSystem, name: str) -> Channel:
+    """The motion that others are relative to.
+
+    Args:
+        system: with coordinates and rows.
+        name: of a coordinate, an output of a robot, or a constraint row; "ground" for none.
+
+    Returns:
+        The channel.
+    """
+    known = {GROUND: Channel(GROUND, np.zeros(system.size), "m")} | channels(system, "outputs")
+    return chosen_by_name("relative_to", name, known, ())[0]
+
+
+def channels(system: MechanicalSystem, side: Side) -> dict[str, Channel | None]:
+    """All channels by name: coordinates, constraint rows, and the inputs or outputs that a robot has by names of its own.
+
+    Args:
+        system: with coordinates and rows.
+        side: of which directions with own names are meant.
+
+    Returns:
+        By name; None where a coordinate and a row share it.
+    """
+    own = system.named_directions(side)
+    known: dict[str, Channel | None] = {channel.name: channel for channel in coordinate_channels(system)}
+    known |= {name: Channel(name, direction, unit) for name, (direction, unit) in own.items()}
+    for channel in row_channels(system):
+        known[channel.name] = None if channel.name in known else channel
+    return known
+
+
+def coordinate_channels(system: MechanicalSystem) -> list[Channel]:
+    """One for each coordinate, in order."""
+    return [Channel(name, row, unit) for (name, unit), row in zip(system.units.items(), np.eye(system.size))]
+
+
+def row_channels(system: MechanicalSystem) -> list[Channel]:
+    """One for each constraint row, in order."""
+    return [Channel(row.name, row.coefficients, row.unit, place) for place, row in enumerate(system.rows)]
+
+
+def chosen_by_name(what: str, chosen, known: Mapping[str, Known | None], default: Sequence[Known]) -> list[Known]:
+    """What a user chose by names.
+
+    Args:
+        what: the argument, for messages.
+        chosen: a name, a list of names, or None.
+        known: by name; None where a name is ambiguous.
+        default: for None.
+
+    Returns:
+        One for each name.
+
+    Raises:
+        InputError: an unknown or ambiguous name, none at all, one twice.
+    """
+    if chosen is None:
+        return list(default)
+    names = [chosen] if isinstance(chosen, str) else list(chosen) if isinstance(chosen, (Sequence, np.ndarray)) else None
+    listed = ", ".join(f'"{name}"' for name in list(known)[-LISTED:])
+    if names is None:
+        raise InputError(f"{what}: found {chosen!r}; expected a list of names, such as {listed}")
+    if not names:
+        raise InputError(f"{what}: none was named; known are, among others, {listed}")
+    result = []
+    for name in names:
+        if not isinstance(name, str) or name not in known:
+            raise InputError(f'{what}: there is no "{name}"{nearest(str(name), known)}; known are, among others, {listed}')
+        one = known[name]
+        if one is None:
+            raise InputError(f'{what}: the name "{name}" is that of a coordinate and of a constraint row; rename one of them')
+        result.append(one)
+    if len(set(names)) < len(names):
+        raise InputError(f'{what}: the name "{next(name for name in names if names.count(name) > 1)}" is used twice')
+    return result

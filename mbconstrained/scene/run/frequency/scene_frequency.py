@@ -1,0 +1,267 @@
+"""The frequency response of a scene, with its peaks and antiresonances, in the units of [output]; and its files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from ....control.transfer.transfer_function import transfer_function_response
+from ....exchange.trajectories import write_arrays
+from ....frequency.features import Antiresonance, Peak, frequencies_by_poles
+from ....frequency.frequency_response import FrequencyResponse, frequency_response
+from ....ground.errors import InputError
+from ....ground.files import Replacements
+from ....ground.notices import Notice
+from ....mechanics.channels import channels
+from ...file.messages import at
+from ...schema.entry_types import Table
+from ...schema.frequency_table import FrequencyTable
+from ...schema.validation import validated
+
+if TYPE_CHECKING:
+    from ....mechanics.system import MechanicalSystem
+    from ..scene import Scene
+
+#: Outputs times inputs; more are indistinct in plots and take long.
+MOST_RESPONSES = 100
+
+#: Lines for each decade between the limits of a range, besides those that the poles place.
+EACH_DECADE = 40
+
+#: Of frequencies in Hz, by the unit of the axis.
+AXIS_FACTORS = {"Hz": 1.0, "rad/s": 2 * np.pi, "rpm": 60.0}
+
+IMAGES: tuple[Literal["svg", "png"], ...] = ("svg", "png")
+
+INVERSES = ("dynamic stiffness", "impedance", "apparent mass")
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Names and factors of the units in which responses are shown, shape (outputs, inputs) each."""
+
+    units: np.ndarray
+    factors: np.ndarray
+
+
+class SceneFrequency:
+    """The frequency response of a scene.
+
+    Attributes:
+        scene: what was read.
+        table: [frequency], or the one that the command line gives.
+        files: what was written.
+    """
+
+    def __init__(self, scene: Scene, table: FrequencyTable | None = None):
+        self.scene = scene
+        self.table = table or scene.table.frequency or FrequencyTable()
+        self.files: list[Path] = []
+
+    @property
+    def axis_factor(self) -> float:
+        """The frequency of 1 Hz in the unit of the axis."""
+        return AXIS_FACTORS[self.table.axis]
+
+    @property
+    def system(self) -> MechanicalSystem | None:
+        """None where the scene gives coefficients, states or a transfer function."""
+        control = self.scene.equations.control
+        return None if control else self.scene.equations.system
+
+    @cached_property
+    def response(self) -> FrequencyResponse:
+        """H in SI at the frequencies.
+
+        Raises:
+            SceneError: unknown names, a quantity that does not fit, too many responses.
+        """
+        with at(self.scene.file_name, "frequency"):
+            empty = self._without_lines()
+            return empty(self._lines(empty))
+
+    def _without_lines(self) -> FrequencyResponse:
+        table, equations = self.table, self.scene.equations
+        if self.system is not None:
+            inputs, outputs = self._inputs(), self._outputs()
+            if len(inputs) * len(outputs) > MOST_RESPONSES:
+                raise InputError(
+                    f"found {len(inputs)} inputs and {len(outputs)} outputs; expected at most {MOST_RESPONSES} pairs of them: "
+                    "name those of interest in inputs and outputs"
+                )
+            damping = {"modal_damping": table.modal_damping, "loss_factor": table.loss_factor}
+            return self.system.frequency_response([], inputs, outputs, table.quantity, **damping, relative_to=table.relative_to)
+        mechanical = [key for key in ("quantity", "modal_damping", "loss_factor", "relative_to") if key in table.model_fields_set]
+        if mechanical:
+            raise InputError(f"{mechanical[0]} belongs to models with mass, damping and stiffness; leave it out")
+        if equations.control is None:
+            return frequency_response(equations.polynomial_matrix, [], table.inputs, table.outputs)
+        if equations.control.system is not None:
+            return equations.control.system.frequency_response([], table.inputs, table.outputs)
+        control = equations.control
+        if given := [key for key in ("inputs", "outputs") if key in table.model_fields_set]:
+            raise InputError(f"{given[0]}: a transfer function has one input and one output; leave it out")
+        fraction = transfer_function_response(control.transfer_function.numerator, control.transfer_function.denominator, 1)
+        response = fraction.frequency_response([])
+        of_input, of_output = control.inputs.names, control.outputs.names
+        return replace(response, harmonic=replace(response.harmonic, input_names=of_input, output_names=of_output))
+
+    def _inputs(self) -> list[str]:
+        """Those of the table, or the prescribed motions, or the loaded coordinates, or all."""
+        table, scene = self.table, self.scene.table
+        if table.inputs is not None:
+            return table.inputs
+        motions = self._motions
+        if table.quantity == "transmissibility":
+            if not (motions or self.system.rows):
+                raise InputError(
+                    "quantity: transmissibility is by a prescribed motion, and there is none: add a [[motion]] of the support"
+                )
+            return motions or [row.name for row in self.system.rows]
+        if motions and table.quantity not in INVERSES:
+            return motions
+        known = channels(self.system, "inputs")
+        loaded = [load.coordinate for load in scene.force if load.coordinate in known]
+        return list(dict.fromkeys(loaded)) or [name for name in self.system.names if name not in self._prescribed]
+
+    @property
+    def _motions(self) -> list[str]:
+        names = [name for motion in self.scene.table.motion for name in motion.rows]
+        return [row.name for row in self.system.rows if row.name in names]
+
+    @property
+    def _prescribed(self) -> set[str]:
+        return {coordinate for motion in self.scene.table.motion for coordinate, _ in motion.rows.values()}
+
+    def _outputs(self) -> list[str]:
+        if self.table.outputs is not None:
+            return self.table.outputs
+        if self.table.quantity == "reaction":
+            if not self.system.rows:
+                raise InputError("quantity: reaction is the force of a constraint row, and there are none")
+            return [row.name for row in self.system.rows]
+        if self.table.quantity in INVERSES:
+            return self._inputs()
+        if self.system.named_directions("outputs"):  # of a robot
+            return list(self.system.named_directions("outputs"))
+        return [name for name in self.system.names if name not in self._prescribed] or list(self.system.names)
+
+    def _lines(self, empty: FrequencyResponse) -> np.ndarray:
+        table = self.table
+        if not table.is_auto:
+            return table.lines
+        lines = frequencies_by_poles(empty.harmonic)
+        low = lines[0] if table.lowest is None else table.lowest
+        high = lines[-1] if table.highest is None else table.highest
+        if not low < high:
+            raise InputError(f"the poles place the frequencies from {lines[0]:g} to {lines[-1]:g} Hz; give both from and to")
+        start = low or min(lines[0], high / 1e3)
+        further = np.geomspace(start, high, int(EACH_DECADE * np.log10(high / start)) + 2)[1:-1]
+        further = further[(further < lines[0]) | (further > lines[-1])]
+        return np.unique([low, high, *further, *lines[(lines > low) & (lines < high)]])
+
+    @cached_property
+    def shown(self) -> Shown:
+        """The units of the responses on the page, in tables and in CSV."""
+        units, response = self.scene.equations.coordinates.shown, self.response
+        pairs = [[units.of_ratio(unit) for unit in row] for row in response.units]
+        names, factors = (np.array([[pair[i] for pair in row] for row in pairs]) for i in (0, 1))
+        return Shown(names, factors.astype(float))
+
+    @cached_property
+    def in_shown_units(self) -> FrequencyResponse:
+        """The values in these units; peaks, poles and residues stay those of ``response``."""
+        own = self.response
+        harmonic = replace(own.harmonic, units=self.shown.units)
+        return replace(own, harmonic=harmonic, values=own.values * self.shown.factors[:, :, None])
+
+    def _is_inside(self, frequency_hz: float) -> bool:
+        lines = self.response.frequencies_hz
+        return bool(lines[0] <= frequency_hz <= lines[-1])
+
+    @cached_property
+    def peaks(self) -> tuple[Peak, ...]:
+        """The peaks within the range, in SI, entry by entry."""
+        return tuple(peak for peak in self.response.peaks if self._is_inside(peak.frequency_hz))
+
+    @cached_property
+    def antiresonances(self) -> tuple[Antiresonance, ...]:
+        """The antiresonances within the range."""
+        return tuple(zero for zero in self.response.antiresonances if self._is_inside(zero.frequency_hz))
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """What is worth knowing, and what makes the values doubtful."""
+        own = self.system.notices if self.system is not None else ()
+        return (*self.scene.notices, *self.scene.equations.form_notices, *own, *self.response.notices)
+
+    @property
+    def is_trusted(self) -> bool:
+        """False where a notice warns that values may be wrong."""
+        return not any(notice.doubtful for notice in self.notices)
+
+    def write(self, folder: Path, *, images: bool = False, files: Replacements | None = None) -> list[Path]:
+        """Write NAME.frequency.html, .csv and .npz, as far as [output] requests them, and the plots as SVG and PNG.
+
+        Args:
+            folder: is created if it does not exist.
+            images: whether the plots are written, too.
+            files: take their places together with others; None for these alone.
+
+        Returns:
+            The paths.
+
+        Raises:
+            OSError: they cannot be written.
+        """
+        if files is None:
+            with Replacements() as files:
+                return self.write(folder, images=images, files=files)
+        from ....page.html import write_page
+        from ....page.plots.images import plot_image, plot_images
+        from .frequency_page import frequency_content
+
+        output, stem, before = self.scene.table.output, folder / f"{self.scene.name}.frequency", len(files.paths)
+        folder.mkdir(parents=True, exist_ok=True)
+        content = frequency_content(self) if output.page or images else None
+        if output.csv:
+            csv = files.temporary(stem.with_name(f"{stem.name}.csv"))
+            csv.write_text(self.in_shown_units.csv_text(), encoding="utf-8")
+        if output.npz:
+            write_arrays(files.temporary(stem.with_name(f"{stem.name}.npz")), self.response.arrays(), ".npz")
+        for name, plot in plot_images(content.plots).items() if content and images else ():
+            for kind in IMAGES:
+                files.temporary(stem.with_name(f"{stem.name}.{name}.{kind}")).write_bytes(plot_image(plot, kind))
+        if content and output.page:
+            write_page(stem.with_name(f"{stem.name}.html"), content, output.viewer, files)
+        written = files.paths[before:]
+        self.files += written
+        return written
+
+
+def with_options(scene: Scene, options: dict) -> FrequencyTable:
+    """The table [frequency] of a scene with other values.
+
+    Args:
+        scene: as read.
+        options: by the keys of the table.
+
+    Returns:
+        The table.
+
+    Raises:
+        SceneError: a wrong value.
+    """
+    own = scene.table.frequency
+    base = own.model_dump(exclude_unset=True, by_alias=True) if own else {}
+    if {"from", "to"} & options.keys():
+        base.pop("frequencies", None)
+    return validated({"frequency": {**base, **options}}, scene.file_name, _Options).frequency
+
+
+class _Options(Table):
+    frequency: FrequencyTable
