@@ -85,7 +85,8 @@ class PoleResidueForm:
         scaling = form.companion.scaling
         middle = form.laurent(index) @ Noisy.exact(scaling.rows[:, None] * self.inputs)
         parts = [(Noisy.exact(C * scaling.columns) @ middle).cleaned() for C in _parts(self.outputs)]
-        return _joined(parts) / scaling.time ** float(index)
+        least = EPS**4 * middle.size.max(initial=0.0)  # a remainder of rounding errors that have cancelled
+        return _joined([np.where(np.abs(part) > least, part, 0.0) for part in parts]) / scaling.time ** float(index)
 
     def _residues(self, zero: FiniteZero) -> tuple[np.ndarray, np.ndarray]:
         """The coefficients at a zero and at its conjugate, without those that are rounding errors."""
@@ -95,7 +96,11 @@ class PoleResidueForm:
         J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
         right, J, left = invariant_vectors(J, value, zero.multiplicity)
         C = pair.C[:, at]
-        C_size = np.abs(C) if len(at) == 1 else np.maximum(np.abs(C), np.abs(C).max(axis=1, keepdims=True) * NOISE_SAFETY / CLUSTER_SAFETY)
+        C_size = (
+            np.abs(C)
+            if len(at) == 1
+            else np.maximum(np.abs(C), np.abs(C).max(axis=1, keepdims=True) * NOISE_SAFETY / CLUSTER_SAFETY)
+        )
         order = max(zero.partial_multiplicities, default=1)
         front, sizes = np.linalg.matrix_power(J, self.power), []
         N, terms = J - value * np.eye(len(J)), []

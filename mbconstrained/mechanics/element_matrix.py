@@ -113,12 +113,12 @@ def modal_damping(mass: np.ndarray, stiffness: np.ndarray, rows: np.ndarray, mod
         raise InputError(f"damping ratios: found {ratios.min():g}; expected 0 or a positive number, e.g. 0.02")
     zeta = np.pad(ratios, (0, len(frequencies) - len(ratios))) if ratios.ndim else np.full(len(frequencies), ratios)
     damped = zeta != 0
-    momenta = mass @ _normalized(mass, modes.shapes.real, frequencies)
-    momenta -= rows.T @ (_static_response(stiffness, rows).T @ momenta)
+    momenta = mass @ mass_normalized(mass, modes.shapes.real, frequencies)
+    momenta -= rows.T @ (static_response(stiffness, rows).T @ momenta)
     return ElementMatrix(momenta[:, damped].T, 2 * (zeta * frequencies)[damped])
 
 
-def _static_response(stiffness: np.ndarray, rows: np.ndarray) -> np.ndarray:
+def static_response(stiffness: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """R with K R + A^T L = 0 and A R = I, the smallest where a motion is free, shape (n, k)."""
     size, count = rows.shape[1], len(rows)
     scale = np.abs(stiffness).max(initial=0.0) or 1.0
@@ -126,7 +126,7 @@ def _static_response(stiffness: np.ndarray, rows: np.ndarray) -> np.ndarray:
     return np.linalg.lstsq(saddle, np.vstack([np.zeros((size, count)), np.eye(count)]), rcond=None)[0][:size]
 
 
-def _normalized(mass: np.ndarray, shapes: np.ndarray, frequencies: np.ndarray) -> np.ndarray:
+def mass_normalized(mass: np.ndarray, shapes: np.ndarray, frequencies: np.ndarray) -> np.ndarray:
     """The shapes with U^T M U = I, by Gram-Schmidt twice: modes of one frequency are orthogonal only after it."""
     normal = np.zeros_like(shapes)
     for i, shape in enumerate(shapes.T):
@@ -134,7 +134,7 @@ def _normalized(mass: np.ndarray, shapes: np.ndarray, frequencies: np.ndarray) -
             shape = shape - normal[:, :i] @ (normal[:, :i].T @ (mass @ shape))
         energy = shape @ mass @ shape
         if not energy > noise_of(np.abs(shape) @ np.abs(mass) @ np.abs(shape), len(shape)):
-            raise InputError(f"modal damping: the mode of {frequencies[i]:.6g} rad/s has no kinetic energy of its own")
+            raise InputError(f"the mode of {frequencies[i]:.6g} rad/s has no kinetic energy of its own")
         normal[:, i] = shape / np.sqrt(energy)
     return normal
 

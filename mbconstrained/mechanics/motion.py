@@ -28,6 +28,7 @@ from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .channels import reference
 from .energy import Energy, energy_of
 from .reaction import reaction_function, reaction_impulses
+from .vibration.questions import MotionQuestions
 
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
@@ -121,7 +122,7 @@ def _relative_matrix(system: MechanicalSystem, name: str) -> np.ndarray:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Motion(SystemMotion, Response):
+class Motion(MotionQuestions, SystemMotion, Response):
     """x(t) of a mechanical system, a ``Response`` of the constrained form; t = 0 means 0+, the time of an event its right limit.
 
     Attributes:

@@ -30,17 +30,17 @@ from .mode_computation import modes_of
 from .modes import Modes
 from .motion import Motion
 from .vibration.harmonic_equations import frequency_response
+from .vibration.questions import SystemQuestions
 from .vibration.steady_state import steady_state
 
 if TYPE_CHECKING:
-    from ..frequency.random.random_response import RandomResponse
     from .sparse.pencil import ReducedPencil
 
 #: The number of modes of a system of sparse matrices that are computed where none is given.
 DEFAULT_MODE_COUNT = 50
 
 
-class MechanicalSystem(ExportedSystem, Displayed, DampedSystem, NamedDirections):
+class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem, NamedDirections):
     """M x'' + C x' + K x = f + A^T lambda with the constraint rows A x^(level) = b, in SI units, for t in s.
 
     The matrices are all arrays, or some of them ``scipy.sparse``. Arrays have all their modes, and motions in closed form in all of
@@ -313,28 +313,6 @@ class MechanicalSystem(ExportedSystem, Displayed, DampedSystem, NamedDirections)
 
     frequency_response = frequency_response
     steady_state = steady_state
-
-    def random_response(self, excitation: Mapping, outputs=None, quantity: str = "displacement", **options) -> RandomResponse:
-        """The stationary response to random forces and motions of supports, in closed form.
-
-        Args:
-            excitation: spectra (``mb.psd``, ``mb.white_noise``, ...) by the names of coordinates or constraint rows.
-            outputs: names; all coordinates by default.
-            quantity: "displacement", "velocity", "acceleration" or "reaction".
-            options: ``relative_to``, ``modal_damping``, ``loss_factor``, ``coherence``, ``delays``, as of
-                ``mechanics.vibration.random_excitation.random_response``.
-
-        Returns:
-            A ``RandomResponse``.
-
-        >>> from mbconstrained import white_noise
-        >>> system = MechanicalSystem([[1.0]], [[0.5]], [[2.0]])
-        >>> round(system.random_response({"x1": white_noise(4.0)}).covariance.item(), 12)  # G / (4 c k)
-        1.0
-        """
-        from .vibration.random_excitation import random_response
-
-        return random_response(self, excitation, outputs, quantity, **options)
 
     def acceleration(self, displacement, velocity, force=None, time: float = 0.0) -> np.ndarray:
         """x'' at a given state, shape (n,), by the explicit formula of Udwadia and Phohomsiri (``mechanics.constrained_form``).

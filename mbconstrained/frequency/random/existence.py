@@ -5,6 +5,7 @@ The integral of f^k G(f) exists at infinity where the exponent of f is below -1,
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,7 +55,11 @@ def existence(transfer: Transfer, spectra: SpectralMatrix, powers: tuple[int, ..
         for row, power in enumerate(powers):
             for output in np.flatnonzero(exponents + power >= -1):
                 if not reasons[row, output]:
-                    intensity = f"; its intensity is {number_text(white[output])} ({units[output]})^2/Hz" if np.isfinite(white[output]) else ""
+                    intensity = (
+                        f"; its intensity is {number_text(white[output])} ({units[output]})^2/Hz"
+                        if np.isfinite(white[output])
+                        else ""
+                    )
                     reasons[row, output] = (
                         f"white noise reaches it directly{intensity}"
                         if exponents[output] == 0 and not power
@@ -72,7 +77,7 @@ def _at_pole(pole: RefinedPole, output: int, spectra: SpectralMatrix, power: int
     if not pole.on_axis:
         return ""
     corners = spectra.corners
-    for a, b in zip(corners, corners[1:]):
+    for a, b in itertools.pairwise(corners):
         if not a <= f0 <= b:
             continue
         middle = a + 1.0 if np.isinf(b) else (a + b) / 2

@@ -44,7 +44,11 @@ class MarkovModel:
         J, B, C = form.pairs.finite.J, form.pairs.finite.B @ form.inputs, form.outputs @ form.pairs.finite.C
         C = C @ np.linalg.matrix_power(J, form.power)
         filters = [_filter(spectrum, name) for name, spectrum in zip(spectra.names, spectra.spectra)]
-        if any(D for *_, D in filters) and len(form.polynomial) and any((form.polynomial[..., i]).any() for i, f in enumerate(filters) if f[3]):
+        if (
+            any(D for *_, D in filters)
+            and len(form.polynomial)
+            and any((form.polynomial[..., i]).any() for i, f in enumerate(filters) if f[3])
+        ):
             raise InputError("an output is reached by white noise directly; its variance is infinite at all times")
         if len(form.polynomial) and any(len(F[0]) for F in filters):
             raise InputError("an output with a direct path of filtered noise is not covered; use displacements or velocities")
@@ -70,11 +74,16 @@ class MarkovModel:
         given = np.asarray(covariance)
         n = len(given) // 2 if given.ndim == 2 else 0
         given = real_array(covariance, "initial_covariance", shape=(2 * n, 2 * n))
-        if 2 * n > 2 * coefficients.shape[1] or np.linalg.eigvalsh((given + given.T) / 2).min(initial=0.0) < -1e-12 * np.abs(given).max(initial=1.0):
+        if 2 * n > 2 * coefficients.shape[1] or np.linalg.eigvalsh((given + given.T) / 2).min(initial=0.0) < -1e-12 * np.abs(
+            given
+        ).max(initial=1.0):
             raise InputError("initial_covariance: expected a positive semidefinite matrix of the displacements and velocities")
         rows = []
         for k in range(2):
-            terms = [np.linalg.matrix_power(pairs.J, j - 1 - k) @ pairs.B @ coefficients[j][:, :n] for j in range(k + 1, len(coefficients))]
+            terms = [
+                np.linalg.matrix_power(pairs.J, j - 1 - k) @ pairs.B @ coefficients[j][:, :n]
+                for j in range(k + 1, len(coefficients))
+            ]
             rows.append(sum(terms, np.zeros((len(pairs.J), n))))
         T = np.hstack(rows)
         P[: self.states, : self.states] = T @ given @ T.T
@@ -110,7 +119,9 @@ def _filter(spectrum, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, fl
         return *none, 0.0
     (piece, *others) = spectrum.pieces
     if others or not np.isinf(piece.upper) or not isinstance(piece, (Rational, PowerLaw)):
-        raise InputError(f"excitation of {name}: it has corner frequencies; white or filtered noise (mb.white_noise, mb.rational_spectrum) is expected here")
+        raise InputError(
+            f"excitation of {name}: it has corner frequencies; white or filtered noise (mb.white_noise, mb.rational_spectrum) is expected here"
+        )
     if isinstance(piece, PowerLaw):
         return *none, float(np.sqrt(piece.level.real))
     root, below = np.sqrt(piece.intensity), np.array(piece.denominator)
@@ -126,7 +137,9 @@ def _filter(spectrum, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, fl
     return A, b * root, c, d * root
 
 
-def covariance_over_time(transfer: Transfer, spectra: SpectralMatrix, times, initial_covariance=None, modulation=None) -> np.ndarray:
+def covariance_over_time(
+    transfer: Transfer, spectra: SpectralMatrix, times, initial_covariance=None, modulation=None
+) -> np.ndarray:
     """E[y y^T] after the noise is switched on; arguments as of ``RandomResponse.covariance_over_time``.
 
     Args:
@@ -198,7 +211,9 @@ def _markov_path(transfer, spectra, times, generator) -> np.ndarray:
     """Steps z -> e^{J h} z + w with the covariance of w over the step, from the stationary distribution."""
     model = MarkovModel(transfer, spectra)
     order = np.argsort(times, kind="stable")
-    rates = [-pole.value.real for pole in transfer.poles] + [-value.real for value in np.linalg.eigvals(model.J[model.states :, model.states :])]
+    rates = [-pole.value.real for pole in transfer.poles] + [
+        -value.real for value in np.linalg.eigvals(model.J[model.states :, model.states :])
+    ]
     P = model.step(DECAY / min(rates, default=1.0))[1]
     z = _normal(P, generator)
     result, now, known = np.empty((len(model.C), len(times))), None, {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -55,7 +56,11 @@ class RandomResponse(Displayed):
         """RMS values with units, and the rates of upward zero crossings."""
         rates = self.crossing_rate()
         rows = [
-            (name, f"{number_text(rms)} {unit}" if np.isfinite(rms) else "infinite", number_text(rate) if np.isfinite(rate) else "infinite")
+            (
+                name,
+                f"{number_text(rms)} {unit}" if np.isfinite(rms) else "infinite",
+                number_text(rate) if np.isfinite(rate) else "infinite",
+            )
             for name, rms, unit, rate in zip(self.outputs, self.rms, self.units, rates)
         ]
         return TextTable(f"Random {self.quantity}", ("output", "RMS", "zero crossings (Hz)"), tuple(rows))
@@ -167,7 +172,7 @@ class RandomResponse(Displayed):
         corners = np.append(self.spectra.corners, np.inf)
         f, H = response.frequencies_hz, response.values
         result = np.zeros((len(H), len(H), len(f)), dtype=complex)
-        for a, b in zip(corners, corners[1:]):
+        for a, b in itertools.pairwise(corners):
             own = (f >= a) & ((f < b) | (f == corners[-2]))
             if own.any() and np.isfinite(a):
                 middle = a + 1.0 if np.isinf(b) else (a + b) / 2
@@ -254,7 +259,9 @@ class RandomResponse(Displayed):
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """Outputs of infinite variance, inputs without spectra, values that are not accurate."""
-        result = [Notice(NoticeKind.ACCURACY, f'"{name}" has infinite variance: {reason}') for name, reason in self.infinite.items()]
+        result = [
+            Notice(NoticeKind.ACCURACY, f'"{name}" has infinite variance: {reason}') for name, reason in self.infinite.items()
+        ]
         silent = [name for name, spectrum in zip(self.inputs, self.spectra.spectra) if not spectrum.pieces]
         result += [Notice(NoticeKind.OMITTED, f'the spectrum of "{name}" is zero') for name in silent]
         worst = self.error_estimate.max(initial=0.0)

@@ -199,7 +199,9 @@ def psd(frequencies_hz, values, of: str = "force", unit: str | None = None, inte
     bad = np.flatnonzero(np.diff(f) <= 0)
     if len(bad):
         first = bad[0]
-        raise InputError(f"frequencies_hz: {f[first]:g} Hz is followed by {f[first + 1]:g} Hz; expected ascending frequencies, each once")
+        raise InputError(
+            f"frequencies_hz: {f[first]:g} Hz is followed by {f[first + 1]:g} Hz; expected ascending frequencies, each once"
+        )
     if not is_cross and (G < 0).any():
         place = int(np.argmin(G))
         raise InputError(f"values: found {G[place]:g} at {f[place]:g} Hz; a power spectral density is not negative")
@@ -214,7 +216,9 @@ def psd(frequencies_hz, values, of: str = "force", unit: str | None = None, inte
     else:
         slopes = np.diff(np.log(G)) / np.diff(np.log(f))
         pieces = [PowerLaw(a, b, level, slope if c != level else 0.0) for a, b, level, c, slope in zip(f, f[1:], G, G[1:], slopes)]
-    return Spectrum(tuple(piece for piece in pieces if piece.level or getattr(piece, "end", 0)), of, f"table from {f[0]:g} Hz to {f[-1]:g} Hz")
+    return Spectrum(
+        tuple(piece for piece in pieces if piece.level or getattr(piece, "end", 0)), of, f"table from {f[0]:g} Hz to {f[-1]:g} Hz"
+    )
 
 
 def white_noise(intensity: float, of: str = "force", unit: str | None = None) -> Spectrum:
@@ -236,7 +240,9 @@ def white_noise(intensity: float, of: str = "force", unit: str | None = None) ->
     return Spectrum((PowerLaw(0.0, np.inf, level),) if level else (), of, "white noise")
 
 
-def rational_spectrum(intensity: float, numerator: Sequence[float], denominator: Sequence[float], of: str = "force", unit: str | None = None) -> Spectrum:
+def rational_spectrum(
+    intensity: float, numerator: Sequence[float], denominator: Sequence[float], of: str = "force", unit: str | None = None
+) -> Spectrum:
     """White noise of intensity G0 through a filter F(s): G(f) = G0 |F(2 pi i f)|^2.
 
     Args:
@@ -259,7 +265,9 @@ def rational_spectrum(intensity: float, numerator: Sequence[float], denominator:
         raise InputError("denominator: found 0; expected coefficients, highest power of s first")
     poles = np.roots(below)
     if len(poles) and poles.real.max() >= 0:
-        raise InputError(f"denominator: found a root {poles[poles.real.argmax()]:.4g}; a filter of noise needs roots with negative real parts")
+        raise InputError(
+            f"denominator: found a root {poles[poles.real.argmax()]:.4g}; a filter of noise needs roots with negative real parts"
+        )
     level = real_number(intensity, "intensity", minimum=0.0) * _factor(unit, of)
     pieces = (Rational(level, tuple(above), tuple(below)),) if level and len(above) else ()
     return Spectrum(pieces, of, "filtered white noise")
@@ -301,14 +309,19 @@ def dryden(rms: float, speed: float, length: float, component: str = "longitudin
     >>> dryden(1.0, 50.0, 200.0)
     Spectrum(of velocity, Dryden, longitudinal)
     """
-    sigma, T = real_number(rms, "rms", minimum=0.0), real_number(length, "length", positive=True) / real_number(speed, "speed", positive=True)
+    sigma, T = (
+        real_number(rms, "rms", minimum=0.0),
+        real_number(length, "length", positive=True) / real_number(speed, "speed", positive=True),
+    )
     if component == "longitudinal":
         above, below, intensity = [1.0], [T, 1.0], 4 * sigma**2 * T
     elif component in ("lateral", "vertical"):
         above, below, intensity = [np.sqrt(3.0) * T, 1.0], [T**2, 2 * T, 1.0], 2 * sigma**2 * T
     else:
         expected = ("longitudinal", "lateral", "vertical")
-        raise InputError(f"component: found {component!r}; expected one of {', '.join(expected)}{nearest(str(component), expected)}")
+        raise InputError(
+            f"component: found {component!r}; expected one of {', '.join(expected)}{nearest(str(component), expected)}"
+        )
     return Spectrum(rational_spectrum(intensity, above, below, "velocity").pieces, "velocity", f"Dryden, {component}")
 
 
@@ -345,7 +358,12 @@ def _factor(unit: str | None, of: str) -> float:
         return 1.0
     text = unit.replace("**", "^").replace("²", "^2").replace("·", " ").strip() if isinstance(unit, str) else ""
     known = UNITS[of]
-    special = {"m^2/s^3": ("acceleration", 1.0), "rad^2/s^3": ("acceleration", 1.0), "m^2/s": ("velocity", 1.0), "m^2 s": ("displacement", 1.0)}
+    special = {
+        "m^2/s^3": ("acceleration", 1.0),
+        "rad^2/s^3": ("acceleration", 1.0),
+        "m^2/s": ("velocity", 1.0),
+        "m^2 s": ("displacement", 1.0),
+    }
     if special.get(text, ("", 0))[0] == of:
         return special[text][1]
     match = re.fullmatch(r"\(?([^()]*?)\)?\^2\s*(/\s*Hz|s/rad|/\s*\(rad/s\)|s)", text)

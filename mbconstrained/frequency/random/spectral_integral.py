@@ -13,6 +13,7 @@ error: Trefethen, Approximation Theory and Approximation Practice (2013), Theore
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -87,7 +88,9 @@ class _Panels:
         return np.where(self.is_tail[:, None], own * self.nodes**2, own)
 
 
-def spectral_integral(transfer: Transfer, spectra: SpectralMatrix, powers: Sequence[int] = (0,), outputs: np.ndarray | None = None) -> SpectralIntegral:
+def spectral_integral(
+    transfer: Transfer, spectra: SpectralMatrix, powers: Sequence[int] = (0,), outputs: np.ndarray | None = None
+) -> SpectralIntegral:
     """The integrals of f^k H S H^H df.
 
     Args:
@@ -140,7 +143,9 @@ class _Integration:
             panels = panels.only(keep).joined(halves)
             H, errors = np.concatenate([H[:, :, keep], new_H], axis=2), np.concatenate([errors[:, :, keep], new_errors], axis=2)
             total, loss = np.concatenate([total[keep], new_total]), np.concatenate([loss[keep], new_loss])
-        return self._improved(panels, H, errors, total, loss) if p and K else SpectralIntegral(np.zeros((K, p, p)), np.zeros((K, p)))
+        return (
+            self._improved(panels, H, errors, total, loss) if p and K else SpectralIntegral(np.zeros((K, p, p)), np.zeros((K, p)))
+        )
 
     # Panels.
 
@@ -149,7 +154,7 @@ class _Integration:
         sizes = np.abs([pole.frequency for pole in self.poles if pole.value] or [0.0])
         rows: list[tuple[float, float, float, bool]] = []
         corners = self.spectra.corners
-        for a, b in zip(corners, corners[1:]):
+        for a, b in itertools.pairwise(corners):
             middle = a + 1.0 if np.isinf(b) else (a + b) / 2
             own = [abs(one) for one in self.spectra.singularities(middle) if one] + [size for size in sizes if size]
             low, high = (min(own), max(own)) if own else (1.0, 1.0)
@@ -164,7 +169,7 @@ class _Integration:
             if b > a:
                 edges = np.geomspace(a, b, int(np.ceil(np.log2(b / a) - 1e-9)) + 1)
                 edges[0], edges[-1] = a, b
-                rows += [(one, two, middle, False) for one, two in zip(edges, edges[1:])]
+                rows += [(one, two, middle, False) for one, two in itertools.pairwise(edges)]
         if self.spectra.longest_delay:
             rows = [part for row in rows for part in self._divided(row)]
         lower, upper, middle, tail = (np.array(column) for column in zip(*rows)) if rows else (np.zeros(0),) * 4
@@ -174,7 +179,7 @@ class _Integration:
         a, b, middle, tail = row
         count = 1 if tail else int(np.ceil(2 * np.pi * (b - a) * self.spectra.longest_delay / TURN))
         edges = np.linspace(a, b, max(count, 1) + 1)
-        return [(one, two, middle, tail) for one, two in zip(edges, edges[1:])]
+        return [(one, two, middle, tail) for one, two in itertools.pairwise(edges)]
 
     def _near(self, panels: _Panels, places: np.ndarray) -> np.ndarray:
         """Which complex frequencies are near which panels, shape (P, number)."""
@@ -236,7 +241,10 @@ class _Integration:
             X, Y = self._principal_parts(number, panels.middle[x], power)
             part = 2 * (X * (logarithm - first)[:, None, None] - Y * (angle - second)[:, None, None])
             np.add.at(total, (x, k), part)
-            terms = [np.abs(one.diagonal(axis1=1, axis2=2)) * (np.abs(u) + np.abs(v))[:, None] for one, u, v in ((X, logarithm, first), (Y, angle, second))]
+            terms = [
+                np.abs(one.diagonal(axis1=1, axis2=2)) * (np.abs(u) + np.abs(v))[:, None]
+                for one, u, v in ((X, logarithm, first), (Y, angle, second))
+            ]
             np.add.at(loss, (x, k), 2 * EPS * sum(terms))
         return total, loss
 

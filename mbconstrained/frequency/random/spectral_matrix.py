@@ -49,7 +49,9 @@ class SpectralMatrix:
         """Frequencies near which the piece at ``middle`` is not analytic."""
         chosen = [spectrum.piece_at(middle) for spectrum in (*self.spectra, *self.cross.values())]
         roots = len(self.spectra) > 1
-        return [one for piece in chosen if piece is not None and (roots or not hasattr(piece, "end")) for one in piece.singularities]
+        return [
+            one for piece in chosen if piece is not None and (roots or not hasattr(piece, "end")) for one in piece.singularities
+        ]
 
     def slopes(self, middle: float) -> np.ndarray:
         """The exponent of f of each spectrum towards infinity, minus infinity where it is zero, shape (m,)."""
@@ -122,7 +124,9 @@ def spectral_matrix(excitation: Mapping, coherence=None, delays: Mapping | None 
         raise InputError('excitation: expected a table of spectra by the names of inputs, such as {"base": mb.psd(...)}')
     for name, spectrum in excitation.items():
         if not isinstance(spectrum, Spectrum):
-            raise InputError(f"excitation of {name}: found an object of type {type(spectrum).__name__}; expected mb.psd(...) or mb.white_noise(...)")
+            raise InputError(
+                f"excitation of {name}: found an object of type {type(spectrum).__name__}; expected mb.psd(...) or mb.white_noise(...)"
+            )
     names = tuple(name for name in excitation if not isinstance(name, tuple))
     places = {name: place for place, name in enumerate(names)}
 
@@ -163,8 +167,7 @@ def _coherence(value, what: str) -> float:
 
 def _conjugate(spectrum: Spectrum) -> Spectrum:
     pieces = [
-        replace(piece, level=np.conj(piece.level), **({"end": np.conj(piece.end)} if hasattr(piece, "end") else {})) for piece in spectrum.pieces
+        replace(piece, level=np.conj(piece.level), **({"end": np.conj(piece.end)} if hasattr(piece, "end") else {}))
+        for piece in spectrum.pieces
     ]
     return Spectrum(tuple(pieces), spectrum.of, spectrum.name)
-
-

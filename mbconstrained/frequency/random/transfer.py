@@ -56,7 +56,11 @@ class Transfer:
         """
         form = self.harmonic.form
         own = list(form.poles)
-        light = [k for k, pole in enumerate(own) if pole.order == 1 and pole.value and abs(pole.value.real) < LIGHT_DAMPING * abs(pole.value)]
+        light = [
+            k
+            for k, pole in enumerate(own)
+            if pole.order == 1 and pole.value and abs(pole.value.real) < LIGHT_DAMPING * abs(pole.value)
+        ]
         steps = self._newton_steps([own[k].value for k in light]) if light else []
         values = {k: own[k].value + step for k, step in zip(light, steps)}
         result = []
@@ -76,7 +80,11 @@ class Transfer:
         columns, rows, at, owner = [], [], [], []
         slices = form._slices
         for number, value in enumerate(values):
-            zero = zeros[value] if value in zeros else min(zeros.values(), key=lambda one: min(abs(one.value - value), abs(one.value.conjugate() - value)))
+            zero = (
+                zeros[value]
+                if value in zeros
+                else min(zeros.values(), key=lambda one: min(abs(one.value - value), abs(one.value.conjugate() - value)))
+            )
             chosen = form._blocks_of(zero)
             places = np.concatenate([np.arange(*slices[i].indices(len(pair.B))) for i in chosen])
             J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -56,7 +57,7 @@ def extrema(value: Callable, slope: Callable, start: float, end: float, rate: fl
     """
     edges = np.unique([start, *(knot for knot in knots if start < knot < end), end])
     best = None
-    for a, b in zip(edges, edges[1:]):
+    for a, b in itertools.pairwise(edges):
         inside = np.nextafter(b, a)  # the limit from the left
         count = int(np.ceil(EACH_RADIAN * rate * (b - a))) + 3
         for low in range(0, count - 1, CHUNK):

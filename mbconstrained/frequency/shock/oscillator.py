@@ -124,7 +124,9 @@ class Oscillator:
             k, start = -slope / l1, -a / l1 - slope / l1**2
             rest = v - l2 * y - start
             u = start + k * tau + rest * np.exp(l1 * tau)
-            moved = np.exp(l2 * tau) * y + tau * _phi(1, l2 * tau) * start + tau**2 * _phi(2, l2 * tau) * k + rest * self._mixed(tau)
+            moved = (
+                np.exp(l2 * tau) * y + tau * _phi(1, l2 * tau) * start + tau**2 * _phi(2, l2 * tau) * k + rest * self._mixed(tau)
+            )
             return moved, l2 * moved + u
         # y = p + s tau + g(tau), the free motion g from y - p, v - s.
         s = slope / w**2

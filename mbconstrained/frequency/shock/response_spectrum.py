@@ -133,14 +133,18 @@ def shock_response_spectrum(
     1.768457653994
     """
     if not isinstance(signal, ImpulsiveSmooth):
-        raise InputError(f"signal: found an object of type {type(signal).__name__}; expected an input such as mb.sampled(times, values)")
+        raise InputError(
+            f"signal: found an object of type {type(signal).__name__}; expected an input such as mb.sampled(times, values)"
+        )
     if signal.size != 1:
         raise InputError(f"signal: found {signal.size} rows; expected the acceleration of the base in one row")
     f = np.atleast_1d(real_array(frequencies_hz, "frequencies_hz"))
     if f.ndim != 1 or not (f > 0).all():
         raise InputError("frequencies_hz: expected a list of positive natural frequencies in Hz")
     if quantity not in QUANTITIES:
-        raise InputError(f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}")
+        raise InputError(
+            f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
+        )
     if interpolation not in INTERPOLATIONS:
         raise InputError(f"interpolation: found {interpolation!r}; expected one of {', '.join(INTERPOLATIONS)}")
     zeta = real_number(damping_ratio, "damping_ratio", minimum=0.0)
@@ -159,7 +163,9 @@ def shock_response_spectrum(
     for own in f:
         oscillator = Oscillator(2 * np.pi * float(own), zeta)
         output = QUANTITIES[quantity](oscillator)
-        rows.append(oscillator.peaks(times, values, output) if record is not None else _closed_form_peaks(signal, oscillator, output))
+        rows.append(
+            oscillator.peaks(times, values, output) if record is not None else _closed_form_peaks(signal, oscillator, output)
+        )
     high, low, after_high, after_low = np.array(rows).reshape(-1, 4).T
     return ShockResponseSpectrum(f, zeta, quantity, high, 0.0 - low, after_high, 0.0 - after_low, tuple(notices))
 

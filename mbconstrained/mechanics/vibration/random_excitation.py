@@ -15,13 +15,14 @@ from ...ground.checks import nearest
 from ...ground.coordinate_units import force_unit, rate_unit
 from ...ground.errors import InputError
 from ...polynomial.polynomial_matrix import PolynomialMatrix
-from .harmonic_equations import _places, _unambiguous, saddle_point
+from ..channels import Channel, channels, chosen_by_name, coordinate_channels, reference, row_channels
+from .harmonic_equations import saddle_point
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
 
 #: What the outputs may be, and the order of the derivative of the displacements.
-QUANTITIES = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": 0}
+QUANTITIES = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": None}
 
 
 def random_response(
@@ -71,71 +72,52 @@ def random_response(
             f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
         )
     spectra = spectral_matrix(excitation, coherence, delays)
-    n, rows = system.size, system.rows
-    row_names = tuple(row.name for row in rows)
-    names = _unambiguous(system.names, row_names)
-    levels, entries = [row.order for row in rows], []
+    rows, order = system.rows, QUANTITIES[quantity]
+    levels, inputs = [row.order for row in rows], []
     for name, spectrum in zip(spectra.names, spectra.spectra):
-        place = _input_place(system, names, name, spectrum.of)
-        entries.append(place)
-        if place >= n:
-            if place in entries[:-1]:
-                raise InputError(f'excitation: "{name}" prescribes the row "{names[place]}", which has a spectrum already')
-            levels[place - n] = KINDS[spectrum.of]
-    known = _places(outputs, names, row_names if quantity == "reaction" else system.names, "output")
-    for name in known:
-        if (names.index(name) >= n) != (quantity == "reaction"):
-            kind = "a coordinate" if quantity == "reaction" else "a constraint row"
-            raise InputError(f'{quantity}: the output "{name}" is {kind}; expected {"a constraint row" if quantity == "reaction" else "coordinates"}')
+        channel = _input(system, name, spectrum.of)
+        if channel.row is not None:
+            if any(channel.row == other.row for other in inputs):
+                raise InputError(f'excitation: "{name}" prescribes the row "{channel.name}", which has a spectrum already')
+            levels[channel.row] = KINDS[spectrum.of]
+        inputs.append(channel)
+    default = row_channels(system) if quantity == "reaction" else coordinate_channels(system)
+    chosen = chosen_by_name("outputs", outputs, channels(system, "outputs"), default)
+    for one in chosen:
+        if (one.row is not None) != (quantity == "reaction"):
+            actual, expected = ("a coordinate", "a constraint row") if one.row is None else ("a constraint row", "a coordinate")
+            raise InputError(f'{quantity}: the output "{one.name}" is {actual}; expected {expected}')
     coefficients, imaginary, sizes = saddle_point(system, levels, modal_damping, loss_factor)
-    unit = np.eye(n + len(rows))
-    C = unit[[names.index(name) for name in known]]
-    C[:, n:] *= -1.0  # the unknowns are -lambda
+    B = np.array([channel.unknowns(system) for channel in inputs]).T
+    C = np.array([channel.unknowns(system) for channel in chosen]).reshape(len(chosen), len(B))
+    C[:, system.size :] *= -1.0  # the unknowns are -lambda
     if relative_to is not None:
         if quantity == "reaction":
             raise InputError("relative_to: reactions are not relative; expected a displacement, velocity or acceleration")
-        C = C - unit[_reference(system, names, relative_to)]
-    units = system.units
-    own = {row.name: force_unit(row.unit) for row in rows}
-    out = np.array([own[name] if quantity == "reaction" else rate_unit(units[name], QUANTITIES[quantity]) for name in known])
-    A = PolynomialMatrix(coefficients, names, [f"motion of {name}" for name in system.names] + [f"constraint {name}" for name in row_names])
-    harmonic = Harmonic(A, unit[:, entries], C, QUANTITIES[quantity], imaginary, sizes, spectra.names, known, out, quantity)
+        other = reference(system, relative_to)
+        C[:, : system.size] -= np.outer([one.unit == other.unit for one in chosen], other.direction)
+    units = np.array([force_unit(one.unit) if order is None else rate_unit(one.unit, order) for one in chosen])
+    names = [f"x {name}" for name in system.names] + [f"reaction {row.name}" for row in rows]
+    A = PolynomialMatrix(coefficients, names)
+    output_names = tuple(one.name for one in chosen)
+    harmonic = Harmonic(A, B, C, order or 0, imaginary, sizes, spectra.names, output_names, units, quantity)
     return RandomResponse(harmonic, spectra)
 
 
-def _input_place(system, names: list[str], name: str, of: str) -> int:
-    """The place of an input among coordinates and rows."""
-    if name not in names:
-        raise InputError(f"excitation: there is no coordinate or constraint row {name!r}{nearest(str(name), names)}")
-    place, n = names.index(name), system.size
+def _input(system: MechanicalSystem, name: str, of: str) -> Channel:
+    """The channel of a random input: a force along a direction, or the motion that a constraint row prescribes."""
+    channel = chosen_by_name("excitation", name, channels(system, "inputs"), ())[0]
     if of == "force":
-        if place >= n:
-            raise InputError(f'excitation of "{name}": a constraint row has a prescribed motion; expected a spectrum of="acceleration", "velocity" or "displacement"')
-        return place
-    if place >= n:
-        return place
-    row = _prescribing_row(system, name)
-    if row is None:
-        raise InputError(f'excitation of "{name}": no constraint row prescribes its motion; expected a force, or a row such as mb.Constraint({{"{name}": 1}})')
-    return n + row
-
-
-def _prescribing_row(system, name: str) -> int | None:
-    """The number of the row that prescribes a coordinate alone, with the factor 1."""
-    column = system.names.index(name)
-    for number, coefficients in enumerate(system.constraint_matrix):
-        if coefficients[column] == 1 and np.count_nonzero(coefficients) == 1:
-            return number
-    return None
-
-
-def _reference(system, names: list[str], name: str) -> int:
-    """The coordinate whose motion is subtracted."""
-    if name in system.names:
-        return system.names.index(name)
-    if name in names:
-        coefficients = system.constraint_matrix[names.index(name) - system.size]
-        if np.count_nonzero(coefficients) == 1 and coefficients.max() == 1:
-            return int(np.argmax(coefficients))
-        raise InputError(f'relative_to: the row "{name}" does not prescribe one coordinate; name a coordinate')
-    raise InputError(f"relative_to: there is no coordinate or constraint row {name!r}{nearest(str(name), names)}")
+        if channel.row is not None:
+            raise InputError(
+                f'excitation of "{name}": a constraint row has a prescribed motion; expected a spectrum of="acceleration", "velocity" or "displacement"'
+            )
+        return channel
+    if channel.row is not None:
+        return channel
+    rows = [row for row in row_channels(system) if (row.direction == channel.direction).all()]
+    if not rows:
+        raise InputError(
+            f'excitation of "{name}": no constraint row prescribes its motion; expected a spectrum of="force", or a row such as mb.Constraint({{"{name}": 1}})'
+        )
+    return rows[0]

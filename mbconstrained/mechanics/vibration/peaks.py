@@ -1,0 +1,246 @@
+"""Exact peak values of motions, and peaks of buildings by combination of modes from a response spectrum."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...frequency.shock.extrema import Extrema, extrema
+from ...frequency.shock.response_spectrum import ShockResponseSpectrum
+from ...ground.checks import counted, nearest, real_array, real_number
+from ...ground.coordinate_units import force_unit, rate_unit
+from ...ground.display import Displayed, TextTable, number_text
+from ...ground.errors import InputError
+from ..element_matrix import mass_normalized, static_response
+
+if TYPE_CHECKING:
+    from ..motion import Motion
+    from ..system import MechanicalSystem
+
+#: What the peaks may be of, and the order of the derivative of the displacements.
+QUANTITIES = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": None}
+
+COMBINATIONS = ("CQC", "SRSS")
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Peaks(Displayed):
+    """The largest and the smallest value of each function over a time, with the times at which they occur.
+
+    Attributes:
+        names, units: of the functions.
+        quantity: "displacement", "velocity", "acceleration" or "reaction".
+        extrema: values and times.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    quantity: str
+    extrema: Extrema
+
+    def _summary(self) -> str:
+        return f"{self.quantity}, {counted(len(self.names), 'function')}"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        own = self.extrema
+        rows = zip(self.names, self.units, own.maximum, own.maximum_time, own.minimum, own.minimum_time)
+        texts = [
+            (name, f"{number_text(a)} {unit}", number_text(ta), f"{number_text(b)} {unit}", number_text(tb))
+            for name, unit, a, ta, b, tb in rows
+        ]
+        return (TextTable(f"Peaks of the {self.quantity}", ("of", "maximum", "at (s)", "minimum", "at (s)"), tuple(texts)),)
+
+    @property
+    def maximum(self) -> np.ndarray:
+        """Largest values, shape (r,)."""
+        return self.extrema.maximum
+
+    @property
+    def minimum(self) -> np.ndarray:
+        """Smallest values, shape (r,)."""
+        return self.extrema.minimum
+
+    @property
+    def largest(self) -> np.ndarray:
+        """Largest moduli, shape (r,)."""
+        return self.extrema.largest
+
+
+def peaks(motion: Motion, end: float, of: str = "displacement", combinations=None, names: Sequence[str] | None = None) -> Peaks:
+    """Exact extrema of a motion on [0, end]: changes of sign of the derivative of the closed form, refined to rounding error.
+
+    Args:
+        motion: of a system of arrays.
+        end: in s.
+        of: "displacement", "velocity", "acceleration" or "reaction".
+        combinations: a matrix (p, r) of what is combined, such as the elongation of a spring; each coordinate or row by default.
+        names: of the combinations.
+
+    Returns:
+        ``Peaks``.
+
+    Raises:
+        InputError: an end that is no positive number, an unknown quantity.
+
+    >>> import mbconstrained as mb
+    >>> motion = mb.MechanicalSystem([[1.0]], None, [[4.0]]).solve(velocity=[3.0])
+    >>> peaks(motion, 1.0).maximum.round(12), peaks(motion, 1.0).extrema.maximum_time.round(9)
+    (array([1.5]), array([0.78539816]))
+    """
+    end = real_number(end, "end", positive=True)
+    if of not in QUANTITIES:
+        raise InputError(f"of: found {of!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(of), QUANTITIES)}")
+    order, system = QUANTITIES[of], motion.system
+    function = motion.reaction_function if order is None else motion.derivative(order) if order else motion.function
+    derivative = function.derivative(1)
+    own = tuple(row.name for row in system.rows) if order is None else system.names
+    units = (
+        tuple(force_unit(row.unit) for row in system.rows)
+        if order is None
+        else tuple(rate_unit(system.units[name], order) for name in own)
+    )
+    value: Callable = function
+    if combinations is not None:
+        matrix = real_array(combinations, "combinations", shape=(None, len(own)))
+        value, derivative = function.mapped(matrix), derivative.mapped(matrix)
+        units = tuple(" or ".join(sorted({units[i] for i in np.flatnonzero(row)})) or "1" for row in matrix)
+        own = tuple(names or (f"combination {i + 1}" for i in range(len(matrix))))
+    rates = [np.abs(np.linalg.eigvals(block)).max(initial=0.0) for block in (*motion.function.blocks, *motion.force.smooth.blocks)]
+    return Peaks(own, units, of, extrema(value, derivative, 0.0, end, max([*rates, 1 / end]), motion.force.knots))
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class ModalCombination(Displayed):
+    """Peaks under a moving base, estimated mode by mode from a response spectrum.
+
+    Attributes:
+        names: of the coordinates.
+        frequencies_hz, damping_ratios: of the modes, shape (m,).
+        participation_factors: Gamma_i = u_i^T M r with u_i^T M u_i = 1, shape (m,).
+        effective_masses: Gamma_i^2, shape (m,).
+        total_mass: r^T M r of all motions that the base allows: the sum of the effective masses of all modes.
+        modal_displacements: Gamma_i S_a(f_i) / w_i^2 u_i, relative to the base, shape (n, m).
+        correlation: of the modes, shape (m, m).
+    """
+
+    names: tuple[str, ...]
+    frequencies_hz: np.ndarray
+    damping_ratios: np.ndarray
+    participation_factors: np.ndarray
+    effective_masses: np.ndarray
+    total_mass: float
+    modal_displacements: np.ndarray
+    correlation: np.ndarray
+
+    def _summary(self) -> str:
+        return f"{counted(len(self.names), 'coordinate')}, {counted(len(self.frequencies_hz), 'mode')}"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        share = np.cumsum(self.effective_masses) / (self.total_mass or 1.0)
+        rows = zip(self.frequencies_hz, self.effective_masses, share)
+        texts = tuple(
+            (str(i), number_text(f), number_text(mass), f"{100 * part:.4g} %") for i, (f, mass, part) in enumerate(rows, start=1)
+        )
+        return (TextTable("Effective modal masses", ("mode", "frequency (Hz)", "effective mass (kg)", "sum of all"), texts),)
+
+    @property
+    def displacement(self) -> np.ndarray:
+        """Combined peaks relative to the base, shape (n,)."""
+        return self.combined(np.eye(len(self.names)))
+
+    def combined(self, combinations) -> np.ndarray:
+        """Peaks of linear combinations of the displacements relative to the base, such as storey drifts or forces of springs.
+
+        Args:
+            combinations: matrix, shape (p, n).
+
+        Returns:
+            sqrt(sum of rho_ij q_i q_j), shape (p,).
+        """
+        q = real_array(combinations, "combinations", shape=(None, len(self.names))) @ self.modal_displacements
+        return np.sqrt(np.maximum(np.einsum("pi,ij,pj->p", q, self.correlation, q), 0.0))
+
+
+def modal_combination(
+    system: MechanicalSystem,
+    spectrum,
+    base: Sequence[str] | str | None = None,
+    damping_ratio: float = 0.05,
+    combination: str = "CQC",
+) -> ModalCombination:
+    """Response spectrum analysis: participation factors, effective masses, peaks by SRSS or CQC.
+
+    Args:
+        system: with constraint rows that move the supports.
+        spectrum: a ``ShockResponseSpectrum`` of pseudo-acceleration or absolute acceleration, a function of the frequency in Hz, or a table (f, S_a) in
+            Hz and m/s^2, interpolated on logarithmic axes.
+        base: names of the rows that move together by one unit; all rows by default.
+        damping_ratio: of all modes, for the correlation of CQC.
+        combination: "CQC" (Der Kiureghian, Earthquake Engineering and Structural Dynamics 9, 1981) or "SRSS".
+
+    Returns:
+        A ``ModalCombination``.
+
+    Raises:
+        InputError: unknown rows, a system without rows, a spectrum that does not reach a frequency.
+    """
+    rows = [row.name for row in system.rows]
+    chosen = rows if base is None else [base] if isinstance(base, str) else list(base)
+    for name in chosen:
+        if name not in rows:
+            raise InputError(f"base: there is no constraint row {name!r}{nearest(str(name), rows)}")
+    if not chosen:
+        raise InputError("base: the system has no constraint rows; expected rows that prescribe the motion of the supports")
+    if combination not in COMBINATIONS:
+        raise InputError(
+            f"combination: found {combination!r}; expected one of {', '.join(COMBINATIONS)}{nearest(str(combination), COMBINATIONS)}"
+        )
+    zeta = real_number(damping_ratio, "damping_ratio", minimum=0.0)
+    modes = system.modes(damped=False)
+    w = modes.natural_frequencies
+    U = mass_normalized(system.mass, modes.shapes.real, w)
+    influence = static_response(system.stiffness, system.constraint_matrix)[:, [rows.index(name) for name in chosen]].sum(axis=1)
+    load = system.mass @ influence
+    V = system.constrained_form().null_space
+    reduced = V.T @ load
+    total = float(reduced @ np.linalg.pinv(V.T @ system.mass @ V) @ reduced)
+    gamma = U.T @ load
+    accelerations = _spectral_accelerations(spectrum, w / (2 * np.pi))
+    displacements = U * (gamma * accelerations / w**2)
+    return ModalCombination(
+        system.names,
+        w / (2 * np.pi),
+        np.full(len(w), zeta),
+        gamma,
+        gamma**2,
+        total,
+        displacements,
+        _correlation(w, zeta, combination),
+    )
+
+
+def _spectral_accelerations(spectrum, f: np.ndarray) -> np.ndarray:
+    """S_a in m/s^2 at frequencies in Hz."""
+    if isinstance(spectrum, ShockResponseSpectrum):
+        if spectrum.quantity not in ("absolute acceleration", "pseudo-acceleration"):
+            raise InputError(f'spectrum: found one of "{spectrum.quantity}"; expected pseudo-acceleration or absolute acceleration')
+        spectrum = spectrum.frequencies_hz, spectrum.maximax
+    if callable(spectrum):
+        return np.array([real_number(spectrum(float(one)), "spectrum") for one in f])
+    table, values = (real_array(one, "spectrum", shape=(None,)) for one in spectrum)
+    if len(f) and (f.min() < table.min() * (1 - 1e-12) or f.max() > table.max() * (1 + 1e-12)):
+        raise InputError(
+            f"spectrum: it covers {table.min():g} Hz to {table.max():g} Hz; the modes have {f.min():g} Hz to {f.max():g} Hz"
+        )
+    return np.exp(np.interp(np.log(f), np.log(table), np.log(values)))
+
+
+def _correlation(w: np.ndarray, zeta: float, combination: str) -> np.ndarray:
+    """rho_ij of modes of one damping ratio: 8 z^2 (1 + r) r^(3/2) / ((1 - r^2)^2 + 4 z^2 r (1 + r)^2), r = w_j / w_i."""
+    if combination == "SRSS" or zeta == 0:
+        return np.eye(len(w))
+    r = w / w[:, None]
+    return 8 * zeta**2 * (1 + r) * r**1.5 / ((1 - r**2) ** 2 + 4 * zeta**2 * r * (1 + r) ** 2)

@@ -1,0 +1,279 @@
+"""Random responses against certified integrals, closed formulas of textbooks, and published values."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from flint import acb, acb_poly, arb, ctx, fmpq, fmpq_mat, fmpq_poly
+from hypothesis import given
+from hypothesis import strategies as st
+
+import mbconstrained as mb
+from mbconstrained.ground.tolerances import EPS
+
+
+def oscillator(damping_ratio, w=20.0, mass=2.0):
+    return mb.MechanicalSystem([[mass]], [[2 * damping_ratio * w * mass]], [[w**2 * mass]])
+
+
+def base_excited(damping_ratio, w=20.0):
+    c, k = 2 * damping_ratio * w, w**2
+    return mb.MechanicalSystem(np.diag([1.0, 0.0]), [[c, -c], [-c, c]], [[k, -k], [-k, k]], [mb.Constraint([0, 1], names="base")])
+
+
+@pytest.mark.parametrize("damping_ratio", [1e-14, 1e-9, 1e-4, 0.05, 0.7, 1 - 1e-9, 1.0, 1 + 1e-9, 10.0])
+def test_one_mass_under_white_noise(damping_ratio):
+    """E[x^2] = G / (4 c k), E[v^2] = G / (4 c m); the acceleration is infinite (Crandall and Mark, Random Vibration, 1963, section 2.2)."""
+    system, G = oscillator(damping_ratio), 3.0
+    (m,), (c,), (k,) = system.mass[0], system.damping[0], system.stiffness[0]
+    x = system.random_response({"x1": mb.white_noise(G)})
+    v = system.random_response({"x1": mb.white_noise(G)}, quantity="velocity")
+    a = system.random_response({"x1": mb.white_noise(G)}, quantity="acceleration")
+    assert np.isclose(x.covariance.item(), G / (4 * c * k), rtol=1e-12)
+    assert np.isclose(v.covariance.item(), G / (4 * c * m), rtol=1e-12)
+    assert x.error_estimate[0] < 1e-11
+    assert np.isinf(a.rms).all()
+    assert "directly" in a.infinite["x1"]
+    assert np.isclose(a.white_part[0], G / m**2)
+    assert np.isclose(x.crossing_rate()[0], np.sqrt(k / m) / (2 * np.pi), rtol=1e-12)
+
+
+@given(st.floats(-14, 1), st.floats(-3, 3))
+def test_absolute_acceleration_on_a_white_base(exponent, size):
+    """E[a^2] = pi f_n W (1 + 4 z^2) / (4 z), relative displacement W / (8 z w^3) (Crandall and Mark 1963)."""
+    z, w = 10.0**exponent, 10.0**size
+    system, W = base_excited(z, w), mb.white_noise(0.3, of="acceleration")
+    absolute = system.random_response({"base": W}, "x1", "acceleration")
+    relative = system.random_response({"base": W}, "x1", relative_to="base")
+    assert np.isclose(absolute.covariance.item(), w / 2 * 0.3 * (1 + 4 * z**2) / (4 * z), rtol=1e-12)
+    assert np.isclose(relative.covariance.item(), 0.3 / (8 * z * w**3), rtol=1e-12)
+
+
+def test_published_two_masses_on_a_base():
+    """ANSYS Verification Manual VM68 (Vierck): 9.059 g and 10.63 g; its first value with 16 digits by integration of certified values."""
+    k1, k2 = 42832.0, 32416.0
+    K = np.array([[k1 + k2, -k2, -k1], [-k2, k2, 0.0], [-k1, 0.0, k1]])
+    system = mb.MechanicalSystem(
+        np.diag([0.5, 1.0, 0.0]), None, K, [mb.Constraint([0, 0, 1], names="base")], names=["m1", "m2", "floor"]
+    )
+    spectrum = mb.psd([10, 100], [0.1, 0.1], of="acceleration", unit="g^2/Hz")
+    R = system.random_response({"base": spectrum}, ["m1", "m2"], "acceleration", relative_to="base", modal_damping=0.02)
+    assert np.allclose(R.rms / 9.80665, [9.058711093627037, 10.63], rtol=[1e-13, 4e-4])
+    assert R.units == ("m/s^2", "m/s^2")
+
+
+def transfer_function(system, B, C):
+    """Numerator and denominator of C A(s)^-1 B by exact determinants at whole numbers s, interpolated."""
+    rows, n = system.constraint_matrix, system.size
+    size = n + len(rows)
+    degree, values = 2 * size, {"above": [], "below": []}
+    for s in range(degree + 1):
+        P = np.zeros((size, size), dtype=object) + fmpq(0)
+        for power, matrix in enumerate((system.stiffness, system.damping, system.mass)):
+            P[:n, :n] += np.vectorize(exact)(matrix) * fmpq(s) ** power
+        P[:n, n:], P[n:, :n] = np.vectorize(exact)(rows.T), np.vectorize(exact)(rows)
+        bordered = np.zeros((size + 1, size + 1), dtype=object) + fmpq(0)
+        bordered[:size, :size] = P
+        bordered[:n, size], bordered[size, :n] = np.vectorize(exact)(-B), np.vectorize(exact)(C)
+        values["below"].append(fmpq_mat(P.tolist()).det())
+        values["above"].append(fmpq_mat(bordered.tolist()).det())
+    V = fmpq_mat([[fmpq(s) ** k for k in range(degree + 1)] for s in range(degree + 1)])
+    return [fmpq_poly(V.solve(fmpq_mat([[value] for value in values[key]])).entries()) for key in ("above", "below")]
+
+
+def exact(value):
+    return fmpq(*float(value).as_integer_ratio())
+
+
+def certified(system, B, C, power, low, high, density):
+    """The integral of |C A(s)^-1 B|^2 |s|^(2 power) density(f) df by python-flint's certified quadrature, at 40 digits."""
+    above, below = transfer_function(system, B, C)
+    with ctx.workdps(40):
+        above, below = acb_poly(above), acb_poly(below)
+
+        def integrand(f, _):
+            s = acb(0, 2) * acb.pi() * f
+            return above(s) * above(-s) / (below(s) * below(-s)) * (-s * s) ** power * density(f)
+
+        return float(acb.integral(integrand, acb(low), acb(high), rel_tol=arb(10) ** -20, eval_limit=10**6).real)
+
+
+def constrained_model(rng, n=5):
+    """A chain with a massless node, redundant rows and random data; the first coordinate is fixed by two equal rows."""
+    K = np.zeros((n, n))
+    for i in range(n - 1):
+        a = np.eye(n)[i] - np.eye(n)[i + 1]
+        K += rng.uniform(50, 200) * np.outer(a, a)
+    mass = rng.uniform(0.5, 2, n)
+    mass[2] = 0.0
+    rigid = np.eye(n)[3] - 2 * np.eye(n)[4]
+    return mb.MechanicalSystem(
+        np.diag(mass), 10 ** rng.uniform(-6, -2) * K, K, [mb.Constraint([np.eye(n)[0], 2 * np.eye(n)[0]]), mb.Constraint(rigid)]
+    )
+
+
+@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(4, 40))])
+def test_constrained_models_against_certified_quadrature(seed):
+    """Massless nodes, redundant rows: three slopes of a spectrum, displacement and acceleration."""
+    rng = np.random.default_rng(seed)
+    system = constrained_model(rng)
+    slope = rng.uniform(-4, 4)
+    corners = np.sort(rng.uniform(0.2, 8.0, 2))
+    spectrum = mb.psd(corners, [1.0, (corners[1] / corners[0]) ** slope])
+    output = int(rng.integers(1, 5))
+    for quantity, power in (("displacement", 0), ("acceleration", 2)):
+        R = system.random_response({"x4": spectrum}, f"x{output + 1}", quantity)
+        with ctx.workdps(40):
+            density = lambda f: (f / acb(float(corners[0]))) ** acb(float(spectrum.pieces[0].exponent))  # noqa: E731
+            integral = certified(system, np.eye(5)[3], np.eye(5)[output], power, float(corners[0]), float(corners[1]), density)
+        assert np.isclose(R.covariance.item(), integral, rtol=1e-11)
+        assert abs(R.covariance.item() / integral - 1) < 10 * R.error_estimate[0]
+
+
+def test_a_spectrum_next_to_an_undamped_resonance_is_finite():
+    """The integral of 1 / (w_n^2 - w^2)^2 has an elementary antiderivative; a spectrum with the resonance is infinite."""
+    system, wn = mb.MechanicalSystem([[1.0]], None, [[4.0]]), 2.0
+
+    def antiderivative(w):
+        return w / (2 * wn**2 * (wn**2 - w**2)) + np.arctanh(min(w, wn**2 / w) / wn) / (2 * wn**3)
+
+    for low, high in ((0.1, 0.3), (0.32, 1.0)):
+        R = system.random_response({"x1": mb.psd([low, high], [1.0, 1.0])})
+        expected = (antiderivative(2 * np.pi * high) - antiderivative(2 * np.pi * low)) / (2 * np.pi)
+        assert np.isclose(R.covariance.item(), expected, rtol=1e-10)
+    assert "no damping" in system.random_response({"x1": mb.psd([0.1, 1.0], [1.0, 1.0])}).infinite["x1"]
+
+
+def test_what_is_infinite_and_what_is_not():
+    """Rigid bodies, reactions of massless joints, moments: nothing finite is called infinite, nothing infinite has a number."""
+    ties = [[1.0, -1.0], [-1.0, 1.0]]
+    free = mb.MechanicalSystem(np.eye(2), np.multiply(0.1, ties), ties)
+    white = {"x1": mb.white_noise(1.0)}
+    assert set(free.random_response(white).infinite) == {"x1", "x2"}
+    assert not free.random_response(white, "x1", relative_to="x2").infinite
+    assert set(free.random_response(white, quantity="acceleration").infinite) == {"x1"}
+    assert not free.random_response({"x1": mb.psd([0.1, 1.0], [1.0, 1.0])}).infinite
+    held = base_excited(0.1)
+    reaction = held.random_response({"x1": mb.white_noise(1.0)}, quantity="reaction")
+    assert np.isinf(reaction.rms).all() == ("base" in reaction.infinite)
+    one = oscillator(0.1).random_response({"x1": mb.white_noise(1.0)})
+    assert np.isfinite([one.moment(k)[0] for k in range(3)]).all()
+    assert np.isinf([one.moment(k)[0] for k in (3, 4)]).all()
+    unstable = mb.MechanicalSystem([[1.0]], [[-0.1]], [[1.0]]).random_response({"x1": mb.psd([0.1, 1.0], [1.0, 1.0])})
+    assert "unstable" in unstable.infinite["x1"]
+    massless = mb.MechanicalSystem(np.diag([1.0, 0.0]), np.diag([0.1, 0.0]), [[2.0, -1.0], [-1.0, 1.0]])
+    assert set(massless.random_response({"x2": mb.white_noise(1.0)}).infinite) == {"x2"}  # the joint follows the force at once
+
+
+def test_coherent_inputs_with_a_delay():
+    """The sum of u(t) and u(t - tau): 2 integral of G (1 + cos w tau) df, through two stiffnesses without mass."""
+    system = mb.MechanicalSystem(np.zeros((1, 1)), None, [[1.0]]).random_response
+    pair = mb.MechanicalSystem(np.zeros((3, 3)), None, np.array([[1.0, 0, 0], [0, 1.0, 0], [-1.0, -1.0, 1.0]]))
+    f = mb.psd([0.5, 4.0], [2.0, 2.0])
+    R = pair.random_response({"x1": f, "x2": f}, "x3", delays={"x1": 0.0, "x2": 0.3})
+    turn = lambda f: f + np.sin(2 * np.pi * f * 0.3) / (2 * np.pi * 0.3)  # noqa: E731
+    assert np.isclose(R.covariance.item(), 2 * 2.0 * (turn(4.0) - turn(0.5)), rtol=1e-13)
+    independent = pair.random_response({"x1": f, "x2": f}, "x3")
+    half = pair.random_response({"x1": f, "x2": f}, "x3", coherence=0.25)
+    single = system({"x1": f}).covariance.item()
+    assert np.isclose(independent.covariance.item(), 2 * single)
+    assert np.isclose(half.covariance.item(), (2 + 2 * 0.5) * single)
+
+
+def test_filtered_noise_is_the_cascade():
+    """A filter 1 / (1 + T s) before an oscillator: the variance is that of the chain of both, solved as a descriptor system."""
+    T, w, z = 0.4, 3.0, 0.02
+    spectrum = mb.rational_spectrum(2.0, [1.0], [T, 1.0])
+    R = oscillator(z, w, 1.0).random_response({"x1": spectrum})
+    # Lyapunov's equation of (x, v, q), q the filtered noise.
+    A = np.array([[0, 1, 0], [-(w**2), -2 * z * w, 1], [0, 0, -1 / T]])
+    B = np.array([[0], [0], [1 / T]])
+    P = np.linalg.solve(np.kron(np.eye(3), A) + np.kron(A, np.eye(3)), -(B @ B.T).ravel()).reshape(3, 3)
+    assert np.isclose(R.covariance.item(), P[0, 0] * 2.0 / 2, rtol=1e-12)
+    later = R.covariance_over_time([1e4])
+    assert np.isclose(later.item(), R.covariance.item(), rtol=1e-10)
+
+
+def test_statistics():
+    """Rice's rates of a narrow band; Dirlik's formula tends to the narrow band one; the largest value of many cycles."""
+    narrow = oscillator(1e-3).random_response({"x1": mb.psd([1.0, 10.0], [1.0, 1.0])})
+    assert 0.95 < narrow.irregularity[0] < 1
+    assert np.isclose(narrow.crossing_rate()[0], 20 / (2 * np.pi), rtol=1e-2)
+    rms = narrow.rms[0]
+    damage = [narrow.damage_rate(4.0, 10 * rms, method)[0] for method in ("dirlik", "narrow-band")]
+    assert np.isclose(*damage, rtol=0.2)
+    assert 3 * rms < narrow.expected_maximum(600.0)[0] < 5 * rms
+    assert np.isclose(narrow.crossing_rate(rms)[0], narrow.crossing_rate()[0] * np.exp(-0.5))
+    with pytest.raises(mb.InputError, match="periods"):
+        narrow.expected_maximum(0.01)
+
+
+def test_covariance_over_time():
+    """A free mass: G t^3 / 6; an oscillator from rest (Caughey and Stumpf, Journal of Applied Mechanics 28, 1961, equation 9)."""
+    mass = mb.MechanicalSystem([[1.0]]).random_response({"x1": mb.white_noise(2.0)})
+    assert np.isclose(mass.covariance_over_time([2.0]).item(), 2.0**3 / 3, rtol=1e-14)
+    z, w, t, G = 0.05, 3.0, 0.8, 1.5
+    R = oscillator(z, w, 1.0).random_response({"x1": mb.white_noise(G)})
+    wd = w * np.sqrt(1 - z**2)
+    decay = np.exp(-2 * z * w * t)
+    bracket = 1 - decay / wd**2 * (wd**2 + 2 * (z * w * np.sin(wd * t)) ** 2 + z * w * wd * np.sin(2 * wd * t))
+    assert np.isclose(R.covariance_over_time([t]).item(), G / (8 * z * w**3) * bracket, rtol=1e-12)
+    start = R.covariance_over_time([0.0, 1.0], initial_covariance=np.diag([4.0, 0.0]))
+    assert np.isclose(start[0].item(), 4.0)
+    fading = R.covariance_over_time([50.0], modulation=[(1.0, 0.5)])
+    assert fading.item() < 1e-3 * R.covariance.item()
+
+
+@pytest.mark.parametrize("spectrum", [mb.white_noise(1.0), mb.psd([0.1, 5.0], [2.0, 0.5])])
+def test_sample_paths_have_the_covariance(spectrum):
+    """Of 400 paths at three times, within five standard deviations; a seed repeats its path."""
+    R = oscillator(0.1).random_response({"x1": spectrum})
+    paths = np.array([R.sample([0.0, 0.1, 7.0], seed)[0] for seed in range(400)])
+    deviation = np.sqrt(2 / 400) * R.covariance.item()
+    assert (np.abs((paths**2).mean(axis=0) - R.covariance.item()) < 5 * deviation).all()
+    assert (R.sample([0.0, 1.0], 3) == R.sample([0.0, 1.0], 3)).all()
+
+
+def test_spectra_of_outputs():
+    """G_y = |H|^2 G, zero beyond the table; their integral is the covariance."""
+    R = oscillator(0.3).random_response({"x1": mb.psd([1.0, 4.0], [1.0, 3.0], interpolation="linear")})
+    H = oscillator(0.3).frequency_response([2.0]).values.item()
+    assert np.isclose(R.psd([2.0]).item(), abs(H) ** 2 * (1 + 2 / 3))
+    assert R.psd([0.5, 4.5]).tolist() == [[0.0, 0.0]]
+    f = np.linspace(1.0, 4.0, 20001)
+    assert np.isclose(np.trapezoid(R.psd(f)[0], f), R.covariance.item(), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: mb.psd([1, 2], [1, -1]), "not negative"),
+        (lambda: mb.psd([2, 1], [1, 1]), "ascending"),
+        (lambda: mb.psd([1, 1], [1, 1]), "ascending"),
+        (lambda: mb.psd([1, 2], [1]), "values"),
+        (lambda: mb.psd([0, 2], [1, 1]), "0 Hz"),
+        (lambda: mb.psd([1, 2], [1, np.nan]), "finite"),
+        (lambda: mb.psd([1, 2], [1, 1], of="acceleration", unit="g"), "squared per Hz"),
+        (lambda: mb.psd([1, 2], [1, 1], of="acceleration", unit="N^2/Hz"), "g\\^2/Hz"),
+        (lambda: mb.psd([1, 2], [1, 1], of="acceleratoin"), "acceleration"),
+        (lambda: mb.rational_spectrum(1.0, [1], [1, -1]), "root"),
+        (lambda: oscillator(0.1).random_response({"x": mb.white_noise(1.0)}), "x1"),
+        (lambda: oscillator(0.1).random_response({}), "expected a table"),
+        (lambda: oscillator(0.1).random_response({"x1": 3.0}), "mb.psd"),
+        (lambda: oscillator(0.1).random_response({"x1": mb.white_noise(1.0, of="acceleration")}), "no constraint row"),
+        (lambda: base_excited(0.1).random_response({"base": mb.white_noise(1.0)}), "prescribed motion"),
+        (lambda: base_excited(0.1).random_response({"base": mb.white_noise(1.0, of="velocity")}, "base"), "constraint row"),
+        (lambda: oscillator(0.1).random_response({"x1": mb.white_noise(1.0)}, quantity="speed"), "displacement"),
+        (lambda: oscillator(0.1).random_response({"x1": mb.white_noise(1.0)}, coherence=2.0), "from 0 to 1"),
+    ],
+)
+def test_bad_input(make, message):
+    """Each mistake has a message with what to do."""
+    with pytest.raises(mb.InputError, match=message):
+        make()
+
+
+def test_two_sided_densities_per_radian():
+    """S per rad/s is G = 4 pi S."""
+    two_sided = mb.psd([1.0, 2.0], [1.0, 1.0], unit="N^2 s/rad")
+    assert np.isclose(two_sided(1.5), 4 * np.pi, rtol=4 * EPS)

@@ -1,0 +1,161 @@
+"""Shock response spectra against closed forms with 30 digits, other paths through the package, and limits that are known."""
+
+from __future__ import annotations
+
+import itertools
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import mbconstrained as mb
+from mbconstrained.frequency.shock.oscillator import Oscillator
+
+QUANTITIES = ("absolute acceleration", "relative displacement", "pseudo-velocity", "relative velocity")
+PARTS = ("primary_positive", "primary_negative", "residual_positive", "residual_negative")
+
+
+def half_sine(duration):
+    wave = mb.harmonic([1.0], angular_frequency=np.pi / duration, phase=-np.pi / 2)
+    return wave + wave.delayed(duration)
+
+
+def exact_half_sine(f, duration, z):
+    """The maximax of the absolute acceleration with 30 digits: y'' + 2 z w y' + w^2 y = sin(pi t / T) solved by hand, all extrema by bisection."""
+    with mpmath.workdps(30):
+        T, z = mpmath.mpf(duration), mpmath.mpf(z)
+        w = 2 * mpmath.pi * mpmath.mpf(f)
+        wd, P = w * mpmath.sqrt(1 - z * z), mpmath.pi / T
+        size = (w * w - P * P) ** 2 + (2 * z * w * P) ** 2
+        a, b = (w * w - P * P) / size, -2 * z * w * P / size
+        c, e = -b, (-a * P - z * w * b) / wd
+
+        def free(c, e, t):
+            decay = mpmath.exp(-z * w * t)
+            y = decay * (c * mpmath.cos(wd * t) + e * mpmath.sin(wd * t))
+            return y, -z * w * y + wd * decay * (e * mpmath.cos(wd * t) - c * mpmath.sin(wd * t))
+
+        def state(t):
+            y, v = free(c, e, t)
+            return y + a * mpmath.sin(P * t) + b * mpmath.cos(P * t), v + P * (a * mpmath.cos(P * t) - b * mpmath.sin(P * t))
+
+        def peak(state, load, end):
+            def slope(t):
+                y, v = state(t)
+                return w * w * v + 2 * z * w * (load(t) - 2 * z * w * v - w * w * y)
+
+            count = 400
+            times, best = [end * k / count for k in range(count + 1)], mpmath.mpf(0)
+            for low, high in itertools.pairwise(times):
+                if slope(low) * slope(high) < 0:
+                    for _ in range(70):
+                        middle = (low + high) / 2
+                        low, high = (middle, high) if slope(low) * slope(middle) > 0 else (low, middle)
+                y, v = state(low)
+                best = max(best, abs(w * w * y + 2 * z * w * v))
+            return best
+
+        y, v = state(T)
+        after = lambda t: free(y, (v + z * w * y) / wd, t)  # noqa: E731
+        return float(max(peak(state, lambda t: mpmath.sin(P * t), T), peak(after, lambda t: 0, 2 * mpmath.pi / wd)))
+
+
+@pytest.mark.parametrize("f", [10.0, 102.95755673125127, 526.646239348428])
+def test_half_sine(f):
+    """11 ms, Q = 10, as in the test standards: to rounding errors."""
+    spectrum = mb.shock_response_spectrum(half_sine(0.011), [f], quality_factor=10.0)
+    assert np.isclose(spectrum.maximax[0], exact_half_sine(f, 0.011, 0.05), rtol=1e-13)
+
+
+def test_largest_peak_of_a_half_sine():
+    """1.7684576539936717823 at f T = 0.80993678585149450784, undamped (by differentiation of the closed form)."""
+    spectrum = mb.shock_response_spectrum(half_sine(1.0), [0.80993678585149450784], damping_ratio=0.0)
+    assert np.isclose(spectrum.maximax[0], 1.7684576539936717823, rtol=1e-14)
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+@pytest.mark.parametrize("damping_ratio", [0.0, 1e-8, 0.05, 0.999, 1.0, 1.001, 50.0])
+def test_records_by_recursion_and_by_closed_form(quantity, damping_ratio):
+    """The digital filters with interior extrema, and the package's solution of the same polygon, are two algorithms."""
+    times, values = np.array([0.0, 0.1, 0.25, 0.3, 0.7]), np.array([[0.0, 1.0, -0.5, 2.0, 0.0]])
+    record = mb.sampled(times, values)
+    f = [0.01, 0.3, 3.0, 100.0]
+    one = mb.shock_response_spectrum(record, f, damping_ratio, quantity)
+    other = mb.shock_response_spectrum(record + mb.sampled(times, 0 * values), f, damping_ratio, quantity)
+    for part in PARTS:
+        assert (np.abs(getattr(one, part) - getattr(other, part)) <= 2e-12 * other.maximax).all()
+    assert (one.maximax == np.maximum(one.positive, one.negative)).all()
+    assert (one.maximax == np.maximum(one.primary, one.residual)).all()
+
+
+@given(st.lists(st.floats(-1, 1), min_size=3, max_size=12), st.floats(-2, 2), st.floats(-3, 1))
+@settings(max_examples=30)
+def test_no_sample_is_above_the_extrema(values, log_frequency, log_damping):
+    """Whatever the record, frequency and damping: 2,000 samples of each interval stay within the extrema, and one comes near."""
+    values = np.array(values)
+    times = np.cumsum(np.linspace(0.2, 1.0, len(values)))
+    o = Oscillator(2 * np.pi * 10**log_frequency, 10**log_damping)
+    output = (o.w**2, 2 * o.zeta * o.w)
+    high, low, *_ = o.peaks(times, values, output)
+    y, v = o.states(times, values)
+    slopes, h = np.diff(values) / np.diff(times), np.diff(times)
+    tau = np.linspace(0, 1, 2001) * h[:, None]
+    position, rate = o.inside(*(one[:, None] for one in (y[:-1], v[:-1], values[:-1], slopes)), tau)
+    inside = output[0] * position + output[1] * rate
+    size = np.abs(inside).max()
+    assert high >= inside.max() - 1e-9 * size
+    assert low <= inside.min() + 1e-9 * size
+    assert high <= max(inside.max(), 0) + 1e-3 * size
+    assert low >= min(inside.min(), 0) - 1e-3 * size
+
+
+def test_limits():
+    """A stiff oscillator follows the base, a soft one stays; an uneven record is that polygon; Q = 1 / (2 zeta)."""
+    times, values = np.array([0.0, 0.3, 0.35, 1.0]), np.array([[0.0, 1.0, -2.0, 0.0]])
+    record = mb.sampled(times, values)
+    stiff = mb.shock_response_spectrum(record, [1e4], 0.5)
+    assert np.isclose(stiff.maximax[0], 2.0, rtol=1e-2)
+    soft = mb.shock_response_spectrum(record, [1e-4], 0.05, "relative displacement")
+    t = np.linspace(0, 1, 20001)
+    velocity = np.cumsum(np.interp(t, times, values[0])) * t[1]
+    assert np.isclose(soft.primary[0], np.abs(np.cumsum(velocity) * t[1]).max(), rtol=1e-3)  # the base moves below the mass at rest
+    fine = np.union1d(times, np.linspace(0, 1, 41))
+    divided = mb.shock_response_spectrum(mb.sampled(fine, np.interp(fine, times, values[0])), [2.0, 7.0])
+    assert np.allclose(divided.maximax, mb.shock_response_spectrum(record, [2.0, 7.0]).maximax, rtol=1e-12)
+    quality = mb.shock_response_spectrum(record, [2.0], quality_factor=10.0)
+    assert quality.maximax == mb.shock_response_spectrum(record, [2.0], 0.05).maximax
+
+
+def test_interpolation_of_records_is_reported():
+    """A band-limited reading of a coarse sine has its peak; both readings say which they are."""
+    times = np.arange(64) * 0.01
+    values = np.sin(2 * np.pi * 20.0 * times) * np.hanning(64)
+    linear = mb.shock_response_spectrum(mb.sampled(times, values), [20.0])
+    smooth = mb.shock_response_spectrum(mb.sampled(times, values), [20.0], interpolation="band-limited")
+    fine = np.arange(64 * 16) * 0.01 / 16
+    truth = mb.shock_response_spectrum(
+        mb.sampled(fine, np.sin(2 * np.pi * 20.0 * fine) * np.interp(fine, times, np.hanning(64))), [20.0]
+    )
+    assert "linear" in linear.notices[0].text
+    assert "band-limited" in smooth.notices[0].text
+    assert abs(smooth.maximax - truth.maximax)[0] < 0.2 * abs(linear.maximax - truth.maximax)[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((mb.step([1.0]), [1.0]), "does not end"),
+        ((mb.pulse([1.0, 2.0], duration=1.0), [1.0]), "one row"),
+        ((mb.pulse([1.0], duration=1.0), [0.0]), "positive"),
+        ((mb.pulse([1.0], duration=1.0), [np.nan]), "finite"),
+        ((mb.pulse([1.0], duration=1.0), [1.0], -0.1), "at least 0"),
+        ((mb.pulse([1.0], duration=1.0), [1.0], 0.1, "accel"), "expected one of"),
+        (([0.0, 1.0], [1.0]), "mb.sampled"),
+    ],
+)
+def test_bad_input(arguments, message):
+    """Each mistake has a message with what to do."""
+    with pytest.raises(mb.InputError, match=message):
+        mb.shock_response_spectrum(*arguments)
