@@ -237,6 +237,12 @@ LIGHT_DAMPING, UNDAMPED = 1e-2, 1e10 * EPS**2
 #: Integrals of spectra have smaller relative rounding errors than this, or their panels are halved, and values at their nodes solved for.
 SPECTRAL_ACCURACY = 1e-13
 
+#: Variances with larger estimated errors have a notice.
+REPORTED_ERROR = 1e-9
+
+#: Steps of a record, and numbers of a table, that agree to this are meant to be equal.
+STEP_AGREEMENT = 1e-6
+
 
 # Mechanical systems: matrices of elements, constraint rows, modes of sparse matrices.
 

@@ -119,7 +119,15 @@ def modal_damping(mass: np.ndarray, stiffness: np.ndarray, rows: np.ndarray, mod
 
 
 def static_response(stiffness: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """R with K R + A^T L = 0 and A R = I, the smallest where a motion is free, shape (n, k)."""
+    """R with K R + A^T L = 0 and A R = I, the smallest where a motion is free.
+
+    Args:
+        stiffness: K, shape (n, n).
+        rows: A, shape (k, n).
+
+    Returns:
+        Shape (n, k).
+    """
     size, count = rows.shape[1], len(rows)
     scale = np.abs(stiffness).max(initial=0.0) or 1.0
     saddle = np.block([[stiffness / scale, rows.T], [rows, np.zeros((count, count))]])
@@ -127,7 +135,16 @@ def static_response(stiffness: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 def mass_normalized(mass: np.ndarray, shapes: np.ndarray, frequencies: np.ndarray) -> np.ndarray:
-    """The shapes with U^T M U = I, by Gram-Schmidt twice: modes of one frequency are orthogonal only after it."""
+    """The shapes with U^T M U = I, by Gram-Schmidt twice: modes of one frequency are orthogonal only after it.
+
+    Args:
+        mass: M, shape (n, n).
+        shapes: U, shape (n, m).
+        frequencies: of the modes, for messages.
+
+    Returns:
+        Shape (n, m).
+    """
     normal = np.zeros_like(shapes)
     for i, shape in enumerate(shapes.T):
         for _ in range(2):

@@ -15,7 +15,7 @@ from ...ground.checks import evaluation_times, real_array
 from ...ground.errors import InputError
 from .spectra import PowerLaw, Rational
 from .spectral_integral import TURN, _Integration
-from .spectral_matrix import SpectralMatrix
+from .spectral_matrix import INDEFINITE, SpectralMatrix
 from .transfer import Transfer
 
 #: Harmonics that are added at once, times the number of times.
@@ -74,7 +74,7 @@ class MarkovModel:
         given = np.asarray(covariance)
         n = len(given) // 2 if given.ndim == 2 else 0
         given = real_array(covariance, "initial_covariance", shape=(2 * n, 2 * n))
-        if 2 * n > 2 * coefficients.shape[1] or np.linalg.eigvalsh((given + given.T) / 2).min(initial=0.0) < -1e-12 * np.abs(
+        if 2 * n > 2 * coefficients.shape[1] or np.linalg.eigvalsh((given + given.T) / 2).min(initial=0.0) < -INDEFINITE * np.abs(
             given
         ).max(initial=1.0):
             raise InputError("initial_covariance: expected a positive semidefinite matrix of the displacements and velocities")

@@ -12,11 +12,11 @@ from ...ground.checks import counted, whole_number
 from ...ground.display import Displayed, TextTable, notice_table, number_text
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
-from ...ground.tolerances import TRUST_LIMIT
+from ...ground.tolerances import REPORTED_ERROR, TRUST_LIMIT
 from ..frequency_response import evaluated
 from ..harmonic import Harmonic
 from . import nonstationary, statistics
-from .existence import Existence, existence
+from .infinite_variance import Existence, existence
 from .spectral_integral import SpectralIntegral, spectral_integral
 from .spectral_matrix import SpectralMatrix
 from .transfer import Transfer
@@ -83,7 +83,7 @@ class RandomResponse(Displayed):
     @property
     def units(self) -> tuple[str, ...]:
         """The unit of each output."""
-        return tuple(self.harmonic.units)
+        return tuple(map(str, self.harmonic.units))
 
     @cached_property
     def _transfer(self) -> Transfer:
@@ -217,6 +217,9 @@ class RandomResponse(Displayed):
             exponent: k of the S-N curve N = (strength / amplitude)^k.
             strength: the amplitude that fails in one cycle, in the unit of the outputs.
             method: "dirlik" or "narrow-band".
+
+        Returns:
+            In 1/s.
         """
         return statistics.damage_rate(self._moments(0, 1, 2, 4), exponent, strength, method)
 
@@ -265,7 +268,7 @@ class RandomResponse(Displayed):
         silent = [name for name, spectrum in zip(self.inputs, self.spectra.spectra) if not spectrum.pieces]
         result += [Notice(NoticeKind.OMITTED, f'the spectrum of "{name}" is zero') for name in silent]
         worst = self.error_estimate.max(initial=0.0)
-        if worst > 1e-9:
+        if worst > REPORTED_ERROR:
             text = f"variances have an estimated relative error of at most {worst:.2g}"
             result.append(Notice(NoticeKind.ACCURACY, text, doubtful=bool(worst > TRUST_LIMIT)))
         return tuple(result)

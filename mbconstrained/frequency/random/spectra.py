@@ -22,7 +22,17 @@ from ...ground.errors import InputError
 KINDS = {"force": None, "displacement": 0, "velocity": 1, "acceleration": 2}
 
 #: Units of random quantities, by kind: the factor to SI units.
-_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048, "rad": 1.0, "deg": np.pi / 180, "1": 1.0}
+_LENGTHS = {
+    "m": 1.0,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "um": 1 / 1000**2,
+    "in": 0.0254,
+    "ft": 0.3048,
+    "rad": 1.0,
+    "deg": np.pi / 180,
+    "1": 1.0,
+}
 _RATES = {f"{name}/s": factor for name, factor in _LENGTHS.items()}
 _ACCELERATIONS = {**{f"{name}/s^2": factor for name, factor in _LENGTHS.items()}, "g": 9.80665, "g0": 9.80665}
 _FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605, "N m": 1.0, "Nm": 1.0, "N*m": 1.0, "J": 1.0}
@@ -326,7 +336,7 @@ def dryden(rms: float, speed: float, length: float, component: str = "longitudin
 
 
 #: ISO 8608:2016, table C.1: geometric mean of the displacement density at 0.1 cycles/m in m^3, and the range of spatial frequencies.
-ROAD_CLASSES = {letter: 16e-6 * 4.0**number for number, letter in enumerate("ABCDEFGH")}
+ROAD_CLASSES = {letter: 16 / 1000**2 * 4.0**number for number, letter in enumerate("ABCDEFGH")}
 ROAD_RANGE = (0.011, 2.83)
 
 
@@ -341,7 +351,7 @@ def road_profile(road_class: str, speed: float, waviness: float = 2.0) -> Spectr
     Returns:
         A ``Spectrum`` of displacement between the spatial frequencies 0.011 and 2.83 cycles/m. Source: ISO 8608:2016, Annex C.
 
-    >>> float(road_profile("A", 10.0)(1.0))
+    >>> round(float(road_profile("A", 10.0)(1.0)), 12)
     1.6e-06
     """
     if road_class not in ROAD_CLASSES:

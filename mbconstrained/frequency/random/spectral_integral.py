@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...ground.tolerances import EPS, SPECTRAL_ACCURACY
+from ...ground.tolerances import STEP_AGREEMENT as MARGIN
 from .spectral_matrix import SpectralMatrix
 from .transfer import Transfer
 
@@ -167,7 +168,7 @@ class _Integration:
                 rows.append((0.0, first, middle, False))
                 a = first
             if b > a:
-                edges = np.geomspace(a, b, int(np.ceil(np.log2(b / a) - 1e-9)) + 1)
+                edges = np.geomspace(a, b, int(np.ceil(np.log2(b / a) - MARGIN)) + 1)
                 edges[0], edges[-1] = a, b
                 rows += [(one, two, middle, False) for one, two in itertools.pairwise(edges)]
         if self.spectra.longest_delay:
@@ -184,7 +185,7 @@ class _Integration:
     def _near(self, panels: _Panels, places: np.ndarray) -> np.ndarray:
         """Which complex frequencies are near which panels, shape (P, number)."""
         middle, half = (panels.lower + panels.upper) / 2, (panels.upper - panels.lower) / 2
-        return (np.abs(middle[:, None] - places) < (1 - 1e-9) * NEAR * half[:, None]) & ~panels.is_tail[:, None]
+        return (np.abs(middle[:, None] - places) < (1 - MARGIN) * NEAR * half[:, None]) & ~panels.is_tail[:, None]
 
     def _resolved(self, panels: _Panels) -> _Panels:
         """Panels halved until no singularity other than simple poles is near."""
@@ -240,12 +241,12 @@ class _Integration:
         for k, power in enumerate(self.powers):
             X, Y = self._principal_parts(number, panels.middle[x], power)
             part = 2 * (X * (logarithm - first)[:, None, None] - Y * (angle - second)[:, None, None])
-            np.add.at(total, (x, k), part)
+            np.add.at(total[:, k], x, part)
             terms = [
                 np.abs(one.diagonal(axis1=1, axis2=2)) * (np.abs(u) + np.abs(v))[:, None]
                 for one, u, v in ((X, logarithm, first), (Y, angle, second))
             ]
-            np.add.at(loss, (x, k), 2 * EPS * sum(terms))
+            np.add.at(loss[:, k], x, 2 * EPS * sum(terms))
         return total, loss
 
     def _principal_parts(self, number: np.ndarray, middle: np.ndarray, power: int) -> tuple[np.ndarray, np.ndarray]:

@@ -97,8 +97,8 @@ class Transfer:
                 owner.append(number)
         with precise.precise_arithmetic():
             residuals = _bilinear(coefficients, np.array(columns).T, np.array(rows), np.array(at))
-        owner = np.array(owner)
-        return [-residuals[owner == number].mean() for number in range(len(values))]
+        of = np.array(owner)
+        return [-residuals[of == number].mean() for number in range(len(values))]
 
     def values(self, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """H by the sum of its terms at real frequencies in Hz, and estimates of the absolute errors, both of shape (p, m, F)."""
@@ -135,7 +135,7 @@ def _bilinear(coefficients: np.ndarray, X: np.ndarray, Y: np.ndarray, p: np.ndar
     real, imaginary = precise.precise(X.real), precise.precise(X.imag)
     pr, pi = precise.precise(p.real), precise.precise(p.imag)
     yr, yi = precise.precise(Y.real.T), precise.precise(Y.imag.T)
-    total_real, total_imaginary = 0, 0
+    total_real, total_imaginary = precise.precise(np.zeros(len(p))), precise.precise(np.zeros(len(p)))
     for A in coefficients:
         matrix = precise.precise(A)
         u, v = precise.product(matrix, real), precise.product(matrix, imaginary)

@@ -38,7 +38,9 @@ class Extrema:
         return np.maximum(self.maximum, -self.minimum)
 
 
-def extrema(value: Callable, slope: Callable, start: float, end: float, rate: float, knots: Sequence[float] = ()) -> Extrema:
+def extrema(
+    value: Callable, slope: Callable, start: float, end: float, rate: float, knots: Sequence[float] | np.ndarray = ()
+) -> Extrema:
     """The extrema of f(t) on [start, end].
 
     Args:

@@ -111,7 +111,15 @@ class Oscillator:
         return y.real, (l2 * y + u).real
 
     def inside(self, y, v, a, slope, tau) -> tuple[np.ndarray, np.ndarray]:
-        """y and y' at times tau after samples with y, v = y', a and the slope of a; all of shape (K,) or broadcast to it."""
+        """y and y' at times tau after samples with y, v = y', a and the slope of a; all of shape (K,) or broadcast to it.
+
+        Args:
+            y, v, a, slope: at the samples.
+            tau: in s.
+
+        Returns:
+            Positions and velocities.
+        """
         w, z = self.w, self.zeta
         if np.max(tau, initial=0.0) * w * (1 + 2 * z) < SHORT:  # Taylor's series, in which no particular solution cancels
             terms = [y, v, a - 2 * z * w * v - w**2 * y]
@@ -135,7 +143,15 @@ class Oscillator:
         return p + s * tau + position, s + rate
 
     def free(self, y, v, tau) -> tuple[np.ndarray, np.ndarray]:
-        """Free motion from y and v: positions and velocities."""
+        """Free motion from y and v.
+
+        Args:
+            y, v: at the start.
+            tau: in s.
+
+        Returns:
+            Positions and velocities.
+        """
         w, z = self.w, self.zeta
         l1, l2 = self.roots
         if z < 1:
@@ -189,7 +205,7 @@ class Oscillator:
                 is_short = h[chosen] * self.w * (1 + 2 * self.zeta) < SHORT
                 for own in (chosen[is_short], chosen[~is_short]):
                     if len(own):
-                        data = [one[own] for one in (y[:-1], v[:-1], values[:-1], slopes)]
+                        data = y[:-1][own], v[:-1][own], values[:-1][own], slopes[own]
                         best = max(best, self._highest(*data, h[own], (sign * c0, sign * c1)))
             high, low = (best, low) if sign > 0 else (high, -best)
         after = self._residual(y[-1], v[-1], output)
@@ -227,7 +243,7 @@ class Oscillator:
         length = 2 * np.pi / self.roots[0].imag if self.zeta < 0.99 else 30.0 / self.w
         h = np.full(1, length)
         zero = np.zeros(1)
-        start = np.array([y]), np.array([v])
-        high = self._highest(*start, zero, zero, h, output)
-        low = -self._highest(*start, zero, zero, h, tuple(-c for c in output))
+        y0, v0 = np.array([y]), np.array([v])
+        high = self._highest(y0, v0, zero, zero, h, output)
+        low = -self._highest(y0, v0, zero, zero, h, tuple(-c for c in output))
         return max(high, 0.0), min(low, 0.0)

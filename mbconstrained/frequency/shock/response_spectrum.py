@@ -10,7 +10,7 @@ from ...ground.checks import counted, nearest, real_array, real_number
 from ...ground.display import Displayed
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
-from ...ground.tolerances import EPS
+from ...ground.tolerances import EPS, STEP_AGREEMENT
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...response.solve import solve
 from ...signals.exact_inputs import ExactRecord
@@ -186,7 +186,7 @@ def _resampled(times: np.ndarray, values: np.ndarray, highest: float) -> tuple[n
     from scipy.signal import resample
 
     h = np.diff(times)
-    if np.ptp(h) > 1e-6 * h.max():
+    if np.ptp(h) > STEP_AGREEMENT * h.max():
         raise InputError('interpolation: "band-limited" expects evenly spaced samples; those of this record are uneven')
     step = (times[-1] - times[0]) / len(h)
     factor = int(np.clip(np.ceil(SAMPLES_OF_PERIOD * highest * step), 1, MOST_SAMPLES))
@@ -208,7 +208,7 @@ def _closed_form_peaks(signal: ImpulsiveSmooth, oscillator: Oscillator, output) 
     x = solve(PolynomialMatrix([[[w**2]], [[2 * z * w]], [[1.0]]]), force=signal)
     first, second = x.derivative(1), x.derivative(2)
     c0, c1 = output
-    rate = max(w, *(np.abs(np.linalg.eigvals(block)).max(initial=0.0) for block in function.blocks), 1e-300)
+    rate = max(w, *(np.abs(np.linalg.eigvals(block)).max(initial=0.0) for block in function.blocks))
     peaks = extrema(lambda t: c0 * x(t) + c1 * first(t), lambda t: c0 * first(t) + c1 * second(t), 0.0, end, rate, knots)
     last = float(x(np.array([end]))[0, 0]), float(first(np.array([end]))[0, 0])
     after = oscillator._residual(*last, output)

@@ -14,6 +14,7 @@ from ...ground.checks import counted, nearest, real_array, real_number
 from ...ground.coordinate_units import force_unit, rate_unit
 from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError
+from ...ground.tolerances import STEP_AGREEMENT
 from ..element_matrix import mass_normalized, static_response
 
 if TYPE_CHECKING:
@@ -231,7 +232,7 @@ def _spectral_accelerations(spectrum, f: np.ndarray) -> np.ndarray:
     if callable(spectrum):
         return np.array([real_number(spectrum(float(one)), "spectrum") for one in f])
     table, values = (real_array(one, "spectrum", shape=(None,)) for one in spectrum)
-    if len(f) and (f.min() < table.min() * (1 - 1e-12) or f.max() > table.max() * (1 + 1e-12)):
+    if len(f) and (f.min() < table.min() * (1 - STEP_AGREEMENT) or f.max() > table.max() * (1 + STEP_AGREEMENT)):
         raise InputError(
             f"spectrum: it covers {table.min():g} Hz to {table.max():g} Hz; the modes have {f.min():g} Hz to {f.max():g} Hz"
         )

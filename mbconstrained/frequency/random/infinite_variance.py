@@ -45,7 +45,7 @@ def existence(transfer: Transfer, spectra: SpectralMatrix, powers: tuple[int, ..
     p = len(transfer.harmonic.outputs)
     reasons = np.full((len(powers), p), "", dtype=object)
     for pole in transfer.poles:
-        for output in np.flatnonzero(pole.residues.any(axis=(0, 2))):
+        for output in np.flatnonzero(pole.residues.any(axis=(0, 2))).tolist():
             for row, power in enumerate(powers):
                 reasons[row, output] = reasons[row, output] or _at_pole(pole, output, spectra, power)
     white = np.zeros(p)
@@ -53,7 +53,7 @@ def existence(transfer: Transfer, spectra: SpectralMatrix, powers: tuple[int, ..
     if len(corners) and np.isinf(corners[-1]):
         exponents, white = _growth(transfer, spectra, corners[-2] + 1.0)
         for row, power in enumerate(powers):
-            for output in np.flatnonzero(exponents + power >= -1):
+            for output in np.flatnonzero(exponents + power >= -1).tolist():
                 if not reasons[row, output]:
                     intensity = (
                         f"; its intensity is {number_text(white[output])} ({units[output]})^2/Hz"
