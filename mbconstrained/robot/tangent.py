@@ -67,8 +67,7 @@ class Tangent:
             raise InputError(f'{what}: "{name}" has several degrees of freedom; name one of {several}')
         if name in self.locked:
             raise InputError(f'{what}: the joint "{name}" is locked; leave it out, or do not lock it')
-        if name not in self.joints:
-            raise InputError(f'{what}: there is no joint "{name}"{nearest(name, (*self.joints, *self.coordinates))}')
+        raise InputError(f'{what}: there is no joint "{name}"{nearest(name, (*self.joints, *self.coordinates))}')
 
     def vector(self, values: Mapping[str, float], what: str, **limits) -> np.ndarray:
         """Numbers by coordinate as a vector, zero for the others.
