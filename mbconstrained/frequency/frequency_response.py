@@ -20,6 +20,7 @@ from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.response import Response
 from .features import Antiresonance, Peak, antiresonances_of, frequencies_by_poles, peaks_of
 from .harmonic import Harmonic
+from .modal_sum import ModalSum
 from .pole_residue_form import Pole
 
 if TYPE_CHECKING:
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
 
 #: From so many lines on, the poles and residues of a full A(s) take less time than solutions at all lines.
 SUM_LINES = 320
+
+#: From so many coordinates on a sum over modes in graded coordinates takes less time than the Jordan pairs.
+MODAL_SIZE = 40
 
 #: Lines at which the sum of the terms is compared with solutions.
 COMPARED = 16
@@ -335,18 +339,22 @@ NOISE = 64 * EPS
 def _values(harmonic: Harmonic, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """C A^-1 B and the relative errors: by the sum of all terms where that is cheaper and accurate, else by solutions."""
     solver = harmonic.solver
-    if len(omega) < SUM_LINES or solver.is_sparse:
+    if len(omega) < SUM_LINES or solver.is_sparse(omega):
         lines = solver.solve(omega)
         return lines.values, lines.relative
-    form = replace(harmonic.form, power=0)
-    H, sizes = form.values(1j * omega.astype(float))
-    compared = np.unique(np.linspace(0, len(omega) - 1, COMPARED).astype(int))
+    modal = ModalSum.of(harmonic.coefficients, harmonic.inputs, harmonic.outputs) if harmonic.A.size > MODAL_SIZE else None
+    H, sizes = (modal or replace(harmonic.form, power=0)).values(1j * omega.astype(float))
+    order = np.argsort(omega, kind="stable")
+    places = np.unique(np.linspace(0, len(omega) - 1, COMPARED).astype(int))
+    compared = order[places]
     lines = solver.solve(omega[compared])
     difference = np.abs(lines.values - H[..., compared]) / sizes[..., compared]
-    noise = max(NOISE / SUM_SAFETY, float(np.nanmax(np.where(np.isfinite(difference), difference, 0.0))))
+    rank = np.argsort(order)
+    noise = _between(np.where(np.isfinite(difference), difference, 0.0).max(axis=(0, 1)), places, rank)
     with np.errstate(divide="ignore", invalid="ignore"):
-        errors = SUM_SAFETY * noise * sizes / np.abs(H)
-    left = np.flatnonzero(~(errors <= LINE_ACCURACY).all(axis=(0, 1)))
+        errors = SUM_SAFETY * np.maximum(noise, NOISE / SUM_SAFETY) * sizes / np.abs(H)
+    reachable = np.maximum(LINE_ACCURACY, _between(lines.relative.max(axis=(0, 1)), places, rank))  # what solutions would have
+    left = np.flatnonzero(~(errors <= reachable).all(axis=(0, 1)))
     if len(left):
         lines = solver.solve(omega[left])
         relative = lines.relative
@@ -354,6 +362,13 @@ def _values(harmonic: Harmonic, omega: np.ndarray) -> tuple[np.ndarray, np.ndarr
         H[..., left] = np.where(better, lines.values, H[..., left])
         errors[..., left] = np.where(better, relative, errors[..., left])
     return H, errors
+
+
+def _between(values: np.ndarray, places: np.ndarray, rank: np.ndarray) -> np.ndarray:
+    """At each rank the largest of the values at the four places around it; infinite values do not count."""
+    values = np.where(np.isfinite(values), values, 0.0)
+    padded = np.pad(values, 2, mode="edge")
+    return np.max([padded[np.searchsorted(places, rank) + k] for k in range(4)], axis=0)
 
 
 def frequency_response(A: PolynomialMatrix, frequencies_hz, inputs=None, outputs=None) -> FrequencyResponse:

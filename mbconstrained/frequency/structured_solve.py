@@ -21,7 +21,7 @@ import scipy.linalg
 import scipy.sparse
 from scipy.sparse.linalg import splu
 
-from ..ground.tolerances import EPS, LINE_ACCURACY, LINE_ROUNDING
+from ..ground.tolerances import EPS, LINE_ACCURACY, LINE_ROUNDING, TRUST_LIMIT
 from ..linalg.scaling import joint_scaling
 
 #: So many complex numbers of factors and vectors are computed at once; so many lines at least.
@@ -35,6 +35,9 @@ ORDERS = 3
 
 #: LAPACK solves full matrices where the elimination has more operations than this part of r^3 / 3.
 FULL = 1 / 16
+
+#: Full matrices of more rows are refined only where no digit is sure: products in extended precision take much longer than factors.
+REFINED = 60
 
 #: Steps of refinement, with residuals in extended precision.
 STEPS = 3
@@ -84,6 +87,7 @@ class StructuredSolver:
         self.inputs = scaling.rows[:, None] * inputs
         self.outputs = outputs * scaling.columns
         self.columns = scaling.columns
+        self._orders: dict[float, _Pattern | None] = {}
         symmetric = all((matrix == matrix.T).all() for matrix in coefficients)
         if symmetric:  # S = D_r A D_c, and S^-T = D S^-1 D^-1 with D = D_c D_r^-1
             self._ratio = (scaling.columns / scaling.rows)[:, None]
@@ -98,10 +102,9 @@ class StructuredSolver:
         """r."""
         return self.coefficients.shape[1]
 
-    @cached_property
-    def is_sparse(self) -> bool:
+    def is_sparse(self, omega: np.ndarray) -> bool:
         """Whether elimination along the pattern is faster than full matrices."""
-        return self._factors(1.0) is not None
+        return self._factors(float(np.max(omega) / self.time)) is not None
 
     def solve(self, omega: np.ndarray, accuracy: float = LINE_ACCURACY, with_solutions: bool = False) -> Lines:
         """Values and errors at these angular frequencies.
@@ -145,7 +148,8 @@ class StructuredSolver:
                 solver = _Full(self, own) if factors is None else _Eliminated(self, own, factors)
                 X, Z = solver.both()
                 H, error, X = self._estimated(own, X, Z)
-                bad = ~(error <= accuracy * np.abs(H)).all(axis=(0, 1)) & np.isfinite(error).all(axis=(0, 1))
+                limit = TRUST_LIMIT if factors is None and self.size > REFINED else accuracy
+                bad = ~(error <= limit * np.abs(H)).all(axis=(0, 1)) & np.isfinite(error).all(axis=(0, 1))
                 if bad.any():
                     refined = self._refined(solver.at(bad), nu[part][bad], X[..., bad], Z[..., bad])
                     H[..., bad], error[..., bad], X[..., bad] = refined
@@ -181,13 +185,16 @@ class StructuredSolver:
 
     def _refined(self, solver, nu, X, Z):
         """Steps of refinement with residuals in extended precision, and the error after them."""
-        X = X.astype(np.clongdouble)
+        X, inputs = X.astype(np.clongdouble), self.inputs[:, :, None]
         coefficients, s = [_triplets(matrix) for matrix in self.coefficients], 1j * nu.astype(np.longdouble)
+        rounding = LINE_ROUNDING * float(np.finfo(np.longdouble).eps)
+        residual = _extended_product(coefficients, s, X) - inputs
         for _ in range(STEPS):
-            residual = _extended_product(coefficients, s, X) - self.inputs[:, :, None]
             X = X - solver.solved(residual.astype(complex))
-        residual = np.abs(_extended_product(coefficients, s, X) - self.inputs[:, :, None]).astype(float)
-        H, error, X = self._estimated(nu.astype(float), X, Z, residual, LINE_ROUNDING * float(np.finfo(np.longdouble).eps))
+            residual = _extended_product(coefficients, s, X) - inputs
+            H, error, _ = self._estimated(nu.astype(float), X, Z, np.abs(residual).astype(float), rounding)
+            if (error <= EPS * np.abs(H)).all():
+                break
         H = H.astype(complex)
         return H, error + EPS * np.abs(H), X.astype(complex)
 
@@ -195,6 +202,11 @@ class StructuredSolver:
 
     def _factors(self, nu: float) -> _Pattern | None:
         """Where SuperLU eliminates at one line; None where full matrices are faster, or that line is singular."""
+        if nu not in self._orders:
+            self._orders[nu] = self._ordered(nu)
+        return self._orders[nu]
+
+    def _ordered(self, nu: float) -> _Pattern | None:
         r = self.size
         pattern = (self.coefficients != 0).any(axis=0)
         if pattern.sum() > FULL * r * r + 4 * r and r > 4:

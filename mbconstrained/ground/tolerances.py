@@ -372,8 +372,8 @@ ZERO_STIFFNESS = 1e-13
 #: residual of an equilibrium leaves 1e-12 there.
 SYMMETRIC_STIFFNESS = 1e-9
 
-#: Tolerance of joint limits (rad, m), for the rounding error of a guess at the limit.
-JOINT_LIMIT = 1e-9
+#: Tolerance of joint limits (rad, m): limits and guesses are written with six digits.
+JOINT_LIMIT = 1e-6
 
 #: Relative difference (rad, m for values below 1) below which two values of a locked mimic joint are equal.
 SAME_JOINT_VALUE = 1e-9

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import lapack
-from scipy.sparse import csr_array, diags_array
+from scipy.sparse import csr_array, diags_array, eye_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import spsolve
 
@@ -32,6 +32,9 @@ BALANCING_ROUNDS = 12
 
 #: Beyond so many states what couples them is found by their graph, not by powers of their matrix.
 FEW_STATES = 40
+
+#: From so many rows on the exponents of a sparse A(s) come from sparse equations.
+MANY_ROWS = 150
 
 #: What makes a Laplace equation regular; a matrix with a tenth of its entries is solved as a full one.
 SLIGHT, FILLED = 1e-9, 10
@@ -233,13 +236,15 @@ def _log_fit(coefficients):
     if not powers.size:
         return 0.0, np.zeros(r), np.zeros(r)
     logs = np.log2(np.abs(coefficients[powers, i, j]))
-    design = np.zeros((len(logs), 1 + 2 * r))
-    design[:, 0], places = powers, np.arange(len(logs))
-    design[places, 1 + i] = design[places, 1 + r + j] = 1.0
-    normal = design.T @ design  # whole numbers, and the sums in order: what is halfway between two powers stays so
     places = np.concatenate([np.zeros_like(i), 1 + i, 1 + r + j])
     right = np.bincount(places, np.concatenate([-powers * logs, -logs, -logs]), 1 + 2 * r)
-    fit = np.linalg.lstsq(normal, right, rcond=None)[0]
+    each, ones = np.tile(np.arange(len(logs)), 3), np.ones(2 * len(logs))
+    design = csr_array((np.concatenate([powers, ones]), (each, places)), shape=(len(logs), 1 + 2 * r))
+    normal = design.T @ design  # whole numbers, and the sums in order: what is halfway between two powers stays so
+    if r > MANY_ROWS and len(logs) * FILLED < r * r:
+        fit = spsolve((normal + SLIGHT * eye_array(1 + 2 * r)).tocsc(), right)
+    else:
+        fit = np.linalg.lstsq(normal.toarray(), right, rcond=None)[0]
     return fit[0], fit[1 : 1 + r], fit[1 + r :]
 
 

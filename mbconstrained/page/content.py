@@ -22,6 +22,21 @@ LARGEST = 1e290
 
 
 @dataclass(frozen=True, eq=False)
+class RecordResponse:
+    """A linear motion under a force that restarts often.
+
+    Attributes:
+        knots: times in s at which the force restarts, ascending, shape (K,).
+        force: its states after each, shape (m, K).
+        states: those of the motion, shape (p, T), at ascending times (T,).
+    """
+
+    knots: np.ndarray
+    force: np.ndarray
+    states: Callable[[np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
 class TimeFunctions:
     """Functions of time that curves show.
 
@@ -29,11 +44,13 @@ class TimeFunctions:
         at: their values, shape (r, T), at ascending times (T,).
         breaks: times at which one of them or a derivative of it may jump, ascending.
         noise: their error, relative to the largest value of any of them.
+        record: the motion that they belong to, where its force is a record.
     """
 
     at: Callable[[np.ndarray], np.ndarray]
     breaks: np.ndarray
     noise: float = 1e-13
+    record: RecordResponse | None = None
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ class Posture(Displayed):
         multipliers: of the rows of all loops and mimic joints, of least norm where they are not determined (torques over the
             size of the robot), shape (m,) (N, N m).
         reactions: the same by loop: force (N) and torque (N m) on its second body, in the frame on the first, shape (6,).
-        torques: by fixed or flexible joint: the load that keeps it in place (N m, N).
+        torques: by joint that keeps the guess: the load that keeps it in place, besides springs with a rest (N m, N).
         residual: largest unbalanced force relative to the largest force.
         loop_error: largest opening of a loop (m, rad).
         notices: on redundant rows, and on parts of the description that were left out.
@@ -106,8 +106,6 @@ def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str
     state = equilibrium(Search(robot.tree, load, free, rounded), nearest.configuration)
     if (here := _untwisted(load, robot, state.balance.configuration)) is not load:
         state = equilibrium(Search(robot.tree, here, free, rounded), state.balance.configuration)
-    if outside := robot.tangent.outside_limits(state.balance.configuration, JOINT_LIMIT):
-        raise InputError(f"equilibrium: {outside}; give another guess, or other limits in the URDF")
     return _posture(robot, state, free, start, rounded)
 
 
@@ -133,7 +131,8 @@ def _fixed_coordinates(robot: Robot, hold) -> np.ndarray:
     fixed = np.zeros(len(robot.coordinates), bool)
     for name in (*(single if hold == "all" else hold), *robot.flexible_joints):
         fixed[robot.tangent.place(name, "hold")] = True
-    return fixed
+    follows = np.isin(robot.coordinates, followers)
+    return fixed | (robot.rests_at_guess & ~follows)
 
 
 def _load(robot: Robot, start: np.ndarray, forces) -> Load:
@@ -149,7 +148,7 @@ def _load(robot: Robot, start: np.ndarray, forces) -> Load:
         springs=springs,
         mimic_rows=robot.mimic_rows,
         joint_stiffness=robot.joint_stiffness,
-        joint_rest=robot.joint_rest,
+        joint_rest=np.where(robot.rests_at_guess, robot.tangent.angles(start), robot.joint_rest),
         joint_force=robot.tangent.vector({key: value for key, value in forces.items() if key not in points}, "forces"),
         point_forces={
             key: (bodies.point(key, "forces"), real_number(value, f"forces: on {key.body}")) for key, value in points.items()
@@ -211,6 +210,7 @@ def _posture(robot: Robot, state: Equilibrium, free: np.ndarray, guess: np.ndarr
             *_misfit(state),
             *rows.notices,
             *(_SHARED if shared else ()),
+            *_beyond_limits(robot, balance.configuration),
             *_left_out(robot),
             *_assumed_lengths(balance, robot, guess),
         ),
@@ -251,8 +251,15 @@ def _misfit(state: Equilibrium) -> tuple[Notice, ...]:
     return (Notice(NoticeKind.RANK, text),)
 
 
+def _beyond_limits(robot: Robot, q: np.ndarray) -> tuple[Notice, ...]:
+    """A notice on joints beyond their limits, which the equations do not have."""
+    outside = robot.tangent.outside_limits(q, JOINT_LIMIT)
+    return (Notice(NoticeKind.OMITTED, f"{outside}; the equations have no limits"),) if outside else ()
+
+
 def _left_out(robot: Robot) -> tuple[Notice, ...]:
-    """A notice on parts of the URDF that a linear model cannot contain."""
+    """Notices of the description, and one on its parts that a linear model cannot contain."""
     dry = [name for name, friction in zip(robot.coordinates, robot.model.friction) if friction]
     named = ", ".join(dry[:3]) + (f" and {len(dry) - 3} more joints" if len(dry) > 3 else "")
-    return (Notice(NoticeKind.OMITTED, f"dry friction of {named} is left out: it is not linear"),) if dry else ()
+    friction = (Notice(NoticeKind.OMITTED, f"dry friction of {named} is left out: it is not linear"),) if dry else ()
+    return (*robot.description_notices, *friction)

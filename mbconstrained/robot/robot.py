@@ -14,7 +14,7 @@ from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..mechanics.constraints import Level
 from .connections import BodySpring, Bushing, Loop, PointMotion
-from .description.urdf import checked_tree, link_masses, mimics_of, read_urdf, root_link, skeleton
+from .description.urdf import checked_tree, description_notices, link_masses, mimics_of, read_urdf, root_link, skeleton
 from .flexible_joint import FlexibleJoint
 from .kinematics import Tree, built_model
 from .linearized import LinearizedRobot
@@ -23,6 +23,7 @@ from .posture import Posture, find_posture
 from .tangent import BASE, Tangent, locked_values, mimic_rows
 
 if TYPE_CHECKING:
+    from ..ground.notices import Notice
     from .description.visuals import Visual
     from .visualization import ConnectionPoints, Poses
 
@@ -39,9 +40,10 @@ class Robot(Displayed):
         springs: connections between bodies, ``BodySpring`` and ``Bushing``.
         base: "fixed" to the ground; "free"; or "moving", with a prescribed motion: it rests at the origin unless
             ``LinearizedRobot.prescribe`` moves it, and the rows "motion of base x" ... "rz" are inputs of frequency responses.
-        joint_stiffness: spring constants by joint with one degree of freedom (N m/rad, N/m).
-        joint_rest: values of these joints without spring force (rad, m), 0 by default; of a continuous joint modulo a full turn.
-        joint_damping: damping constants by joint (N m s/rad, N s/m), in addition to those of the URDF.
+        joint_stiffness: spring constants by joint or coordinate (N m/rad, N/m).
+        joint_rest: values of these joints without spring force (rad, m), of a continuous joint modulo a full turn. A spring without
+            one carries the load of its joint: the joint keeps the guess, and ``Posture.torques`` has the load.
+        joint_damping: damping constants by joint or coordinate (N m s/rad, N s/m), in addition to those of the URDF.
         gravity: the acceleration of free fall (m/s^2), a vector or the number g for (0, 0, -g).
         locked: joints that do not move, with their values (rad, m).
         flexible_joints: a ``FlexibleJoint`` by joint.
@@ -88,6 +90,7 @@ class Robot(Displayed):
         mimics = mimics_of(self.description)
         self.locked = locked_values(locked, mimics)
         self.tree = Tree(built_model(skeleton(self.description), base != "fixed", self.locked, _gravity(gravity)))
+        self.description_notices = description_notices(self.description)
         self.tangent = Tangent(self.model, base != "fixed", tuple(self.locked))
         self.link_frames = LinkFrames(self.model, link_masses(self.description))
         self.mimic_rows = mimic_rows(mimics, self.tangent)
@@ -101,9 +104,14 @@ class Robot(Displayed):
     def _set_joints(self, stiffness, rest, damping, flexible) -> None:
         self.joint_stiffness = self.tangent.vector(stiffness, "joint_stiffness", minimum=0.0)
         self.joint_rest = self.tangent.vector(rest, "joint_rest")
+        self.rests_at_guess = self.joint_stiffness > 0
         for name in rest or ():
-            if not self.joint_stiffness[self.tangent.place(name, "joint_rest")]:
+            place = self.tangent.place(name, "joint_rest")
+            if not self.joint_stiffness[place]:
                 raise InputError(f"joint_rest: {name} has no joint_stiffness; give it one, or leave the rest out")
+            if name not in self.joints:
+                raise InputError(f"joint_rest: {name}: a joint with several degrees of freedom rests at the posture; leave it out")
+            self.rests_at_guess[place] = False
         self.joint_damping = np.array(self.model.damping) + self.tangent.vector(damping, "joint_damping", minimum=0.0)
         if not isinstance(flexible or {}, Mapping):
             raise InputError(f"flexible_joints: found {type(flexible).__name__}; expected mb.FlexibleJoint(...) by joint")
@@ -157,14 +165,14 @@ class Robot(Displayed):
             guess: values by joint (rad, m), 0 for those not named: for a free base ("base") x, y, z, roll, pitch, yaw or
                 x, y, z and a quaternion x, y, z, w; or all of q.
             forces: constant ones by joint (N m, N) or by ``PointMotion`` (N, N m).
-            hold: joints that keep the guess, or "all"; ``Posture.torques`` has their loads. Flexible joints keep it always.
+            hold: joints or coordinates that keep the guess, or "all" joints; ``Posture.torques`` has their loads. Flexible joints
+                and those with a spring without a rest keep it always.
 
         Returns:
             The posture with its multipliers and residual.
 
         Raises:
-            InputError: there is none near the guess, the loops do not close, a joint is beyond its limits, or the
-                posture is singular.
+            InputError: there is none near the guess, the loops do not close, or the posture is singular.
         """
         return find_posture(self, {} if guess is None else guess, forces or {}, hold)
 
@@ -197,14 +205,20 @@ class Robot(Displayed):
         return LinearizedRobot(posture, level, inputs or {}, outputs or {})
 
     def visuals(self) -> tuple[Visual, ...]:
-        """The shapes of the links; this reads mesh files, but never collision geometry.
+        """The shapes of the links, without meshes of missing files; this reads mesh files, but never collision geometry.
 
         Raises:
-            InputError: shapes without sense, mesh files that cannot be read or lie outside the folders named.
+            InputError: shapes without sense, mesh files that cannot be read.
         """
         from .description.visuals import visuals_of
 
         return visuals_of(self.description, self.folder, self.package_dirs)
+
+    def mesh_notices(self) -> tuple[Notice, ...]:
+        """A notice on the meshes that are not drawn, since their files are missing or lie outside the folders named."""
+        from .description.visuals import mesh_notices
+
+        return mesh_notices(self.description, self.folder, self.package_dirs)
 
     def poses(self, posture: Posture, displacements, scale: float = 1.0) -> dict[str, Poses]:
         """The places of all links for displacements (n, T) about a posture times a scale, with closed loops.

@@ -13,12 +13,15 @@ from functools import cached_property
 
 import numpy as np
 
-from ..ground.checks import nearest, real_array, real_number
+from ..ground.checks import counted, nearest, real_array, real_number
 from ..ground.errors import InputError
 from ..ground.tolerances import SAME_JOINT_VALUE
 from .description.urdf import Mimic
 
 BASE = "base"
+
+#: So many joints beyond their limits are named, the others are counted.
+MOST_OUTSIDE = 3
 
 _SUFFIXES = {1: ("",), 3: (" x", " y", " rz"), 6: (" x", " y", " z", " rx", " ry", " rz")}
 
@@ -57,14 +60,14 @@ class Tangent:
         Returns:
             The place, counted from 0.
         """
-        if name in self.joints and name not in self.coordinates:
+        if name in self.coordinates:
+            return self.coordinates.index(name)
+        if name in self.joints:
             several = ", ".join(c for c in self.coordinates if c.startswith(f"{name} "))
             raise InputError(f'{what}: "{name}" has several degrees of freedom; name one of {several}')
         if name in self.locked:
             raise InputError(f'{what}: the joint "{name}" is locked; leave it out, or do not lock it')
-        if name not in self.joints:
-            raise InputError(f'{what}: there is no joint "{name}"{nearest(name, self.joints)}')
-        return self.coordinates.index(name)
+        raise InputError(f'{what}: there is no joint "{name}"{nearest(name, (*self.joints, *self.coordinates))}')
 
     def vector(self, values: Mapping[str, float], what: str, **limits) -> np.ndarray:
         """Numbers by coordinate as a vector, zero for the others.
@@ -112,6 +115,14 @@ class Tangent:
         """The inverse: by joint a number, or the numbers of a joint with several degrees of freedom."""
         return {name: _joint_value(joint, q[joint.idx_q : joint.idx_q + joint.nq]) for name, joint in self._each()}
 
+    def angles(self, q: np.ndarray) -> np.ndarray:
+        """By coordinate the value of its joint (rad, m), 0 for joints with several degrees of freedom, shape (nv,)."""
+        single = [(joint.idx_v, joint_displacement(joint, q, 0.0)) for _, joint in self._each() if joint.nv == 1]
+        angles = np.zeros(self.model.nv)
+        for place, value in single:
+            angles[place] = value
+        return angles
+
     @cached_property
     def limits(self) -> dict[str, tuple[float, float]]:
         """Lower and upper limit by joint, of those that have any."""
@@ -123,7 +134,7 @@ class Tangent:
         }
 
     def outside_limits(self, q: np.ndarray, tolerance: float) -> str:
-        """A sentence on the first joint that is beyond its limits, or an empty text.
+        """A sentence on the joints that are beyond their limits, with the first of them; or an empty text.
 
         Args:
             q: shape (nq,).
@@ -132,12 +143,14 @@ class Tangent:
         Returns:
             The sentence.
         """
-        values = self.values(q)
+        values, outside = self.values(q), []
         for name, (low, high) in self.limits.items():
             if not low - tolerance <= values[name] <= high + tolerance:
                 unit = self.units[self.coordinates.index(name)]
-                return f'joint "{name}" is at {values[name]:.6g} {unit}, beyond its limits {low:.6g} ... {high:.6g}'
-        return ""
+                outside.append(f'"{name}" at {values[name]:.6g} {unit} (limits {low:.6g} ... {high:.6g})')
+        one = len(outside) == 1
+        first = f"{counted(len(outside), 'joint')} {'is' if one else 'are'} beyond {'its' if one else 'their'} limits: "
+        return f"{first}{', '.join(outside[:MOST_OUTSIDE])}{' ...' if len(outside) > MOST_OUTSIDE else ''}" if outside else ""
 
     def _each(self):
         return zip(self.joints, list(self.model.joints)[1:])

@@ -143,12 +143,38 @@ def test_pendulum(kind):
         link("bob", m, (0, 0, -l), (I / 3, I, I / 2)),
         joint("swing", "frame", "bob", kind, axis=(0, 1, 0), damping=0.2),
     )
-    system = (robot := mb.Robot(model, joint_stiffness={"swing": k})).linearize(robot.equilibrium({"swing": 0.3}))
+    system = (robot := mb.Robot(model, joint_stiffness={"swing": k}, joint_rest={"swing": 0.0})).linearize(
+        robot.equilibrium({"swing": 0.3})
+    )
     inertia = I + m * l**2
     assert near(system.mass, [[inertia]], 1e-14) and near(system.damping, [[0.2]], 1e-14)
     assert near(system.stiffness, [[m * G * l + k]], 1e-12)
     upright = robot.linearize(robot.equilibrium({"swing": np.pi}, hold="all"))
     assert near(upright.stiffness, [[k - m * G * l]], 1e-12)
+
+
+@pytest.mark.parametrize("angle", [0.3, np.pi / 2, -2.0])
+def test_a_spring_without_a_rest_carries_the_weight_in_the_posture(angle):
+    # k acts from the posture on: w^2 = (m g l cos + k) / (I + m l^2), and the load is that of gravity alone
+    m, l, I, k = 1.7, 0.6, 0.05, 5e4
+    model = urdf(GROUND, link("bob", m, (0, 0, -l), (I / 3, I, I / 2)), joint("swing", "frame", "bob", axis=(0, 1, 0)))
+    robot = mb.Robot(model, joint_stiffness={"swing": k})
+    for hold in ((), "all"):
+        posture = robot.equilibrium({"swing": angle}, hold=hold)
+        assert posture.joints == {"swing": angle}
+        assert posture.torques["swing"] == pytest.approx(m * G * l * np.sin(angle), rel=1e-13)
+        assert near(robot.linearize(posture).stiffness, [[m * G * l * np.cos(angle) + k]], 1e-12)
+
+
+def test_springs_of_a_free_body_carry_its_weight():
+    # a body on springs along and about its own axes, level: sqrt(k/m) and sqrt(k/I), the weight carried
+    model = urdf(link("body", 2.0, (0, 0, 0), (0.1, 0.2, 0.25)))
+    names, k = [f"base {axis}" for axis in ("x", "y", "z", "rx", "ry", "rz")], [10.0, 20.0, 30.0, 4.0, 5.0, 6.0]
+    robot = mb.Robot(model, base="free", joint_stiffness=dict(zip(names, k)))
+    posture = robot.equilibrium({"base": (0, 0, 1, 0, 0, 0)})
+    assert posture.torques == pytest.approx(dict.fromkeys(names, 0.0) | {"base z": 2 * G})
+    known = np.sqrt(np.array(k) / [2.0, 2.0, 2.0, 0.1, 0.2, 0.25])
+    assert robot.linearize(posture).modes().natural_frequencies == pytest.approx(np.sort(known), rel=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["revolute", "continuous"])

@@ -83,10 +83,9 @@ def test_one_that_follows_a_locked_joint_is_locked():
         mb.Robot(two_pendulums(2.0, 1.2, chained=True), gravity=PLANE, locked={"j2": 0.2})
 
 
-@pytest.mark.parametrize("leader", ["j9", "j2"])
-def test_leaders_that_do_not_lead(leader):
+def test_leaders_that_do_not_lead():
     with pytest.raises(mb.InputError, match='"j2".*mimic'):
-        mb.Robot(two_pendulums(1.0, 0.0).replace('mimic joint="j1"', f'mimic joint="{leader}"'))
+        mb.Robot(two_pendulums(1.0, 0.0).replace('mimic joint="j1"', 'mimic joint="j2"'))
 
 
 def test_numbers_that_are_none():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -52,9 +53,7 @@ BODIES = {
     "a planar joint across another axis": (swing(kind="planar", axis=(0, 1, 0)), 'joint "swing".*planar'),
     "a mass that is not finite": (swing(link("bob", NAN)), '"bob".*mass'),
     "a mass below zero": (swing(link("bob", -1.0)), '"bob".*mass'),
-    "a moment of inertia below zero": (swing(link("bob", 1.0, (0, 0, 0), (1, -1, 1))), '"bob".*inertia'),
     "an inertia that is not finite": (swing(link("bob", 1.0, (0, 0, 0), (1, 1, np.inf))), '"bob".*inertia'),
-    "an inertia that no body has": (swing(link("bob", 1.0, (0, 0, 0), (1, 1, 1, 3, 0, 0))), '"bob".*inertia'),
     "a mass without inertia": (swing('<link name="bob"><inertial><mass value="1"/></inertial></link>'), '"bob".*inertia'),
     "inertia without a mass": (swing(link("bob", 1.0, (0, 0, 0), (1, 1, 1)).replace('<mass value="1.0"/>', "")), '"bob".*mass'),
     "a comma for a point": (swing().replace('xyz="0.0 0.0 0.0"', 'xyz="0,5 0 0"', 1), 'joint "swing".*0,5'),
@@ -175,8 +174,9 @@ def test_numbers_and_kinds(what):
 def test_names_that_would_be_said_twice():
     with refused('"base x"|"base"'):  # the coordinates of a free base have these names
         mb.Robot(urdf(bar("frame", 1, 1), bar("bob", 1, 1), joint("base x", "frame", "bob")), base="free")
-    with refused('"ground"'):  # the world that does not move
-        mb.Robot(urdf(GROUND, bar("ground", 1, 1), joint("swing", "frame", "ground")))
+    robot = mb.Robot(urdf(GROUND, bar("ground", 1, 1), joint("swing", "frame", "ground")))  # "ground" is what does not move
+    assert robot.bodies == ("frame", "ground link")
+    assert 'the link "ground" is called "ground link" here' in robot.description_notices[0].text
 
 
 def test_locked_joint_differs_from_an_unknown_one():
@@ -224,13 +224,73 @@ def test_loops_that_contradict_each_other():
         mb.Robot(TEXT, loops=[LOOP, other], gravity=PLANE).equilibrium(GUESS)
 
 
+@pytest.mark.parametrize(
+    ("moments", "text", "doubtful"),
+    [
+        ((1, -1, 1), "of which one is negative", True),
+        ((1, 1, 1, 3, 0, 0), "of which one is negative", True),
+        ((1, -1e-8, 1), "rounded zeros below zero", False),
+        ((-2e-41, -2e-41, -2e-41), "rounded zeros below zero", False),
+        ((1, 0.4, 0.5), "exceeds the sum of the others", False),
+        ((1, 0.4, 0.599), None, False),
+        ((1, 0, 1), None, False),
+    ],
+)
+def test_inertias_that_no_body_has_are_reported_for_all_links_at_once(moments, text, doubtful):
+    parts = [link(name, 1.0, (0, 0, 0), moments) for name in ("first", "second", "third", "fourth")]
+    names = ["frame", "first", "second", "third", "fourth"]
+    joints = [joint(f"j{i}", *ends) for i, ends in enumerate(pairwise(names))]
+    notices = mb.Robot(urdf(link("frame", 1.0, (0, 0, 0), (1, 1, 1)), *parts, *joints)).description_notices
+    assert [(text in notice.text, "and 1 more" in notice.text, notice.doubtful) for notice in notices] == [
+        (True, True, doubtful)
+    ] * bool(text)
+
+
+def test_a_robot_without_masses_is_noted_in_these_words():
+    (notice,) = mb.Robot('<robot name="r"><link name="a"/><link name="b"/>' + joint("j", "a", "b") + "</robot>").description_notices
+    assert "no link has an <inertial>" in notice.text
+
+
+def test_a_mimic_joint_without_its_leader_moves_by_itself():
+    text = swing().replace("</joint>", '<mimic joint="nobody"/></joint>')
+    robot = mb.Robot(text)
+    assert not robot.mimic_rows and '"swing" (of "nobody")' in robot.description_notices[0].text
+
+
+@pytest.mark.parametrize(
+    ("text", "advice"),
+    [
+        ("<mujoco/>", "buildModelFromMJCF"),
+        ("<sdf/>", "convert it to a URDF"),
+        (
+            '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="a"/><link name="a"/></robot>',
+            "xacro robot.xacro > robot.urdf",
+        ),
+    ],
+)
+def test_other_formats_get_advice(text, advice):
+    with refused(advice):
+        mb.Robot(text)
+
+
+def test_coordinates_of_joints_with_several_degrees_of_freedom_have_names():
+    robot = mb.Robot(
+        urdf(bar("frame", 1, 1), bar("bob", 1, 1), joint("swing", "frame", "bob")), base="free", joint_damping={"base rx": 3.0}
+    )
+    posture = robot.equilibrium({"swing": 0.2}, hold=robot.coordinates)
+    assert set(posture.torques) == set(robot.coordinates)
+    assert posture.torques["base z"] == pytest.approx(2 * 9.81)
+    assert robot.joint_damping[robot.coordinates.index("base rx")] == 3.0
+
+
 def test_limits_that_are_left():
     robot = mb.Robot(swing(limits=(-0.1, 0.1)), gravity=PLANE)
-    with refused('joint "swing".*limits -0.1'):
-        robot.equilibrium({"swing": 0.05})
-    with refused('joint "swing".*limits -0.1'):
-        robot.equilibrium({"swing": 3.0}, hold="all")
-    assert robot.equilibrium({"swing": 0.1}, hold="all").joints == pytest.approx({"swing": 0.1})
+    outside = robot.equilibrium({"swing": 3.0}, hold="all")
+    (notice,) = outside.notices
+    assert notice.text == '1 joint is beyond its limits: "swing" at 3 rad (limits -0.1 ... 0.1); the equations have no limits'
+    assert not notice.doubtful and len(robot.linearize(outside).modes().natural_frequencies) >= 0
+    for at in (0.1, 0.1000001):
+        assert not robot.equilibrium({"swing": at}, hold="all").notices
 
 
 def parallelogram(gravity):

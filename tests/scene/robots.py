@@ -28,6 +28,7 @@ source = "tests"
 licence = "MIT"
 urdf = "press.urdf"
 joint_stiffness = { pivot = "40 N*m/rad", slide = "3 N/mm" }
+joint_rest = { pivot = 0, slide = 0 }
 joint_damping = { pivot = "0.1 N*m*s/rad", slide = "4 N*s/m" }
 
 [[spring]]

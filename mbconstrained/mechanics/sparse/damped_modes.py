@@ -19,7 +19,7 @@ from ...ground.tolerances import DEPENDENT_DIRECTION, EPS, NEWTON_STEP, NOISE_SA
 from .pencil import ReducedPencil
 from .quadratic_pencil import Pair, QuadraticPencil, gap, newton
 from .sparse_matrices import combined, quadratic_form, times
-from .undamped_modes import UndampedModes, balanced
+from .undamped_modes import SOFT, UndampedModes, balanced
 
 #: Modes are corrected outside of the undamped shapes at most so often, and only as long as each time this part is left.
 MOST_CORRECTIONS, GAIN = 12, 0.5
@@ -39,6 +39,8 @@ class DampedModes:
         residuals, bounds: |P(s) x| / (|s|^2 |M x|) and the part of it that rounding errors explain.
         converged: for each whether Newton's method ended at its own zero.
         modal: whether damping does not couple the undamped shapes.
+        body: a softly supported body, whose zeros are close to each other; None where there is none.
+        of_body: for each whether it is a mode of this body.
     """
 
     values: np.ndarray
@@ -48,6 +50,33 @@ class DampedModes:
     bounds: np.ndarray
     converged: np.ndarray
     modal: bool
+    body: SlowBody | None
+    of_body: np.ndarray
+
+
+@dataclass(frozen=True)
+class SlowBody:
+    """A body on soft springs and dampers: x = (u + y d/dt) q with q'' + c q' + k q = u^T f, to first order of its rates.
+
+    Its zeros are too close for modes of their own, which would cancel; K x and C x are rounding errors of the forces inside of the body.
+
+    Attributes:
+        shape: u, shape (r,), of norm 1 in M.
+        response: y, the shape that the forces C u of dampers cause, shape (r,).
+        stiffness, damping: k and c, in which nothing cancels.
+        noise: the rounding error of the forces of dampers inside of the body, on u.
+    """
+
+    shape: np.ndarray
+    response: np.ndarray
+    stiffness: float
+    damping: float
+    noise: float
+
+    def pairs(self) -> list[Pair]:
+        """Its modes."""
+        values = _roots(self.stiffness, self.damping)
+        return [Pair(value, self.shape + (value if value.imag else value.real) * self.response, of_body=True) for value in values]
 
 
 def is_modal(pencil: ReducedPencil, undamped: UndampedModes) -> bool:
@@ -79,16 +108,20 @@ def damped_modes(pencil: ReducedPencil, undamped: UndampedModes) -> DampedModes:
     Returns:
         One for each complex pair and each real eigenvalue.
     """
-    modal = is_modal(pencil, undamped)
+    modal, body = is_modal(pencil, undamped), None
     quadratic = QuadraticPencil(pencil, undamped)
-    pairs = _sorted(_modal(pencil, undamped)) if modal else _coupled(quadratic)
+    if modal:
+        pairs = _sorted(_modal(pencil, undamped))
+    else:
+        pairs, body = _coupled(quadratic)
     residuals = (pair.residual or quadratic.residual(pair.value, pair.vector) for pair in pairs)
     evidence = np.array([residual.evidence for residual in residuals]).reshape(len(pairs), 2)
     vectors = np.array([pair.vector for pair in pairs], dtype=complex).reshape(len(pairs), pencil.size).T
     converged = np.array([pair.converged for pair in pairs], dtype=bool) & (evidence[:, 0] <= evidence[:, 1])
     resting = np.array([pair.resting for pair in pairs], dtype=bool)
     values = np.array([pair.value for pair in pairs], dtype=complex)
-    return DampedModes(values, vectors, resting, evidence[:, 0], evidence[:, 1], converged, modal)
+    of_body = np.array([pair.of_body for pair in pairs], dtype=bool)
+    return DampedModes(values, vectors, resting, evidence[:, 0], evidence[:, 1], converged, modal, body, of_body)
 
 
 def modal_rates(pencil: ReducedPencil, undamped: UndampedModes) -> np.ndarray:
@@ -115,16 +148,20 @@ def _modal(pencil: ReducedPencil, undamped: UndampedModes) -> list[Pair]:
         if not w2 and not rate:
             pairs.append(Pair(0j, x, resting=True))
             continue
-        half, under = rate / 2, w2 - rate**2 / 4
-        if under > 0:
-            pairs.append(Pair(complex(-half, under**0.5), x))
-        else:
-            larger = -(half + np.copysign((-under) ** 0.5, half))
-            pairs += [Pair(complex(root), x) for root in (w2 / larger, larger)]
+        pairs += [Pair(root, x) for root in _roots(w2, rate)]
     return pairs
 
 
-def _coupled(quadratic: QuadraticPencil) -> list[Pair]:
+def _roots(w2: float, rate: float) -> list[complex]:
+    """Of s^2 + z s + w^2, not both zero; of a complex pair the upper one."""
+    half, under = rate / 2, w2 - rate**2 / 4
+    if under > 0:
+        return [complex(-half, under**0.5)]
+    larger = -(half + np.copysign((-under) ** 0.5, half))
+    return [complex(w2 / larger), complex(larger)]
+
+
+def _coupled(quadratic: QuadraticPencil) -> tuple[list[Pair], SlowBody | None]:
     """The pairs of the projected problem, refined; undamped rigid bodies are separate, damped ones have an eigenvalue 0."""
     pencil, undamped = quadratic.pencil, quadratic.undamped
     X, rests = undamped.vectors, undamped.values == 0
@@ -133,19 +170,51 @@ def _coupled(quadratic: QuadraticPencil) -> list[Pair]:
     sizes = np.linalg.norm(times(abs(pencil.damping), np.abs(X[:, rests])), axis=0)
     supported = [bool(quadratic_form(pencil.damping, x, pencil.rounding)) for x in X[:, rests].T]
     free[rests] = (np.linalg.norm(forces[:, rests], axis=0) <= NOISE_SAFETY * EPS * sizes) & ~np.array(supported, dtype=bool)
+    body = _slow_body(quadratic, forces, ~free)
     resting = [Pair(0j, x, resting=bool(alone)) for x, alone in zip(X.T[rests], free[rests])]
     moving, forces = (X, forces) if not free.any() else (X[:, ~free], forces[:, ~free])
-    estimates = _projected(moving.T @ forces, undamped.values[~free], int((rests & ~free).sum()))
+    estimates = _projected(moving.T @ forces, undamped.values[~free], int((rests & ~free).sum()) if body is None else 2)
+    if body is not None:
+        resting = [pair for pair in resting if pair.resting] + body.pairs()
     gaps = [gap(np.array([pair.value for pair in estimates]), place) for place in range(len(estimates))]
-    if quadratic.is_narrow:
+    if quadratic.is_narrow or undamped.complete:  # of all shapes nothing is left that damping could couple to them
         pairs = _sorted([*resting, *map(_followed, repeat(quadratic), _shown(moving, estimates), gaps)])
-        if all(pair.converged for pair in pairs):
-            return pairs
+        if undamped.complete or all(pair.converged for pair in pairs):
+            return pairs, body
     space = _mixed_space(pencil, undamped, ~free, forces)
     padded = [replace(pair, vector=_padded(pair.vector, len(space.mass))) for pair in estimates]
     mixed = [newton(space, pair, room) for pair, room in zip(padded, gaps)]
     pairs = _corrected(quadratic, _shown(np.hstack([space.shapes, space.mixed]), mixed))
-    return _sorted(resting + [_settled(quadratic, pair, room) for pair, room in zip(pairs, gaps)])
+    return _sorted(resting + [_settled(quadratic, pair, room) for pair, room in zip(pairs, gaps)]), body
+
+
+def _slow_body(quadratic: QuadraticPencil, forces: np.ndarray, damped: np.ndarray) -> SlowBody | None:
+    """The only softly supported body, where its rates are far below those of all other motions.
+
+    Args:
+        forces: C X.
+        damped: which undamped shapes dampers act on.
+    """
+    pencil, undamped = quadratic.pencil, quadratic.undamped
+    X, w2 = undamped.vectors, undamped.values
+    soft = damped & (np.abs(w2) <= SOFT * abs(undamped.shift))
+    if soft.sum() != 1 or pencil.rows.shape[0] or soft.all():
+        return None
+    (place,), others = np.flatnonzero(soft), w2 > SOFT * abs(undamped.shift)
+    x, C = X[:, place], pencil.damping
+    rate = float(np.sqrt(w2[others].min(initial=np.inf)))
+    c, k = quadratic_form(C, x, pencil.rounding), float(w2[place])
+    force = forces[:, place]
+    response = -X[:, others] @ (X[:, others].T @ force / w2[others])
+    if not undamped.complete:
+        response = response - _outside(pencil, undamped, force[:, None])[:, 0]
+    fastest = max(abs(c), abs(k) ** 0.5)
+    part = fastest * np.abs(response).max() / np.abs(x).max()  # of the shape, and of first order in the rates
+    if not 0 < fastest < rate or max(part, (fastest / rate) ** 2) * part > EPS:
+        return None
+    mass = 1 + float(force @ response)  # of (u + s y)^T P(s) (u + s y) = k + c s + mass s^2 + ..., as K y is -C u
+    x, response = x / mass**0.5, response / mass**0.5
+    return SlowBody(x, response, k / mass, c / mass, EPS * float(np.linalg.norm(np.abs(x) * (abs(C) @ np.abs(x)))))
 
 
 def _settled(quadratic: QuadraticPencil, pair: Pair, room: float) -> Pair:

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.linalg
 
 from ...ground.errors import InputError
-from ...ground.tolerances import EPS, RESONANCE_RATIO
+from ...ground.tolerances import EPS, FREQUENCY_GAP, NOISE_SAFETY, RESONANCE_RATIO
 from ...linalg.blocks import block_slices
 from ...linalg.exponential.block_exponential import block_states
 from ...linalg.exponential.recursion import recursion
@@ -20,8 +20,8 @@ from ...signals.bohl import BohlFunction
 from ...signals.restarts import Restarts
 from .damped_modes import damped_modes, is_modal, modal_rates
 from .pencil import ReducedPencil
-from .sparse_matrices import asymmetry, times
-from .undamped_modes import UndampedModes
+from .sparse_matrices import asymmetry, quadratic_form, times
+from .undamped_modes import SOFT, UndampedModes
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,8 @@ class ModeSpace:
         input_shapes: the columns of G that are not zero, shape (r, d), and
         input_places: the states that they act on, shape (d,).
         rate_errors: the errors of the eigenvalues by rounding of M, C, K, for each column of W, in 1/s.
+        supports: what springs of a free body leave of their sums, which counts as rounding error, for each column, in 1/s^2.
+        shape_errors: those of the columns relative to their sizes, by the residuals of undamped shapes.
         modal: whether y are displacements and velocities of undamped shapes, M-orthonormal.
         left_out: the number of modes that did not converge.
     """
@@ -45,8 +47,15 @@ class ModeSpace:
     input_shapes: np.ndarray
     input_places: np.ndarray
     rate_errors: np.ndarray
+    supports: np.ndarray
+    shape_errors: np.ndarray
     modal: bool
     left_out: int = 0
+
+    def relative_errors(self, times: np.ndarray) -> np.ndarray:
+        """Those of the columns of W with their amplitudes at times (T,) by rounding, shape (w, T)."""
+        drifted = np.minimum(np.multiply.outer(self.supports, times**2) / 2, 1.0)  # 1 - cos of that frequency
+        return np.multiply.outer(self.rate_errors, times) + drifted + self.shape_errors[:, None] + NOISE_SAFETY * EPS
 
     @property
     def count(self) -> int:
@@ -110,12 +119,27 @@ def mode_space(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
 
 
 def _modal(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
-    X, count = undamped.vectors, len(undamped.values)
+    X, count, soft = undamped.vectors, len(undamped.values), np.abs(undamped.values) <= SOFT * abs(undamped.shift)
     rates = modal_rates(pencil, undamped)
     blocks = tuple(np.array([[0.0, 1.0], [-w2, -rate]]) for w2, rate in zip(undamped.values, rates))
     places = 2 * np.arange(count)
     values = np.sqrt((rates**2 / 4 - undamped.values).astype(complex)) - rates / 2
-    return ModeSpace(X, places, blocks, X, places + 1, _rate_errors(pencil, X, values, 2 * values + rates), True)
+    errors = _rate_errors(pencil, X, values, 2 * values + rates)
+    # in the values of soft supports nothing cancels
+    errors = np.where(soft, np.minimum(errors, NOISE_SAFETY * EPS * (np.sqrt(np.abs(undamped.values)) + np.abs(rates))), errors)
+    gaps = np.array([np.abs(np.delete(undamped.values, i) - value).min(initial=np.inf) for i, value in enumerate(undamped.values)])
+    distances = np.maximum(gaps, FREQUENCY_GAP * np.abs(undamped.values))  # equal ones have any shapes
+    off = undamped.residuals * np.abs(undamped.values) / np.where(distances > 0, distances, np.inf)
+    return ModeSpace(X, places, blocks, X, places + 1, errors, _supports(pencil, X, undamped.values == 0), off, True)
+
+
+def _supports(pencil: ReducedPencil, X: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """|x^T K x| of free bodies; rounding errors of assembled entries leave as much."""
+    supports = np.zeros(X.shape[1])
+    for place in np.flatnonzero(free):
+        x = X[:, place]
+        supports[place] = abs(quadratic_form(pencil.stiffness, x, 0.0)) / (x @ (pencil.mass @ x))
+    return supports
 
 
 def _rate_errors(pencil: ReducedPencil, X, values, slopes) -> np.ndarray:
@@ -128,9 +152,8 @@ def _rate_errors(pencil: ReducedPencil, X, values, slopes) -> np.ndarray:
 def _of_pairs(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
     modes = damped_modes(pencil, undamped)
     shapes, places, blocks, input_shapes, input_places, begin = [], [], [], [], [], 0
-    for value, x, resting, converged in zip(modes.values, modes.vectors.T, modes.resting, modes.converged):
-        if not converged:
-            continue
+    separate = modes.converged & ~modes.of_body
+    for value, x, resting in zip(modes.values[separate], modes.vectors.T[separate], modes.resting[separate]):
         if resting:
             x = x.real / (x.real @ (pencil.mass @ x.real)) ** 0.5
             columns, rows, own, at = [x], [x], np.array([[0.0, 1.0], [0.0, 0.0]]), ([0], [1])
@@ -145,10 +168,22 @@ def _of_pairs(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
         shapes, input_shapes, blocks = shapes + columns, input_shapes + rows, [*blocks, own]
         places, input_places = places + [begin + i for i in at[0]], input_places + [begin + i for i in at[1]]
         begin += len(own)
-    X, values = modes.vectors[:, modes.converged], modes.values[modes.converged]
+    X, values = modes.vectors[:, separate], modes.values[separate]
     slopes = 2 * values * (X * times(pencil.mass, X)).sum(axis=0) + (X * times(pencil.damping, X)).sum(axis=0)
     counts = np.where(values.imag != 0, 2, 1)
-    errors = np.repeat(_rate_errors(pencil, X, values, slopes), counts)
+    free, sizes = modes.resting[separate], np.linalg.norm(np.abs(X) * times(abs(pencil.damping), np.abs(X)), axis=0)
+    errors = np.repeat(np.where(free, EPS * sizes, _rate_errors(pencil, X, values, slopes)), counts)
+    supports = np.repeat(_supports(pencil, X.real, free), counts)
+    if (body := modes.body) is not None:  # (u + s y) (u + s y)^T / (s^2 + c s + k)
+        blocks.append(np.array([[0.0, 1.0], [-body.stiffness, -body.damping]]))
+        shapes, input_shapes = (
+            [*shapes, body.shape, body.response],
+            [*input_shapes, body.response, body.shape - body.damping * body.response],
+        )
+        places, input_places = [*places, begin, begin + 1], [*input_places, begin, begin + 1]
+        own = NOISE_SAFETY * EPS * (abs(body.stiffness) ** 0.5 + abs(body.damping)) + body.noise
+        errors = np.append(errors, [own, own])
+        supports = np.append(supports, _supports(pencil, body.shape[:, None], np.array([not body.stiffness])).repeat(2))
     empty = np.zeros((0, pencil.size))
     return ModeSpace(
         np.array(shapes).T if shapes else empty.T,
@@ -157,6 +192,8 @@ def _of_pairs(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
         np.array(input_shapes).T if input_shapes else empty.T,
         np.array(input_places, dtype=int),
         errors,
+        supports,
+        np.zeros(len(errors)),
         False,
         int((~modes.converged).sum()),
     )

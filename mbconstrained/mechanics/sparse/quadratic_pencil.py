@@ -74,6 +74,7 @@ class Pair:
         resting: whether it is a rigid body without damping (two states).
         converged: whether Newton's method ended at its own zero.
         residual: of P(value) vector, once it is known.
+        of_body: whether it is a mode of a softly supported body.
     """
 
     value: complex
@@ -81,6 +82,7 @@ class Pair:
     resting: bool = False
     converged: bool = True
     residual: Residual | None = None
+    of_body: bool = False
 
 
 def gap(values: np.ndarray, place: int) -> float:

@@ -14,7 +14,7 @@ from ...ground.checks import counted, places_of
 from ...ground.display import Displayed, TextTable, notice_table
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
-from ...ground.tolerances import EPS, NOISE_SAFETY, noise_of
+from ...ground.tolerances import EPS, NOISE_SAFETY, ROUNDED_FREE, noise_of
 from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import step
@@ -125,7 +125,8 @@ class SparseMotion(SystemMotion, Displayed):
     def error_estimate(self, times) -> float:
         """Estimate of the rounding error, max |error| / max |x|; x_rest, which is left out, has its own ``bound``.
 
-        Rounding errors of M, C, K change the eigenvalues, and so the phases by their error times t; sums add their own.
+        Rounding errors of M, C, K change the eigenvalues, and so the phases by their error times t, and what the springs of a free
+        body leave of their sums moves it in the end; sums and shapes add their own.
 
         Args:
             times: in s, a number or shape (T,).
@@ -134,9 +135,9 @@ class SparseMotion(SystemMotion, Displayed):
             A number without unit.
         """
         times = np.atleast_1d(times)
-        errors = np.zeros(self.shapes.shape[1])
-        errors[: len(self.space.places)] = self.space.rate_errors
-        parts = np.abs(self.amplitudes(times)) * (np.multiply.outer(errors, times) + NOISE_SAFETY * EPS)
+        parts, own = np.abs(self.amplitudes(times)), len(self.space.places)
+        parts[:own] *= self.space.relative_errors(times)
+        parts[own:] *= NOISE_SAFETY * EPS
         largest = np.abs(self(times)).max(initial=0.0)
         return float((np.abs(self.shapes) @ parts).max(initial=0.0) / largest) if largest else 0.0
 
@@ -212,6 +213,13 @@ def _notices(rest: Remainder, space: ModeSpace, count: int):
         yield Notice(NoticeKind.JUMP, "massless coordinates jump at t = 0 to their equilibrium between the springs")
     if space.left_out:
         yield Notice(NoticeKind.ACCURACY, f"{space.left_out} damped modes did not converge and count as part of the rest")
+    if (support := space.supports.max(initial=0.0)) > 0:
+        since = (2 * ROUNDED_FREE / support) ** 0.5
+        text = (
+            "the springs on a free body cancel up to rounding errors of their sums, which count as zero; if they are the support that "
+            f"they are, x differs by {ROUNDED_FREE:g} of itself and more from t = {since:.3g} s on"
+        )
+        yield Notice(NoticeKind.RANK, text)
     if rest.norm:
         when = "for all times" if rest.passive else "at t = 0; later it may grow, as damping or stiffness supply energy"
         text = (

@@ -44,6 +44,9 @@ WIDEST = 48
 #: A shift this many times closer to zero than the first elastic mode costs digits, as rigid modes outweigh it; its better place.
 TOO_CLOSE, BETTER_SHIFT = 1e-3, 0.1
 
+#: Modes of so soft supports relative to the shift have values in which nothing may cancel.
+SOFT = 0.01
+
 #: How far below an estimate of the lowest growing mode, which lies above it, the shift is tried.
 MARGINS = (0.05, 0.5, 2.0)
 
@@ -256,7 +259,7 @@ def _evidence(pencil: ReducedPencil, values, vectors, shift) -> tuple[np.ndarray
         terms = stiffness @ np.abs(x)
         if _is_rigid(pencil, x, static, terms):
             values[i] = 0.0
-        elif abs(values[i]) <= EPS**0.5 * abs(shift):
+        elif abs(values[i]) <= SOFT * abs(shift):
             values[i] = quadratic_form(pencil.stiffness, x, 0.0) / (x @ inertia_force)
         elif np.abs(x) @ terms < steepest * (values[i] - shift) ** 2:  # high ones are known better by Rayleigh's quotient
             values[i] = (x @ static) / (x @ inertia_force)

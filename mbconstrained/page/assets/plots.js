@@ -434,7 +434,7 @@ function showInPlots(time) {
   plots.all.forEach((plot) => plot.show());
 }
 
-plots.sets = JSON.parse(document.getElementById("plot-data").textContent).map((packed) => new TimeFunctions(packed));
+plots.sets = functionsOf(JSON.parse(document.getElementById("plot-data").textContent));
 for (const svg of document.querySelectorAll("svg.plot")) {
   if (svg.querySelector("path")) plots.all.push(new PlottedFigure(svg));
 }

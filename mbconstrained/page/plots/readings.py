@@ -115,12 +115,13 @@ def linear_readings(times: np.ndarray, values: np.ndarray) -> Readings:
     return Readings(np.append(times, times[-1]), np.zeros(len(times), int), exponents, codes)
 
 
-def readings_of(functions: TimeFunctions, start: float, end: float) -> Readings:
+def readings_of(functions: TimeFunctions, start: float, end: float, largest: float = 0.0) -> Readings:
     """The readings of functions over a stretch of time.
 
     Args:
         functions: r of them.
         start, end: of the stretch, s.
+        largest: the largest value outside the stretch, to which the noise is relative, too.
 
     Returns:
         Their readings, with eight digits of the largest value of each panel; of a record six, of a long one four.
@@ -132,19 +133,19 @@ def readings_of(functions: TimeFunctions, start: float, end: float) -> Readings:
     inside = np.unique(functions.breaks[(functions.breaks > start) & (functions.breaks < end)])
     rows = len(functions.at(np.array([start])))
     fineness = FINE if len(inside) <= FEW_BREAKS else MIDDLE if 4 * rows * len(inside) <= MOST_MIDDLE else COARSE
-    readings = _resolved(functions, start, end, inside, fineness)
+    readings = _resolved(functions, start, end, inside, fineness, largest)
     for finest, most, next_one in ((FINE, MOST_FINE, MIDDLE), (MIDDLE, MOST_MIDDLE, COARSE)):
         if fineness == finest and readings.codes.size > most:
-            fineness, readings = next_one, _resolved(functions, start, end, inside, next_one)
+            fineness, readings = next_one, _resolved(functions, start, end, inside, next_one, largest)
     return readings
 
 
-def _resolved(functions: TimeFunctions, start: float, end: float, breaks: np.ndarray, fineness: float) -> Readings:
+def _resolved(functions: TimeFunctions, start: float, end: float, breaks: np.ndarray, fineness: float, largest: float) -> Readings:
     """All panels, from a few to as many as are necessary."""
     first = np.linspace(start, end, FIRST_PANELS + 1) if len(breaks) <= FEW_BREAKS else [start, end]
     edges = np.union1d(first, breaks)
     some = np.append(np.linspace(start, end, SAMPLES), edges[:: len(edges) // SAMPLES + 1])
-    largest = float(np.abs(functions.at(np.unique(some))).max(initial=0.0))
+    largest = float(np.abs(functions.at(np.unique(some))).max(initial=largest))
     floor = max(functions.noise, SMALLEST_SHARE) * largest
     left, right = edges[:-1], edges[1:]
     done: list[_Panels] = []
@@ -178,9 +179,9 @@ def _met(functions, left, right, fineness: float, floor: float, is_last: bool) -
         for degree in DEGREES:
             if not len(part):
                 break
-            values = _values(functions, left[part], right[part], 2 * degree, values)
+            values = panel_values(functions, left[part], right[part], 2 * degree, values)
             nodes = values[:, :, ::2]
-            errors = np.abs(nodes @ _between(degree).T - values[:, :, 1::2]).max(axis=2)
+            errors = np.abs(nodes @ between_points(degree).T - values[:, :, 1::2]).max(axis=2)
             exponents = _exponents(np.abs(values).max(axis=2), fineness, floor)
             good = (errors <= np.ldexp(MEETS, exponents)).all(axis=0)
             if is_last and degree == DEGREES[-1]:
@@ -194,8 +195,18 @@ def _met(functions, left, right, fineness: float, floor: float, is_last: bool) -
     return met, np.concatenate(failed) if failed else np.arange(0)
 
 
-def _values(functions, left, right, degree: int, known: np.ndarray | None) -> np.ndarray:
-    """The functions at the points of panels, shape (r, k, degree + 1); those at every second point may be known."""
+def panel_values(functions, left, right, degree: int, known: np.ndarray | None) -> np.ndarray:
+    """The functions at the points of panels; those at every second point may be known.
+
+    Args:
+        functions: r of them.
+        left, right: ends of k panels, s.
+        degree: of the points.
+        known: their values at every second point, shape (r, k, degree / 2 + 1).
+
+    Returns:
+        Shape (r, k, degree + 1).
+    """
     shares = (1 - np.cos(np.pi * np.arange(degree + 1) / degree)) / 2
     shares[[0, -1]] = INSIDE, 1 - INSIDE
     new = shares if known is None else shares[1::2]
@@ -214,8 +225,15 @@ def _values(functions, left, right, degree: int, known: np.ndarray | None) -> np
     return values
 
 
-def _between(degree: int) -> np.ndarray:
-    """The matrix that takes values at the points of a degree to those at the further points of twice the degree."""
+def between_points(degree: int) -> np.ndarray:
+    """The matrix that takes values at the points of a degree to those at the further points of twice the degree.
+
+    Args:
+        degree: of the polynomials.
+
+    Returns:
+        Shape (degree, degree + 1).
+    """
     points = -np.cos(np.pi * np.arange(2 * degree + 1) / (2 * degree))
     return interpolation(degree, points[1::2])
 

@@ -10,6 +10,7 @@ names, too.
 from __future__ import annotations
 
 import html
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..content import Curve, Plot, TimeFunctions
 from ..typeset import raised, shortened, superscript
 from .axis import Axis
 from .readings import Readings, linear_readings, readings_of
+from .record_steps import RecordReadings, RecordSteps, record_readings, record_steps
 
 #: Height of the axes, px.
 HEIGHT = 214
@@ -57,7 +59,9 @@ class PlotFunctions:
 
     def __init__(self, plots: tuple[Plot, ...]):
         drawn = [plot for plot in plots if plot.curves and len(plot.times) > 1]
-        self.sets: list[Readings] = []
+        self.sets: list[tuple[Readings | RecordReadings, ...]] = []
+        self.records: list[RecordSteps] = []
+        self._steps: dict[tuple, int | None] = {}
         self._places: dict[tuple, tuple[int, int]] = {}
         shared: dict[tuple, tuple[TimeFunctions, list[int]]] = {}
         for plot in drawn:
@@ -72,10 +76,27 @@ class PlotFunctions:
                     rows.append(row)
             if own:
                 self._places |= {(id(plot), id(curve.values)): (len(self.sets), row) for row, curve in enumerate(own)}
-                self.sets.append(linear_readings(plot.times, np.array([curve.values for curve in own])))
+                self.sets.append((linear_readings(plot.times, np.array([curve.values for curve in own])),))
         for (key, start, end), (functions, rows) in shared.items():
             self._places |= {(key, start, end, row): (len(self.sets), place) for place, row in enumerate(rows)}
-            self.sets.append(readings_of(_selected(functions, rows), float(start), float(end)))
+            self.sets.append(self._parts(_selected(functions, rows), float(start), float(end)))
+
+    def _parts(self, functions: TimeFunctions, start: float, end: float) -> tuple[Readings | RecordReadings, ...]:
+        """By the steps of their record and before and after it by panels, or all by panels."""
+        record = functions.record
+        if record is not None:
+            key = id(record), start, end
+            if key not in self._steps:
+                steps = record_steps(record, start, end)
+                self._steps[key] = None if steps is None else len(self.records)
+                self.records += [] if steps is None else [steps]
+            if (place := self._steps[key]) is not None:
+                steps = self.records[place]
+                if (middle := record_readings(functions, steps, place)) is not None:
+                    before = (readings_of(functions, start, steps.start, middle.largest),) if start < steps.start else ()
+                    after = (readings_of(functions, steps.end, end, middle.largest),) if steps.end < end else ()
+                    return (*before, middle, *after)
+        return (readings_of(functions, start, end),)
 
     def place(self, plot: Plot, curve: Curve) -> tuple[int, int]:
         """Where the function of a curve is.
@@ -92,9 +113,12 @@ class PlotFunctions:
         functions, row = curve.function
         return self._places[id(functions), plot.times[0], plot.times[-1], row]
 
-    def as_data(self) -> list[dict]:
+    def as_data(self) -> dict[str, list]:
         """Plain data for the page."""
-        return [readings.as_data() for readings in self.sets]
+        return {
+            "records": [steps.as_data() for steps in self.records],
+            "sets": [[part.as_data() for part in parts] for parts in self.sets],
+        }
 
 
 def _all_curves(plot: Plot) -> tuple[Curve, ...]:
@@ -102,7 +126,7 @@ def _all_curves(plot: Plot) -> tuple[Curve, ...]:
 
 
 def _selected(functions: TimeFunctions, rows: list[int]) -> TimeFunctions:
-    return TimeFunctions(lambda times: functions.at(times)[rows], functions.breaks, functions.noise)
+    return replace(functions, at=lambda times: functions.at(times)[rows])
 
 
 def plot_figures(plots: tuple[Plot, ...], functions: PlotFunctions | None = None) -> str:

@@ -17,6 +17,7 @@ import numpy as np
 from ...ground.checks import nearest
 from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
+from ...ground.notices import Notice, NoticeKind
 
 LARGEST_URDF = 5_000_000  # bytes; the URDF of a humanoid has a few hundred thousand
 MOST_LINKS = 2_000
@@ -63,14 +64,15 @@ def checked_tree(text: str) -> ElementTree.Element:
     except (ElementTree.ParseError, ValueError) as problem:
         raise InputError(f"urdf: not XML ({problem})") from None
     if root.tag != "robot":
-        raise InputError(f"urdf: found <{short(root.tag)}>; expected <robot>")
+        raise InputError(f"urdf: found <{short(root.tag)}>; expected <robot>{_OTHER_FORMATS.get(root.tag, '')}")
+    if any(element.tag.startswith("{") and "xacro" in element.tag for element in root.iter()):
+        raise InputError("urdf: found xacro macros; expand them first: xacro robot.xacro > robot.urdf")
     if not root.findall("link"):
         raise InputError("urdf: found no <link>; a robot needs at least one")
     if (count := len(root.findall("link"))) > MOST_LINKS:
         raise InputError(f"urdf: found {count:,} links; at most {MOST_LINKS:,} are read")
+    _rename_ground(root)
     links = _names(root, "link")
-    if GROUND in links:
-        raise InputError(f'urdf: a link is named "{GROUND}", which here is what does not move; choose another name')
     _names(root, "joint")
     children = [_check_joint(joint, set(links)) for joint in root.findall("joint")]
     _check_tree(children, links)
@@ -81,6 +83,25 @@ def root_link(root: ElementTree.Element) -> str:
     """The name of the link without a parent, the base, of a checked tree."""
     children = {child.get("link") for joint in root.findall("joint") for child in joint.findall("child")}
     return next(str(link.get("name")) for link in root.findall("link") if link.get("name") not in children)
+
+
+#: Advice where another format than URDF is found, by the name of the root element.
+_OTHER_FORMATS = {
+    "mujoco": ": this is MJCF; give pinocchio's model of it, mb.Robot(pinocchio.buildModelFromMJCF(path))",
+    "sdf": ": this is SDF; convert it to a URDF, or give a pinocchio model",
+}
+
+#: The name of a link "ground", which here names the body that does not move.
+RENAMED_GROUND = f"{GROUND} link"
+
+
+def _rename_ground(root: Element) -> None:
+    """Give a link "ground" another name, in its element and in the joints."""
+    for element, key in [(e, "name") for e in root.findall("link")] + [
+        (e, "link") for joint in root.findall("joint") for tag in ("parent", "child") for e in joint.findall(tag)
+    ]:
+        if element.get(key) == GROUND:
+            element.set(key, RENAMED_GROUND)
 
 
 @dataclass(frozen=True)
@@ -95,17 +116,19 @@ class Mimic:
 
 
 def mimics_of(root: ElementTree.Element) -> tuple[Mimic, ...]:
-    """The joints that follow others.
+    """The joints that follow others; one whose leader the URDF does not have moves by itself (``description_notices``).
 
     Raises:
-        InputError: an unknown leader, or one that follows another joint; invalid numbers.
+        InputError: a leader that follows another joint; invalid numbers.
     """
     joints, mimics = {joint.get("name"): joint for joint in root.findall("joint")}, []
     for name, joint in joints.items():
         if (mimic := joint.find("mimic")) is None or joint.get("type") == "fixed":
             continue
         where, leader = f'urdf, joint "{short(name)}", mimic', mimic.get("joint", "")
-        if leader not in joints or joints[leader].find("mimic") is not None:
+        if leader not in joints:
+            continue
+        if joints[leader].find("mimic") is not None:
             raise InputError(f'{where}: found "{short(leader)}"{nearest(leader, joints)}; expected a joint that follows no other')
         kinds = joint.get("type"), joints[leader].get("type")
         if several := [kind for kind in kinds if kind in ("planar", "floating")]:
@@ -228,8 +251,15 @@ def short(text) -> str:
 
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
-#: A moment of inertia about an axis may be negative by this share of the largest one: rounded data.
+#: A negative moment of inertia below this share of the largest of its link, or a thousandth of it of the largest of all, is a
+#: rounded zero.
 ROUNDED = 1e-6
+
+#: The triangle inequality of principal moments holds to this share, the digits that descriptions are rounded to.
+ROUNDED_TRIANGLE = 1e-2
+
+#: So many links are named in a notice, the others are counted.
+MOST_NAMED_LINKS = 3
 
 _UNLIMITED = ("continuous", "fixed", "floating", "planar")
 
@@ -264,17 +294,12 @@ def _copy_inertial(link: Element, inertial: Element, where: str) -> None:
     copy = SubElement(link, "inertial")
     _copy_origin(copy, inertial, where)
     SubElement(copy, "mass", value=_text([number(mass.get("value"), f"{where}, mass", minimum=0.0)]))
-    moments = {key: number(inertia.get(key), f"{where}, inertia, {key}") for key in _MOMENTS}
-    _check_moments(moments, where)
+    moments = _moments(inertia, where)
     SubElement(copy, "inertia", {key: _text([value]) for key, value in moments.items()})
 
 
-def _check_moments(moments: dict[str, float], where: str) -> None:
-    tensor = np.zeros((3, 3))
-    tensor[np.triu_indices(3)] = list(moments.values())
-    least, *_, largest = np.linalg.eigvalsh(tensor + np.triu(tensor, 1).T)
-    if least < -ROUNDED * abs(largest):
-        raise InputError(f"{where}, inertia: the moment of inertia about some axis is {least:.3g} kg m^2; expected 0 or more")
+def _moments(inertia: Element, where: str) -> dict[str, float]:
+    return {key: number(inertia.get(key), f"{where}, inertia, {key}") for key in _MOMENTS}
 
 
 def _copy_joint(robot: Element, joint: Element, where: str) -> None:
@@ -323,3 +348,62 @@ def _limits(joint: Element, where: str) -> dict[str, float]:
 
 def _text(values: list[float]) -> str:
     return " ".join(map(repr, values))
+
+
+def description_notices(robot: Element) -> tuple[Notice, ...]:
+    """What a description contains that no body has, and what of it is not used; one notice for all links or joints of a kind.
+
+    Args:
+        robot: checked.
+
+    Returns:
+        Notices on renamed links, on masses and inertias, and on joints that follow none.
+    """
+    notices = []
+    if any(link.get("name") == RENAMED_GROUND for link in robot.findall("link")):
+        text = f'the link "{GROUND}" is called "{RENAMED_GROUND}" here, since "{GROUND}" is what does not move'
+        notices.append(Notice(NoticeKind.OVERRIDE, text))
+    if robot.find("link/inertial") is None:
+        text = "no link has an <inertial>: the robot has no mass, and no motion can be computed without springs or masses"
+        notices.append(Notice(NoticeKind.OMITTED, text))
+    joints = {joint.get("name"): joint for joint in robot.findall("joint")}
+    lost = [
+        f'"{short(name)}" (of "{short(joint.find("mimic").get("joint", ""))}")'
+        for name, joint in joints.items()
+        if joint.find("mimic") is not None and joint.find("mimic").get("joint", "") not in joints
+    ]
+    if lost:
+        notices.append(
+            Notice(NoticeKind.OMITTED, f"mimic joints of which the leader does not exist move by themselves: {_first(lost)}")
+        )
+    return (*notices, *_inertia_notices(robot))
+
+
+def _inertia_notices(robot: Element) -> list[Notice]:
+    """Inertias that no body has: rounded zeros and broken triangle inequalities are noted, negative moments doubted."""
+    principal = {}
+    for link in robot.findall("link"):
+        if (inertia := link.find("inertial/inertia")) is not None:
+            tensor = np.zeros((3, 3))
+            tensor[np.triu_indices(3)] = list(_moments(inertia, "").values())
+            principal[link.get("name")] = np.linalg.eigvalsh(tensor + np.triu(tensor, 1).T)
+    largest = max((values[-1] for values in principal.values()), default=0.0)
+    rounded, negative, broken = [], [], []
+    for name, values in principal.items():
+        shown = f'"{short(name)}" ({", ".join(f"{value:.3g}" for value in values)} kg m^2)'
+        if values[0] < 0:
+            is_rounded = values[0] >= -ROUNDED * max(abs(values[-1]), 1e-3 * largest)
+            (rounded if is_rounded else negative).append(shown)
+        elif values[2] > (1 + ROUNDED_TRIANGLE) * (values[0] + values[1]):
+            broken.append(shown)
+    texts = [
+        ("moments of inertia that are rounded zeros below zero", rounded, False),
+        ("principal moments of inertia of which one is negative, which no body has", negative, True),
+        ("principal moments of inertia of which one exceeds the sum of the others, which no body has", broken, False),
+    ]
+    return [Notice(NoticeKind.ACCURACY, f"{text}: {_first(links)}", doubtful) for text, links, doubtful in texts if links]
+
+
+def _first(names: list[str]) -> str:
+    more = f" and {len(names) - MOST_NAMED_LINKS} more" if len(names) > MOST_NAMED_LINKS else ""
+    return ", ".join(names[:MOST_NAMED_LINKS]) + more

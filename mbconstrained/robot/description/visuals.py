@@ -9,8 +9,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from ...ground.checks import nearest
+from ...ground.checks import counted, nearest
 from ...ground.errors import InputError
+from ...ground.notices import Notice, NoticeKind
 from .urdf import numbers
 
 #: Largest mesh file in bytes; the page embeds it.
@@ -42,7 +43,7 @@ class Visual:
 
 
 def visuals_of(description: ElementTree.Element, folder: Path | None, package_dirs: tuple[Path, ...]) -> tuple[Visual, ...]:
-    """The visuals of all links.
+    """The visuals of all links, without meshes whose files are missing (``mesh_notices``).
 
     Args:
         description: the element <robot>.
@@ -53,18 +54,50 @@ def visuals_of(description: ElementTree.Element, folder: Path | None, package_di
         The shapes of all links, in the order of the URDF.
 
     Raises:
-        InputError: numbers that make no sense, mesh files outside these folders, or that cannot be read.
+        InputError: numbers that make no sense, mesh files that cannot be read.
     """
     colors = {m.get("name"): _color(m) for m in description.findall("material")}
     visuals, meshes = [], {}
-    for link in description.findall("link"):
-        for visual in link.findall("visual"):
-            where = f'urdf, link "{link.get("name")}", visual'
-            material = visual.find("material")
-            color = None if material is None else _color(material) or colors.get(material.get("name"))
+    for link, visual in _visual_elements(description):
+        where = f'urdf, link "{link}", visual'
+        material = visual.find("material")
+        color = None if material is None else _color(material) or colors.get(material.get("name"))
+        try:
             kind, size, mesh = _shape(visual.find("geometry"), where, folder, package_dirs, meshes)
-            visuals.append(Visual(str(link.get("name")), kind, size, _placement(visual.find("origin"), where), color, *mesh))
+        except MissingMesh:
+            continue
+        visuals.append(Visual(link, kind, size, _placement(visual.find("origin"), where), color, *mesh))
     return tuple(visuals)
+
+
+def _visual_elements(description: ElementTree.Element):
+    return ((str(link.get("name")), visual) for link in description.findall("link") for visual in link.findall("visual"))
+
+
+class MissingMesh(InputError):
+    """A mesh file that is not there, or not in a folder from which files are read."""
+
+
+def mesh_notices(description: ElementTree.Element, folder: Path | None, package_dirs: tuple[Path, ...]) -> tuple[Notice, ...]:
+    """A notice on the meshes that are not drawn; no file is opened.
+
+    Args:
+        description, folder, package_dirs: as of ``visuals_of``.
+
+    Returns:
+        One notice, or none.
+    """
+    missing = []
+    for link, visual in _visual_elements(description):
+        for mesh in visual.findall("geometry/mesh"):
+            try:
+                mesh_file(mesh.get("filename", ""), f'link "{link}"', folder, package_dirs)
+            except MissingMesh as problem:
+                missing.append(str(problem))
+    if not missing:
+        return ()
+    text = f"{counted(len(missing), 'mesh', 'meshes')} not drawn: {missing[0]}"
+    return (Notice(NoticeKind.OMITTED, text),)
 
 
 def _shape(geometry, where: str, folder, package_dirs, meshes: dict):
@@ -115,7 +148,9 @@ def _read_mesh(path: Path, scale, where: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def mesh_file(name: str, where: str, folder: Path | None, package_dirs: tuple[Path, ...]) -> Path:
-    """The path of a mesh: in the folder of the URDF or a package directory, or by package://NAME/... in its folder NAME.
+    """The path of a mesh: in the folder of the URDF, in its package, or in a package directory.
+
+    package://NAME/... is looked for in the folder NAME of a package directory, and in the folder NAME that the URDF lies in.
 
     Args:
         name: as it stands in the URDF.
@@ -127,32 +162,44 @@ def mesh_file(name: str, where: str, folder: Path | None, package_dirs: tuple[Pa
         The path of the file.
 
     Raises:
-        InputError: any other place, also by a symbolic link; no such file, too large, another kind of file.
+        MissingMesh: any other place, also by a symbolic link; no such file, too large, another kind of file.
     """
-    rule = "mesh files lie in the folder of the URDF or in package_dirs, in which package://NAME/... is looked for, too"
-    name = unquote(name)
+    rule = "mesh files lie in the folder of the URDF, in its package, or in package_dirs: name their folder there"
+    given, name = name, unquote(name)
     if name.startswith("package://"):
-        package, _, rest = name.removeprefix("package://").partition("/")
-        roots = [directory / package for directory in package_dirs if package and (directory / package).is_dir()]
-        if not roots or package in (".", ".."):
-            raise InputError(f'{where}: found the mesh of the package "{package}", which is in none of package_dirs; {rule}')
-        root, name, allowed = roots[0], rest, (roots[0],)
-    elif folder is None:
-        raise InputError(f"{where}: found the mesh {name[:60]!a}, but the URDF was given as a text; give its path, or package_dirs")
+        package, _, name = name.removeprefix("package://").lstrip("/").partition("/")
+        roots = _packages(package, folder, package_dirs)
+        if not roots:
+            raise MissingMesh(f'{where}: found the mesh of the package "{package[:60]}", which is in none of package_dirs; {rule}')
+        allowed = roots
+    elif folder is None and not package_dirs:
+        raise MissingMesh(
+            f"{where}: found the mesh {given[:60]!a}, but the URDF was given as a text; give its path, or package_dirs"
+        )
     else:
-        root, allowed = folder, (folder, *package_dirs)
-    if "://" in name or "\0" in name or not name or Path(name).is_absolute():
-        raise InputError(f"{where}: found the mesh {name[:60]!a}; {rule}")
-    path = (root / name).resolve()
+        name = name.removeprefix("file://")
+        roots = allowed = (*([folder] if folder else []), *package_dirs)
+    if "://" in name or "\0" in name or not name:
+        raise MissingMesh(f"{where}: found the mesh {given[:60]!a}; {rule}")
+    paths = [(root / name).resolve() for root in roots]
+    path = next((path for path in paths if path.is_file()), paths[0])
     if not any(path.is_relative_to(place.resolve()) for place in allowed):
-        raise InputError(f"{where}: the mesh {name[:60]!a} leads out of its folder; {rule}")
+        raise MissingMesh(f"{where}: the mesh {given[:60]!a} leads out of its folder; {rule}")
     if path.suffix.lower() not in MESH_ENDINGS:
-        raise InputError(f"{where}: found the mesh {path.name[:60]!a}; expected a file that ends in {', '.join(MESH_ENDINGS)}")
+        raise MissingMesh(f"{where}: found the mesh {path.name[:60]!a}; expected a file that ends in {', '.join(MESH_ENDINGS)}")
     if not path.is_file():
-        raise InputError(f"{where}: there is no mesh file {name[:60]!a} in the folder")
+        raise MissingMesh(f"{where}: there is no mesh file {given[:60]!a}")
     if path.stat().st_size > LARGEST_MESH:
-        raise InputError(f"{where}: the mesh {path.name} has {path.stat().st_size:,} bytes; at most {LARGEST_MESH:,} are read")
+        raise MissingMesh(f"{where}: the mesh {path.name} has {path.stat().st_size:,} bytes; at most {LARGEST_MESH:,} are read")
     return path
+
+
+def _packages(package: str, folder: Path | None, package_dirs: tuple[Path, ...]) -> tuple[Path, ...]:
+    """The folders of a package."""
+    if package in ("", ".", ".."):
+        return ()
+    above = [place for place in (folder.resolve(), *folder.resolve().parents) if place.name == package] if folder else []
+    return (*(directory / package for directory in package_dirs if (directory / package).is_dir()), *above)
 
 
 def _placement(origin, where: str) -> np.ndarray:

@@ -98,18 +98,6 @@ class RobotData:
         """The URDF in messages."""
         return f"{self.name}/{self.names.path.name}"
 
-    def check_meshes(self) -> None:
-        """See that the meshes that are to be drawn are there; they are not opened.
-
-        Raises:
-            SceneError: one is missing, or lies elsewhere than it may; names its link.
-        """
-        from ...robot.description.visuals import mesh_file
-
-        with at(self.urdf_place):
-            for link, mesh in self.names.meshes:
-                mesh_file(mesh, f"mesh of link {shown(link)}", self.names.path.parent, self.package_dirs)
-
 
 def read_robot(path: str | Path, *, package_dirs: Sequence[str | Path] = (), locked: Mapping[str, float] | None = None):
     """A robot and the content of its file.
@@ -186,7 +174,7 @@ def _package_dirs(dirs: Sequence[str], folder: Path, place: str) -> list[Path]:
     folders = []
     for name in dirs:
         with at(place, "package_dirs"):
-            if Path(name).is_absolute() or not name.isprintable() or not (folder / name).is_dir():
-                raise InputError(f"found {shown(name)}; expected a folder, relative to the robot's")
+            if not name.isprintable() or not (folder / name).is_dir():
+                raise InputError(f"found {shown(name)}; expected a folder: its path, or one relative to the robot's")
             folders.append((folder / name).resolve())
     return folders

@@ -104,7 +104,7 @@ def time_functions(result: Result, kind: str) -> TimeFunctions:
     noise = min(max(LEAST_NOISE, *estimates), MOST_NOISE)
     values, shown = functions_of(result, kind), result.scene.equations.coordinates.shown
     factors = np.array([[shown.of(unit)[1]] for unit in result.curves(kind).units])
-    return TimeFunctions(lambda times: factors * values(times), breaks, noise)
+    return TimeFunctions(lambda times: factors * values(times), breaks, noise, result.record_response)
 
 
 def in_units(curves: Curves, units: OutputUnits) -> Curves:

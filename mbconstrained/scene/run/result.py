@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from ...mechanics.motion import Motion
     from ...mechanics.system import MechanicalSystem
     from ...page.animation.animation import Animation
-    from ...page.content import Formulas, TimeFunctions
+    from ...page.content import Formulas, RecordResponse, TimeFunctions
     from ...polynomial.jordan_pairs import FinitePair, InfinitePair
     from ...response.events import Event
     from ...signals.impulsive import ImpulsiveLoad
@@ -112,6 +112,16 @@ class Result(Displayed):
         if kind not in self._functions:
             self._functions[kind] = time_functions(self, kind)
         return self._functions[kind]
+
+    @cached_property
+    def record_response(self) -> RecordResponse | None:
+        """The motion that the curves follow from, where a force restarts; at its knots all values up to the degree of A(s)."""
+        from ...page.content import RecordResponse
+
+        restarts, degree = self.motion.force.smooth.restarts, self.scene.equations.polynomial_matrix.degree
+        views = [self.motion, *(self.motion.derivative(order) for order in range(1, degree))]
+        states = lambda times: np.vstack([view(times) for view in views])  # noqa: E731
+        return RecordResponse(restarts.knots, restarts.states, states) if len(restarts.knots) > 1 else None
 
     @property
     def kinds(self) -> list[str]:

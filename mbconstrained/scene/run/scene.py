@@ -91,7 +91,9 @@ class Scene(Displayed):
         has_elements = self.equations.system is not None and self.table.model.kind in ("lumped", "matrices")
         free = free_motion_notices(self.equations.system) if has_elements else ()
         given = (*self.parameters.notices, *_late_loads(self.table), *_matrix_notices(self.table, self.equations.system))
-        return (*(setting.notice for setting in self.settings), *given, *free)
+        drawn = self.equations.robot_scene is not None and self.table.output.page and self.table.output.animation
+        missing = self.equations.robot.mesh_notices() if drawn else ()
+        return (*(setting.notice for setting in self.settings), *given, *free, *missing)
 
     @cached_property
     def method(self) -> Method:
@@ -230,8 +232,6 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
         coordinates = replace(equations.coordinates, shown=OutputUnits(table.output.units))
         equations = replace(equations, coordinates=coordinates)
     check_output(table.output, equations, name, getattr(table.model, "modal_damping", None) is not None)
-    if equations.robot_scene and table.output.page and table.output.animation:
-        equations.robot_scene.data.check_meshes()
     scene = Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name)
     if table.drawing and (table.drawing.body or table.drawing.link or equations.robot):
         from .picture.scene_drawing import check_drawing

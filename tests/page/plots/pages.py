@@ -16,9 +16,48 @@ _SIGNS = {sign: digit for digit, sign in zip("-0123456789", "⁻⁰¹²³⁴⁵�
 
 
 class StoredFunctions:
-    """Functions as the page's script has them."""
+    """Functions as the page's script has them, in parts."""
+
+    def __init__(self, parts: list[dict], records: list[dict] = ()):
+        self.parts = [StoredSteps(part, records[part["steps"]]) if "steps" in part else StoredPanels(part) for part in parts]
+
+    def at(self, row: int, time: float) -> tuple[float, float]:
+        """Value and bound of its error."""
+        return next(part for part in reversed(self.parts) if time >= part.start or part is self.parts[0]).at(row, time)
+
+
+class StoredSteps:
+    """Functions by the steps of a record."""
+
+    def __init__(self, data: dict, record: dict):
+        self.start, self.gap, self.count, self.block = (record[key] for key in ("start", "gap", "count", "block"))
+        self.samples = numbers(record["samples"], "<f4").astype(float).reshape(record["forces"], self.count + 1)
+        self.first = numbers(record["first"], "<f8").reshape(-(-self.count // self.block), -1)
+        self.matrix = numbers(record["matrix"], "<f8").reshape(self.first.shape[1], -1)
+        self.degree, self.quadratic = data["degree"], data["quadratic"]
+        self.bounds = numbers(data["bounds"], "<i2").astype(int).reshape(-1, len(self.first))
+        self.rows = numbers(data["rows"], "<f8").reshape(self.degree + 1, len(self.bounds), -1)
+
+    def at(self, row: int, time: float) -> tuple[float, float]:
+        """Value and bound of its error."""
+        gap = min(max(int((time - self.start) / self.gap), 0), self.count - 1)
+        state = self.first[gap // self.block]
+        for before in range(gap - gap % self.block, gap):
+            around = self.samples[:, np.minimum([before, before + 1, before + 2], self.count)]
+            state = self.matrix @ np.concatenate([state, around.T.ravel(), [1.0]])
+        features = np.concatenate([state, self.samples[:, [gap, gap + 1]].T.ravel(), [1.0]])
+        if self.quadratic:
+            features = np.concatenate([features[i] * features[i:] for i in range(len(features))])
+        share = np.clip(2 * (time - self.start) / self.gap - 2 * gap - 1, -1, 1)
+        value = (interpolation(self.degree, np.array([share])) @ (self.rows[:, row] @ features))[0]
+        return float(value), 2.0 ** self.bounds[row, gap // self.block]
+
+
+class StoredPanels:
+    """Functions by panels."""
 
     def __init__(self, data: dict):
+        self.start = data["start"]
         self.degrees = numbers(data["degrees"], "u1").astype(int)
         count = len(self.degrees)
         if "edges" in data:
@@ -54,7 +93,12 @@ def numbers(text: str, kind: str) -> np.ndarray:
 
 def functions_of_page(page: str) -> list[StoredFunctions]:
     """All sets of functions of a page."""
-    return [StoredFunctions(data) for data in json.loads(re.search(r'id="plot-data">(.*?)</script>', page)[1])]
+    return functions_of_data(json.loads(re.search(r'id="plot-data">(.*?)</script>', page)[1]))
+
+
+def functions_of_data(data: dict) -> list[StoredFunctions]:
+    """All sets of functions of plain data."""
+    return [StoredFunctions(parts, data["records"]) for parts in data["sets"]]
 
 
 def places_of_page(page: str) -> list[list[list[tuple[int, int]]]]:

@@ -14,7 +14,7 @@ from mbconstrained.page.plots.svg_plot import PlotFunctions
 from mbconstrained.scene.run.report.page_report import plots_of
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.browser import needs_chromium
-from tests.page.plots.pages import StoredFunctions, certain, functions_of_page, places_of_page, shown
+from tests.page.plots.pages import StoredFunctions, certain, functions_of_data, functions_of_page, places_of_page, shown
 
 EXAMPLES = sorted(Path("examples").glob("*.toml"))
 QUICK = {"four_bar.toml", "pulled_joint.toml", "two_masses_position.toml"}
@@ -24,7 +24,7 @@ TEXTS = "[...document.querySelectorAll('.plot-figure')].map(f => [...f.querySele
 
 
 def stored(functions: TimeFunctions, end: float) -> StoredFunctions:
-    return StoredFunctions(readings_of(functions, 0.0, end).as_data())
+    return StoredFunctions([readings_of(functions, 0.0, end).as_data()])
 
 
 def assert_within_bounds(functions: TimeFunctions, end: float, count: int = 200) -> np.ndarray:
@@ -81,7 +81,7 @@ def test_a_record_has_a_panel_from_sample_to_sample_and_keeps_three_digits():
 
 def test_without_functions_values_are_on_straight_lines():
     times, values = np.array([0.0, 1.0, 3.0]), np.array([[1.0, -2.0, 2.0], [0.0, 0.0, 1e-5]])
-    found = StoredFunctions(linear_readings(times, values).as_data())
+    found = StoredFunctions([linear_readings(times, values).as_data()])
     for row, line in enumerate(values):
         for time in (0.0, 0.25, 1.0, 2.5, 3.0):
             value, error = found.at(row, time)
@@ -101,7 +101,7 @@ def test_readings_of_example_pages_are_those_of_the_solver(path):
     plots = plots_of(read_scene(path).run())
     times = np.sort(np.random.default_rng(19).uniform(plots[0].times[0], plots[0].times[-1], 200))
     functions, found = PlotFunctions(plots), []
-    sets = [StoredFunctions(data) for data in functions.as_data()]
+    sets = functions_of_data(functions.as_data())
     for plot in plots:
         for curve in (*filter(None, [plot.across]), *plot.curves):
             number, row = functions.place(plot, curve)
@@ -116,7 +116,7 @@ def test_readings_of_example_pages_are_those_of_the_solver(path):
                 else:
                     assert abs(value) <= max(1e3 * noise, 1e-6 * np.abs(exact[own_row]).max())
     assert not found or np.mean(np.array(found) < 3) < 0.01
-    assert sum(len(data["codes"]) for data in functions.as_data()) < 40_000
+    assert sum(len(part["codes"]) for parts in functions.as_data()["sets"] for part in parts) < 40_000
 
 
 def waves(times):

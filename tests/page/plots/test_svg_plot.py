@@ -71,7 +71,7 @@ def test_plots_of_the_same_functions_share_their_data():
     one, other = (Plot("p", "m", TIMES, (Curve("c", functions.at(TIMES)[i], function=(functions, i)),)) for i in (2, 0))
     shared = PlotFunctions((one, other))
     assert [shared.place(one, one.curves[0]), shared.place(other, other.curves[0])] == [(0, 0), (0, 1)]
-    assert [len(readings.codes) for readings in shared.sets] == [2]
+    assert [len(part.codes) for parts in shared.sets for part in parts] == [2]
 
 
 def test_logarithmic_axes():

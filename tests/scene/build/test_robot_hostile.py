@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from mbconstrained.ground.errors import MbconstrainedError, SceneError
+from mbconstrained.ground.errors import SceneError
 from mbconstrained.robot.description.urdf import LARGEST_URDF, MOST_LINKS
 from mbconstrained.scene.build.robot_file import read_robot
 from mbconstrained.scene.file.reading import LARGEST_SCENE
@@ -68,14 +68,11 @@ def test_meshes_lie_in_the_folder_or_in_named_packages(tmp_path, name):
     folder = press(tmp_path, text, with_mesh(name))
     (folder / "link.stl").symlink_to(tmp_path / "outside.stl")
     (folder / "secret.txt").write_text("secret")
-    robot, data = read_robot(folder)
-    with pytest.raises(SceneError, match="mesh"):
-        data.check_meshes()
-    with pytest.raises(MbconstrainedError, match="mesh"):
-        robot.visuals()
-    with pytest.raises(SceneError, match="mesh") as caught:
-        scene_of(tmp_path, SCENE)
-    assert "secret\n" not in str(caught.value)
+    robot, _ = read_robot(folder)
+    assert not [visual for visual in robot.visuals() if visual.kind == "mesh"]
+    (notice,) = robot.mesh_notices()
+    assert "1 mesh not drawn" in notice.text and "secret\n" not in notice.text
+    assert notice in scene_of(tmp_path, SCENE).run().notices
     assert scene_of(tmp_path, SCENE + "\n[output]\npage = false\n").run().is_trusted  # meshes are read only where they are drawn
 
 
@@ -90,21 +87,32 @@ TETRAHEDRON = "solid t\n" + "".join(
 )
 
 
-@pytest.mark.parametrize("name", ["meshes/t.stl", "package://shapes/t.stl"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "meshes/t.stl",
+        "package://shapes/t.stl",
+        "package:///shapes/t.stl",
+        "package://robots/press/meshes/t.stl",
+        "file://PLACE/robots/press/meshes/t.stl",
+        "PLACE/packages/shapes/t.stl",
+    ],
+)
 def test_meshes_inside_are_read(tmp_path, name):
     for place in ("robots/press/meshes", "packages/shapes"):
         (tmp_path / place).mkdir(parents=True)
         (tmp_path / place / "t.stl").write_text(TETRAHEDRON + "endsolid t\n")
     text = TOML.replace("[[spring]]", 'package_dirs = ["../../packages"]\n[[spring]]')
-    robot, data = read_robot(press(tmp_path, text, with_mesh(name)))
-    data.check_meshes()
+    robot, _ = read_robot(press(tmp_path, text, with_mesh(name.replace("PLACE", str(tmp_path)))))
+    assert not robot.mesh_notices()
     assert [len(visual.faces) for visual in robot.visuals() if visual.kind == "mesh"] == [4]
 
 
-def test_package_directories_of_a_file_are_relative(tmp_path):
-    for name in ("/usr/share", "nowhere"):
-        with pytest.raises(SceneError, match="package_dirs: found .*; expected a folder, relative to the robot's"):
-            read_robot(press(tmp_path, TOML.replace("[[spring]]", f'package_dirs = ["{name}"]\n[[spring]]')))
+def test_package_directories_of_a_file_are_folders(tmp_path):
+    with pytest.raises(SceneError, match="package_dirs: found .*; expected a folder: its path, or one relative to the robot's"):
+        read_robot(press(tmp_path, TOML.replace("[[spring]]", 'package_dirs = ["nowhere"]\n[[spring]]')))
+    _, data = read_robot(press(tmp_path, TOML.replace("[[spring]]", f'package_dirs = ["{tmp_path}"]\n[[spring]]')))
+    assert data.package_dirs == (tmp_path.resolve(),)
 
 
 BOMB = (

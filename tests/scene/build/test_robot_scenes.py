@@ -203,7 +203,8 @@ def test_message(tmp_path, old, new, message):
 
 
 def test_a_robot_without_an_equilibrium_is_told(tmp_path):
-    press(tmp_path, TOML.replace(', slide = "3 N/mm"', ""))
+    alone = TOML[: TOML.index("[[spring]]")] + TOML[TOML.index("[posture]") :]  # nothing supports the slide
+    press(tmp_path, alone.replace(', slide = "3 N/mm"', "").replace(", slide = 0", ""))
     text = SCENE.replace("[initial]", 'forces = { slide = "5 kN" }\n[initial]')
     with pytest.raises(SceneError, match=r"scene\.toml: model: equilibrium: "):
         scene_of(tmp_path, text)
