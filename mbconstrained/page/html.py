@@ -1,4 +1,4 @@
-"""A page as one static HTML file: that of a run or that of its mode shapes.
+"""A page as one static HTML file: that of a run, of mode shapes or of a frequency response.
 
 The page fetches nothing, and only the scripts written here can run: its content security policy forbids everything else and
 names the scripts by their hashes. The same content always gives the same bytes.
@@ -23,6 +23,7 @@ from .animation.figure import figure_data, invisible_errors
 from .animation.keyframes import KeyFrames, key_frames
 from .animation.overlay import force_scale
 from .content import PageContent
+from .frequency_page import FrequencyContent, frequency_sections
 from .mode_page import ModesContent, mode_sections
 from .plots.svg_plot import PlotFunctions, plot_figures
 from .sections import figure_section, formula_section, notice_section, stage_section, table_section
@@ -30,6 +31,8 @@ from .typeset import typeset
 
 #: Where the 3-D viewer is: in the page, in a file that many pages share, or in the page and compressed with all scripts.
 Delivery = Literal["inside", "separate", "compressed"]
+
+Content = PageContent | ModesContent | FrequencyContent
 
 #: The viewer in a file of its own, next to the pages that share it.
 VIEWER_FILE = "mbconstrained-viewer.js"
@@ -39,7 +42,7 @@ _ANIMATION = ("motion.js", "shapes.js", "solids.js", "links.js", "names.js", "st
 _PLOTS = ("readings.js", "axes.js", "plots.js")
 
 
-def write_page(path, content: PageContent | ModesContent, viewer: Delivery = "inside", files: Replacements | None = None) -> Path:
+def write_page(path, content: Content, viewer: Delivery = "inside", files: Replacements | None = None) -> Path:
     """Write a page; a file that was there before stays as it was unless the new one is complete.
 
     Args:
@@ -68,7 +71,7 @@ def write_page(path, content: PageContent | ModesContent, viewer: Delivery = "in
     return path
 
 
-def page_html(content: PageContent | ModesContent, viewer: Delivery = "inside") -> str:
+def page_html(content: Content, viewer: Delivery = "inside") -> str:
     """The whole page as text.
 
     An animation brings the viewer, its controls and one script, plots bring a script; without both there is no script in
@@ -95,11 +98,14 @@ def page_html(content: PageContent | ModesContent, viewer: Delivery = "inside") 
         sections, data = mode_sections(content)
     else:
         functions = PlotFunctions(content.plots)
-        sections, data = _run_sections(content, functions)
+        if isinstance(content, FrequencyContent):
+            sections, data = frequency_sections(content, functions)
+        else:
+            sections, data = _run_sections(content, functions)
         if functions.sets:
             blocks["plot-data"], names = functions.as_data(), list(_PLOTS)
     if data:
-        kind = "modes.js" if isinstance(content, ModesContent) else "run.js"
+        kind = {ModesContent: "modes.js", FrequencyContent: "frequency.js"}.get(type(content), "run.js")
         names += [*_ANIMATION, *["overlay.js"] * ("overlay" in data["figure"]), kind]
         blocks["motion-data"] = data
     if names:

@@ -33,7 +33,8 @@ SMALLEST_SHARE = 1e-9
 #: Digits after the decimal point of the phase on the clock.
 _DECIMALS = 2
 
-_SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
+#: Of the speed menu of pages that show cycles.
+SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
 
 Share = tuple[str, float | None, float | None]
 
@@ -139,7 +140,7 @@ def mode_sections(content: ModesContent) -> tuple[list[str], dict]:
     moves = [len(frames.times) > 1 for frames in cycles]
     first = moves.index(True) if any(moves) else 0
     notes = [_scale_note(content.drawing, *each) for each in zip(modes, moves)]
-    picture = stage_section(0.0, float(any(moves)), notes[first], ("part of the cycle", "cycle"), _SPEEDS, 1.0, loop=False)
+    picture = stage_section(0.0, float(any(moves)), notes[first], ("part of the cycle", "cycle"), SPEEDS, 1.0, loop=False)
     if any(mode.shares or mode.shape or mode.note for mode in modes):
         # without scripts the details of all modes are visible
         visible = "<noscript><style>.details section[hidden] { display: block; }</style></noscript>"

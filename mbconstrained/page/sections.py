@@ -108,7 +108,15 @@ def _kind(column: tuple[str, ...]) -> str:
 
 
 def stage_section(
-    start: float, end: float, text: str, time: tuple[str, str], speeds: Sequence[float], usual: float, *, loop: bool = True
+    start: float,
+    end: float,
+    text: str,
+    time: tuple[str, str],
+    speeds: Sequence[float],
+    usual: float,
+    *,
+    loop: bool = True,
+    further: str = "",
 ) -> str:
     """The animation: the stage, the controls below it, and the keyboard shortcuts as a closed dialog.
 
@@ -118,6 +126,7 @@ def stage_section(
         time: name and unit of the time.
         speeds, usual: of the speed menu, and the one that is selected.
         loop: whether there is a button for looping.
+        further: controls of the page below these, an element.
 
     Returns:
         The element <section>.
@@ -142,7 +151,7 @@ title="drag to rotate, drag with the right button to pan, turn the wheel with th
 <label>speed <select id="speed">{options}</select></label>{loop_button}
 <button type="button" id="reset">Reset view</button>
 <button type="button" id="keys" aria-label="Keyboard" title="Keyboard">?</button>
-</div>
+</div>{further}
 <p class="visually-hidden" id="announcement" role="status"></p>
 <dialog id="help" aria-label="Keyboard">
 <h2>Keyboard</h2>

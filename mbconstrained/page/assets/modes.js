@@ -57,13 +57,7 @@ function showNote() {
 
 function pace() {
   const { period, frames } = data.modes[page.mode];
-  if (frames.times.count === 1) return "";
-  const shown = data.cycle / Number(control("speed").value);
-  const rounded = (number) => Number(number.toPrecision(3));
-  if (period === null) return `no oscillation: its shape is shown as an oscillation, once in ${rounded(shown)} s`;
-  const factor = shown / period;
-  const how = factor > 1 ? `slowed down ${rounded(factor)} ×` : `sped up ${rounded(1 / factor)} ×`;
-  return `a cycle of ${rounded(period)} s shown in ${rounded(shown)} s` + (Math.abs(factor - 1) < 5e-4 ? "" : `: ${how}`);
+  return frames.times.count === 1 ? "" : paceText(period);
 }
 
 // The selected mode moves, unless the system is set to reduced motion.

@@ -90,6 +90,16 @@ function frame(now) {
   }
 }
 
+// How much slower or faster than true a cycle is shown, of pages that show cycles.
+function paceText(period) {
+  const shown = data.cycle / Number(control("speed").value);
+  const rounded = (number) => Number(number.toPrecision(3));
+  if (period === null) return `no oscillation: its shape is shown as an oscillation, once in ${rounded(shown)} s`;
+  const factor = shown / period;
+  const how = factor > 1 ? `slowed down ${rounded(factor)} ×` : `sped up ${rounded(1 / factor)} ×`;
+  return `a cycle of ${rounded(period)} s shown in ${rounded(shown)} s` + (Math.abs(factor - 1) < 5e-4 ? "" : `: ${how}`);
+}
+
 function listen() {
   control("play").addEventListener("click", toggle);
   control("time").addEventListener("input", (event) => seek(event.target.value));

@@ -1,11 +1,12 @@
 // Plots: cursors at the current time, values of the curves next to their names at the time of the pointer or else of the
 // cursor, names that show and hide their curves, and parts of the axes. On a page with an animation plots.seek(time) is called by
-// a press in a plot, and by a drag where the whole is shown.
+// a press in a plot, and by a drag where the whole is shown; plots.pointed(time) while the pointer is over one, and with null after.
+// Their cursor is of plots.variable, which is the frequency on the page of a response.
 const cells = 10000; // of the square in which curves are written, as wide and as high as the axes
 const near = 14; // px from a curve to the pointer that highlights it
 const pressed = 4; // px that the pointer moves at most in a press
 const scrolling = 400; // ms after the wheel has scrolled the page in which it goes on scrolling
-const plots = { all: [], sets: [], seek: null, time: null, hover: null, over: null, scrolled: -Infinity };
+const plots = { all: [], sets: [], seek: null, pointed: null, variable: "time", time: null, hover: null, over: null, scrolled: -Infinity };
 const svgNamespace = "http://www.w3.org/2000/svg";
 
 class PlottedCurve {
@@ -103,8 +104,8 @@ class PlottedFigure {
     this.height = svg.clientHeight || 214;
     this.start = Number(svg.dataset.start);
     this.end = Number(svg.dataset.end);
-    this.over = svg.dataset.over === "phase" ? "time" : svg.dataset.over;
     this.phase = svg.dataset.over === "phase";
+    this.over = this.phase ? svg.dataset.variable || "time" : svg.dataset.over;
     this.across = new Axis(svg.dataset.across, svg.dataset.acrossUnit);
     this.up = new Axis(svg.dataset.up, svg.dataset.upUnit);
     this.ticks = svg.querySelector(".ticks");
@@ -124,6 +125,11 @@ class PlottedFigure {
 
   get zoomed() {
     return this.across.zoomed || this.up.zoomed;
+  }
+
+  // Whether a press moves the cursor of the page.
+  get seeks() {
+    return plots.seek !== null && this.over === plots.variable;
   }
 
   add(tag, attributes, parent = this.svg) {
@@ -202,7 +208,7 @@ class PlottedFigure {
 
   // Values are those at the pointer, or else at the current time.
   show() {
-    const now = this.over === "time" ? this.within(plots.time) : null;
+    const now = this.over === plots.variable ? this.within(plots.time) : null;
     const pointed = plots.over === this.over ? this.within(plots.hover) : null;
     this.curves.forEach((curve) => curve.show(pointed === null ? now : pointed));
     if (this.phase) return;
@@ -240,7 +246,9 @@ class PlottedFigure {
   // The time at which a phase curve is nearest to the pointer; where it crosses itself, the one nearest to now.
   nearest(x, y) {
     const [curve, box] = [this.curves[0], this.svg.getBoundingClientRect()];
-    const times = Array.from({ length: 2001 }, (_, i) => this.start + ((this.end - this.start) * i) / 2000);
+    const { degrees, edges } = curve.functions;
+    const even = Array.from({ length: 2001 }, (_, i) => this.start + ((this.end - this.start) * i) / 2000);
+    const times = degrees[0] === 0 ? Array.from(edges) : even; // of straight lines their points
     const distances = times.map((time) => {
       const [px, py] = curve.point(time);
       return Math.hypot((px - x) * box.width, (py - y) * box.height);
@@ -267,7 +275,7 @@ class PlottedFigure {
     this.svg.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY, startX: event.clientX, startY: event.clientY, moved: false });
     if (this.pointers.size > 1) return;
-    if (plots.seek && !this.zoomed) plots.seek(this.timeAt(event));
+    if (this.seeks && !this.zoomed) plots.seek(this.timeAt(event));
     hover(this.timeAt(event), this.over);
   }
 
@@ -286,7 +294,7 @@ class PlottedFigure {
       if (held.moved) this.pan((held.x - event.clientX) / box.width, (event.clientY - held.y) / box.height);
       hover(this.timeAt(event), this.over);
     } else {
-      if (plots.seek) plots.seek(this.timeAt(event));
+      if (this.seeks) plots.seek(this.timeAt(event));
       hover(this.timeAt(event), this.over);
     }
     Object.assign(held, { x: event.clientX, y: event.clientY });
@@ -306,7 +314,7 @@ class PlottedFigure {
   release(event) {
     const held = this.pointers.get(event.pointerId);
     this.pointers.delete(event.pointerId);
-    if (held && !held.moved && this.zoomed && plots.seek) plots.seek(this.timeAt(event));
+    if (held && !held.moved && this.zoomed && this.seeks) plots.seek(this.timeAt(event));
   }
 
   // The wheel zooms at the pointer: over the labels along their axis only. A page that is being scrolled goes on scrolling, and so it
@@ -426,6 +434,7 @@ function clipped(height) {
 function hover(time, over = null) {
   plots.hover = time;
   plots.over = over;
+  if (plots.pointed && (time === null || over === plots.variable)) plots.pointed(time);
   plots.all.forEach((plot) => plot.show());
 }
 

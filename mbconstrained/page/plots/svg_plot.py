@@ -179,9 +179,10 @@ def _svg(plot: Plot) -> str:
         )
         elements.append(f'<svg class="curves" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">\n{paths}\n</svg>')
     over = "phase" if phase else html.escape(plot.variable)
+    variable = f' data-variable="{html.escape(plot.variable)}"' if phase and plot.variable != "time" else ""
     return (
         f'<svg class="plot" role="img" tabindex="0" aria-label="{html.escape(_description(plot, plot.curves))}"'
-        f' data-start="{float(times[0])!r}" data-end="{float(times[-1])!r}" data-over="{over}"'
+        f' data-start="{float(times[0])!r}" data-end="{float(times[-1])!r}" data-over="{over}"{variable}'
         f" {_scale('across', across, plot.across_unit)} {_scale('up', up, plot.unit)}>\n" + "\n".join(elements) + "\n</svg>"
     )
 

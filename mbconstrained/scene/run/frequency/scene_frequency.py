@@ -68,6 +68,11 @@ class SceneFrequency:
         return AXIS_FACTORS[self.table.axis]
 
     @property
+    def is_inverse(self) -> bool:
+        """Whether forces by motions are given, such as dynamic stiffness."""
+        return self.table.quantity in INVERSES
+
+    @property
     def system(self) -> MechanicalSystem | None:
         """None where the scene gives coefficients, states or a transfer function."""
         control = self.scene.equations.control
@@ -110,6 +115,14 @@ class SceneFrequency:
         of_input, of_output = control.inputs.names, control.outputs.names
         return replace(response, harmonic=replace(response.harmonic, input_names=of_input, output_names=of_output))
 
+    def coordinate_response(self) -> FrequencyResponse:
+        """The displacements of all coordinates of a mechanical system by the inputs, without frequencies yet."""
+        table, own = self.table, self.response
+        quantity = table.quantity if table.quantity == "transmissibility" else "receptance"
+        damping = {"modal_damping": table.modal_damping, "loss_factor": table.loss_factor}
+        inputs = own.outputs if self.is_inverse else own.inputs
+        return self.system.frequency_response([], list(inputs), list(self.system.names), quantity, **damping)
+
     def _inputs(self) -> list[str]:
         """Those of the table, or the prescribed motions, or the loaded coordinates, or all."""
         table, scene = self.table, self.scene.table
@@ -122,7 +135,7 @@ class SceneFrequency:
                     "quantity: transmissibility is by a prescribed motion, and there is none: add a [[motion]] of the support"
                 )
             return motions or [row.name for row in self.system.rows]
-        if motions and table.quantity not in INVERSES:
+        if motions and not self.is_inverse:
             return motions
         known = channels(self.system, "inputs")
         loaded = [load.coordinate for load in scene.force if load.coordinate in known]
@@ -144,7 +157,7 @@ class SceneFrequency:
             if not self.system.rows:
                 raise InputError("quantity: reaction is the force of a constraint row, and there are none")
             return [row.name for row in self.system.rows]
-        if self.table.quantity in INVERSES:
+        if self.is_inverse:
             return self._inputs()
         if self.system.named_directions("outputs"):  # of a robot
             return list(self.system.named_directions("outputs"))
@@ -223,7 +236,7 @@ class SceneFrequency:
                 return self.write(folder, images=images, files=files)
         from ....page.html import write_page
         from ....page.plots.images import plot_image, plot_images
-        from .frequency_page import frequency_content
+        from .response_page import frequency_content
 
         output, stem, before = self.scene.table.output, folder / f"{self.scene.name}.frequency", len(files.paths)
         folder.mkdir(parents=True, exist_ok=True)

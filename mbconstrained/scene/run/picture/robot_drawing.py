@@ -128,6 +128,11 @@ class RobotPicture:
         return self._of(self.at_rest)
 
     @property
+    def points_of_links(self) -> dict[str, np.ndarray]:
+        """The origin of each link and the corners of its solids, relative to the origin and turned as at rest, shape (3, k) each."""
+        return {name: points[:, :, 0] - points[:, :1, 0] for name, points in link_points(self.solids, self.at_rest).items()}
+
+    @property
     def size(self) -> float:
         """Diagonal of a box around all links (m)."""
         return robot_size({"all": self._points})

@@ -4,25 +4,33 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ....page.content import PageContent
+from ....page.frequency_page import FrequencyContent
 from ....page.plots.frequency_plots import ResponseLook, frequency_plots
-from .frequency_summary import antiresonance_table, facts, peak_table
+from .deflection_shapes import deflections_of
+from .frequency_summary import MOST_ROWS_OF_PAGE, antiresonance_table, facts, peak_table
 
 if TYPE_CHECKING:
     from .scene_frequency import SceneFrequency
 
 
-def frequency_content(frequency: SceneFrequency) -> PageContent:
+def frequency_content(frequency: SceneFrequency) -> FrequencyContent:
     """Plots, tables of peaks and antiresonances, notices, facts."""
     scene, table, response = frequency.scene, frequency.table, frequency.response
     names = scene.equations.coordinates.names
     colors = tuple(names.index(name) if name in names else i for i, name in enumerate(response.outputs))
     look = ResponseLook(tuple(table.plots), table.amplitude, table.phase == "unwrapped", table.axis, frequency.axis_factor, colors)
-    return PageContent(
+    inverse, zeros = frequency.is_inverse, antiresonance_table(frequency)
+    peaks = frequency.peaks[:MOST_ROWS_OF_PAGE]
+    return FrequencyContent(
         title=scene.title,
         source=scene.table.source,
         plots=frequency_plots(response, look, frequency.shown.units, frequency.shown.factors),
-        tables=tuple(each for each in (peak_table(frequency), antiresonance_table(frequency)) if each is not None),
+        deflections=deflections_of(frequency),
+        peaks=peak_table(frequency),
+        peak_frequencies=tuple(frequency.axis_factor * peak.frequency_hz for peak in peaks),
+        peak_inputs=tuple(0 if inverse else response.inputs.index(peak.input) for peak in peaks),
+        axis=table.axis,
+        tables=() if zeros is None else (zeros,),
         notices=frequency.notices,
         facts=facts(frequency),
     )
