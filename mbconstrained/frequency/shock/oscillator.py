@@ -21,9 +21,14 @@ EQUAL = 8.0
 #: Sub-intervals for each radian between samples, where an extremum is searched.
 EACH_RADIAN = 4.0
 
-#: Steps of the bisection that refines an extremum: its value is then right to 2^-60 of the change between samples.
-STEPS = 30
+#: Most steps that refine the time of an extremum.
+STEPS = 60
 
+#: So many intervals are searched at once, those with the highest bounds first.
+TOGETHER = 64
+
+#: Up to this damping ratio the conjugate roots are so far from each other that u alone has y.
+LIGHT = 0.9
 
 #: Steps shorter than this, in units of the fastest rate, take Taylor's series of so many terms: 1 / 20! is below rounding error.
 SHORT, DEGREE = 1.0, 20
@@ -35,6 +40,23 @@ def _taylor(derivatives: list, tau) -> np.ndarray:
     for k in range(len(derivatives) - 1, -1, -1):
         total = derivatives[k] + total * tau / (k + 1)
     return total
+
+
+def _slopes(h: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Of a record; 0 where it jumps."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(h > 0, np.diff(values) / h, 0.0)
+
+
+def _filtered(factor: complex, constant: complex, rising: complex, values: np.ndarray, more=None) -> np.ndarray:
+    """z_(k+1) = factor z_k + constant a_k + rising (a_(k+1) - a_k) + more_k, z_0 = 0."""
+    from scipy.signal import lfilter  # scipy.signal takes a second to import
+
+    if more is None:
+        return lfilter([rising, constant - rising], [1.0, -factor], values, zi=[-rising * values[0]])[0]
+    z = np.zeros(len(values), dtype=complex)
+    z[1:] = lfilter([1.0], [1.0, -factor], constant * values[:-1] + rising * np.diff(values) + more)
+    return z
 
 
 def _phi(order: int, x: np.ndarray) -> np.ndarray:
@@ -85,20 +107,21 @@ class Oscillator:
         Returns:
             Two arrays (N,).
         """
-        from scipy.signal import lfilter  # scipy.signal takes a second to import
-
         h, l2 = np.diff(times), self.roots[1]
         y, u = np.zeros(len(times), dtype=complex), np.zeros(len(times), dtype=complex)
         equal = len(h) > 0 and np.ptp(h) <= EQUAL * EPS * np.abs(times).max()
-        with np.errstate(divide="ignore", invalid="ignore"):
-            slopes = np.where(h > 0, np.diff(values) / h, 0.0)
         if equal and h[0] > 0:
-            E = self.steps(np.array([(times[-1] - times[0]) / len(h)]))[0]
-            u[1:] = lfilter([1.0], [1.0, -E[1, 1]], E[1, 2] * values[:-1] + E[1, 3] * slopes)
-            y[1:] = lfilter([1.0], [1.0, -E[0, 0]], E[0, 1] * u[:-1] + E[0, 2] * values[:-1] + E[0, 3] * slopes)
+            step = (times[-1] - times[0]) / len(h)
+            E = self.steps(np.array([step]))[0]
+            u = _filtered(E[1, 1], E[1, 2], E[1, 3] / step, values)
+            if self.zeta <= LIGHT:  # u = (d/dt - l2) y with l2 the conjugate of l1
+                y = u.imag / self.roots[0].imag
+                return y, u.real - self.zeta * self.w * y
+            y = _filtered(E[0, 0], E[0, 2], E[0, 3] / step, values, E[0, 1] * u[:-1])
         else:
             own, where = np.unique(h, return_inverse=True)
             E = self.steps(own)[where]
+            slopes = _slopes(h, values)
             from_u = E[:, 1, 2] * values[:-1] + E[:, 1, 3] * slopes
             from_y = E[:, 0, 2] * values[:-1] + E[:, 0, 3] * slopes
             decay, keep, mix = E[:, 1, 1].tolist(), E[:, 0, 0].tolist(), E[:, 0, 1].tolist()
@@ -182,37 +205,35 @@ class Oscillator:
         c0, c1 = output
         r = c0 * y + c1 * v
         high, low = max(float(r.max()), 0.0), min(float(r.min()), 0.0)
-        h = np.diff(times)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            slopes = np.where(h > 0, np.diff(values) / h, 0.0)
-        # The free motion in each interval is bounded by its energy.
-        s = slopes / self.w**2
-        p = values[:-1] / self.w**2 - 2 * self.zeta * s / self.w
-        size = (abs(c0) + abs(c1) * self.w) * np.hypot(y[:-1] - p, (v[:-1] - s) / self.w) * (1 + 2 * self.zeta) ** 2
-        line = c0 * p + c1 * s, c0 * (p + s * h) + c1 * s
-        bend = size * (self.w * h) ** 2 / 8
-        above = np.minimum(np.maximum(*line) + size, np.maximum(r[:-1], r[1:]) + bend)
-        below = np.maximum(np.minimum(*line) - size, np.minimum(r[:-1], r[1:]) - bend)
-        for sign, limit in ((1.0, above), (-1.0, -below)):
+        h, slopes = np.diff(times), _slopes(np.diff(times), values)
+        # The free motion in an interval is bounded by its energy, and bends the curve by an eighth of its second derivative times h^2.
+        whole = (abs(c0) + abs(c1) * self.w) * (1 + 2 * self.zeta) ** 2
+        speed, load = np.abs(slopes).max(initial=0.0) / self.w**2, np.abs(values).max() / self.w**2
+        most = whole * (np.abs(y).max() + load + np.abs(v).max() / self.w + (1 + 2 * self.zeta) * speed / self.w)
+        bend = most * min(1.0, (self.w * h.max(initial=0.0)) ** 2 / 8)
+        for sign in (1.0, -1.0):
             best = high if sign > 0 else -low
-            order = np.flatnonzero(limit > best)
-            order = order[np.argsort(-limit[order], kind="stable")]
-            for start in range(0, len(order), 64):
-                chosen = order[start : start + 64]
-                chosen = chosen[limit[chosen] > best]
-                if not len(chosen):
-                    break
-                is_short = h[chosen] * self.w * (1 + 2 * self.zeta) < SHORT
-                for own in (chosen[is_short], chosen[~is_short]):
-                    if len(own):
-                        data = y[:-1][own], v[:-1][own], values[:-1][own], slopes[own]
-                        best = max(best, self._highest(*data, h[own], (sign * c0, sign * c1)))
+            chosen = np.flatnonzero(np.maximum(sign * r[:-1], sign * r[1:]) + bend > best)
+            y0, v0, a0, s0, own = y[chosen], v[chosen], values[chosen], slopes[chosen], h[chosen]
+            s = s0 / self.w**2
+            p = a0 / self.w**2 - 2 * self.zeta * s / self.w
+            size = whole * np.hypot(y0 - p, (v0 - s) / self.w)
+            line = sign * (c0 * p + c1 * s) + np.maximum(sign * c0 * s * own, 0.0) + size
+            limit = np.minimum(line, np.maximum(sign * r[chosen], sign * r[chosen + 1]) + size * (self.w * own) ** 2 / 8)
+            left = np.arange(len(limit))
+            while len(left := left[limit[left] > best]):
+                now = left[np.argpartition(-limit[left], TOGETHER)[:TOGETHER]] if len(left) > TOGETHER else left
+                is_short = own[now] * self.w * (1 + 2 * self.zeta) < SHORT
+                for at in (now[is_short], now[~is_short]):
+                    if len(at):
+                        best = self._highest(y0[at], v0[at], a0[at], s0[at], own[at], (sign * c0, sign * c1), best)
+                limit[now] = -np.inf
             high, low = (best, low) if sign > 0 else (high, -best)
         after = self._residual(y[-1], v[-1], output)
         return high, low, *after
 
-    def _highest(self, y, v, a, slope, h, output) -> float:
-        """The largest value of c_0 y + c_1 y' inside these intervals."""
+    def _highest(self, y, v, a, slope, h, output, best: float = -np.inf) -> float:
+        """The largest value of c_0 y + c_1 y' inside these intervals, or one that is known where that is larger."""
         count = int(np.ceil(EACH_RADIAN * self.w * h.max())) + 2
         grid = np.linspace(0.0, 1.0, count) * h[:, None]
         column = [one[:, None] for one in (y, v, a, slope)]
@@ -227,16 +248,26 @@ class Oscillator:
             return output[0] * own_v + output[1] * bend
 
         values, rates = value(column, grid), rate(column, grid)
-        best = float(values.max())
-        row, place = np.nonzero((rates[:, :-1] > 0) & (rates[:, 1:] < 0))
+        best = max(best, float(values.max()))
+        reach = np.maximum(values[:, :-1], values[:, 1:]) + np.maximum(rates[:, :-1], -rates[:, 1:]) * np.diff(grid, axis=1)
+        row, place = np.nonzero((rates[:, :-1] > 0) & (rates[:, 1:] < 0) & (reach > best))
         if not len(row):
             return best
         low, high, data = grid[row, place], grid[row, place + 1], [one[row] for one in (y, v, a, slope)]
-        for _ in range(STEPS):
-            middle = (low + high) / 2
-            rising = rate(data, middle) > 0
-            low, high = np.where(rising, middle, low), np.where(rising, high, middle)
-        return max(best, float(value(data, (low + high) / 2).max()))
+        above, below = rates[row, place], rates[row, place + 1]
+        last = np.zeros(len(row))
+        for _ in range(STEPS):  # the rule of Illinois: an end that stays twice counts half
+            middle = low + (high - low) * (above / (above - below))
+            now = rate(data, middle)
+            side = np.sign(now)
+            above, below = (
+                np.where(side > 0, now, np.where(last < 0, above / 2, above)),
+                np.where(side > 0, np.where(last > 0, below / 2, below), now),
+            )
+            low, high, last = np.where(side > 0, middle, low), np.where(side > 0, high, middle), side
+            if not (above > below).all() or (np.abs(now) * (high - low)).max() <= EPS * abs(best):  # as much is left to gain
+                break
+        return max(best, float(value(data, middle).max()))
 
     def _residual(self, y: float, v: float, output) -> tuple[float, float]:
         """max and min of the free motion after the record: they are among the extrema of the first cycle."""

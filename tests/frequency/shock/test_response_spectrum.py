@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import mbconstrained as mb
 from mbconstrained.frequency.shock.oscillator import Oscillator
 
-QUANTITIES = ("absolute acceleration", "relative displacement", "pseudo-velocity", "relative velocity")
+QUANTITIES = ("absolute acceleration", "relative displacement", "relative velocity")
 PARTS = ("primary_positive", "primary_negative", "residual_positive", "residual_negative")
 
 
@@ -76,12 +76,14 @@ def test_largest_peak_of_a_half_sine():
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
-@pytest.mark.parametrize("damping_ratio", [0.0, 1e-8, 0.05, 0.999, 1.0, 1.001, 50.0])
+@pytest.mark.parametrize(
+    "damping_ratio", [0.0, 0.05, 1.0, 50.0, *(pytest.param(z, marks=pytest.mark.long) for z in (1e-8, 0.999, 1.001))]
+)
 def test_records_by_recursion_and_by_closed_form(quantity, damping_ratio):
     """The digital filters with interior extrema, and the package's solution of the same polygon, are two algorithms."""
     times, values = np.array([0.0, 0.1, 0.25, 0.3, 0.7]), np.array([[0.0, 1.0, -0.5, 2.0, 0.0]])
     record = mb.sampled(times, values)
-    f = [0.01, 0.3, 3.0, 100.0]
+    f = [0.01, 0.3, 100.0]
     one = mb.shock_response_spectrum(record, f, damping_ratio, quantity)
     other = mb.shock_response_spectrum(record + mb.sampled(times, 0 * values), f, damping_ratio, quantity)
     for part in PARTS:
