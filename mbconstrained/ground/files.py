@@ -23,6 +23,9 @@ def readable_as(path: Path, failure: str) -> Iterator[None]:
         path: of the file.
         failure: what the file is then, such as "not a WAV file of samples".
 
+    Returns:
+        A context for the calls that read it.
+
     Raises:
         InputError: any error but those of the system, with the first line of its text.
     """

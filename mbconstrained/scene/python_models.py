@@ -7,6 +7,7 @@ import tempfile
 import webbrowser
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -49,7 +50,7 @@ class SolvedEquations(Equations):
 
     response: Response | None = None
 
-    @property
+    @cached_property
     def right_hand_side(self) -> ImpulsiveSmooth:
         """Of the problem that was solved."""
         return self.response.problem.force if self.response is not None else super().right_hand_side
