@@ -84,6 +84,7 @@ class Robot(Displayed):
         self.name = str(name or self.description.get("name") or "robot")
         if base not in (bases := ("fixed", "free", "moving")):
             raise InputError(f'base: found {base!r}{nearest(str(base), bases)}; expected "fixed", "free" or "moving"')
+        self.base = base
         if isinstance(package_dirs, str) or not all(isinstance(folder, (str, Path)) for folder in package_dirs):
             raise InputError(f"package_dirs: found {package_dirs!r}; expected a list of folders")
         self.package_dirs = tuple(Path(folder) for folder in package_dirs)
