@@ -174,7 +174,15 @@ class Loop(Connection):
         return np.append(phi[:3] / distance, np.zeros(3))[None]
 
     def curvature(self, phi: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
-        """The second derivative of multipliers @ gaps by phi, shape (6, 6)."""
+        """The second derivative of multipliers @ gaps by phi.
+
+        Args:
+            phi: shape (6,).
+            multipliers: shape (k,).
+
+        Returns:
+            Shape (6, 6).
+        """
         result = np.zeros((6, 6))
         if self.kind == "rod":
             along = self.gradient(phi)[0, :3]

@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Motor:
-    """A motor that drives a joint through a rigid gear: it adds to the joint's mass, stiffness and damping
+    """A motor that drives a joint through a rigid gear.
+
+    It adds to the joint's mass, stiffness and damping
 
         armature + gear_ratio^2 rotor_inertia,        position_gain,        velocity_gain
 

@@ -21,7 +21,7 @@ from .kinematics import Tree, built_model
 from .linearized import LinearizedRobot
 from .mechanism import LinkFrames, checked_connections
 from .posture import Posture, find_posture
-from .tangent import BASE, Coupling, Tangent, coupled, locked_values, mimic_rows
+from .tangent import BASE, JointGear, Tangent, geared, locked_values, mimic_rows
 
 if TYPE_CHECKING:
     from ..ground.notices import Notice
@@ -49,7 +49,7 @@ class Robot(Displayed):
         locked: joints that do not move, with their values (rad, m).
         flexible_joints: a ``FlexibleJoint`` by joint.
         motors: a ``Motor`` by joint, with a rigid gear.
-        couplings: gears and racks between joints, ``Coupling``.
+        gears: gears and racks between joints, ``JointGear``.
         payloads: bodies fixed to links, ``Payload``.
         masses: other masses of links than those of the URDF (kg), by link; the inertia changes in the same ratio.
         inertias: other inertias of links, by link, as of ``Payload`` (kg m^2).
@@ -83,7 +83,7 @@ class Robot(Displayed):
         locked: Mapping[str, float] | None = None,
         flexible_joints: Mapping[str, FlexibleJoint] | None = None,
         motors: Mapping[str, Motor] | None = None,
-        couplings: Sequence[Coupling] = (),
+        gears: Sequence[JointGear] = (),
         payloads: Sequence[Payload] = (),
         masses: Mapping[str, float] | None = None,
         inertias: Mapping[str, Sequence[float]] | None = None,
@@ -103,7 +103,7 @@ class Robot(Displayed):
         single = {
             j.get("name", ""): j.get("type") in ("revolute", "continuous", "prismatic") for j in self.description.findall("joint")
         }
-        mimics = coupled(couplings, mimics_of(self.description), single)
+        mimics = geared(gears, mimics_of(self.description), single)
         self.locked = locked_values(locked, mimics)
         self.tree = Tree(built_model(skeleton(self.description), base != "fixed", self.locked, _gravity(gravity)))
         self.description_notices = description_notices(self.description)

@@ -244,7 +244,7 @@ class MimicRow:
 
 
 @dataclass(frozen=True)
-class Coupling:
+class JointGear:
     """A gear or rack between two joints: q_joint = ratio q_leader + offset.
 
     Attributes:
@@ -253,7 +253,7 @@ class Coupling:
         ratio: -2 for a gear that turns twice as fast in the other direction; the radius of the pinion (m) for a rack.
         offset: the value of the joint where that of the leader is 0 (rad, m).
 
-    >>> Coupling("rack", "pinion", ratio=0.05).ratio
+    >>> JointGear("rack", "pinion", ratio=0.05).ratio
     0.05
     """
 
@@ -264,14 +264,14 @@ class Coupling:
 
     def __post_init__(self):
         for key in ("ratio", "offset"):
-            object.__setattr__(self, key, real_number(getattr(self, key), f'coupling of "{self.joint}": {key}'))
+            object.__setattr__(self, key, real_number(getattr(self, key), f'gear of "{self.joint}": {key}'))
 
 
-def coupled(couplings, mimics: tuple[Mimic, ...], joints: Mapping[str, bool]) -> tuple[Mimic, ...]:
-    """The joints that follow others by the URDF, then by couplings.
+def geared(gears, mimics: tuple[Mimic, ...], joints: Mapping[str, bool]) -> tuple[Mimic, ...]:
+    """The joints that follow others by the URDF, then by gears.
 
     Args:
-        couplings: as given.
+        gears: as given.
         mimics: of the URDF.
         joints: by name of a joint whether it has one degree of freedom.
 
@@ -279,20 +279,20 @@ def coupled(couplings, mimics: tuple[Mimic, ...], joints: Mapping[str, bool]) ->
         All of them.
 
     Raises:
-        InputError: no couplings, an unknown joint, one that follows two, or a leader that follows.
+        InputError: no gears, an unknown joint, one that follows two, or a leader that follows.
     """
-    if isinstance(couplings, Coupling) or not all(isinstance(one, Coupling) for one in couplings):
-        raise InputError("couplings: expected a list of mb.Coupling(joint, leader, ratio)")
-    added = tuple(Mimic(one.joint, one.leader, one.ratio, one.offset) for one in couplings)
+    if isinstance(gears, JointGear) or not all(isinstance(one, JointGear) for one in gears):
+        raise InputError("gears: expected a list of mb.JointGear(joint, leader, ratio)")
+    added = tuple(Mimic(one.joint, one.leader, one.ratio, one.offset) for one in gears)
     followers = [mimic.follower for mimic in (*mimics, *added)]
     for one in added:
         for name in (one.follower, one.leader):
             if not joints.get(name):
                 what = "has not one degree of freedom" if name in joints else "is no joint"
-                raise InputError(f'couplings: "{name}" {what}{nearest(name, [key for key, single in joints.items() if single])}')
+                raise InputError(f'gears: "{name}" {what}{nearest(name, [key for key, single in joints.items() if single])}')
         if followers.count(one.follower) > 1 or one.leader in followers:
             raise InputError(
-                f'couplings: "{one.follower}" follows "{one.leader}"; expected a joint that follows one, which follows none'
+                f'gears: "{one.follower}" follows "{one.leader}"; expected a joint that follows one, which follows none'
             )
     return (*mimics, *added)
 

@@ -1,4 +1,4 @@
-"""Motors with rigid gears, payloads, other masses, couplings of joints: against closed forms and the referee of finite differences."""
+"""Motors with rigid gears, payloads, other masses, gears of joints: against closed forms and the referee of finite differences."""
 
 from __future__ import annotations
 
@@ -75,8 +75,8 @@ def test_another_mass_changes_the_inertia_in_the_same_ratio():
         ({"motors": {"swing": 3.0}}, "make it with mb.Motor"),
         ({"motors": {"swim": mb.Motor()}}, 'motors: there is no joint "swim"'),
         ({"motors": {"swing": mb.Motor()}, "flexible_joints": {"swing": mb.FlexibleJoint(1.0)}}, "is a flexible joint"),
-        ({"couplings": [mb.Coupling("swing", "swim", 1.0)]}, 'couplings: "swim" is no joint'),
-        ({"couplings": [mb.Coupling("swing", "swing", 1.0)]}, "which follows none"),
+        ({"gears": [mb.JointGear("swing", "swim", 1.0)]}, 'gears: "swim" is no joint'),
+        ({"gears": [mb.JointGear("swing", "swing", 1.0)]}, "which follows none"),
     ],
 )
 def test_messages(options, message):
@@ -102,7 +102,7 @@ def test_a_gear_and_a_rack():
         gravity=PLANE,
         joint_stiffness={"turn": k, "rail": c},
         joint_rest={"turn": 0.0, "rail": 0.0},
-        couplings=[mb.Coupling("other", "turn", r), mb.Coupling("rail", "turn", a)],
+        gears=[mb.JointGear("other", "turn", r), mb.JointGear("rail", "turn", a)],
     )
     posture = robot.equilibrium({"turn": 0.2})
     assert posture.joints == pytest.approx({"turn": 0.0, "other": 0.0, "rail": 0.0}, abs=1e-12)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...ground.checks import nearest, real_array, real_number
 from ...ground.errors import InputError
+from ...ground.tolerances import noise_of
 from .urdf import number
 
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -55,7 +56,7 @@ def _tensor(moments, where: str) -> np.ndarray:
     if len(values) == 6:
         tensor[np.triu_indices(3)] = values
         tensor = tensor + np.triu(tensor, 1).T
-    if (least := np.linalg.eigvalsh(tensor)[0]) < -1e-12 * np.abs(tensor).max():
+    if (least := np.linalg.eigvalsh(tensor)[0]) < -noise_of(np.abs(tensor).max(), 3):
         raise InputError(f"{where}: the moment of inertia about some axis is {least:.3g} kg m^2; expected 0 or more")
     return tensor
 

@@ -174,8 +174,8 @@ def _motor(name: str, entry, names: UrdfNames):
     return Motor(**values)
 
 
-def _coupling(kind: type, entry, names: UrdfNames):
-    """A Coupling; its ratio has the units of both joints."""
+def _gear(kind: type, entry, names: UrdfNames):
+    """A JointGear; its ratio has the units of both joints."""
     own, leading = names.joint_unit(entry.joint), names.joint_unit(entry.leader)
     unit = {("m", "rad"): "m/rad", ("rad", "m"): "rad/m"}.get((own, leading), "1")
     with named("ratio"):
@@ -261,7 +261,7 @@ def robot_arguments(table, names: UrdfNames, place: str) -> dict:
     """
     from ...robot.connections import BodySpring, Bushing, Loop
     from ...robot.description.masses import Payload
-    from ...robot.tangent import Coupling
+    from ...robot.tangent import JointGear
 
     values = {"base": table.base, "gravity": tuple(table.gravity) if isinstance(table.gravity, list) else table.gravity}
     units = {"joint_stiffness": STIFFNESS, "joint_rest": PLACE, "joint_damping": DAMPING}
@@ -276,8 +276,8 @@ def robot_arguments(table, names: UrdfNames, place: str) -> dict:
     for name, entry in table.motors.items():
         with at(place, f"motors.{name}"):
             values["motors"][name] = _motor(name, entry, names)
-    with at(place, "coupling"):
-        values["couplings"] = [_coupling(Coupling, entry, names) for entry in table.coupling]
+    with at(place, "gear"):
+        values["gears"] = [_gear(JointGear, entry, names) for entry in table.gear]
     with at(place, "payload"):
         for entry in table.payload:
             names.check_body(entry.body)

@@ -120,7 +120,7 @@ class MotorTable(Table):
     velocity_gain: Quantity = Field(0.0, description="Of the motor's position control, at the joint's side.")
 
 
-class CouplingTable(Table):
+class JointGearTable(Table):
     """A gear or rack between two joints."""
 
     joint: Text = Field(description="The joint that follows.")
@@ -193,7 +193,7 @@ class RobotFile(Table):
     locked: JointValues = Field({}, description="Joints that are frozen at a value.")
     flexible_joints: dict[Text, FlexibleJointTable] = Field({}, description="Joints driven by a motor behind an elastic gear.")
     motors: dict[Text, MotorTable] = Field({}, description="Motors of joints with a rigid gear.")
-    coupling: list[CouplingTable] = Field([], description="Gears and racks between joints.")
+    gear: list[JointGearTable] = Field([], description="Gears and racks between joints.")
     payload: list[PayloadTable] = Field([], description="Bodies fixed to links.")
     masses: dict[Text, Mass] = Field({}, description="Other masses of links; the inertia changes in the same ratio.")
     inertias: dict[Text, list[Inertia]] = Field({}, description="Other inertias of links, as of a payload.")

@@ -175,7 +175,7 @@ armature = "500 g"
 body = "ram"
 mass = "250 g"
 centre = ["1 cm", 0, 0]
-[[coupling]]
+[[gear]]
 joint = "slide"
 leader = "pivot"
 ratio = "20 mm/rad"
@@ -190,7 +190,7 @@ length = "150 mm"
 """
 
 
-def test_motors_masses_payloads_and_couplings_are_read_with_their_units(tmp_path):
+def test_motors_masses_payloads_and_gears_are_read_with_their_units(tmp_path):
     robot, _ = read_robot(press(tmp_path, TOML.replace("[[spring]]", MORE + "[[spring]]")))
     assert robot.motors["pivot"].reflected_inertia == pytest.approx(0.03) and robot.motors["slide"].armature == 0.5
     assert robot.position_gains.tolist() == [30.0, 0.0] and robot.joint_damping.tolist() == pytest.approx([2.1, 4.0])
