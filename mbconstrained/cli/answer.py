@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -25,6 +26,8 @@ SharedViewer = Annotated[
 Compress = Annotated[bool, typer.Option("--compress", help="Compress the scripts in the page, to a third; for new browsers.")]
 Out = Annotated[str, typer.Option("--out", metavar="DIR", help="Folder to write into; results/NAME_OF_SCENE by default.")]
 
+_NUMBER = re.compile(r"[-+]?\.?\d")
+
 FINE, SCENE_WRONG, COMMAND_WRONG, NOT_TRUSTED = 0, 1, 2, 3
 
 
@@ -38,7 +41,13 @@ def answer(path: str, json: bool, work: Callable[[Scene], int | None], settings:
         settings: NAME=VALUE of each --set.
     """
     values: dict[str, Any] = {}
-    for name, value in map(setting, settings or ()):
+    for text in settings or ():
+        name, value = setting(text)
+        if len(several_values(text)) > 1 and all(map(_NUMBER.match, several_values(text))):
+            raise typer.BadParameter(
+                f'found several values in "{text}"; expected one. To run each of them: mbconstrained compare {path} --set "{text}"',
+                param_hint="--set",
+            )
         if name in values:
             raise typer.BadParameter(f'"{name}" is set twice; give it one value', param_hint="--set")
         values[name] = value
@@ -57,6 +66,23 @@ def setting(text: str) -> tuple[str, Any]:
     if not (name and equals and value):
         raise typer.BadParameter(f'found "{text}"; expected NAME=VALUE, e.g. k="3 N/mm" or time.end=20', param_hint="--set")
     return name, value_of(value)
+
+
+def several_values(text: str) -> list[str]:
+    """The values of a --set, separated by commas outside brackets and quotes.
+
+    Args:
+        text: NAME=VALUE or NAME=VALUE,VALUE.
+
+    Returns:
+        Their texts.
+
+    >>> several_values("k=1 N/m, 2 N/m"), several_values("times=[0, 1]")
+    (['1 N/m', '2 N/m'], ['[0, 1]'])
+    """
+    value = text.partition("=")[2]
+    parts: list[str] = re.findall(r"""(?:\[[^\]]*\]|"[^"]*"|[^,\[\]"])+""", value) or [value]
+    return [part.strip() for part in parts]
 
 
 def leave(name: str, json: bool, work: Callable[[], int | None]) -> None:

@@ -6,11 +6,11 @@ import re
 from collections.abc import Iterator, Sequence
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .answer import FINE, NOT_TRUSTED, Json, leave, read, setting
+from .answer import FINE, NOT_TRUSTED, Json, leave, read, setting, several_values
 
 if TYPE_CHECKING:
     from ..scene.run.scene import Scene
@@ -71,7 +71,7 @@ def _runs(paths: Sequence[str], settings: Sequence[str]) -> Iterator[tuple[str, 
     """Every scene with every combination of values, by the name of its folder."""
     from ..ground.errors import InputError
 
-    choices = [_values(text) for text in settings]
+    choices = [(setting(text)[0], several_values(text)) for text in settings]
     if len({name for name, _ in choices}) < len(choices):
         raise typer.BadParameter("a name is set twice; give all its values in one, e.g. k=1,2", param_hint="--set")
     combinations = list(product(*([(name, value) for value in values] for name, values in choices)))
@@ -87,10 +87,3 @@ def _runs(paths: Sequence[str], settings: Sequence[str]) -> Iterator[tuple[str, 
         labels[label] = labels.get(label, 0) + 1
         own = label if labels[label] == 1 else f"{label}_{labels[label]}"
         yield own, read(path, dict(setting(f"{name}={text}") for name, text in combination))
-
-
-def _values(text: str) -> tuple[str, list[str]]:
-    """The name and the values of a --set, separated by commas outside brackets and quotes."""
-    name, value = setting(text)[0], text.partition("=")[2]
-    parts: list[Any] = re.findall(r"""(?:\[[^\]]*\]|"[^"]*"|[^,\[\]"])+""", value) or [value]
-    return name, [part.strip() for part in parts]

@@ -15,8 +15,9 @@ import scipy.sparse
 
 from ..ground.checks import nearest, optional_package, real_array
 from ..ground.errors import InputError
-from ..ground.files import LARGEST_FILE, checked_file
+from ..ground.files import LARGEST_FILE, checked_file, readable_as
 from .number_table import number_table
+from .universal import UNIVERSAL
 
 LARGEST_SIDE = 5000  # rows or columns of an array: 200 MB as float64
 LARGEST_SPARSE_SIDE = 5_000_000  # of a sparse matrix, whose file has at most LARGEST_FILE bytes
@@ -47,6 +48,11 @@ def read_matrix(path: str | Path, array: str | None = None) -> np.ndarray | scip
     """
     path = Path(path)
     reader = READERS.get(path.suffix.lower())
+    if path.suffix.lower() in UNIVERSAL:
+        raise InputError(
+            f"{path.name}: matrices of universal files (data set 252) are not read, since pyuff, which reads these files, does not know "
+            "them; write them as .op4, .mat or .mtx, which keep their digits"
+        )
     if reader is None:
         raise InputError(f"{path.name}: expected a file that ends in {', '.join(READERS)}")
     if array is not None and path.suffix.lower() not in NAMED:
@@ -84,17 +90,13 @@ def _sparse(path: Path, matrix) -> scipy.sparse.csc_array:
         raise InputError(
             f"{path.name}: the matrix is {_by(matrix.shape)}; at most {LARGEST_SPARSE_SIDE:,} rows and columns are read"
         )
-    try:
+    with readable_as(path, "not a sparse matrix"):
         if hasattr(matrix, "check_format"):
             matrix.check_format(full_check=True)
         if matrix.dtype.kind not in "biuf":
             kind = "complex numbers" if matrix.dtype.kind == "c" else f"entries of type {matrix.dtype}"
             raise InputError(f"{path.name}: {kind} found; only real data is accepted")
         matrix = scipy.sparse.csc_array(matrix, dtype=float)
-    except ValueError as problem:
-        if isinstance(problem, InputError):
-            raise
-        raise InputError(f"{path.name}: not a sparse matrix ({_first_line(problem)})") from None
     matrix.sum_duplicates()
     if not np.isfinite(matrix.data).all():
         entries = matrix.tocoo()
@@ -129,12 +131,8 @@ def _check_bytes(path: Path, name: str, size: int) -> None:
         raise InputError(f"{path.name}: the array {name} has {size:,} bytes; at most {LARGEST_FILE:,} are read")
 
 
-# The readers of NumPy, SciPy and pyyeti raise errors of many classes for damaged files (NumPy's tokenizer among them): each of them
-# is wrong input here, but for those of the system.
-
-
 def _from_npz(path: Path, array: str | None):
-    try:
+    with readable_as(path, "not an .npz file of numbers"):
         with zipfile.ZipFile(path) as archive:
             sizes = {info.filename.removesuffix(".npy"): info.file_size for info in archive.infolist()}
         if {"format", "shape", "data"} <= set(sizes) and array is None:  # as scipy.sparse.save_npz writes it
@@ -145,34 +143,20 @@ def _from_npz(path: Path, array: str | None):
         _check_bytes(path, name, sizes[name])
         with np.load(path, allow_pickle=False) as arrays:
             return arrays[name]
-    except (InputError, OSError):
-        raise
-    except Exception as problem:
-        raise InputError(f"{path.name}: not an .npz file of numbers ({_first_line(problem)})") from None
 
 
 def _from_npy(path: Path, array: None) -> np.ndarray:
-    try:
-        return np.array(
-            np.load(path, allow_pickle=False, mmap_mode="r")
-        )  # mapped: the header cannot request more than the file has
-    except OSError:
-        raise
-    except Exception as problem:
-        raise InputError(f"{path.name}: not an .npy file of numbers ({_first_line(problem)})") from None
+    with readable_as(path, "not an .npy file of numbers"):
+        return np.array(np.load(path, allow_pickle=False, mmap_mode="r"))  # mapped: no header can request more than the file has
 
 
 def _from_matrix_market(path: Path, array: None):
     import scipy.io  # takes a quarter of a second
 
-    try:
+    with readable_as(path, "not a Matrix Market file"):
         *shape, _, kind, _, _ = scipy.io.mminfo(path)
         _check_size(path.name, tuple(shape), LARGEST_SPARSE_SIDE if kind == "coordinate" else LARGEST_SIDE)
         return scipy.io.mmread(path)
-    except (InputError, OSError):
-        raise
-    except Exception as problem:
-        raise InputError(f"{path.name}: not a Matrix Market file ({_first_line(problem)})") from None
 
 
 def _from_mat(path: Path, array: str | None):
@@ -181,17 +165,13 @@ def _from_mat(path: Path, array: str | None):
 
     if path.read_bytes()[:8] == b"\x89HDF\r\n\x1a\n" or b"MATLAB 7.3" in path.read_bytes()[:128]:
         raise InputError(f"{path.name}: a MATLAB file of version 7.3; write it in MATLAB with save('{path.name}', '-v7')")
-    try:
+    with readable_as(path, "not a MATLAB file of numbers"):
         shapes = {name: (shape, kind) for name, shape, kind in scipy.io.whosmat(path)}
         name = _chosen(path, array, [name for name, (shape, kind) in shapes.items() if kind in _MATLAB_KINDS])
         shape, kind = shapes[name]
         if kind != "sparse":
             _check_bytes(path, name, 8 * int(np.prod([float(side) for side in shape])))
         return scipy.io.loadmat(path, variable_names=[name])[name]
-    except (InputError, OSError):
-        raise
-    except Exception as problem:
-        raise InputError(f"{path.name}: not a MATLAB file of numbers ({_first_line(problem)})") from None
 
 
 _MATLAB_KINDS = (
@@ -203,19 +183,17 @@ _MATLAB_KINDS = (
 def _from_op4(path: Path, array: str | None):
     """A matrix of a Nastran OUTPUT4 file, text or binary; sparse where the file stores columns as strings of entries."""
     op4 = optional_package("pyyeti.nastran.op4", "reading .op4 files")
-    try:
-        with warnings.catch_warnings():  # of names that are none in MATLAB, which it replaces; messages list those
-            warnings.simplefilter("ignore", RuntimeWarning)
-            names, sizes, *_ = op4.OP4().dir(str(path), verbose=False)
-            name = _chosen(path, array.lower() if array else None, names)
-            shape = tuple(map(int, sizes[names.index(name)]))
-            _check_size(path.name, shape, LARGEST_SPARSE_SIDE)
-            sparse = True if max(shape) > LARGEST_SIDE else None  # None: as the file stores it
-            return op4.OP4().dctload(str(path), namelist=[name], justmatrix=True, sparse=sparse)[name]
-    except (InputError, OSError):
-        raise
-    except Exception as problem:
-        raise InputError(f"{path.name}: not a Nastran OUTPUT4 file ({_first_line(problem)})") from None
+    with (
+        readable_as(path, "not a Nastran OUTPUT4 file"),
+        warnings.catch_warnings(),
+    ):  # of names that are none in MATLAB, which it replaces; messages list those
+        warnings.simplefilter("ignore", RuntimeWarning)
+        names, sizes, *_ = op4.OP4().dir(str(path), verbose=False)
+        name = _chosen(path, array.lower() if array else None, names)
+        shape = tuple(map(int, sizes[names.index(name)]))
+        _check_size(path.name, shape, LARGEST_SPARSE_SIDE)
+        sparse = True if max(shape) > LARGEST_SIDE else None  # None: as the file stores it
+        return op4.OP4().dctload(str(path), namelist=[name], justmatrix=True, sparse=sparse)[name]
 
 
 def _from_text(path: Path, array: None) -> np.ndarray:
@@ -232,7 +210,3 @@ READERS: dict[str, Callable] = {
     **dict.fromkeys(TEXT, _from_text),
 }
 NAMED = (".npz", ".mat", ".op4")
-
-
-def _first_line(problem: Exception) -> str:
-    return (str(problem).splitlines() or [type(problem).__name__])[0][:120]

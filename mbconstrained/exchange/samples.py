@@ -10,7 +10,7 @@ import numpy as np
 
 from ..ground.checks import counted, real_number, whole_number
 from ..ground.errors import InputError
-from ..ground.files import checked_file
+from ..ground.files import checked_file, readable_as
 from .earthquakes import ground_motion
 from .matrices import READERS, TEXT, full_matrix, read_matrix
 from .number_table import NumberTable, number_table, text_of
@@ -164,14 +164,9 @@ def _from_wav(path: Path, column: int | str) -> Samples:
     """A channel of a WAV file; whole numbers as shares of full scale."""
     from scipy.io import wavfile
 
-    try:
-        with warnings.catch_warnings():  # of chunks that hold no samples
-            warnings.simplefilter("ignore", wavfile.WavFileWarning)
-            rate, data = wavfile.read(path)
-    except OSError:
-        raise
-    except Exception as problem:  # of several classes for damaged files
-        raise InputError(f"{path.name}: not a WAV file of samples ({(str(problem).splitlines() or ['?'])[0][:120]})") from None
+    with readable_as(path, "not a WAV file of samples"), warnings.catch_warnings():  # of chunks that hold no samples
+        warnings.simplefilter("ignore", wavfile.WavFileWarning)
+        rate, data = wavfile.read(path)
     channels = data.reshape(len(data), -1)
     if isinstance(column, str) or not 1 <= column <= channels.shape[1]:
         raise InputError(

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..ground.checks import nearest, optional_package
 from ..ground.errors import InputError
+from ..ground.files import readable_as
 
 UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
 
@@ -105,14 +106,12 @@ def _function(path: Path, name: str, dataset: Mapping, units: Mapping) -> Functi
 def _datasets(path: Path, types: Sequence[int]) -> list[dict]:
     """The data sets of these types, in the order of the file."""
     pyuff = optional_package("pyuff", "reading universal files")
-    try:
+    with readable_as(path, "not a universal file that can be read"):
         file = pyuff.UFF(str(path))
         kinds = [int(kind) for kind in file.get_set_types()]
         if not any(kinds):
             raise ValueError("no data sets between lines of -1")
         return [file.read_sets(place) for place, kind in enumerate(kinds) if kind in types]
-    except Exception as problem:  # pyuff raises Exception itself
-        raise InputError(f"{path.name}: not a universal file that can be read ({str(problem)[:120]})") from None
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,29 @@ from .errors import InputError
 LARGEST_FILE = 200_000_000  # bytes, also of one unpacked array
 
 
+@contextmanager
+def readable_as(path: Path, failure: str) -> Iterator[None]:
+    """Read a file by another package: its errors, of many classes for damaged files, are wrong input here.
+
+    Args:
+        path: of the file.
+        failure: what the file is then, such as "not a WAV file of samples".
+
+    Returns:
+        A context for the calls that read it.
+
+    Raises:
+        InputError: any error but those of the system, with the first line of its text.
+    """
+    try:
+        yield
+    except (InputError, OSError):
+        raise
+    except Exception as problem:
+        text = (str(problem).splitlines() or [type(problem).__name__])[0][:120]
+        raise InputError(f"{path.name}: {failure} ({text})") from None
+
+
 def checked_file(path: str | Path) -> Path:
     """The path of a file that can be read.
 

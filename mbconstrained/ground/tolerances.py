@@ -372,6 +372,9 @@ ZERO_STIFFNESS = 1e-13
 #: residual of an equilibrium leaves 1e-12 there.
 SYMMETRIC_STIFFNESS = 1e-9
 
+#: A force at rest leaves the friction cone by more than this part of it: equilibria are right to 1e-9.
+CONE_TOLERANCE = 1e-8
+
 #: Tolerance of joint limits (rad, m): limits and guesses are written with six digits.
 JOINT_LIMIT = 1e-6
 

@@ -78,6 +78,7 @@ class LumpedModel(Displayed):
     def __init__(self):
         self._elements: dict[str, Element] = {}
         self._parts: dict[str, Element] = {}
+        self._units: dict[str, str] = {}
         self._forces: dict[str, ImpulsiveSmooth] = {}
         self._gravity = 0.0
 
@@ -99,12 +100,12 @@ class LumpedModel(Displayed):
     @property
     def coordinates(self) -> tuple[str, ...]:
         """The names of the bodies in the order of creation."""
-        return tuple(self.units)
+        return tuple(self._units)
 
     @property
     def units(self) -> dict[str, str]:
         """The unit of every coordinate, "m" or "rad"."""
-        return {element.name: element.unit for element in with_parts(self.elements) if isinstance(element, Body)}
+        return dict(self._units)
 
     mass = _adds(Mass)
     rigid_bar = _adds(RigidBar)
@@ -175,7 +176,7 @@ class LumpedModel(Displayed):
             energy_parts=_energy_parts(factors, names),
         )
         system.origin = copy(self)
-        system.origin._elements = dict(self._elements)  # elements that are added later are not in the system
+        system.origin._elements, system.origin._units = dict(self._elements), units  # what is added later is not in the system
         return system
 
     def _add(self, element):
@@ -190,15 +191,16 @@ class LumpedModel(Displayed):
             self._check_name(element, one.name)
         for name, unit in element.ends.items():
             self._check_body(element.label, name)
-            if unit and name != GROUND and self.units[name] != unit:
+            if unit and name != GROUND and self._units[name] != unit:
                 raise InputError(
-                    f'{element.label}: "{name}" {STATES[self.units[name]]}, but a {element.kind} needs a body that {STATES[unit]}'
+                    f'{element.label}: "{name}" {STATES[self._units[name]]}, but a {element.kind} needs a body that {STATES[unit]}'
                 )
         if len(element.ends) < element.end_count:
             raise InputError(f"{element.label}: two of its ends are on the same body; give different ones")
-        if isinstance(element, RigidTie) and len({self.units[name] for name in element.ends if name != GROUND}) > 1:
+        if isinstance(element, RigidTie) and len({self._units[name] for name in element.ends if name != GROUND}) > 1:
             raise InputError(f"{element.label}: one end moves along the axis (m), the other turns (rad); use a rack")
         self._elements[element.name] = element
+        self._units |= {body.name: body.unit for body in with_parts((element,)) if isinstance(body, Body)}
         self._parts |= {part.name: part for part in element.parts}
         return element
 
@@ -214,7 +216,7 @@ class LumpedModel(Displayed):
             raise InputError(f'{element.kind}: the name "{name}" is already in use ({known.kind}); names must differ')
 
     def _check_body(self, label: str, name) -> None:
-        if name != GROUND and name not in self.units:
+        if name != GROUND and name not in self._units:
             known = (GROUND, *self.coordinates)
             raise InputError(
                 f'{label}: there is no body "{name}"{nearest(name, known)}; bodies are added before the elements between them'
@@ -287,10 +289,14 @@ def coordinate_row(coefficients: Mapping[str, float], names: Sequence[str]) -> n
     return np.array([coefficients.get(name, 0.0) for name in names])
 
 
-def _branches(links: Sequence[Link], names) -> Branches:
-    rows = [coordinate_row({link.start: -1.0, link.end: 1.0}, names) for link in links]
+def _branches(links: Sequence[Link], names: Sequence[str]) -> Branches:
+    incidence, column = np.zeros((len(links), len(names))), {name: at for at, name in enumerate(names)}
+    for row, link in zip(incidence, links):
+        for end, sign in ((link.start, -1.0), (link.end, 1.0)):
+            if end in column:
+                row[column[end]] = sign
     return Branches(
-        incidence=np.array(rows).reshape(len(links), len(names)),
+        incidence=incidence,
         constants=np.array([link.constant for link in links]),
         rest=np.array([link.rest for link in links]),
         names=tuple(link.name for link in links),

@@ -101,9 +101,9 @@ def _scrollable(name: str) -> str:
 
 def _kind(column: tuple[str, ...]) -> str:
     """Numbers are flush right; columns of sentences are wide enough for some words in each line."""
-    if column and all(map(is_number, column)):
-        return ' class="number"'
     longest = max(map(len, column), default=0)
+    if column and longest <= LONG_SENTENCE and all(map(is_number, column)):
+        return ' class="number"'
     return ' class="long sentence"' if longest > LONG_SENTENCE else ' class="sentence"' if longest > SENTENCE else ""
 
 

@@ -245,19 +245,33 @@ class Factors:
     right: np.ndarray
 
     @cached_property
+    def _entries(self) -> dict[tuple[int, int], Fraction]:
+        """The entries to which an element contributes, by row and column."""
+        entries: dict[tuple[int, int], Fraction] = {}
+        for column, value, row in zip(self.left.T, self.values, self.right):
+            right = [(j, Fraction(float(row[j]))) for j in np.flatnonzero(row).tolist()]
+            for i in np.flatnonzero(column).tolist():
+                left = Fraction(float(column[i])) * Fraction(float(value))
+                for j, factor in right:
+                    entries[i, j] = entries.get((i, j), 0) + left * factor
+        return entries
+
+    @property
+    def _shape(self) -> tuple[int, int]:
+        return len(self.left), self.right.shape[1]
+
+    @cached_property
     def exact(self) -> np.ndarray:
         """The matrix as Fractions, shape (r, r)."""
-        total = np.full((len(self.left), self.right.shape[1]), Fraction(0), dtype=object)
-        for column, value, row in zip(self.left.T, self.values, self.right):
-            i, j = np.flatnonzero(column), np.flatnonzero(row)
-            total[np.ix_(i, j)] += np.multiply.outer(_fractions(column[i]) * Fraction(float(value)), _fractions(row[j]))
+        total = np.full(self._shape, Fraction(0), dtype=object)
+        for place, entry in self._entries.items():
+            total[place] = entry
         return total
 
     @cached_property
     def matrix(self) -> np.ndarray:
         """The nearest float64 matrix, shape (r, r)."""
-        return self.exact.astype(float)
-
-
-def _fractions(array: np.ndarray) -> np.ndarray:
-    return np.array([Fraction(float(value)) for value in array], dtype=object)
+        total = np.zeros(self._shape)
+        for place, entry in self._entries.items():
+            total[place] = float(entry)
+        return total

@@ -111,19 +111,30 @@ class Balance:
 
     @cached_property
     def _poses(self):
-        return [(item.connection.rows, item.pose(self.kinematics)) for item in self.load.loops]
+        return [(item, item.pose(self.kinematics)) for item in self.load.loops]
 
     @cached_property
     def gaps(self) -> np.ndarray:
         """phi, the rows of all loops and mimic_rows (m, rad), shape (m,)."""
         mimicked = [item.gap(self.tree.model, self.configuration) for item in self.load.mimic_rows]
-        return np.concatenate([*(rows @ pose.value for rows, pose in self._poses), mimicked])
+        return np.concatenate([*(item.connection.gaps(pose.value, item.rest_length) for item, pose in self._poses), mimicked])
+
+    @cached_property
+    def gradients(self) -> list[np.ndarray]:
+        """The derivatives of the rows of each loop by its phi, each of shape (k, 6)."""
+        return [item.connection.gradient(pose.value) for item, pose in self._poses]
 
     @cached_property
     def jacobian(self) -> np.ndarray:
         """J = d phi / dq, shape (m, nv)."""
         mimicked = [item.row(self.tree.model) for item in self.load.mimic_rows]
-        return np.vstack([np.zeros((0, self.tree.model.nv)), *(rows @ pose.jacobian for rows, pose in self._poses), *mimicked])
+        return np.vstack(
+            [
+                np.zeros((0, self.tree.model.nv)),
+                *(G @ pose.jacobian for G, (_, pose) in zip(self.gradients, self._poses)),
+                *mimicked,
+            ]
+        )
 
     @cached_property
     def scaled_gaps(self) -> np.ndarray:
@@ -144,9 +155,11 @@ class Balance:
     def geometric(self, multipliers: np.ndarray) -> tuple[np.ndarray, ...]:
         """d(J^T lambda)/dq at constant lambda, a matrix (nv, nv) for each loop."""
         parts, start = [], 0
-        for rows, pose in self._poses:
-            parts.append(pose.hessian(rows.T @ multipliers[start : start + len(rows)]))
-            start += len(rows)
+        for G, (item, pose) in zip(self.gradients, self._poses):
+            own = multipliers[start : start + len(G)]
+            curvature = item.connection.curvature(pose.value, own)
+            parts.append(pose.hessian(G.T @ own) + (pose.jacobian.T @ curvature @ pose.jacobian if curvature.any() else 0.0))
+            start += len(G)
         return tuple(parts)
 
     def stiffness(self, multipliers: np.ndarray) -> np.ndarray:

@@ -11,14 +11,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ..ground.checks import nearest, real_array, real_number
+from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
 
-LoopKind = Literal["point", "rigid", "hinge"]
+LoopKind = Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "rod"]
 Vector = Sequence[float]
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
@@ -85,11 +87,16 @@ class Loop(Connection):
 
     Attributes:
         kind: "point": the points coincide (3 rows); "rigid": the frames coincide (6 rows); "hinge": they coincide but for
-            a turn about the axis (5 rows).
-        axis: of a hinge, in the frame on body1 and the same in that on body2; of any length but zero.
+            a turn about the axis (5 rows); "prismatic": but for a displacement along it (5 rows); "cylindrical": but for both
+            (4 rows); "rod": the points keep a distance (1 row).
+        axis: of a hinge, prismatic or cylindrical loop, in the frame on body1 and the same in that on body2; of any length but zero.
+        length: of a rod (m); that at the guess when not given.
+        friction: coefficient of friction of a foot on the ground, in which case its force at rest is checked: a note reports one
+            outside of the cone about ``normal``, or one that pulls.
+        normal: of the contact, on the foot, in the directions of the ground.
 
     The multiplier of a row is the force (N) or torque (N m) on body2, against that on body1, in the frame on body1; torques
-    of a hinge that turns are in the frame half-way between the two.
+    of a hinge that turns are in the frame half-way between the two. That of a rod is its compression (N).
 
     >>> Loop("coupler", (0.5, 0, 0), "rocker", (0.4, 0, 0)).name
     'coupler-rocker'
@@ -97,12 +104,15 @@ class Loop(Connection):
 
     kind: LoopKind = "point"
     axis: Vector = (0.0, 0.0, 1.0)
+    length: float | None = None
+    friction: float | None = None
+    normal: Vector = (0.0, 0.0, 1.0)
 
     word = "loop"
 
     def __post_init__(self):
         super().__post_init__()
-        if self.kind not in (kinds := ("point", "rigid", "hinge")):
+        if self.kind not in (kinds := get_args(LoopKind)):
             raise InputError(f"{self.label}: found the kind {self.kind!r}{nearest(self.kind, kinds)}; expected {', '.join(kinds)}")
         self._set_vector("axis")
         largest = max(map(abs, self.axis))
@@ -110,34 +120,90 @@ class Loop(Connection):
             raise InputError(f"{self.label}: axis: found 0, 0, 0; expected a direction")
         axis = np.array(self.axis) / largest
         self._set("axis", tuple((axis / np.linalg.norm(axis)).tolist()))
+        self._set_vector("normal")
+        if self.friction is not None:
+            self._set("friction", real_number(self.friction, f"{self.label}: friction", minimum=0.0))
+            if GROUND not in (self.body1, self.body2) or not any(self.normal):
+                raise InputError(f'{self.label}: friction is checked of a foot on the "{GROUND}", with a normal other than 0, 0, 0')
+        if self.length is not None:
+            self._set("length", real_number(self.length, f"{self.label}: length", positive=True))
+            if self.kind != "rod":
+                raise InputError(f"{self.label}: length belongs to a rod; leave it out")
+        if self.kind == "rod" and self.point2 is None:
+            raise InputError(f"{self.label}: point2 is missing; a rod needs the point on {self.body2} that it ends at")
 
     @property
     def turning(self) -> bool:
         """Whether the connection depends on the rotation of its frames."""
-        return self.kind != "point"
+        return self.kind not in ("point", "rod")
+
+    @property
+    def _parts(self) -> tuple[np.ndarray, np.ndarray]:
+        """The directions of phi that are constrained: displacements (k, 3), then rotations (l, 3)."""
+        across, nonzero = np.linalg.svd(np.array([self.axis]))[2][1:], np.abs(self.axis) > 0
+        if nonzero.sum() == 1:
+            across = np.eye(3)[~nonzero]
+        none, every = np.zeros((0, 3)), np.eye(3)
+        moves = {"prismatic": across, "cylindrical": across, "rod": every[:1]}.get(self.kind, every)
+        turns = {"point": none, "rod": none, "hinge": across, "cylindrical": across}.get(self.kind, every)
+        return moves, turns
 
     @property
     def rows(self) -> np.ndarray:
-        """The combinations of phi that are constrained to 0, shape (3, 6), (5, 6) or (6, 6)."""
-        if self.kind != "hinge":
-            return np.eye(6)[: 3 if self.kind == "point" else 6]
-        across = np.linalg.svd(np.array([self.axis]))[2][1:]
-        nonzero = np.abs(self.axis) > 0
-        if nonzero.sum() == 1:
-            across = np.eye(3)[~nonzero]
-        return np.block([[np.eye(3), np.zeros((3, 3))], [np.zeros((2, 3)), across]])
+        """The combinations of phi that are constrained to 0, shape (k, 6); of a rod, the place of its one row."""
+        return block_diag(*self._parts)
+
+    def gaps(self, phi: np.ndarray, length: float) -> np.ndarray:
+        """The left sides of the rows, rows @ phi, or |p| - length of a rod (m, rad), shape (k,).
+
+        Args:
+            phi: shape (6,).
+            length: of a rod (m).
+
+        Returns:
+            Zero where the loop is closed.
+        """
+        return np.array([np.linalg.norm(phi[:3]) - length]) if self.kind == "rod" else self.rows @ phi
+
+    def gradient(self, phi: np.ndarray) -> np.ndarray:
+        """Their derivatives by phi, shape (k, 6)."""
+        if self.kind != "rod":
+            return self.rows
+        if not (distance := np.linalg.norm(phi[:3])):
+            raise InputError(f"{self.label}: both its ends are at the same place, so that it has no direction; move one of them")
+        return np.append(phi[:3] / distance, np.zeros(3))[None]
+
+    def curvature(self, phi: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
+        """The second derivative of multipliers @ gaps by phi.
+
+        Args:
+            phi: shape (6,).
+            multipliers: shape (k,).
+
+        Returns:
+            Shape (6, 6).
+        """
+        result = np.zeros((6, 6))
+        if self.kind == "rod":
+            along = self.gradient(phi)[0, :3]
+            result[:3, :3] = multipliers[0] * (np.eye(3) - np.outer(along, along)) / np.linalg.norm(phi[:3])
+        return result
 
     @property
     def row_names(self) -> tuple[str, ...]:
         """One name for each row."""
-        across = [axis for axis, part in zip(AXES[3:], self.axis) if not part]
-        turns = {"point": (), "rigid": AXES[3:], "hinge": across if len(across) == 2 else ("turn 1", "turn 2")}[self.kind]
-        return tuple(f"{self.name} {axis}" for axis in (*AXES[:3], *turns))
+        names = []
+        for part, axes, word in zip(self._parts, (AXES[:3], AXES[3:]), ("shift", "turn")):
+            places = [np.flatnonzero(row) for row in part]
+            single = all(len(place) == 1 for place in places)
+            names += [axes[place[0]] if single else f"{word} {number}" for number, place in enumerate(places, 1)]
+        return tuple(f"{self.name} {axis}" for axis in (("length",) if self.kind == "rod" else names))
 
     @property
     def row_units(self) -> tuple[str, ...]:
         """The unit of each row."""
-        return ("m",) * 3 + ("rad",) * (len(self.rows) - 3)
+        moves, turns = self._parts
+        return ("m",) * len(moves) + ("rad",) * len(turns)
 
 
 @dataclass(frozen=True)

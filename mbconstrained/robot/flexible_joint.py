@@ -1,4 +1,4 @@
-"""Flexible joints: a spring between the motor and the link (Spong's model), and their equations without motors."""
+"""Motors of joints: rigid gears, flexible joints (Spong's model), and the equations of these without motors."""
 
 from __future__ import annotations
 
@@ -19,6 +19,45 @@ from ..signals.inputs import step
 
 if TYPE_CHECKING:
     from .linearized import LinearizedRobot
+
+
+@dataclass(frozen=True)
+class Motor:
+    """A motor that drives a joint through a rigid gear.
+
+    It adds to the joint's mass, stiffness and damping
+
+        armature + gear_ratio^2 rotor_inertia,        position_gain,        velocity_gain
+
+    The joint keeps the guess, since its control carries the load, where there is a position gain. For a joint that slides read N for
+    N m and m for rad. Of the rotor only the inertia about its own axis enters; its mass belongs to the link that carries it.
+
+    Attributes:
+        armature: inertia at the joint's side (kg m^2).
+        rotor_inertia: of the rotor, in front of the gear (kg m^2).
+        gear_ratio: turns of the motor for one of the joint.
+        position_gain, velocity_gain: of the motor's control, at the joint's side (N m/rad, N m s/rad).
+
+    >>> Motor(rotor_inertia=1e-4, gear_ratio=100, position_gain=500.0).reflected_inertia
+    1.0
+    """
+
+    armature: float = 0.0
+    rotor_inertia: float = 0.0
+    gear_ratio: float = 1.0
+    position_gain: float = 0.0
+    velocity_gain: float = 0.0
+
+    def __post_init__(self):
+        for field in fields(self):
+            limits = {"positive": True} if field.name == "gear_ratio" else {"minimum": 0.0}
+            what = f"motor: {field.name.replace('_', ' ')}"
+            object.__setattr__(self, field.name, real_number(getattr(self, field.name), what, **limits))
+
+    @property
+    def reflected_inertia(self) -> float:
+        """The inertia at the joint's side (kg m^2)."""
+        return self.armature + self.rotor_inertia * self.gear_ratio**2
 
 
 @dataclass(frozen=True)

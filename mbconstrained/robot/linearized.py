@@ -263,6 +263,11 @@ class LinearizedRobot(MechanicalSystem):
     def _energy_parts(self) -> EnergyParts:
         robot, count = self.posture.robot, len(self._flexible)
         kinetic = [(name, self._with_motors(part)) for name, part in body_masses(self.posture)]
+        armature = np.array(robot.model.armature)
+        rotors = [
+            (f"rotor of {name}", np.diag(row)) for name, row, value in zip(robot.coordinates, np.diag(armature), armature) if value
+        ]
+        kinetic += [(name, self._with_motors(part)) for name, part in rotors]
         strain = [(name, self._with_motors(part)) for name, part in self._stiffness_parts]
         for place, (link, joint) in enumerate(self._flexible):
             only, name = np.eye(count)[place], robot.coordinates[link]
@@ -305,6 +310,8 @@ def _stiffness_parts(posture: Posture) -> list[tuple[str, np.ndarray]]:
     rest = np.sum([_clean(part, sizes) for part in (gravity, *applied)], axis=0)
     rest = rest - sum(_clean(part, sizes) for part in balance.geometric(posture.multipliers))
     parts = [(f"spring of {name}", np.diag(row)) for name, row, k in zip(robot.coordinates, joints, robot.joint_stiffness) if k]
+    gains = zip(robot.coordinates, np.diag(robot.position_gains), robot.position_gains)
+    parts += [(f"control of {name}", np.diag(row)) for name, row, k in gains if k]
     parts += [(item.connection.name, _clean(part, sizes)) for item, part in zip(balance.load.springs, springs)]
     return [*parts, ("gravity and forces", rest)]
 

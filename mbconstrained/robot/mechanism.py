@@ -22,7 +22,7 @@ class Attached:
     Attributes:
         connection: a Loop, BodySpring or Bushing.
         first, second: its frames.
-        rest_length: of a BodySpring (m), otherwise 0.
+        rest_length: of a BodySpring or a rod (m), otherwise 0.
     """
 
     connection: Any
@@ -138,6 +138,10 @@ class LinkFrames:
         return Attached(connection, first, Anchor(joint, R.T @ rotation, R.T @ (point - origin)))
 
 
+#: Loops that turn about their axis.
+TURNING = ("hinge", "cylindrical")
+
+
 def untwisted(attached: Attached, at: Kinematics) -> Attached:
     """The connection with the second frame of a hinge turned about its axis, so that the hinge is at angle 0 in a configuration.
 
@@ -153,7 +157,7 @@ def untwisted(attached: Attached, at: Kinematics) -> Attached:
     import pinocchio
 
     loop = attached.connection
-    if not isinstance(loop, Loop) or loop.kind != "hinge":
+    if not isinstance(loop, Loop) or loop.kind not in TURNING:
         return attached
     axis = np.array(loop.axis)
     R1, R2 = at.frame(attached.first)[0], at.frame(attached.second)[0]
@@ -163,16 +167,19 @@ def untwisted(attached: Attached, at: Kinematics) -> Attached:
 
 
 def with_rest_length(attached: Attached, guess: Kinematics) -> Attached:
-    """The same with the rest length of a spring that is given by its preload at the guess.
+    """The same with the length of a rod, or the rest length of a spring that is given by its preload at the guess.
 
     Args:
         attached: any connection.
         guess: the configuration of the preload.
 
     Returns:
-        The connection; the same where it is no spring.
+        The connection; the same where it is no spring or rod.
     """
     spring = attached.connection
+    if isinstance(spring, Loop) and spring.kind == "rod":
+        distance = float(np.linalg.norm(attached.pose(guess).value[:3]))
+        return replace(attached, rest_length=distance if spring.length is None else spring.length)
     if not isinstance(spring, BodySpring):
         return attached
     if spring.rest_length is not None:

@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..ground.checks import nearest, real_number
+from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import JOINT_LIMIT, LOOPS_CLOSED, LOOPS_CLOSED_AS_ROUNDED
+from ..ground.tolerances import CONE_TOLERANCE, JOINT_LIMIT, LOOPS_CLOSED, LOOPS_CLOSED_AS_ROUNDED
 from .balance import Balance, Load
 from .connections import BodySpring, PointMotion
 from .equilibrium import LARGEST_STEP, Equilibrium, Search, closed, equilibrium
 from .kinematics import Kinematics
-from .mechanism import Attached, untwisted, with_rest_length
+from .mechanism import TURNING, Attached, untwisted, with_rest_length
 from .regularity import loop_rows, rounded_advice
 
 if TYPE_CHECKING:
@@ -65,11 +66,16 @@ class Posture(Displayed):
     def reactions(self) -> dict[str, np.ndarray]:
         """Force and torque of each loop."""
         reactions, start = {}, 0
-        for item in self.loops:
-            rows = item.connection.rows
-            reactions[item.connection.name] = rows.T @ self.multipliers[start : start + len(rows)]
-            start += len(rows)
+        for item, G in zip(self.loops, self.balance.gradients):
+            reactions[item.connection.name] = G.T @ self.multipliers[start : start + len(G)]
+            start += len(G)
         return reactions
+
+    @property
+    def ground_reactions(self) -> dict[str, np.ndarray]:
+        """The same in the directions of the ground, about the same point, shape (6,) (N, N m)."""
+        turns = {item.connection.name: self.balance.kinematics.frame(item.first)[0] for item in self.loops}
+        return {name: np.concatenate([turns[name] @ part for part in np.split(own, 2)]) for name, own in self.reactions.items()}
 
     def __getitem__(self, joint: str):
         if joint not in self.joints:
@@ -132,7 +138,7 @@ def _fixed_coordinates(robot: Robot, hold) -> np.ndarray:
     for name in (*(single if hold == "all" else hold), *robot.flexible_joints):
         fixed[robot.tangent.place(name, "hold")] = True
     follows = np.isin(robot.coordinates, followers)
-    return fixed | (robot.rests_at_guess & ~follows)
+    return fixed | ((robot.rests_at_guess | (robot.position_gains > 0)) & ~follows)
 
 
 def _load(robot: Robot, start: np.ndarray, forces) -> Load:
@@ -141,7 +147,7 @@ def _load(robot: Robot, start: np.ndarray, forces) -> Load:
         raise InputError(f'forces: found {type(forces).__name__}; expected numbers by joint, such as {{"j1": 2.0}}')
     at_guess, bodies = Kinematics(robot.tree, start), robot.link_frames
     points = {key: value for key, value in forces.items() if isinstance(key, PointMotion)}
-    loops = tuple(bodies.attached(loop, at_guess) for loop in robot.loops)
+    loops = tuple(with_rest_length(bodies.attached(loop, at_guess), at_guess) for loop in robot.loops)
     springs = tuple(bodies.attached(spring, at_guess) for spring in robot.springs)
     return Load(
         loops=loops,
@@ -160,7 +166,7 @@ def _load(robot: Robot, start: np.ndarray, forces) -> Load:
 
 def _untwisted(load: Load, robot: Robot, q: np.ndarray) -> Load:
     """The load with its hinges, if there are any, at angle 0 in a configuration."""
-    if not any(item.connection.kind == "hinge" for item in load.loops):
+    if not any(item.connection.kind in TURNING for item in load.loops):
         return load
     at = Kinematics(robot.tree, q)
     loops = tuple(untwisted(item, at) for item in load.loops)
@@ -211,6 +217,7 @@ def _posture(robot: Robot, state: Equilibrium, free: np.ndarray, guess: np.ndarr
             *rows.notices,
             *(_SHARED if shared else ()),
             *_beyond_limits(robot, balance.configuration),
+            *_outside_cones(balance, state.multipliers),
             *_left_out(robot),
             *_assumed_lengths(balance, robot, guess),
         ),
@@ -249,6 +256,29 @@ def _misfit(state: Equilibrium) -> tuple[Notice, ...]:
     row, gap, unit = state.balance.widest_gap
     text = f"the joints keep the loop row {row} open by {gap:.2g} {unit}, as where axes in the URDF are rounded; the motion keeps this gap"
     return (Notice(NoticeKind.RANK, text),)
+
+
+def _outside_cones(balance: Balance, multipliers: np.ndarray) -> Iterator[Notice]:
+    """Notices on feet whose force at rest pulls or leaves the friction cone."""
+    start = 0
+    for item, G in zip(balance.load.loops, balance.gradients):
+        loop, own = item.connection, multipliers[start : start + len(G)]
+        start += len(G)
+        if loop.friction is None:
+            continue
+        force = balance.kinematics.frame(item.first)[0] @ (G.T @ own)[:3] * (1.0 if loop.body1 == GROUND else -1.0)  # on the foot
+        normal = np.array(loop.normal) / np.linalg.norm(loop.normal)
+        along = float(force @ normal)
+        across = float(np.linalg.norm(force - along * normal))
+        largest = np.linalg.norm(force) * CONE_TOLERANCE
+        if along < -largest:
+            yield Notice(
+                NoticeKind.STATIC_LOAD, f"{loop.label}: the ground would have to pull by {-along:.4g} N; the foot lifts off"
+            )
+        elif across > loop.friction * max(along, 0.0) + largest:
+            text = f"{loop.label}: the foot slips: it needs {across:.4g} N along the ground with {along:.4g} N across it"
+            needed = f", a coefficient of friction of {across / along:.3g}" if along > largest else ""
+            yield Notice(NoticeKind.STATIC_LOAD, f"{text}{needed}; found {loop.friction:g}")
 
 
 def _beyond_limits(robot: Robot, q: np.ndarray) -> tuple[Notice, ...]:

@@ -14,13 +14,14 @@ from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..mechanics.constraints import Level
 from .connections import BodySpring, Bushing, Loop, PointMotion
+from .description.masses import Payload, replace_masses
 from .description.urdf import checked_tree, description_notices, link_masses, mimics_of, read_urdf, root_link, skeleton
-from .flexible_joint import FlexibleJoint
+from .flexible_joint import FlexibleJoint, Motor
 from .kinematics import Tree, built_model
 from .linearized import LinearizedRobot
 from .mechanism import LinkFrames, checked_connections
 from .posture import Posture, find_posture
-from .tangent import BASE, Tangent, locked_values, mimic_rows
+from .tangent import BASE, JointGear, Tangent, geared, locked_values, mimic_rows
 
 if TYPE_CHECKING:
     from ..ground.notices import Notice
@@ -47,6 +48,11 @@ class Robot(Displayed):
         gravity: the acceleration of free fall (m/s^2), a vector or the number g for (0, 0, -g).
         locked: joints that do not move, with their values (rad, m).
         flexible_joints: a ``FlexibleJoint`` by joint.
+        motors: a ``Motor`` by joint, with a rigid gear.
+        gears: gears and racks between joints, ``JointGear``.
+        payloads: bodies fixed to links, ``Payload``.
+        masses: other masses of links than those of the URDF (kg), by link; the inertia changes in the same ratio.
+        inertias: other inertias of links, by link, as of ``Payload`` (kg m^2).
         package_dirs: folders that contain the folder NAME of package://NAME/... in names of mesh files.
         name: the URDF's when not given.
 
@@ -76,6 +82,11 @@ class Robot(Displayed):
         gravity=(0.0, 0.0, -9.81),
         locked: Mapping[str, float] | None = None,
         flexible_joints: Mapping[str, FlexibleJoint] | None = None,
+        motors: Mapping[str, Motor] | None = None,
+        gears: Sequence[JointGear] = (),
+        payloads: Sequence[Payload] = (),
+        masses: Mapping[str, float] | None = None,
+        inertias: Mapping[str, Sequence[float]] | None = None,
         package_dirs: Sequence[str | Path] = (),
         name: str | None = None,
     ):
@@ -84,24 +95,66 @@ class Robot(Displayed):
         self.name = str(name or self.description.get("name") or "robot")
         if base not in (bases := ("fixed", "free", "moving")):
             raise InputError(f'base: found {base!r}{nearest(str(base), bases)}; expected "fixed", "free" or "moving"')
+        self.base = base
         if isinstance(package_dirs, str) or not all(isinstance(folder, (str, Path)) for folder in package_dirs):
             raise InputError(f"package_dirs: found {package_dirs!r}; expected a list of folders")
         self.package_dirs = tuple(Path(folder) for folder in package_dirs)
-        mimics = mimics_of(self.description)
+        replace_masses(self.description, masses or {}, inertias or {})
+        single = {
+            j.get("name", ""): j.get("type") in ("revolute", "continuous", "prismatic") for j in self.description.findall("joint")
+        }
+        mimics = geared(gears, mimics_of(self.description), single)
         self.locked = locked_values(locked, mimics)
         self.tree = Tree(built_model(skeleton(self.description), base != "fixed", self.locked, _gravity(gravity)))
         self.description_notices = description_notices(self.description)
         self.tangent = Tangent(self.model, base != "fixed", tuple(self.locked))
         self.link_frames = LinkFrames(self.model, link_masses(self.description))
+        self._add_payloads(payloads)
         self.mimic_rows = mimic_rows(mimics, self.tangent)
         given = checked_connections(loops, (Loop,), "loops", self.link_frames)
         support = Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
         self.moving_base = support if base == "moving" else None
         self.loops = given if base != "moving" else checked_connections((*given, support), (Loop,), "loops", self.link_frames)
         self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
-        self._set_joints(joint_stiffness, joint_rest, joint_damping, flexible_joints)
+        self._set_joints(joint_stiffness, joint_rest, joint_damping)
+        self.flexible_joints = self._by_joint(flexible_joints, FlexibleJoint, "flexible_joints")
+        self._set_motors(self._by_joint(motors, Motor, "motors"))
 
-    def _set_joints(self, stiffness, rest, damping, flexible) -> None:
+    def _add_payloads(self, payloads: Sequence[Payload]) -> None:
+        import pinocchio
+
+        if isinstance(payloads, Payload) or not all(isinstance(payload, Payload) for payload in payloads):
+            raise InputError("payloads: expected a list of mb.Payload(body, mass, ...)")
+        self.payloads = tuple(payloads)
+        for payload in payloads:
+            anchor = self.link_frames.anchor(payload.body, payload.centre, _ORIGIN, "payloads")
+            tensor = anchor.rotation @ payload.tensor @ anchor.rotation.T
+            self.model.inertias[anchor.joint] += pinocchio.Inertia(payload.mass, anchor.point, (tensor + tensor.T) / 2)
+
+    def _by_joint(self, values, kind: type, what: str) -> dict:
+        """Motors or flexible joints by joint, checked."""
+        if not isinstance(values or {}, Mapping):
+            raise InputError(f"{what}: found {type(values).__name__}; expected mb.{kind.__name__}(...) by joint")
+        for name, value in (values or {}).items():
+            self.tangent.place(name, what)
+            if not isinstance(value, kind):
+                raise InputError(f"{what}: {name}: found {type(value).__name__}; make it with mb.{kind.__name__}(...)")
+        return dict(values or {})
+
+    def _set_motors(self, motors: dict[str, Motor]) -> None:
+        """Inertias go to the model, gains into vectors by coordinate, shape (nv,)."""
+        self.motors, self.position_gains = motors, np.zeros(self.model.nv)
+        armature = np.array(self.model.armature)
+        for name, motor in motors.items():
+            if name in self.flexible_joints:
+                raise InputError(f'motors: "{name}" is a flexible joint, which has a motor; give its inertia and gains there')
+            place = self.tangent.place(name, "motors")
+            armature[place] += motor.reflected_inertia
+            self.position_gains[place] = motor.position_gain
+            self.joint_damping[place] += motor.velocity_gain
+        self.model.armature = armature
+
+    def _set_joints(self, stiffness, rest, damping) -> None:
         self.joint_stiffness = self.tangent.vector(stiffness, "joint_stiffness", minimum=0.0)
         self.joint_rest = self.tangent.vector(rest, "joint_rest")
         self.rests_at_guess = self.joint_stiffness > 0
@@ -113,13 +166,6 @@ class Robot(Displayed):
                 raise InputError(f"joint_rest: {name}: a joint with several degrees of freedom rests at the posture; leave it out")
             self.rests_at_guess[place] = False
         self.joint_damping = np.array(self.model.damping) + self.tangent.vector(damping, "joint_damping", minimum=0.0)
-        if not isinstance(flexible or {}, Mapping):
-            raise InputError(f"flexible_joints: found {type(flexible).__name__}; expected mb.FlexibleJoint(...) by joint")
-        self.flexible_joints = dict(flexible or {})
-        for name, joint in self.flexible_joints.items():
-            self.tangent.place(name, "flexible_joints")
-            if not isinstance(joint, FlexibleJoint):
-                raise InputError(f"flexible_joints: {name}: found {type(joint).__name__}; make it with mb.FlexibleJoint(...)")
 
     @property
     def model(self):

@@ -243,6 +243,60 @@ class MimicRow:
         return row
 
 
+@dataclass(frozen=True)
+class JointGear:
+    """A gear or rack between two joints: q_joint = ratio q_leader + offset.
+
+    Attributes:
+        joint: the joint that follows.
+        leader: the joint that it follows.
+        ratio: -2 for a gear that turns twice as fast in the other direction; the radius of the pinion (m) for a rack.
+        offset: the value of the joint where that of the leader is 0 (rad, m).
+
+    >>> JointGear("rack", "pinion", ratio=0.05).ratio
+    0.05
+    """
+
+    joint: str
+    leader: str
+    ratio: float
+    offset: float = 0.0
+
+    def __post_init__(self):
+        for key in ("ratio", "offset"):
+            object.__setattr__(self, key, real_number(getattr(self, key), f'gear of "{self.joint}": {key}'))
+
+
+def geared(gears, mimics: tuple[Mimic, ...], joints: Mapping[str, bool]) -> tuple[Mimic, ...]:
+    """The joints that follow others by the URDF, then by gears.
+
+    Args:
+        gears: as given.
+        mimics: of the URDF.
+        joints: by name of a joint whether it has one degree of freedom.
+
+    Returns:
+        All of them.
+
+    Raises:
+        InputError: no gears, an unknown joint, one that follows two, or a leader that follows.
+    """
+    if isinstance(gears, JointGear) or not all(isinstance(one, JointGear) for one in gears):
+        raise InputError("gears: expected a list of mb.JointGear(joint, leader, ratio)")
+    added = tuple(Mimic(one.joint, one.leader, one.ratio, one.offset) for one in gears)
+    followers = [mimic.follower for mimic in (*mimics, *added)]
+    for one in added:
+        for name in (one.follower, one.leader):
+            if not joints.get(name):
+                what = "has not one degree of freedom" if name in joints else "is no joint"
+                raise InputError(f'gears: "{name}" {what}{nearest(name, [key for key, single in joints.items() if single])}')
+        if followers.count(one.follower) > 1 or one.leader in followers:
+            raise InputError(
+                f'gears: "{one.follower}" follows "{one.leader}"; expected a joint that follows one, which follows none'
+            )
+    return (*mimics, *added)
+
+
 def locked_values(locked, mimics: tuple[Mimic, ...]) -> dict[str, float]:
     """Values of the locked joints and of the joints that follow them.
 

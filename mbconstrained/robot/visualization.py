@@ -176,21 +176,21 @@ def row_wrenches(posture: Posture) -> tuple[Wrench, ...]:
     """
     load = posture.balance.load
     wrenches, start = [], 0
-    for item in load.loops:
-        stop = start + len(item.connection.rows)
-        wrenches.append(_of_loop(posture, item, np.eye(len(load.row_names))[start:stop]))
+    for item, G in zip(load.loops, posture.balance.gradients):
+        stop = start + len(G)
+        wrenches.append(_of_loop(posture, item, G, np.eye(len(load.row_names))[start:stop]))
         start = stop
     for item, row in zip(load.mimic_rows, np.eye(len(load.row_names))[start:]):
         wrenches += _of_mimic_row(posture, item, row)
     return tuple(wrenches)
 
 
-def _of_loop(posture: Posture, item: Attached, rows: np.ndarray) -> Wrench:
-    """J^T mu is the work of (R1 f; R1 t) on the second body and of the opposite on the first, (f; t) = rows^T mu."""
+def _of_loop(posture: Posture, item: Attached, gradient: np.ndarray, rows: np.ndarray) -> Wrench:
+    """J^T mu is the work of (R1 f; R1 t) on the second body and of the opposite on the first, (f; t) = gradient^T mu."""
     loop, body = item.connection, item.connection.body1
     link = posture.robot.link_frames.link(body)
     on, sign = (loop.body2, 1.0) if loop.body2 != GROUND else (body, -1.0)
-    parts = sign * loop.rows.T @ rows
+    parts = sign * gradient.T @ rows
     turn = link.rotation.T @ item.first.rotation
     return Wrench(loop.name, on, body, _in_frame(link, item.first.point), turn @ parts[:3], turn @ parts[3:])
 

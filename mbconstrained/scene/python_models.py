@@ -7,6 +7,7 @@ import tempfile
 import webbrowser
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,8 @@ from .schema.scene_schema import InitialTable, OutputTable, SceneFile, TimeTable
 
 if TYPE_CHECKING:
     from ..mechanics.system import MechanicalSystem
+    from ..robot.posture import Posture
+    from .build.robot_model import RobotScene
 
 #: So many periods of the slowest oscillation, or time constants of the slowest decay, are shown where no end is given.
 PERIODS, TIME_CONSTANTS = 8.0, 5.0
@@ -36,7 +39,7 @@ PERIODS, TIME_CONSTANTS = 8.0, 5.0
 #: More than so many periods of the fastest oscillation are not shown by default: curves would be bands.
 MOST_PERIODS = 200.0
 
-KINDS = ("displacement", "velocity", "acceleration", "reaction", "energy", "phase")
+KINDS = ("displacement", "velocity", "acceleration", "reaction", "energy", "phase", "output")
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,7 @@ class SolvedEquations(Equations):
 
     response: Response | None = None
 
-    @property
+    @cached_property
     def right_hand_side(self) -> ImpulsiveSmooth:
         """Of the problem that was solved."""
         return self.response.problem.force if self.response is not None else super().right_hand_side
@@ -98,11 +101,28 @@ def _scene(system: MechanicalSystem | None, motion: Response | None, title: str,
     coordinates = Coordinates(tuple(A.coordinates), units)
     initial = motion.initial if motion is not None else np.zeros((A.degree, A.size))
     origin = getattr(system, "origin", None)
-    equations = SolvedEquations(coordinates, A, initial, None, system, origin, response=motion)
+    equations = SolvedEquations(coordinates, A, initial, None, system, origin, _robot_scene(system), response=motion)
     coefficients = None if system is not None else list(A.coefficients)
     model = MatricesTable.model_construct(kind="matrices", coefficients=coefficients)
     table = SceneFile.model_construct(title=title, model=model, time=times, output=output, initial=InitialTable())
     return Scene(Path("motion"), table, equations, 0, {})
+
+
+def _robot_scene(system: MechanicalSystem | None) -> RobotScene | None:
+    """The robot behind a linearized one, as a scene has it; there is no robot.toml."""
+    from .build.robot_file import RobotData
+    from .build.robot_model import RobotScene
+    from .build.robot_values import UrdfNames
+    from .schema.robot_tables import RobotFile
+
+    posture: Posture | None = getattr(system, "posture", None)
+    if posture is None:
+        return None
+    robot = posture.robot
+    names = UrdfNames(Path(robot.name), robot.bodies, dict(zip(robot.coordinates, robot.units)), (), ())
+    table = RobotFile.model_construct(title=robot.name, urdf=robot.name, base=robot.base)
+    linearized: Any = system
+    return RobotScene(RobotData(Path(robot.name) / "robot.toml", table, names, ()), robot, posture, linearized, {})
 
 
 def _last_time(motion: Response) -> float:

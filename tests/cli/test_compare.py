@@ -2,9 +2,11 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from tests.cli.test_habits import CART
+from tests.page.plots.pages import functions_of_page, places_of_page
 
 
 @pytest.fixture
@@ -52,3 +54,19 @@ def test_runs_are_compared_at_the_times_of_the_first(command, carts):
 def test_what_cannot_be_compared_is_refused(command, carts, arguments, code, message):
     left, _, problem = command("compare", *arguments)
     assert left == code and message in problem
+
+
+def test_the_readings_of_common_plots_are_those_of_the_solver(command, carts):
+    assert command("compare", "soft.toml", "stiff.toml", "--set", "time.points=5")[0] == 0
+    page = (carts / "results" / "compare" / "compare.html").read_text(encoding="utf-8")
+    sets, places = functions_of_page(page), places_of_page(page)
+    for ((number, row),), rate in zip(places[0], (2.0, 4.0)):
+        for time in np.linspace(0.01, 0.99, 7):
+            value, error = sets[number].at(row, time)
+            assert abs(value - 0.1 * np.cos(rate * time)) <= error < 1e-6
+
+
+def test_several_values_of_a_run_lead_to_compare(command, carts):
+    code, _, problem = command("run", "soft.toml", "--set", "model.spring[1].stiffness=8 N/m,18 N/m")
+    assert code == 2
+    assert "found several values" in problem and "mbconstrained compare soft.toml --set" in " ".join(problem.split())

@@ -247,3 +247,9 @@ def test_a_name_that_no_file_can_have(tmp_path):
 def test_reading_op4_does_not_change_how_numpy_prints():
     """pyyeti sets NumPy's legacy mode of 1.13 when it is imported."""
     assert repr(np.array([0.0, 6.0])) == "array([0., 6.])"
+
+
+def test_matrices_of_universal_files_are_refused_with_other_formats(tmp_path):
+    (tmp_path / "model.uff").write_text("    -1\n   252\n    -1\n")
+    with pytest.raises(InputError, match=r"data set 252.*write them as \.op4, \.mat or \.mtx"):
+        read_matrix(tmp_path / "model.uff")

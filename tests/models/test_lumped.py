@@ -258,3 +258,16 @@ def test_forces_of_the_system_are_those_of_its_elements(model, data):
     found = system.static_force - system.stiffness @ x
     size = np.abs(system.stiffness).max(initial=0) * 4 + np.abs(system.static_force).max(initial=0)
     assert np.allclose(found, expected, rtol=0, atol=1e-13 * size + 1e-300)
+
+
+def test_a_long_chain_has_the_matrix_of_its_neighbours():
+    """Of n equal springs: 2 k on the diagonal but k at the free end, -k next to it."""
+    count, model = 600, LumpedModel()
+    for number in range(count):
+        model.mass(f"m{number}", 1.0)
+        model.spring(f"m{number - 1}" if number else "ground", f"m{number}", stiffness=3.0)
+    system, expected = model.assemble(), 3.0 * (2 * np.eye(count) - np.eye(count, k=1) - np.eye(count, k=-1))
+    expected[-1, -1] = 3.0
+    assert np.array_equal(system.stiffness, expected)
+    model.mass("later", 1.0)
+    assert "later" not in system.origin.units and "later" in model.units

@@ -120,3 +120,15 @@ def test_elements_that_are_added_later_are_not_on_the_page(tmp_path):
     model.mass("late", 1.0)
     page = system.solve([0.1]).write_page(tmp_path / "x.html", end=1.0).read_text(encoding="utf-8")
     assert "cart" in page and json.dumps("late") not in page
+
+
+def test_a_robot_is_drawn_as_a_scene_draws_it(tmp_path):
+    robot, data = mb.read_robot("robots/four_bar")
+    system = robot.linearize(robot.equilibrium(**data.posture))
+    force = mb.step([0.02, 0.0, 0.0])
+    page = system.solve(force=force).write_page(tmp_path / "x.html", end=1.2).read_text(encoding="utf-8")
+    scene = result_of(system.solve(force=force), end=1.2)
+    bodies = [body.name for body in scene.animation.drawing.bodies]
+    assert {"crank", "coupler", "rocker"} < set(bodies) and "<h2>Posture</h2>" in page
+    modes = system.modes().write_page(tmp_path / "modes.html").read_text(encoding="utf-8")
+    assert "coupler" in modes

@@ -10,9 +10,9 @@ import numpy as np
 from .bodies import Body, Drawing, Link, Solid
 from .paths import Path
 
-#: Shares of the robot's size: thickness of plates, least width of the base plate, width of the plates under fixed points, and
-#: radius of the ball for a link without a shape.
-_PLATE, _WIDTH, _PAD, _BALL = 0.012, 0.15, 0.06, 0.014
+#: Shares of the robot's size: thickness of plates, least width of the base plate, width of the plates under fixed points, height of a
+#: mount on the ground, and radius of the ball for a link without a shape.
+_PLATE, _WIDTH, _PAD, _MOUNT, _BALL = 0.012, 0.15, 0.06, 0.08, 0.014
 
 #: Width relative to the root of a base plate under it, and of one over it, which must not hide it.
 _MARGIN, _COVER = 1.2, 0.6
@@ -56,10 +56,11 @@ def robot_drawing(
         own = solids.get(name) or [ball] * (shapeless or name in connected)
         bodies.append(Body(name, "solids", solids=tuple(own), path=path, label=None if own else ""))
     bodies += [_plate(points, paths, size)] if fixed else []
-    bodies += _pads(connections, size)
+    ends = [_ends(row, points, _MOUNT * size) for row in connections]
+    bodies += _pads(connections, ends, size)
     if "ground" not in paths:
         bodies.append(Body("ground", "solids", label=""))
-    return Drawing(tuple(bodies), tuple(_links(connections)), scale, note=note)
+    return Drawing(tuple(bodies), tuple(_links(connections, ends)), scale, note=note)
 
 
 def solids_of(visuals: Iterable[Any]) -> dict[str, list[Solid]]:
@@ -95,20 +96,32 @@ def _plate(points: Mapping[str, np.ndarray], paths: Mapping[str, Path], size: fl
     return Body(BASE_PLATE, "base", (middle[0], middle[1], level), size=(width, depth, thickness))
 
 
-def _pads(connections: tuple[Any, ...], size: float) -> list[Body]:
+_Point = tuple[float, ...]
+
+
+def _ends(row: Any, points: Mapping[str, np.ndarray], height: float) -> tuple[_Point, _Point]:
+    """The points that a connection is drawn between: those of a mount on the ground coincide, and its foot is moved out of the body."""
+    ends, bodies = [list(map(float, point)) for point in (row.point1, row.point2)], (row.body1, row.body2)
+    if row.kind == "bushing" and bodies.count("ground") == 1:
+        foot, body = bodies.index("ground"), points.get(bodies[1 - bodies.index("ground")])
+        is_above = body is None or body[2, :, 0].mean() >= ends[foot][2]
+        ends[foot][2] -= height if is_above else -height
+    return tuple(ends[0]), tuple(ends[1])
+
+
+def _pads(connections: tuple[Any, ...], ends: Sequence[tuple[_Point, _Point]], size: float) -> list[Body]:
     """A small plate under each point that is fixed to the ground."""
-    attached = [(row.body1, row.point1) for row in connections] + [(row.body2, row.point2) for row in connections]
-    points = dict.fromkeys(tuple(map(float, point)) for name, point in attached if name == "ground")
+    attached = [(name, point) for row, two in zip(connections, ends) for name, point in zip((row.body1, row.body2), two)]
+    points = dict.fromkeys(point for name, point in attached if name == "ground")
     width, thickness = _PAD * size, _PLATE * size
     places = [(x, y, z - thickness / 2) for x, y, z in points]
     return [Body(f"{PAD} {i}", "base", place, size=(width, width, thickness)) for i, place in enumerate(places, start=1)]
 
 
-def _links(connections: tuple[Any, ...]) -> Iterable[Link]:
+def _links(connections: tuple[Any, ...], ends: Sequence[tuple[_Point, _Point]]) -> Iterable[Link]:
     between: dict[tuple, list[Any]] = {}
-    for row in connections:
+    for row, points in zip(connections, ends):
         kind = "strut" if row.kind in ("spring", "damper") else row.kind
-        points = (tuple(map(float, point)) for point in (row.point1, row.point2))
         between.setdefault((kind, row.body1, row.body2, *points), []).append(row)
     for (_, start, end, start_point, end_point), rows in between.items():
         kinds = {row.kind for row in rows}

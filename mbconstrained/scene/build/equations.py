@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -114,7 +115,7 @@ class Equations:
         """The equilibrium about which the robot moves, or None."""
         return self.robot_scene and self.robot_scene.posture
 
-    @property
+    @cached_property
     def right_hand_side(self) -> ImpulsiveSmooth:
         """What stands on the right of A(d/dt) x: forces, static offsets and constraint values."""
         force = zero(len(self.coordinates.names)) if self.force is None else self.force

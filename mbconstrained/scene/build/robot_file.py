@@ -144,7 +144,7 @@ def robot_data(path: Path, package_dirs: Sequence[str | Path] = ()) -> RobotData
     with at(place, "urdf"):
         urdf = inside(folder, table.urdf, "the URDF must lie in the robot's folder", 'the name of a file, e.g. "robot.urdf"')
     with at(f"{folder.name}/{urdf.name}"):
-        names = names_of_urdf(urdf)
+        names = names_of_urdf(urdf, table.base != "fixed")
     dirs = (*_package_dirs(table.package_dirs, folder, place), *(Path(place).resolve() for place in package_dirs))
     texts = count_texts({key: value for key, value in data.items() if key not in ("title", "source", "licence", "urdf")})
     with at(place, "locked"):
@@ -164,7 +164,7 @@ def robot_of(data: RobotData) -> Robot:
     from ...robot.robot import Robot
 
     values = robot_arguments(data.table, data.names, data.place)
-    for key in ("joint_stiffness", "joint_rest", "joint_damping", "flexible_joints"):
+    for key in ("joint_stiffness", "joint_rest", "joint_damping", "flexible_joints", "motors"):
         values[key] = {name: value for name, value in values[key].items() if name not in data.locked}
     with at(data.place, "the robot"):
         return Robot(data.names.path, package_dirs=data.package_dirs, name=data.name, locked=data.locked, **values)

@@ -19,11 +19,16 @@ if TYPE_CHECKING:
 STIFFNESS = {"rad": "N*m/rad", "m": "N/m"}
 DAMPING = {"rad": "N*m*s/rad", "m": "N*s/m"}
 FORCE = {"rad": "N*m", "m": "N"}
+INERTIA = {"rad": "kg*m^2", "m": "kg"}
 PLACE = {"rad": "rad", "m": "m"}
 BASE = "base"
 POSE_UNITS = ("m", "m", "m", "rad", "rad", "rad")
 
 
+COORDINATE_UNITS = {
+    "planar": {"x": "m", "y": "m", "rz": "rad"},
+    "floating": dict.fromkeys("xyz", "m") | {f"r{axis}": "rad" for axis in "xyz"},
+}
 JOINT_UNITS = {"revolute": "rad", "continuous": "rad", "prismatic": "m"}
 
 
@@ -34,7 +39,7 @@ class UrdfNames:
     Attributes:
         path: the file.
         links: their names.
-        units: of the joints with one degree of freedom, "rad" or "m", by name.
+        units: of the joints with one degree of freedom and the coordinates of others, "rad" or "m", by name.
         mimics: joints that follow others.
         meshes: file names of the meshes that are drawn, as they stand in the URDF, each with its link.
     """
@@ -70,8 +75,15 @@ class UrdfNames:
             raise InputError(f"there is no body {shown(name)}{nearest(name, known)}; the bodies are {_some(known)}")
 
 
-def names_of_urdf(path: Path) -> UrdfNames:
+def names_of_urdf(path: Path, free_base: bool = False) -> UrdfNames:
     """Look through a URDF. Collision geometry is not looked at.
+
+    Args:
+        path: the file.
+        free_base: whether the base has coordinates.
+
+    Returns:
+        The names.
 
     Raises:
         InputError: it cannot be read, is too large, or is no URDF.
@@ -84,6 +96,9 @@ def names_of_urdf(path: Path) -> UrdfNames:
     text, _ = read_urdf(path)
     root = checked_tree(text)
     units = {joint.get("name").strip(): JOINT_UNITS.get(joint.get("type")) for joint in root.findall("joint")}
+    several = [(joint.get("name").strip(), COORDINATE_UNITS.get(joint.get("type"), {})) for joint in root.findall("joint")]
+    for name, own in (*several, *([(BASE, COORDINATE_UNITS["floating"])] if free_base else [])):
+        units |= {f"{name} {suffix}": unit for suffix, unit in own.items()}
     links = {link.get("name").strip(): link for link in root.findall("link")}
     meshes = ((name, mesh.get("filename", "")) for name, link in links.items() for mesh in link.findall("visual/geometry/mesh"))
     return UrdfNames(path, tuple(links), {name: unit for name, unit in units.items() if unit}, mimics_of(root), tuple(meshes))
@@ -145,6 +160,28 @@ def _flexible_joint(name: str, entry, names: UrdfNames):
             with named(key):
                 values[key] = quantity(values[key], units[unit])
     return FlexibleJoint(**values)
+
+
+def _motor(name: str, entry, names: UrdfNames):
+    """A Motor; its units are those of its joint."""
+    from ...robot.flexible_joint import Motor
+
+    unit = names.joint_unit(name)
+    values, units = _given(entry), {"armature": INERTIA, "position_gain": STIFFNESS, "velocity_gain": DAMPING}
+    for key in values.keys() & units.keys():
+        with named(key):
+            values[key] = quantity(values[key], units[key][unit])
+    return Motor(**values)
+
+
+def _gear(kind: type, entry, names: UrdfNames):
+    """A JointGear; its ratio has the units of both joints."""
+    own, leading = names.joint_unit(entry.joint), names.joint_unit(entry.leader)
+    unit = {("m", "rad"): "m/rad", ("rad", "m"): "rad/m"}.get((own, leading), "1")
+    with named("ratio"):
+        ratio = quantity(entry.ratio, unit)
+    with named("offset"):
+        return kind(entry.joint, entry.leader, ratio, quantity(entry.offset, own))
 
 
 def point_motion(entry, names: UrdfNames):
@@ -223,6 +260,8 @@ def robot_arguments(table, names: UrdfNames, place: str) -> dict:
         SceneError: an unknown joint or body, a value of another kind.
     """
     from ...robot.connections import BodySpring, Bushing, Loop
+    from ...robot.description.masses import Payload
+    from ...robot.tangent import JointGear
 
     values = {"base": table.base, "gravity": tuple(table.gravity) if isinstance(table.gravity, list) else table.gravity}
     units = {"joint_stiffness": STIFFNESS, "joint_rest": PLACE, "joint_damping": DAMPING}
@@ -233,6 +272,17 @@ def robot_arguments(table, names: UrdfNames, place: str) -> dict:
     for name, entry in table.flexible_joints.items():
         with at(place, f"flexible_joints.{name}"):
             values["flexible_joints"][name] = _flexible_joint(name, entry, names)
+    values["motors"] = {}
+    for name, entry in table.motors.items():
+        with at(place, f"motors.{name}"):
+            values["motors"][name] = _motor(name, entry, names)
+    with at(place, "gear"):
+        values["gears"] = [_gear(JointGear, entry, names) for entry in table.gear]
+    with at(place, "payload"):
+        for entry in table.payload:
+            names.check_body(entry.body)
+        values["payloads"] = [Payload(**_given(entry)) for entry in table.payload]
+    values |= {"masses": table.masses, "inertias": table.inertias}
     values["loops"] = _connections(Loop, table.loop, "loop", names, place)
     springs = _connections(BodySpring, table.spring, "spring", names, place)
     values["springs"] = (*springs, *_connections(Bushing, table.bushing, "bushing", names, place))

@@ -16,6 +16,7 @@ from .entry_types import (
     Inertia,
     Length,
     Level,
+    Mass,
     Name,
     Number,
     Quantity,
@@ -67,8 +68,15 @@ class FramesTable(ConnectionTable):
 class LoopTable(FramesTable):
     """A joint that closes a loop."""
 
-    kind: Literal["point", "rigid", "hinge"] = Field("point", description="Which of the six directions are constrained.")
-    axis: Three[Number] = Field([0.0, 0.0, 1.0], description="Of a hinge, in the frame on body1.")
+    kind: Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "rod"] = Field(
+        "point", description="Which of the six directions are constrained."
+    )
+    axis: Three[Number] = Field([0.0, 0.0, 1.0], description="Of a hinge, prismatic or cylindrical loop, in the frame on body1.")
+    length: Length | None = Field(None, description="Of a rod; that at the guess if it is left out.")
+    friction: Number | None = Field(
+        None, description="Coefficient of friction of a foot on the ground; its force at rest is checked."
+    )
+    normal: Three[Number] = Field([0.0, 0.0, 1.0], description="Of the contact with friction, in the directions of the ground.")
 
 
 class BodySpringTable(ConnectionTable):
@@ -100,6 +108,36 @@ class FlexibleJointTable(Table):
     gear_ratio: Number = Field(1.0, description="Turns of the motor for one of the joint.")
     proportional_gain: Quantity = Field(0.0, description="Of the motor's position control, at the joint's side.")
     derivative_gain: Quantity = Field(0.0, description="Of the motor's position control, at the joint's side.")
+
+
+class MotorTable(Table):
+    """A motor with a rigid gear."""
+
+    armature: Quantity = Field(0.0, description="Inertia at the joint's side.")
+    rotor_inertia: Inertia = Field(0.0, description="Of the rotor, in front of the gear.")
+    gear_ratio: Number = Field(1.0, description="Turns of the motor for one of the joint.")
+    position_gain: Quantity = Field(0.0, description="Of the motor's position control, at the joint's side; it carries the load.")
+    velocity_gain: Quantity = Field(0.0, description="Of the motor's position control, at the joint's side.")
+
+
+class JointGearTable(Table):
+    """A gear or rack between two joints."""
+
+    joint: Text = Field(description="The joint that follows.")
+    leader: Text = Field(description="The joint that it follows.")
+    ratio: Quantity = Field(description="Its value for one rad (m) of the leader; the radius of the pinion of a rack.")
+    offset: Quantity = Field(0.0, description="Its value where that of the leader is 0.")
+
+
+class PayloadTable(Table):
+    """A body fixed to a link."""
+
+    body: Text = Field(description="The link.")
+    mass: Mass = Field(description="Of the body.")
+    centre: Vector = Field([0.0, 0.0, 0.0], description="Of mass, in the link's frame.")
+    inertia: list[Inertia] = Field(
+        [0.0, 0.0, 0.0], description="About the centre of mass: three principal moments, or ixx, ixy, ixz, iyy, iyz, izz."
+    )
 
 
 class PointTable(Table):
@@ -140,16 +178,25 @@ class RobotFile(Table):
     source: Text = Field("", description="Where it comes from.")
     licence: Text = Field("", description='Under which licence, e.g. "MIT".')
     urdf: Text = Field(description="The URDF, a file in the robot's folder.")
-    package_dirs: list[Text] = Field([], description="Folders in which package://NAME/… are looked up, relative to the robot's.")
+    package_dirs: list[Text] = Field(
+        [], description="Folders in which package://NAME/… are looked up: paths, or relative to the robot's."
+    )
     base: Literal["fixed", "free", "moving"] = Field(
         "fixed", description="Whether the root link is fixed to the ground, moves freely, or has a prescribed motion."
     )
     gravity: Gravity = Field([0.0, 0.0, -9.81], description="A number for downwards along z, or a vector.")
     joint_stiffness: JointValues = Field({}, description="Springs of joints, by name.")
-    joint_rest: JointValues = Field({}, description="Where these springs are without torque.")
+    joint_rest: JointValues = Field(
+        {}, description="Where these springs are without torque; one that is left out carries the load at the guess."
+    )
     joint_damping: JointValues = Field({}, description="Dampers of joints, in addition to those of the URDF.")
     locked: JointValues = Field({}, description="Joints that are frozen at a value.")
     flexible_joints: dict[Text, FlexibleJointTable] = Field({}, description="Joints driven by a motor behind an elastic gear.")
+    motors: dict[Text, MotorTable] = Field({}, description="Motors of joints with a rigid gear.")
+    gear: list[JointGearTable] = Field([], description="Gears and racks between joints.")
+    payload: list[PayloadTable] = Field([], description="Bodies fixed to links.")
+    masses: dict[Text, Mass] = Field({}, description="Other masses of links; the inertia changes in the same ratio.")
+    inertias: dict[Text, list[Inertia]] = Field({}, description="Other inertias of links, as of a payload.")
     loop: list[LoopTable] = Field([], description="Joints that close loops.")
     spring: list[BodySpringTable] = Field([], description="Springs between bodies.")
     bushing: list[BushingTable] = Field([], description="Bushings between bodies.")

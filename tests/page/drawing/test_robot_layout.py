@@ -7,7 +7,7 @@ from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.animation.figure import figure_data
 from mbconstrained.page.animation.keyframes import key_frames
 from mbconstrained.page.drawing.paths import Path
-from mbconstrained.page.drawing.robot_layout import BASE_PLATE, robot_drawing, solids_of
+from mbconstrained.page.drawing.robot_layout import BASE_PLATE, PAD, robot_drawing, solids_of
 from tests.page.robots import Seen, Tie, four_bar, turned
 
 TIMES = np.linspace(0, 6, 121)
@@ -128,3 +128,20 @@ def test_colours_are_those_of_the_robot_or_differ():
     ]
     assert len({part["color"] for part in parts}) == 3
     assert (parts[2]["color"], parts[2]["opacity"]) == ("#ff8000", 0.25)
+
+
+@pytest.mark.parametrize(("height", "side"), [(0.5, -1), (-0.5, 1)])
+def test_the_foot_of_a_mount_on_the_ground_is_outside_of_the_body(height, side):
+    """The body is a box above the mount, or one that hangs from it: drawn at the point itself, half of the mount was inside."""
+    placement = np.eye(4)
+    placement[2, 3] = height
+    seen = Seen("block", "box", (1.0, 1.0, 0.2), placement)
+    point = (0.25, 0.2, 0.0)
+    drawing = robot_drawing(
+        solids_of([seen]), {"block": REST}, [Tie("mount", "bushing", "block", point, "ground", point)], fixed=False
+    )
+    (link,) = drawing.links
+    assert link.start_point == point and link.end_point[:2] == point[:2]
+    assert link.end_point[2] * side > 0
+    pad = next(body for body in drawing.bodies if body.name.startswith(PAD))
+    assert pad.rest[2] + pad.size[2] / 2 == pytest.approx(link.end_point[2])

@@ -160,6 +160,52 @@ URDF_CASES = [
 ]
 
 
+MORE = """
+masses = { crank = "3 kg" }
+inertias = { ram = [1, "2 g*m^2", 3] }
+[motors.pivot]
+armature = "20 g*m^2"
+rotor_inertia = "1e-6 kg*m^2"
+gear_ratio = 100
+position_gain = "30 N*m/rad"
+velocity_gain = "2 N*m*s/rad"
+[motors.slide]
+armature = "500 g"
+[[payload]]
+body = "ram"
+mass = "250 g"
+centre = ["1 cm", 0, 0]
+[[gear]]
+joint = "slide"
+leader = "pivot"
+ratio = "20 mm/rad"
+offset = "1 cm"
+[[loop]]
+body1 = "crank"
+point1 = ["20 cm", 0, 0]
+body2 = "ram"
+point2 = [0, 0, 0]
+kind = "rod"
+length = "150 mm"
+"""
+
+
+def test_motors_masses_payloads_and_gears_are_read_with_their_units(tmp_path):
+    robot, _ = read_robot(press(tmp_path, TOML.replace("[[spring]]", MORE + "[[spring]]")))
+    assert robot.motors["pivot"].reflected_inertia == pytest.approx(0.03) and robot.motors["slide"].armature == 0.5
+    assert robot.position_gains.tolist() == [30.0, 0.0] and robot.joint_damping.tolist() == pytest.approx([2.1, 4.0])
+    assert robot.model.inertias[1].mass == 3.0 and robot.model.inertias[2].mass == 2.25
+    (row,) = robot.mimic_rows
+    assert (row.name, row.multiplier, row.offset) == ("slide follows pivot", pytest.approx(0.02), pytest.approx(0.01))
+    assert robot.loops[0].length == pytest.approx(0.15)
+
+
+def test_coordinates_of_a_free_base_stand_in_the_file_by_name(tmp_path):
+    toml = TOML.replace("joint_stiffness = {", 'base = "free"\njoint_stiffness = { "base z" = "5 N/mm", "base rx" = "7 N*m/rad",')
+    robot, _ = read_robot(press(tmp_path, toml))
+    assert robot.joint_stiffness.tolist()[:6] == [0, 0, 5000, 7, 0, 0]
+
+
 def test_a_urdf_that_is_not_there_is_told_with_the_nearest_name(tmp_path):
     with pytest.raises(SceneError, match=r'press/pres\.urdf: there is no file "pres\.urdf"; did you mean "press\.urdf"'):
         read_robot(press(tmp_path, TOML.replace('urdf = "press', 'urdf = "pres')))

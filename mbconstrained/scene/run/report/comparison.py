@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ....ground.display import TextTable
 from ....page.content import Curve, PageContent, Plot
 from ..curves import ORDERS
@@ -67,10 +65,11 @@ def _plots(labels: Sequence[str], results: Sequence[Result]) -> list[Plot]:
             continue
         groups: dict[tuple[str, str, str], list[Curve]] = {}
         for label, result in zip(labels, results):
-            curves = result.shown_curves(kind)
-            for name, title, unit, values in zip(curves.names, curves.titles, curves.units, curves.values):
+            curves, functions = result.shown_curves(kind), result.time_functions(kind)
+            for i, (name, title, unit) in enumerate(zip(curves.names, curves.titles, curves.units)):
                 if kind not in ORDERS or wanted.coordinates is None or name in wanted.coordinates:
-                    groups.setdefault((name, title, unit), []).append(Curve(label, np.asarray(values)))
+                    curve = Curve(label, curves.values[i], function=(functions, i))
+                    groups.setdefault((name, title, unit), []).append(curve)
         plots += [
             Plot(f"{name}: {title}", "" if unit == "1" else unit, results[0].times, tuple(curves))
             for (name, title, unit), curves in groups.items()

@@ -135,7 +135,8 @@ def as_json(result: Result) -> dict:
         **(control_json(control) if control else {}),
         "coordinates": scene.equations.coordinates.as_json(),
         "constraints": [
-            {"name": row.name, "level": row.level, "value": row.value} for row in (result.system.rows if result.system else ())
+            {"name": row.name, "level": row.level, "value": row.value if row.signal is None else "prescribed"}
+            for row in (result.system.rows if result.system else ())
         ],
         "eigenvalues": _eigenvalues(result),
         "initial": motion.initial.tolist(),

@@ -1,0 +1,98 @@
+"""Masses of links besides those of the URDF: payloads, and other masses and inertias of links."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from ...ground.checks import nearest, real_array, real_number
+from ...ground.errors import InputError
+from ...ground.tolerances import noise_of
+from .urdf import number
+
+_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+@dataclass(frozen=True)
+class Payload:
+    """A body fixed to a link, such as the load of a gripper.
+
+    Attributes:
+        body: the link.
+        mass: in kg.
+        centre: of mass, in the link's frame (m).
+        inertia: about it, in the directions of the link: the three principal moments, or ixx, ixy, ixz, iyy, iyz, izz (kg m^2).
+
+    >>> Payload("tool", mass=2.0, centre=(0, 0, 0.1)).inertia
+    (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """
+
+    body: str
+    mass: float
+    centre: Sequence[float] = (0.0, 0.0, 0.0)
+    inertia: Sequence[float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self):
+        where = f'payload of "{self.body}"'
+        object.__setattr__(self, "mass", real_number(self.mass, f"{where}: mass", minimum=0.0))
+        object.__setattr__(self, "centre", tuple(real_array(self.centre, f"{where}: centre", shape=(3,)).tolist()))
+        object.__setattr__(self, "inertia", tuple(_tensor(self.inertia, f"{where}: inertia")[np.triu_indices(3)].tolist()))
+
+    @property
+    def tensor(self) -> np.ndarray:
+        """The inertia as a matrix, shape (3, 3)."""
+        return _tensor(self.inertia, "inertia")
+
+
+def _tensor(moments, where: str) -> np.ndarray:
+    """The symmetric matrix of three principal moments or of six moments; no moment about any axis may be negative."""
+    values = real_array(moments, where, shape=(None,))
+    if len(values) not in (3, 6):
+        raise InputError(f"{where}: found {len(values)} numbers; expected 3 principal moments, or ixx, ixy, ixz, iyy, iyz, izz")
+    tensor = np.diag(values) if len(values) == 3 else np.zeros((3, 3))
+    if len(values) == 6:
+        tensor[np.triu_indices(3)] = values
+        tensor = tensor + np.triu(tensor, 1).T
+    if (least := np.linalg.eigvalsh(tensor)[0]) < -noise_of(np.abs(tensor).max(), 3):
+        raise InputError(f"{where}: the moment of inertia about some axis is {least:.3g} kg m^2; expected 0 or more")
+    return tensor
+
+
+def replace_masses(robot: Element, masses: Mapping[str, float], inertias: Mapping[str, Sequence[float]]) -> None:
+    """Replace masses and inertias of links in a description; with a mass alone the inertia changes in the same ratio.
+
+    Args:
+        robot: the element <robot>, changed in place.
+        masses: in kg, by link.
+        inertias: about the centre of mass in the directions of <inertial>, as of ``Payload``, by link.
+
+    Raises:
+        InputError: an unknown link, one without <inertial>, or a mass that cannot be changed in a ratio.
+    """
+    links = {link.get("name", ""): link for link in robot.findall("link")}
+    for key, values in (("masses", masses), ("inertias", inertias)):
+        if not isinstance(values, Mapping):
+            raise InputError(f"{key}: found {type(values).__name__}; expected values by link")
+        for name in values:
+            if name not in links:
+                raise InputError(f'{key}: there is no link "{name}"{nearest(str(name), links)}')
+            if links[name].find("inertial/mass") is None or links[name].find("inertial/inertia") is None:
+                raise InputError(f'{key}: the link "{name}" has no <inertial>; add an mb.Payload to it instead')
+    for name, mass in masses.items():
+        element, inertia = links[name].find("inertial/mass"), links[name].find("inertial/inertia")
+        new = real_number(mass, f"masses: {name}", minimum=0.0)
+        old = number(element.get("value"), f'urdf, link "{name}", mass')
+        if old <= 0 and new and name not in inertias:
+            raise InputError(
+                f'masses: the link "{name}" has no mass in the URDF, so that its inertia has no ratio to it; give inertias, too'
+            )
+        element.set("value", repr(new))
+        for key in _MOMENTS:
+            moment = number(inertia.get(key), f'urdf, link "{name}", inertia, {key}')
+            inertia.set(key, repr(moment * (new / old if old else 0.0)))
+    for name, moments in inertias.items():
+        for key, value in zip(_MOMENTS, _tensor(moments, f"inertias: {name}")[np.triu_indices(3)].tolist()):
+            links[name].find("inertial/inertia").set(key, repr(value))

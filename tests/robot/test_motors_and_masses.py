@@ -1,0 +1,183 @@
+"""Motors with rigid gears, payloads, other masses, gears of joints: against closed forms and the referee of finite differences."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.robot.balance import Balance
+from tests.robot.linkages import GROUND, PLANE, bar, joint, link, urdf
+from tests.robot.reference import Reference
+
+G = 9.81
+PENDULUM = urdf(GROUND, link("bob", 1.7, (0, 0, -0.6), (0.02, 0.05, 0.03)), joint("swing", "frame", "bob", axis=(0, 1, 0)))
+INERTIA = 0.05 + 1.7 * 0.36
+
+
+def linear(robot: mb.Robot, guess: dict) -> mb.LinearizedRobot:
+    return robot.linearize(robot.equilibrium(guess))
+
+
+def test_a_motor_adds_its_inertia_and_its_gains():
+    motor = mb.Motor(armature=0.3, rotor_inertia=2e-5, gear_ratio=50, position_gain=200.0, velocity_gain=4.0)
+    robot = mb.Robot(PENDULUM, motors={"swing": motor})
+    posture = robot.equilibrium({"swing": 0.5})
+    system = robot.linearize(posture)
+    assert posture.joints["swing"] == 0.5 and posture.torques["swing"] == pytest.approx(1.7 * G * 0.6 * np.sin(0.5))
+    assert system.mass[0, 0] == pytest.approx(INERTIA + 0.35, rel=1e-14)
+    assert system.stiffness[0, 0] == pytest.approx(1.7 * G * 0.6 * np.cos(0.5) + 200.0, rel=1e-13)
+    assert system.damping[0, 0] == 4.0
+    (mode,) = system.modes().oscillating
+    assert sum(mode.shares[0].kinetic.values()) == pytest.approx(1.0) and mode.shares[0].kinetic["rotor of swing"] > 0.3
+    assert mode.shares[0].strain["control of swing"] > 0.9
+
+
+def test_a_payload_is_a_body_fixed_to_the_link():
+    # the same robot with a further link behind a fixed joint
+    given = (0.03, 0.001, -0.002, 0.02, 0.003, 0.04)
+    payload = mb.Payload("bob", 2.5, (0.1, -0.05, -0.8), given)
+    fixed = PENDULUM.replace(
+        "</robot>",
+        link("load", 2.5, (0, 0, 0), (given[0], given[3], given[5], given[1], given[2], given[4]))
+        + joint("grip", "bob", "load", "fixed", at=(0.1, -0.05, -0.8))
+        + "</robot>",
+    )
+    ours, other = (
+        linear(robot, {"swing": 0.4})
+        for robot in (
+            mb.Robot(PENDULUM, payloads=[payload], joint_stiffness={"swing": 30.0}),
+            mb.Robot(fixed, joint_stiffness={"swing": 30.0}),
+        )
+    )
+    assert ours.mass == pytest.approx(other.mass, rel=1e-13) and ours.stiffness == pytest.approx(other.stiffness, rel=1e-12)
+
+
+def test_another_mass_changes_the_inertia_in_the_same_ratio():
+    robot = mb.Robot(PENDULUM, masses={"bob": 3.4})
+    assert linear(robot, {}).mass[0, 0] == pytest.approx(2 * INERTIA, rel=1e-14)
+    robot = mb.Robot(PENDULUM, masses={"bob": 3.4}, inertias={"bob": (0.1, 0.2, 0.3)})
+    assert linear(robot, {}).mass[0, 0] == pytest.approx(0.2 + 3.4 * 0.36, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"masses": {"bab": 1.0}}, 'masses: there is no link "bab"; did you mean "bob"'),
+        ({"masses": {"frame": 1.0}}, 'masses: the link "frame" has no <inertial>'),
+        ({"masses": {"bob": -1.0}}, "masses: bob"),
+        ({"inertias": {"bob": (1, 1)}}, "expected 3 principal moments"),
+        ({"inertias": {"bob": (1, -1, 1)}}, "expected 0 or more"),
+        ({"payloads": mb.Payload("bob", 1.0)}, "expected a list"),
+        ({"payloads": [mb.Payload("hand", 1.0)]}, 'there is no body "hand"'),
+        ({"motors": {"swing": 3.0}}, "make it with mb.Motor"),
+        ({"motors": {"swim": mb.Motor()}}, 'motors: there is no joint "swim"'),
+        ({"motors": {"swing": mb.Motor()}, "flexible_joints": {"swing": mb.FlexibleJoint(1.0)}}, "is a flexible joint"),
+        ({"gears": [mb.JointGear("swing", "swim", 1.0)]}, 'gears: "swim" is no joint'),
+        ({"gears": [mb.JointGear("swing", "swing", 1.0)]}, "which follows none"),
+    ],
+)
+def test_messages(options, message):
+    with pytest.raises(mb.InputError, match=re.escape(message)):
+        mb.Robot(PENDULUM, **options)
+
+
+def test_a_gear_and_a_rack():
+    # a wheel of inertia I with a torsion spring k, geared by r to a second wheel, and by a pinion of radius a to a mass on a spring
+    parts = [
+        link("wheel", 1.0, (0, 0, 0), (1, 1, 0.4)),
+        link("second", 1.0, (0, 0, 0), (1, 1, 0.1)),
+        link("slide", 3.0, (0, 0, 0), (1, 1, 1)),
+    ]
+    joints = [
+        joint("turn", "frame", "wheel"),
+        joint("other", "frame", "second"),
+        joint("rail", "frame", "slide", "prismatic", axis=(1, 0, 0)),
+    ]
+    r, a, k, c = -2.0, 0.05, 8.0, 700.0
+    robot = mb.Robot(
+        urdf(GROUND, *parts, *joints),
+        gravity=PLANE,
+        joint_stiffness={"turn": k, "rail": c},
+        joint_rest={"turn": 0.0, "rail": 0.0},
+        gears=[mb.JointGear("other", "turn", r), mb.JointGear("rail", "turn", a)],
+    )
+    posture = robot.equilibrium({"turn": 0.2})
+    assert posture.joints == pytest.approx({"turn": 0.0, "other": 0.0, "rail": 0.0}, abs=1e-12)
+    (frequency,) = robot.linearize(posture).modes().natural_frequencies
+    assert frequency**2 == pytest.approx((k + a**2 * c) / (0.4 + r**2 * 0.1 + a**2 * 3.0), rel=1e-12)
+
+
+LOOPS = {
+    "rod": {"kind": "rod"},
+    "long rod": {"kind": "rod", "length": 0.5},
+    "cylindrical": {"kind": "cylindrical", "axis": (0.3, 1.0, -0.2)},
+    "prismatic": {"kind": "prismatic", "axis": (0.0, 1.0, 0.0)},
+}
+
+
+@pytest.mark.parametrize("what", LOOPS)
+def test_other_loops_against_finite_differences_of_all_forces(what):
+    """K on the motions that are allowed = derivative of gravity - J^T lambda along them, J the numerical gradient of each row."""
+    chain = ["frame", *(f"b{i}" for i in range(7))]
+    axes = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0.5, 0), (0, 1, 0.3), (0.2, 0, 1), (1, 1, 0)]
+    parts = [link(name, 0.5 + 0.1 * i, (0.05, 0.02, 0.1), (0.02, 0.03, 0.025)) for i, name in enumerate(chain[1:])]
+    joints = [joint(f"j{i}", *ends, at=(0.05, 0.1, 0.2), axis=axis) for i, (*ends, axis) in enumerate(zip(chain, chain[1:], axes))]
+    text = urdf(GROUND, *parts, *joints)
+    point2 = {} if LOOPS[what]["kind"] != "rod" else {"point2": (0.6, 0.2, 0.9)}
+    loop = mb.Loop("b6", (0.1, 0, 0.2), "ground", name="tie", **point2, **LOOPS[what])
+    guess = {f"j{i}": value for i, value in enumerate((0.3, -0.5, 0.4, 0.6, -0.2, 0.5, 0.1))}
+    robot = mb.Robot(text, loops=[loop], joint_stiffness={f"j{i}": 400.0 for i in range(7)}, joint_rest=guess)
+    posture = robot.equilibrium(guess)
+    system = robot.linearize(posture)
+    assert (
+        posture.loop_error < 1e-12 and posture.residual < 1e-9 and len(system.rows) == {"rod": 1, "cyl": 4, "pri": 5}[loop.kind[:3]]
+    )
+    reference = Reference(text, joint_stiffness={f"j{i}": 400.0 for i in range(7)}, joint_rest=guess)
+    q = reference.configuration(posture.joints)
+    h = 1e-4
+
+    def balance(d):
+        return Balance(robot.tree, posture.balance.load, q + d)
+
+    def gaps(d):
+        return balance(d).gaps
+
+    J = np.array([(8 * (gaps(h * e) - gaps(-h * e)) - (gaps(2 * h * e) - gaps(-2 * h * e))) / (12 * h) for e in np.eye(7)]).T
+    assert posture.balance.jacobian == pytest.approx(J, abs=1e-9)
+    N = np.linalg.svd(J)[2][len(J) :].T
+
+    def unbalanced(d):
+        return -reference.applied(q + d) - balance(d).jacobian.T @ posture.multipliers
+
+    K = np.array([(unbalanced(h * e) - unbalanced(-h * e)) / (2 * h) for e in np.eye(7)]).T
+    expected = N.T @ K @ N
+    assert np.abs(N.T @ unbalanced(0 * q)).max() < 1e-7
+    assert N.T @ system.stiffness @ N == pytest.approx(expected, abs=2e-6 * np.abs(expected).max())
+
+
+def test_loop_forces_in_the_directions_of_the_ground_add_up_to_the_weight():
+    text = urdf(
+        link("body", 4.0, (0.02, 0.01, 0), (0.1, 0.1, 0.1)),
+        link("leg", 0.5, (0, 0, -0.1), (0.01, 0.01, 0.01)),
+        joint("knee", "body", "leg", at=(0.1, 0, 0)),
+    )
+    robot = mb.Robot(text, base="free", loops=[mb.Loop("leg", (0, 0, -0.3), "ground", kind="rigid", name="foot")])
+    posture = robot.equilibrium({"base": (0, 0, 1, 0.4, 0.2, 0.1), "knee": 0.3}, hold="all")
+    assert posture.ground_reactions["foot"][:3] == pytest.approx([0, 0, -4.5 * G], abs=1e-9)  # on the ground
+
+
+@pytest.mark.parametrize(
+    ("slope", "friction", "text"), [(0.0, 0.1, None), (0.3, 0.4, None), (0.3, 0.25, "slips"), (np.pi, 0.5, "lifts off")]
+)
+def test_a_foot_on_a_slope_slips_where_the_tangent_exceeds_the_coefficient_of_friction(slope, friction, text):
+    normal = (np.sin(slope), 0.0, np.cos(slope))
+    body = urdf(link("body", 4.0, (0, 0, 0), (0.1, 0.1, 0.1)), bar("arm", 0.1, 0.1), joint("j", "body", "arm"))
+    for ends in (("body", (0, 0, -0.1), "ground"), ("ground", (0, 0, 0.9), "body")):
+        foot = mb.Loop(*ends, kind="rigid", friction=friction, normal=normal, name="foot")
+        posture = mb.Robot(body, base="free", loops=[foot]).equilibrium({"base": (0, 0, 1, 0, 0, 0)}, hold="all")
+        notices = [notice.text for notice in posture.notices if "foot" in notice.text]
+        assert len(notices) == bool(text) and all(text in notice for notice in notices)
+        assert text != "slips" or f"a coefficient of friction of {np.tan(slope):.3g}" in notices[0]
