@@ -132,24 +132,13 @@ def shock_response_spectrum(
     >>> float(peak.maximax[0].round(12))
     1.768457653994
     """
-    if not isinstance(signal, ImpulsiveSmooth):
-        raise InputError(
-            f"signal: found an object of type {type(signal).__name__}; expected an input such as mb.sampled(times, values)"
-        )
-    if signal.size != 1:
-        raise InputError(f"signal: found {signal.size} rows; expected the acceleration of the base in one row")
-    f = np.atleast_1d(real_array(frequencies_hz, "frequencies_hz"))
-    if f.ndim != 1 or not (f > 0).all():
-        raise InputError("frequencies_hz: expected a list of positive natural frequencies in Hz")
+    f, zeta = _checked(signal, frequencies_hz, damping_ratio, quality_factor)
     if quantity not in QUANTITIES:
         raise InputError(
             f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
         )
     if interpolation not in INTERPOLATIONS:
         raise InputError(f"interpolation: found {interpolation!r}; expected one of {', '.join(INTERPOLATIONS)}")
-    zeta = real_number(damping_ratio, "damping_ratio", minimum=0.0)
-    if quality_factor is not None:
-        zeta = 1 / (2 * real_number(quality_factor, "quality_factor", positive=True))
     record, notices = _record(signal), []
     if record is not None:
         times, values = record
@@ -168,6 +157,22 @@ def shock_response_spectrum(
         )
     high, low, after_high, after_low = np.array(rows).reshape(-1, 4).T
     return ShockResponseSpectrum(f, zeta, quantity, high, 0.0 - low, after_high, 0.0 - after_low, tuple(notices))
+
+
+def _checked(signal, frequencies_hz, damping_ratio, quality_factor) -> tuple[np.ndarray, float]:
+    """Frequencies in Hz and the damping ratio."""
+    if not isinstance(signal, ImpulsiveSmooth):
+        raise InputError(
+            f"signal: found an object of type {type(signal).__name__}; expected an input such as mb.sampled(times, values)"
+        )
+    if signal.size != 1:
+        raise InputError(f"signal: found {signal.size} rows; expected the acceleration of the base in one row")
+    f = np.atleast_1d(real_array(frequencies_hz, "frequencies_hz"))
+    if f.ndim != 1 or not (f > 0).all():
+        raise InputError("frequencies_hz: expected a list of positive natural frequencies in Hz")
+    if quality_factor is not None:
+        return f, 1 / (2 * real_number(quality_factor, "quality_factor", positive=True))
+    return f, real_number(damping_ratio, "damping_ratio", minimum=0.0)
 
 
 def _record(signal: ImpulsiveSmooth) -> tuple[np.ndarray, np.ndarray] | None:

@@ -10,7 +10,7 @@ import numpy as np
 from ...frequency.harmonic import Harmonic
 from ...frequency.random.random_response import RandomResponse
 from ...frequency.random.spectra import KINDS
-from ...frequency.random.spectral_matrix import spectral_matrix
+from ...frequency.random.spectral_matrix import SpectralMatrix, spectral_matrix
 from ...ground.checks import nearest
 from ...ground.coordinate_units import force_unit, rate_unit
 from ...ground.errors import InputError
@@ -71,9 +71,28 @@ def random_response(
         raise InputError(
             f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
         )
-    spectra = spectral_matrix(excitation, coherence, delays)
-    rows, order = system.rows, QUANTITIES[quantity]
-    levels, inputs = [row.order for row in rows], []
+    spectra, order = spectral_matrix(excitation, coherence, delays), QUANTITIES[quantity]
+    inputs, levels = _inputs(system, spectra)
+    chosen = _outputs(system, outputs, quantity)
+    coefficients, imaginary, sizes = saddle_point(system, levels, modal_damping, loss_factor)
+    B = np.array([channel.unknowns(system) for channel in inputs]).T
+    C = np.array([channel.unknowns(system) for channel in chosen]).reshape(len(chosen), len(B))
+    C[:, system.size :] *= -1.0  # the unknowns are -lambda
+    if relative_to is not None:
+        if order is None:
+            raise InputError("relative_to: reactions are not relative; expected a displacement, velocity or acceleration")
+        other = reference(system, relative_to)
+        C[:, : system.size] -= np.outer([one.unit == other.unit for one in chosen], other.direction)
+    units = np.array([force_unit(one.unit) if order is None else rate_unit(one.unit, order) for one in chosen])
+    names = [f"x {name}" for name in system.names] + [f"reaction {row.name}" for row in system.rows]
+    output_names = tuple(one.name for one in chosen)
+    A = PolynomialMatrix(coefficients, names)
+    return RandomResponse(Harmonic(A, B, C, order or 0, imaginary, sizes, spectra.names, output_names, units, quantity), spectra)
+
+
+def _inputs(system: MechanicalSystem, spectra: SpectralMatrix) -> tuple[list[Channel], list[int]]:
+    """The channels of the random inputs, and the levels of all rows: those of random motions have the level of their spectrum."""
+    levels, inputs = [row.order for row in system.rows], []
     for name, spectrum in zip(spectra.names, spectra.spectra):
         channel = _input(system, name, spectrum.of)
         if channel.row is not None:
@@ -81,27 +100,18 @@ def random_response(
                 raise InputError(f'excitation: "{name}" prescribes the row "{channel.name}", which has a spectrum already')
             levels[channel.row] = KINDS[spectrum.of]
         inputs.append(channel)
+    return inputs, levels
+
+
+def _outputs(system: MechanicalSystem, outputs, quantity: str) -> list[Channel]:
+    """The channels of the outputs."""
     default = row_channels(system) if quantity == "reaction" else coordinate_channels(system)
     chosen = chosen_by_name("outputs", outputs, channels(system, "outputs"), default)
     for one in chosen:
         if (one.row is not None) != (quantity == "reaction"):
             actual, expected = ("a coordinate", "a constraint row") if one.row is None else ("a constraint row", "a coordinate")
             raise InputError(f'{quantity}: the output "{one.name}" is {actual}; expected {expected}')
-    coefficients, imaginary, sizes = saddle_point(system, levels, modal_damping, loss_factor)
-    B = np.array([channel.unknowns(system) for channel in inputs]).T
-    C = np.array([channel.unknowns(system) for channel in chosen]).reshape(len(chosen), len(B))
-    C[:, system.size :] *= -1.0  # the unknowns are -lambda
-    if relative_to is not None:
-        if quantity == "reaction":
-            raise InputError("relative_to: reactions are not relative; expected a displacement, velocity or acceleration")
-        other = reference(system, relative_to)
-        C[:, : system.size] -= np.outer([one.unit == other.unit for one in chosen], other.direction)
-    units = np.array([force_unit(one.unit) if order is None else rate_unit(one.unit, order) for one in chosen])
-    names = [f"x {name}" for name in system.names] + [f"reaction {row.name}" for row in rows]
-    A = PolynomialMatrix(coefficients, names)
-    output_names = tuple(one.name for one in chosen)
-    harmonic = Harmonic(A, B, C, order or 0, imaginary, sizes, spectra.names, output_names, units, quantity)
-    return RandomResponse(harmonic, spectra)
+    return chosen
 
 
 def _input(system: MechanicalSystem, name: str, of: str) -> Channel:
