@@ -260,6 +260,7 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem,
         >>> bool(np.isclose(spring.solve([1.0])(0.5)[0], np.cos(1.0)))
         True
         """
+        self._refuse_loss_factors()
         request = Request(evaluations)
         several_forces = _is_table(force) or (
             isinstance(force, (list, tuple)) and any(isinstance(f, ImpulsiveSmooth) for f in force)

@@ -81,8 +81,8 @@ def frequency_response(
             coordinates free (shape (inputs, outputs, F)); "transmissibility" x by a prescribed motion of a row, both
             displacements; "reaction" of constraint rows.
         modal_damping: damping ratios in addition to C: one for all modes, or one for each, ascending by frequency.
-        loss_factor: eta of structural damping, K (1 + i eta), of the whole model or by name of the springs. It exists for
-            harmonic motion only: in time it would answer before the load.
+        loss_factor: eta of structural damping, K (1 + i eta), of the whole model or by name of the springs, in place of those that
+            the springs of a lumped model have. It exists for harmonic motion only: in time it would answer before the load.
         relative_to: a coordinate or a constraint row, such as a moving base: its motion is subtracted from the outputs of its
             unit. "ground" is absolute motion.
 
@@ -224,15 +224,16 @@ def structural_damping(system: MechanicalSystem, loss_factor) -> np.ndarray | No
 
     Args:
         system: with stiffness and its parts.
-        loss_factor: of the whole stiffness, or by name of its parts (springs); those that are not named have none.
+        loss_factor: of the whole stiffness, or by name of its parts (springs); those that are not named have their own, if any.
 
     Returns:
         The matrix, or None.
     """
-    if loss_factor is None:
-        return None
-    if not isinstance(loss_factor, Mapping):
+    if loss_factor is not None and not isinstance(loss_factor, Mapping):
         return real_number(loss_factor, "loss_factor", minimum=0.0) * system.stiffness
+    loss_factor = {**system.loss_factors, **(loss_factor or {})}
+    if not loss_factor:
+        return None
     springs = {name: part for name, part in system.energy_parts.strain.items() if not isinstance(part, CoordinatePart)}
     H = np.zeros((system.size, system.size))
     for name, value in loss_factor.items():
