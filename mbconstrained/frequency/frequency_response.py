@@ -136,6 +136,33 @@ class FrequencyResponse(Displayed):
         """The same response at other frequencies."""
         return evaluated(self.harmonic, frequencies_hz)
 
+    def deflection_shape(self, frequency_hz: float, input: str | None = None) -> dict[str, complex]:
+        """The operating deflection shape: complex amplitudes of all coordinates, not of the outputs alone, by a unit of an input.
+
+        Args:
+            frequency_hz: in Hz.
+            input: its name; the first one by default.
+
+        Returns:
+            Amplitudes x by the names of the coordinates (and of the constraint rows: their forces, with the opposite sign); x(t) = Re(x e^{i w t}).
+
+        Raises:
+            InputError: an unknown input, a negative frequency, or one at a pole on the axis.
+
+        >>> import mbconstrained as mb
+        >>> pair = mb.MechanicalSystem([[1.0, 0.0], [0.0, 1.0]], [[0.1, 0.0], [0.0, 0.1]], [[2.0, -1.0], [-1.0, 2.0]], names=["a", "b"])
+        >>> shape = pair.frequency_response("auto", ["a"], ["a"]).deflection_shape(0.0)
+        >>> {name: round(x.real, 3) for name, x in shape.items()}
+        {'a': 0.667, 'b': 0.333}
+        """
+        f = real_number(frequency_hz, "frequency_hz", minimum=0.0)
+        place = 0 if input is None else places_of([input], self.inputs, "input")[0]
+        omega = np.atleast_1d(8 * np.arctan(np.longdouble(1)) * f)
+        lines = self.harmonic.solver.solve(omega, with_solutions=True)
+        if not np.isfinite(lines.errors[:, place]).all() or lines.solutions is None:
+            raise InputError(f"frequency_hz: {f:g} Hz is at a pole on the axis, where the amplitudes are infinite")
+        return dict(zip(self.harmonic.A.coordinates, lines.solutions[:, place, 0].tolist()))
+
     @cached_property
     def peaks(self) -> tuple[Peak, ...]:
         """The maxima of |H| over all frequencies, entry by entry: frequency, amplitude, half-power bandwidth, phase.

@@ -173,6 +173,19 @@ def test_enclosures_contain_the_values_of_50_digits():
         mb.MechanicalSystem([[1.0]]).frequency_response([1.0]).enclose(0.0)
 
 
+def test_deflection_shapes_have_all_coordinates():
+    system = random_constrained(2)
+    H = system.frequency_response([0.4], ["x2"], ["x3"])
+    shape = H.deflection_shape(0.4)
+    expected = solved(saddle_point(system), 0.4, np.eye(len(shape))[:, 1:2])
+    rows = [row.name for row in system.rows]
+    assert list(shape) == [*system.names, *rows]
+    for name, value, reference in zip(shape, shape.values(), expected):
+        assert relative_error(value * (-1 if name in rows else 1), reference) <= 1e-10
+    with pytest.raises(mb.InputError, match="pole on the axis"):
+        mb.MechanicalSystem([[1.0]]).frequency_response([1.0]).deflection_shape(0.0)
+
+
 def test_transfer_functions_and_state_spaces():
     y = mb.transfer_function_response([1, 0, 0, 1], [1, 0.1, 4])
     H = y.frequency_response([0.1, 0.2])
