@@ -7,9 +7,31 @@ from functools import cached_property
 
 import numpy as np
 
+from ..ground.errors import InputError
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .pole_residue_form import PoleResidueForm
 from .structured_solve import StructuredSolver
+
+
+class LeftOut:
+    """What a reduced model leaves out."""
+
+    @property
+    def highest_hz(self) -> float:
+        """Up to where its errors are bounded."""
+        raise NotImplementedError
+
+    def bound(self, omega: np.ndarray) -> np.ndarray:
+        """Bounds of the absolute errors of C A^-1 B at w in rad/s, shape (p, m, F)."""
+        raise NotImplementedError
+
+    def check(self, frequencies: np.ndarray) -> None:
+        """Raise an InputError where a frequency in Hz is not below the highest."""
+        if (above := frequencies[frequencies >= self.highest_hz]).size:
+            raise InputError(
+                f"frequencies_hz: found {above.max():g} Hz; the computed modes reach {self.highest_hz:.6g} Hz: increase count, "
+                "the number of modes, or leave out the higher frequencies"
+            )
 
 
 @dataclass(frozen=True)
@@ -26,6 +48,7 @@ class Harmonic:
         input_names, output_names: texts.
         units: of the entries of H, shape (p, m), "" where unknown.
         quantity: its name.
+        left_out: of a model of which these matrices are a reduction; None where they are the model itself.
     """
 
     A: PolynomialMatrix
@@ -38,6 +61,7 @@ class Harmonic:
     output_names: tuple[str, ...] = ()
     units: np.ndarray = field(default_factory=lambda: np.array([[""]]))
     quantity: str = "response"
+    left_out: LeftOut | None = None
 
     @property
     def coefficients(self) -> np.ndarray:

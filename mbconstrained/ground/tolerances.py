@@ -228,6 +228,9 @@ ZERO_AGREEMENT = EPS**0.5
 #: Lines are placed as for this damping ratio where a pole is nearer to the axis.
 AUTO_DISTANCE = 1e-6
 
+#: Two frequencies, or times in a period, are the same within this relative distance: users write seven digits or more.
+SAME_FREQUENCY = 1e-9
+
 #: Rounding errors of the entries of A(i w) and of their residual, in units of EPS times their terms.
 LINE_ROUNDING = 2.0
 

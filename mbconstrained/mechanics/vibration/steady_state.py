@@ -23,6 +23,7 @@ from ...ground.checks import counted, real_array, real_number, whole_number
 from ...ground.coordinate_units import force_unit
 from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError
+from ...ground.tolerances import SAME_FREQUENCY
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.exact_inputs import ExactInput, ExactRecord, ExactTerm
 from ...signals.impulsive import ImpulsiveSmooth
@@ -34,9 +35,6 @@ if TYPE_CHECKING:
 
 #: Harmonics of a periodic record, where their number is not given.
 HARMONICS = 50
-
-#: Two frequencies are the same within this relative distance.
-SAME_FREQUENCY = 1e-9
 
 
 @dataclass(frozen=True, repr=False, eq=False)
