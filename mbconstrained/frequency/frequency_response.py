@@ -198,7 +198,7 @@ class FrequencyResponse(Displayed):
         if (bad := worst > 2 * LINE_ACCURACY).any():
             at = others[worst.argmax()]
             text = (
-                f"{counted(int(bad.sum()), 'frequency', 'frequencies')} have values with an estimated relative error above "
+                f"{counted(int(bad.sum()), 'frequency has', 'frequencies have')} values with an estimated relative error above "
                 f"{2 * LINE_ACCURACY:g}, at most {worst.max():.2g} at {number_text(self.frequencies_hz[at])} Hz"
             )
             result.append(Notice(NoticeKind.ACCURACY, text, doubtful=bool(worst.max() > TRUST_LIMIT)))
@@ -351,8 +351,7 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
         frequencies = frequencies[frequencies < (harmonic.left_out.highest_hz if harmonic.left_out else np.inf)]
     else:
         frequencies = checked_frequencies(frequencies_hz)
-    if harmonic.left_out:
-        harmonic.left_out.check(frequencies)
+    harmonic.check(frequencies)
     exact = 8 * np.arctan(np.longdouble(1)) * frequencies  # near a sharp peak a rounded w is another frequency
     omega = exact.astype(float)
     H, errors = _values(harmonic, exact)
