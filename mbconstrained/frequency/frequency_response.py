@@ -20,7 +20,7 @@ from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.response import Response
 from .features import Antiresonance, Peak, antiresonances_of, frequencies_by_poles, peaks_of
 from .harmonic import Harmonic
-from .modal_sum import ModalSum
+from .modal_sum import ModalSum, largest_nearby
 from .pole_residue_form import Pole
 
 if TYPE_CHECKING:
@@ -136,18 +136,55 @@ class FrequencyResponse(Displayed):
         """The same response at other frequencies."""
         return evaluated(self.harmonic, frequencies_hz)
 
+    def deflection_shape(self, frequency_hz: float, input: str | None = None) -> dict[str, complex]:
+        """The operating deflection shape: complex amplitudes of all coordinates, not of the outputs alone, by a unit of an input.
+
+        Args:
+            frequency_hz: in Hz.
+            input: its name; the first one by default.
+
+        Returns:
+            Amplitudes x by the names of the coordinates (and of the constraint rows: their forces, with the opposite sign); x(t) = Re(x e^{i w t}).
+
+        Raises:
+            InputError: an unknown input, a negative frequency, or one at a pole on the axis.
+
+        >>> import mbconstrained as mb
+        >>> pair = mb.MechanicalSystem([[1.0, 0.0], [0.0, 1.0]], [[0.1, 0.0], [0.0, 0.1]], [[2.0, -1.0], [-1.0, 2.0]], names=["a", "b"])
+        >>> shape = pair.frequency_response("auto", ["a"], ["a"]).deflection_shape(0.0)
+        >>> {name: round(x.real, 3) for name, x in shape.items()}
+        {'a': 0.667, 'b': 0.333}
+        """
+        self._of_whole_model("deflection_shape")
+        f = real_number(frequency_hz, "frequency_hz", minimum=0.0)
+        place = 0 if input is None else places_of([input], self.inputs, "input")[0]
+        omega = np.atleast_1d(8 * np.arctan(np.longdouble(1)) * f)
+        lines = self.harmonic.solver.solve(omega, with_solutions=True)
+        if lines.solutions is None or not np.isfinite(lines.errors[:, place]).all():
+            raise InputError(f"frequency_hz: {f:g} Hz is at a pole on the axis, where the amplitudes are infinite")
+        return dict(zip(self.harmonic.A.coordinates, lines.solutions[:, place, 0].tolist()))
+
     @cached_property
     def peaks(self) -> tuple[Peak, ...]:
         """The maxima of |H| over all frequencies, entry by entry: frequency, amplitude, half-power bandwidth, phase.
 
         Undamped resonances have infinite amplitude.
         """
-        return tuple(peaks_of(self.harmonic))
+        return tuple(peak for peak in peaks_of(self.harmonic) if peak.frequency_hz < self._highest_hz)
 
     @cached_property
     def antiresonances(self) -> tuple[Antiresonance, ...]:
         """The oscillating zeros of each entry, eigenvalues of [[A(s), -b], [c, 0]] (Rosenbrock 1970)."""
-        return tuple(antiresonances_of(self.harmonic))
+        return tuple(zero for zero in antiresonances_of(self.harmonic) if zero.frequency_hz < self._highest_hz)
+
+    @property
+    def _highest_hz(self) -> float:
+        """Where a reduced model ends."""
+        return np.inf if self.harmonic.left_out is None else self.harmonic.left_out.highest_hz
+
+    def _of_whole_model(self, what: str) -> None:
+        if self.harmonic.left_out:
+            raise InputError(f"{what}: not available for a reduced model of sparse matrices; name more outputs, or give arrays")
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
@@ -161,7 +198,7 @@ class FrequencyResponse(Displayed):
         if (bad := worst > 2 * LINE_ACCURACY).any():
             at = others[worst.argmax()]
             text = (
-                f"{counted(int(bad.sum()), 'frequency', 'frequencies')} have values with an estimated relative error above "
+                f"{counted(int(bad.sum()), 'frequency has', 'frequencies have')} values with an estimated relative error above "
                 f"{2 * LINE_ACCURACY:g}, at most {worst.max():.2g} at {number_text(self.frequencies_hz[at])} Hz"
             )
             result.append(Notice(NoticeKind.ACCURACY, text, doubtful=bool(worst.max() > TRUST_LIMIT)))
@@ -180,8 +217,8 @@ class FrequencyResponse(Displayed):
         Raises:
             InputError: H has a pole there, or the frequency is negative.
         """
-        f = real_number(frequency_hz, "frequency_hz", minimum=0.0)
-        own = self.harmonic
+        self._of_whole_model("enclose")
+        f, own = real_number(frequency_hz, "frequency_hz", minimum=0.0), self.harmonic
         return Response.exact_engine().enclosed_transfer(own.A, own.imaginary, own.inputs, own.outputs, own.power, f, digits)
 
     def plot(self, kind: str = "bode", figure=None):
@@ -311,8 +348,10 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
         if frequencies_hz != "auto":
             raise InputError(f'frequencies_hz: found "{frequencies_hz}"; expected numbers in Hz or "auto"')
         frequencies = frequencies_by_poles(harmonic)
+        frequencies = frequencies[frequencies < (harmonic.left_out.highest_hz if harmonic.left_out else np.inf)]
     else:
         frequencies = checked_frequencies(frequencies_hz)
+    harmonic.check(frequencies)
     exact = 8 * np.arctan(np.longdouble(1)) * frequencies  # near a sharp peak a rounded w is another frequency
     omega = exact.astype(float)
     H, errors = _values(harmonic, exact)
@@ -329,6 +368,8 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
         replaced = ~(errors[..., line] <= np.where(np.isfinite(own), own, 0.0))
         H[..., line] = np.where(replaced, total, H[..., line])
         errors[..., line] = np.where(replaced, own, errors[..., line])
+    if harmonic.left_out:
+        errors = errors + harmonic.left_out.bound(omega) * omega**harmonic.power / np.maximum(np.abs(H), np.finfo(float).tiny)
     return FrequencyResponse(harmonic, frequencies, H, errors, tuple(on_lines))
 
 
@@ -350,10 +391,12 @@ def _values(harmonic: Harmonic, omega: np.ndarray) -> tuple[np.ndarray, np.ndarr
     lines = solver.solve(omega[compared])
     difference = np.abs(lines.values - H[..., compared]) / sizes[..., compared]
     rank = np.argsort(order)
-    noise = _between(np.where(np.isfinite(difference), difference, 0.0).max(axis=(0, 1)), places, rank)
+    noise = largest_nearby(np.where(np.isfinite(difference), difference, 0.0).max(axis=(0, 1)), places, rank)
     with np.errstate(divide="ignore", invalid="ignore"):
         errors = SUM_SAFETY * np.maximum(noise, NOISE / SUM_SAFETY) * sizes / np.abs(H)
-    reachable = np.maximum(LINE_ACCURACY, _between(lines.relative.max(axis=(0, 1)), places, rank))  # what solutions would have
+    reachable = np.maximum(
+        LINE_ACCURACY, largest_nearby(lines.relative.max(axis=(0, 1)), places, rank)
+    )  # what solutions would have
     left = np.flatnonzero(~(errors <= reachable).all(axis=(0, 1)))
     if len(left):
         lines = solver.solve(omega[left])
@@ -362,13 +405,6 @@ def _values(harmonic: Harmonic, omega: np.ndarray) -> tuple[np.ndarray, np.ndarr
         H[..., left] = np.where(better, lines.values, H[..., left])
         errors[..., left] = np.where(better, relative, errors[..., left])
     return H, errors
-
-
-def _between(values: np.ndarray, places: np.ndarray, rank: np.ndarray) -> np.ndarray:
-    """At each rank the largest of the values at the four places around it; infinite values do not count."""
-    values = np.where(np.isfinite(values), values, 0.0)
-    padded = np.pad(values, 2, mode="edge")
-    return np.max([padded[np.searchsorted(places, rank) + k] for k in range(4)], axis=0)
 
 
 def frequency_response(A: PolynomialMatrix, frequencies_hz, inputs=None, outputs=None) -> FrequencyResponse:

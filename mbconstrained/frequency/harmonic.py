@@ -7,9 +7,24 @@ from functools import cached_property
 
 import numpy as np
 
+from ..ground.errors import InputError
+from ..ground.tolerances import LARGEST_POWER
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .pole_residue_form import PoleResidueForm
 from .structured_solve import StructuredSolver
+
+
+class LeftOut:
+    """What a reduced model leaves out."""
+
+    @property
+    def highest_hz(self) -> float:
+        """Up to where its errors are bounded."""
+        raise NotImplementedError
+
+    def bound(self, omega: np.ndarray) -> np.ndarray:
+        """Bounds of the absolute errors of C A^-1 B at w in rad/s, shape (p, m, F)."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True)
@@ -26,6 +41,7 @@ class Harmonic:
         input_names, output_names: texts.
         units: of the entries of H, shape (p, m), "" where unknown.
         quantity: its name.
+        left_out: of a model of which these matrices are a reduction; None where they are the model itself.
     """
 
     A: PolynomialMatrix
@@ -38,6 +54,7 @@ class Harmonic:
     output_names: tuple[str, ...] = ()
     units: np.ndarray = field(default_factory=lambda: np.array([[""]]))
     quantity: str = "response"
+    left_out: LeftOut | None = None
 
     @property
     def coefficients(self) -> np.ndarray:
@@ -50,6 +67,24 @@ class Harmonic:
     def solver(self) -> StructuredSolver:
         """Solutions at given lines."""
         return StructuredSolver(self.coefficients, self.inputs, self.outputs, self.sizes)
+
+    def check(self, frequencies: np.ndarray) -> None:
+        """Raise an InputError where a frequency is beyond what can be computed.
+
+        Args:
+            frequencies: in Hz, shape (F,).
+        """
+        highest = frequencies.max(initial=0.0)
+        if self.left_out is not None and highest >= self.left_out.highest_hz:
+            raise InputError(
+                f"frequencies_hz: found {highest:g} Hz; the computed modes reach {self.left_out.highest_hz:.6g} Hz: increase count, "
+                "the number of modes, or leave out the higher frequencies"
+            )
+        limit = self.solver.time * LARGEST_POWER ** (1 / max(self.A.degree, 1)) / (2 * np.pi)
+        if highest > limit:
+            raise InputError(
+                f"frequencies_hz: found {highest:g} Hz; powers of it leave the range of float64, expected at most {limit:.3g} Hz"
+            )
 
     @cached_property
     def real(self) -> tuple[PolynomialMatrix, np.ndarray, np.ndarray]:

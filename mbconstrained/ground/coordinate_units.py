@@ -118,3 +118,22 @@ def impulse_unit(unit: str, order: int = 0) -> str:
 
 def _seconds(power: int) -> str:
     return "s" if power == 1 else f"s^{power}"
+
+
+def ratio_unit(above: str, below: str) -> str:
+    """The unit of a quantity by another.
+
+    Args:
+        above, below: units.
+
+    Returns:
+        Such as "m/N" or "rad/(N m)".
+
+    >>> ratio_unit("m", "N m"), ratio_unit("m", "m")
+    ('m/(N m)', '1')
+    """
+    if above == below:
+        return "1"
+    if below == "1":
+        return above
+    return f"{above}/{below}" if not any(sign in below for sign in " /") else f"{above}/({below})"

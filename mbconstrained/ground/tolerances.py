@@ -228,6 +228,12 @@ ZERO_AGREEMENT = EPS**0.5
 #: Lines are placed as for this damping ratio where a pole is nearer to the axis.
 AUTO_DISTANCE = 1e-6
 
+#: Powers of the largest frequency in the unit of time of the model: beyond, products leave the range of float64.
+LARGEST_POWER = 1e150
+
+#: Two frequencies, or times in a period, are the same within this relative distance: users write seven digits or more.
+SAME_FREQUENCY = 1e-9
+
 #: Rounding errors of the entries of A(i w) and of their residual, in units of EPS times their terms.
 LINE_ROUNDING = 2.0
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import cached_property, reduce
 from operator import add
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -157,8 +158,13 @@ def mass_normalized(mass: np.ndarray, shapes: np.ndarray, frequencies: np.ndarra
 
 
 class DampedSystem:
-    """Copies of a mechanical system with damping of the system as a whole."""
+    """Copies of a mechanical system with damping of the system as a whole.
 
+    Attributes:
+        loss_factors: eta of structural damping by the name of a spring, for harmonic motion only.
+    """
+
+    loss_factors: Mapping[str, float] = MappingProxyType({})
     given: tuple
     mass: Any
     stiffness: Any
@@ -171,8 +177,20 @@ class DampedSystem:
     _matrix: Callable[..., Any]
     _reduced_pencil: Callable[[], Any]
 
+    def _refuse_loss_factors(self) -> None:
+        """Structural damping has no motion in time: its force would answer before the load."""
+        if self.loss_factors:
+            name = next(iter(self.loss_factors))
+            raise InputError(
+                f'solve: the spring "{name}" has a loss factor, which exists for harmonic motion only (in time its force would come '
+                "before the motion that causes it); use frequency_response or steady_state, or give it a damper or modal damping"
+            )
+
     def with_rayleigh_damping(self, mass: float = 0.0, stiffness: float = 0.0) -> Self:
         """The same system with C + a M + b K for C, proportional (Rayleigh) damping: each mode has zeta = a / (2 w) + b w / 2.
+
+        The part a M acts on absolute velocities, as dampers between every mass and the ground at rest would: where a support
+        moves it resists the motion of the whole system with it. Damping of the relative motion alone is b K, or modal damping.
 
         Args:
             mass: a, at least 0, in 1/s.

@@ -21,7 +21,6 @@ from ..ground.threads import short_work
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.choose import Evaluations, Request
 from ..signals.inputs import ImpulsiveSmooth, step, zero
-from .channels import NamedDirections
 from .constrained_form import ConstrainedForm, constrained_form, explicit_acceleration
 from .constraints import LEVELS, Constraint, ConstraintRow, IndependentRows, checked_constraints, constraint_rows, independent_rows
 from .element_matrix import DampedSystem, ElementMatrix
@@ -40,7 +39,7 @@ if TYPE_CHECKING:
 DEFAULT_MODE_COUNT = 50
 
 
-class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem, NamedDirections):
+class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem):
     """M x'' + C x' + K x = f + A^T lambda with the constraint rows A x^(level) = b, in SI units, for t in s.
 
     The matrices are all arrays, or some of them ``scipy.sparse``. Arrays have all their modes, and motions in closed form in all of
@@ -260,6 +259,7 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem,
         >>> bool(np.isclose(spring.solve([1.0])(0.5)[0], np.cos(1.0)))
         True
         """
+        self._refuse_loss_factors()
         request = Request(evaluations)
         several_forces = _is_table(force) or (
             isinstance(force, (list, tuple)) and any(isinstance(f, ImpulsiveSmooth) for f in force)

@@ -24,7 +24,7 @@ class Element:
     Attributes:
         name: its name, for a body also that of its coordinate; empty for one that the model makes of kind and ends.
         moving, turning, either: fields that name a body that it joins, which moves along the axis (m), turns (rad), or does either.
-        positive, nonzero, real: fields of numbers, in this range; None is accepted where it is the default.
+        positive, nonzero, nonnegative, real: fields of numbers, in this range; None is accepted where it is the default.
         end_count: how many different bodies it joins, at least.
     """
 
@@ -35,15 +35,17 @@ class Element:
     either: ClassVar[tuple[str, ...]] = ()
     positive: ClassVar[tuple[str, ...]] = ()
     nonzero: ClassVar[tuple[str, ...]] = ()
+    nonnegative: ClassVar[tuple[str, ...]] = ()
     real: ClassVar[tuple[str, ...]] = ()
     end_count: ClassVar[int] = 0
 
     def __post_init__(self):
-        for name in (*self.positive, *self.nonzero, *self.real):
+        for name in (*self.positive, *self.nonzero, *self.nonnegative, *self.real):
             value, what = getattr(self, name), f"{self.label}: {name.replace('_', ' ')}"
             if value is None and getattr(type(self), name, 0.0) is None:
                 continue
-            number = real_number(value, what, positive=name in self.positive)
+            minimum = 0.0 if name in self.nonnegative else None
+            number = real_number(value, what, positive=name in self.positive, minimum=minimum)
             if not number and name in self.nonzero:
                 raise InputError(f"{what}: found 0; expected a length that is not zero")
             object.__setattr__(self, name, number)  # a frozen dataclass
@@ -171,12 +173,15 @@ class Spring(Link):
     Args:
         stiffness: k > 0, in N/m.
         rest_length: elongation without force, in m.
+        loss_factor: eta >= 0 of structural damping, k (1 + i eta): for frequency responses and steady states, not for motion in time.
     """
 
     stiffness: float
     rest_length: float = 0.0
+    loss_factor: float = 0.0
 
     positive = ("stiffness",)
+    nonnegative = ("loss_factor",)
     real = ("rest_length",)
     rest = property(lambda self: self.rest_length)
 
@@ -197,13 +202,16 @@ class TorsionSpring(Link):
     Args:
         stiffness: k > 0, in N m/rad.
         rest_angle: angle without torque, in rad.
+        loss_factor: eta >= 0 of structural damping, k (1 + i eta): for frequency responses and steady states, not for motion in time.
     """
 
     stiffness: float
     rest_angle: float = 0.0
+    loss_factor: float = 0.0
 
     turning = ("start", "end")
     positive = ("stiffness",)
+    nonnegative = ("loss_factor",)
     real = ("rest_angle",)
     rest = property(lambda self: self.rest_angle)
 

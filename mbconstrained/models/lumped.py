@@ -175,6 +175,8 @@ class LumpedModel(Displayed):
             units=units,
             energy_parts=_energy_parts(factors, names),
         )
+        springs = (element for element in with_parts(self.elements) if isinstance(element, (Spring, TorsionSpring)))
+        system.loss_factors = {spring.name: spring.loss_factor for spring in springs if spring.loss_factor}
         system.origin = copy(self)
         system.origin._elements, system.origin._units = dict(self._elements), units  # what is added later is not in the system
         return system

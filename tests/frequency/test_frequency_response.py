@@ -173,6 +173,19 @@ def test_enclosures_contain_the_values_of_50_digits():
         mb.MechanicalSystem([[1.0]]).frequency_response([1.0]).enclose(0.0)
 
 
+def test_deflection_shapes_have_all_coordinates():
+    system = random_constrained(2)
+    H = system.frequency_response([0.4], ["x2"], ["x3"])
+    shape = H.deflection_shape(0.4)
+    expected = solved(saddle_point(system), 0.4, np.eye(len(shape))[:, 1:2])[:, 0]
+    rows = [row.name for row in system.rows]
+    assert list(shape) == [*system.names, *rows]
+    for name, value, reference in zip(shape, shape.values(), expected):
+        assert relative_error(value * (-1 if name in rows else 1), reference) <= 1e-10
+    with pytest.raises(mb.InputError, match="pole on the axis"):
+        mb.MechanicalSystem([[1.0]]).frequency_response([1.0]).deflection_shape(0.0)
+
+
 def test_transfer_functions_and_state_spaces():
     y = mb.transfer_function_response([1, 0, 0, 1], [1, 0.1, 4])
     H = y.frequency_response([0.1, 0.2])
@@ -191,6 +204,33 @@ def test_transfer_functions_and_state_spaces():
 def test_an_input_that_reaches_nothing_is_reported():
     apart = mb.MechanicalSystem(np.eye(2), None, np.eye(2), names=["a", "b"])
     assert "reaches none" in apart.frequency_response([0.1], ["a"], ["b"]).notices[0].text
+
+
+def test_lines_in_any_order_and_repeated_have_the_same_bits_and_the_ends_of_float64_are_errors():
+    system = chain(4)
+    ordered, mixed = (system.frequency_response(f, ["x1"]) for f in ([0.0, 0.3, 2.0], [2.0, 0.3, 0.3, 0.0]))
+    assert (mixed.values == ordered.values[..., [2, 1, 1, 0]]).all()
+    assert system.frequency_response([]).values.shape == (4, 4, 0)
+    small = system.frequency_response([1e-300, 5e-324], ["x1"])
+    np.testing.assert_allclose(small.values[..., 0], system.frequency_response([0.0], ["x1"]).values[..., 0], rtol=1e-14)
+    far = system.frequency_response([1e60], ["x1"], ["x1"])
+    np.testing.assert_allclose(far.values.item(), -1 / system.mass[0, 0] / (2 * np.pi * 1e60) ** 2, rtol=1e-10)
+    for value in (1e150, 1e300, 1.7e308):
+        with pytest.raises(mb.InputError, match="leave the range of float64, expected at most"):
+            system.frequency_response([value])
+
+
+def test_masses_of_1e_14_and_spreads_of_28_orders_keep_their_digits():
+    for mass, damping, stiffness, f in (
+        ([1.0, 1e-14], np.diag([0.1, 0.1]), [[5.0, -3.0], [-3.0, 3.0]], 0.3),
+        ([1.0, 1e-14], np.zeros((2, 2)), [[5.0, -3.0], [-3.0, 3.0]], 1e6),
+        ([1e10, 1e-10], np.zeros((2, 2)), [[1.0, -1e-3], [-1e-3, 1e14]], 0.1),
+    ):
+        system = mb.MechanicalSystem(np.diag(mass), damping, stiffness)
+        H = system.frequency_response([f], ["x1"])
+        exact = solved((system.stiffness, system.damping, system.mass), f, np.eye(2)[:, :1])
+        for i in range(2):
+            assert relative_error(H.values[i, 0, 0], exact[i, 0]) <= max(H.error_estimate[i, 0, 0], 4e-16) <= 1e-11
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,8 @@ import numpy as np
 
 from ...frequency.frequency_response import FrequencyResponse, evaluated
 from ...frequency.harmonic import Harmonic
-from ...ground.checks import nearest, real_number
-from ...ground.coordinate_units import force_unit, rate_unit
+from ...ground.checks import nearest, real_number, whole_number
+from ...ground.coordinate_units import force_unit, rate_unit, ratio_unit
 from ...ground.errors import InputError
 from ...linalg.arrays import full
 from ...polynomial.polynomial_matrix import PolynomialMatrix
@@ -28,6 +28,9 @@ from ..energy import CoordinatePart
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
 
+
+#: Modes of sparse matrices, where their number is not given.
+MODES = 50
 
 #: Rounding errors of the entries of a damping matrix from modes, in units of those of its terms.
 MODE_ROUNDING = 16.0
@@ -67,11 +70,12 @@ def frequency_response(
     modal_damping=None,
     loss_factor=None,
     relative_to: str | None = None,
+    count: int | None = None,
 ) -> FrequencyResponse:
     """The steady answer to harmonic loads: f e^{+i w t} gives H(i w) f e^{+i w t}, entry by entry with an error estimate.
 
     Args:
-        system: of arrays.
+        system: of arrays or of sparse matrices.
         frequencies_hz: shape (F,); "auto" places them by the poles, so that no peak is missed.
         inputs: names of coordinates, each a force on it (N, N m), or of constraint rows, each its prescribed motion b at the
             level of the row; all coordinates by default.
@@ -81,16 +85,19 @@ def frequency_response(
             coordinates free (shape (inputs, outputs, F)); "transmissibility" x by a prescribed motion of a row, both
             displacements; "reaction" of constraint rows.
         modal_damping: damping ratios in addition to C: one for all modes, or one for each, ascending by frequency.
-        loss_factor: eta of structural damping, K (1 + i eta), of the whole model or by name of the springs. It exists for
-            harmonic motion only: in time it would answer before the load.
+        loss_factor: eta of structural damping, K (1 + i eta), of the whole model or by name of the springs, in place of those that
+            the springs of a lumped model have. It exists for harmonic motion only: in time it would answer before the load.
         relative_to: a coordinate or a constraint row, such as a moving base: its motion is subtracted from the outputs of its
             unit. "ground" is absolute motion.
+        count: of sparse matrices alone, the number of modes of lowest frequency, 50 by default; static corrections stand for the others,
+            and ``error_estimate`` contains a bound of what is left out (``mechanics.sparse.sparse_response``).
 
     Returns:
         A ``FrequencyResponse``: ``values`` (outputs, inputs, F), ``error_estimate``, ``poles``, ``residues``, ``peaks``, ...
 
     Raises:
-        InputError: unknown names, a quantity that does not fit, frequencies that are negative; sparse matrices.
+        InputError: unknown names, a quantity that does not fit, frequencies that are negative; of sparse matrices
+            frequencies beyond the computed modes.
         SingularPolynomialMatrix: the motion is not determined.
 
     >>> from mbconstrained import Constraint, MechanicalSystem
@@ -100,25 +107,27 @@ def frequency_response(
     >>> bool(np.isclose(abs(T.values.item()), 1.0)), T.units.item()  # at sqrt(2) times the natural frequency
     (True, '1')
     """
-    harmonic = harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to)
+    harmonic = harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count)
     return evaluated(harmonic, frequencies_hz)
 
 
-def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to=None) -> Harmonic:
+def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to=None, count=None) -> Harmonic:
     """The matrices of one response; arguments as of ``frequency_response``.
 
     Args:
-        system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to: as there.
+        system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count: as there.
 
     Returns:
         The matrices.
     """
-    if system.is_sparse:
-        raise InputError("frequency_response: not available for sparse matrices yet; give arrays, as mass.toarray()")
     if quantity not in QUANTITIES:
         raise InputError(
             f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
         )
+    if system.is_sparse:
+        return _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count)
+    if count is not None:
+        raise InputError("count: the response of a system given by arrays has all its modes; leave count out")
     chosen, rows = QUANTITIES[quantity], system.rows
     default = row_channels(system) if quantity == "reaction" else coordinate_channels(system)
     known_inputs = chosen_by_name("inputs", inputs, channels(system, "inputs"), coordinate_channels(system))
@@ -151,6 +160,24 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     return Harmonic(A, select.T, select, 0, imaginary, sizes, output_names, input_names, table.T, quantity)
 
 
+def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count) -> Harmonic:
+    """Of sparse matrices."""
+    from ..sparse.sparse_response import sparse_harmonic
+
+    chosen = QUANTITIES[quantity]
+    if chosen.inverse or quantity in ("transmissibility", "reaction"):
+        raise InputError(
+            f"{quantity}: not available for sparse matrices, which have receptance, mobility and accelerance; give arrays, as mass.toarray()"
+        )
+    if relative_to is not None or isinstance(loss_factor, Mapping):
+        raise InputError(
+            f"{'loss_factor by springs' if relative_to is None else 'relative_to'}: not available for sparse matrices; give arrays"
+        )
+    eta = None if loss_factor is None else real_number(loss_factor, "loss_factor", minimum=0.0)
+    number = MODES if count is None else whole_number(count, "count", minimum=1)
+    return sparse_harmonic(system, inputs, outputs, chosen.order, quantity, modal_damping, eta, number)
+
+
 def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Channel]) -> None:
     """Quantities that do not fit their inputs or outputs."""
     if not inputs or not outputs:
@@ -177,15 +204,7 @@ def _unit(output: Channel, input: Channel, quantity: Quantity, levels: Sequence[
     """The unit of an output, or its derivative, by an input."""
     above = rate_unit(output.unit, quantity.order) if output.row is None else force_unit(output.unit)
     below = force_unit(input.unit) if input.row is None else rate_unit(input.unit, levels[input.row])
-    return _ratio(below, above) if quantity.inverse else _ratio(above, below)
-
-
-def _ratio(above: str, below: str) -> str:
-    if above == below:
-        return "1"
-    if below == "1":
-        return above
-    return f"{above}/{below}" if not any(sign in below for sign in " /") else f"{above}/({below})"
+    return ratio_unit(below, above) if quantity.inverse else ratio_unit(above, below)
 
 
 def saddle_point(
@@ -224,15 +243,16 @@ def structural_damping(system: MechanicalSystem, loss_factor) -> np.ndarray | No
 
     Args:
         system: with stiffness and its parts.
-        loss_factor: of the whole stiffness, or by name of its parts (springs); those that are not named have none.
+        loss_factor: of the whole stiffness, or by name of its parts (springs); those that are not named have their own, if any.
 
     Returns:
         The matrix, or None.
     """
-    if loss_factor is None:
-        return None
-    if not isinstance(loss_factor, Mapping):
+    if loss_factor is not None and not isinstance(loss_factor, Mapping):
         return real_number(loss_factor, "loss_factor", minimum=0.0) * system.stiffness
+    loss_factor = {**system.loss_factors, **(loss_factor or {})}
+    if not loss_factor:
+        return None
     springs = {name: part for name, part in system.energy_parts.strain.items() if not isinstance(part, CoordinatePart)}
     H = np.zeros((system.size, system.size))
     for name, value in loss_factor.items():

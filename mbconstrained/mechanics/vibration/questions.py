@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, cast
 
+from ..channels import NamedDirections
+
 if TYPE_CHECKING:
     from ...frequency.random.random_response import RandomResponse
     from ..motion import Motion
@@ -12,7 +14,7 @@ if TYPE_CHECKING:
     from .peaks import ModalCombination, Peaks
 
 
-class SystemQuestions:
+class SystemQuestions(NamedDirections):
     """Random excitation and response spectra of a ``MechanicalSystem``."""
 
     def modal_combination(self, spectrum, base=None, damping_ratio: float = 0.05, combination: str = "CQC") -> ModalCombination:

@@ -3,7 +3,8 @@
     f(t) = Re sum of F_l e^{i w_l t}  gives  x(t) = Re sum of H(i w_l) F_l e^{i w_l t}
 
 A record that is linear between its samples and repeated with a period has the Fourier coefficients of its corners and jumps in closed
-form; each harmonic is exact, and so is its answer.
+form; each harmonic is exact, and so is its answer. Their sum converges slowly where loads jump: values in time are those of the motion
+in one period that ends as it begins, z(T) = Phi z(0) + g, z(0) = (1 - Phi)^-1 g, in closed form.
 """
 
 from __future__ import annotations
@@ -22,12 +23,14 @@ from ...ground.checks import counted, real_array, real_number, whole_number
 from ...ground.coordinate_units import force_unit
 from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError
+from ...ground.tolerances import SAME_FREQUENCY
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.exact_inputs import ExactInput, ExactRecord, ExactTerm
 from ...signals.impulsive import ImpulsiveSmooth
 from .harmonic_equations import saddle_point
 
 if TYPE_CHECKING:
+    from ..motion import Motion
     from ..system import MechanicalSystem
 
 #: Harmonics of a periodic record, where their number is not given.
@@ -45,6 +48,8 @@ class SteadyState(Displayed):
         reaction_amplitudes: complex, shape (k, L).
         error_estimate: the largest relative error of the amplitudes at each frequency, relative to the largest of them, shape (L,).
         units: of the coordinates and of the reactions, by name.
+        period: T in s of records; None for harmonic loads.
+        motion: the motion in one period in closed form, where all loads repeat with it; None where values in time are sums of harmonics.
 
     The amplitudes and phases are ``abs`` and ``numpy.angle`` of the complex ones.
 
@@ -62,6 +67,8 @@ class SteadyState(Displayed):
     reaction_amplitudes: np.ndarray
     error_estimate: np.ndarray
     units: dict[str, str]
+    period: float | None = None
+    motion: Motion | None = None
 
     def _summary(self) -> str:
         lines = counted(len(self.frequencies_hz), "frequency", "frequencies")
@@ -82,15 +89,45 @@ class SteadyState(Displayed):
 
     def displacement(self, times) -> np.ndarray:
         """x at times in s, shape (n,) or (n, T)."""
+        if self.motion is not None:
+            return self.motion.displacement(self._in_period(times))
         return self._sum(self.displacement_amplitudes, times)
 
     def velocity(self, times) -> np.ndarray:
         """x' at times in s, shape (n,) or (n, T)."""
+        if self.motion is not None:
+            return self.motion.velocity(self._in_period(times))
         return self._sum(1j * self.angular_frequencies * self.displacement_amplitudes, times)
 
     def reaction(self, times) -> np.ndarray:
-        """The reactions of the constraint rows at times in s, shape (k,) or (k, T)."""
+        """The reactions of the constraint rows at times in s, shape (k,) or (k, T), without their Dirac impulses."""
+        if self.motion is not None:
+            return self.motion.reaction(self._in_period(times))
         return self._sum(self.reaction_amplitudes, times)
+
+    def deflection_shape(self, frequency_hz: float) -> np.ndarray:
+        """The operating deflection shape at one of the frequencies: complex amplitudes of all coordinates, shape (n,).
+
+        Args:
+            frequency_hz: one of ``frequencies_hz``, in Hz.
+
+        Returns:
+            x(t) = Re(shape e^{i w t}); of a robot ``linear.output_matrix @ shape`` has that of its points.
+
+        Raises:
+            InputError: no load has this frequency.
+        """
+        f = real_number(frequency_hz, "frequency_hz", minimum=0.0)
+        near = np.flatnonzero(np.abs(self.frequencies_hz - f) <= SAME_FREQUENCY * f)
+        if not len(near):
+            known = ", ".join(number_text(one) for one in self.frequencies_hz[:6])
+            raise InputError(
+                f"frequency_hz: no load has {f:g} Hz; expected one of {known}{', ...' * (len(self.frequencies_hz) > 6)}"
+            )
+        return self.displacement_amplitudes[:, near[0]].copy()
+
+    def _in_period(self, times) -> np.ndarray:
+        return np.mod(real_array(times, "times"), self.period)
 
     @cached_property
     def _turning(self) -> np.ndarray:
@@ -160,7 +197,35 @@ def steady_state(
         errors[line] = (H.error_estimate[..., 0] * size).max() / max(size.max(), np.finfo(float).tiny)
     units = {**system.units, **{row.name: force_unit(row.unit) for row in rows}}
     f = np.array(omegas) / (2 * np.pi)
-    return SteadyState(system.names, names[n:], f, answers[:n], answers[n:], errors, units)
+    motion = None
+    if period is not None and not (loss_factor or system.loss_factors) and _repeats(omegas, period):
+        damped = system if modal_damping is None else system.with_modal_damping(modal_damping)
+        motion = _periodic_motion(damped, force, period)
+    return SteadyState(system.names, names[n:], f, answers[:n], answers[n:], errors, units, period, motion)
+
+
+def _repeats(omegas, period: float) -> bool:
+    """Whether all loads have a whole number of oscillations in a period."""
+    turns = np.array(omegas) * period / (2 * np.pi)
+    return bool((np.abs(turns - np.rint(turns)) <= SAME_FREQUENCY * np.maximum(turns, 1.0)).all())
+
+
+def _periodic_motion(system: MechanicalSystem, force: ImpulsiveSmooth | None, period: float) -> Motion | None:
+    """The motion whose values just before the end of a period are those at its start; None where none is determined."""
+    n = system.size
+    forced = system.solve(force=force)
+    end = np.array([forced.displacement(period), forced.velocity(period)])
+    before = end - sum(
+        (one.jump[:2] for one in forced.events if abs(one.time - period) <= SAME_FREQUENCY * period), np.zeros((2, n))
+    )
+    starts = np.concatenate([np.eye(n), np.zeros((n, n))]), np.concatenate([np.zeros((n, n)), np.eye(n)])
+    several = system.solve(*starts, force=force)
+    transition = np.hstack([several.displacement(period), several.velocity(period)]) - end.reshape(-1)
+    try:
+        start = np.linalg.solve(np.eye(2 * n) - transition.T, before.reshape(-1))
+    except np.linalg.LinAlgError:
+        return None
+    return system.solve(start[:n], start[n:], force=force)
 
 
 def _spectrum(signal: ImpulsiveSmooth, period: float | None, harmonics: int) -> Iterator[tuple[float, np.ndarray]]:

@@ -151,6 +151,31 @@ def test_structural_damping_of_the_model_and_of_single_springs():
     np.testing.assert_allclose(H.values.item(), total, rtol=1e-7)
 
 
+def test_springs_of_a_lumped_model_have_loss_factors_of_their_own():
+    """Against the same by name; a value by name goes before, one of the whole model replaces all; in time it is refused."""
+
+    def model(*etas):
+        built = mb.LumpedModel()
+        built.mass("a", 1.0)
+        built.inertia("b", 2.0)
+        built.spring("ground", "a", 100.0, name="k", loss_factor=etas[0])
+        built.torsion_spring("ground", "b", 50.0, name="t", loss_factor=etas[1])
+        built.rack("b", "a", radius=0.5)
+        return built.assemble()
+
+    f, bare, lossy = [0.5, 1.3], model(0.0, 0.0), model(0.1, 0.2)
+    get = lambda system, eta=None: system.frequency_response(f, ["a"], ["a"], loss_factor=eta).values  # noqa: E731
+    s = 2j * np.pi * np.array(f)
+    np.testing.assert_allclose(get(lossy)[0, 0], 1 / (9 * s**2 + 100 * (1 + 0.1j) + 200 * (1 + 0.2j)), rtol=1e-12)
+    assert (get(lossy) == get(bare, {"k": 0.1, "t": 0.2})).all()
+    assert (get(lossy, {"k": 0.3}) == get(bare, {"k": 0.3, "t": 0.2})).all()
+    assert (get(lossy, 0.05) == get(bare, 0.05)).all()
+    with pytest.raises(mb.InputError, match='the spring "k" has a loss factor.*harmonic motion only'):
+        lossy.solve([1.0, 0.0])
+    with pytest.raises(mb.InputError, match="loss factor"):
+        model(-0.1, 0.0)
+
+
 def test_modal_damping_gives_each_mode_its_ratio():
     system = mb.MechanicalSystem(np.diag([1.0, 2.0, 0.0]), None, [[5.0, -3.0, 0.0], [-3.0, 4.0, -1.0], [0.0, -1.0, 1.5]])
     ratios = [0.01, 0.03]

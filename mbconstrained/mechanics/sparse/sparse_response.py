@@ -1,0 +1,182 @@
+"""Frequency responses of sparse systems: the modes of lowest frequency and static corrections, with a bound on what is left out.
+
+The equations are reduced to W = [X, V], X the modes and V the part of (K - shift M)^-1 [B, C^T] outside of them, with the deflections
+that its inertia causes (a Galerkin method). With
+the residuals r_x of A(i w)^-1 B and r_z of A(i w)^-T C^T, which act on left-out modes alone, the error of an entry is
+
+    |r_z^T A^-1 r_x| <= |r_z| |r_x| (W^2 - shift) / (W^2 - w^2),   |r|^2 = r^H (K - shift M)^-1 r,   w < W,
+
+W the lowest frequency that is left out: the real part K - w^2 M of A is positive definite there, and symmetric damping only makes the
+inverse smaller. It is a bound where damping does not couple the modes with others, as proportional damping; an estimate where it does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...frequency.harmonic import Harmonic, LeftOut
+from ...ground.checks import real_array
+from ...ground.coordinate_units import force_unit, rate_unit, ratio_unit
+from ...ground.errors import InputError
+from ...ground.tolerances import EPS
+from ...polynomial.polynomial_matrix import PolynomialMatrix
+from ..channels import chosen_by_name
+from .sparse_matrices import asymmetry, times
+from .undamped_modes import UndampedModes
+
+if TYPE_CHECKING:
+    from ..system import MechanicalSystem
+
+#: Corrections of a force: its static deflection, that of the inertia of this one, and so on.
+ORDERS = 3
+
+#: Static corrections whose part outside of the others is smaller than this, relative to them, are rounding errors.
+DEPENDENT = EPS**0.5
+
+
+def sparse_harmonic(
+    system: MechanicalSystem, inputs, outputs, order: int, quantity: str, modal_damping, loss_factor, count: int
+) -> Harmonic:
+    """The reduced equations with the bound.
+
+    Args:
+        system: of sparse matrices.
+        inputs, outputs: names of coordinates.
+        order: of the derivative of the outputs.
+        quantity: its name.
+        modal_damping: ratios of the modes, in addition to C; one for all of them or one for each.
+        loss_factor: of the whole stiffness.
+        count: the number of modes.
+
+    Returns:
+        The matrices.
+
+    Raises:
+        InputError: unknown names, none, damping that is not symmetric.
+    """
+    places = {name: i for i, name in enumerate(system.names)}
+    for what, chosen in (("inputs", inputs), ("outputs", outputs)):
+        if chosen is None:
+            raise InputError(f"{what}: a response of sparse matrices needs names of coordinates, such as {system.names[0]!r}")
+    into, out = (np.array(chosen_by_name(what, own, places, ())) for what, own in (("inputs", inputs), ("outputs", outputs)))
+    if asymmetry(system.damping)[0]:
+        raise InputError("damping: frequency responses of sparse matrices need a symmetric one; give arrays, as damping.toarray()")
+    undamped = system.pencil.undamped(count)
+    reduced = _Reduced(system.pencil, undamped, system.pencil.basis[np.concatenate([into, out])].toarray().T)
+    coefficients = reduced.coefficients
+    coefficients[1] += reduced.modal_damping(modal_damping)
+    m, forces = len(into), reduced.forces
+    imaginary = None if loss_factor is None else loss_factor * coefficients[0]
+    of_inputs, of_outputs = (tuple(system.names[place] for place in own) for own in (into, out))
+    above = [rate_unit(system.units[name], order) for name in of_outputs]
+    below = [force_unit(system.units[name]) for name in of_inputs]
+    units = np.array([[ratio_unit(one, other) for other in below] for one in above])
+    left_out = None if undamped.complete else _Residuals(reduced, coefficients, imaginary, m)
+    A, B, C = PolynomialMatrix(coefficients), forces[:, :m], forces[:, m:].T
+    return Harmonic(A, B, C, order, imaginary, reduced.sizes, of_inputs, of_outputs, units, quantity, left_out)
+
+
+class _Reduced:
+    """W^T A(s) W."""
+
+    def __init__(self, pencil, undamped: UndampedModes, forces: np.ndarray):
+        self.undamped, X, shift = undamped, undamped.vectors, undamped.shift
+        sources = [forces - times(pencil.mass, X @ (X.T @ forces))]  # what acts on the left-out modes
+        solutions: list[np.ndarray] = []
+        for order in range(ORDERS):
+            columns = undamped.factors.solve(sources[order])
+            solutions.append(columns - X @ (X.T @ times(pencil.mass, columns)))
+            sources.append(times(pencil.mass, solutions[-1]))
+        self.sources, solved = np.hstack(sources[:ORDERS]), np.hstack(solutions)
+        sizes = np.sqrt(np.maximum(np.einsum("ij,ij->j", solved, times(pencil.mass, solved)), 0.0))
+        unit = np.where(sizes > 0, sizes, 1.0)
+        gram = (solved / unit).T @ times(pencil.mass, solved / unit)
+        values, turn = np.linalg.eigh((gram + gram.T) / 2)
+        kept = values > DEPENDENT
+        self.turn = turn[:, kept] / np.sqrt(values[kept]) / unit[:, None]  # V = solved turn, orthonormal in M
+        self.static = solved @ self.turn
+        self.inertia = times(pencil.mass, self.static)
+        self.damped = times(pencil.damping, np.hstack([X, self.static])) if pencil.damping.nnz else None
+        stiffness = self.static.T @ (self.sources @ self.turn + shift * self.inertia)
+        K = np.diag(np.concatenate([undamped.values, np.zeros(stiffness.shape[0])]))
+        K[len(undamped.values) :, len(undamped.values) :] = (stiffness + stiffness.T) / 2
+        W = np.hstack([X, self.static])
+        C = np.zeros_like(K) if self.damped is None else W.T @ self.damped
+        self.coefficients = np.array([K, (C + C.T) / 2, np.eye(len(K))])
+        terms = np.einsum("ij,ij->j", np.abs(W), times(abs(pencil.stiffness), np.abs(W)))  # what w^2 = x^T K x is a sum of
+        self.sizes = np.abs(self.coefficients) + np.array([np.diag(terms), np.zeros_like(K), np.zeros_like(K)])
+        self.forces = np.vstack([X.T @ forces, self.static.T @ sources[0]])
+
+    def modal_damping(self, ratios) -> np.ndarray:
+        """2 zeta w of the modes on the diagonal."""
+        rates = np.zeros(len(self.forces))
+        if ratios is not None:
+            w = np.sqrt(np.maximum(self.undamped.values, 0.0))
+            zeta = real_array(ratios, "modal_damping")
+            if (zeta.ndim and zeta.shape != (len(w),)) or (zeta < 0).any():
+                raise InputError(f"modal_damping: expected 0 or a positive number, or one for each of the {len(w)} modes")
+            rates[: len(w)] = 2 * zeta * w
+        return np.diag(rates)
+
+
+@dataclass(frozen=True)
+class _Residuals(LeftOut):
+    """Norms of residuals by a Gram matrix of what they are combinations of."""
+
+    reduced: _Reduced
+    coefficients: np.ndarray
+    imaginary: np.ndarray | None
+    input_count: int
+
+    @cached_property
+    def limit(self) -> float:
+        """W^2: below is no mode that is left out, in 1/s^2."""
+        undamped, last = self.reduced.undamped, float(self.reduced.undamped.values[-1])
+        return max(last, undamped.below or last) if undamped.computed_below == len(undamped.values) else last
+
+    @property
+    def highest_hz(self) -> float:
+        """W / (2 pi)."""
+        return float(np.sqrt(max(self.limit, 0.0)) / (2 * np.pi))
+
+    @cached_property
+    def _gram(self) -> np.ndarray:
+        reduced, X = self.reduced, self.reduced.undamped.vectors
+        parts = [reduced.inertia] if reduced.damped is None else [reduced.inertia, reduced.damped]
+        columns = np.hstack([reduced.sources, *parts])
+        solved = reduced.undamped.factors.solve(columns)
+        inner = columns.T @ X  # along the modes there is nothing to leave out
+        gram = columns.T @ solved - (inner / (reduced.undamped.values - reduced.undamped.shift)) @ inner.T
+        return (gram + gram.T) / 2
+
+    def bound(self, omega: np.ndarray) -> np.ndarray:
+        """Of |C A^-1 B| without the factor (i w)^p, shape (p, m, F).
+
+        Args:
+            omega: w in rad/s, shape (F,), below that of all modes that are left out.
+
+        Returns:
+            Upper bounds of the absolute errors.
+        """
+        reduced, sizes = self.reduced, []
+        modes, shift = len(reduced.undamped.values), reduced.undamped.shift
+        structural = 1.0 if self.imaginary is None else 1 + 1j * self.imaginary[0, 0] / self.coefficients[0, 0, 0]
+        K = self.coefficients[0] if self.imaginary is None else self.coefficients[0] + 1j * self.imaginary
+        for w in np.asarray(omega, dtype=float):
+            y = np.linalg.solve(K + 1j * w * self.coefficients[1] - w * w * self.coefficients[2], reduced.forces)
+            along = y[modes:]
+            parts = [
+                np.eye(*np.shape(reduced.turn @ along)) - structural * (reduced.turn @ along),
+                (w * w - structural * shift) * along,
+            ]
+            parts += [] if reduced.damped is None else [-1j * w * y]
+            c = np.vstack(parts)
+            square = np.real(np.einsum("ij,ik,kj->j", c.conj(), self._gram, c))
+            rounding = EPS * np.einsum("ij,ik,kj->j", np.abs(c), np.abs(self._gram), np.abs(c))
+            sizes.append(np.sqrt(np.maximum(square, rounding)) * np.sqrt((self.limit - shift) / (self.limit - w * w)))
+        norms = np.array(sizes).reshape(len(sizes), reduced.forces.shape[1]).T
+        return norms[self.input_count :, None] * norms[: self.input_count]
