@@ -320,7 +320,8 @@ class PlottedFigure {
   // The wheel zooms at the pointer: over the labels along their axis only. A page that is being scrolled goes on scrolling, and so it
   // does where the whole is shown and would become smaller.
   turn(event) {
-    const factor = Math.exp(-0.002 * event.deltaY * (event.deltaMode === 1 ? 16 : 1));
+    const turned = event.deltaY || event.deltaX; // with Shift some systems turn the wheel sideways
+    const factor = Math.exp(-0.002 * turned * (event.deltaMode === 1 ? 16 : 1));
     if ((factor < 1 && !this.zoomed) || (!event.ctrlKey && performance.now() - plots.scrolled < scrolling)) return;
     event.preventDefault();
     const [x, y] = this.shares(event);

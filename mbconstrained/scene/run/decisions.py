@@ -202,6 +202,12 @@ def outputs(scene: Scene) -> Decision:
     return requested, source if requested else "output is not among the plots"
 
 
+def element_quantities(scene: Scene) -> Decision:
+    """Forces, elongations and relative motions."""
+    named = scene.table.output.quantity
+    return bool(named), counted(len(named), "entry", "entries") + " of [[output.quantity]]" if named else "no [[output.quantity]]"
+
+
 def certificate(scene: Scene) -> Decision:
     """Digits that exact arithmetic proves."""
     certify = scene.table.output.certify

@@ -90,7 +90,12 @@ class Scene(Displayed):
         """Notices before a run: overrides, unused parameters, unconstrained bodies."""
         has_elements = self.equations.system is not None and self.table.model.kind in ("lumped", "matrices")
         free = free_motion_notices(self.equations.system) if has_elements else ()
-        given = (*self.parameters.notices, *_late_loads(self.table), *_matrix_notices(self.table, self.equations.system))
+        given = (
+            *self.parameters.notices,
+            *_late_loads(self.table),
+            *_assumed_lengths(self.table.model),
+            *_matrix_notices(self.table, self.equations.system),
+        )
         drawn = self.equations.robot_scene is not None and self.table.output.page and self.table.output.animation
         missing = self.equations.robot.mesh_notices() if drawn else ()
         return (*(setting.notice for setting in self.settings), *given, *free, *missing)
@@ -169,6 +174,23 @@ def _late_loads(table) -> Iterator[Notice]:
         if begin > table.time.end:
             text = f"it begins at {begin:g} s, after the last time, {table.time.end:g} s, and has no effect before"
             yield Notice(NoticeKind.OMITTED, f'force[{number}] on "{load.coordinate}": {text}')
+
+
+#: Elements that a notice lists.
+MOST_NAMED = 5
+
+
+def _assumed_lengths(model) -> Iterator[Notice]:
+    """Springs without a rest length next to some that have one: coordinates are positions then, and these springs pull to length 0."""
+    for key, entry, unit in (("spring", "rest_length", "m"), ("torsion_spring", "rest_angle", "rad")):
+        springs = list(enumerate(getattr(model, key, ()), 1))
+        if not any(getattr(spring, entry) for _, spring in springs):
+            continue
+        without = [spring.name or f"{key}[{number}]" for number, spring in springs if entry not in spring.model_fields_set]
+        if without:
+            more = f" and {len(without) - MOST_NAMED} more" if len(without) > MOST_NAMED else ""
+            text = f"no {entry} is given, while others have one: 0 {unit} is taken"
+            yield Notice(NoticeKind.OMITTED, f"{', '.join(without[:MOST_NAMED])}{more}: {text}")
 
 
 def _matrix_notices(table, system: MechanicalSystem | None) -> Iterator[Notice]:

@@ -73,6 +73,7 @@ STEPS = (
     Step("accelerations", partial(decisions.plotted, kind="acceleration"), methodcaller("curves", "acceleration")),
     Step("reactions", decisions.reactions, methodcaller("curves", "reaction")),
     Step("energy", partial(decisions.plotted, kind="energy"), methodcaller("curves", "energy")),
+    Step("element quantities", decisions.element_quantities, methodcaller("curves", "quantity")),
     Step("modes", decisions.modes, attrgetter("modes")),
     Step("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimate")),
     Step("proof (python-flint)", decisions.proof, part_of="error estimate"),

@@ -73,6 +73,39 @@ def test_the_wheel_zooms_at_the_pointer_a_drag_moves_and_a_double_click_shows_th
     assert opened.messages == []
 
 
+def test_two_fingers_zoom_about_their_middle_and_move_the_part(opened):
+    whole = opened.evaluate(LABELS.format(0))
+    box = opened.evaluate("""(() => {
+        const svg = document.querySelector("svg.plot");
+        svg.scrollIntoView({block: "center"});
+        const box = svg.getBoundingClientRect();
+        return [box.x, box.y, box.width, box.height];
+    })()""")
+
+    def fingers(kind, *shares):
+        points = [{"x": box[0] + share * box[2], "y": box[1] + box[3] / 2, "id": number} for number, share in enumerate(shares)]
+        opened.call("Input.dispatchTouchEvent", type=kind, touchPoints=points)
+
+    opened.call("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
+    try:
+        fingers("touchStart", 0.45, 0.55)
+        for spread in (0.1, 0.15, 0.2):
+            fingers("touchMove", 0.5 - spread, 0.5 + spread)
+        opened.wait(0.1)
+        low, high = ends(opened.evaluate(LABELS.format(0)))
+        assert 3.5 < low < 5 < high < 6.5  # four times as far apart: a quarter of 10 s about the middle
+        fingers("touchMove", 0.2, 0.6)
+        opened.wait(0.1)
+        assert ends(opened.evaluate(LABELS.format(0)))[1] > high  # both fingers to the left show what is later
+        fingers("touchEnd")
+    finally:
+        opened.call("Emulation.setTouchEmulationEnabled", enabled=False)
+    opened.evaluate("document.querySelector('.whole').click()")
+    opened.wait(0.1)
+    assert opened.evaluate(LABELS.format(0)) == whole
+    assert opened.messages == []
+
+
 def test_keys_zoom_and_move_the_plot_in_focus(opened):
     opened.evaluate("document.querySelector('svg.plot').focus()")
     for key in ("+", "+", "ArrowRight"):

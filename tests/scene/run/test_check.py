@@ -67,3 +67,16 @@ def test_check_prints_them(command, tmp_path):
     code, out, _ = command("check", "scene.toml")
     assert code == 0 and "note (rigid body): cart and load: unconstrained" in out and 'note (jump): constraint "rod"' in out
     assert len(json.loads(command("check", "scene.toml", "--json")[1])["notices"]) >= 3
+
+
+def test_springs_without_rest_length_are_reported_next_to_some_with_one(tmp_path):
+    other = SPRING.replace("stiffness = 1", 'stiffness = 1\nrest_length = "30 cm"')
+    scene = scene_of(tmp_path, with_parts(LOAD, other))
+    assert [notice.text for notice in scene.notices if notice.kind == "omitted"] == [
+        "spring[1]: no rest_length is given, while others have one: 0 m is taken"
+    ]
+    for text in (
+        with_parts(LOAD, SPRING),
+        with_parts(LOAD, other).replace('stiffness = "8 N/m"', 'stiffness = "8 N/m"\nrest_length = 0'),
+    ):
+        assert not [notice for notice in scene_of(tmp_path, text).notices if notice.kind == "omitted"]
