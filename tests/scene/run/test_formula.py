@@ -20,8 +20,14 @@ def kind(path) -> str:
 
 
 #: Its determinant is of degree 4 in its parameters and has no roots in closed form: only numbers give a formula.
-QUARTIC = "quarter_car"
-NAMES = [path.stem for path in sorted(EXAMPLES.glob("*.toml")) if kind(path) != "robot" and path.stem != QUARTIC]
+QUARTIC = "tuned_mass_damper"
+NAMES = [
+    path.stem
+    for path in sorted(EXAMPLES.glob("*.toml"))
+    if kind(path) != "robot"
+    and path.stem != QUARTIC
+    and "[[motion]]" not in path.read_text("utf-8")  # of which there is no formula
+]
 
 
 def difference(scene, values, times) -> float:
@@ -42,7 +48,7 @@ def test_the_formula_of_every_example_agrees_with_its_run(name):
 
 
 def test_an_example_without_closed_form_in_symbols_says_so():
-    with pytest.raises(InputError, match="the eigenvalues have no closed form in body, wheel, .*formula --numbers"):
+    with pytest.raises(InputError, match="the eigenvalues have no closed form in m, natural, .*formula --numbers"):
         formula_of(read_scene(EXAMPLES / f"{QUARTIC}.toml"))
 
 

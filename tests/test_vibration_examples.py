@@ -1,0 +1,105 @@
+"""Examples of vibration in the frequency domain, and of prescribed motion, against closed forms and published optima."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import lsim
+
+from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency
+from mbconstrained.scene.run.scene import read_scene
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+
+
+def frequency(name, settings=None) -> SceneFrequency:
+    return SceneFrequency(read_scene(EXAMPLES / f"{name}.toml", settings))
+
+
+def amplitudes(own: SceneFrequency, output: str) -> list[float]:
+    return [peak.amplitude for peak in own.peaks if peak.output == output]
+
+
+def test_the_tuned_mass_damper_has_the_peaks_of_den_hartog_and_of_the_exact_optimum():
+    """Peaks by the static deflection: Den Hartog (1956) sqrt(1 + 2/ratio) nearly, Nishihara and Asami (2002) exactly; 40 digits used here."""
+    static = 1 / (100 * (2 * math.pi * 5) ** 2)
+    best = amplitudes(frequency("tuned_mass_damper"), "machine")
+    assert np.array(best) / static == pytest.approx([6.4079207680046215] * 2, rel=1e-12)
+    settings = {"tuning": 1 / 1.05, "zeta": math.sqrt(3 * 0.05 / (8 * 1.05))}
+    rules = amplitudes(frequency("tuned_mass_damper", settings), "machine")
+    assert max(rules) / static == pytest.approx(6.408443169703712, rel=1e-12)
+    for wrong in ({"tuning": 0.97}, {"zeta": 0.10}, {"zeta": 0.17}):
+        assert max(amplitudes(frequency("tuned_mass_damper", wrong), "machine")) > max(best)
+
+
+@pytest.mark.parametrize("zeta", [0.02, 0.1, 0.3, 1.0])
+def test_isolation_begins_at_the_square_root_of_two_for_every_damping(zeta):
+    own = frequency("vibration_isolation", {"zeta": zeta})
+    T = own.response([3 * math.sqrt(2) * (1 - 1e-6), 3 * math.sqrt(2), 3 * math.sqrt(2) * (1 + 1e-6)]).values[0, 0]
+    assert abs(T[1]) == pytest.approx(1.0, rel=1e-13) and abs(T[0]) > 1 > abs(T[2])
+    r = own.response.frequencies_hz / 3
+    assert own.response.values[0, 0] == pytest.approx((1 + 2j * zeta * r) / (1 - r**2 + 2j * zeta * r), rel=1e-12)
+
+
+def test_the_isolated_machine_settles_at_the_amplitude_of_its_transmissibility():
+    own = frequency("vibration_isolation")
+    T, motion = own.response([12.0]).values[0, 0, 0], own.scene.run().motion
+    late = 3.0 + np.linspace(0, 1 / 12, 13)  # the free motion has decayed to e^(-0.1 * 2 pi 3 * 3) = 0.35 %
+    place = own.scene.equations.coordinates.names.index("machine")
+    expected = 1e-3 * np.abs(T) * np.sin(2 * math.pi * 12 * late + np.angle(T))
+    assert motion(late)[place] == pytest.approx(expected, abs=0.02 * 1e-3)
+
+
+def test_the_quarter_car_answers_a_wavy_road_as_its_closed_form():
+    own = frequency("quarter_car")
+    s = 2j * math.pi * own.response.frequencies_hz
+    body, wheel, spring, tyre = 300 * s**2, 40 * s**2, 20e3 + 1200 * s, 180e3
+    ratio = spring / (body + spring)  # of the body by the wheel
+    hub = tyre / (wheel + tyre + spring - spring * ratio)
+    values = dict(zip(own.response.outputs, own.response.values[:, 0]))
+    assert values["wheel"] == pytest.approx(hub, rel=1e-12) and values["body"] == pytest.approx(hub * ratio, rel=1e-12)
+
+
+def test_three_storeys_drift_as_those_of_a_simulation_relative_to_the_ground():
+    """z'' + ... = -1 a of the storeys relative to the ground, by the first-order hold of SciPy: exact for a record of straight lines."""
+    result = frequency("three_storeys").scene.run()
+    record = np.loadtxt(EXAMPLES / "records" / "ground_acceleration.csv", delimiter=",", skiprows=1)
+    M, storeys = np.diag([20e3, 20e3, 15e3]), np.array([[2.0, -1, 0], [-1, 2, -1], [0, -1, 1]])
+    lower = -np.linalg.solve(M, np.hstack([20e6 * storeys, 80e3 * storeys]))
+    A, B = np.vstack([np.hstack([np.zeros((3, 3)), np.eye(3)]), lower]), np.r_[np.zeros(3), -np.ones(3)][:, None]
+    C = np.array([[1.0, 0, 0, 0, 0, 0], [0, -1, 1, 0, 0, 0]])
+    times = np.arange(0.0, 12.01, 0.02)
+    _, drifts, _ = lsim((A, B, C, np.zeros((2, 1))), 9.80665 * record[:, 1], times)
+    assert result.curves("quantity").values[:, :601] == pytest.approx(drifts.T, abs=1e-10)
+    T = SceneFrequency(result.scene).response  # at rest the building moves with the ground
+    assert T.inputs == ("earthquake",) and T([1e-3]).values.real.ravel() == pytest.approx(np.ones(3), abs=1e-5)
+
+
+def test_the_machine_on_rubber_is_a_chain_of_dynamic_stiffnesses():
+    own = frequency("machine_on_foundation")
+    s = 2j * math.pi * own.response.frequencies_hz
+    mount = 2e6 + 1 / (1 / 3e6 + 1 / (20e3 * s))  # the massless joint: spring and damper in series
+    soil = 150e6 + 200e3 * s
+    foundation = mount / (2000 * s**2 + soil + mount)  # by the machine
+    machine = 1 / (500 * s**2 + mount * (1 - foundation))
+    assert own.response.values[0, 0] == pytest.approx(s * machine, rel=1e-11)
+    assert own.response.values[1, 0] == pytest.approx(s * machine * foundation, rel=1e-11)
+
+
+def test_the_stretched_arm_is_softer_and_slower():
+    """Both postures against full complex solutions of the linearized equations; motors and gears in series at rest."""
+    stretched = {"model.guess.j4": "-20 deg", "model.guess.j6": "20 deg"}
+    found = []
+    for settings in ({}, stretched):
+        own = frequency("arm_compliance", settings)
+        system, f = own.system, np.array([0.5, 5.0, 50.0])
+        b, C = system.inputs["force on the tool"], system.output_matrix
+        for line, value in zip(f, np.moveaxis(own.response(f).values[:, 0], 1, 0)):
+            s = 2j * math.pi * line
+            full = C @ np.linalg.solve(system.mass * s**2 + system.damping * s + system.stiffness, b)
+            assert value == pytest.approx(full, rel=1e-8)
+        resonance = min(peak.frequency_hz for peak in own.peaks if peak.output == "tool upwards")
+        found.append((abs(own.response([0.5]).values[0, 0, 0]), resonance))
+    (soft, fast), (softer, slower) = found
+    assert softer > 1.2 * soft and slower < 0.95 * fast
