@@ -140,6 +140,23 @@ def built_model(text: str, free_base: bool, locked: Mapping[str, float], gravity
         model = pinocchio.buildModelFromXML(text, *([pinocchio.JointModelFreeFlyer()] if free_base else []))
     except (ValueError, RuntimeError) as problem:
         raise InputError(f"urdf: pinocchio cannot read it as a robot ({str(problem).splitlines()[0]})") from None
+    return finished_model(model, locked, gravity)
+
+
+def finished_model(model, locked: Mapping[str, float], gravity: np.ndarray):
+    """A model with its locked joints taken out and its gravity set.
+
+    Args:
+        model: of pinocchio; it may be changed.
+        locked: values by joint (rad, m).
+        gravity: shape (3,), in m/s^2.
+
+    Returns:
+        The model.
+
+    Raises:
+        InputError: no joint that moves, an unknown locked joint, or one locked beyond its limits.
+    """
     model = _without(model, locked)
     if not model.nv:
         raise InputError(

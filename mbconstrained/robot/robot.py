@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -15,9 +15,10 @@ from ..ground.errors import InputError
 from ..mechanics.constraints import Level
 from .connections import BodySpring, Bushing, Loop, PointMotion
 from .description.masses import Payload, replace_masses
+from .description.models import described, has_free_base, is_model
 from .description.urdf import checked_tree, description_notices, link_masses, mimics_of, read_urdf, root_link, skeleton
 from .flexible_joint import FlexibleJoint, Motor
-from .kinematics import Tree, built_model
+from .kinematics import Tree, built_model, finished_model
 from .linearized import LinearizedRobot
 from .mechanism import LinkFrames, checked_connections
 from .posture import Posture, find_posture
@@ -32,11 +33,15 @@ if TYPE_CHECKING:
 _ORIGIN = (0.0, 0.0, 0.0)
 
 
+_DOWNWARDS = (0.0, 0.0, -9.81)
+
+
 class Robot(Displayed):
     """A tree of joints from a URDF, with loops, springs and flexible joints.
 
     Args:
-        urdf: the path of a .urdf file, or the XML text itself. Collision geometry is never read.
+        urdf: the path of a .urdf file, or the XML text itself; or a pinocchio model, such as of
+            ``pinocchio.buildModelFromMJCF``, which has its own base and is not drawn. Collision geometry is never read.
         loops: joints that close loops, ``Loop``.
         springs: connections between bodies, ``BodySpring`` and ``Bushing``.
         base: "fixed" to the ground; "free"; or "moving", with a prescribed motion: it rests at the origin unless
@@ -45,7 +50,8 @@ class Robot(Displayed):
         joint_rest: values of these joints without spring force (rad, m), of a continuous joint modulo a full turn. A spring without
             one carries the load of its joint: the joint keeps the guess, and ``Posture.torques`` has the load.
         joint_damping: damping constants by joint or coordinate (N m s/rad, N s/m), in addition to those of the URDF.
-        gravity: the acceleration of free fall (m/s^2), a vector or the number g for (0, 0, -g).
+        gravity: the acceleration of free fall (m/s^2), a vector or the number g for (0, 0, -g); by default that of a pinocchio model,
+            and (0, 0, -9.81) of a URDF.
         locked: joints that do not move, with their values (rad, m).
         flexible_joints: a ``FlexibleJoint`` by joint.
         motors: a ``Motor`` by joint, with a rigid gear.
@@ -72,14 +78,14 @@ class Robot(Displayed):
 
     def __init__(
         self,
-        urdf: str | Path,
+        urdf: str | Path | Any,
         loops: Sequence[Loop] = (),
         springs: Sequence[BodySpring | Bushing] = (),
         base: Literal["fixed", "free", "moving"] = "fixed",
         joint_stiffness: Mapping[str, float] | None = None,
         joint_rest: Mapping[str, float] | None = None,
         joint_damping: Mapping[str, float] | None = None,
-        gravity=(0.0, 0.0, -9.81),
+        gravity=None,
         locked: Mapping[str, float] | None = None,
         flexible_joints: Mapping[str, FlexibleJoint] | None = None,
         motors: Mapping[str, Motor] | None = None,
@@ -90,11 +96,16 @@ class Robot(Displayed):
         package_dirs: Sequence[str | Path] = (),
         name: str | None = None,
     ):
-        text, self.folder = read_urdf(urdf)
-        self.description = checked_tree(text)
+        given_model: Any = urdf if is_model(urdf) else None
+        text, self.folder = read_urdf(urdf) if given_model is None else ("", None)
+        self.description = checked_tree(text) if given_model is None else described(given_model)
+        if given_model is not None and (masses or inertias):
+            raise InputError("masses, inertias: found them with a pinocchio model; change model.inertias, or add an mb.Payload")
         self.name = str(name or self.description.get("name") or "robot")
         if base not in (bases := ("fixed", "free", "moving")):
             raise InputError(f'base: found {base!r}{nearest(str(base), bases)}; expected "fixed", "free" or "moving"')
+        if given_model is not None and base != "moving":
+            base = "free" if has_free_base(given_model) else "fixed"
         self.base = base
         if isinstance(package_dirs, str) or not all(isinstance(folder, (str, Path)) for folder in package_dirs):
             raise InputError(f"package_dirs: found {package_dirs!r}; expected a list of folders")
@@ -105,7 +116,12 @@ class Robot(Displayed):
         }
         mimics = geared(gears, mimics_of(self.description), single)
         self.locked = locked_values(locked, mimics)
-        self.tree = Tree(built_model(skeleton(self.description), base != "fixed", self.locked, _gravity(gravity)))
+        if given_model is None:
+            model = built_model(skeleton(self.description), base != "fixed", self.locked, _gravity(gravity, _DOWNWARDS))
+        else:
+            own = np.array(given_model.gravity.linear)
+            model = finished_model(given_model.copy(), self.locked, _gravity(gravity, own))
+        self.tree = Tree(model)
         self.description_notices = description_notices(self.description)
         self.tangent = Tangent(self.model, base != "fixed", tuple(self.locked))
         self.link_frames = LinkFrames(self.model, link_masses(self.description))
@@ -292,7 +308,10 @@ class Robot(Displayed):
         return f"{self.name}: {len(self.bodies)} links, {len(self.coordinates)} coordinates{closed_by}"
 
 
-def _gravity(gravity) -> np.ndarray:
+def _gravity(gravity, usual) -> np.ndarray:
+    """The vector of the acceleration, the usual one where none is given."""
+    if gravity is None:
+        return np.array(usual)
     if np.ndim(gravity) == 0:
         return np.array([0.0, 0.0, -real_number(gravity, "gravity")])
     return real_array(gravity, "gravity", shape=(3,))

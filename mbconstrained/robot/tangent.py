@@ -23,7 +23,13 @@ BASE = "base"
 #: So many joints beyond their limits are named, the others are counted.
 MOST_OUTSIDE = 3
 
-_SUFFIXES = {1: ("",), 3: (" x", " y", " rz"), 6: (" x", " y", " z", " rx", " ry", " rz")}
+_SUFFIXES = {
+    "JointModelPlanar": (" x", " y", " rz"),
+    "JointModelTranslation": (" x", " y", " z"),
+    "JointModelSpherical": (" rx", " ry", " rz"),
+    "JointModelFreeFlyer": (" x", " y", " z", " rx", " ry", " rz"),
+}
+_SPHERICAL = "JointModelSpherical"
 
 
 class Tangent:
@@ -43,7 +49,7 @@ class Tangent:
     @cached_property
     def coordinates(self) -> tuple[str, ...]:
         """Names of the nv tangent coordinates."""
-        return tuple(f"{name}{suffix}" for name, joint in self._each() for suffix in _SUFFIXES[joint.nv])
+        return tuple(f"{name}{suffix}" for name, joint in self._each() for suffix in _suffixes(joint))
 
     @cached_property
     def units(self) -> tuple[str, ...]:
@@ -158,7 +164,11 @@ class Tangent:
     def _whole(self, values, what: str) -> np.ndarray:
         q = real_array(values, what, shape=(self.model.nq,))
         for name, joint in self._each():
-            turn = q[joint.idx_q : joint.idx_q + joint.nq][{4: 2, 7: 3}.get(joint.nq, 0) :] if joint.nq != joint.nv else ()
+            turn = (
+                q[joint.idx_q : joint.idx_q + joint.nq][0 if joint.shortname() == _SPHERICAL else {4: 2, 7: 3}.get(joint.nq, 0) :]
+                if joint.nq != joint.nv
+                else ()
+            )
             if len(turn) and not np.any(turn):
                 raise InputError(f"{what}: the numbers of {name} that stand for its rotation are all 0")
         return q
@@ -175,7 +185,12 @@ def _mapping(values, what: str) -> Mapping:
 def _units(joint) -> tuple[str, ...]:
     if joint.nv == 1:
         return ("m",) if joint.shortname().startswith("JointModelP") else ("rad",)
-    return ("m", "m", "rad") if joint.nv == 3 else ("m",) * 3 + ("rad",) * 3
+    return tuple("rad" if suffix.startswith(" r") else "m" for suffix in _suffixes(joint))
+
+
+def _suffixes(joint) -> tuple[str, ...]:
+    """Of the names of a joint's coordinates."""
+    return ("",) if joint.nv == 1 else _SUFFIXES[joint.shortname()]
 
 
 def _joint_configuration(joint, value, what: str) -> np.ndarray:
@@ -185,14 +200,24 @@ def _joint_configuration(joint, value, what: str) -> np.ndarray:
         value = real_number(value, what)
         return np.array([value] if joint.nq == 1 else [np.cos(value), np.sin(value)])
     numbers = real_array(value, what, shape=(None,))
-    if joint.nv == 3 and len(numbers) == 3:
+    if joint.shortname() == "JointModelTranslation" and len(numbers) == 3:
+        return numbers
+    if joint.shortname() == _SPHERICAL and len(numbers) == 3:
+        return pinocchio.Quaternion(pinocchio.rpy.rpyToMatrix(*numbers)).coeffs()
+    if joint.shortname() == _SPHERICAL and len(numbers) == 4 and numbers.any():
+        return numbers / np.linalg.norm(numbers)
+    if joint.shortname() == "JointModelPlanar" and len(numbers) == 3:
         return np.array([*numbers[:2], np.cos(numbers[2]), np.sin(numbers[2])])
     if joint.nv == 6 and len(numbers) == 6:
         rotation = pinocchio.rpy.rpyToMatrix(*numbers[3:])
         return np.concatenate([numbers[:3], pinocchio.Quaternion(rotation).coeffs()])
     if joint.nv == 6 and len(numbers) == 7 and numbers[3:].any():
         return np.concatenate([numbers[:3], numbers[3:] / np.linalg.norm(numbers[3:])])
-    wanted = "x, y and an angle" if joint.nv == 3 else "x, y, z, roll, pitch, yaw, or x, y, z and a quaternion x, y, z, w"
+    wanted = {
+        "JointModelPlanar": "x, y and an angle",
+        "JointModelTranslation": "x, y, z",
+        _SPHERICAL: "roll, pitch, yaw, or a quaternion x, y, z, w",
+    }.get(joint.shortname(), "x, y, z, roll, pitch, yaw, or x, y, z and a quaternion x, y, z, w")
     raise InputError(f"{what}: found {len(numbers)} numbers; expected {wanted}")
 
 
@@ -201,7 +226,8 @@ def _joint_value(joint, q: np.ndarray):
         return float(q[0])
     if joint.nq == 2:
         return float(np.arctan2(q[1], q[0]))
-    return (*q[:2].tolist(), float(np.arctan2(q[3], q[2]))) if joint.nv == 3 else tuple(q.tolist())
+    is_planar = joint.shortname() == "JointModelPlanar"
+    return (*q[:2].tolist(), float(np.arctan2(q[3], q[2]))) if is_planar else tuple(q.tolist())
 
 
 @dataclass(frozen=True)

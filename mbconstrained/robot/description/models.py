@@ -1,0 +1,73 @@
+"""Models of pinocchio as descriptions, for robots that were read from other formats than URDF."""
+
+from __future__ import annotations
+
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from ...ground.errors import InputError
+
+#: Kinds of joints with several degrees of freedom that have tangent coordinates here.
+SEVERAL = ("JointModelPlanar", "JointModelFreeFlyer", "JointModelSpherical", "JointModelTranslation")
+
+
+def is_model(given) -> bool:
+    """Whether this is a pinocchio model; pinocchio is imported only where it may be one."""
+    if isinstance(given, str) or not type(given).__module__.startswith("pinocchio"):
+        return False
+    import pinocchio
+
+    return isinstance(given, pinocchio.Model)
+
+
+def has_free_base(model) -> bool:
+    """Whether the first joint of a model is a free one of its base."""
+    return model.njoints > 1 and model.joints[1].shortname() == "JointModelFreeFlyer"
+
+
+def described(model) -> Element:
+    """The names, masses and joints of a pinocchio model as the element <robot> of a URDF; its shapes are not there.
+
+    Args:
+        model: with joints of one degree of freedom, planar, free, spherical or translating joints.
+
+    Returns:
+        The element; a link that other links are fixed to has the mass of all.
+
+    Raises:
+        InputError: another kind of joint, or no bodies.
+    """
+    import pinocchio
+
+    robot, first = Element("robot", name=str(model.name) or "robot"), {}
+    for frame in model.frames:
+        if frame.type == pinocchio.FrameType.BODY:
+            link = SubElement(robot, "link", name=str(frame.name))
+            first.setdefault(int(frame.parentJoint), link)
+    if not first:
+        raise InputError("model: found no body; expected a pinocchio model with frames of bodies")
+    for number in range(1, model.njoints):
+        joint, name = model.joints[number], str(model.names[number])
+        kind = joint.shortname()
+        if (joint.nv != 1 and kind not in SEVERAL) or "Mimic" in kind:
+            raise InputError(
+                f'model: the joint "{name}" is a {kind.removeprefix("JointModel")}, which has no coordinates here; write it as joints with one '
+                "degree of freedom each"
+            )
+        if number in first:
+            _add_inertial(first[number], model.inertias[number])
+            word = "floating" if joint.nv > 1 else "prismatic" if kind.startswith("JointModelP") else "revolute"
+            if number > 1 or not has_free_base(model):
+                element = SubElement(robot, "joint", name=name, type=word)
+                parent = first.get(int(model.parents[number]), first[min(first)])
+                SubElement(element, "parent", link=parent.get("name", ""))
+                SubElement(element, "child", link=first[number].get("name", ""))
+    return robot
+
+
+def _add_inertial(link: Element, inertia) -> None:
+    inertial, tensor = SubElement(link, "inertial"), np.array(inertia.inertia)
+    SubElement(inertial, "mass", value=repr(float(inertia.mass)))
+    moments = zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), tensor[np.triu_indices(3)].tolist())
+    SubElement(inertial, "inertia", {key: repr(value) for key, value in moments})
