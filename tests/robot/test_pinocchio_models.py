@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 import mbconstrained as mb
-from tests.robot.linkages import GROUND, bar, joint, link, urdf
+from tests.robot.linkages import GROUND, bar, joint, urdf
 
 TEXT = urdf(
     GROUND,
