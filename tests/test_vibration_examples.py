@@ -1,13 +1,16 @@
 """Examples of vibration in the frequency domain, and of prescribed motion, against closed forms and published optima."""
 
+import itertools
 import math
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from scipy.signal import lsim
 
 from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency
+from mbconstrained.scene.run.random.scene_random import SceneRandom
 from mbconstrained.scene.run.scene import read_scene
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -103,3 +106,19 @@ def test_the_stretched_arm_is_softer_and_slower():
         found.append((abs(own.response([0.5]).values[0, 0, 0]), resonance))
     (soft, fast), (softer, slower) = found
     assert softer > 1.2 * soft and slower < 0.95 * fast
+
+
+def test_electronics_box():
+    """RMS acceleration by adaptive quadrature of (w_n^4 + (2 z w_n w)^2) / |D|^2 times the straight lines of the table."""
+    response = SceneRandom(read_scene(EXAMPLES / "electronics_box.toml")).response
+    wn, z = 2 * np.pi * 30.0, 0.05
+    corners, values = np.array([20.0, 80.0, 350.0, 2000.0]), np.array([0.01, 0.04, 0.04, 0.007])
+
+    def density(f):
+        w = 2 * np.pi * f
+        G = np.exp(np.interp(np.log(f), np.log(corners), np.log(values)))
+        return G * (wn**4 + (2 * z * wn * w) ** 2) / ((wn**2 - w**2) ** 2 + (2 * z * wn * w) ** 2)
+
+    edges = [20.0, 29.0, 31.0, 80.0, 350.0, 2000.0]
+    total = sum(quad(density, a, b, epsabs=0, epsrel=1e-13)[0] for a, b in itertools.pairwise(edges))
+    assert np.isclose(response.rms[0], 9.80665 * np.sqrt(total), rtol=1e-11)

@@ -18,6 +18,7 @@ from .force_tables import ForceTable, MotionTable
 from .frequency_table import FrequencyTable
 from .lumped_tables import LumpedTable
 from .model_tables import MatricesTable, StateSpaceTable, TransferFunctionTable
+from .random_table import RandomTable
 from .robot_tables import RobotTable
 
 CONTROL = ("transfer-function", "state-space")
@@ -212,6 +213,7 @@ class SceneFile(Table):
     motion: list[MotionTable] = Field([], description="Prescribed motions of coordinates: supports that move.")
     time: TimeTable = Field(description="Where the answer is wanted.")
     frequency: FrequencyTable | None = Field(None, description="The frequency response that is computed, too; left out: none.")
+    random: RandomTable | None = Field(None, description="Random vibration, by the command random; left out: none.")
     output: OutputTable = Field(OutputTable(), description="Which files are written, and what the page shows.")
     drawing: DrawingTable | None = Field(None, description="How the model is drawn; left out: automatically.")
 

@@ -1,0 +1,267 @@
+"""Random vibration of a scene: RMS values and statistics, spectra of the outputs, page and files."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from textwrap import wrap
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....exchange.trajectories import write_arrays
+from ....frequency.features import frequencies_by_poles
+from ....frequency.random.random_response import RandomResponse
+from ....ground.display import WIDTH, TextTable
+from ....ground.errors import InputError
+from ....ground.files import Replacements
+from ....ground.notices import Notice
+from ....page.content import Curve, Plot
+from ....page.frequency_page import FrequencyContent
+from ...file.messages import at
+from ..report.summary import notices_json
+
+if TYPE_CHECKING:
+    from ..scene import Scene
+
+#: Lines of the spectra for each decade, besides those that the poles place.
+EACH_DECADE = 100
+
+#: White noise is plotted so many decades beyond the poles.
+BEYOND = 10.0
+
+#: Spectra are plotted down to this share of their largest value.
+LEAST_SHARE = 1e-12
+
+
+class SceneRandom:
+    """The random response of a scene.
+
+    Attributes:
+        scene: what was read.
+        files: what was written.
+    """
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self.files: list[Path] = []
+
+    @cached_property
+    def response(self) -> RandomResponse:
+        """The response in SI.
+
+        Raises:
+            SceneError: no table [random], unknown names, units that do not fit.
+        """
+        table, equations = self.scene.table.random, self.scene.equations
+        with at(self.scene.file_name, "random"):
+            if table is None:
+                raise InputError(
+                    "the scene has no table [random]; give its inputs as [[random.input]], with on, of, frequencies and values"
+                )
+            if equations.control is not None or equations.system is None:
+                raise InputError("random vibration needs a model with mass, damping and stiffness")
+            excitation = {entry.on: entry.spectrum for entry in table.input}
+            if len(excitation) < len(table.input):
+                raise InputError("two [[random.input]] have the same name in on; add their spectra")
+            delays = {entry.on: entry.delay for entry in table.input} if any(entry.delay for entry in table.input) else None
+            prescribed = {coordinate for motion in self.scene.table.motion for coordinate, _ in motion.rows.values()}
+            free = [name for name in equations.system.names if name not in prescribed]
+            outputs = table.outputs or (None if table.quantity == "reaction" else free)
+            return equations.system.random_response(
+                excitation,
+                outputs,
+                table.quantity,
+                relative_to=table.relative_to,
+                modal_damping=table.modal_damping,
+                coherence=table.coherence,
+                delays=delays,
+            )
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """What is worth knowing, and what makes the values doubtful."""
+        return (*self.scene.notices, *self.scene.equations.form_notices, *self.response.notices)
+
+    @property
+    def is_trusted(self) -> bool:
+        """False where a notice warns that values may be wrong."""
+        return not any(notice.doubtful for notice in self.notices)
+
+    @cached_property
+    def shown(self) -> list[tuple[str, float]]:
+        """Name and factor of the unit of each output."""
+        units = self.scene.equations.coordinates.shown
+        return [units.of(unit) for unit in self.response.units]
+
+    @property
+    def table(self) -> TextTable:
+        """RMS, rates and the expected largest value of each output."""
+        response, duration = self.response, self.scene.table.random.duration
+        rates, largest = response.crossing_rate(), self._largest(duration)
+        rows = []
+        for name, rms, rate, top, (unit, factor) in zip(response.outputs, response.rms, rates, largest, self.shown):
+            finite = np.isfinite(rms)
+            rows.append(
+                (
+                    name,
+                    f"{factor * rms:.5g} {unit}" if finite else "infinite",
+                    _rate(rate, finite),
+                    f"{factor * top:.4g} {unit}" if np.isfinite(top) else "–",
+                )
+            )
+        columns = ("output", "RMS", "zero crossings (Hz)", f"largest in {duration:g} s")
+        return TextTable(f"Random {response.quantity}", columns, tuple(rows), "largest: mean of the largest modulus (Davenport)")
+
+    def _largest(self, duration: float) -> np.ndarray:
+        try:
+            return self.response.expected_maximum(duration)
+        except InputError:  # less than a period: there is no such value
+            return np.full(len(self.response.outputs), np.nan)
+
+    @property
+    def facts(self) -> tuple[tuple[str, str], ...]:
+        """What is random, and how accurate the results are."""
+        inputs = zip(self.response.inputs, self.response.spectra.spectra)
+        lines = [("input", f"{name}: {spectrum.of}, {spectrum.name}") for name, spectrum in inputs]
+        return (*lines, ("error estimate", f"{self.response.error_estimate.max(initial=0.0):.2g} of each variance"))
+
+    @cached_property
+    def frequencies(self) -> np.ndarray:
+        """At which spectra are plotted and written, Hz."""
+        placed, corners = frequencies_by_poles(self.response.harmonic, with_peaks=False), self.response.spectra.corners
+        low = corners[0] if len(corners) and corners[0] > 0 else placed[0] / BEYOND
+        high = corners[-1] if len(corners) and np.isfinite(corners[-1]) else BEYOND * placed[-1]
+        even = np.geomspace(low, high, int(EACH_DECADE * np.log10(high / low)) + 2)
+        return np.unique([low, high, *even[1:-1], *placed[(placed > low) & (placed < high)]])
+
+    @cached_property
+    def spectra(self) -> np.ndarray:
+        """One-sided spectra of the outputs in the units shown, shape (p, F)."""
+        factors = np.array([factor for _, factor in self.shown])
+        return self.response.psd(self.frequencies) * factors[:, None] ** 2
+
+    @property
+    def plots(self) -> tuple[Plot, ...]:
+        """The spectra, and the root of their integral up to each frequency, one plot for each unit."""
+        result, f = [], self.frequencies
+        steps = np.diff(f, prepend=f[0])
+        for unit in dict.fromkeys(unit for unit, _ in self.shown):
+            chosen = [i for i, (own, _) in enumerate(self.shown) if own == unit]
+            least = LEAST_SHARE * self.spectra[chosen].max()
+            if not least:
+                continue
+            curves = tuple(Curve(self.response.outputs[i], np.maximum(self.spectra[i], least), i) for i in chosen)
+            square = f"({unit})²/Hz" if any(sign in unit for sign in "/ ^") else f"{unit}²/Hz"
+            title = f"spectrum of the {self.response.quantity}"
+            result.append(
+                Plot(title, square, f, curves, across_unit="Hz", quantity="density", variable="frequency", scales=("log", "log"))
+            )
+            middle = (self.spectra[chosen] + np.roll(self.spectra[chosen], 1, axis=1)) / 2
+            sums = np.sqrt(np.cumsum(middle * steps, axis=1))
+            rising = tuple(Curve(self.response.outputs[i], row, i) for i, row in zip(chosen, sums))
+            result.append(
+                Plot(
+                    "RMS up to a frequency",
+                    unit,
+                    f,
+                    rising,
+                    across_unit="Hz",
+                    quantity="RMS",
+                    variable="frequency",
+                    scales=("log", "linear"),
+                )
+            )
+        return tuple(result)
+
+    def write(self, folder: Path, *, images: bool = False) -> list[Path]:
+        """Write NAME.random.html, .csv and .npz, as far as [output] requests them, and the plots as SVG and PNG.
+
+        Args:
+            folder: is created if it does not exist.
+            images: whether the plots are written, too.
+
+        Returns:
+            The paths.
+
+        Raises:
+            OSError: they cannot be written.
+        """
+        from ....page.html import write_page
+        from ....page.plots.images import plot_image, plot_images
+
+        output, stem = self.scene.table.output, folder / f"{self.scene.name}.random"
+        folder.mkdir(parents=True, exist_ok=True)
+        content = FrequencyContent(
+            title=self.scene.title,
+            source=self.scene.table.source,
+            deflections=None,
+            plots=self.plots,
+            peaks=self.table,
+            peak_frequencies=(),
+            peak_inputs=(),
+            notices=self.notices,
+            facts=self.facts,
+        )
+        with Replacements() as files:
+            if output.csv:
+                files.temporary(stem.with_name(f"{stem.name}.csv")).write_text(self._csv(), encoding="utf-8")
+            if output.npz:
+                arrays = {
+                    "frequencies_hz": self.frequencies,
+                    "psd": self.response.psd(self.frequencies),
+                    "covariance": self.response.covariance,
+                }
+                write_arrays(
+                    files.temporary(stem.with_name(f"{stem.name}.npz")),
+                    {**arrays, "outputs": np.array(self.response.outputs)},
+                    ".npz",
+                )
+            for name, plot in plot_images(content.plots).items() if images else ():
+                for kind in ("svg", "png"):
+                    files.temporary(stem.with_name(f"{stem.name}.{name}.{kind}")).write_bytes(plot_image(plot, kind))
+            if output.page:
+                write_page(stem.with_name(f"{stem.name}.html"), content, output.viewer, files)
+            self.files += files.paths
+        return self.files
+
+    def _csv(self) -> str:
+        heads = [
+            "frequency (Hz)",
+            *(f"{name} (({unit})^2/Hz)".replace(",", ";") for name, (unit, _) in zip(self.response.outputs, self.shown)),
+        ]
+        rows = np.vstack([self.frequencies, self.spectra]).T.tolist()
+        return "\n".join([",".join(heads), *(",".join(map(repr, row)) for row in rows)]) + "\n"
+
+    def blocks(self) -> list[str | TextTable]:
+        """What is printed on 80 columns."""
+        heading = "\n".join(line for text in (self.scene.heading, self.scene.table.source) for line in wrap(text, WIDTH))
+        about = "\n".join(line for label, text in self.facts for line in wrap(f"{label}: {text}", WIDTH, subsequent_indent="  "))
+        notices = [line for notice in self.notices for line in wrap(f"  {notice}", WIDTH, subsequent_indent="    ")]
+        listed = ["\n".join(["Notices", *notices])] if notices else []
+        written = ["\n".join(["Written", *(f"  {path}" for path in self.files)])] if self.files else []
+        return [heading, about, self.table, *listed, *written]
+
+    def as_json(self) -> dict:
+        """The same as plain data, numbers in SI."""
+        response = self.response
+        finite = np.isfinite(response.rms)
+        return {
+            "title": self.scene.title,
+            "quantity": response.quantity,
+            "inputs": list(response.inputs),
+            "outputs": list(response.outputs),
+            "units": list(response.units),
+            "rms": [float(value) if own else None for value, own in zip(response.rms, finite)],
+            "covariance": [[float(value) if np.isfinite(value) else None for value in row] for row in response.covariance],
+            "zero_crossings_hz": [float(value) if np.isfinite(value) else None for value in response.crossing_rate()],
+            "infinite": response.infinite,
+            "error_estimate": response.error_estimate.tolist(),
+            "notices": notices_json(self.notices),
+            "trusted": self.is_trusted,
+            "files": [str(path) for path in self.files],
+        }
+
+
+def _rate(rate: float, finite: bool) -> str:
+    return "–" if not finite else f"{rate:.4g}" if np.isfinite(rate) else "infinite"
