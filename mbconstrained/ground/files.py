@@ -35,6 +35,8 @@ def readable_as(path: Path, failure: str) -> Iterator[None]:
         raise
     except Exception as problem:
         text = (str(problem).splitlines() or [type(problem).__name__])[0][:120]
+        if "pickle" in text:  # NumPy advises to load it nevertheless
+            text = "it is damaged, or holds Python objects, which are never loaded"
         raise InputError(f"{path.name}: {failure} ({text})") from None
 
 

@@ -197,7 +197,7 @@ def serving_reduction(
     if force.impulses or force.later:
         _check_impulses(reduction, force)
     restarts = len(force.knots) - 1
-    if reduction.is_small and restarts:  # sums of modes may cancel at any of them
+    if reduction.is_small and restarts and not proved:  # sums of modes may cancel at any of them
         raise NotReducible(f"the force restarts at {counted(restarts, 'time')}")
     if _is_stiff(reduction):
         raise NotReducible(f"the stiffness spread is {reduction.spread:.0e}, the ratio of the fastest rate to the slowest")

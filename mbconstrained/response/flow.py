@@ -192,6 +192,11 @@ class Flow:
         """The largest entry of the transformation that separates the modes."""
         return self._modal[1]
 
+    @property
+    def copies(self) -> list[tuple[slice, slice]]:
+        """Which states of ``states`` are copies of states of the force, and of which."""
+        return self._modal[2]
+
     def modal_output(self, output: Matrix) -> np.ndarray:
         """C of output @ z = C e^{J t} v, J and v those of ``states``."""
         if not self.force.smooth.state_count:
@@ -200,11 +205,11 @@ class Flow:
         return output[:, used] @ self.states.coefficients[used]
 
     @cached_property
-    def _modal(self) -> tuple[BohlFunction, float]:
+    def _modal(self) -> tuple[BohlFunction, float, list[tuple[slice, slice]]]:
         smooth, n = self.force.smooth, len(self.start)
         m, free = smooth.coefficients.shape[1], self.reduction.decoupled
         if not m and len(self.knots) == 1:
-            return BohlFunction(np.zeros((0, n)), free.blocks, free.coordinates(self.start)), free.coupling
+            return BohlFunction(np.zeros((0, n)), free.blocks, free.coordinates(self.start)), free.coupling, []
         units = np.ones(m)
         for block, at in zip(smooth.blocks, block_slices(smooth.blocks)):
             sizes = units_of_pieces(smooth, block, at)

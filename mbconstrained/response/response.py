@@ -228,7 +228,7 @@ class Response(Exported, Presented):
     @property
     def _proved_function(self) -> ProvedFunction:
         flow = self.method.flow
-        bounded = flow is not None and flow.reduction.is_small and len(flow.knots) == 1
+        bounded = flow is not None and flow.reduction.is_small
         defect = Defect(flow, self._rounding()) if bounded else None
         return ProvedFunction(self.solution.function, lambda: self.exact, self.solution.finite_count, defect)
 

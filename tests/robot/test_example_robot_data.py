@@ -123,6 +123,58 @@ def test_arms_with_fixed_joints(arm):
     )
 
 
+#: Of one link, without moving joints on a fixed base, or no URDF at all.
+NO_TREES = {"ur3.urdf", "quadrotor_base.urdf", "iris_simple.urdf"}
+
+
+def every_robot():
+    """Paths of all URDFs of the package, none where it is not installed."""
+    place = example_robot_data.folder()
+    return sorted(path for path in place.rglob("*.urdf") if path.name not in NO_TREES) if place else []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("path", every_robot(), ids=lambda path: path.stem)
+def test_every_robot_hangs_in_its_joint_springs_as_finite_differences_of_its_weight_say(path):
+    text = path.read_text()
+    bare = re.sub(r"<mimic[^>]*(/>|>\s*</mimic>)", "", text)
+    model = pin.buildModelFromXML(bare)
+    names = [str(name) for name in model.names[1:]]
+    robot = mb.Robot(path, joint_stiffness=dict.fromkeys(names, 150.0))
+    posture = robot.equilibrium(dict.fromkeys(names, 0.1))
+    system = robot.linearize(posture)
+    data, h = model.createData(), 1e-4
+    q = pin.neutral(model)
+    for name, joint in zip(names, list(model.joints)[1:]):
+        value = posture.joints[name]
+        q[joint.idx_q : joint.idx_q + joint.nq] = value if joint.nq == 1 else (np.cos(value), np.sin(value))
+
+    def weight(step):
+        return pin.computeGeneralizedGravity(model, data, pin.integrate(model, q, step)).copy()
+
+    steps = h * np.eye(model.nv)
+    K = np.array([(8 * (weight(e) - weight(-e)) - (weight(2 * e) - weight(-2 * e))) / (12 * h) for e in steps]).T + 150.0 * np.eye(
+        model.nv
+    )
+    M = pin.crba(model, data, q)
+    N = null_space(system.constraint_matrix) if len(system.rows) else np.eye(model.nv)
+    M, K = N.T @ M @ N, N.T @ (K + K.T) @ N / 2
+    if np.linalg.eigvalsh(M)[0] <= 1e-9 * np.linalg.eigvalsh(M)[-1]:
+        assert len(system.modes().natural_frequencies) <= len(M)  # joints without mass follow at once
+        return
+    known = np.sqrt(scipy.linalg.eigh(K, M, eigvals_only=True))
+    assert robot.coordinates == tuple(names)
+    damped = np.any(system.damping)
+    if not damped:
+        assert system.modes().natural_frequencies == pytest.approx(known, rel=1e-8)
+        return
+    C, n = N.T @ system.damping @ N, len(M)
+    A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+    ours, others = (np.sort(np.abs(values)) for values in (system.modes().eigenvalues, np.linalg.eigvals(A)))
+    mirrored = np.sort(np.concatenate([ours, np.abs(system.modes().eigenvalues[system.modes().eigenvalues.imag != 0])]))
+    assert mirrored == pytest.approx(others, rel=1e-8)
+
+
 def test_panda_with_a_finger_that_follows_the_other():
     robot = mb.Robot(example_robot_data.file("panda_description/urdf/panda.urdf"))
     guess = {name: 0.01 if "finger" in name else -0.5 for name in robot.joints} | {"panda_joint6": 1.5}

@@ -127,10 +127,18 @@ def _modal(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
     errors = _rate_errors(pencil, X, values, 2 * values + rates)
     # in the values of soft supports nothing cancels
     errors = np.where(soft, np.minimum(errors, NOISE_SAFETY * EPS * (np.sqrt(np.abs(undamped.values)) + np.abs(rates))), errors)
-    gaps = np.array([np.abs(np.delete(undamped.values, i) - value).min(initial=np.inf) for i, value in enumerate(undamped.values)])
-    distances = np.maximum(gaps, FREQUENCY_GAP * np.abs(undamped.values))  # equal ones have any shapes
-    off = undamped.residuals * np.abs(undamped.values) / np.where(distances > 0, distances, np.inf)
-    return ModeSpace(X, places, blocks, X, places + 1, errors, _supports(pencil, X, undamped.values == 0), off, True)
+    return ModeSpace(
+        X, places, blocks, X, places + 1, errors, _supports(pencil, X, undamped.values == 0), _mixed(pencil, undamped), True
+    )
+
+
+def _mixed(pencil: ReducedPencil, undamped: UndampedModes) -> np.ndarray:
+    """How far undamped shapes are mixed with each other, relative to their sizes: X^T (K X - M X W) over the differences of W."""
+    X, w2 = undamped.vectors, undamped.values
+    residuals = X.T @ (times(pencil.stiffness, X) - times(pencil.mass, X) * w2)
+    gaps = np.abs(w2[:, None] - w2)
+    close = gaps <= FREQUENCY_GAP * np.abs(w2)  # equal ones have any shapes
+    return np.linalg.norm(np.where(close, 0.0, residuals) / np.where(close, 1.0, gaps), axis=0)
 
 
 def _supports(pencil: ReducedPencil, X: np.ndarray, free: np.ndarray) -> np.ndarray:

@@ -11,16 +11,18 @@ Variation of constants (Hairer, Norsett and Wanner, "Solving ordinary differenti
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from math import fsum
 
 import numpy as np
 
 from ...ground.tolerances import DIVISOR_CONDITION, EPS
 from ...linalg.arrays import full
-from ...linalg.blocks import block_matrix, block_slices
-from ...signals.bohl import BohlFunction
+from ...linalg.blocks import block_slices
+from ...linalg.exponential.block_exponential import block_states
 from ..flow import Flow
+from .modal_bounds import Modes, folded
 
 #: Rounding errors of a sum of modes in units of EPS, relative to the size of its terms, with and without clusters; and those of a
 #: mode for each radian.
@@ -52,12 +54,16 @@ class Defect:
     """The error of the values of a flow.
 
     Attributes:
-        flow: of a small model, without restarts of its force.
+        flow: of a small model.
         rounding: of A_0, A_1, ... and f themselves; None where they are the data.
+        piece: which piece of the motion, between two knots.
+        before: the error of the piece before, None for the first one.
     """
 
     flow: Flow
     rounding: Rounding | None = None
+    piece: int = 0
+    before: Defect | None = None
 
     def allows(self, place: np.ndarray, order: int, times: np.ndarray, allowed: np.ndarray) -> np.ndarray:
         """At which times the errors of the derivative of this order of place @ z, by its modes, are surely as small as allowed.
@@ -71,10 +77,64 @@ class Defect:
         Returns:
             Truth values, shape (T,).
         """
-        if self._modes is None or not times.size:
-            return allowed < 0
+        sure = np.zeros(len(times), dtype=bool)
+        if self._modes is None:
+            return sure
+        pieces, since = self.flow.states.restarts.located(times)
         with np.errstate(all="ignore"):
-            return self._late(place, order, times, allowed)
+            for piece in np.unique(pieces).tolist() if self.follows_force else np.unique(pieces[pieces == 0]).tolist():
+                at = np.flatnonzero(pieces == piece)
+                sure[at] = self._pieces[piece]._late(place, order, since[at], allowed[at])
+        return sure
+
+    @property
+    def follows_force(self) -> bool:
+        """Whether the errors of the states of the force are known at its knots: those of constant forces are, next to their sizes."""
+        smooth, lost = self.flow.force.smooth, self._force_rounding
+        known = not smooth.generator.any() and not lost[smooth.restarts.states == 0].any()
+        return len(smooth.restarts.knots) == 1 or known
+
+    @cached_property
+    def _force_rounding(self) -> np.ndarray:
+        """The errors of the states of a constant force, sums of its jumps, shape (m, K)."""
+        if self.before is not None:
+            return self.before._force_rounding
+        restarts = self.flow.force.smooth.restarts
+        jumps, states = restarts.jumps.tolist(), restarts.states.tolist()
+        lost = [[abs(fsum([*row[: k + 1], -state[k]])) for k in range(len(state))] for row, state in zip(jumps, states)]
+        return np.array(lost).reshape(restarts.states.shape)
+
+    @cached_property
+    def _pieces(self) -> list[Defect]:
+        """Of all pieces, each with what the pieces before leave."""
+        pieces = [self]
+        for piece in range(1, len(self.flow.states.restarts.knots)):
+            pieces.append(Defect(self.flow, self.rounding, piece, pieces[-1]))
+        return pieces
+
+    @cached_property
+    def _start(self) -> np.ndarray:
+        """v of the piece."""
+        return self.flow.states.restarts.states[:, self.piece]
+
+    def _at_end(self) -> np.ndarray:
+        """A bound of the error in the coordinates of the modes at the start of the next piece, folded, shape (K of the own rows,)."""
+        modes, own, n = self._modes, self._own, len(self._own)
+        h = float(self.flow.states.restarts.gaps[self.piece])
+        Q, v = modes.spread(h), modes.sizes
+        start, driven, second, secular, rest = self._amplitudes(Q, h)
+        decay = np.exp(modes.rates * h)
+        error = (
+            (start + driven + h * (secular @ v)) * decay[:n] + second @ (v * decay) + rest * np.exp(max(modes.rates.max(), 0.0) * h)
+        )
+        end = block_states(self.flow.states.blocks, self._start[:, None], np.array([h]))[:, 0].astype(Extended)
+        change = self.flow.states.restarts.states[:, self.piece + 1].astype(Extended) - end
+        rounded = EPS * (SUMMED_OF_CLUSTERS if modes.clustered.any() else SUMMED) + 2 * TURNED * EPS * np.abs(modes.zeros) * h
+        turned = np.repeat(rounded * (Q @ v) * decay, np.diff(np.append(modes.starts, len(modes.J))))
+        states, sizes = self._start_states
+        jump = np.abs((states @ change).astype(float)) + (len(v) + 4) * UNIT * (sizes @ np.abs(change).astype(float))
+        through = np.abs((self._inverse.astype(Extended) @ states).astype(float))
+        return error + np.hypot.reduceat(np.abs(self._inverse) @ jump + through @ turned, own)
 
     # Sums of modes.
 
@@ -96,16 +156,11 @@ class Defect:
         """b, c and d: the error at t <= end is at most the sum of (b + c t) e^(a t), a the rates, and d times the largest growth."""
         modes, n, v = self._modes, len(self._own), self._modes.sizes
         Q = modes.spread(end)
-        size = _folded(self._derived(place, order), None, modes.starts)
-        first, second, secular, most = modes.responses(self._folded_residual, Q, end)
-        start = Q[:n, :n] @ self._modal_start
-        driven, drifting = first @ v, secular @ v
-        changed = end * most[:, :n] + self._inexact
-        norm = changed.sum(axis=1).max(initial=0.0)
-        if not norm <= FIRST_ORDER:
+        size = folded(self._derived(place, order), None, modes.starts)
+        start, driven, second, secular, remaining = self._amplitudes(Q, end)
+        if not np.isfinite(remaining).all():
             return np.zeros(len(v)), np.zeros(len(v)), np.inf
-        amplitudes = start + driven + second @ v + end * drifting
-        rest = size[:, :n] @ (changed @ amplitudes + norm**2 / (1 - norm) * amplitudes.max(initial=0.0))
+        rest = size[:, :n] @ remaining
         if order or len(self.flow.reduction.algebraic):
             rest = rest + self._direct(place, order)
         size, own = size.max(axis=0), size[:, :n].max(axis=0)
@@ -113,8 +168,20 @@ class Defect:
         constant = (SUMMED_OF_CLUSTERS if modes.clustered.any() else SUMMED) * summed + (own @ second) * v
         linear = TURNED * summed * np.abs(modes.zeros) + (own @ secular) * v
         constant[:n] += own * (start + driven)
-        linear[:n] += own * drifting
+        linear[:n] += own * (secular @ v)
         return constant, linear, float(rest.max(initial=0.0))
+
+    def _amplitudes(self, Q: np.ndarray, end: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The error of the states in the coordinates of the modes: what the start and the residual cause of first order, by the rates
+        of the rows, by those of the columns and growing with time (two matrices), and what is of second order, without growth."""
+        modes, n, v = self._modes, len(self._own), self._modes.sizes
+        first, second, secular, most = modes.responses(self._folded_residual, Q, end)
+        start, driven = Q[:n, :n] @ self._modal_start, first @ v
+        changed = end * most[:, :n] + self._inexact
+        norm = changed.sum(axis=1).max(initial=0.0)
+        amplitudes = start + driven + second @ v + end * (secular @ v)
+        rest = changed @ amplitudes + norm**2 / (1 - norm) * amplitudes.max(initial=0.0)
+        return start, driven, second, secular, rest if norm <= FIRST_ORDER else np.full(n, np.inf)
 
     def _derived(self, place, order: int) -> np.ndarray:
         C = self.flow.modal_output(place)
@@ -150,11 +217,15 @@ class Defect:
     @cached_property
     def _modes(self) -> Modes | None:
         """None where a bound of e^(J t) is not known."""
-        return Modes.of(self.flow.states)
+        if self.before is None:
+            return Modes.of(self.flow.states.blocks, self._start)
+        return replace(self.before._modes, sizes=np.hypot.reduceat(np.abs(self._start), self.before._modes.starts))
 
     @cached_property
     def _states(self) -> np.ndarray:
         """Z."""
+        if self.before is not None:
+            return self.before._states
         if not self.flow.force.smooth.state_count:
             return self.flow.reduction.decoupled.basis
         return self.flow.modal_output(np.eye(len(self.flow.start_with_force)))
@@ -166,10 +237,41 @@ class Defect:
 
     @cached_property
     def _residuals(self) -> tuple[np.ndarray, np.ndarray]:
-        return self._residual_of(self._states, self._modes.J)
+        """Of the modes and their sizes, and bounds with all rounding errors; copies of the force's states count with these."""
+        same = self.before is not None and (self._copies, self._resting) == (self.before._copies, self.before._resting)
+        if same and not self._force_rounding.any():
+            return self.before._residuals
+        total, size, lost = (part.copy() for part in self._residuals_of_states)
+        for copy, original in self._copies:
+            for part in (total, size):
+                part[:, original] += part[:, copy]
+                part[:, copy] = 0.0
+        if self.before is not None:
+            smooth, n = self.flow.force.smooth, len(self.flow.start)
+            place = smooth.restarts.located(self.flow.states.restarts.knots[[self.piece]])[0][0]
+            known, own = self._force_rounding[:, place], slice(n, n + len(self._force_rounding))
+            relative = np.divide(known, np.abs(smooth.restarts.states[:, place]), out=np.zeros(len(known)), where=known > 0)
+            lost[:, own] += np.abs(smooth.coefficients * self._states[own, own].diagonal()) * relative
+        for at in self._resting:
+            for part in (total, size, lost):
+                part[:, at] = 0.0
+        return self._with_rounding(total, size, lost)
 
-    def _residual_of(self, states: np.ndarray, generator: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """A_0 P Z + A_1 P Z J + A_2 P Z J^2 - F Z_v, and bounds of it with its own rounding errors."""
+    @cached_property
+    def _resting(self) -> list[slice]:
+        """Blocks of which no state moves."""
+        return [at for at in block_slices(self.flow.states.blocks) if not self._start[at].any()]
+
+    def _with_rounding(self, total: np.ndarray, size: np.ndarray, lost: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        terms = len(total) * len(self.flow.reduction.given) + 6
+        return total.astype(float), np.abs(total).astype(float) + terms * UNIT * size + lost
+
+    @cached_property
+    def _residuals_of_states(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return self._residual_of(self._states, self._modes.J) if self.before is None else self.before._residuals_of_states
+
+    def _residual_of(self, states: np.ndarray, generator: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """A_0 P Z + A_1 P Z J + A_2 P Z J^2 - F Z_v, the sizes of its terms, and bounds of what the data have lost."""
         flow, n = self.flow, len(self.flow.start)
         given = [full(A) for A in flow.reduction.given]
         A, x, step = np.concatenate(given, axis=1), full(flow.output) @ states, np.abs(generator)
@@ -181,33 +283,17 @@ class Defect:
         if len(states) > n:
             F = flow.force.smooth.coefficients
             total, size = total - F.astype(Extended) @ states[n:].astype(Extended), size + np.abs(F) @ np.abs(states[n:])
-        for copy, original in self._copies if states is self._states else ():
-            total[:, original] += total[:, copy]
-            size[:, original] += size[:, copy]
-            total[:, copy] = size[:, copy] = 0.0
-        bound = np.abs(total).astype(float) + (A.shape[1] + 6) * UNIT * size
+        lost = np.zeros(size.shape)
         if self.rounding is not None:
-            bound += np.concatenate(self.rounding.coefficients, axis=1) @ np.concatenate(sizes)
-            bound += np.multiply.outer(self.rounding.force, np.abs(states[n:]).sum(axis=0))
-        return total.astype(float), bound
+            lost += np.concatenate(self.rounding.coefficients, axis=1) @ np.concatenate(sizes)
+            lost += np.multiply.outer(self.rounding.force, np.abs(states[n:]).sum(axis=0))
+        return total, size, lost
 
     @cached_property
     def _copies(self) -> list[tuple[slice, slice]]:
         """States of the force that are evaluated together with a mode that they resonate with, and the same states alone."""
-        states, n = self.flow.states, len(self.flow.start)
-        places, v, copies = block_slices(states.blocks), states.start_at_zero, []
-        alone = [(block, at) for block, at in zip(states.blocks, places) if at.start >= n][: len(self.flow.force.smooth.blocks)]
-        for block, at in list(zip(states.blocks, places))[sum(at.start < n for at in places) + len(alone) :]:
-            for own, original in alone:
-                copy = slice(at.stop - len(own), at.stop)
-                if (
-                    len(block) > len(own)
-                    and np.array_equal(block[-len(own) :, -len(own) :], own)
-                    and np.array_equal(v[copy], v[original])
-                ):
-                    copies.append((copy, original))
-                    break
-        return copies
+        v = self._start
+        return [(copy, original) for copy, original in self.flow.copies if v[copy].any() and np.array_equal(v[copy], v[original])]
 
     def _driven(self, left: np.ndarray, residuals: tuple[np.ndarray, np.ndarray], generator: np.ndarray) -> np.ndarray:
         """|left B R|: what residuals (r, N) of all rows add to left @ w', those of algebraic rows through their derivatives.
@@ -237,24 +323,35 @@ class Defect:
     @cached_property
     def _modal_residual(self) -> np.ndarray:
         """E = |X^-1 B R|, how the residual of each mode drives each mode, shape (n, N)."""
+        if self.before is not None and self._residuals is self.before._residuals:
+            return self.before._modal_residual
         return self._driven(self._inverse, self._residuals, self._modes.J)
 
     @cached_property
     def _folded_residual(self) -> np.ndarray:
-        return _folded(self._modal_residual, self._own, self._modes.starts)
+        return folded(self._modal_residual, self._own, self._modes.starts)
 
     @cached_property
     def _modal_start(self) -> np.ndarray:
-        """|X^-1 (Z v - z)| at t = 0, folded; velocities are those of the displacements, Z J v."""
-        flow, n, m = self.flow, len(self.flow.start), len(self.flow.reduction.second)
-        states, v = self._states[:n].astype(Extended), flow.states.start_at_zero
-        sizes, step = np.abs(self._states[:n]), np.abs(self._modes.J)
-        states[m : 2 * m], sizes[m : 2 * m] = _times(states[:m], self._modes.J), sizes[:m] @ step
+        """|X^-1 (Z v - z)| at the start, folded."""
+        if self.before is not None:
+            return self.before._at_end()
+        flow, v, (states, sizes) = self.flow, self._start, self._start_states
         defect = np.abs((states @ v.astype(Extended) - flow.start).astype(float))
         defect += (len(v) + 4) * UNIT * (sizes @ np.abs(v) + np.abs(flow.start))
         if len(flow.reduction.algebraic):  # initial values satisfy algebraic equations to rounding errors
             defect += 4 * EPS * np.abs(flow.initial).max(initial=0.0)
         return np.hypot.reduceat(np.abs(self._inverse) @ defect, self._own)
+
+    @cached_property
+    def _start_states(self) -> tuple[np.ndarray, np.ndarray]:
+        """Z of the own states and its terms; velocities are those of the displacements, Z J."""
+        if self.before is not None:
+            return self.before._start_states
+        n, m = len(self.flow.start), len(self.flow.reduction.second)
+        states, sizes, step = self._states[:n].astype(Extended), np.abs(self._states[:n]), np.abs(self._modes.J)
+        states[m : 2 * m], sizes[m : 2 * m] = _times(states[:m], self._modes.J), sizes[:m] @ step
+        return states, sizes
 
     @property
     def _inverse(self) -> np.ndarray:
@@ -263,9 +360,11 @@ class Defect:
     @cached_property
     def _inexact(self) -> np.ndarray:
         """|X^-1 X - I| with the rounding errors of the product."""
+        if self.before is not None:
+            return self.before._inexact
         basis, inverse = self.flow.reduction.decoupled.basis, self._inverse
         n = len(basis)
-        return _folded(np.abs(inverse @ basis - np.eye(n)) + EPS * n * (np.abs(inverse) @ np.abs(basis)), self._own, self._own)
+        return folded(np.abs(inverse @ basis - np.eye(n)) + EPS * n * (np.abs(inverse) @ np.abs(basis)), self._own, self._own)
 
     # The Taylor series.
 
@@ -298,7 +397,7 @@ class Defect:
         flow, start = self.flow, self.flow.taylor_start(modal=True)
         G, n = full(flow.generator), len(flow.start)
         step, change = np.abs(G) / start.unit, np.zeros_like(G)
-        change[:n] = self._driven(np.eye(n), self._residual_of(np.eye(len(G)), G), G) / start.unit
+        change[:n] = self._driven(np.eye(n), self._with_rounding(*self._residual_of(np.eye(len(G)), G)), G) / start.unit
         columns, changed = [np.abs(flow.start_with_force)], [np.zeros(len(G))]
         if len(flow.reduction.algebraic):
             changed[0][:n] = 4 * EPS * np.abs(flow.initial).max(initial=0.0)
@@ -306,120 +405,6 @@ class Defect:
             changed.append((step @ changed[-1] + change @ columns[-1]) / k)
             columns.append(step @ columns[-1] / k)
         return np.array(columns).T, np.array(changed).T
-
-
-@dataclass(frozen=True, eq=False)
-class Modes:
-    """J and v with what bounds e^(J t) v. An oscillating pair is one row of the bounds, which has the norms of both of its states.
-
-    Attributes:
-        J: block diagonal, shape (N, N).
-        starts: the first state of each row of the bounds, shape (K,).
-        sizes: |v|, shape (K,), as all below.
-        zeros: an eigenvalue, of complex pairs the one above the real axis.
-        rates: the largest real part of the block of the row.
-        clustered: whether the row belongs to a block of several eigenvalues.
-        stretch: |e^(T t)| <= stretch e^(a t) for a pair T alone.
-        links: the sizes of the entries of J between rows, shape (K, K).
-    """
-
-    J: np.ndarray
-    starts: np.ndarray
-    sizes: np.ndarray
-    zeros: np.ndarray
-    rates: np.ndarray
-    clustered: np.ndarray
-    stretch: np.ndarray
-    links: np.ndarray | None
-
-    @classmethod
-    def of(cls, states: BohlFunction) -> Modes | None:
-        """Of e^(J t) v; None where a block is not quasi upper triangular, or has a pair of two real eigenvalues."""
-        if not states.blocks:
-            return None
-        zeros: list[complex] = []
-        starts, stretch, of_block, begin = [], [], [], 0
-        for number, block in enumerate(states.blocks):
-            entries, row, size = block.tolist(), 0, len(block)
-            while row < size:
-                a, pair = entries[row][row], row + 1 < size and entries[row + 1][row] != 0.0
-                starts.append(begin + row)
-                of_block.append(number)
-                if not pair:
-                    zeros.append(a)
-                    stretch.append(1.0)
-                else:
-                    up, down, half = entries[row][row + 1], entries[row + 1][row], (a - entries[row + 1][row + 1]) / 2
-                    square = -up * down - half * half
-                    if not square > 0:
-                        return None
-                    larger = (half * half + (up * up + down * down) / 2) / square  # (s^2 + 1 / s^2) / 2 of singular values s, 1 / s
-                    zeros.append(complex(a - half, square**0.5))
-                    stretch.append((larger + max(larger * larger - 1, 0.0) ** 0.5) ** 0.5)
-                row += 1 + pair
-            begin += size
-        J, at, first = block_matrix(states.blocks), np.array(starts), np.array(zeros, dtype=complex)
-        rates, clustered, links = first.real, np.zeros(len(at), dtype=bool), None
-        if len(at) > len(states.blocks):
-            if any(np.tril(block, -2).any() for block in states.blocks if len(block) > 2):
-                return None
-            links = _folded(np.triu(J, 1), at, at)
-            np.fill_diagonal(links, 0.0)
-            counts = np.bincount(of_block)
-            clustered, rates = counts[of_block] > 1, rates.copy()
-            for joined in np.flatnonzero(counts > 1):
-                rates[np.equal(of_block, joined)] = rates[np.equal(of_block, joined)].max()
-        sizes = np.hypot.reduceat(np.abs(states.start_at_zero), at)
-        return cls(J, at, sizes, first, rates, clustered, np.array(stretch), links)
-
-    def spread(self, end: float) -> np.ndarray:
-        """Q with |e^(J t)| <= e^(a t) Q for all t <= end."""
-        total = term = np.diag(self.stretch)
-        if self.clustered.any():
-            step = end * (term @ self.links)
-            for k in range(1, len(term)):
-                term = step @ term / k
-                if not term.any():
-                    break
-                total = total + term
-        return total
-
-    def responses(self, E: np.ndarray, Q: np.ndarray, end: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Y, Z, S and X: a term E e^(J t) v makes motions of at most (Y + t S) |v| e^(a t), a the rates of the rows, and
-        (Z + t S) |v| e^(b t), b those of the columns, and in any case of t X |v| times the larger one.
-
-        By the length of time, or by the difference of the eigenvalues: e^(T t) Y - Y e^(J t) with T Y - Y J = E.
-
-        Args:
-            E: shape (k, K), for the first rows.
-            Q: as ``spread``.
-            end: in s.
-
-        Returns:
-            Four arrays of this shape.
-        """
-        n = len(E)
-        distance = np.abs(np.subtract.outer(self.zeros[:n], self.zeros))
-        direct = self.stretch[:n, None] * E * self.stretch
-        if not self.clustered.any():
-            by_time = end * distance < 1
-            separate = np.where(by_time, 0.0, direct / distance)
-            return separate, separate, by_time * direct, direct
-        most, joined, separate = Q[:n, :n] @ E @ Q, self.stretch[:, None] * self.links, direct / distance
-        for _ in range(2 * len(joined)):
-            more = (direct + joined[:n, :n] @ separate + separate @ joined) / distance
-            if np.array_equal(more, separate, equal_nan=True):
-                break
-            separate = more
-        rows, columns = Q[:n, :n] @ separate, separate @ Q
-        by_time = ~(rows + columns < end * most)
-        return np.where(by_time, 0.0, rows), np.where(by_time, 0.0, columns), by_time * most, most
-
-
-def _folded(matrix: np.ndarray, rows: np.ndarray | None, columns: np.ndarray) -> np.ndarray:
-    """Norms of the parts of a matrix that begin at these rows, of each row alone for None, and columns."""
-    squares = np.add.reduceat(matrix * matrix, columns, axis=1)
-    return np.sqrt(squares if rows is None else np.add.reduceat(squares, rows, axis=0))
 
 
 def _times(x: np.ndarray, J: np.ndarray) -> np.ndarray:

@@ -106,6 +106,16 @@ class _Forced:
         own = tuple(driven.generator[of, of] for of in block_slices(forcing))
         return (*own, *(own if self.separated else ()), *(pair.block for pair in self._pairs))
 
+    def copies(self, forcing) -> list[tuple[slice, slice]]:
+        """Which of all states are copies of states of the force, and of which."""
+        n, m = self.X.shape
+        copies = [(_moved(of, n + m), _moved(of, n)) for of in block_slices(forcing)] if self.separated else []
+        begin = n + (2 * m if self.separated else m)
+        for pair in self._pairs:
+            begin += len(pair.block)
+            copies.append((slice(begin - pair.of_force.stop + pair.of_force.start, begin), _moved(pair.of_force, n)))
+        return copies
+
     def output(self, own: np.ndarray, through: np.ndarray) -> np.ndarray:
         """x of y and these states, from what y and w add to it."""
         follows = own @ self.X
@@ -135,15 +145,15 @@ class _Forced:
         return self.coupled + self.separated
 
 
-def driven_motion(part: FinitePart, force: ImpulsiveSmooth) -> tuple[BohlFunction, float]:
-    """x(t) for t > 0 in the user's units, and the largest entry of the transformations that decouple it.
+def driven_motion(part: FinitePart, force: ImpulsiveSmooth) -> tuple[BohlFunction, float, list[tuple[slice, slice]]]:
+    """x(t) for t > 0 in the user's units, the largest entry of the transformations that decouple it, and the copies among its states.
 
     Args:
         part: the finite part, its excitation and its states.
         force: f.
 
     Returns:
-        The function, and the entry.
+        The function, the entry, and which states are copies of which states of the force.
     """
     free, driven, n, time, rate = part.free, part.driven, len(part.start), part.time, _rate(part.free, part.driven)
     forcing, count = force.smooth.blocks, len(force.knots)
@@ -168,7 +178,7 @@ def driven_motion(part: FinitePart, force: ImpulsiveSmooth) -> tuple[BohlFunctio
         scaled,
         states[:, 0] if count == 1 else FreeRestarts(knots, states, restarts.remainders, scaled),
     )
-    return function, max(free.coupling, float(np.abs(X).max(initial=0.0)))
+    return function, max(free.coupling, float(np.abs(X).max(initial=0.0))), forced.copies(forcing)
 
 
 def _rate(free: BlockDiagonal, driven: Driven) -> float:
@@ -232,6 +242,10 @@ def _gains(blocks, inputs, gaps, forced: _Forced, early: bool) -> np.ndarray:
                 gained[:, which == gap] = gains[:, gap] @ inputs[:, which == gap]
             return gained
     return forced.finite_part(block_states(blocks, forced.states(inputs, early), gaps))
+
+
+def _moved(at: slice, by: int) -> slice:
+    return slice(at.start + by, at.stop + by)
 
 
 def _padded(columns, size) -> np.ndarray:

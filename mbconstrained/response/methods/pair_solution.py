@@ -109,4 +109,4 @@ def _regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth, l
         later: the jumps at the later knots of the force.
     """
     free, driven, scaling = block_diagonalize(form.T), driven_form(form, force), form.companion.scaling
-    return driven_motion(FinitePart(free, form.C, driven, start.finite, later.finite, scaling.time, scaling.columns), force)
+    return driven_motion(FinitePart(free, form.C, driven, start.finite, later.finite, scaling.time, scaling.columns), force)[:2]

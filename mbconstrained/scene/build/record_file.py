@@ -13,7 +13,7 @@ from ...ground.display import Displayed
 from ...ground.errors import InputError
 from ...signals.inputs import ImpulsiveSmooth, sampled
 from ..file.messages import shown
-from ..quantities.dimensions import KINDS, Dimension, described, dimension, same_kind, unit_of
+from ..quantities.dimensions import KINDS, Dimension, described, dimension, meant, same_kind, unit_of
 from ..quantities.quantities import LARGEST, LEAST, Expressed, any_quantity, quantity, unit_name
 
 
@@ -134,6 +134,7 @@ def record_in_si(
         )
     seconds = _scale(samples, time_unit or _readable(samples.time_unit) or "s", "s", "time")
     unit = unit or _readable(samples.unit)
+    unit = unit if unit is None or isinstance(factor, str) else meant(unit, expected)
     scale, kind = (1.0, None) if unit is None else _si(unit)
     number, factor_kind = _factor(factor)
     if factor_kind is not None and "1" in (unit, samples.unit):

@@ -120,6 +120,22 @@ def described(kind: Dimension, otherwise: str = "another kind of quantity") -> s
     return name or otherwise
 
 
+def meant(unit: str, expected: str | None) -> str:
+    """The unit that is meant: g alone is the standard acceleration of gravity where an acceleration is expected, not a gram.
+
+    Args:
+        unit: as written.
+        expected: of the quantity, in SI; None for any.
+
+    Returns:
+        The unit.
+
+    >>> meant("g", "m/s^2"), meant("g", "kg")
+    ('gn', 'g')
+    """
+    return "gn" if unit == "g" and expected == "m/s^2" else unit
+
+
 def advice(text: str, number: float, kind: Dimension, unit: str) -> str:
     """A hint where cycles per second and radians per second, or masses and weights, are confused.
 
@@ -142,7 +158,7 @@ def advice(text: str, number: float, kind: Dimension, unit: str) -> str:
         frequency = f"{number / (2 * math.pi):.6g} Hz"
         return f'; a frequency is the angular frequency divided by 2 pi: write "{frequency}", or angular_frequency = "{text}"'
     if unit == "m/s^2" and kind == dimension("kg"):
-        return '; g is the gram: write "0.3 gn" for 0.3 times the standard acceleration of gravity'
+        return '; the standard acceleration of gravity is gn, or g alone: write "0.3 gn"'
     if unit == "N" and kind == dimension("kg"):
         return "; the weight of a mass is given in N, lbf or kgf"
     return ""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ...ground.errors import InputError
 from ..file.messages import quoted, shown
-from .dimensions import KINDS, Dimension, advice, described, dimension, same_kind, unit_named
+from .dimensions import KINDS, Dimension, advice, described, dimension, meant, same_kind, unit_named
 from .units import instead_of, registry, unknown_name
 
 if TYPE_CHECKING:
@@ -151,6 +151,7 @@ def _checked(value: Expressed, unit: str) -> Expressed:
 def _from_text(text: str, unit: str) -> float:
     number, unit_text = _split(text, expected(unit))
     _check_known(text, unit_text, expected(unit))
+    unit_text = meant(unit_text, unit)
     kind = dimension(unit_text)
     if not same_kind(kind, unit):
         hint = advice(text, _in_si(number, unit_text), kind, unit) or _other_case(number, unit_text, unit)

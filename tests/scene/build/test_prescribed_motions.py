@@ -42,13 +42,15 @@ def test_supports_move_by_multiples_of_one_signal(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "level, value, order", [("position", "1 cm", 0), ("velocity", "36 km/h", 1), ("acceleration", "2 m/s^2", 2)]
+    "level, value, order",
+    [("position", "1 cm", 0), ("velocity", "36 km/h", 1), ("acceleration", "2 m/s^2", 2), ("acceleration", "0.3 g", 3)],
 )
 def test_the_unit_of_the_value_is_that_of_the_level(tmp_path, level, value, order):
     entry = f'[[motion]]\ncoordinate = "left"\nkind = "step"\nvalue = "{value}"\nlevel = "{level}"\nname = "road"\n'
     other = '[[motion]]\ncoordinate = "right"\nkind = "step"\nvalue = 0\n'
     motion = scene_of(tmp_path, CAR + entry + other).equations.solve()
-    assert motion.derivative(order)(1.0)[0] == pytest.approx({0: 0.01, 1: 10.0, 2: 2.0}[order], rel=1e-15)
+    expected = {0: 0.01, 1: 10.0, 2: 2.0, 3: 0.3 * 9.80665}[order]
+    assert motion.derivative(min(order, 2))(1.0)[0] == pytest.approx(expected, rel=1e-15)
     assert {row.name for row in motion.system.rows} == {"road", "motion of right"}
 
 
@@ -57,6 +59,15 @@ def test_a_record_of_a_file_moves_the_support(tmp_path):
     entry = '[[motion]]\nfactors = { left = 1, right = 1 }\nkind = "sampled"\nfile = "road.csv"\n'
     motion = scene_of(tmp_path, CAR + entry).equations.solve()
     assert motion([0.5, 1.0, 3.0])[0].tolist() == pytest.approx([0.05, 0.1, 0.0], abs=1e-16)
+
+
+def test_a_record_in_g_is_an_acceleration(tmp_path):
+    (tmp_path / "quake.csv").write_text("0,0\n1,0.1\n2,0\n", encoding="utf-8")
+    entry = (
+        '[[motion]]\nfactors = { left = 1, right = 1 }\nkind = "sampled"\nfile = "quake.csv"\nunit = "g"\nlevel = "acceleration"\n'
+    )
+    motion = scene_of(tmp_path, CAR + entry).equations.solve()
+    assert motion.acceleration(0.5)[0] == pytest.approx(0.05 * 9.80665, rel=1e-14)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,71 @@
+"""The proved bound of small models is carried from knot to knot of a force, against exponentials in ball arithmetic."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.response.methods.proved import ProvedFunction
+from tests.oracles.ball_exponential import motion
+
+TIMES = np.array([0.4, 1.0, 1.3, 2.0, 2.5, 4.0, 9.0, 30.0])
+
+
+def model(kind: str, random) -> list[np.ndarray]:
+    """K, C and M of two or three coordinates."""
+    n = 3 if kind == "chain" else 2
+    K = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    C = {"chain": 0.1 * K, "undamped": 0 * K, "free": 0 * K, "coupled": np.diag(random.uniform(0.1, 1.0, n))}[kind]
+    return [0 * K if kind == "free" else K, C, np.diag(random.uniform(0.5, 2.0, n))]
+
+
+def solved(kind: str, count: int):
+    """The response to so many steps, and its exact values."""
+    random = np.random.default_rng(count)
+    coefficients = model(kind, random)
+    n = len(coefficients[0])
+    starts = np.sort(random.uniform(0.0, 3.0, count))
+    loads = random.normal(size=(count, n)) * 10 ** random.uniform(-3, 0, (count, 1))
+    initial = random.normal(size=(2, n))
+    x = mb.solve(
+        mb.PolynomialMatrix(coefficients),
+        initial,
+        sum((mb.step(v).delayed(t) for t, v in zip(starts, loads)), mb.step(np.zeros(n))),
+    )
+    exact = []
+    for time in TIMES.tolist():
+        total = motion(coefficients, initial, time)
+        for begin, load in zip(starts.tolist(), loads):
+            if begin < time:
+                since = Fraction(time) - Fraction(begin)
+                total = [a + b for a, b in zip(total, motion(coefficients, 0 * initial, since, load))]
+        exact.append([float(value) for value in total])
+    return x, np.array(exact).T
+
+
+@pytest.mark.parametrize("count", [1, 2, 7])
+@pytest.mark.parametrize("kind", ["chain", "undamped", "free", "coupled"])
+def test_the_bound_is_above_the_error_and_near_it(kind, count):
+    x, exact = solved(kind, count)
+    assert isinstance(x.function, ProvedFunction) and x.function.defect is not None
+    rough = x.function.rough.by_modes(TIMES)
+    error, size, defect = np.abs(rough - exact).max(axis=0), np.abs(exact).max(axis=0), x.function.defect
+    noise = np.finfo(float).eps * size  # of the exact values themselves
+    assert not defect.allows(x.function.rough.place, 0, TIMES, error - noise)[error > 2 * noise].any()
+    assert defect.allows(x.function.rough.place, 0, TIMES, 1e-11 * size).all()
+    assert np.abs(x(TIMES) - exact).max() <= 1e-12 * size.max()
+
+
+def test_what_follows_no_exact_force_is_not_sure():
+    """The states of a harmonic force are rounded at its knots; the values are those of the exact engine then."""
+    coefficients = model("chain", np.random.default_rng(0))
+    x = mb.solve(
+        mb.PolynomialMatrix(coefficients),
+        force=mb.harmonic([1.0, 0.0, 0.0], angular_frequency=2.0) + mb.step([0.0, 1.0, 0.0]).delayed(1.0),
+    )
+    assert not x.function.defect.follows_force
+    assert not x.function.defect.allows(x.function.rough.place, 0, TIMES[TIMES > 1], np.full(6, 1e-3)).any()
+    assert x.error_estimate(TIMES) < 1e-12
