@@ -1,6 +1,6 @@
 """Frequency responses next to python-control's own evaluation, pyyeti and one sparse factorization for each line: ratios in one run.
 
-    python tests/benchmarks/frequency_responses.py            # chains of 100 masses (10,000 lines) and of 500 (1000 lines)
+    python tests/benchmarks/frequency_responses.py            # full and sparse models, chains of 100 and 500 masses
 
 Peers are evaluated at fewer lines where they take long, and their times multiplied; decompositions are included. Errors are against
 50 digits (mpmath, a tridiagonal elimination) at some lines, the stop band among them.
@@ -72,7 +72,8 @@ def by_pyyeti(matrices, frequencies, places):
 def by_splu(matrices, frequencies, places):
     """One sparse factorization for each line."""
     M, C, K = map(scipy.sparse.csc_array, matrices)
-    B = np.eye(M.shape[0])[:, places].astype(complex)
+    B = np.zeros((M.shape[0], len(places)), dtype=complex)
+    B[places, range(len(places))] = 1.0
     return [splu(K + 1j * w * C - w * w * M).solve(B)[places] for w in 2 * np.pi * frequencies]
 
 
@@ -99,7 +100,42 @@ def compare(n, lines, peers):
         print(f"  {name}: {other * part:.3f} s, ratio {seconds / (other * part):.3f}")
 
 
+def full(n=500, lines=1_000):
+    """A full symmetric model with damping that modes do not separate, next to one factorization for each line."""
+    random = np.random.default_rng(0)
+    Q, G = np.linalg.qr(random.standard_normal((n, n)))[0], random.standard_normal((n, n))
+    K = Q * np.geomspace(1.0, 1e4, n) @ Q.T
+    matrices = np.eye(n), 0.002 * (K + K.T) / 2 + 4e-4 * G @ G.T / n, (K + K.T) / 2
+    frequencies = np.geomspace(0.05, 20.0, lines)
+    seconds, H = timed(lambda: own(matrices, frequencies, ["x1", "x2"]), 1)
+    other, _ = timed(lambda: by_splu(matrices, frequencies[:: lines // 5], [0, 1]), 1)
+    M, C, K = matrices
+    dense, _ = timed(
+        lambda: [np.linalg.solve(K + 1j * w * C - w * w * M, np.eye(n)[:, :2]) for w in 6.28 * frequencies[:: lines // 5]], 1
+    )
+    print(f"full, n = {n}, {lines} lines: {seconds:.2f} s, largest estimate {H.error_estimate.max():.1e}")
+    print(f"  splu: ratio {seconds / (other * lines / 5):.3f}; LAPACK for each line: ratio {seconds / (dense * lines / 5):.3f}")
+
+
+def sparse(side=316, lines=200, count=20):
+    """A membrane of 1e5 coordinates by 20 modes, next to one factorization of one line."""
+    line = scipy.sparse.diags_array([-np.ones(side - 1), 2 * np.ones(side), -np.ones(side - 1)], offsets=[-1, 0, 1])
+    eye = scipy.sparse.eye_array(side)
+    K = scipy.sparse.csc_array(scipy.sparse.kron(line, eye) + scipy.sparse.kron(eye, line))
+    M = scipy.sparse.csc_array(scipy.sparse.eye_array(side**2))
+    system = mb.MechanicalSystem(M, 1e-3 * K, K)
+    modes, found = timed(lambda: system.modes(count=count), 1)
+    names, frequencies = [f"x{side**2 // 3}", f"x{side**2 // 2}"], np.linspace(0.1, 0.8, lines) * found.frequencies_hz[-1]
+    seconds, H = timed(lambda: system.frequency_response(frequencies, names, names, count=count), 1)
+    one, _ = timed(lambda: by_splu((M, 1e-3 * K, K), frequencies[:1], [0]), 1)
+    print(
+        f"sparse, n = {side**2}: modes {modes:.1f} s, {lines} lines {seconds:.2f} s, largest bound {H.error_estimate.max():.1e}; splu {one:.2f} s a line"
+    )
+
+
 if __name__ == "__main__":
+    full()
+    sparse()
     compare(
         100, 10_000, [("python-control", by_control, 500), ("pyyeti SolveUnc", by_pyyeti, 1), ("splu for each line", by_splu, 20)]
     )
