@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from .features import Antiresonance, Peak, antiresonances_of, frequencies_by_pol
 from .harmonic import Harmonic
 from .modal_sum import ModalSum, largest_nearby
 from .pole_residue_form import Pole
+from .response_files import arrays_of, csv_text
 
 if TYPE_CHECKING:
     from ..exact.enclosure.intervals import Enclosure
@@ -221,19 +222,35 @@ class FrequencyResponse(Displayed):
         f, own = real_number(frequency_hz, "frequency_hz", minimum=0.0), self.harmonic
         return Response.exact_engine().enclosed_transfer(own.A, own.imaginary, own.inputs, own.outputs, own.power, f, digits)
 
-    def plot(self, kind: str = "bode", figure=None):
-        """Draw the response with matplotlib: one axes for each output and input.
+    def plot(
+        self,
+        kind: Literal["bode", "nyquist", "parts"] = "bode",
+        figure=None,
+        *,
+        amplitude: Literal["log", "linear", "dB"] = "log",
+        unwrapped: bool = True,
+        axis: Literal["Hz", "rad/s", "rpm"] = "Hz",
+        peaks: bool = True,
+    ):
+        """Draw the response with matplotlib: a row of axes for each output, a column for each input.
 
         Args:
             kind: "bode" (amplitude and phase), "nyquist", or "parts" (real and imaginary).
             figure: a matplotlib figure; a new one by default.
+            amplitude: the axis of amplitudes, "dB" for 20 log10 |H|.
+            unwrapped: whether phases go on beyond 180 degrees.
+            axis: the unit of the frequency.
+            peaks: whether the peaks of a Bode plot are marked with their frequencies.
 
         Returns:
-            The figure.
-        """
-        from .plots import draw
+            The figure; a transmissibility has a line at 1.
 
-        return draw(self, kind, figure)
+        Raises:
+            InputError: an unknown kind or axis.
+        """
+        from .plots import PlotStyle, draw
+
+        return draw(self, kind, figure, PlotStyle(amplitude, unwrapped, axis, peaks))
 
     def to_xarray(self):
         """The values as a ``DataArray`` with the dimensions output, input and frequency (Hz), and the error estimate as a coordinate.
@@ -277,27 +294,10 @@ class FrequencyResponse(Displayed):
         with replacing(path) as temporary:
             if path.suffix == ".npz":
                 with temporary.open("wb") as file:
-                    np.savez(file, allow_pickle=False, **self.arrays())
+                    np.savez(file, allow_pickle=False, **arrays_of(self))
             else:
-                temporary.write_text(self.csv_text(), encoding="utf-8")
+                temporary.write_text(csv_text(self), encoding="utf-8")
         return path
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """Frequencies, values, error estimates, names, units and quantity, as ``write`` stores them."""
-        texts = {"outputs": np.array(self.outputs), "inputs": np.array(self.inputs), "units": np.array(self.units)}
-        numbers = {name: getattr(self, name) for name in ("frequencies_hz", "values", "error_estimate")}
-        return {**numbers, **texts, "quantity": np.array(self.quantity)}
-
-    def csv_text(self) -> str:
-        """Real and imaginary parts with names and units, one line for each frequency."""
-        heads, columns = ["frequency (Hz)"], [self.frequencies_hz]
-        for i, output in enumerate(self.outputs):
-            for j, input in enumerate(self.inputs):
-                for part in ("real", "imag"):
-                    heads.append(f"{part} {output}/{input} ({self.units[i, j]})".replace(",", ";").replace("\n", " "))
-                    columns.append(getattr(self.values[i, j], part))
-        lines = [",".join(heads), *(",".join(map(repr, row)) for row in np.array(columns).T.tolist())]
-        return "\n".join(lines) + "\n"
 
 
 def _pole_notice(one: PoleOnLine, response: FrequencyResponse) -> Notice:

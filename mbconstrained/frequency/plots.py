@@ -1,7 +1,8 @@
-"""Frequency responses drawn by matplotlib: Bode, Nyquist, real and imaginary parts; one column for each input, one row for each output."""
+"""Frequency responses drawn by matplotlib: Bode, Nyquist, real and imaginary parts; one column for each input, rows for each output."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,26 +14,55 @@ if TYPE_CHECKING:
 
 KINDS = ("bode", "nyquist", "parts")
 
+#: Of frequencies in Hz, by the unit of the axis.
+AXIS_FACTORS = {"Hz": 1.0, "rad/s": 2 * np.pi, "rpm": 60.0}
 
-def draw(response: FrequencyResponse, kind: str, figure=None):
+#: Most peaks of one response that are marked: more labels cover each other.
+MOST_PEAKS = 8
+
+#: A range of frequencies below this factor has labels between the powers of ten, too.
+FEW_DECADES = 12.0
+
+
+@dataclass(frozen=True)
+class PlotStyle:
+    """How a response is drawn; attributes as the arguments of ``FrequencyResponse.plot``."""
+
+    amplitude: str = "log"
+    unwrapped: bool = True
+    axis: str = "Hz"
+    peaks: bool = True
+
+    def __post_init__(self):
+        if self.amplitude not in ("log", "linear", "dB"):
+            raise InputError(f'amplitude: found {self.amplitude!r}; expected "log", "linear" or "dB"')
+        if self.axis not in AXIS_FACTORS:
+            raise InputError(f"axis: found {self.axis!r}; expected one of {', '.join(AXIS_FACTORS)}")
+
+    def shown(self, size):
+        """Amplitudes as they are drawn."""
+        return 20 * np.log10(size) if self.amplitude == "dB" else size
+
+
+def draw(response: FrequencyResponse, kind: str, figure=None, style: PlotStyle = PlotStyle()):
     """The response as a matplotlib figure; lines at poles are left out.
 
     Args:
         response: with its frequencies.
         kind: "bode", "nyquist" or "parts".
         figure: to draw in; a new one where None.
+        style: scales and units.
 
     Returns:
         The figure.
     """
     if kind not in KINDS:
         raise InputError(f"kind: found {kind!r}; expected one of {', '.join(KINDS)}")
+    lower = 1 if kind == "nyquist" else 2
     if figure is None:
         from matplotlib.figure import Figure
 
-        rows = len(response.outputs) * (1 if kind == "nyquist" else 2)
-        figure = Figure(figsize=(5.0 * len(response.inputs), 2.2 * rows + 0.6), layout="constrained")
-    lower = 1 if kind == "nyquist" else 2
+        figure = Figure(figsize=(5.0 * len(response.inputs), 2.2 * lower * len(response.outputs) + 0.6), layout="constrained")
     axes = figure.subplots(lower * len(response.outputs), len(response.inputs), squeeze=False)
     usable = ~np.isin(np.arange(len(response.frequencies_hz)), [one.line for one in response.poles_on_lines])
     f = response.frequencies_hz[usable]
@@ -41,31 +71,58 @@ def draw(response: FrequencyResponse, kind: str, figure=None):
             H, unit = response.values[i, j, usable], response.units[i, j]
             own = axes[lower * i : lower * (i + 1), j]
             own[0].set_title(f"{output} / {input}")
-            _DRAWN[kind](own, f, H, f"{response.quantity} ({unit})" if unit else response.quantity)
+            _DRAWN[kind](own, f, H, response.quantity, "" if unit == "1" else unit, style)
+            if kind == "bode":
+                if response.quantity == "transmissibility":
+                    own[0].axhline(style.shown(1.0), color="0.5", linewidth=0.8)
+                if style.peaks and len(f):
+                    _mark_peaks(own[0], response, (output, input), (f[0], f[-1]), style)
     return figure
 
 
-def _bode(axes, f, H, label) -> None:
-    size = np.abs(H)
-    axes[0].loglog(f[(f > 0) & (size > 0)], size[(f > 0) & (size > 0)])
-    axes[0].set_ylabel(label)
-    axes[1].semilogx(f[f > 0], np.degrees(np.unwrap(np.angle(H[f > 0]))))
+def _mark_peaks(axes, response: FrequencyResponse, entry: tuple[str, str], ends: tuple[float, float], style: PlotStyle) -> None:
+    """The highest peaks of a response that are in the picture, each with its frequency."""
+    known = [
+        p for p in response.peaks if (p.output, p.input) == entry and ends[0] <= p.frequency_hz <= ends[1] and p.frequency_hz > 0
+    ]
+    finite = sorted((p for p in known if np.isfinite(p.amplitude)), key=lambda p: -p.amplitude)
+    for peak in finite[:MOST_PEAKS]:
+        x, y = AXIS_FACTORS[style.axis] * peak.frequency_hz, style.shown(peak.amplitude)
+        axes.plot([x], [y], "o", color="C3", markersize=3)
+        axes.annotate(f"{x:.4g} {style.axis}", (x, y), (4, 3), textcoords="offset points", fontsize="small")
+    if finite:
+        axes.margins(y=0.15)
+
+
+def _bode(axes, f, H, quantity, unit, style) -> None:
+    factor, size = AXIS_FACTORS[style.axis], np.abs(H)
+    there = (f > 0) & (size > 0)
+    drawn = {"log": axes[0].loglog, "linear": axes[0].semilogx, "dB": axes[0].semilogx}[style.amplitude]
+    drawn(factor * f[there], style.shown(size[there]))
+    shown = f"dB re 1 {unit}".rstrip() if style.amplitude == "dB" else unit
+    axes[0].set_ylabel(f"{quantity} ({shown})" if shown else quantity)
+    phase = np.angle(H[f > 0])
+    axes[1].semilogx(factor * f[f > 0], np.degrees(np.unwrap(phase) if style.unwrapped else phase))
     axes[1].set_ylabel("phase (°)")
-    axes[1].set_xlabel("frequency (Hz)")
+    axes[1].set_xlabel(f"frequency ({style.axis})")
+    for each in axes:  # decimal numbers; between the powers of ten only where few of these are in the picture
+        each.xaxis.set_major_formatter("{x:g}")
+        if there.any() and f[there][-1] < FEW_DECADES * f[there][0]:
+            each.xaxis.set_minor_formatter("{x:g}")
 
 
-def _nyquist(axes, f, H, label) -> None:
+def _nyquist(axes, f, H, quantity, unit, style) -> None:
     axes[0].plot(H.real, H.imag)
     axes[0].set_aspect("equal", adjustable="datalim")
-    axes[0].set_xlabel(f"real part of {label}")
+    axes[0].set_xlabel(f"real part of {quantity} ({unit})" if unit else f"real part of {quantity}")
     axes[0].set_ylabel("imaginary part")
 
 
-def _parts(axes, f, H, label) -> None:
+def _parts(axes, f, H, quantity, unit, style) -> None:
     for axis, part, name in ((axes[0], H.real, "real"), (axes[1], H.imag, "imaginary")):
-        axis.plot(f, part)
-        axis.set_ylabel(f"{name} part of {label}")
-    axes[1].set_xlabel("frequency (Hz)")
+        axis.plot(AXIS_FACTORS[style.axis] * f, part)
+        axis.set_ylabel(f"{name} part of {quantity} ({unit})" if unit else f"{name} part of {quantity}")
+    axes[1].set_xlabel(f"frequency ({style.axis})")
 
 
 _DRAWN = {"bode": _bode, "nyquist": _nyquist, "parts": _parts}

@@ -13,6 +13,8 @@ from ....control.transfer.transfer_function import transfer_function_response
 from ....exchange.trajectories import write_arrays
 from ....frequency.features import Antiresonance, Peak, frequencies_by_poles
 from ....frequency.frequency_response import FrequencyResponse, frequency_response
+from ....frequency.plots import AXIS_FACTORS
+from ....frequency.response_files import arrays_of, csv_text
 from ....ground.errors import InputError
 from ....ground.files import Replacements
 from ....ground.notices import Notice
@@ -31,9 +33,6 @@ MOST_RESPONSES = 100
 
 #: Lines for each decade between the limits of a range, besides those that the poles place.
 EACH_DECADE = 40
-
-#: Of frequencies in Hz, by the unit of the axis.
-AXIS_FACTORS = {"Hz": 1.0, "rad/s": 2 * np.pi, "rpm": 60.0}
 
 IMAGES: tuple[Literal["svg", "png"], ...] = ("svg", "png")
 
@@ -243,9 +242,9 @@ class SceneFrequency:
         content = frequency_content(self) if output.page or images else None
         if output.csv:
             csv = files.temporary(stem.with_name(f"{stem.name}.csv"))
-            csv.write_text(self.in_shown_units.csv_text(), encoding="utf-8")
+            csv.write_text(csv_text(self.in_shown_units), encoding="utf-8")
         if output.npz:
-            write_arrays(files.temporary(stem.with_name(f"{stem.name}.npz")), self.response.arrays(), ".npz")
+            write_arrays(files.temporary(stem.with_name(f"{stem.name}.npz")), arrays_of(self.response), ".npz")
         for name, plot in plot_images(content.plots).items() if content and images else ():
             for kind in IMAGES:
                 files.temporary(stem.with_name(f"{stem.name}.{name}.{kind}")).write_bytes(plot_image(plot, kind))
