@@ -1,4 +1,4 @@
-"""Universal files (UFF) through pyuff: functions of time and modes, with header, units and, where points are given, geometry.
+"""Universal files (UFF) through pyuff: functions of time and of frequency, and modes, with header, units and, where points are given, geometry.
 
 Data sets 151 (header) and 164 (units: SI) come first, then 15 (nodes) and 82 (lines), then 58 (functions) or 55 (modes). pyuff writes
 the fields of fixed width that the format defines: 6 digits of mode shapes and of the times of functions in text, 12 of their values.
@@ -10,13 +10,18 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..ground.checks import nearest, optional_package
 from ..ground.errors import InputError
 from ..ground.files import readable_as
+
+if TYPE_CHECKING:
+    from ..frequency.frequency_response import FrequencyResponse
 
 UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
 
@@ -28,7 +33,7 @@ _DATA_TYPES = {
     9: (("N", 0, 1), ("N*m", 1, 1)),
     13: (("N", 0, 1), ("N*m", 1, 1)),
 }
-_TIME, _TIME_RESPONSE = 17, 1
+_TIME, _TIME_RESPONSE, _FREQUENCY, _FREQUENCY_RESPONSE, _REACTION = 17, 1, 18, 4, 9
 _DIRECTIONS = ("", "X", "Y", "Z", "RX", "RY", "RZ")
 LONGEST_ID = 80
 
@@ -208,6 +213,40 @@ def write_functions(path: Path, times: np.ndarray, curves, geometry: Geometry, t
                     "ordinate_axis_units_lab": unit[:20],
                 }
             )  # fmt: skip
+    _write(path, datasets)
+
+
+def write_frequency_responses(path: Path, response: FrequencyResponse, geometry: Geometry, title: str, binary: bool = True) -> None:
+    """Write frequency responses as data sets 58 of function type 4, one for each output and input.
+
+    Args:
+        path: of the file.
+        response: values over the frequency.
+        geometry: where inputs and outputs are, by name.
+        title: of the model.
+        binary: every bit; otherwise text, with 12 digits of values and 6 of frequencies.
+    """
+    datasets = [*_headers(title), *geometry.datasets()]
+    if len(response.frequencies_hz) < 2:
+        raise InputError("frequencies_hz: found one; a function of a universal file needs at least two")
+    codes = {unit: code for code, units in _DATA_TYPES.items() for unit, _, _ in units if code != _REACTION}
+    for (i, output), (j, input) in product(enumerate(response.outputs), enumerate(response.inputs)):
+        above, _, below = (
+            response.units[i, j].partition("/(") if "/(" in response.units[i, j] else response.units[i, j].rpartition("/")
+        )
+        above, below = above.replace("N m", "N*m"), below.removesuffix(")").replace("N m", "N*m")
+        node, direction = geometry.place(output, i, "rad" if above.startswith("rad") or above == "N*m" else "m")
+        reference, along = geometry.place(input, j, "rad" if below.startswith("rad") or below == "N*m" else "m")
+        datasets.append(
+            {
+                "type": 58, "func_type": _FREQUENCY_RESPONSE, "binary": int(binary), "id1": _line(f"{output} by {input} {response.quantity}"),
+                "id2": _line(title), "rsp_node": node, "rsp_dir": direction, "ref_node": reference, "ref_dir": along,
+                "x": response.frequencies_hz, "data": np.ascontiguousarray(response.values[i, j]), "abscissa_spacing": 0,
+                "abscissa_spec_data_type": _FREQUENCY, "ordinate_spec_data_type": codes.get(above, 0),
+                "orddenom_spec_data_type": codes.get(below, 0), "abscissa_axis_lab": "Frequency", "abscissa_axis_units_lab": "Hz",
+                "ordinate_axis_lab": response.quantity.capitalize()[:20], "ordinate_axis_units_lab": str(response.units[i, j])[:20],
+            }
+        )  # fmt: skip
     _write(path, datasets)
 
 

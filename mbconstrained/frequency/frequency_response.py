@@ -13,7 +13,6 @@ import numpy as np
 from ..ground.checks import counted, names_of, optional_package, places_of, real_array, real_number
 from ..ground.display import Displayed, TextTable, notice_table, number_text
 from ..ground.errors import InputError
-from ..ground.files import replacing
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, LINE_ACCURACY, SUM_SAFETY, TRUST_LIMIT
 from ..polynomial.polynomial_matrix import PolynomialMatrix
@@ -22,10 +21,11 @@ from .features import Antiresonance, Peak, antiresonances_of, frequencies_by_pol
 from .harmonic import Harmonic
 from .modal_sum import ModalSum, largest_nearby
 from .pole_residue_form import Pole
-from .response_files import arrays_of, csv_text
+from .response_files import write_response
 
 if TYPE_CHECKING:
     from ..exact.enclosure.intervals import Enclosure
+    from ..exchange.universal import Geometry
 
 #: From so many lines on, the poles and residues of a full A(s) take less time than solutions at all lines.
 SUM_LINES = 320
@@ -279,25 +279,17 @@ class FrequencyResponse(Displayed):
         index = pandas.Index(self.frequencies_hz, name="frequency_hz")
         return pandas.DataFrame(self.values.reshape(-1, len(index)).T, index, columns)
 
-    def write(self, path: str | Path) -> Path:
-        """Write the values to a file, CSV (real and imaginary parts with units) or NumPy's npz by its ending.
+    def write(self, path: str | Path, geometry: Geometry | None = None) -> Path:
+        """Write the values to a file: CSV (real and imaginary parts with units), NumPy's npz, or a universal file (.uff, data set 58).
 
         Args:
             path: of the file, which is replaced when the new one is complete.
+            geometry: of a universal file: nodes and directions of the inputs and outputs.
 
         Returns:
             The path.
         """
-        path = Path(path)
-        if path.suffix not in (".csv", ".npz"):
-            raise InputError(f'path: found the ending "{path.suffix}"; expected .csv or .npz')
-        with replacing(path) as temporary:
-            if path.suffix == ".npz":
-                with temporary.open("wb") as file:
-                    np.savez(file, allow_pickle=False, **arrays_of(self))
-            else:
-                temporary.write_text(csv_text(self), encoding="utf-8")
-        return path
+        return write_response(self, Path(path), geometry)
 
 
 def _pole_notice(one: PoleOnLine, response: FrequencyResponse) -> Notice:

@@ -153,3 +153,24 @@ def test_a_file_that_ends_early_is_refused(tmp_path):
 def test_wrong_geometry_is_refused(arguments, message):
     with pytest.raises(InputError, match=message):
         mb.Geometry(**arguments)
+
+
+def test_frequency_responses_are_read_by_pyuff(tmp_path):
+    """Complex values bit by bit, frequencies, units, and the nodes and directions of output and input."""
+    system = mb.MechanicalSystem(
+        np.diag([1.0, 2.0]), 0.1 * np.eye(2), [[3.0, -1.0], [-1.0, 2.0]], names=["cart", "pendulum"], units=["m", "rad"]
+    )
+    H = system.frequency_response([0.1, 0.3, 0.35], inputs=["cart"], quantity="accelerance")
+    H.write(tmp_path / "H.uff", GEOMETRY)
+    datasets = pyuff.UFF(str(tmp_path / "H.uff")).read_sets()
+    assert [dataset["type"] for dataset in datasets] == [151, 164, 15, 82, 58, 58]
+    for dataset, values, kind in zip(datasets[4:], H.values[:, 0], ((7, -1), (7, 6))):
+        assert dataset["func_type"] == 4 and dataset["abscissa_spec_data_type"] == 18
+        assert (dataset["rsp_node"], dataset["rsp_dir"]) == kind and (dataset["ref_node"], dataset["ref_dir"]) == (7, -1)
+        assert dataset["data"].tolist() == values.tolist() and dataset["x"].tolist() == [0.1, 0.3, 0.35]
+    assert [dataset["ordinate_spec_data_type"] for dataset in datasets[4:]] == [12, 12]
+    assert {dataset["orddenom_spec_data_type"] for dataset in datasets[4:]} == {13}
+    with pytest.raises(InputError, match="ending"):
+        H.write(tmp_path / "H.xyz")
+    with pytest.raises(InputError, match="at least two"):
+        H([1.0]).write(tmp_path / "one.uff")
