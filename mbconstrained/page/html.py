@@ -92,24 +92,7 @@ def page_html(content: Content, viewer: Delivery = "inside") -> str:
     >>> "<script" in page_html(PageContent("Only a title"))
     False
     """
-    names: list[str] = []
-    blocks: dict[str, list | dict] = {}
-    if isinstance(content, ModesContent):
-        sections, data = mode_sections(content)
-    else:
-        functions = PlotFunctions(content.plots)
-        if isinstance(content, FrequencyContent):
-            sections, data = frequency_sections(content, functions)
-        else:
-            sections, data = _run_sections(content, functions)
-        if functions.sets:
-            blocks["plot-data"], names = functions.as_data(), list(_PLOTS)
-    if data:
-        kind = {ModesContent: "modes.js", FrequencyContent: "frequency.js"}.get(type(content), "run.js")
-        names += [*_ANIMATION, *["overlay.js"] * ("overlay" in data["figure"]), kind]
-        blocks["motion-data"] = data
-    if names:
-        names = ["theme.js", "numbers.js", *names]
+    sections, data, names, blocks = _parts(content)
     elements, allowed = _scripts(names, blocks, viewer)
     body = [
         _header(content.title, content.source, with_theme=bool(names)),
@@ -151,6 +134,29 @@ def _footer(facts: tuple[tuple[str, str], ...], licences: str) -> str:
     rows = "".join(f"<dt>{html.escape(label)}</dt><dd>{typeset(text)}</dd>" for label, text in facts)
     details = f'<details><summary>Licences of the 3-D viewer</summary><pre tabindex="0">{html.escape(licences)}</pre></details>\n'
     return f"<footer>\n{f'<dl>{rows}</dl>{chr(10)}' if facts else ''}{details if licences else ''}</footer>"
+
+
+def _parts(content: Content) -> tuple[list[str], dict, list[str], dict[str, list | dict]]:
+    """The sections, the data of the animation, the names of the scripts, and the data that they read."""
+    names: list[str] = []
+    blocks: dict[str, list | dict] = {}
+    if isinstance(content, ModesContent):
+        sections, data = mode_sections(content)
+    else:
+        functions = PlotFunctions(content.plots)
+        if isinstance(content, FrequencyContent):
+            sections, data = frequency_sections(content, functions)
+        else:
+            sections, data = _run_sections(content, functions)
+        if functions.sets:
+            blocks["plot-data"], names = functions.as_data(), list(_PLOTS)
+    if data:
+        kind = {ModesContent: "modes.js", FrequencyContent: "frequency.js"}.get(type(content), "run.js")
+        names += [*_ANIMATION, *["overlay.js"] * ("overlay" in data["figure"]), kind]
+        blocks["motion-data"] = data
+    if names:
+        names = ["theme.js", "numbers.js", *names]
+    return sections, data, names, blocks
 
 
 def _run_sections(content: PageContent, functions: PlotFunctions) -> tuple[list[str], dict]:

@@ -68,15 +68,13 @@ def lumped_drawing(
     joints = joints_of(elements)
     slides = [joint for joint in joints if joint.ends <= {GROUND, *sliding}]
     twists = [joint for joint in joints if joint.ends <= {GROUND, *turning}]
-    natural = natural_positions(sliding, slides)
     bars = bars_of(elements)
-    length = bar_length(bars) if bars else 1.0
-    for bar in bars:  # level where none of its springs is stretched on the average
-        natural |= dict.fromkeys(bar.places, float(np.mean([natural[point] for point in bar.points])))
-    if scale is None:
-        pairs = [(joint.start, joint.end) for joint in slides]
-        pairs += [(end, pulley.over) for pulley in pulleys for end in (pulley.start, pulley.end)]
-        scale = displacement_scale({name: motion[name] - natural[name] for name in sliding if name in motion}, pairs)
+    natural, length = _natural(sliding, slides, bars), bar_length(bars) if bars else 1.0
+    scale = (
+        _slide_scale(slides, pulleys, {name: motion[name] for name in sliding if name in motion}, natural)
+        if scale is None
+        else scale
+    )
     lying = {bar.angle for bar in bars if not any(bar.angle in joint.ends for joint in twists)}
     wheels = [name for name in turning if name not in lying]
     if turn_scale is None:
@@ -106,15 +104,37 @@ def lumped_drawing(
     whole = stacked(pieces, [mate for tie in ties for mate in tie.mates])
     links = (*whole.links, *(link for tie in ties for link in tie.links))
 
-    drawn = []
-    for body in whole.bodies:  # from its place in the layout to that for all coordinates zero
-        shift = sum((natural[name] * np.array(move) for name, move in body.moves.items()), np.zeros(3))
-        drawn.append(replace(body, rest=tuple(body.rest - scale * shift)))
-    known = {link.name for link in links}.union(*(bar.rows for bar in bars))  # gears and racks are drawn as wheels in contact
+    drawn = [_at_zero(body, natural, scale) for body in whole.bodies]
+    notes = _not_drawn(elements, {link.name for link in links}.union(*(bar.rows for bar in bars))), _askew(drawn, slides + twists)
+    return Drawing(tuple(drawn), links, scale, turn_scale, " · ".join(filter(None, notes)))
+
+
+def _at_zero(body: Body, natural: dict, scale: float) -> Body:
+    """From its place in the layout to that for all coordinates zero."""
+    shift = sum((natural[name] * np.array(move) for name, move in body.moves.items()), np.zeros(3))
+    return replace(body, rest=tuple(body.rest - scale * shift))
+
+
+def _not_drawn(elements: Iterable[Element], known: set[str]) -> str:
+    """A note of the elements without a link; gears and racks are drawn as wheels in contact."""
     others = (element for element in elements if not isinstance(element, (ModelBody, Gear, Rack, PrescribedMotion)))
     missing = ", ".join(element.name for element in others if element.name not in known)
-    notes = f"not drawn: {missing}" * bool(missing), _askew(drawn, slides + twists)
-    return Drawing(tuple(drawn), links, scale, turn_scale, " · ".join(filter(None, notes)))
+    return f"not drawn: {missing}" * bool(missing)
+
+
+def _natural(sliding: list[str], slides: list[Joint], bars) -> dict:
+    """Positions in which all springs have their lengths; bars are level where none of their springs is stretched on the average."""
+    natural = natural_positions(sliding, slides)
+    for bar in bars:
+        natural |= dict.fromkeys(bar.places, float(np.mean([natural[point] for point in bar.points])))
+    return natural
+
+
+def _slide_scale(slides: list[Joint], pulleys: list[Pulley], motion: dict, natural: dict) -> float:
+    """The magnification of displacements."""
+    pairs = [(joint.start, joint.end) for joint in slides]
+    pairs += [(end, pulley.over) for pulley in pulleys for end in (pulley.start, pulley.end)]
+    return displacement_scale({name: motion[name] - natural[name] for name in natural if name in motion}, pairs)
 
 
 def _motion(names, values) -> dict[str, np.ndarray]:
