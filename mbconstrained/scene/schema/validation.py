@@ -10,10 +10,15 @@ from ...ground.checks import nearest
 from ...ground.errors import SceneError
 from ..file.messages import place, shown, together
 
+SIGNALS = '"step", "ramp", "power", "impulse", "harmonic", "term", "pulse" or "sampled"'
 KINDS = {
     "model": '"lumped", "matrices", "robot", "state-space" or "transfer-function"',
-    "force": '"step", "ramp", "power", "impulse", "harmonic", "term", "pulse" or "sampled"',
+    "force": SIGNALS,
+    "motion": SIGNALS,
 }
+
+#: What people write for a kind: what a scene calls it.
+OTHER_NAMES = {"record": "sampled", "file": "sampled", "sine": "harmonic", "cosine": "harmonic", "constant": "step"}
 
 MISSING = {
     "model": 'this table is missing: write [model], and below it kind = "lumped", "matrices", …',
@@ -74,7 +79,9 @@ def _kind_sentence(value, where: str) -> str:
 
 def _choice(value, known: str) -> str:
     names = re.findall(r'"([^"]*)"', known)
-    return f"found {shown(value)}; expected {known}{nearest(value, names) if isinstance(value, str) else ''}"
+    meant = OTHER_NAMES.get(value) if isinstance(value, str) else None
+    hint = f'; did you mean "{meant}"?' if meant in names else nearest(value, names) if isinstance(value, str) else ""
+    return f"found {shown(value)}; expected {known}{hint}"
 
 
 def _expectation(kind: str, context: dict) -> str:

@@ -275,6 +275,12 @@ CASES = [  # base, what is replaced, by what, message
     (
         "matrices",
         "[time]",
+        '[[motion]]\ncoordinate = "a"\nkind = "record"\nfile = "r.csv"\n[time]',
+        r'motion\[1\]: kind: found "record"; .*did you mean "sampled"',
+    ),
+    (
+        "matrices",
+        "[time]",
         '[[force]]\ncoordinate = "a"\nkind = "stp"\nvalue = 1\n[time]',
         r'force\[1\]: kind: found "stp"; .*did you mean "step"',
     ),

@@ -48,7 +48,7 @@ def test_drawing_knows_the_shapes_and_links_of_the_page():
 
 
 def test_kinds_in_messages_are_those_of_the_schema():
-    for key in ("model", "force"):
+    for key in ("model", "force", "motion"):
         entry = SCHEMA["properties"][key]
         tagged = entry.get("items", entry)["discriminator"]["mapping"]
         assert [f'"{kind}"' in validation.KINDS[key] for kind in tagged] == [True] * len(tagged)
