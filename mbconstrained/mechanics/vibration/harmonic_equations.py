@@ -257,7 +257,7 @@ def structural_damping(system: MechanicalSystem, loss_factor) -> np.ndarray | No
     H = np.zeros((system.size, system.size))
     for name, value in loss_factor.items():
         if name not in springs:
-            known = f"expected of {', '.join(springs)}" if springs else "this system has no named springs; give energy_parts"
+            known = f"expected one of: {', '.join(springs)}" if springs else "this system has no named springs; give energy_parts"
             raise InputError(f"loss_factor: there is no spring {name!r}{nearest(str(name), springs)}; {known}")
         part = springs[name]
         matrix = part.matrix if isinstance(part, ElementMatrix) else full(part)
