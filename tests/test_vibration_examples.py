@@ -110,7 +110,8 @@ def test_the_stretched_arm_is_softer_and_slower():
 
 def test_electronics_box():
     """RMS acceleration by adaptive quadrature of (w_n^4 + (2 z w_n w)^2) / |D|^2 times the straight lines of the table."""
-    response = SceneRandom(read_scene(EXAMPLES / "electronics_box.toml")).response
+    name = "electronics_box"
+    response = SceneRandom(read_scene(EXAMPLES / f"{name}.toml")).response
     wn, z = 2 * np.pi * 30.0, 0.05
     corners, values = np.array([20.0, 80.0, 350.0, 2000.0]), np.array([0.01, 0.04, 0.04, 0.007])
 
