@@ -3,6 +3,11 @@
 import json
 
 import numpy as np
+import pytest
+
+from mbconstrained.ground.errors import SceneError
+from mbconstrained.scene.run.random.scene_random import SceneRandom
+from mbconstrained.scene.run.scene import read_scene
 
 SCENE = """
 [model]
@@ -29,9 +34,9 @@ def test_it_prints_rms_values_and_writes_page_csv_and_npz(command, tmp_path):
     assert f"{np.sqrt(3 / (4 * 4 * 200)):.5g} m" in out
     names = {path.name for path in (tmp_path / "results" / "machine").iterdir()}
     assert names == {f"machine.random.{ending}" for ending in ("html", "csv", "npz")}
-    data = np.load(tmp_path / "results" / "machine" / "machine.random.npz")
-    assert np.isclose(data["covariance"].item(), 3 / (4 * 4 * 200), rtol=1e-12)
-    assert np.isclose(data["psd"][0, 0], 3 / 200**2, rtol=1e-2)
+    with np.load(tmp_path / "results" / "machine" / "machine.random.npz") as data:
+        assert np.isclose(data["covariance"].item(), 3 / (4 * 4 * 200), rtol=1e-12)
+        assert np.isclose(data["psd"][0, 0], 3 / 200**2, rtol=1e-2)
 
 
 def test_infinite_variances_are_texts_and_null(command, tmp_path):
@@ -56,5 +61,8 @@ def test_what_is_wrong_is_named_with_its_place(command, tmp_path):
         (WHITE.replace("white = 3", "white = -3"), "white"),
     ]
     for text, message in cases:
-        code, out, err = command("random", scene(tmp_path, text))
-        assert (code, out) == (1, "") and message in err and "Traceback" not in err, (text, err)
+        with pytest.raises(SceneError) as problem:
+            _ = SceneRandom(read_scene(scene(tmp_path, text))).response
+        assert message in str(problem.value), text
+    code, out, err = command("random", scene(tmp_path, ""))
+    assert (code, out) == (1, "") and err.strip().startswith("machine.toml: random: the scene has no table [random]")
