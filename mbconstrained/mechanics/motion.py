@@ -286,7 +286,7 @@ class Motion(MotionQuestions, SystemMotion, Response):
             order: of a derivative of it, if any.
 
         Returns:
-            A number without unit.
+            A number without unit; infinite where the error may be as large as the answer.
 
         Raises:
             InputError: an unknown quantity; times that are negative or not finite; an order that is no whole number of at least 0.

@@ -48,6 +48,8 @@ LEAST = 8 * EPS
 def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] = lambda response: response.function) -> float:
     """Estimate of max |error| / max |y| over the times, at least a few rounding errors; of a small model a proved bound.
 
+    It is infinite where the error may be as large as the answer.
+
     Args:
         x: the response.
         times: in s, a number or shape (T,).
@@ -72,7 +74,7 @@ def _estimate(x: Response, times: np.ndarray, view: Callable[[Response], BohlFun
     written = 0.0 if x.written is None else _largest_change(lambda: view(x.written)(times) - values, largest)
     change = max(change, written if written > ROUNDED_FREE * largest else 0.0)
     summed = EPS * summands(function, times) / largest
-    estimate = max((PRECISE_SAFETY if x.solution.is_precise else SAFETY) * (change / largest), phase, summed)
+    estimate = _relative_to_truth(max((PRECISE_SAFETY if x.solution.is_precise else SAFETY) * (change / largest), phase, summed))
     return max(estimate, LEAST if x.solution.has_clear_ranks else UNCLEAR_ERROR)
 
 
@@ -87,6 +89,14 @@ def _proved_error(function: ProvedFunction, times: np.ndarray, values: np.ndarra
     proved, bounds = function.proved(times)
     error = (np.abs(values - proved) + bounds).max(axis=0)
     return float(np.divide(error, size, out=np.where(error > 0, 1.0, 0.0), where=size > 0).max())
+
+
+def _relative_to_truth(error: float) -> float:
+    """An error relative to the computed answer y as a bound of that relative to the true one, which is at least (1 - error) |y|.
+
+    It is infinite where the error may be all of y: a growing mode that rounding alone excites is larger than the truth by any factor.
+    """
+    return error / (1 - error) if error < 1 else float("inf")
 
 
 def summands(function: BohlFunction, times) -> float:

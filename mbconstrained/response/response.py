@@ -16,7 +16,7 @@ from ..ground.display import Presented, TextTable, notice_table
 from ..ground.errors import within_float64
 from ..ground.notices import Evidence, Notice
 from ..ground.threads import short_work
-from ..ground.tolerances import noise_of
+from ..ground.tolerances import PROVED_RESTARTS, PROVED_STATES, noise_of
 from ..polynomial.jordan_pairs import JordanPairs
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction, Piece
@@ -292,7 +292,7 @@ class Response(Exported, Presented):
             order: of the derivative.
 
         Returns:
-            Relative to the largest value at these times.
+            Relative to the largest value at these times; infinite where the error may be as large as the answer.
 
         Raises:
             InputError: times that are negative or not finite, an order that is no whole number of at least 0.
@@ -348,9 +348,12 @@ class Response(Exported, Presented):
 
     @cached_property
     def evidence(self) -> tuple[Evidence, ...]:
-        """Residuals, conditions and gaps of the method of the solution."""
+        """Residuals, conditions and gaps of the method of the solution; the restarts of the force where they are why nothing is proved."""
         with within_float64():
-            evidence = self.solution.evidence
+            evidence, restarts = self.solution.evidence, len(self.force.knots) - 1
+            if 0 < self.polynomial_matrix.degree * self.polynomial_matrix.size <= PROVED_STATES and restarts > PROVED_RESTARTS:
+                text = f"times at which the force restarts, more than {PROVED_RESTARTS}: the error is estimated, and has no proved bound"
+                evidence = (*evidence, Evidence("restarts", restarts, text))
             if self.solution.has_clear_ranks or not self.is_proved:
                 return evidence
             confirmed = "; the exact data have the rank that was decided"

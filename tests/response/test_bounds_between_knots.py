@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.ground.tolerances import PROVED_RESTARTS
 from mbconstrained.response.methods.proved import ProvedFunction
 from tests.oracles.ball_exponential import motion
 
@@ -69,3 +70,12 @@ def test_what_follows_no_exact_force_is_not_sure():
     assert not x.function.defect.follows_force
     assert not x.function.defect.allows(x.function.rough.place, 0, TIMES[TIMES > 1], np.full(6, 1e-3)).any()
     assert x.error_estimate(TIMES) < 1e-12
+
+
+@pytest.mark.parametrize("restarts, proved", [(PROVED_RESTARTS, True), (PROVED_RESTARTS + 1, False)])
+def test_more_restarts_than_are_proved_are_evidence(restarts, proved):
+    steps = sum((mb.step([1.0 + k]).delayed(0.1 * k) for k in range(1, restarts)), mb.step([1.0]).delayed(0.1 * restarts))
+    x = mb.solve(mb.PolynomialMatrix([[[4.0]], [[0.5]], [[1.0]]]), force=steps)
+    assert len(x.force.knots) == restarts + 1
+    assert x.is_proved == proved
+    assert [item.value for item in x.evidence if item.name == "restarts"] == ([] if proved else [restarts])

@@ -9,6 +9,7 @@ import mbconstrained as mb
 from mbconstrained.ground.tolerances import UNCLEAR_ERROR
 from mbconstrained.response.estimate import error_estimate
 from mbconstrained.response.response import moved_responses
+from tests.oracles.ball_exponential import motion
 
 EPS = np.finfo(float).eps
 
@@ -139,3 +140,21 @@ def test_a_free_body_as_it_is_written_is_known_to_the_last_digits():
     spring = np.array([[1.0, -1.0], [-1.0, 1.0]])
     x = mb.solve(mb.PolynomialMatrix([1e16 * spring, 0 * spring, np.eye(2)]), [[1.0, 1.0], [0.0, 0.0]])
     assert x.error_estimate([1.0, 10.0]) <= 20 * EPS
+
+
+@pytest.mark.parametrize("soft, grows", [(1.0, False), (2.5, True)])
+def test_a_growing_part_that_is_driven_at_its_far_end(soft, grows):
+    """The mode that grows is 1e-16 or less at the far end of a chain: float64 excites it by rounding, without it the answer is small."""
+    n, rng = 30, np.random.default_rng(0)
+    K = np.zeros((n + 1, n + 1))
+    K[range(n), range(n)] = rng.uniform(2, 3, n)
+    K[range(1, n), range(n - 1)] = K[range(n - 1), range(1, n)] = -rng.uniform(0.3, 1, n - 1)
+    K[0, 0], K[n, n], K[n - 1, n], end = -soft, 4.0, 1e-18, 60.0
+    start = np.zeros(n + 1)
+    start[n] = 1.0
+    M, zero = np.eye(n + 1), np.zeros_like(K)
+    x = mb.MechanicalSystem(M, stiffness=K).solve(displacement=start)
+    truth = np.array(list(map(float, motion([K, zero, M], [start, 0 * start], end))))
+    error, estimate = np.abs(x(end) - truth).max() / np.abs(truth).max(), x.error_estimate(end)
+    assert estimate >= error / 10
+    assert (estimate == np.inf) == grows
