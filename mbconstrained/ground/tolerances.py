@@ -156,6 +156,9 @@ CLUSTER_DEGREE = 18
 #: halved. That approximant takes about so many products of matrices.
 PADE_NORM, EXPONENTIAL_PRODUCTS = 4.25, 9
 
+#: Entries of e^X this small relative to the largest have products that are no normal numbers of float64.
+NEGLIGIBLE_EXPONENTIAL = 1e-150
+
 #: A product of a matrix and a vector takes so many times as long as its part of a product of matrices: it waits for memory.
 NARROW_PRODUCT = 6.0
 

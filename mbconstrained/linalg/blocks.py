@@ -13,13 +13,17 @@ from itertools import accumulate
 
 import numpy as np
 from scipy.linalg import lapack
+from scipy.sparse.csgraph import connected_components
 
 from ..ground.tolerances import DECOUPLING_LIMIT
-from .arrays import Matrix
+from .arrays import Matrix, compressed
 from .precise import of_kind
 
 #: Largest number of entries computed at once (bounds the memory used).
 CHUNK_ENTRIES = 2_000_000
+
+#: The groups of more rows are those of a sparse matrix: step by step along a chain takes longer.
+MANY_ROWS = 64
 
 
 @dataclass(frozen=True)
@@ -111,7 +115,11 @@ def coupled_rows(matrix: np.ndarray) -> list[np.ndarray]:
     >>> [rows.tolist() for rows in coupled_rows(np.array([[1.0, 0, 2], [0, 1, 0], [0, 0, 1]]))]
     [[0, 2], [1]]
     """
-    pattern, n = matrix != 0, len(matrix)
+    n = len(matrix)
+    if n > MANY_ROWS:
+        count, which = connected_components(compressed(matrix), directed=False)
+        return [np.flatnonzero(which == group) for group in range(count)]
+    pattern = matrix != 0
     if n and _reached(pattern | pattern.T).all():  # mostly
         return [np.arange(n)]
     return [rows for rows, _ in coupled(pattern | np.eye(n, dtype=bool))]

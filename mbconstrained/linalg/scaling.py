@@ -12,13 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import lapack
-from scipy.sparse import csr_array, diags_array, eye_array
+from scipy.sparse import csc_array, csr_array, eye_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import spsolve
 
 from ..ground.errors import IllConditioned
 from ..ground.tolerances import BALANCE_RATIO, EPS, NOISE_SAFETY
-from .arrays import Matrix
+from .arrays import Matrix, compressed
 from .precise import is_precise, power_of_two
 
 #: Factors stay within 2^(+-this), where they and their inverses are normal numbers.
@@ -134,8 +134,8 @@ def balanced_norm(generator: Matrix) -> float:
     >>> balanced_norm(csr_array([[0.0, 1.0, 1e9], [-(4.0**20), 0.0, 0.0], [0.0, 0.0, 1.0]])) == 2.0**20
     True
     """
-    if generator.shape[0] > FEW_STATES:
-        generator = csr_array(generator)
+    if isinstance(generator, np.ndarray) and len(generator) > FEW_STATES:
+        generator = compressed(generator)
     if isinstance(generator, np.ndarray):
         size, first = _mutual_sizes(generator)
         units = _balancing(size, first)
@@ -214,11 +214,11 @@ def _fitted_exponents(row, column, logs, n: int) -> np.ndarray:
     ratios = row != column
     row, column, logs = row[ratios], column[ratios], logs[ratios]
     ones, degree = np.ones(len(row)), np.bincount(row, minlength=n) + np.bincount(column, minlength=n)
-    pattern = csr_array((ones, (row, column)), shape=(n, n))
-    laplacian = diags_array(degree + SLIGHT) - pattern - pattern.T
+    rows, columns = np.concatenate([np.arange(n), row, column]), np.concatenate([np.arange(n), column, row])
+    laplacian = csc_array((np.concatenate([degree + SLIGHT, -ones, -ones]), (rows, columns)), shape=(n, n))
     right = np.array([np.bincount(row, result, n) - np.bincount(column, result, n) for result in (logs, ones)]).T
     dense = len(row) * FILLED > n * n
-    result = np.linalg.solve(laplacian.toarray(), right) if dense else spsolve(laplacian.tocsc(), right).reshape(n, 2)
+    result = np.linalg.solve(laplacian.toarray(), right) if dense else spsolve(laplacian, right).reshape(n, 2)
     return _about_their_mean(result, right, logs.sum(), len(row))
 
 

@@ -15,8 +15,8 @@ import numpy as np
 import scipy.linalg
 from scipy.sparse import csr_array
 
-from ...ground.tolerances import EXPONENTIAL_PRODUCTS, NARROW_PRODUCT, PADE_NORM
-from ..arrays import Matrix, entry_count, filled_columns, full, of_like_kind
+from ...ground.tolerances import EXPONENTIAL_PRODUCTS, NARROW_PRODUCT, NEGLIGIBLE_EXPONENTIAL, PADE_NORM
+from ..arrays import Matrix, entries, entry_count, filled_columns, full, of_like_kind
 
 #: So many states are taken to values at once, in parts of their own number.
 CHUNK = 512
@@ -39,7 +39,8 @@ class Propagator:
     def __init__(self, generator: Matrix, step: float):
         balanced, (self._units, _) = scipy.linalg.matrix_balance(full(generator), permute=False, separate=True)
         balanced *= step
-        self._step_matrix = scipy.linalg.expm(balanced)
+        self._has_tiny_entries = _smallest(balanced) < NEGLIGIBLE_EXPONENTIAL ** (2 / 3)
+        self._step_matrix = self._without_remote(scipy.linalg.expm(balanced))
 
     @property
     def matrix(self) -> np.ndarray:
@@ -62,10 +63,17 @@ class Propagator:
             of_like_kind(output * self._units, output),
             self._step_matrix,
         )
-        starts = states.shape[1]
+        starts, chosen = states.shape[1], _single_entries(rows)
         for _ in range(best_doublings(len(states), count, starts)):
-            states, matrix = np.hstack([states, matrix @ states]), matrix @ matrix
+            states, matrix = np.hstack([states, matrix @ states]), self._without_remote(matrix @ matrix)
         width, values = states.shape[1], np.empty((output.shape[0], count * starts))
+        if chosen is not None:
+            columns, factors = chosen
+            for begin in range(0, values.shape[1], width):
+                part = values[:, begin : begin + width]
+                np.multiply(states[columns, : part.shape[1]], factors, out=part)
+                states = matrix @ states
+            return values.reshape(-1, count, starts) if start.ndim > 1 else values
         block = np.empty((len(states), width * max(1, min(CHUNK, count * starts) // width)))
         for begin in range(0, values.shape[1], block.shape[1]):
             for at in range(0, block.shape[1], width):
@@ -74,6 +82,34 @@ class Propagator:
             part = values[:, begin : begin + block.shape[1]]
             part[...] = (rows @ block)[:, : part.shape[1]]
         return values.reshape(-1, count, starts) if start.ndim > 1 else values
+
+    def _without_remote(self, matrix: np.ndarray) -> np.ndarray:
+        """e^{S h} or a power of it without entries whose products are no normal numbers, with which products take five times as long.
+
+        Only long chains of couplings have such entries where no entry of S h is of their kind. What they add to a higher power comes by
+        shorter steps too, and by them less than 2^-50 of it. The diagonal is kept.
+        """
+        if self._has_tiny_entries:
+            return matrix
+        size = np.abs(matrix)
+        remote = size < NEGLIGIBLE_EXPONENTIAL * size.max(initial=0.0)
+        remote.reshape(-1)[:: len(matrix) + 1] = False
+        matrix[remote] = 0.0
+        return matrix
+
+
+def _smallest(matrix: np.ndarray) -> float:
+    """The size of the smallest entry that is not zero; the largest number where there is none."""
+    size = np.abs(matrix)
+    return float(size.min(where=size > 0, initial=np.inf))
+
+
+def _single_entries(output: Matrix) -> tuple[np.ndarray, np.ndarray] | None:
+    """The column and the value of the only entry of each row, shapes (r,) and (r, 1); None where a row has more or none."""
+    row, column, value = entries(output)
+    if not np.array_equal(row, np.arange(output.shape[0])):
+        return None
+    return column, value[:, None]
 
 
 def best_doublings(size: int, count: int, starts: int = 1) -> int:

@@ -161,10 +161,7 @@ def elimination(size: int, ends: np.ndarray, widest: int = WIDEST, together: int
     >>> [elimination(5, chain, together=width).rounds for width in (1, 2)]
     [(2, 2, 1), (3, 1, 1)]
     """
-    neighbours = [set() for _ in range(size)]
-    for one, other in ends.T.tolist():
-        neighbours[one].add(other)
-        neighbours[other].add(one)
+    neighbours = _neighbours(size, ends)
     rounds = _rounds(neighbours, widest, together)
     if rounds is None:
         return None
@@ -172,6 +169,15 @@ def elimination(size: int, ends: np.ndarray, widest: int = WIDEST, together: int
     place = dict(zip(nodes, range(size)))
     fronts = tuple(tuple(sorted(place[node] for node in neighbours[own])) for own in nodes)
     return Elimination(np.array(nodes, dtype=int), fronts, tuple(map(len, rounds)))
+
+
+def _neighbours(size: int, ends: np.ndarray) -> list[set[int]]:
+    """Those that each coordinate is coupled to."""
+    result: list[set[int]] = [set() for _ in range(size)]
+    for one, other in ends.T.tolist():
+        result[one].add(other)
+        result[other].add(one)
+    return result
 
 
 def _rounds(neighbours: list[set[int]], widest: int, together: int) -> list[list[int]] | None:
@@ -222,8 +228,8 @@ def front_width(*matrices: Matrix) -> int | None:
     size, pairs = max(matrix.shape[0] for matrix in matrices), coupled_pairs(*matrices)
     if pairs.shape[1] > WIDEST * size:
         return None
-    result = elimination(size, pairs)
-    return None if result is None else result.width
+    neighbours = _neighbours(size, pairs)
+    return None if _rounds(neighbours, WIDEST, 0) is None else max(map(len, neighbours), default=0)
 
 
 def coupled_pairs(*matrices: Matrix) -> np.ndarray:
