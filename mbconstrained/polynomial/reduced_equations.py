@@ -37,7 +37,7 @@ from ..linalg.blocks import BlockDiagonal, assembled, block_matrix, coupled_rows
 from ..linalg.division import divided, is_semidefinite, is_symmetric, without_noise
 from ..linalg.eigen import decoupled, weakly_coupled_groups
 from ..linalg.scaling import balancing_units
-from ..linalg.symmetric.symmetric_modes import SymmetricModes, modes_of_wide_spread, symmetric_modes
+from ..linalg.symmetric.symmetric_modes import SymmetricModes, may_be_wide, modes_of_wide_spread, symmetric_modes
 from ..linalg.tree_modes.residue_modes import ResidueModes
 from ..linalg.tree_modes.topology import SparseTopology, sparse_topology
 from .conserved import Conserved, Freed, decoupled_with_conserved
@@ -296,9 +296,11 @@ class Reduction:
     @cached_property
     def wide_modes(self) -> SymmetricModes | BlockDiagonal | None:
         """Of a symmetric M and K the modes where rates span many orders of magnitude; None where they do not, or it is not worth it."""
-        if self.is_small or len(self.first) or self.conserved is not None or len(self._groups) > 1:
+        if self.is_small or len(self.first) or self.conserved is not None:
             return None
-        if not (is_symmetric(self.M) and is_symmetric(self.K)) or self.topology is not None:
+        if not (is_symmetric(self.M) and is_symmetric(self.K) and may_be_wide(self.M, self.K)):
+            return None
+        if len(self._groups) > 1 or self.topology is not None:
             return None
         balanced = of_like_kind(self.generator * self.units / self.units[:, None], self.generator)
         if entry_count(self.C) and len(weakly_coupled_groups(balanced)) > 1:

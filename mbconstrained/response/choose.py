@@ -15,7 +15,9 @@ and of 100 for 200, a symmetric eigenproblem of half the size that of 2 and of 7
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -74,15 +76,20 @@ class Method:
 
     Attributes:
         name: PAIRS, MODES, POWERS or STEPS.
-        reason: one phrase with the condition that decided.
+        because: one phrase with the condition that decided, or what makes it: few read it.
         flow: the reduced equations with start and force; None with the Jordan pairs.
         evaluations: as requested.
     """
 
     name: str
-    reason: str
+    because: str | Callable[[], str]
     flow: Flow | None = None
     evaluations: Evaluations = "once"
+
+    @cached_property
+    def reason(self) -> str:
+        """One phrase with the condition that decided."""
+        return self.because if isinstance(self.because, str) else self.because()
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.name}, {self.reason})"
@@ -255,7 +262,7 @@ def satisfying(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth
 # Modes, powers or steps
 
 
-def evaluation_method(flow: Flow, shape: tuple[int, int], request: Request) -> tuple[str, str]:
+def evaluation_method(flow: Flow, shape: tuple[int, int], request: Request) -> tuple[str, str | Callable[[], str]]:
     """The name of the method that gives values of an output of this shape (r, n), and the reason.
 
     Args:
@@ -264,35 +271,43 @@ def evaluation_method(flow: Flow, shape: tuple[int, int], request: Request) -> t
         request: with the times of this evaluation, if known.
 
     Returns:
-        MODES, POWERS or STEPS, and a phrase.
+        MODES, POWERS or STEPS, and a phrase, or a function that makes it: the topology of a model is not needed to choose.
     """
     reduction, times = flow.reduction, request.times
     if reduction.is_small:
         return MODES, f"by eigenvectors: {reduction.state_count} states are few"
-    modes = _modes_of(reduction)
+
+    def by_modes(then: str) -> tuple[str, Callable[[], str]]:
+        return MODES, lambda: f"by {_modes_of(reduction)}{then}"
+
     if reduction.is_free:
-        return MODES, f"by {modes}, which separate the motion of a free body from all others: no rounding error moves it"
+        return by_modes(", which separate the motion of a free body from all others: no rounding error moves it")
     if reduction.wide_modes is not None:
-        return MODES, f"by {modes}, refined: their rates span many orders of magnitude, of which powers of e^(S h) keep the fastest"
+        return by_modes(", refined: their rates span many orders of magnitude, of which powers of e^(S h) keep the fastest")
     if request.evaluations == "many":
-        return MODES, f"by {modes}, which many evaluations share"
+        return by_modes(", which many evaluations share")
     if times is None:
-        return MODES, f"by {modes}, and at even times by powers of e^(S h) where these cost less"
+        return by_modes(", and at even times by powers of e^(S h) where these cost less")
     steps = _cost_of_steps(flow, shape, times)
     powers = None if steps is not None else _cost_of_powers(flow, times)
     if steps is None and powers is None:
         what = f"the force restarts at {counted(len(flow.knots) - 1, 'time')}" if len(flow.knots) > 1 else "the times are not even"
-        return MODES, f"by {modes}: {what}"
+        return by_modes(f": {what}")
     name, text, cost = (
         (STEPS, "steps from knot to knot of the force", steps) if powers is None else (POWERS, "powers of e^(S h)", powers)
     )
-    limit = decomposition_cost(reduction)
-    compared = f"about {cost:.0f} products of matrices of {reduction.state_count} states, {modes} {limit:.0f}"
-    if cost <= limit:
-        return name, f"by {text}: they cost {compared}"
+
+    def compared() -> str:
+        costs = f"about {cost:.0f} products of matrices of {reduction.state_count} states"
+        return f"by {text}: they cost {costs}, {_modes_of(reduction)} {decomposition_cost(reduction):.0f}"
+
+    if cost <= least_decomposition_cost(reduction) or cost <= decomposition_cost(reduction):
+        return name, compared
     if powers is not None and cost <= decomposition_cost(reduction, by_topology=False) and reduction.topology_failed:
-        return name, f"by {text}: the modes of the sparse topology were not separable, and powers cost {compared}"
-    return MODES, f"by {modes}: {text} cost {compared}"
+        return name, f"by {text}: the modes of the sparse topology were not separable, and powers cost {cost:.0f}"
+    return by_modes(
+        f": {text} cost about {cost:.0f} products of matrices of {reduction.state_count} states, these {decomposition_cost(reduction):.0f}"
+    )
 
 
 def _cost_of_powers(flow: Flow, times: np.ndarray) -> float | None:
@@ -329,6 +344,12 @@ def decomposition_cost(reduction: Reduction, *, by_topology: bool = True) -> flo
         return TOPOLOGY * (3 + 2 * reduction.topology.width) / 5 / n**1.5
     large, small = (SYMMETRIC, SYMMETRIC_SMALL) if reduction.is_symmetric else (GENERAL, GENERAL_SMALL)
     return large + small / n
+
+
+def least_decomposition_cost(reduction: Reduction) -> float:
+    """The same for the narrowest topology, whether the model has one or not: the topology itself takes long to find."""
+    narrowest = TOPOLOGY / max(reduction.state_count, 1) ** 1.5
+    return min(narrowest, decomposition_cost(reduction, by_topology=False))
 
 
 def _modes_of(reduction: Reduction) -> str:

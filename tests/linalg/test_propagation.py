@@ -121,3 +121,26 @@ def test_a_motion_that_grows_leaves_others_alone():
     expected = Propagator(calm, 1.0).values(np.eye(8), start, 300)
     assert np.abs(found[:8] - expected).max() <= 1e-12 * np.abs(expected).max()
     assert not found[8].any()
+
+
+@pytest.mark.parametrize("start", [0, 60])
+def test_a_long_chain_from_one_end_has_the_values_of_its_sines(start):
+    """Places far from the start have entries of e^{S h} below any number; K = V w^2 V^T with sines V."""
+    masses, step, count = 120, 0.1, 1000
+    places, times = np.arange(1.0, masses + 1), step * np.arange(count)
+    V = np.sqrt(2 / (masses + 1)) * np.sin(np.multiply.outer(places, places) * np.pi / (masses + 1))
+    w, z = 2 * np.sin(places * np.pi / (2 * (masses + 1))), np.eye(2 * masses)[start]
+    expected = V @ (np.cos(np.multiply.outer(w, times)) * V[start][:, None])
+    propagator = Propagator(chain(masses), step)
+    found = propagator.values(np.eye(masses, 2 * masses), z, count)
+    assert np.abs(found - expected).max() <= 40 * EPS * w.max() * times[-1]
+    mixed = propagator.values(np.eye(masses, 2 * masses)[::-1] - np.eye(masses, 2 * masses), z, count)
+    assert np.abs(mixed - (expected[::-1] - expected)).max() <= 80 * EPS * w.max() * times[-1]
+
+
+@pytest.mark.parametrize("coupling", [1e-110, 1e-160, 1e-250])
+def test_a_tiny_coupling_is_no_remote_entry(coupling):
+    times = 0.25 * np.arange(100)
+    found = Propagator(np.array([[1.0, 0.0], [coupling, 1.0]]), 0.25).values(np.eye(2), np.array([1.0, 0.0]), 100)
+    expected = np.exp(times) * np.array([np.ones(100), coupling * times])
+    assert (np.abs(found - expected) <= 1e-12 * np.abs(expected)).all()

@@ -141,9 +141,7 @@ def modes_of_wide_spread(M: Matrix, C: Matrix, K: Matrix, order: np.ndarray | No
         return None
     order = np.arange(size) if order is None else order
     mass, damper, stiff = (full(matrix)[np.ix_(order, order)] for matrix in (M, C, K))
-    root = np.sqrt(np.abs(np.diag(mass)))
-    wide = (root > 0).all() and condition(stiff / np.multiply.outer(root, root), np.inf) > REFINED_SPREAD / PRECHECK
-    shapes = undamped_shapes(mass, stiff) if wide else None
+    shapes = undamped_shapes(mass, stiff) if may_be_wide(mass, stiff) else None
     if shapes is None:
         return None
     quotients = _quotients(stiff, shapes)
@@ -159,6 +157,21 @@ def modes_of_wide_spread(M: Matrix, C: Matrix, K: Matrix, order: np.ndarray | No
     columns, rows = scipy.linalg.block_diag(shapes / np.diag(rates), shapes), shapes.T @ full(M)
     inverse = scipy.linalg.block_diag(np.diag(rates)[:, None] * rows, rows)
     return BlockDiagonal(columns @ parts.basis, parts.inverse @ inverse, parts.blocks, parts.coupling, len(parts.blocks))
+
+
+def may_be_wide(M: Matrix, K: Matrix) -> bool:
+    """Whether undamped rates may span so many orders of magnitude that modes are refined, by a bound without eigenvalues.
+
+    Args:
+        M, K: symmetric, shape (m, m).
+
+    Returns:
+        A truth value; False of a model that is too large for it.
+    """
+    if K.shape[0] > REFINED_SHAPES:
+        return False
+    root = np.sqrt(np.abs(M.diagonal()))
+    return bool((root > 0).all() and condition(full(K) / np.multiply.outer(root, root), np.inf) > REFINED_SPREAD / PRECHECK)
 
 
 def undamped_shapes(M: Matrix, K: Matrix) -> np.ndarray | None:
