@@ -100,6 +100,7 @@ class Flow:
         excitation: D with w' = S w + D v, shape (n, m).
         output: P, shape (r, n + m).
         impulsive: the jumps of w by Dirac impulses at the knots of the force, shape (n, K); None where there are no impulses.
+        first_moments: whether those of a force that begins later are pieces of their own, in which nothing cancels.
     """
 
     reduction: Reduction
@@ -109,6 +110,7 @@ class Flow:
     excitation: Matrix
     output: Matrix
     impulsive: np.ndarray | None = None
+    first_moments: bool = True
 
     @classmethod
     def of(cls, reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> Flow:
@@ -218,7 +220,7 @@ class Flow:
         driven = Driven(full(self.excitation) * units, generator, through, units)
         jumps = np.broadcast_to(np.zeros((n, 1)), (n, len(self.knots) - 1)) if self.impulsive is None else self.impulsive[:, 1:]
         part = FinitePart(free, scipy.sparse.eye_array(n + m, n), driven, self.start, jumps, 1.0, np.ones(n + m))
-        return driven_motion(part, self.force)
+        return driven_motion(part, self.force, first=self.first_moments)
 
     @cached_property
     def record(self) -> Record | None:

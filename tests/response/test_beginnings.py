@@ -100,3 +100,15 @@ def test_what_cancels_among_modes_is_told():
             exact = (t**2 / 2 - (t - (1 - mpmath.exp(-c * t)) / c) / c) / c
         error = abs(x(time)[0] / float(exact) - 1)
         assert error <= 10 * x.error_estimate(time)
+
+
+@pytest.mark.parametrize("masses", [2, 7])
+@pytest.mark.parametrize("moving", [0.0, 1.0])
+def test_values_after_a_late_pulse_are_proved_from_its_first_moments_on(masses, moving):
+    """Next to intervals that contain the exact values, relative to the largest of each time."""
+    K = 2 * np.eye(masses) - np.eye(masses, k=1) - np.eye(masses, k=-1)
+    system = mb.MechanicalSystem(np.eye(masses), 0.02 * K, K)
+    x = system.solve(moving * np.eye(masses)[0], force=mb.pulse(np.eye(masses)[-1], start=2.0, duration=0.5))
+    times = np.array([0.5, 2.0 + 2.0**-40, 2.0 + 2.0**-20, 2.01, 2.3, 2.5, 2.5 + 2.0**-20, 3.0, 40.0])
+    found, box = x(times), x.enclose(times, digits=20)
+    assert (box.error_bounds(found).max(axis=0) <= 1e-12 * np.abs(found).max(axis=0)).all()

@@ -87,6 +87,12 @@ class Defect:
                 sure[at] = self._pieces[piece]._late(place, order, since[at], allowed[at])
         return sure
 
+    @cached_property
+    def in_whole_pieces(self) -> Defect | None:
+        """That of the flow without first moments of later forces, which any derivative shares; None where no force begins later."""
+        later = len(self.flow.knots) > 1 and self.flow.force.smooth.state_count and self.flow.first_moments
+        return Defect(replace(self.flow, first_moments=False), self.rounding) if later else None
+
     @property
     def follows_force(self) -> bool:
         """Whether the errors of the states of the force are known at its knots: those of constant forces are, next to their sizes."""

@@ -145,12 +145,15 @@ class _Forced:
         return self.coupled + self.separated
 
 
-def driven_motion(part: FinitePart, force: ImpulsiveSmooth) -> tuple[BohlFunction, float, list[tuple[slice, slice]]]:
+def driven_motion(
+    part: FinitePart, force: ImpulsiveSmooth, *, first: bool = True
+) -> tuple[BohlFunction, float, list[tuple[slice, slice]]]:
     """x(t) for t > 0 in the user's units, the largest entry of the transformations that decouple it, and the copies among its states.
 
     Args:
         part: the finite part, its excitation and its states.
         force: f.
+        first: whether the first moments of a force are pieces of their own.
 
     Returns:
         The function, the entry, and which states are copies of which states of the force.
@@ -158,7 +161,7 @@ def driven_motion(part: FinitePart, force: ImpulsiveSmooth) -> tuple[BohlFunctio
     free, driven, n, time, rate = part.free, part.driven, len(part.start), part.time, _rate(part.free, part.driven)
     forcing, count = force.smooth.blocks, len(force.knots)
     X, coupled, separated = _separated(free, driven, forcing, max(SEPARATION_OF_PIECES, SEPARATION / count) / rate)
-    knots, early = first_moments(force.smooth, force.knots, EARLY / (rate * time) if separated else 0.0)
+    knots, early = first_moments(force.smooth, force.knots, EARLY / (rate * time) if separated and first else 0.0)
     restarts = force.smooth.with_knots(knots).restarts
     inputs = restarts.states / driven.units[:, None]
     forced = _Forced.of(X, coupled, separated, early, inputs)

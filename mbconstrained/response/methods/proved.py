@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 #: At more times than these the exact engine takes too long: a minute for ten states. The error estimate holds without it, too.
 MOST_TIMES = 50_000
 
+#: Sums of modes without first moments of forces are kept where they are surely right to this, and where the first moments are no better.
+KEPT_ACCURACY = PROVED_ACCURACY / 3
+
 #: The exact engine is asked for so many times at once.
 AT_ONCE = 2048
 
@@ -104,17 +107,39 @@ class ProvedFunction(BohlFunction):
     def _values(self, times: np.ndarray) -> np.ndarray:
         if self.defect is None or not self.size:
             return self.proved(times)[0] if len(times) <= MOST_TIMES and self.is_provable else self.rough(times)
-        values = self.rough.by_modes(times)  # type: ignore[attr-defined]  # a defect is that of a FlowFunction
-        sure = self._surely(values, times)
-        if not sure.all():
-            doubtful = self._begun(values, times, np.flatnonzero(~sure))
+        values, doubtful = self._sums_of_modes(times)
+        if len(doubtful):
+            doubtful = self._begun(values, times, doubtful)
             if 0 < len(doubtful) <= MOST_TIMES and self.is_provable:
                 values[:, doubtful] = self.proved(times[doubtful])[0]
         return values
 
-    def _surely(self, values: np.ndarray, times: np.ndarray) -> np.ndarray:
-        """At which times the sums of modes are right to ``PROVED_ACCURACY``."""
-        allowed = PROVED_ACCURACY * np.maximum(values.max(axis=0), -values.min(axis=0))
+    def _sums_of_modes(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values, and the places of the times at which they are not surely right to ``PROVED_ACCURACY``."""
+        if (whole := self._in_whole_pieces) is None:
+            values = self.rough.by_modes(times)  # type: ignore[attr-defined]  # a defect is that of a FlowFunction
+            return values, np.flatnonzero(~self._surely(values, times))
+        values = whole.rough.by_modes(times)  # type: ignore[attr-defined]
+        places = np.flatnonzero(~whole._surely(values, times, KEPT_ACCURACY))
+        if not len(places):
+            return values, places
+        right = whole._surely(values[:, places], times[places])
+        better = self.rough.by_modes(times[places])  # type: ignore[attr-defined]
+        sure = self._surely(better, times[places])
+        values[:, places[sure]] = better[:, sure]
+        return values, places[~(sure | right)]
+
+    @cached_property
+    def _in_whole_pieces(self) -> ProvedFunction | None:
+        """The same without first moments of later forces, which take longer than all else; None where none begins later."""
+        if (whole := self.defect.in_whole_pieces) is None:
+            return None
+        rough = self.rough.of(whole.flow)  # type: ignore[attr-defined]
+        return ProvedFunction(rough, self.exact, self.finite_count, whole, self.order, self.matrix)
+
+    def _surely(self, values: np.ndarray, times: np.ndarray, accuracy: float = PROVED_ACCURACY) -> np.ndarray:
+        """At which times the sums of modes are right to so much of the largest value."""
+        allowed = accuracy * np.maximum(values.max(axis=0), -values.min(axis=0))
         return self.defect.allows(self.rough.place, self.rough.order, times, allowed)  # type: ignore[attr-defined]
 
     def _begun(self, values: np.ndarray, times: np.ndarray, doubtful: np.ndarray) -> np.ndarray:

@@ -211,6 +211,10 @@ class FlowFunction(BohlFunction):
     def _with(self, place: Matrix, order: int) -> FlowFunction:
         return FlowFunction(self.flow, place, order, self.evaluations)
 
+    def of(self, flow: Flow) -> FlowFunction:
+        """The same of other modes of the same motion."""
+        return FlowFunction(flow, self.place, self.order, self.evaluations)
+
     def derivative(self, order: int = 1) -> BohlFunction:
         """The classical derivative."""
         return self._with(self.place, self.order + whole_number(order, "order"))
