@@ -100,7 +100,7 @@ class Flow:
         excitation: D with w' = S w + D v, shape (n, m).
         output: P, shape (r, n + m).
         impulsive: the jumps of w by Dirac impulses at the knots of the force, shape (n, K); None where there are no impulses.
-        first_moments: whether those of a force that begins later are pieces of their own, in which nothing cancels.
+        first_moments: whether those of a delayed force are pieces of their own, in which nothing cancels.
     """
 
     reduction: Reduction

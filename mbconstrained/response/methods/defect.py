@@ -89,7 +89,7 @@ class Defect:
 
     @cached_property
     def in_whole_pieces(self) -> Defect | None:
-        """That of the flow without first moments of later forces, which any derivative shares; None where no force begins later."""
+        """That of the flow without first moments of later forces, which any derivative shares; None where no force is delayed."""
         later = len(self.flow.knots) > 1 and self.flow.force.smooth.state_count and self.flow.first_moments
         return Defect(replace(self.flow, first_moments=False), self.rounding) if later else None
 

@@ -131,7 +131,7 @@ class ProvedFunction(BohlFunction):
 
     @cached_property
     def _in_whole_pieces(self) -> ProvedFunction | None:
-        """The same without first moments of later forces, which take longer than all else; None where none begins later."""
+        """The same without first moments of later forces, which take longer than all else; None where none is delayed."""
         if (whole := self.defect.in_whole_pieces) is None:
             return None
         rough = self.rough.of(whole.flow)  # type: ignore[attr-defined]
