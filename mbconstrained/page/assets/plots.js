@@ -246,9 +246,7 @@ class PlottedFigure {
   // The time at which a phase curve is nearest to the pointer; where it crosses itself, the one nearest to now.
   nearest(x, y) {
     const [curve, box] = [this.curves[0], this.svg.getBoundingClientRect()];
-    const { degrees, edges } = curve.functions;
-    const even = Array.from({ length: 2001 }, (_, i) => this.start + ((this.end - this.start) * i) / 2000);
-    const times = degrees[0] === 0 ? Array.from(edges) : even; // of straight lines their points
+    const times = curve.functions.timesBetween(this.start, this.end, (this.end - this.start) / 2000);
     const distances = times.map((time) => {
       const [px, py] = curve.point(time);
       return Math.hypot((px - x) * box.width, (py - y) * box.height);

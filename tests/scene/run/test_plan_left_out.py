@@ -43,6 +43,8 @@ SCENES = {
     "certified": MATRICES + "[output]\npage = false\ncsv = false\nnpz = false\ncertify = true\n",
     "lumped": OSCILLATOR,
     "quantities": OSCILLATOR + NOTHING_WRITTEN + '[[output.quantity]]\nbetween = ["ground", "cart"]\nquantity = "displacement"\n',
+    "frequency": OSCILLATOR + NOTHING_WRITTEN + "[frequency]\n",
+    "frequency page": OSCILLATOR + "[frequency]\n",
     "pictures": MATRICES + NOTHING_WRITTEN + "plot_images = true\n",
     "coefficients": COEFFICIENTS + NOTHING_WRITTEN,
     "still page": MATRICES + "[output]\nanimation = false\n",
@@ -102,6 +104,8 @@ WORK = {
     ),
     "certificate (python-flint)": Work("all", "lumped", "scene/run/certificate.py:certificate_of", ("mbconstrained.exact",)),
     "symbols (sympy)": Work("formula", "lumped", "scene/run/formula.py:formula_of", ("sympy", "mbconstrained.exact")),
+    "frequency response": Work("frequency", "lumped", "frequency/frequency_response.py:evaluated"),
+    "frequency page and files": Work("frequency page", "frequency", "scene/run/frequency/response_page.py:frequency_content"),
     "animation": Work(
         "lumped", "still page", "page/animation/keyframes.py:key_frames", ("mbconstrained.scene.run.picture.result_animation",)
     ),
