@@ -91,10 +91,7 @@ class PoleResidueForm:
     def _residues(self, zero: FiniteZero) -> tuple[np.ndarray, np.ndarray]:
         """The coefficients at a zero and at its conjugate, without those that are rounding errors."""
         pair, value = self.pairs.finite, zero.value if zero.value.imag else zero.value.real
-        chosen = self._blocks_of(zero)
-        at = np.concatenate([np.arange(*self._slices[i].indices(len(pair.B))) for i in chosen])
-        J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
-        right, J, left = invariant_vectors(J, value, zero.multiplicity)
+        at, right, J, left = self.subspace(zero, value)
         C = pair.C[:, at]
         C_size = (
             np.abs(C)
@@ -116,6 +113,21 @@ class PoleResidueForm:
         turned = [[_joined([turn(part) for part in own]) for own in terms] for turn in (np.array, np.conj)]
         one, conjugate = (_cleaned(np.array(each).reshape(shape), limits) for each in turned)
         return one, conjugate
+
+    def subspace(self, zero: FiniteZero, value: complex) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The states of the blocks that have a zero, and in them its right vectors, its matrix and its left vectors.
+
+        Args:
+            zero: of A(s).
+            value: its value, or the conjugate.
+
+        Returns:
+            Numbers of states, and the three of ``invariant_vectors``.
+        """
+        pair, chosen = self.pairs.finite, self._blocks_of(zero)
+        at = np.concatenate([np.arange(*self._slices[i].indices(len(pair.B))) for i in chosen])
+        J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
+        return at, *invariant_vectors(J, value, zero.multiplicity)
 
     @cached_property
     def _slices(self) -> list[slice]:

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
 
 from ...ground.tolerances import LIGHT_DAMPING, UNDAMPED
 from ...linalg import precise
 from ..frequency_response import NOISE
 from ..harmonic import Harmonic
-from ..pole_residue_form import invariant_vectors, is_on_axis
+from ..pole_residue_form import is_on_axis
 
 
 @dataclass(frozen=True)
@@ -78,17 +77,13 @@ class Transfer:
         for zero in pair.zeros:
             zeros[zero.value], zeros[zero.value.conjugate()] = zero, zero
         columns, rows, at, owner = [], [], [], []
-        slices = form._slices
         for number, value in enumerate(values):
             zero = (
                 zeros[value]
                 if value in zeros
                 else min(zeros.values(), key=lambda one: min(abs(one.value - value), abs(one.value.conjugate() - value)))
             )
-            chosen = form._blocks_of(zero)
-            places = np.concatenate([np.arange(*slices[i].indices(len(pair.B))) for i in chosen])
-            J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
-            right, _, left = invariant_vectors(J, value, zero.multiplicity)
+            places, right, _, left = form.subspace(zero, value)
             X, Y = pair.C[:, places] @ right, left @ pair.B[places]
             for i in range(X.shape[1]):
                 columns.append(X[:, i])

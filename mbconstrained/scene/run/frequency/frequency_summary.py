@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from textwrap import wrap
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....ground.checks import counted
-from ....ground.display import WIDTH, TextTable
-from ..report.summary import notices_json
+from ....ground.display import TextTable
+from ..report.summary import notices_json, response_blocks
 
 if TYPE_CHECKING:
     from ....frequency.features import Peak
@@ -28,14 +27,8 @@ NO_PEAKS = "There are none in this range."
 
 def blocks(frequency: SceneFrequency) -> list[str | TextTable]:
     """What is printed: what by what, peaks, antiresonances, notices and files."""
-    scene = frequency.scene
-    heading = "\n".join(line for text in (scene.heading, scene.table.source) for line in wrap(text, WIDTH))
-    about = "\n".join(line for label, text in facts(frequency) for line in wrap(f"{label}: {text}", WIDTH, subsequent_indent="  "))
-    tables = (peak_table(frequency, MOST_ROWS), antiresonance_table(frequency, MOST_ROWS))
-    notices = [line for notice in frequency.notices for line in wrap(f"  {notice}", WIDTH, subsequent_indent="    ")]
-    listed = ["\n".join(["Notices", *notices])] if notices else []
-    written = ["\n".join(["Written", *(f"  {path}" for path in frequency.files)])] if frequency.files else []
-    return [heading, about, *(table for table in tables if table is not None), *listed, *written]
+    tables = [peak_table(frequency, MOST_ROWS), antiresonance_table(frequency, MOST_ROWS)]
+    return response_blocks(frequency.scene, facts(frequency), tables, frequency.notices, frequency.files)
 
 
 def facts(frequency: SceneFrequency) -> tuple[tuple[str, str], ...]:

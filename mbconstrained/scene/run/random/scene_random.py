@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import cached_property
 from pathlib import Path
-from textwrap import wrap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,14 +11,14 @@ import numpy as np
 from ....exchange.trajectories import write_arrays
 from ....frequency.features import frequencies_by_poles
 from ....frequency.random.random_response import RandomResponse
-from ....ground.display import WIDTH, TextTable
+from ....ground.display import TextTable
 from ....ground.errors import InputError
 from ....ground.files import Replacements
 from ....ground.notices import Notice
 from ....page.content import Curve, Plot
 from ....page.frequency_page import FrequencyContent
 from ...file.messages import at
-from ..report.summary import notices_json
+from ..report.summary import notices_json, response_blocks
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -235,12 +234,7 @@ class SceneRandom:
 
     def blocks(self) -> list[str | TextTable]:
         """What is printed on 80 columns."""
-        heading = "\n".join(line for text in (self.scene.heading, self.scene.table.source) for line in wrap(text, WIDTH))
-        about = "\n".join(line for label, text in self.facts for line in wrap(f"{label}: {text}", WIDTH, subsequent_indent="  "))
-        notices = [line for notice in self.notices for line in wrap(f"  {notice}", WIDTH, subsequent_indent="    ")]
-        listed = ["\n".join(["Notices", *notices])] if notices else []
-        written = ["\n".join(["Written", *(f"  {path}" for path in self.files)])] if self.files else []
-        return [heading, about, self.table, *listed, *written]
+        return response_blocks(self.scene, self.facts, [self.table], self.notices, self.files)
 
     def as_json(self) -> dict:
         """The same as plain data, numbers in SI."""

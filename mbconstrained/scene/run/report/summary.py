@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from ....ground.checks import counted
@@ -15,6 +16,7 @@ from .robot_report import posture_json
 
 if TYPE_CHECKING:
     from ..result import Result
+    from ..scene import Scene
 
 
 #: Lines of the short summary, at most: with the command above and the prompt below they fill a screen of 24.
@@ -44,6 +46,32 @@ def blocks(result: Result) -> list[str | TextTable]:
     parts = [("Notices", result.table_notices), ("Written", result.files)]
     lists = ["\n".join([title, *(f"  {line}" for line in lines)]) for title, lines in parts if lines]
     return [heading(result), *result.tables, *lists, f"Plan: {result.plan.totals()}"]
+
+
+def response_blocks(
+    scene: Scene,
+    facts: Iterable[tuple[str, str]],
+    tables: Iterable[TextTable | None],
+    notices: Iterable[Notice],
+    files: Sequence[Path],
+) -> list[str | TextTable]:
+    """The parts of the summary of a frequency or random response, on lines of a terminal.
+
+    Args:
+        scene: its heading and source come first.
+        facts: labels and texts.
+        tables: None for none.
+        notices, files: are listed below.
+
+    Returns:
+        Texts and tables.
+    """
+    head = "\n".join(line for text in (scene.heading, scene.table.source) for line in wrap(text, WIDTH))
+    about = "\n".join(line for label, text in facts for line in wrap(f"{label}: {text}", WIDTH, subsequent_indent="  "))
+    reported = [line for notice in notices for line in wrap(f"  {notice}", WIDTH, subsequent_indent="    ")]
+    lists = [("Notices", reported), ("Written", [f"  {path}" for path in files])]
+    listed = ["\n".join([title, *lines]) for title, lines in lists if lines]
+    return [head, about, *(table for table in tables if table is not None), *listed]
 
 
 def heading(result: Result) -> str:
