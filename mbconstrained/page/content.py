@@ -178,7 +178,7 @@ class PageContent:
 
     Attributes:
         title, source: heading of the page and the line under it.
-        frequencies: a narrow table next to the animation, in a narrow window above it.
+        frequencies: a narrow table next to the animation, in a narrow window below it.
         facts: pairs of a label and a text for the end of the page, such as ("Coordinates", "3").
         figures: after the notices.
     """
