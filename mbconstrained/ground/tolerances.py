@@ -222,6 +222,12 @@ TRUST_LIMIT = 1e-3
 #: A value with a larger estimated relative error is solved for again, with pivots of its own, and refined.
 LINE_ACCURACY = 5e-11
 
+#: Rounding errors of a form y^T A x of small matrices, in units of EPS and of its terms.
+FORM_ROUNDING = 4.0
+
+#: Entries of M, C and K are moved by so many units of EPS to see how far their rounding errors move a motion.
+MOVED_DATA = 1.0
+
 #: Sums of modes are estimated to be wrong by this many times the largest difference from solutions at some lines.
 SUM_SAFETY = 8.0
 

@@ -1,0 +1,4 @@
+"""Many models of one structure at once: stacked equations, their poles and propagators, then the family that users call.
+
+Read ``stacked_equations`` (structure decided once), ``stacked_poles`` (eigenvalues with error estimates), ``family`` (questions).
+"""

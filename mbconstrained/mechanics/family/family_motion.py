@@ -1,0 +1,176 @@
+"""The motions of a family of systems, functions of time, by stacked matrix exponentials, of some systems one by one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...ground.checks import counted, evaluation_times, places_of
+from ...ground.display import Displayed
+from ...ground.errors import Overflow
+from ...ground.tolerances import EPS, FORM_ROUNDING, MOVED_DATA, PROVED_ACCURACY, noise_of
+from ...signals.bohl import BohlFunction
+from ...signals.impulsive import ImpulsiveSmooth
+from ...signals.inputs import step
+from ..constraints import right_sides
+from ..motion import Motion
+from .stacked_equations import stacked_equations
+from .stacked_motion import stacked_flow
+from .stacked_poles import TOGETHER
+
+if TYPE_CHECKING:
+    from .family import Family
+
+
+#: Times at which moved data are compared, about.
+TRIAL_TIMES = 32
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class FamilyMotion(Displayed):
+    """The motions of S systems: ``motions(t)`` has shape (S, n), ``motions(times)`` (S, n, T), ``motions[3]`` is one ``Motion``.
+
+    Attributes:
+        family: the systems.
+        initial: x and x' at 0-, shape (S, 2, n).
+        force: in addition to the static force, common to all.
+        outputs: places of the coordinates that are given.
+    """
+
+    family: Family
+    initial: np.ndarray
+    force: ImpulsiveSmooth
+    outputs: tuple[int, ...] | None = field(default=None)
+
+    def _summary(self) -> str:
+        return f"motions of {counted(len(self.family), 'system')}"
+
+    def __len__(self) -> int:
+        return len(self.family)
+
+    def __getitem__(self, index: int) -> Motion:
+        place = range(len(self))[index]
+        system = self.family[place]
+        added = self.force if system.excitation is None else self.force - system.excitation
+        return system.solve(self.initial[place, 0], self.initial[place, 1], added)
+
+    def of(self, *coordinates: str | int) -> FamilyMotion:
+        """Some coordinates only, by name or number from 0."""
+        places = places_of(coordinates, self.family.base.names, "coordinate")
+        return FamilyMotion(self.family, self.initial, self.force, tuple(int(place) for place in places))
+
+    def __call__(self, times) -> np.ndarray:
+        """x at a time (-> (S, n)) or at times (T,) (-> (S, n, T)); t = 0 means 0+.
+
+        Raises:
+            InputError: negative or not finite times.
+            Overflow: a value leaves the range of float64.
+        """
+        return self.evaluate(times)[0]
+
+    def velocity(self, times) -> np.ndarray:
+        """x' at a time or at times."""
+        return self.evaluate(times, 1)[0]
+
+    def error_estimate(self, times) -> np.ndarray:
+        """Estimates of max |error| / max |x| over the times, shape (S,)."""
+        return self.evaluate(times)[1]
+
+    def evaluate(self, times, order: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Values, their error estimates, and which systems were solved one by one.
+
+        The estimate is a multiple of the difference that moving each entry of M, C and K by its rounding error makes, at some times.
+
+        Args:
+            times: in s, a number or shape (T,).
+            order: 0 for x, 1 for x'.
+
+        Returns:
+            Shapes (S, n, T) or (S, n), (S,), and places.
+        """
+        times = evaluation_times(times)
+        own, count = np.unique(times.reshape(-1)), len(self)
+        places = list(range(self.family.base.size)) if self.outputs is None else list(self.outputs)
+        values, errors = np.empty((count, len(places), len(own))), np.full(count, np.inf)
+        served, every = self._served, max(1, len(own) // TRIAL_TIMES)
+        some = slice((len(own) - 1) % every if len(own) else 0, None, every)  # the last time among them
+        for begin in range(0, count if served is not None and len(own) else 0, TOGETHER):
+            at = slice(begin, begin + TOGETHER)
+            with np.errstate(all="ignore"):
+                values[at] = self._values(at, own, order, 0.0)[:, places]
+                moved = self._values(at, own[some], order, MOVED_DATA)[:, places]
+                size = np.abs(values[at]).max(axis=(1, 2))
+                difference = np.abs(values[at][:, :, some] - moved).max(axis=(1, 2)) / np.where(size > 0, size, 1.0)
+            errors[at] = np.where(served[at] & np.isfinite(difference), FORM_ROUNDING * (difference + EPS), np.inf)
+        alone = np.flatnonzero(~(errors <= PROVED_ACCURACY))
+        for place in alone.tolist():
+            motion = self[place]
+            exact = motion(own) if not order else motion.velocity(own)
+            values[place], errors[place] = exact[places], motion.error_estimate(own) if len(own) else 0.0
+        if not np.isfinite(values).all():
+            raise Overflow("values of a system lie beyond the range of float64; choose earlier times")
+        back = np.searchsorted(own, times)
+        return values[:, :, back], errors, alone
+
+    @cached_property
+    def _signal(self) -> BohlFunction:
+        """The common force, then b of the constraint rows."""
+        base = self.family.base
+        n, k = base.size, len(base.rows)
+        total = self.force.mapped(np.eye(n + k, n))
+        constant = np.array([row.value for row in base.rows])
+        motion = right_sides(base.rows)
+        if constant.any():
+            total = total + step(np.concatenate([np.zeros(n), constant]))
+        return (total if motion is None else total + motion.mapped(np.eye(n + k, k, -n))).smooth
+
+    @cached_property
+    def _served(self) -> np.ndarray | None:
+        """Which systems have the structure and a start that meets the constraints; None where none can be served."""
+        base, equations = self.family.base, self.family.equations
+        moving = [row.signal for row in base.rows if row.signal is not None]
+        if equations is None or any(row.order for row in base.rows):
+            return None
+        if any(signal.impulses or signal.later for signal in (self.force, *moving)) or any(len(one.knots) > 1 for one in moving):
+            return None
+        A, n = base.constraint_matrix, base.size
+        signal = self._signal
+        b = np.array([signal(0.0)[n:], signal.derivative()(0.0)[n:]])
+        gap, size = np.abs(self.initial @ A.T - b), np.abs(self.initial) @ np.abs(A.T) + np.abs(b)
+        return equations.serve & (gap <= noise_of(size, n)).all(axis=(1, 2))
+
+    def _values(self, at: slice, times: np.ndarray, order: int, moved: float) -> np.ndarray:
+        """x or x' of some systems; of systems with moved entries where a factor is given."""
+        base = self.family.base
+        matrices = self.family.matrices(at)
+        equations: Any = self.family.equations
+        own, V = equations.of(at), base.position_form().null_space
+        if moved:
+            M, C, K = (_moved(matrix, moved) for matrix in matrices)
+            matrices, changed = (M, C, K), stacked_equations(M, C, K, V)
+            own = own if changed is None else changed
+        flow = stacked_flow(
+            own, matrices, self._starts[at][:, :, own.free], self._signal, self.family.static_force[at], base.multiplier_map.T
+        )
+        return (flow.derivative() if order else flow)(times)
+
+    @cached_property
+    def _starts(self) -> np.ndarray:
+        """z and z' with x = V z + G^T b at 0-, shape (S, 2, r)."""
+        base = self.family.base
+        V, shape = base.position_form().null_space, self.initial.shape
+        if V.shape[0] == V.shape[1]:
+            return self.initial
+        signal = self._signal
+        b = np.array([signal(0.0), signal.derivative()(0.0)])[:, base.size :]
+        free = (self.initial - b @ base.multiplier_map).reshape(-1, shape[2])
+        return np.linalg.lstsq(V, free.T, rcond=None)[0].T.reshape(len(self.family), 2, V.shape[1])
+
+
+def _moved(matrix: np.ndarray, units: float) -> np.ndarray:
+    """The stack with each entry moved by so many times its rounding error, symmetric where it was."""
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], matrix.shape[1:])
+    return matrix * (1.0 + units * EPS * (np.triu(signs) + np.triu(signs, 1).T))

@@ -1,0 +1,132 @@
+"""Motions of S models of one structure at given times, by matrix exponentials of stacks: z' = G z, z = (states, states of the force).
+
+e^{G h} of a stack is SciPy's (Al-Mohy and Higham 2009). Its powers take many times at once on an even grid; a force that starts, stops
+or is sampled restarts its states at its knots. No decomposition is needed: double and defective eigenvalues are as good as any.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+
+from ...linalg.exponential.oscillations import even_step
+from ...linalg.exponential.recursion import shared_gaps
+from ...linalg.scaling import balancing_units
+from ...signals.bohl import BohlFunction
+from .stacked_equations import StackedEquations
+
+#: So many times are computed together on an even grid.
+WIDTH = 16
+
+
+@dataclass(frozen=True)
+class StackedFlow:
+    """z' = G z and x = P z of S models.
+
+    Attributes:
+        generator: G, shape (S, N, N).
+        output: P, shape (S, n, N).
+        start: z at 0+, shape (S, N).
+        states: of the force, the last of z, at its knots, shape (v, K).
+        knots: where they restart, the first is 0, shape (K,).
+    """
+
+    generator: np.ndarray
+    output: np.ndarray
+    start: np.ndarray
+    states: np.ndarray
+    knots: np.ndarray
+
+    def derivative(self) -> StackedFlow:
+        """x' = P G z."""
+        return StackedFlow(self.generator, self.output @ self.generator, self.start, self.states, self.knots)
+
+    def __call__(self, times: np.ndarray) -> np.ndarray:
+        """x at ascending times, shape (S, n, T)."""
+        units = balancing_units(np.abs(self.generator).max(axis=0))
+        G, z = self.generator * units / units[:, None], self.start / units
+        output, step = self.output * units, even_step(times)
+        if len(self.knots) == 1 and step is not None:
+            if times[0]:
+                z = _times(scipy.linalg.expm(G * times[0]), z)
+            return _at_even_times(output, scipy.linalg.expm(G * step), z, len(times))
+        knots = self.knots[self.knots <= times[-1]] if len(times) else self.knots[:1]
+        points = np.union1d(times, knots)
+        gaps = np.concatenate([[0.0], shared_gaps(points)])
+        at_time, at_knot = (np.full(len(points), -1) for _ in range(2))
+        at_time[np.searchsorted(points, times)] = range(len(times))
+        at_knot[np.searchsorted(points, knots)] = range(len(knots))
+        values, matrices = np.empty((len(G), output.shape[1], len(times))), {}
+        force = slice(G.shape[1] - len(self.states), None)
+        for place, gap in enumerate(gaps):
+            if gap:
+                if gap not in matrices:
+                    matrices[gap] = scipy.linalg.expm(G * gap)
+                z = _times(matrices[gap], z)
+            if place and at_knot[place] >= 0:
+                z[:, force] = self.states[:, at_knot[place]] / units[force]
+            if at_time[place] >= 0:
+                values[:, :, at_time[place]] = _times(output, z)
+        return values
+
+
+def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    return (matrices @ vectors[:, :, None])[:, :, 0]
+
+
+def _at_even_times(output: np.ndarray, step: np.ndarray, start: np.ndarray, count: int) -> np.ndarray:
+    """P e^{G h k} z for k = 0 ... count - 1: the first of them by doubling, then as many at once."""
+    states = start[:, :, None]
+    while states.shape[2] < min(WIDTH, count):
+        states, step = np.concatenate([states, step @ states], axis=2), step @ step
+    width, values = states.shape[2], np.empty((len(start), output.shape[1], count))
+    for begin in range(0, count, width):
+        part = values[:, :, begin : begin + width]
+        part[...] = (output @ states)[:, :, : part.shape[2]]
+        states = step @ states
+    return values
+
+
+def stacked_flow(
+    equations: StackedEquations,
+    matrices: tuple[np.ndarray, np.ndarray, np.ndarray],
+    start: np.ndarray,
+    force: BohlFunction,
+    static: np.ndarray,
+    prescribed: np.ndarray,
+) -> StackedFlow:
+    """The flow from displacements and velocities under a common force, prescribed motions and a constant force of each model.
+
+    x = T q + Y f + G^T b, where G^T b meets the constraints, and the force on q is that of f - (M s^2 + C s + K) G^T b.
+
+    Args:
+        equations: of the models.
+        matrices: M, C, K as given, shape (S, n, n).
+        start: q, q' at 0-, shape (S, 2, m + d).
+        force: f in its first n rows, then b, common to all.
+        static: constant forces from t = 0 on, shape (S, n).
+        prescribed: G^T, shape (n, k).
+
+    Returns:
+        The flow.
+    """
+    (M, C, K), n, m = matrices, len(prescribed), equations.masses
+    J = np.pad(force.generator, ((0, 1), (0, 1)))
+    columns = np.pad(force.coefficients, ((0, 0), (0, 1)))
+    b = prescribed @ columns[n:]
+    f = columns[:n] + static[:, :, None] * np.eye(1, len(J), len(J) - 1)
+    load = f - (K @ b + C @ (b @ J) + M @ (b @ J @ J)) if b.any() else f
+    N, v = equations.K.shape[1] + m, len(J)
+    generator = np.zeros((len(K), N + v, N + v))
+    generator[:, :N, :N], generator[:, N:, N:] = equations.generator, J
+    generator[:, m:N, N:] = equations.accelerations(equations.L @ load)
+    output = np.zeros((len(K), n, N + v))
+    output[:, :, :m], output[:, :, 2 * m : N] = equations.T[:, :, :m], equations.T[:, :, m:]
+    output[:, :, N:] = equations.Y @ load + b
+    restarts = force.restarts
+    states = np.concatenate([restarts.states, np.ones((1, restarts.states.shape[1]))])
+    begin = np.broadcast_to(states[:, 0], (len(K), v))
+    z = np.concatenate([start[:, 0, :m], start[:, 1, :m], start[:, 0, m:], begin], axis=1)
+    return StackedFlow(generator, output, z, states, restarts.knots)

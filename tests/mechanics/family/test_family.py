@@ -1,0 +1,198 @@
+"""Families of systems: everything that stacks of matrices give agrees with the systems one by one, which take other algorithms."""
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained import Constraint, InputError, family
+
+SEED = np.random.default_rng(20)
+TIMES = np.linspace(0.0, 8.0, 41)
+LINES = np.linspace(0.05, 2.0, 30)
+
+
+def chains(count, size=5, damping=0.1, spread=0.05):
+    """Grounded chains with scattered masses, dampers and springs."""
+    i = np.arange(size)
+
+    def assembled(values):
+        matrix = np.zeros((count, size, size))
+        matrix[:, i, i] += values
+        matrix[:, i[:-1], i[:-1]] += values[:, 1:]
+        matrix[:, i[1:], i[:-1]] -= values[:, 1:]
+        matrix[:, i[:-1], i[1:]] -= values[:, 1:]
+        return matrix
+
+    m, c, k = (value * (1 + spread * SEED.normal(size=(count, size))) for value in (2.0, damping, 30.0))
+    return m[:, :, None] * np.eye(size), assembled(c), assembled(k)
+
+
+def condensed():
+    """Chains with a massless node between springs, and one with a damper."""
+    M, C, K = chains(4)
+    M[:, 2, 2], C[:, 2], C[:, :, 2] = 0.0, 0.0, 0.0
+    M[:, 4, 4] = 0.0
+    return family(M, C, K)
+
+
+def gyroscopic():
+    """Unsymmetric damping and stiffness."""
+    M, C, K = chains(4)
+    G = SEED.normal(size=C.shape)
+    K[:, 0, 1] += 1.0
+    return family(M, C + 0.3 * (G - G.transpose(0, 2, 1)), K)
+
+
+def moved_base():
+    """A row that ties two masses, and a prescribed motion."""
+    M, C, K = chains(4)
+    motion = mb.harmonic([0.3], angular_frequency=2.0, phase=-np.pi / 2)
+    rows = [Constraint([1.0, -1.0, 0, 0, 0], names="tie"), Constraint([0, 0, 0, 0, 1.0], value=motion, names="base")]
+    return family(M, C, K, rows, force=mb.step([0, 0, 1.0, 0, 0]))
+
+
+FAMILIES = {
+    "damped": lambda: family(*chains(4)),
+    "undamped": lambda: family(*chains(4, damping=0.0)),
+    "overdamped": lambda: family(*chains(4, damping=40.0)),
+    "consistent mass": lambda: family(*(lambda M, C, K: (M + 0.1 * np.ones((5, 5)), C, K))(*chains(4))),
+    "massless": condensed,
+    "gyroscopic": gyroscopic,
+    "moved base": moved_base,
+}
+
+
+@pytest.fixture(params=FAMILIES, ids=str)
+def systems(request):
+    return FAMILIES[request.param]()
+
+
+def test_modes_are_those_of_each_system(systems):
+    modes = systems.modes()
+    assert not len(modes.alone)
+    for place, system in enumerate(systems):
+        own = system.modes()
+        values = modes.eigenvalues[place][: len(own.eigenvalues)]
+        assert np.abs(values - own.eigenvalues).max() <= 1e-12 * np.abs(values).max()
+        assert (np.abs(values - own.eigenvalues) <= 1e-11 * np.abs(values)).all()
+        m = len(own.natural_frequencies)
+        assert np.allclose(modes.natural_frequencies[place][:m], own.natural_frequencies, rtol=1e-12)
+        assert np.allclose(modes.damping_ratios[place][:m], own.damping_ratios, rtol=1e-10, atol=1e-13)
+        oscillating = values.imag != 0
+        shapes = modes.shapes[place][:, : len(values)][:, oscillating]
+        assert np.abs(shapes - own.shapes).max(initial=0.0) <= 1e-11
+
+
+def test_motions_are_those_of_each_system(systems):
+    start = np.zeros(5)
+    velocity = np.zeros(5)
+    if systems.base.rows:
+        velocity[4] = 0.6  # of the prescribed motion
+    force = mb.step([0.0, 1.0, 0, 0, 0]) + mb.harmonic([0, 0, 2.0, 0, 0], angular_frequency=3.0)
+    for late in (0.0, 0.7):  # a force that starts later restarts its states
+        motions = systems.solve(start, velocity, force.delayed(late))
+        values, estimates, alone = motions.evaluate(TIMES)
+        rates = motions.velocity(TIMES[::3])
+        assert not len(alone)
+        for place in range(len(systems)):
+            own = motions[place]
+            exact = own(TIMES)
+            assert np.abs(values[place] - exact).max() <= max(1e-13, estimates[place]) * np.abs(exact).max()
+            exact = own.velocity(TIMES[::3])
+            assert np.abs(rates[place] - exact).max() <= 1e-12 * np.abs(exact).max()
+
+
+def test_responses_are_those_of_each_system(systems):
+    inputs = ["x1", "base"] if systems.base.rows else ["x1", "x3"]
+    responses = systems.frequency_response(LINES, inputs, ["x1", "x2", "x4"], "mobility")
+    for place, system in enumerate(systems):
+        own = system.frequency_response(LINES, inputs, ["x1", "x2", "x4"], "mobility")
+        sizes = np.abs(own.values).max(axis=2, keepdims=True)
+        assert (np.abs(responses.values[place] - own.values) <= 1e-11 * sizes).all()
+    assert responses.units.tolist() == own.units.tolist()
+
+
+def test_a_record_and_uneven_times():
+    systems = family(*chains(3))
+    record = mb.sampled(np.linspace(0.0, 2.0, 21), SEED.normal(size=(5, 21)))
+    times = np.sort(SEED.uniform(0.0, 4.0, 17))[::-1]
+    motions = systems.solve(None, None, record)
+    values, _, alone = motions.evaluate(times)
+    assert not len(alone)
+    for place in range(3):
+        assert np.allclose(values[place], motions[place](times), rtol=0, atol=1e-13 * np.abs(values[place]).max())
+    assert np.array_equal(motions.of("x2")(times)[:, 0], values[:, 1])
+
+
+def test_systems_of_another_structure_are_solved_one_by_one():
+    M, C, K = chains(6, size=2)
+    M[1, 1, 1] = 0.0  # massless
+    K[2] = [[1.0, -1.0], [-1.0, 1.0]]  # a free body
+    C[2] = 0.0
+    M[3], C[3], K[3] = np.eye(2), 2 * np.eye(2), np.eye(2)  # critical damping, defective
+    C[4] = 400.0 * C[4]  # overdamped
+    systems = family(M, C, K)
+    modes, motions = systems.modes(), systems.solve([1.0, 0.0], [0.0, 0.5], mb.step([1.0, 0.0]))
+    assert {1, 2, 3} <= set(modes.alone.tolist()) and 0 not in modes.alone
+    assert "solved one by one" in modes.notices[0].text
+    values = motions(TIMES)
+    for place, system in enumerate(systems):
+        own = system.modes().eigenvalues
+        assert np.abs(modes.eigenvalues[place][: len(own)] - own).max() <= 1e-12 * np.abs(own).max()
+        exact = motions[place](TIMES)
+        assert np.abs(values[place] - exact).max() <= 1e-12 * np.abs(exact).max()
+
+
+def test_inconsistent_starts_jump_as_in_each_system():
+    systems = moved_base()
+    motions = systems.solve([1.0, 0, 0, 0, 0], None)
+    values, _, alone = motions.evaluate([0.0, 1.0])
+    assert alone.tolist() == list(range(len(systems)))
+    assert np.array_equal(values[1], motions[1]([0.0, 1.0]))
+
+
+def test_stiff_systems_keep_their_slow_digits_or_are_solved_one_by_one():
+    k = np.array([1.0, 1e6, 1e12])
+    K = np.array([[[1 + each, -each], [-each, each]] for each in k])
+    modes = family(np.eye(2), None, K).modes()
+    for place in range(3):
+        own = family(np.eye(2), None, K)[place].modes().natural_frequencies
+        assert np.allclose(modes.natural_frequencies[place], own, rtol=1e-12)
+
+
+def test_more_than_a_chunk_and_one_alone():
+    M, C, K = chains(600, size=2)
+    systems = family(M, C, K)
+    assert np.array_equal(systems.modes().eigenvalues[599], family(M[599:], C[599:], K[599:]).modes().eigenvalues[0])
+    assert systems.solve([1.0, 0])(0.5).shape == (600, 2)
+    assert systems.solve([1.0, 0])([]).shape == (600, 2, 0)
+
+
+def test_static_forces_of_each_system():
+    weights = np.array([[1.0], [2.0]])
+    systems = family([[1.0]], [[0.1]], [[4.0]], static_force=weights)
+    motion = systems.solve()
+    assert np.allclose(motion(500.0), weights / 4, rtol=1e-9)
+    assert np.array_equal(motion[1].system.static_force, weights[1])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (dict(mass=np.eye(2)), "found no matrix of shape"),
+        (dict(mass=np.ones((2, 1, 1)), stiffness=np.ones((3, 1, 1))), "mass of 2 systems, stiffness of 3 systems"),
+        (dict(mass=np.ones((0, 1, 1))), "at least 1"),
+        (dict(mass=np.ones((2, 1, 1)), damping=np.ones((2, 2))), "damping: expected shape"),
+        (dict(mass=[[[1.0]], [[np.nan]]]), "mass"),
+    ],
+)
+def test_refused(arguments, message):
+    with pytest.raises(InputError, match=message):
+        family(**arguments)
+    systems = family(np.ones((2, 1, 1)), stiffness=np.ones((2, 1, 1)))
+    with pytest.raises(InputError, match="displacement"):
+        systems.solve(np.zeros((3, 1)))
+    with pytest.raises(InputError, match="inputs"):
+        systems.frequency_response([1.0], ["force"])
+    with pytest.raises(IndexError):
+        systems[2]
