@@ -80,6 +80,8 @@ _LATE = {
     "PointMotion": "robot.linearized",
     "Posture": "robot.posture",
     "Responses": "response.many",
+    "Campbell": "mechanics.vibration.rotating",
+    "CriticalSpeed": "mechanics.vibration.rotating",
     "SteadyState": "mechanics.vibration.steady_state",
     "Robot": "robot.robot",
     "Geometry": "exchange.universal",

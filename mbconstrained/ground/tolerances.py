@@ -217,6 +217,17 @@ UNCLEAR_ERROR = 0.1
 #: An answer with a larger estimated relative error than this cannot be trusted (exit code 3).
 TRUST_LIMIT = 1e-3
 
+# Eigenvalues over a parameter (``polynomial.variation``).
+
+#: Branches are connected where the predicted distance is at most this part of that of any other assignment.
+CLEAR_ASSIGNMENT = 0.25
+
+#: And where the product of the left vector of one end and the right vector of the other differs from 1 by no more than this.
+SAME_BRANCH = 0.3
+
+#: Intervals of a parameter are halved down to this part of its range: there, at a defective eigenvalue, branches have no names.
+BRANCH_RESOLUTION = EPS**0.5
+
 # Frequency responses.
 
 #: A value with a larger estimated relative error is solved for again, with pivots of its own, and refined.

@@ -296,3 +296,22 @@ def _unit_shape(shape, size: int | None) -> np.ndarray:
     if not largest:
         raise InputError("shape: found zeros only; a shape has at least one entry that is not zero")
     return (parts[0] + 1j * parts[1]) / largest if parts[1].any() else parts[0] / largest
+
+
+def checked_parts(parts: EnergyParts, size: int) -> EnergyParts:
+    """The parts, if they are those of a system with so many coordinates.
+
+    Args:
+        parts: as given.
+        size: the number of coordinates.
+
+    Returns:
+        The same.
+
+    Raises:
+        InputError: they are not.
+    """
+    if not isinstance(parts, EnergyParts) or parts.size not in (size, None):
+        kind = f"parts of {parts.size} coordinates" if isinstance(parts, EnergyParts) else f"a {type(parts).__name__}"
+        raise InputError(f"energy_parts: found {kind}; expected EnergyParts of {counted(size, 'coordinate')}")
+    return parts

@@ -24,7 +24,7 @@ from ..signals.inputs import ImpulsiveSmooth, step, zero
 from .constrained_form import ConstrainedForm, constrained_form, explicit_acceleration
 from .constraints import LEVELS, Constraint, ConstraintRow, IndependentRows, checked_constraints, constraint_rows, independent_rows
 from .element_matrix import DampedSystem, ElementMatrix
-from .energy import EnergyParts, coordinate_parts
+from .energy import EnergyParts, checked_parts, coordinate_parts
 from .mode_computation import modes_of
 from .modes import Modes
 from .motion import Motion
@@ -61,6 +61,8 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem)
         energy_parts: M and K as sums of named parts, for the energy shares of modes; by coordinate by default. Arrays only.
         uncertainty: bounds of the errors of "mass", "damping", "stiffness", arrays (n, n) by these names, for matrices that are
             measured or computed; rounding errors by default. Arrays only.
+        gyroscopic, circulatory: G and N of a rotor, shape (n, n): C + W G (kg m^2) and K + W N (N s/m) at W in rad/s; the system
+            itself is the rotor at rest (``at_speed``, ``campbell``, ``critical_speeds``). Arrays only.
 
     Raises:
         InputError: shapes that do not match, entries that are not finite, repeated names, an argument for arrays only.
@@ -98,6 +100,8 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem)
         units=None,
         energy_parts: EnergyParts | None = None,
         uncertainty: Mapping | None = None,
+        gyroscopic=None,
+        circulatory=None,
     ):
         self.is_sparse = any(map(scipy.sparse.issparse, (mass, damping, stiffness)))
         self.mass = self._matrix(mass, "mass", None)
@@ -107,23 +111,25 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem)
         self.given = tuple(value if isinstance(value, ElementMatrix) else matrix for value, matrix in given)
         self.names = names_of(names, self.size, "coordinates", "x")
         self.units = coordinate_units(units, self.names)
+        self.gyroscopic = None if gyroscopic is None else self._matrix(gyroscopic, "gyroscopic", self.size)
+        self.circulatory = None if circulatory is None else self._matrix(circulatory, "circulatory", self.size)
         self.constraints = checked_constraints(constraints, self.names)
         if self.is_sparse:
-            for value, name in ((energy_parts, "energy_parts"), (uncertainty, "uncertainty")):
+            names_of_arrays = ("energy_parts", "uncertainty", "gyroscopic", "circulatory")
+            for value, name in zip((energy_parts, uncertainty, gyroscopic, circulatory), names_of_arrays):
                 if value is not None:
                     self._refuse_sparse(name)
             self.pencil: ReducedPencil | None = self._reduced_pencil()
         else:
             self.pencil = None
-            self._named_parts = None if energy_parts is None else self._checked_parts(energy_parts)
+            self._named_parts = None if energy_parts is None else checked_parts(energy_parts, self.size)
             self.uncertainty = self._uncertainty(uncertainty or {})
             self._independent = self._independent_rows()
         self._forms: dict[tuple[int, ...], ConstrainedForm] = {}
         self.origin: Any = None
         varies = isinstance(force, ImpulsiveSmooth)
         self.excitation = self._signal(force) if varies else None
-        constant = np.zeros(self.size) if varies else self._vector(force, "force")
-        self.static_force = self._vector(static_force, "static_force") + constant
+        self.static_force = self._vector(static_force, "static_force") + self._vector(None if varies else force, "force")
         self.static_force.flags.writeable = False
 
     def with_constraints(self, *constraints: Constraint) -> MechanicalSystem:
@@ -421,12 +427,6 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem)
                 raise InputError(f'{what}: there is no coordinate "{name}"{nearest(name, self.names)}')
             vector[places[name]] = real_number(number, f"{what} of {name}")
         return vector
-
-    def _checked_parts(self, parts: EnergyParts) -> EnergyParts:
-        if not isinstance(parts, EnergyParts) or parts.size not in (self.size, None):
-            kind = f"parts of {parts.size} coordinates" if isinstance(parts, EnergyParts) else f"a {type(parts).__name__}"
-            raise InputError(f"energy_parts: found {kind}; expected EnergyParts of {counted(self.size, 'coordinate')}")
-        return parts
 
     def _uncertainty(self, given: Mapping) -> tuple[np.ndarray, ...]:
         """Of K, C and M."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, cast
 
+import numpy as np
+
 from ..channels import NamedDirections
 
 if TYPE_CHECKING:
@@ -12,10 +14,79 @@ if TYPE_CHECKING:
     from ..motion import Motion
     from ..system import MechanicalSystem
     from .peaks import ModalCombination, Peaks
+    from .rotating import Campbell
 
 
 class SystemQuestions(NamedDirections):
-    """Random excitation and response spectra of a ``MechanicalSystem``."""
+    """Random excitation, response spectra and rotation of a ``MechanicalSystem``."""
+
+    def at_speed(self, speed: float) -> MechanicalSystem:
+        """The rotor at a constant speed W: the system with C + W G and K + W N, whose motion, modes and responses are those at this speed.
+
+        Args:
+            speed: W in rad/s.
+
+        Returns:
+            A system without ``gyroscopic`` and ``circulatory`` matrices.
+
+        Raises:
+            InputError: the system has neither.
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> disc = MechanicalSystem(np.eye(2), stiffness=np.eye(2), gyroscopic=[[0.0, 1.5], [-1.5, 0.0]])
+        >>> disc.at_speed(1.0).modes().natural_frequencies.round(12)  # 2 and 1/2: their product is k / m
+        array([0.5, 2. ])
+        """
+        from .rotating import at_speed
+
+        return at_speed(cast("MechanicalSystem", self), speed)
+
+    def campbell(self, speeds) -> Campbell:
+        """The eigenvalues over the speed of rotation, each followed through crossings and veerings.
+
+        Args:
+            speeds: W in rad/s, ascending, two or more.
+
+        Returns:
+            A ``Campbell``: ``eigenvalues``, ``natural_frequencies``, ``damping_ratios``, ``whirl``, ``stability_margins``, ...
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> disc = MechanicalSystem(np.eye(2), stiffness=np.eye(2), gyroscopic=[[0.0, 1.5], [-1.5, 0.0]])
+        >>> diagram = disc.campbell([0.0, 1.0])
+        >>> diagram.natural_frequencies.round(12).tolist(), diagram.directions
+        ([[1.0, 1.0], [0.5, 2.0]], ('backward', 'forward'))
+        """
+        from .rotating import campbell
+
+        return campbell(cast("MechanicalSystem", self), speeds)
+
+    def critical_speeds(self, order: float = 1.0) -> np.ndarray:
+        """The speeds W at which an eigenvalue has the imaginary part n W, where an excitation of this order is in resonance.
+
+        With W = s / (i n) the equations at critical speeds are one polynomial eigenproblem, whatever the speed,
+
+            [(M + G / (i n)) s^2 + (C + N / (i n)) s + K] x = 0.
+
+        Without damping s = i n W are its imaginary eigenvalues: all critical speeds at once. With damping W is complex, and each
+        is the start of Newton's method on Im s(W) = n W.
+
+        Args:
+            order: n: 1 for unbalance, 2 for a shaft of two stiffnesses, 1/2 for oil whirl.
+
+        Returns:
+            In rad/s, ascending; both directions of whirl, motions of free bodies left out.
+
+        Raises:
+            InputError: an order that is not positive.
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> disc = MechanicalSystem(np.eye(2), stiffness=np.eye(2), gyroscopic=[[0.0, 0.75], [-0.75, 0.0]])
+        >>> disc.critical_speeds().round(12)  # 1 / sqrt(1 +- 3/4)
+        array([0.75592895, 2.        ])
+        """
+        from .rotating import critical_points
+
+        return np.array([point.speed for point in critical_points(cast("MechanicalSystem", self), order)])
 
     def modal_combination(self, spectrum, base=None, damping_ratio: float = 0.05, combination: str = "CQC") -> ModalCombination:
         """Response spectrum analysis of a moving base: participation factors, effective masses, peaks by CQC or SRSS.

@@ -1,0 +1,377 @@
+"""Rotors at constant speed W, M x'' + (C + W G) x' + (K + W N) x = f: Campbell diagrams, critical speeds, limits of stability.
+
+Sources: Genta, Dynamics of Rotating Systems (2005), chapters 3 and 4; Friswell, Penny, Garvey and Lees, Dynamics of Rotating Machines
+(2010), chapter 6.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.linalg
+
+from ...ground.checks import counted, real_array, real_number
+from ...ground.display import Displayed, TextTable, number_text
+from ...ground.errors import InputError
+from ...ground.threads import short_work
+from ...ground.tolerances import EPS, NEWTON_STEP, noise_of
+from ...polynomial.variation.branches import Family, FamilyPart, followed
+from ...polynomial.variation.spectrum import refined_values
+
+if TYPE_CHECKING:
+    from ..system import MechanicalSystem
+
+#: Most steps of Newton's method to a speed.
+STEPS = 30
+
+
+def at_speed(system: MechanicalSystem, speed: float) -> MechanicalSystem:
+    """The rotor at a constant speed.
+
+    Args:
+        system: the rotor at rest.
+        speed: in rad/s.
+
+    Returns:
+        See ``MechanicalSystem.at_speed``.
+    """
+    speed = real_number(speed, "speed")
+    _check_rotor(system)
+    stiffness, damping, mass = system.given
+    result = copy(system)
+    if system.gyroscopic is not None:
+        result.damping = damping = system._matrix(system.damping + speed * system.gyroscopic, "damping", system.size)
+    if system.circulatory is not None:
+        result.stiffness = stiffness = system._matrix(system.stiffness + speed * system.circulatory, "stiffness", system.size)
+    result.given, result._forms = (stiffness, damping, mass), {}
+    result.gyroscopic = result.circulatory = None
+    return result
+
+
+def _check_rotor(system: MechanicalSystem) -> None:
+    system._refuse_sparse("rotation")
+    if system.gyroscopic is None and system.circulatory is None:
+        raise InputError(
+            "speed: this system does not depend on a speed of rotation; give MechanicalSystem(..., gyroscopic=G) or circulatory=N"
+        )
+
+
+def rotor_family(system: MechanicalSystem) -> tuple[Family, np.ndarray]:
+    """The equations over the speed, in coordinates that satisfy all constraint rows.
+
+    Args:
+        system: of arrays, with gyroscopic or circulatory matrices.
+
+    Returns:
+        The family with W as its parameter, and the basis V of the coordinates, shape (n, n - k).
+    """
+    _check_rotor(system)
+    V, zero = system.position_form().null_space, np.zeros((system.size,) * 2)
+    slopes = [zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic, None)]
+    base, slope = (
+        np.array([V.T @ matrix @ V for matrix in matrices])
+        for matrices in ((system.stiffness, system.damping, system.mass), slopes)
+    )
+    return Family.linear(base, slope), V
+
+
+@dataclass(frozen=True, repr=False)
+class CriticalSpeed(Displayed):
+    """A speed at which an excitation of the order n is in resonance with a mode.
+
+    Attributes:
+        speed: W in rad/s.
+        order: n.
+        eigenvalue: s with Im s = n W (1/s).
+        shape: of the mode at this speed, shape (n,), the largest entry 1.
+        whirl: see ``Campbell.whirl``.
+    """
+
+    speed: float
+    order: float
+    eigenvalue: complex
+    shape: np.ndarray = field(repr=False)
+    whirl: float
+
+    @property
+    def damping_ratio(self) -> float:
+        """-Re s / |s|."""
+        return -self.eigenvalue.real / abs(self.eigenvalue) + 0.0
+
+    def _summary(self) -> str:
+        return f"{self.speed:.6g} rad/s, order {self.order:g}, {direction(self.whirl)}, damping ratio {self.damping_ratio:.4g}"
+
+
+@dataclass(frozen=True, repr=False)
+class Campbell(Displayed):
+    """Eigenvalues over the speed of rotation; a column belongs to one mode at all speeds.
+
+    Attributes:
+        system: the rotor at rest.
+        speeds: W in rad/s, shape (S,).
+        eigenvalues: s in 1/s, of complex pairs the one above the real axis, shape (S, m); one for each real one.
+        slopes: ds/dW, shape (S, m).
+        shapes: of the modes, shape (S, n, m), the largest entry of each 1.
+        evaluations: at how many speeds eigenvalues were computed, the given ones included.
+    """
+
+    system: MechanicalSystem
+    speeds: np.ndarray
+    eigenvalues: np.ndarray
+    slopes: np.ndarray = field(repr=False)
+    shapes: np.ndarray = field(repr=False)
+    evaluations: int
+
+    def _summary(self) -> str:
+        return f"{counted(self.eigenvalues.shape[1], 'mode')}, {counted(len(self.speeds), 'speed')}"
+
+    @property
+    def natural_frequencies(self) -> np.ndarray:
+        """|s| in rad/s, 0 for real eigenvalues, shape (S, m)."""
+        return np.where(self.eigenvalues.imag != 0, np.abs(self.eigenvalues), 0.0)
+
+    @property
+    def frequencies_hz(self) -> np.ndarray:
+        """``natural_frequencies`` / (2 pi)."""
+        return self.natural_frequencies / (2 * np.pi)
+
+    @property
+    def damped_frequencies(self) -> np.ndarray:
+        """Im s in rad/s, what meets the lines n W at critical speeds, shape (S, m)."""
+        return self.eigenvalues.imag
+
+    @property
+    def damping_ratios(self) -> np.ndarray:
+        """-Re s / |s|, 0 for an eigenvalue 0, shape (S, m)."""
+        size = np.abs(self.eigenvalues)
+        return -self.eigenvalues.real / np.where(size > 0, size, 1.0) + 0.0
+
+    @property
+    def stability_margins(self) -> np.ndarray:
+        """The least -Re s of all modes at each speed (1/s), shape (S,): negative where the motion grows."""
+        return -self.eigenvalues.real.max(axis=1, initial=-np.inf) + 0.0
+
+    @cached_property
+    def whirl(self) -> np.ndarray:
+        """i x^H G x / (|x|^T |G| |x|) between -1 and 1, shape (S, m): the sense in which the discs whirl, weighted by their inertia.
+
+        Positive is forward: with the rotation, gyroscopic moments raise the frequency, dw/dW > 0. 0 is motion in a plane.
+        """
+        return np.array([whirl_of(self.system, shapes) for shapes in self.shapes])
+
+    @property
+    def directions(self) -> tuple[str, ...]:
+        """Of each mode: "forward", "backward", "planar", or "mixed" where it changes with the speed."""
+        result = []
+        for column in self.whirl.T:
+            senses = {direction(value) for value in column} - {"planar"}
+            result.append("planar" if not senses else senses.pop() if len(senses) == 1 else "mixed")
+        return tuple(result)
+
+    def critical_speeds(self, order: float = 1.0) -> tuple[CriticalSpeed, ...]:
+        """Those within the range of speeds, with shapes and damping, ascending; see ``MechanicalSystem.critical_speeds``.
+
+        Args:
+            order: n.
+        """
+        low, high = self.speeds[[0, -1]]
+        return tuple(point for point in critical_points(self.system, order) if low <= point.speed <= high)
+
+    @cached_property
+    def stability_limits(self) -> tuple[float, ...]:
+        """The speeds at which the real part of an eigenvalue changes its sign (rad/s), by Newton's method on its branch."""
+        part, limits, real = FamilyPart(rotor_family(self.system)[0], None, self.speeds), [], self.eigenvalues.real
+        noise = noise_of(float(np.abs(self.eigenvalues).max(initial=0.0)), self.system.size)
+        for mode, column in enumerate(real.T):
+            clear = np.flatnonzero(np.abs(column) > noise)
+            for first, last in pairwise(clear):
+                if column[first] * column[last] < 0:
+                    share = column[first] / (column[first] - column[last])
+                    start, value = (
+                        ends[first] + share * (ends[last] - ends[first]) for ends in (self.speeds, self.eigenvalues[:, mode])
+                    )
+                    located = _located(part, float(start), complex(value), lambda s, _: s.real, lambda slope: slope.real)
+                    limits += [] if located is None else [located[0]]
+        return tuple(sorted(limits))
+
+    def table(self) -> list[dict[str, str]]:
+        """A row of texts for each mode: direction of whirl, frequency in Hz at the first and last speed, least damping ratio."""
+        first, last = self.frequencies_hz[[0, -1]]
+        least = self.damping_ratios.min(axis=0)
+        keys = ("direction", f"Hz at {self.speeds[0]:g} rad/s", f"Hz at {self.speeds[-1]:g} rad/s", "least damping ratio")
+        texts = (map(number_text, values) for values in (first, last, least))
+        return [dict(zip(keys, row)) for row in zip(self.directions, *texts)]
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        rows = self.table()
+        columns = tuple(rows[0]) if rows else ("direction",)
+        modes = TextTable("Modes over the speed", columns, tuple(tuple(row.values()) for row in rows))
+        critical = tuple(
+            (number_text(one.speed), number_text(one.speed * 30 / np.pi), direction(one.whirl), number_text(one.damping_ratio))
+            for one in self.critical_speeds()
+        )
+        return modes, TextTable("Critical speeds of order 1", ("rad/s", "rev/min", "direction", "damping ratio"), critical)
+
+
+def direction(whirl: float) -> str:
+    """The word for a value of ``Campbell.whirl``.
+
+    >>> direction(0.5), direction(-1.0), direction(1e-12)
+    ('forward', 'backward', 'planar')
+    """
+    return "planar" if abs(whirl) <= EPS**0.5 else "forward" if whirl > 0 else "backward"
+
+
+def whirl_of(system: MechanicalSystem, shapes: np.ndarray) -> np.ndarray:
+    """See ``Campbell.whirl``.
+
+    Args:
+        system: the rotor.
+        shapes: shape (n, m).
+
+    Returns:
+        Shape (m,).
+    """
+    if system.gyroscopic is None:
+        return np.zeros(shapes.shape[1])
+    G, size = (system.gyroscopic - system.gyroscopic.T) / 2, np.abs(shapes)
+    form = (1j * (shapes.conj() * (G @ shapes)).sum(axis=0)).real
+    scale = (size * (np.abs(G) @ size)).sum(axis=0)
+    total = np.abs(G).sum() * size.max(axis=0, initial=0.0) ** 2
+    return np.where(scale > EPS * total, form / np.where(scale > 0, scale, 1.0), 0.0)
+
+
+def campbell(system: MechanicalSystem, speeds) -> Campbell:
+    """The eigenvalues over the speed.
+
+    Args:
+        system: the rotor at rest.
+        speeds: in rad/s, ascending, shape (S,).
+
+    Returns:
+        See ``MechanicalSystem.campbell``.
+    """
+    speeds = real_array(speeds, "speeds", shape=(None,))
+    if len(speeds) < 2 or not (np.diff(speeds) > 0).all():
+        raise InputError(
+            f"speeds: found {len(speeds)} values; expected two or more, ascending, in rad/s, e.g. numpy.linspace(0, 1000, 101)"
+        )
+    family, V = rotor_family(system)
+    with short_work(2 * system.size):
+        branches = followed(family, speeds)
+    values = branches.values
+    limit = noise_of(np.abs(values).max(axis=1, keepdims=True, initial=0.0), system.size)
+    values = np.where(np.abs(values) <= limit, 0.0, values)
+    upper = values.imag.sum(axis=0)
+    shown = (upper > 0) | ((upper == 0) & values.any(axis=0))
+    shown |= ((values.imag == 0) & (values.real != 0)).any(axis=0)  # of a pair that has been real both are listed
+    order = np.flatnonzero(shown)
+    order = order[
+        np.lexsort([values[-1, order].imag, np.round(np.abs(values[0, order]) / limit.max()), values[0, order].imag == 0])
+    ]
+    shapes = V @ branches.shapes[:, :, order]
+    largest = np.take_along_axis(shapes, np.abs(shapes).argmax(axis=1)[:, None], axis=1)
+    shapes = shapes / np.where(largest == 0, 1.0, largest)
+    return Campbell(system, speeds, values[:, order], branches.slopes[:, order], shapes, branches.evaluations)
+
+
+# Critical speeds.
+
+
+def critical_points(system: MechanicalSystem, order: float = 1.0) -> list[CriticalSpeed]:
+    """See ``MechanicalSystem.critical_speeds``; each with its mode, ascending.
+
+    Args:
+        system: the rotor.
+        order: n > 0.
+
+    Returns:
+        The critical speeds.
+    """
+    order = real_number(order, "order", minimum=0.0)
+    if not order:
+        raise InputError("order: found 0; expected a positive number, 1 for unbalance")
+    family, V = rotor_family(system)
+    points = []
+    with short_work(2 * system.size):
+        for places in family.parts:
+            part = FamilyPart(family, places, np.array([0.0, 1.0]))
+            base, slope = part.block(family.at(0.0)), part.block(family.slope(0.0))
+            coefficients = [base[0], base[1] + slope[0] / (1j * order), base[2] + slope[1] / (1j * order)]
+            is_lossless = not coefficients[1].any() and part.is_conservative
+            pairs = _undamped_points(coefficients, part) if is_lossless else _damped_points(coefficients, part, order)
+            for value, x in pairs:
+                shape = V[:, places] @ x
+                shape = shape / shape[np.abs(shape).argmax()]
+                speed = value.imag / order
+                points.append(CriticalSpeed(speed, order, value, shape, float(whirl_of(system, shape[:, None])[0])))
+    return sorted(points, key=lambda point: point.speed)
+
+
+def _undamped_points(coefficients, part: FamilyPart) -> list[tuple[complex, np.ndarray]]:
+    """s = i w and x of K x = w^2 (M - i G / n) x, Hermitian, by 1 / w^2 in undamped modes, free motions eliminated."""
+    K, _, B = coefficients
+    basis, stiffness = part.basis, part.stiffness
+    turned = basis.T @ B @ basis
+    turned = (turned + turned.conj().T) / 2
+    elastic, free = stiffness > 0, stiffness == 0
+    rates = np.sqrt(stiffness[elastic])
+    inner, cross = turned[np.ix_(elastic, elastic)], turned[np.ix_(free, elastic)]
+    follow = -np.linalg.solve(turned[np.ix_(free, free)], cross) if free.any() else cross
+    inner = (inner + cross.conj().T @ follow) / np.multiply.outer(rates, rates)
+    inverse_squares, vectors = np.linalg.eigh(inner)
+    kept = inverse_squares > noise_of(float(np.abs(inverse_squares).max(initial=0.0)), len(rates))
+    eta = np.zeros((len(stiffness), int(kept.sum())), dtype=complex)
+    eta[elastic] = vectors[:, kept] / rates[:, None]
+    eta[free] = follow @ eta[elastic]
+    x = basis @ eta
+    values = refined_values([K, np.zeros_like(K), B], 1j / np.sqrt(inverse_squares[kept]), x, x.conj().T)
+    return [(complex(0.0, value.imag), shape) for value, shape in zip(values, x.T)]
+
+
+def _damped_points(coefficients, part: FamilyPart, order: float) -> list[tuple[complex, np.ndarray]]:
+    """s and x with Im s = n W, from the eigenvalues of the polynomial eigenproblem as starts."""
+    K, D, B = coefficients
+    n, zero = len(K), np.zeros_like(K)
+    rate = np.sqrt(np.abs(K).max() / (np.abs(B).max() or 1.0)) or 1.0
+    left = np.block([[zero, np.eye(n)], [-K / rate**2, -D / rate]])
+    right = scipy.linalg.block_diag(np.eye(n), B)
+    alpha, beta = scipy.linalg.eigvals(left, right, homogeneous_eigvals=True)
+    starts = np.array([rate * a / b for a, b in zip(alpha, beta) if abs(b) > EPS * abs(a)])
+    located_points: list[tuple[float, complex, np.ndarray]] = []
+    noise = noise_of(float(np.abs(starts).max(initial=0.0)), n)
+    for start in starts[starts.imag > noise]:
+        located = _located(
+            part, start.imag / order, start, lambda s, speed: s.imag - order * speed, lambda slope: slope.imag - order
+        )
+        if located is None or not located[0] * order > noise:
+            continue
+        speed, value, x = located
+        if all(
+            abs(speed - other[0]) > NEWTON_STEP * speed or abs(value - other[1]) > NEWTON_STEP * abs(value)
+            for other in located_points
+        ):
+            located_points.append((speed, complex(value.real, order * speed), x))
+    return [(value, x) for _, value, x in located_points]
+
+
+def _located(part: FamilyPart, speed: float, value: complex, residual, derivative) -> tuple[float, complex, np.ndarray] | None:
+    """Speed, eigenvalue and shape where a residual of the branch is zero, by Newton's method; None where it does not converge."""
+    for _ in range(STEPS):
+        point = part.point(speed)
+        nearest = int(np.abs(point.values - value).argmin())
+        slope = point.slopes[nearest]
+        value = part.refined(point, nearest)
+        change = residual(value, speed) / derivative(slope)
+        if not np.isfinite(change):
+            return None
+        if abs(change) <= 4 * EPS * abs(speed):
+            return speed - change, value - slope * change, part.shapes(point)[:, nearest]
+        change = np.clip(change, -0.5 * abs(speed), 0.5 * abs(speed))
+        speed, value = speed - change, value - slope * change
+    return None
