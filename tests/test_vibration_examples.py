@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from scipy.signal import lsim
 
 from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency
-from mbconstrained.scene.run.random.scene_random import SceneRandom
+from mbconstrained.scene.run.frequency.scene_random import SceneRandom
 from mbconstrained.scene.run.scene import read_scene
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

@@ -99,7 +99,8 @@ def leave(name: str, json: bool, work: Callable[[], int | None]) -> None:
     try:
         code = work() or FINE
     except MbconstrainedError as problem:
-        named = str(problem) if isinstance(problem, SceneError) else f"{name}: {problem}"
+        is_named = isinstance(problem, SceneError) or str(problem).startswith(f"{name}: ")
+        named = str(problem) if is_named else f"{name}: {problem}"
         code = show_error(named, json, SCENE_WRONG)
     except OSError as problem:
         code = show_error(f"the results cannot be written: {_cause(problem)}", json, COMMAND_WRONG)

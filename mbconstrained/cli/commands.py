@@ -40,6 +40,7 @@ EPILOG = """Examples:
   mbconstrained modes bridge.toml --page         the same with a page in which each mode moves
   mbconstrained frequency bridge.toml            frequency response: peaks, antiresonances, Bode plots, values
   mbconstrained frequency bridge.toml --input base --output deck --quantity transmissibility --to "200 Hz"
+  mbconstrained shock record.csv --quality 10    shock response spectrum of a record; of a scene its peaks, too
   mbconstrained formula bridge.toml --as python  the motion as a formula, here as a function of NumPy
   mbconstrained plan bridge.toml                 the stages of a run, taken or left out, and why
   mbconstrained plan bridge.toml --run           the same with the time and memory that each stage takes

@@ -54,10 +54,11 @@ def _frequency(
 
     def work(loaded: Scene) -> int:
         from ..scene.run.frequency.frequency_summary import as_json, blocks
-        from ..scene.run.frequency.scene_frequency import SceneFrequency, with_options
+        from ..scene.run.frequency.scene_frequency import SceneFrequency
+        from ..scene.run.frequency.scene_response import with_options
 
         loaded = loaded.with_viewer(viewer) if viewer else loaded
-        response = SceneFrequency(loaded, with_options(loaded, options))
+        response = SceneFrequency(loaded, with_options(loaded.table.frequency, "frequency", options, loaded.file_name))
         response.write(Path(out or Path("results") / loaded.name), images=plots or loaded.table.output.plot_images)
         show(json, lambda: as_json(response), lambda: blocks(response))
         return FINE if response.is_trusted else NOT_TRUSTED

@@ -49,11 +49,13 @@ def exceptions() -> str:
 def commands() -> str:
     """Every command with its help, arguments and options."""
     from mbconstrained.cli import commands as module
-    from mbconstrained.cli import compare, new, studies
+    from mbconstrained.cli import compare, frequency, new, studies, vibration
 
     app = typer.Typer(add_completion=False)
     app.registered_commands += module.app.registered_commands
     compare.add_to(app)
+    frequency.add_to(app)
+    vibration.add_to(app)
     studies.add_to(app)
     new.add_to(app)
     group: Any = typer.main.get_command(app)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 
 import numpy as np
@@ -21,8 +22,31 @@ LISTED = 8
 Side = Literal["inputs", "outputs"]
 
 
+class ElementForce(NamedTuple):
+    """The force of a spring or damper, stiffness e + damping e', positive in tension.
+
+    Attributes:
+        elongation: a of e = a x + rest, shape (n,).
+        rest: the elongation at x = 0.
+        stiffness, damping: in SI.
+        unit: of the elongation, "m" or "rad".
+    """
+
+    elongation: np.ndarray
+    rest: float
+    stiffness: float
+    damping: float
+    unit: str
+
+
 class NamedDirections:
-    """What a system has besides its coordinates and rows: none here; robots have inputs and outputs at joints and points."""
+    """What a system has besides its coordinates and rows: none here; robots have inputs and outputs at joints and points.
+
+    Attributes:
+        elements: the forces of springs and dampers by name, where they are known.
+    """
+
+    elements: Mapping[str, ElementForce] = MappingProxyType({})
 
     def named_directions(self, side: Side) -> Mapping[str, tuple[np.ndarray, str]]:
         """Directions over the coordinates, shape (n,), with units, by names of their own."""

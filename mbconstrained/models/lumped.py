@@ -14,6 +14,7 @@ from ..ground.checks import OF_FUNCTION, counted, nearest, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed, TextTable
 from ..ground.errors import InputError
+from ..mechanics.channels import ElementForce
 from ..mechanics.constraints import Constraint
 from ..mechanics.element_matrix import ElementMatrix
 from ..mechanics.energy import EnergyParts
@@ -177,6 +178,7 @@ class LumpedModel(Displayed):
         )
         springs = (element for element in with_parts(self.elements) if isinstance(element, (Spring, TorsionSpring)))
         system.loss_factors = {spring.name: spring.loss_factor for spring in springs if spring.loss_factor}
+        system.elements = element_forces(self.elements, names)
         system.origin = copy(self)
         system.origin._elements, system.origin._units = dict(self._elements), units  # what is added later is not in the system
         return system
@@ -289,6 +291,25 @@ def coordinate_row(coefficients: Mapping[str, float], names: Sequence[str]) -> n
         Shape (n,).
     """
     return np.array([coefficients.get(name, 0.0) for name in names])
+
+
+def element_forces(elements: Sequence[Element], names: Sequence[str]) -> dict[str, ElementForce]:
+    """The forces of springs and dampers by name.
+
+    Args:
+        elements: of a model.
+        names: of its n coordinates.
+
+    Returns:
+        One for each spring and damper.
+    """
+    forces = {}
+    for link in elements:
+        if isinstance(link, Link):
+            row = np.array([(name == link.end) - float(name == link.start) for name in names])
+            stiffness, damping = (0.0, link.constant) if isinstance(link, (Damper, TorsionDamper)) else (link.constant, 0.0)
+            forces[link.name] = ElementForce(row, -link.rest, stiffness, damping, "rad" if link.turning else "m")
+    return forces
 
 
 def _branches(links: Sequence[Link], names: Sequence[str]) -> Branches:

@@ -17,6 +17,9 @@ from .plots.axis import Axis, Scale, axis_of
 if TYPE_CHECKING:
     from .animation.animation import Animation
 
+#: Shares of an axis below this are rounding errors.
+LEAST_SHARE = 1e-9
+
 #: Larger numbers cannot be drawn: the arithmetic of axes and of interpolation would overflow.
 LARGEST = 1e290
 
@@ -72,6 +75,55 @@ class Curve:
 
 
 @dataclass(frozen=True)
+class Guide:
+    """A power law level x^exponent, a straight line of the grid on two logarithmic axes.
+
+    Attributes:
+        name: next to the line.
+        level: at 1 on the horizontal axis.
+        exponent: its slope.
+    """
+
+    name: str
+    level: float
+    exponent: float
+
+    def ends(self, across: Axis, up: Axis) -> tuple[tuple[float, float], tuple[float, float]] | None:
+        """Where the line enters and leaves the picture, as shares of both axes from the left and from below; None where it misses it.
+
+        Args:
+            across, up: logarithmic.
+
+        Returns:
+            The left and the right end.
+        """
+        (left, right), (low, high) = (np.log10((axis.low, axis.high)) for axis in (across, up))
+        start = np.log10(self.level)
+        at = np.sort(np.append((np.array([low, high]) - start) / self.exponent, [left, right]))[
+            1:3
+        ]  # where it is within both ranges
+        x, y = (at - left) / (right - left), (start + self.exponent * at - low) / (high - low)
+        if x[1] <= x[0] or (y < -LEAST_SHARE).any() or (y > 1 + LEAST_SHARE).any():
+            return None
+        return (float(x[0]), float(y[0])), (float(x[1]), float(y[1]))
+
+    def named_at(self, across: Axis, up: Axis) -> tuple[float, float, bool] | None:
+        """Where its name is: of a line that rises at its upper end, of one that falls at its left or lower end, so that they do not meet.
+
+        Args:
+            across, up: logarithmic.
+
+        Returns:
+            Shares of the axes, and whether the name is left of that point; None for no name.
+        """
+        if (ends := self.ends(across, up)) is None:
+            return None
+        if self.exponent > 0:
+            return *ends[1], True
+        return (*ends[0], False) if ends[0][0] < LEAST_SHARE else (*ends[1], True) if ends[1][1] < LEAST_SHARE else None
+
+
+@dataclass(frozen=True)
 class Plot:
     """Curves over time or another variable, or in a phase plane.
 
@@ -86,6 +138,7 @@ class Plot:
         variable: what the times are, such as "frequency".
         scales: of the horizontal and of the vertical axis, "linear" or "log"; values that are not positive are at the low end of a
             logarithmic axis.
+        guides: further lines of the grid, on two logarithmic axes.
 
     Raises:
         InputError: shapes that do not match, NaN, infinity or numbers beyond 1e290, times that do not ascend; no positive value for
@@ -101,6 +154,7 @@ class Plot:
     quantity: str = ""
     variable: str = "time"
     scales: tuple[Scale, Scale] = ("linear", "linear")
+    guides: tuple[Guide, ...] = ()
 
     def __post_init__(self):
         times = ascending_times(self.times, f'plot "{self.title[:60]}", {"times" if self.variable == "time" else self.variable}')

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,7 @@ from ..ground.checks import OF_FUNCTION, nearest, real_number
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, NOISE_SAFETY, SYMMETRIC_STIFFNESS, noise_of
-from ..mechanics.channels import Side, channels, chosen_by_name
+from ..mechanics.channels import ElementForce, Side, channels, chosen_by_name
 from ..mechanics.constraints import Constraint, Level, checked_level
 from ..mechanics.energy import EnergyParts
 from ..mechanics.system import MechanicalSystem
@@ -78,6 +79,25 @@ class LinearizedRobot(MechanicalSystem):
         )
         self.inputs, self.input_units = self._directions("input", inputs)
         self.outputs, self.output_units = self._directions("output", outputs)
+
+    @cached_property
+    def elements(self) -> Mapping[str, ElementForce]:  # type: ignore[override]
+        """Springs and dampers of joints, and springs between bodies with elongations from their rest lengths."""
+        balance, robot, forces = self.posture.balance, self.posture.robot, {}
+        for place, name in enumerate(robot.coordinates):
+            stiffness, damping = robot.joint_stiffness[place], robot.joint_damping[place]
+            if stiffness or damping:
+                stretch = float(balance.joint_stretch[place]) if stiffness else 0.0
+                forces[name] = ElementForce(np.eye(self.size)[place], stretch, stiffness, damping, robot.units[place])
+        for item in balance.load.springs:
+            spring = item.connection
+            if hasattr(spring, "preload"):
+                pose = item.pose(balance.kinematics)
+                length = float(np.linalg.norm(pose.value[:3]))
+                row = np.zeros(self.size)
+                row[: len(robot.coordinates)] = pose.value[:3] @ pose.jacobian[:3] / (length or 1.0)
+                forces[spring.name] = ElementForce(row, length - item.rest_length, spring.stiffness, spring.damping, "m")
+        return forces
 
     @property
     def flexible_joints(self) -> tuple[tuple[int, FlexibleJoint], ...]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.scene.run.random.scene_random import SceneRandom
+from mbconstrained.scene.run.frequency.scene_random import SceneRandom
 from mbconstrained.scene.run.scene import read_scene
 
 SCENE = """

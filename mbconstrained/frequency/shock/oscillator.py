@@ -14,15 +14,13 @@ import numpy as np
 import scipy.linalg
 
 from ...ground.tolerances import EPS
+from .extrema import falling_root
 
 #: Steps that differ by so many units in the last place of the last time are equal.
 EQUAL = 8.0
 
 #: Sub-intervals for each radian between samples, where an extremum is searched.
 EACH_RADIAN = 4.0
-
-#: Most steps that refine the time of an extremum.
-STEPS = 60
 
 #: So many intervals are searched at once, those with the highest bounds first.
 TOGETHER = 64
@@ -229,7 +227,7 @@ class Oscillator:
                         best = self._highest(y0[at], v0[at], a0[at], s0[at], own[at], (sign * c0, sign * c1), best)
                 limit[now] = -np.inf
             high, low = (best, low) if sign > 0 else (high, -best)
-        after = self._residual(y[-1], v[-1], output)
+        after = self.residual(y[-1], v[-1], output)
         return high, low, *after
 
     def _highest(self, y, v, a, slope, h, output, best: float = -np.inf) -> float:
@@ -253,24 +251,27 @@ class Oscillator:
         row, place = np.nonzero((rates[:, :-1] > 0) & (rates[:, 1:] < 0) & (reach > best))
         if not len(row):
             return best
-        low, high, data = grid[row, place], grid[row, place + 1], [one[row] for one in (y, v, a, slope)]
-        above, below = rates[row, place], rates[row, place + 1]
-        last = np.zeros(len(row))
-        for _ in range(STEPS):  # the rule of Illinois: an end that stays twice counts half
-            middle = low + (high - low) * (above / (above - below))
-            now = rate(data, middle)
-            side = np.sign(now)
-            above, below = (
-                np.where(side > 0, now, np.where(last < 0, above / 2, above)),
-                np.where(side > 0, np.where(last > 0, below / 2, below), now),
-            )
-            low, high, last = np.where(side > 0, middle, low), np.where(side > 0, high, middle), side
-            if not (above > below).all() or (np.abs(now) * (high - low)).max() <= EPS * abs(best):  # as much is left to gain
-                break
+        data = [one[row] for one in (y, v, a, slope)]
+        middle = falling_root(
+            lambda tau: rate(data, tau),
+            grid[row, place],
+            grid[row, place + 1],
+            rates[row, place],
+            rates[row, place + 1],
+            lambda now, width: (np.abs(now) * width).max() <= EPS * abs(best),  # no more is left to gain
+        )
         return max(best, float(value(data, middle).max()))
 
-    def _residual(self, y: float, v: float, output) -> tuple[float, float]:
-        """max and min of the free motion after the record: they are among the extrema of the first cycle."""
+    def residual(self, y: float, v: float, output) -> tuple[float, float]:
+        """The extrema of the free motion after the record, among those of the first cycle.
+
+        Args:
+            y, v: position and velocity at its end.
+            output: (c_0, c_1) of c_0 y + c_1 y'.
+
+        Returns:
+            Maximum, at least 0, and minimum, at most 0.
+        """
         length = 2 * np.pi / self.roots[0].imag if self.zeta < 0.99 else 30.0 / self.w
         h = np.full(1, length)
         zero = np.zeros(1)

@@ -204,17 +204,14 @@ def _closed_form_peaks(signal: ImpulsiveSmooth, oscillator: Oscillator, output) 
     """Peaks during and after a signal that is zero after its last knot."""
     knots = np.asarray(signal.knots, dtype=float)
     end = float(knots[-1]) if len(knots) else 0.0
-    function = signal.smooth
     later = np.abs(signal(end + np.linspace(0.0, max(end, 1.0), 9)[1:])).max()
     during = np.abs(signal(np.linspace(0.0, end, 257))).max() if end else 0.0
     if not end or later > ENDED * EPS * during:
         raise InputError("signal: it does not end; expected a record or a pulse, which is zero after some time")
     w, z = oscillator.w, oscillator.zeta
     x = solve(PolynomialMatrix([[[w**2]], [[2 * z * w]], [[1.0]]]), force=signal)
-    first, second = x.derivative(1), x.derivative(2)
     c0, c1 = output
-    rate = max(w, *(np.abs(np.linalg.eigvals(block)).max(initial=0.0) for block in function.blocks))
-    peaks = extrema(lambda t: c0 * x(t) + c1 * first(t), lambda t: c0 * first(t) + c1 * second(t), 0.0, end, rate, knots)
-    last = float(x(np.array([end]))[0, 0]), float(first(np.array([end]))[0, 0])
-    after = oscillator._residual(*last, output)
+    peaks = extrema(x.function.differential(np.array([[c0]]), np.array([[c1]])), 0.0, end)
+    last = float(x(np.array([end]))[0, 0]), float(x.derivative(1)(np.array([end]))[0, 0])
+    after = oscillator.residual(*last, output)
     return max(float(peaks.maximum[0]), 0.0), min(float(peaks.minimum[0]), 0.0), *after

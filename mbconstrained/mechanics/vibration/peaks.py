@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,14 +15,15 @@ from ...ground.coordinate_units import force_unit, rate_unit
 from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError
 from ...ground.tolerances import STEP_AGREEMENT
+from ...signals.bohl import BohlFunction
 from ..element_matrix import mass_normalized, static_response
 
 if TYPE_CHECKING:
     from ..motion import Motion
     from ..system import MechanicalSystem
 
-#: What the peaks may be of, and the order of the derivative of the displacements.
-QUANTITIES = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": None}
+#: What the peaks may be of: the displacements and their derivatives, forces of constraint rows, forces of springs and dampers.
+QUANTITIES = ("displacement", "velocity", "acceleration", "reaction", "force")
 
 COMBINATIONS = ("CQC", "SRSS")
 
@@ -33,7 +34,7 @@ class Peaks(Displayed):
 
     Attributes:
         names, units: of the functions.
-        quantity: "displacement", "velocity", "acceleration" or "reaction".
+        quantity: "displacement", "velocity", "acceleration", "reaction" or "force".
         extrema: values and times.
     """
 
@@ -46,13 +47,23 @@ class Peaks(Displayed):
         return f"{self.quantity}, {counted(len(self.names), 'function')}"
 
     def _tables(self) -> tuple[TextTable, ...]:
-        own = self.extrema
-        rows = zip(self.names, self.units, own.maximum, own.maximum_time, own.minimum, own.minimum_time)
-        texts = [
-            (name, f"{number_text(a)} {unit}", number_text(ta), f"{number_text(b)} {unit}", number_text(tb))
-            for name, unit, a, ta, b, tb in rows
-        ]
-        return (TextTable(f"Peaks of the {self.quantity}", ("of", "maximum", "at (s)", "minimum", "at (s)"), tuple(texts)),)
+        return (self.table(lambda unit: (unit, 1.0)),)
+
+    def table(self, shown: Callable[[str], tuple[str, float]]) -> TextTable:
+        """Both extrema of each function with their times.
+
+        Args:
+            shown: the unit that stands for one of SI, and the factor of values in it.
+
+        Returns:
+            One row for each function.
+        """
+        own, texts = self.extrema, []
+        for name, unit, a, ta, b, tb in zip(self.names, self.units, own.maximum, own.maximum_time, own.minimum, own.minimum_time):
+            text, factor = shown(unit)
+            high, low = (f"{number_text(factor * value)} {text}" if text != "1" else number_text(value) for value in (a, b))
+            texts.append((name, high, number_text(ta), low, number_text(tb)))
+        return TextTable(f"Peaks of the {self.quantity}", ("of", "maximum", "at (s)", "minimum", "at (s)"), tuple(texts))
 
     @property
     def maximum(self) -> np.ndarray:
@@ -71,13 +82,13 @@ class Peaks(Displayed):
 
 
 def peaks(motion: Motion, end: float, of: str = "displacement", combinations=None, names: Sequence[str] | None = None) -> Peaks:
-    """Exact extrema of a motion on [0, end]: changes of sign of the derivative of the closed form, refined to rounding error.
+    """Exact extrema of a motion on [0, end], none missed: branch and bound over the closed form (``frequency.shock.extrema``).
 
     Args:
         motion: of a system of arrays.
         end: in s.
-        of: "displacement", "velocity", "acceleration" or "reaction".
-        combinations: a matrix (p, r) of what is combined, such as the elongation of a spring; each coordinate or row by default.
+        of: "displacement", "velocity", "acceleration", "reaction", or "force" of the springs and dampers, positive in tension.
+        combinations: a matrix (p, r) of what is combined, such as the elongation of a spring; each coordinate, row or element by default.
         names: of the combinations.
 
     Returns:
@@ -94,23 +105,34 @@ def peaks(motion: Motion, end: float, of: str = "displacement", combinations=Non
     end = real_number(end, "end", positive=True)
     if of not in QUANTITIES:
         raise InputError(f"of: found {of!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(of), QUANTITIES)}")
-    order, system = QUANTITIES[of], motion.system
-    function = motion.reaction_function if order is None else motion.derivative(order) if order else motion.function
-    derivative = function.derivative(1)
-    own = tuple(row.name for row in system.rows) if order is None else system.names
-    units = (
-        tuple(force_unit(row.unit) for row in system.rows)
-        if order is None
-        else tuple(rate_unit(system.units[name], order) for name in own)
-    )
-    value: Callable = function
+    function, own, units, constant = _functions(motion, of)
     if combinations is not None:
         matrix = real_array(combinations, "combinations", shape=(None, len(own)))
-        value, derivative = function.mapped(matrix), derivative.mapped(matrix)
+        function, constant = function.mapped(matrix), matrix @ constant
         units = tuple(" or ".join(sorted({units[i] for i in np.flatnonzero(row)})) or "1" for row in matrix)
         own = tuple(names or (f"combination {i + 1}" for i in range(len(matrix))))
-    rates = [np.abs(np.linalg.eigvals(block)).max(initial=0.0) for block in (*motion.function.blocks, *motion.force.smooth.blocks)]
-    return Peaks(own, units, of, extrema(value, derivative, 0.0, end, max([*rates, 1 / end]), motion.force.knots))
+    extreme = extrema(function, 0.0, end)
+    return Peaks(own, units, of, replace(extreme, maximum=extreme.maximum + constant, minimum=extreme.minimum + constant))
+
+
+def _functions(motion: Motion, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:
+    """The functions, their names and units, and constants that are added to them."""
+    system = motion.system
+    if of == "reaction":
+        rows = system.rows
+        names, units = tuple(row.name for row in rows), tuple(force_unit(row.unit) for row in rows)
+        return motion.reaction_function, names, units, np.zeros(len(rows))
+    if of == "force":
+        elements = list(system.elements.values())
+        directions = np.array([one.elongation for one in elements]).reshape(len(elements), system.size)
+        stiffness, damping, rest = (np.array([one[i] for one in elements]) for i in (2, 3, 1))
+        function = motion.function.mapped(stiffness[:, None] * directions)
+        if damping.any():
+            function = function + motion.derivative(1).mapped(damping[:, None] * directions)
+        return function, tuple(system.elements), tuple(force_unit(one.unit) for one in elements), stiffness * rest
+    order = QUANTITIES.index(of)
+    units = tuple(rate_unit(system.units[name], order) for name in system.names)
+    return motion.derivative(order) if order else motion.function, system.names, units, np.zeros(system.size)
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -110,6 +110,7 @@ class PlottedFigure {
     this.up = new Axis(svg.dataset.up, svg.dataset.upUnit);
     this.ticks = svg.querySelector(".ticks");
     this.paths = svg.querySelector(".curves");
+    this.guides = svg.querySelector(".guides");
     this.grid = this.ticks.innerHTML;
     this.pointers = new Map();
     this.cursor = this.add("line", { class: "cursor", y2: this.height, visibility: "hidden" });
@@ -373,9 +374,16 @@ class PlottedFigure {
       this.reset.hidden = !this.zoomed;
       if (this.zoomed) this.drawTicks();
       else this.ticks.innerHTML = this.grid;
+      if (this.guides) this.guides.setAttribute("viewBox", this.part());
       this.curves.filter((curve) => curve.shown).forEach((curve) => curve.draw());
       this.show();
     });
+  }
+
+  // The part that is shown of the square in which the guides are written.
+  part() {
+    const [[left, right], [low, high]] = [this.across.view, this.up.view];
+    return [left, 1 - high, right - left, high - low].map((share) => cells * share).join(" ");
   }
 
   drawTicks() {

@@ -142,10 +142,15 @@ def _log_axis(low: float, high: float, widen: bool) -> Axis:
     ticks = tuple(tick for tick in every if low * (1 - NOISE_SPAN) <= tick <= high * (1 + NOISE_SPAN))
     if len(ticks) < FEWEST_TICKS:
         ticks = _multiples(low, high, _step(high - low), widen=False)
-    return Axis(low, high, ticks, tuple(map(_log_label, ticks)), 0, "log")
+    return Axis(low, high, ticks, tuple(map(power_label, ticks)), 0, "log")
 
 
-def _log_label(value: float) -> str:
+def power_label(value: float) -> str:
+    """A number as a logarithmic axis writes it.
+
+    >>> power_label(200.0), power_label(2e6)
+    ('200', '2·10⁶')
+    """
     power = math.floor(math.log10(value) + NOISE_SPAN)
     if FIRST_POWER <= power <= LAST_POWER:
         return f"{value:.12g}"

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Literal
 
 from ..animation.figure import PALETTE
-from ..content import Curve, Plot
+from ..content import LEAST_SHARE, Curve, Plot
 from ..typeset import shortened
 from .svg_plot import axis_titles
 
@@ -172,6 +172,14 @@ def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -
     axes.set_xticks(across.ticks, across.labels)
     axes.set_yticks(up.ticks, up.labels)
     axes.minorticks_off()
+    for guide in plot.guides:
+        if ends := guide.ends(across, up):
+            (line,) = axes.plot(*zip(*ends), transform=axes.transAxes, scalex=False, scaley=False)
+            line.set(color=LINE, linewidth=0.5, linestyle="--", zorder=0.8)
+        if place := guide.named_at(across, up):
+            x, y, is_left = place
+            text = axes.text(x, y, guide.name, color=MUTED, fontsize=6.5, transform=axes.transAxes)
+            text.set(ha="right" if is_left else "left", va="bottom" if y < LEAST_SHARE else "top")
     if 0.0 in up.ticks:
         axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0.9)
     xlabel, ylabel = axis_titles(plot, across.exponent, up.exponent)

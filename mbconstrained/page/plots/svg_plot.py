@@ -162,7 +162,8 @@ def _svg(plot: Plot) -> str:
     x, y = _cells(across, plot.horizontal.values), CELLS - _cells(up, np.array([curve.values for curve in shown]))
     right, upwards = map(html.escape, axis_titles(plot, across.exponent, up.exponent))
     elements = [
-        f'<g class="ticks">\n{_grid(across, up)}\n</g>',
+        *_guides(plot, across, up),
+        f'<g class="ticks">\n{_grid(across, up)}\n{_guide_names(plot, across, up)}</g>',
         f'<text x="50%" y="{HEIGHT + 38}" text-anchor="middle">{right}</text>',
         f'<text transform="translate(-58 {HEIGHT // 2}) rotate(-90)" text-anchor="middle">{upwards}</text>',
     ]
@@ -217,6 +218,29 @@ def _grid(across: Axis, up: Axis) -> str:
         lines.append(f'<text x="-8" y="{down + 4:.1f}" text-anchor="end">{label}</text>')
     lines.append(f'<line class="axis" y2="{HEIGHT}"/><line class="axis" x2="100%" y1="{HEIGHT}" y2="{HEIGHT}"/>')
     return "\n".join(lines)
+
+
+def _guides(plot: Plot, across: Axis, up: Axis) -> list[str]:
+    """The lines, in a picture of their own whose part is shown like that of the curves."""
+    ends = [place for guide in plot.guides if (place := guide.ends(across, up))]
+    lines = "".join(
+        f'<path class="guide" d="M{CELLS * a:.0f} {CELLS * (1 - b):.0f}L{CELLS * c:.0f} {CELLS * (1 - d):.0f}"/>'
+        for (a, b), (c, d) in ends
+    )
+    return [f'<svg class="guides" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">{lines}</svg>'] if lines else []
+
+
+def _guide_names(plot: Plot, across: Axis, up: Axis) -> str:
+    """Names at ends of the lines, below the point, at the lower edge above it."""
+    texts = []
+    for guide in plot.guides:
+        if place := guide.named_at(across, up):
+            x, y, is_left = place
+            down = min(HEIGHT * (1 - y) + 11, HEIGHT - 3)
+            anchor = "end" if is_left else "start"
+            name = html.escape(guide.name)
+            texts.append(f'<text class="guide-name" x="{100 * x:.2f}%" y="{down:.1f}" text-anchor="{anchor}">{name}</text>\n')
+    return "".join(texts)
 
 
 def axis_titles(plot: Plot, across: int = 0, up: int = 0) -> tuple[str, str]:

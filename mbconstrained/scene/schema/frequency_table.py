@@ -50,7 +50,8 @@ AnyFrequency = Annotated[
 ]
 
 
-def _lines(value):
+def frequency_lines(value):
+    """A list of frequencies in Hz, ascending, each once."""
     if not isinstance(value, list) or not value:
         raise InputError(f'found {shown(value)}; expected an array of frequencies, e.g. ["1 Hz", "2.5 Hz"]')
     lines = [_frequency(entry) for entry in value]
@@ -84,7 +85,7 @@ class FrequencyTable(Table):
     )
     points: int | None = Field(None, ge=2, le=MOST_LINES, description="How many frequencies with even steps; 401 when left out.")
     frequencies: Annotated[
-        Any, BeforeValidator(_lines), WithJsonSchema({"type": "array", "items": NUMBER_SCHEMA, "title": "frequencies"})
+        Any, BeforeValidator(frequency_lines), WithJsonSchema({"type": "array", "items": NUMBER_SCHEMA, "title": "frequencies"})
     ] = Field(None, description="Instead of these: the frequencies themselves.")
     modal_damping: Annotated[
         Any,

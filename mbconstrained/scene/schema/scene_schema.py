@@ -20,6 +20,7 @@ from .lumped_tables import LumpedTable
 from .model_tables import MatricesTable, StateSpaceTable, TransferFunctionTable
 from .random_table import RandomTable
 from .robot_tables import RobotTable
+from .shock_table import ShockTable
 
 CONTROL = ("transfer-function", "state-space")
 
@@ -214,6 +215,7 @@ class SceneFile(Table):
     time: TimeTable = Field(description="Where the answer is wanted.")
     frequency: FrequencyTable | None = Field(None, description="The frequency response that is computed, too; left out: none.")
     random: RandomTable | None = Field(None, description="Random vibration, by the command random; left out: none.")
+    shock: ShockTable | None = Field(None, description="Peaks under a shock, by the command shock; left out: the defaults.")
     output: OutputTable = Field(OutputTable(), description="Which files are written, and what the page shows.")
     drawing: DrawingTable | None = Field(None, description="How the model is drawn; left out: automatically.")
 

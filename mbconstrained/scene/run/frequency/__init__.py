@@ -1,1 +1,5 @@
-"""The frequency response of a scene: computed (``scene_frequency``), printed (``frequency_summary``), on its page (``response_page``)."""
+"""Responses of a scene in addition to its run.
+
+Read ``scene_response`` (page and files of each), ``scene_frequency`` (the frequency response), ``frequency_summary`` and ``response_page`` (how it is
+printed and shown), then ``scene_random`` and ``scene_shock``.
+"""

@@ -28,7 +28,9 @@ NO_PEAKS = "There are none in this range."
 def blocks(frequency: SceneFrequency) -> list[str | TextTable]:
     """What is printed: what by what, peaks, antiresonances, notices and files."""
     tables = [peak_table(frequency, MOST_ROWS), antiresonance_table(frequency, MOST_ROWS)]
-    return response_blocks(frequency.scene, facts(frequency), tables, frequency.notices, frequency.files)
+    return response_blocks(
+        (frequency.scene.heading, frequency.scene.table.source), facts(frequency), tables, frequency.notices, frequency.files
+    )
 
 
 def facts(frequency: SceneFrequency) -> tuple[tuple[str, str], ...]:

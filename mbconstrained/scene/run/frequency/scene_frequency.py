@@ -4,28 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....control.transfer.transfer_function import transfer_function_response
-from ....exchange.trajectories import write_arrays
 from ....frequency.features import Antiresonance, Peak, frequencies_by_poles
 from ....frequency.frequency_response import FrequencyResponse, frequency_response
 from ....frequency.plots import AXIS_FACTORS
 from ....frequency.response_files import arrays_of, csv_text
 from ....ground.errors import InputError
-from ....ground.files import Replacements
 from ....ground.notices import Notice
 from ....mechanics.channels import channels
 from ...file.messages import at
-from ...schema.entry_types import Table
 from ...schema.frequency_table import FrequencyTable
-from ...schema.validation import validated
+from .scene_response import SceneResponse
 
 if TYPE_CHECKING:
     from ....mechanics.system import MechanicalSystem
+    from ....page.frequency_page import FrequencyContent
     from ..scene import Scene
 
 #: Outputs times inputs; more are indistinct in plots and take long.
@@ -33,8 +30,6 @@ MOST_RESPONSES = 100
 
 #: Lines for each decade between the limits of a range, besides those that the poles place.
 EACH_DECADE = 40
-
-IMAGES: tuple[Literal["svg", "png"], ...] = ("svg", "png")
 
 INVERSES = ("dynamic stiffness", "impedance", "apparent mass")
 
@@ -47,19 +42,20 @@ class Shown:
     factors: np.ndarray
 
 
-class SceneFrequency:
+class SceneFrequency(SceneResponse):
     """The frequency response of a scene.
 
     Attributes:
         scene: what was read.
         table: [frequency], or the one that the command line gives.
-        files: what was written.
     """
 
+    kind = "frequency"
+
     def __init__(self, scene: Scene, table: FrequencyTable | None = None):
+        super().__init__(scene.name, scene.table.output)
         self.scene = scene
         self.table = table or scene.table.frequency or FrequencyTable()
-        self.files: list[Path] = []
 
     @property
     def axis_factor(self) -> float:
@@ -212,68 +208,18 @@ class SceneFrequency:
         return (*self.scene.notices, *self.scene.equations.form_notices, *own, *self.response.notices)
 
     @property
-    def is_trusted(self) -> bool:
-        """False where a notice warns that values may be wrong."""
-        return not any(notice.doubtful for notice in self.notices)
-
-    def write(self, folder: Path, *, images: bool = False, files: Replacements | None = None) -> list[Path]:
-        """Write NAME.frequency.html, .csv and .npz, as far as [output] requests them, and the plots as SVG and PNG.
-
-        Args:
-            folder: is created if it does not exist.
-            images: whether the plots are written, too.
-            files: take their places together with others; None for these alone.
-
-        Returns:
-            The paths.
-
-        Raises:
-            OSError: they cannot be written.
-        """
-        if files is None:
-            with Replacements() as files:
-                return self.write(folder, images=images, files=files)
-        from ....page.html import write_page
-        from ....page.plots.images import plot_image, plot_images
+    def content(self) -> FrequencyContent:
+        """Plots, tables of peaks and antiresonances, notices, facts."""
         from .response_page import frequency_content
 
-        output, stem, before = self.scene.table.output, folder / f"{self.scene.name}.frequency", len(files.paths)
-        folder.mkdir(parents=True, exist_ok=True)
-        content = frequency_content(self) if output.page or images else None
-        if output.csv:
-            csv = files.temporary(stem.with_name(f"{stem.name}.csv"))
-            csv.write_text(csv_text(self.in_shown_units), encoding="utf-8")
-        if output.npz:
-            write_arrays(files.temporary(stem.with_name(f"{stem.name}.npz")), arrays_of(self.response), ".npz")
-        for name, plot in plot_images(content.plots).items() if content and images else ():
-            for kind in IMAGES:
-                files.temporary(stem.with_name(f"{stem.name}.{name}.{kind}")).write_bytes(plot_image(plot, kind))
-        if content and output.page:
-            write_page(stem.with_name(f"{stem.name}.html"), content, output.viewer, files)
-        written = files.paths[before:]
-        self.files += written
-        return written
+        return frequency_content(self)
 
+    @property
+    def csv(self) -> dict[str, str]:
+        """The values in the units shown."""
+        return {"": csv_text(self.in_shown_units)}
 
-def with_options(scene: Scene, options: dict) -> FrequencyTable:
-    """The table [frequency] of a scene with other values.
-
-    Args:
-        scene: as read.
-        options: by the keys of the table.
-
-    Returns:
-        The table.
-
-    Raises:
-        SceneError: a wrong value.
-    """
-    own = scene.table.frequency
-    base = own.model_dump(exclude_unset=True, by_alias=True) if own else {}
-    if {"from", "to"} & options.keys():
-        base.pop("frequencies", None)
-    return validated({"frequency": {**base, **options}}, scene.file_name, _Options).frequency
-
-
-class _Options(Table):
-    frequency: FrequencyTable
+    @property
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Frequencies, values, error estimates, names and units."""
+        return arrays_of(self.response)

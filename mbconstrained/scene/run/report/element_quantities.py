@@ -11,7 +11,6 @@ import numpy as np
 from ....ground.checks import nearest
 from ....ground.coordinate_units import GROUND, force_unit, rate_unit
 from ....ground.errors import InputError
-from ....models.elements import Damper, Link, TorsionDamper
 from ...file.messages import shown
 
 if TYPE_CHECKING:
@@ -92,7 +91,7 @@ def _between(table, equations: Equations) -> ElementQuantity:
 
 
 def _of_element(table, equations: Equations) -> ElementQuantity:
-    elements = _elements(equations)
+    elements = equations.system.elements if equations.system is not None else {}
     if table.of not in elements:
         there = f"; there are {', '.join(elements)}" if elements else "; the model has no springs and dampers with names"
         raise InputError(f"of: there is no spring or damper {shown(table.of)}{nearest(table.of, elements)}{there}")
@@ -114,42 +113,3 @@ def _of_element(table, equations: Equations) -> ElementQuantity:
         rows,
         constant,
     )
-
-
-def _elements(equations: Equations) -> dict[str, tuple[np.ndarray, float, float, float, str]]:
-    """By name: the elongation by coordinates, that at rest, stiffness, damping, and the unit of the elongation."""
-    if equations.model is not None:
-        return _lumped(equations)
-    return _of_robot(equations) if equations.robot_scene is not None else {}
-
-
-def _lumped(equations: Equations):
-    names, elements = equations.coordinates.names, {}
-    for link in equations.model.elements:
-        if isinstance(link, Link):
-            row = np.array([(name == link.end) - float(name == link.start) for name in names])
-            is_damper = isinstance(link, (Damper, TorsionDamper))
-            stiffness, damping = (0.0, link.constant) if is_damper else (link.constant, 0.0)
-            elements[link.name] = (row, -link.rest, stiffness, damping, "rad" if link.turning else "m")
-    return elements
-
-
-def _of_robot(equations: Equations):
-    """Springs between bodies, elongations from their rest lengths; springs and dampers of joints."""
-    balance, robot = equations.posture.balance, equations.robot
-    size, links = len(equations.coordinates.names), len(robot.coordinates)
-    elements = {}
-    for place, name in enumerate(robot.coordinates):
-        if robot.joint_stiffness[place] or robot.joint_damping[place]:
-            row = np.eye(size)[place]
-            stretch = float(balance.joint_stretch[place]) if robot.joint_stiffness[place] else 0.0
-            elements[name] = (row, stretch, robot.joint_stiffness[place], robot.joint_damping[place], robot.units[place])
-    for item in balance.load.springs:
-        spring = item.connection
-        if hasattr(spring, "preload"):
-            pose = item.pose(balance.kinematics)
-            length = float(np.linalg.norm(pose.value[:3]))
-            row = np.zeros(size)
-            row[:links] = pose.value[:3] @ pose.jacobian[:3] / (length or 1.0)
-            elements[spring.name] = (row, length - item.rest_length, spring.stiffness, spring.damping, "m")
-    return elements

@@ -16,7 +16,6 @@ from .robot_report import posture_json
 
 if TYPE_CHECKING:
     from ..result import Result
-    from ..scene import Scene
 
 
 #: Lines of the short summary, at most: with the command above and the prompt below they fill a screen of 24.
@@ -49,16 +48,16 @@ def blocks(result: Result) -> list[str | TextTable]:
 
 
 def response_blocks(
-    scene: Scene,
+    heads: Iterable[str],
     facts: Iterable[tuple[str, str]],
     tables: Iterable[TextTable | None],
     notices: Iterable[Notice],
     files: Sequence[Path],
 ) -> list[str | TextTable]:
-    """The parts of the summary of a frequency or random response, on lines of a terminal.
+    """The parts of the summary of a response in addition to a run, on lines of a terminal.
 
     Args:
-        scene: its heading and source come first.
+        heads: lines that come first, such as title and source.
         facts: labels and texts.
         tables: None for none.
         notices, files: are listed below.
@@ -66,7 +65,7 @@ def response_blocks(
     Returns:
         Texts and tables.
     """
-    head = "\n".join(line for text in (scene.heading, scene.table.source) for line in wrap(text, WIDTH))
+    head = "\n".join(line for text in heads for line in wrap(text, WIDTH))
     about = "\n".join(line for label, text in facts for line in wrap(f"{label}: {text}", WIDTH, subsequent_indent="  "))
     reported = [line for notice in notices for line in wrap(f"  {notice}", WIDTH, subsequent_indent="    ")]
     lists = [("Notices", reported), ("Written", [f"  {path}" for path in files])]

@@ -11,7 +11,8 @@ from mbconstrained.ground.errors import SceneError
 from mbconstrained.mechanics.vibration.harmonic_equations import QUANTITIES
 from mbconstrained.scene.run.frequency.frequency_summary import as_json, blocks
 from mbconstrained.scene.run.frequency.response_page import frequency_content
-from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency, with_options
+from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency
+from mbconstrained.scene.run.frequency.scene_response import with_options
 from mbconstrained.scene.schema.frequency_table import ResponseQuantity
 from tests.scene.scenes import COEFFICIENTS, OSCILLATOR, scene_of
 
@@ -36,7 +37,7 @@ end = 1
 
 def frequency_of(folder, text, **options):
     scene = scene_of(folder, text)
-    return SceneFrequency(scene, with_options(scene, options))
+    return SceneFrequency(scene, with_options(scene.table.frequency, "frequency", options, scene.file_name))
 
 
 def transmissibility(f, zeta=0.05, natural=50.0):

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....exchange.trajectories import write_arrays
 from ....frequency.features import frequencies_by_poles
 from ....frequency.random.random_response import RandomResponse
 from ....ground.display import TextTable
 from ....ground.errors import InputError
-from ....ground.files import Replacements
 from ....ground.notices import Notice
-from ....page.content import Curve, Plot
-from ....page.frequency_page import FrequencyContent
+from ....page.content import Curve, PageContent, Plot
 from ...file.messages import at
 from ..report.summary import notices_json, response_blocks
+from .scene_response import SceneResponse, csv_of
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -33,17 +30,18 @@ BEYOND = 10.0
 LEAST_SHARE = 1e-12
 
 
-class SceneRandom:
+class SceneRandom(SceneResponse):
     """The random response of a scene.
 
     Attributes:
         scene: what was read.
-        files: what was written.
     """
 
+    kind = "random"
+
     def __init__(self, scene: Scene):
+        super().__init__(scene.name, scene.table.output)
         self.scene = scene
-        self.files: list[Path] = []
 
     @cached_property
     def response(self) -> RandomResponse:
@@ -81,11 +79,6 @@ class SceneRandom:
     def notices(self) -> tuple[Notice, ...]:
         """What is worth knowing, and what makes the values doubtful."""
         return (*self.scene.notices, *self.scene.equations.form_notices, *self.response.notices)
-
-    @property
-    def is_trusted(self) -> bool:
-        """False where a notice warns that values may be wrong."""
-        return not any(notice.doubtful for notice in self.notices)
 
     @cached_property
     def shown(self) -> list[tuple[str, float]]:
@@ -173,68 +166,37 @@ class SceneRandom:
             )
         return tuple(result)
 
-    def write(self, folder: Path, *, images: bool = False) -> list[Path]:
-        """Write NAME.random.html, .csv and .npz, as far as [output] requests them, and the plots as SVG and PNG.
-
-        Args:
-            folder: is created if it does not exist.
-            images: whether the plots are written, too.
-
-        Returns:
-            The paths.
-
-        Raises:
-            OSError: they cannot be written.
-        """
-        from ....page.html import write_page
-        from ....page.plots.images import plot_image, plot_images
-
-        output, stem = self.scene.table.output, folder / f"{self.scene.name}.random"
-        folder.mkdir(parents=True, exist_ok=True)
-        content = FrequencyContent(
-            title=self.scene.title,
-            source=self.scene.table.source,
-            deflections=None,
+    @property
+    def content(self) -> PageContent:
+        """Plots, table, notices, facts."""
+        return PageContent(
+            self.scene.title,
+            self.scene.table.source,
             plots=self.plots,
-            peaks=self.table,
-            peak_frequencies=(),
-            peak_inputs=(),
+            tables=(self.table,),
             notices=self.notices,
             facts=self.facts,
         )
-        with Replacements() as files:
-            if output.csv:
-                files.temporary(stem.with_name(f"{stem.name}.csv")).write_text(self._csv(), encoding="utf-8")
-            if output.npz:
-                arrays = {
-                    "frequencies_hz": self.frequencies,
-                    "psd": self.response.psd(self.frequencies),
-                    "covariance": self.response.covariance,
-                }
-                write_arrays(
-                    files.temporary(stem.with_name(f"{stem.name}.npz")),
-                    {**arrays, "outputs": np.array(self.response.outputs)},
-                    ".npz",
-                )
-            for name, plot in plot_images(content.plots).items() if images else ():
-                for kind in ("svg", "png"):
-                    files.temporary(stem.with_name(f"{stem.name}.{name}.{kind}")).write_bytes(plot_image(plot, kind))
-            if output.page:
-                write_page(stem.with_name(f"{stem.name}.html"), content, output.viewer, files)
-            self.files += files.paths
-        return self.files
 
-    def _csv(self) -> str:
-        heads = [
-            "frequency (Hz)",
-            *(f"{name} (({unit})^2/Hz)".replace(",", ";") for name, (unit, _) in zip(self.response.outputs, self.shown)),
-        ]
-        rows = np.vstack([self.frequencies, self.spectra]).T.tolist()
-        return "\n".join([",".join(heads), *(",".join(map(repr, row)) for row in rows)]) + "\n"
+    @property
+    def csv(self) -> dict[str, str]:
+        """The spectra in the units shown."""
+        heads = [f"{name} (({unit})^2/Hz)" for name, (unit, _) in zip(self.response.outputs, self.shown)]
+        return {"": csv_of({"frequency (Hz)": self.frequencies, **dict(zip(heads, self.spectra))})}
+
+    @property
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Spectra and covariance."""
+        return {
+            "frequencies_hz": self.frequencies,
+            "psd": self.response.psd(self.frequencies),
+            "covariance": self.response.covariance,
+            "outputs": np.array(self.response.outputs),
+        }
 
     def blocks(self) -> list[str | TextTable]:
         """What is printed on 80 columns."""
-        return response_blocks(self.scene, self.facts, [self.table], self.notices, self.files)
+        return response_blocks((self.scene.heading, self.scene.table.source), self.facts, [self.table], self.notices, self.files)
 
     def as_json(self) -> dict:
         """The same as plain data, numbers in SI."""

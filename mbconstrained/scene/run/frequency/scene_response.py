@@ -1,0 +1,153 @@
+"""What a scene may have computed in addition to its run, a frequency response, random vibration, a shock: its page and files."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+
+from ....exchange.trajectories import write_arrays
+from ....ground.files import Replacements
+from ...schema.entry_types import Table
+from ...schema.frequency_table import FrequencyTable
+from ...schema.scene_schema import OutputTable
+from ...schema.shock_table import ShockTable
+from ...schema.validation import validated
+
+if TYPE_CHECKING:
+    from ....ground.notices import Notice
+    from ....page.content import PageContent
+    from ....page.frequency_page import FrequencyContent
+
+IMAGES: tuple[Literal["svg", "png"], ...] = ("svg", "png")
+
+
+class SceneResponse(ABC):
+    """A response with a page, CSV, npz and plots of its own, NAME.KIND and an ending.
+
+    Attributes:
+        kind: the name of its command and of its table.
+        name: of the scene or record.
+        output: which files are requested.
+        files: what was written.
+    """
+
+    kind: ClassVar[str]
+
+    def __init__(self, name: str, output: OutputTable):
+        self.name, self.output = name, output
+        self.files: list[Path] = []
+
+    @property
+    @abstractmethod
+    def content(self) -> PageContent | FrequencyContent:
+        """The content of the page."""
+
+    @property
+    @abstractmethod
+    def csv(self) -> dict[str, str]:
+        """The texts of the CSV files, by what stands before their ending, such as "" or ".peaks"."""
+
+    @property
+    @abstractmethod
+    def arrays(self) -> dict[str, np.ndarray]:
+        """By name, in SI, for the npz file."""
+
+    @property
+    @abstractmethod
+    def notices(self) -> tuple[Notice, ...]:
+        """What is worth knowing, and what makes the values doubtful."""
+
+    @property
+    def is_trusted(self) -> bool:
+        """False where a notice warns that values may be wrong."""
+        return not any(notice.doubtful for notice in self.notices)
+
+    def write(self, folder: Path, *, images: bool = False, files: Replacements | None = None) -> list[Path]:
+        """Write NAME.KIND.html, .csv and .npz, as far as [output] requests them, and the plots as SVG and PNG.
+
+        Args:
+            folder: is created if it does not exist.
+            images: whether the plots are written, too.
+            files: take their places together with others; None for these alone.
+
+        Returns:
+            The paths.
+
+        Raises:
+            OSError: they cannot be written.
+        """
+        if files is None:
+            with Replacements() as files:
+                return self.write(folder, images=images, files=files)
+        from ....page.html import write_page
+        from ....page.plots.images import plot_image, plot_images
+
+        output, stem, before = self.output, f"{self.name}.{self.kind}", len(files.paths)
+        folder.mkdir(parents=True, exist_ok=True)
+        content = self.content if output.page or images else None
+        for part, text in self.csv.items() if output.csv else ():
+            files.temporary(folder / f"{stem}{part}.csv").write_text(text, encoding="utf-8")
+        if output.npz:
+            write_arrays(files.temporary(folder / f"{stem}.npz"), self.arrays, ".npz")
+        for name, plot in plot_images(content.plots).items() if content and images else ():
+            for kind in IMAGES:
+                files.temporary(folder / f"{stem}.{name}.{kind}").write_bytes(plot_image(plot, kind))
+        if content and output.page:
+            write_page(folder / f"{stem}.html", content, output.viewer, files)
+        written = files.paths[before:]
+        self.files += written
+        return written
+
+
+def csv_of(columns: dict[str, np.ndarray]) -> str:
+    """A CSV text with a line of heads.
+
+    Args:
+        columns: of equal length, by their heads, whose commas and line breaks are replaced.
+
+    Returns:
+        The text.
+
+    >>> csv_of({"f (Hz)": np.array([1.0]), "a, b": np.array(["x"])})
+    'f (Hz),a; b\\n1.0,x\\n'
+    """
+    heads = (_cell(head) for head in columns)
+    rows = zip(*(column.tolist() for column in columns.values()))
+    lines = [",".join(heads), *(",".join(_cell(cell) if isinstance(cell, str) else repr(cell) for cell in row) for row in rows)]
+    return "\n".join(lines) + "\n"
+
+
+def _cell(text: str) -> str:
+    return text.replace(",", ";").replace("\n", " ")
+
+
+def with_options(own: Table | None, kind: Literal["frequency", "shock"], options: dict, file_name: str):
+    """The table [frequency] or [shock] of a scene with other values.
+
+    Args:
+        own: as read; None for the defaults.
+        kind: which of both.
+        options: by the keys of the table.
+        file_name: for messages.
+
+    Returns:
+        The table.
+
+    Raises:
+        SceneError: a wrong value.
+    """
+    base = own.model_dump(exclude_unset=True, by_alias=True) if own else {}
+    if {"from", "to"} & options.keys():
+        base.pop("frequencies", None)
+    for key, other in (("damping_ratio", "quality_factor"), ("quality_factor", "damping_ratio")):
+        if key in options:
+            base.pop(other, None)
+    return getattr(validated({kind: {**base, **options}}, file_name, _Options), kind)
+
+
+class _Options(Table):
+    frequency: FrequencyTable | None = None
+    shock: ShockTable | None = None

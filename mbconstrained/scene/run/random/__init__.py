@@ -1,1 +1,0 @@
-"""Random vibration of a scene."""
