@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ground.errors import within_float64
+from ..ground.errors import Overflow, within_float64
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import EPS, PRECISE_STATES, noise_of, rounding_radius
+from ..ground.tolerances import EPS, NOISE_SAFETY, PRECISE_STATES, noise_of, rounding_radius
 from ..linalg.blocks import zeros_of
 from ..linalg.exponential.block_exponential import block_states
 from ..signals.bohl import BohlFunction
@@ -205,7 +205,7 @@ def unsatisfied(x: Response) -> Iterator[Notice]:
 
     Returns:
         Doubtful notices, each with the residual, and the terms that it is relative to. What rounding errors of the sum of modes may
-        cause is none: the error estimate has these.
+        cause is none: the error estimate has these; nor is what rounding errors of the data cause of an answer that is not proved.
     """
     A = x.polynomial_matrix
     jump = x.solution.jump
@@ -227,6 +227,10 @@ def unsatisfied(x: Response) -> Iterator[Notice]:
             noise = noise + own @ rounding + (uncertainty + (x.problem.rank_tolerance or 0.0) * own) @ np.abs(values)
         broken = (np.abs(residual) > np.maximum(EPS**0.5 * terms, noise)) & (terms > 0)
         lost = [(np.abs(off) > np.maximum(EPS**0.5 * size, rounding)) & (size > 0) for off, size, rounding in starts]
+        if x.unproved and (broken.any() or any(row.any() for row in lost)):
+            moved = _moved_by_rounding(x, times)
+            broken &= np.abs(residual) > sum(np.abs(coefficient) @ change for coefficient, change in zip(A.coefficients, moved))
+            lost = [row & (np.abs(off) > change[:, 0]) for row, (off, *_), change in zip(lost, starts, moved)]
     texts = [
         f'equation "{A.equations[row]}" is not satisfied: at t = {times[at]:.6g} s its left side less the force is '
         f"{residual[row, at]:.3g}, its terms add up to {terms[row, at]:.3g}"
@@ -243,12 +247,26 @@ def unsatisfied(x: Response) -> Iterator[Notice]:
         yield Notice(NoticeKind.ACCURACY, f"so are {len(texts) - MOST_UNSATISFIED} others", doubtful=True)
 
 
-def modal_sums(function: BohlFunction, count: int) -> tuple[np.ndarray, list[np.ndarray], np.ndarray, float]:
+def _moved_by_rounding(x: Response, times: np.ndarray) -> list[np.ndarray]:
+    """By how much x, x', ... differ between solutions of data that rounding errors move, shape (r, T) each; zero without such ones.
+
+    Only these are compared with each other: what all of them have lost is not explained by it.
+    """
+    count = x.polynomial_matrix.degree + 1
+    try:
+        sums = [one.solution.sums(count, times) for one in x.moved]
+    except Overflow:
+        return [np.zeros((x.polynomial_matrix.size, len(times)))] * count
+    return [NOISE_SAFETY * np.ptp([rows[order] @ states for _, rows, states, _ in sums], axis=0) for order in range(count)]
+
+
+def modal_sums(function: BohlFunction, count: int, times: np.ndarray | None = None) -> tuple[np.ndarray, list[np.ndarray], np.ndarray, float]:
     """Rows and states whose products are x, x', ... from the fastest to the slowest motion after the first and last knots.
 
     Args:
         function: x as a sum of modes.
         count: how many derivatives.
+        times: other ones, shape (T,).
 
     Returns:
         Times (T,), rows (r, n) for each derivative, states (n, T), and the rate of the fastest motion in 1/s.
@@ -257,9 +275,10 @@ def modal_sums(function: BohlFunction, count: int) -> tuple[np.ndarray, list[np.
     moving = rates[rates > 0]
     rate = float(moving.max(initial=0.0)) or 1.0
     first, last = np.clip([0.1 / rate, 10.0 / moving.min(initial=np.inf if moving.size else 1.0)], *TESTED_RANGE)
-    knots = function.restarts.knots
-    knots = np.unique(np.concatenate([knots[:TESTED_KNOTS], knots[-TESTED_KNOTS:]]))
-    times = np.unique(np.add.outer(knots, np.append(0.0, np.geomspace(first, last, TESTED_TIMES))))
+    if times is None:
+        knots = function.restarts.knots
+        knots = np.unique(np.concatenate([knots[:TESTED_KNOTS], knots[-TESTED_KNOTS:]]))
+        times = np.unique(np.add.outer(knots, np.append(0.0, np.geomspace(first, last, TESTED_TIMES))))
     piece, since = function.restarts.located(times)
     states = block_states(function.blocks, function.restarts.states[:, piece], since)
     rows = [function.derivative(order).coefficients for order in range(count)]

@@ -62,9 +62,9 @@ class PairSolution:
         function = with_series(function, taylor_series(form, initial, start.jump, force))
         return cls(method, pairs, function, coupling, start.jump, start.impulses, later.events)
 
-    def sums(self, count: int) -> tuple[np.ndarray, list[np.ndarray], np.ndarray, float]:
+    def sums(self, count: int, times: np.ndarray | None = None) -> tuple[np.ndarray, list[np.ndarray], np.ndarray, float]:
         """As ``response_notices.modal_sums``."""
-        return modal_sums(self.function, count)
+        return modal_sums(self.function, count, times)
 
     @property
     def is_precise(self) -> bool:

@@ -53,11 +53,11 @@ class ReducedSolution:
         flow = method.flow
         return cls(method, FlowFunction(flow, flow.output, 0, method.evaluations), flow.jump, flow.events)
 
-    def sums(self, count: int) -> tuple[np.ndarray, list[Matrix], np.ndarray, float]:
+    def sums(self, count: int, times: np.ndarray | None = None) -> tuple[np.ndarray, list[Matrix], np.ndarray, float]:
         """As ``response_notices.modal_sums``; of many states that powers serve those of the reduced equations, at 0+ only."""
         flow = self.method.flow
         if flow.reduction.is_small or self.method.evaluations == "many":
-            return modal_sums(self.function.modal, count)
+            return modal_sums(self.function.modal, count, times)
         rows = [FlowFunction(flow, flow.output, order).output for order in range(count)]
         return np.zeros(1), rows, flow.start_with_force[:, None], flow.norm
 
