@@ -260,7 +260,9 @@ def _moved_by_rounding(x: Response, times: np.ndarray) -> list[np.ndarray]:
     return [NOISE_SAFETY * np.ptp([rows[order] @ states for _, rows, states, _ in sums], axis=0) for order in range(count)]
 
 
-def modal_sums(function: BohlFunction, count: int, times: np.ndarray | None = None) -> tuple[np.ndarray, list[np.ndarray], np.ndarray, float]:
+def modal_sums(
+    function: BohlFunction, count: int, times: np.ndarray | None = None
+) -> tuple[np.ndarray, list[np.ndarray], np.ndarray, float]:
     """Rows and states whose products are x, x', ... from the fastest to the slowest motion after the first and last knots.
 
     Args:

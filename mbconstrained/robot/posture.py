@@ -19,7 +19,7 @@ from .connections import BodySpring, PointMotion
 from .equilibrium import LARGEST_STEP, Equilibrium, Search, closed, equilibrium
 from .kinematics import Kinematics
 from .mechanism import TURNING, Attached, untwisted, with_rest_length
-from .regularity import loop_rows, rounded_advice
+from .regularity import loop_rows, rounded_advice, with_all_digits
 
 if TYPE_CHECKING:
     from .robot import Robot
@@ -112,7 +112,7 @@ def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str
     state = equilibrium(Search(robot.tree, load, free, rounded), nearest.configuration)
     if (here := _untwisted(load, robot, state.balance.configuration)) is not load:
         state = equilibrium(Search(robot.tree, here, free, rounded), state.balance.configuration)
-    return _posture(robot, state, free, start, rounded)
+    return _posture(robot, state, free, start, nearest, rounded)
 
 
 def _guess_with_followers(robot: Robot, guess) -> np.ndarray:
@@ -199,9 +199,16 @@ def _assumed_lengths(balance: Balance, robot: Robot, guess: np.ndarray) -> Itera
             yield Notice(NoticeKind.OMITTED, f"{spring.label}: {text}")
 
 
-def _posture(robot: Robot, state: Equilibrium, free: np.ndarray, guess: np.ndarray, rounded: str) -> Posture:
+def _balance_with_all_digits(robot: Robot, q: np.ndarray, guess: np.ndarray) -> Balance:
+    """Of the robot whose rounded angles have all digits, in the configuration with closed loops next to q."""
+    twin = with_all_digits(robot)
+    load = _untwisted(_load(twin, guess, {}), twin, q)
+    return closed(Search(twin.tree, load, np.ones(len(twin.coordinates), bool)), q)
+
+
+def _posture(robot: Robot, state: Equilibrium, free: np.ndarray, guess: np.ndarray, nearest: Balance, rounded: str) -> Posture:
     balance = state.balance
-    rows = loop_rows(balance, rounded)
+    rows = loop_rows(balance, nearest, rounded, lambda: _balance_with_all_digits(robot, balance.configuration, guess))
     left = balance.force - balance.jacobian.T @ state.multipliers
     shared = state.rows.rank < len(rows.kept)
     return Posture(

@@ -13,8 +13,9 @@ motion that the linear equations allow.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from copy import copy, deepcopy
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
@@ -26,7 +27,10 @@ from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import LEFT_OPEN, LOOP_RANK, LOOP_RANK_DOUBTFUL, LOOP_RANK_EXACT, LOOP_RANK_TILTED, SINGULAR_POSTURE
 from .balance import Balance
+from .description.urdf import skeleton
 from .equilibrium import Rows, rows_of
+from .kinematics import Tree, built_model
+from .mechanism import LinkFrames
 
 if TYPE_CHECKING:
     from .robot import Robot
@@ -45,12 +49,14 @@ class LoopRows:
     notices: tuple[Notice, ...]
 
 
-def loop_rows(balance: Balance, rounded: str = "") -> LoopRows:
+def loop_rows(balance: Balance, nearest: Balance, rounded: str, with_all_digits: Callable[[], Balance]) -> LoopRows:
     """The rank of J in a closed configuration, in comparable units.
 
     Args:
         balance: of forces, there.
+        nearest: where the loops are closed next to the guess, before forces move the robot.
         rounded: advice on rounded angles of the robot, or an empty string.
+        with_all_digits: gives the balance of the robot whose rounded angles have all digits.
 
     Returns:
         The independent rows.
@@ -66,15 +72,23 @@ def loop_rows(balance: Balance, rounded: str = "") -> LoopRows:
     kept = tuple(sorted(order[: rows.rank].tolist()))
     empty = np.abs(J).max(axis=1, initial=0.0) <= LOOP_RANK
     notices = _redundant({load.row_names[row]: bool(empty[row]) for row in range(len(J)) if row not in kept})
-    return LoopRows(kept, (*notices, *_narrow(rows, np.abs(rows.combinations.T @ balance.scaled_gaps).max(initial=0.0), rounded)))
+    here = np.abs(rows.combinations.T @ balance.scaled_gaps).max(initial=0.0)
+    open_by = float(min(here, np.abs(nearest.scaled_gaps).max(initial=0.0)))
+    return LoopRows(kept, (*notices, *_narrow(rows, open_by, rounded, with_all_digits)))
 
 
-def _narrow(rows: Rows, open_by: float, rounded: str) -> list[Notice]:
-    """Notices on an unclear rank, rounded data among the reasons: they leave loops open by as much as rows are independent."""
+def _narrow(rows: Rows, open_by: float, rounded: str, with_all_digits: Callable[[], Balance]) -> list[Notice]:
+    """Notices on an unclear rank, rounded data among the reasons.
+
+    They leave loops open by as much as rows are independent, or make them independent where angles with all digits do not.
+    """
     notices, values, rank = [], rows.relative, rows.rank
     if rank < len(values) and values[rank] > LOOP_RANK_EXACT:
         text = f"rows of the loops that were left out are dependent to {values[rank]:.1e} only"
-        if rounded or open_by > LEFT_OPEN * values[rank]:
+        explained = open_by > LEFT_OPEN * values[rank]
+        if rounded and not explained:
+            explained = bool(rows_of(with_all_digits().scaled_jacobian).relative[rank] <= LEFT_OPEN * values[rank])
+        if explained:
             text += (
                 ", as where axes in the URDF are rounded; if this is meant, the robot is near a singular posture: choose another"
             )
@@ -171,6 +185,30 @@ def rounded_advice(robot: Robot) -> str:
     one = len(angles) == 1
     text = f"{', '.join(angles[:MOST_NAMED_ANGLES])}{more} {'is' if one else 'are'} rounded"
     return f"{text}, which tilts axes that may be meant to be parallel: write {'it' if one else 'them'} with all digits (pi/2 is {math.pi / 2!r})"
+
+
+def with_all_digits(robot: Robot) -> Robot:
+    """The robot with the rounded angles of its joints and loops as multiples of pi/4 to all digits; payloads are left out."""
+    twin, description = copy(robot), deepcopy(robot.description)
+    for origin in description.iterfind("joint/origin[@rpy]"):
+        origin.set("rpy", " ".join(repr(_all_digits(text)) for text in origin.get("rpy", "").split()))
+    base, gravity = robot.base != "fixed", robot.model.gravity.linear
+    twin.tree = Tree(built_model(skeleton(description), base, robot.locked, gravity))
+    twin.link_frames = LinkFrames(twin.model, {})
+    twin.loops = tuple(
+        replace(
+            loop,
+            rotation1=[_all_digits(repr(angle)) for angle in loop.rotation1],
+            rotation2=[_all_digits(repr(angle)) for angle in loop.rotation2],
+        )
+        for loop in robot.loops
+    )
+    return twin
+
+
+def _all_digits(text: str) -> float:
+    eighths = rounded_to(text)
+    return float(text) if eighths is None else eighths * math.pi / 4
 
 
 def _of_joints(description: ElementTree.Element) -> Iterator[str]:

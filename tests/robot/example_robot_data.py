@@ -69,7 +69,7 @@ LEGGED = {
 
 
 def standing(name: str, seed: int):
-    """(robot, guess): on three or four feet, or on two soles, near the posture of the SRDF; joint springs and dampers of any size."""
+    """(robot, guess): on two to four feet, or on two soles, near the posture of the SRDF; joint springs and dampers of any size."""
     rng = np.random.default_rng(seed)
     urdf, srdf, feet, kind = LEGGED[name]
     tree = ElementTree.parse(file(srdf)) if srdf else ElementTree.ElementTree(ElementTree.Element("robot"))
@@ -81,7 +81,7 @@ def standing(name: str, seed: int):
         low, high = bare.limits.get(joint, (-np.inf, np.inf))
         value = given.get(joint, [0.0])[0] + 0.1 * rng.standard_normal()
         guess[joint] = float(np.clip(value, low + 0.01, high - 0.01))
-    standing_on = feet.split()[: rng.integers(3, 5)]
+    standing_on = feet.split()[: 2 + seed % 3]
     loops = [mb.Loop(foot, (0, 0, 0), "ground", kind=kind, name=foot) for foot in standing_on]
     stiffness, damping = ({name: float(10 ** rng.uniform(*decades)) for name in guess} for decades in ((1.5, 3.5), (-1, 1)))
     robot = mb.Robot(file(urdf), loops=loops, base="free", joint_stiffness=stiffness, joint_rest=guess, joint_damping=damping)

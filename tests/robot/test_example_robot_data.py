@@ -83,7 +83,8 @@ def test_legged_robots_are_trusted_where_they_are_right(name, seed):
     robot, guess = example_robot_data.standing(name, seed)
     system = robot.linearize(robot.equilibrium(guess, hold="all"))
     N = null_space(system.constraint_matrix)
-    start = 0.01 * N @ np.random.default_rng(seed).standard_normal(N.shape[1])
+    rng = np.random.default_rng(seed)
+    start = 0.01 * N @ (rng.standard_normal(N.shape[1]) if seed % 2 else N.T[:, rng.integers(6, system.size)])  # of few legs
     motion = system.solve(displacement=start)
     M, C, K = (N.T @ matrix @ N for matrix in (system.mass, system.damping, system.stiffness))
     n, times = len(M), np.linspace(0.0, 1.0, 11)

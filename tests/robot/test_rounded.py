@@ -111,3 +111,22 @@ def test_a_parallel_crank_is_redundant_without_a_doubt(turned):
     posture = robot.equilibrium(guess)
     assert len(robot.coordinates) - len(posture.independent_rows) == 1
     assert not any(notice.doubtful for notice in posture.notices)
+
+
+def standing_twice_on_a_foot(distance: float) -> mb.Posture:
+    """The quadruped, one foot of which stands on two points at a distance from each other."""
+    bare, data = mb.read_robot("robots/quadruped")
+    second = np.array(bare.loops[0].point1) + distance * np.array([0.6, 0.0, 0.8])
+    loops = [*bare.loops, mb.Loop(bare.loops[0].body1, tuple(second), "ground", name="second point")]
+    guess = data.posture["guess"]
+    closed = bare.equilibrium(guess, hold="all")
+    return mb.Robot(data.names.path, loops=loops, base="free").equilibrium(closed.configuration, hold="all")
+
+
+@pytest.mark.parametrize("digits", range(2, 15, 2))
+def test_a_second_point_of_a_foot_is_never_left_out_without_a_doubt(digits):
+    """It takes two motions; where it lies so near to the first that they count as one, only rounding errors need no notice."""
+    posture = standing_twice_on_a_foot(10.0**-digits)
+    independent = len(posture.independent_rows)
+    assert independent == 12 + 2 * (digits <= 4)
+    assert any(notice.doubtful for notice in posture.notices) == (4 <= digits < 12)

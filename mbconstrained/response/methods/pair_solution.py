@@ -63,7 +63,15 @@ class PairSolution:
         return cls(method, pairs, function, coupling, start.jump, start.impulses, later.events)
 
     def sums(self, count: int, times: np.ndarray | None = None) -> tuple[np.ndarray, list[np.ndarray], np.ndarray, float]:
-        """As ``response_notices.modal_sums``."""
+        """As ``response_notices.modal_sums``.
+
+        Args:
+            count: how many derivatives.
+            times: other ones than those of the test, shape (T,).
+
+        Returns:
+            Times, rows, states and the rate of the fastest motion.
+        """
         return modal_sums(self.function, count, times)
 
     @property

@@ -54,7 +54,15 @@ class ReducedSolution:
         return cls(method, FlowFunction(flow, flow.output, 0, method.evaluations), flow.jump, flow.events)
 
     def sums(self, count: int, times: np.ndarray | None = None) -> tuple[np.ndarray, list[Matrix], np.ndarray, float]:
-        """As ``response_notices.modal_sums``; of many states that powers serve those of the reduced equations, at 0+ only."""
+        """As ``response_notices.modal_sums``; of many states that powers serve those of the reduced equations, at 0+ only.
+
+        Args:
+            count: how many derivatives.
+            times: other ones than those of the test, shape (T,).
+
+        Returns:
+            Times, rows, states and the rate of the fastest motion.
+        """
         flow = self.method.flow
         if flow.reduction.is_small or self.method.evaluations == "many":
             return modal_sums(self.function.modal, count, times)
