@@ -263,6 +263,9 @@ LIGHT_DAMPING, UNDAMPED = 1e-2, 1e10 * EPS**2
 #: Integrals of spectra have smaller relative rounding errors than this, or their panels are halved, and values at their nodes solved for.
 SPECTRAL_ACCURACY = 1e-13
 
+#: Variances from stacked poles serve up to this estimated relative error, which adds the bounds of all modes: true errors are a hundredth.
+STACKED_VARIANCE = 1e-9
+
 #: Variances with larger estimated errors have a notice.
 REPORTED_ERROR = 1e-9
 

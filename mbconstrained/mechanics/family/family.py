@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,6 +18,7 @@ from ..system import MechanicalSystem
 from .family_frequency_response import FamilyFrequencyResponse, family_frequency_response
 from .family_modes import FamilyModes, family_modes
 from .family_motion import FamilyMotion
+from .family_random_response import FamilyRandomResponse, family_random_response
 from .stacked_equations import StackedEquations, stacked_equations
 from .stacked_poles import StackedPoles, stacked_poles
 
@@ -172,3 +173,19 @@ class Family(Displayed):
             A ``FamilyFrequencyResponse``.
         """
         return family_frequency_response(self, frequencies_hz, inputs, outputs, quantity, relative_to)
+
+    def random_response(self, excitation: Mapping, outputs=None, quantity: str = "displacement", **options) -> FamilyRandomResponse:
+        """The RMS values of all systems under the same random excitation.
+
+        Args:
+            excitation, outputs, quantity, options: as of ``MechanicalSystem.random_response``.
+
+        Returns:
+            A ``FamilyRandomResponse``.
+
+        >>> import mbconstrained as mb
+        >>> systems = mb.family([[1.0]], [[0.5]], [[[2.0]], [[8.0]]])
+        >>> systems.random_response({"x1": mb.white_noise(4.0)}).rms.round(12).tolist()  # sqrt(G / (4 c k))
+        [[1.0], [0.5]]
+        """
+        return family_random_response(self, excitation, outputs, quantity, options)

@@ -46,6 +46,10 @@ class StackedPoles:
     shape_errors: np.ndarray
     serve: np.ndarray
 
+    def of(self, members) -> StackedPoles:
+        """Those of some models, by a slice or an array of places."""
+        return StackedPoles(*(getattr(self, each.name)[members] for each in fields(self)))
+
 
 def stacked_poles(equations: StackedEquations, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> StackedPoles:
     """The poles of all models.

@@ -196,3 +196,40 @@ def test_refused(arguments, message):
         systems.frequency_response([1.0], ["force"])
     with pytest.raises(IndexError):
         systems[2]
+
+
+def supported():
+    """Chains on a moving base, in absolute coordinates."""
+    M, C, K = chains(4)
+    M[:, 4, 4] = 0.0
+    return family(M, C, K, [Constraint([0, 0, 0, 0, 1.0], names="base")])
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+def test_rms_values_are_those_of_each_system(quantity):
+    base = mb.psd([0.01, 0.1, 0.5, 3.0], [1e-3, 0.2, 0.2, 0.01], of="acceleration")
+    force = mb.psd([0.05, 2.0, 5.0], [1.0, 0.5, 0.1], of="force")
+    options = dict(relative_to="x5") if quantity == "displacement" else {}
+    for systems, excitation in (
+        (supported(), {"base": base}),
+        (family(*chains(4)), {"x1": force, "x3": force}),
+        (family(*chains(4)), {"x2": mb.white_noise(0.3)}),
+    ):
+        if quantity == "acceleration" and "x2" in excitation:
+            continue  # infinite
+        responses = systems.random_response(excitation, ["x1", "x4"], quantity, **options)
+        assert not len(responses.alone)
+        for place, system in enumerate(systems):
+            own = system.random_response(excitation, ["x1", "x4"], quantity, **options).rms
+            assert (np.abs(responses.rms[place] - own) <= np.maximum(1e-12, responses.error_estimate[place]) * own).all()
+            assert np.allclose(responses.rms[place], own, rtol=1e-10)
+
+
+def test_infinite_and_undamped_variances_are_those_of_each_system():
+    M, C, K = chains(3)
+    C[1] = 0.0
+    systems = family(M, C, K)
+    responses = systems.random_response({"x1": mb.white_noise(1.0)}, ["x2"])
+    assert responses.alone.tolist() == [1] and np.isinf(responses.rms[1]).all() and np.isfinite(responses.rms[::2]).all()
+    assert np.isinf(systems.random_response({"x1": mb.white_noise(1.0)}, ["x1"], "acceleration").rms).all()
+    assert responses[2].rms == pytest.approx(responses.rms[2], rel=1e-12)
