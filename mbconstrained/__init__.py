@@ -11,7 +11,7 @@ from .control.state_space import StateSpace
 from .control.state_space_response import StateSpaceResponse
 from .control.transfer.matrix_fraction import matrix_fraction_response
 from .control.transfer.transfer_function import TransferFunctionResponse, transfer_function_response
-from .ground.display import Presented
+from .ground.display import Presented, Studied
 from .ground.errors import (
     ContradictoryConstraints,
     IllConditioned,
@@ -86,6 +86,9 @@ _LATE = {
     "Robot": "robot.robot",
     "Geometry": "exchange.universal",
     "Record": "scene.build.record_file",
+    "Sweep": "studies.sweep.sweep",
+    "SweepResult": "studies.sweep.sweep_result",
+    "linspace": "scene.quantities.variations",
     "read_matrix": "exchange.matrices",
     "read_record": "scene.build.record_file",
     "read_robot": "scene.build.robot_file",
@@ -102,10 +105,15 @@ def _presentation():
     return import_module(".scene.python_models", __name__)
 
 
+def _studies():
+    return import_module(".studies.sweep.sweep", __name__)
+
+
 MechanicalSystem.to_state_space = to_state_space
 MechanicalSystem.to_dict = system_to_dict
 Response.exact_engine = staticmethod(_exact_engine)
 Presented.presentation = staticmethod(_presentation)
+Studied.studies = staticmethod(_studies)
 
 
 def __getattr__(name: str):
@@ -176,6 +184,8 @@ __all__ = [
     "StateSpace",
     "StateSpaceResponse",
     "SteadyState",
+    "Sweep",
+    "SweepResult",
     "SymbolicPolynomialMatrix",
     "SymbolicResponse",
     "TransferFunctionResponse",
@@ -186,6 +196,7 @@ __all__ = [
     "frequency_response",
     "harmonic",
     "impulse",
+    "linspace",
     "matrix_fraction_response",
     "power",
     "pulse",

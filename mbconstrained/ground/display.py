@@ -111,6 +111,34 @@ class Presented(Displayed):
         return type(self).presentation().view(self, height, **options)
 
 
+class Studied(Displayed):
+    """A public object of which studies are made, by a room that imports this one: the package's own first file sets ``studies``."""
+
+    studies: ClassVar[Callable[[], Any]]
+
+    def sweep(self, parameters=None, **options):
+        """A study of many samples of parameters, which ``run`` computes.
+
+        Args:
+            parameters: by name or place a range (``linspace``), a list, numbers, or a text such as "1..3 N/mm:50" or "normal(10 kg, 2 %)"; in
+                addition to those of [vary].
+            options: method, samples, seed, correlation, keep, limits and chunk, as in the table [vary].
+
+        Returns:
+            A ``Sweep``.
+
+        Raises:
+            InputError: an unknown or unused parameter, a range of the wrong kind, empty or reversed.
+
+        >>> import mbconstrained as mb
+        >>> scene = mb.read_scene("examples/tuned_mass_damper.toml")
+        >>> study = scene.sweep({"zeta": mb.linspace(0.1, 0.2, 3)}, keep=["response peaks"])
+        >>> study, study.run().values("response peak")[:, 0].round(7).tolist()
+        (Sweep(tuned_mass_damper, 3 samples of zeta), [7.55e-05, 6.8e-05, 8.08e-05])
+        """
+        return type(self).studies().sweep(self, parameters, **options)
+
+
 def notice_table(notices: Sequence[Notice]) -> TextTable:
     """Notices by kind and text."""
     return TextTable("Notices", ("kind", "text"), tuple((notice.kind, notice.text) for notice in notices))

@@ -146,7 +146,7 @@ def machine() -> dict[str, str]:
         "processor": _processor(),
         "cores": str(os.cpu_count() or "unknown"),
         "system": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
-        "packages": ", ".join(f"{name} {number}" for name in PACKAGES if (number := _version(name))),
+        "packages": ", ".join(f"{name} {number}" for name in PACKAGES if (number := version_of(name))),
     }
 
 
@@ -160,7 +160,8 @@ def _processor() -> str:
     return platform.processor() or platform.machine() or "unknown"
 
 
-def _version(name: str) -> str:
+def version_of(name: str) -> str:
+    """The version of an installed package; an empty string where it is not installed."""
     with suppress(PackageNotFoundError):
         return version(name)
     return ""

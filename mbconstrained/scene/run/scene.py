@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...ground.display import Displayed
+from ...ground.display import Studied
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import noise_of
@@ -19,7 +19,7 @@ from ...response.problem import Problem
 from ..build.equations import Equations, equations_of
 from ..build.free_motions import free_motion_notices
 from ..file.includes import read_tables
-from ..file.messages import at
+from ..file.messages import SceneName, at
 from ..quantities.output_units import OutputUnits
 from ..quantities.parameters import Parameters, with_parameters
 from ..quantities.quantities import count_texts
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Scene(Displayed):
+class Scene(Studied):
     """A scene that was read, checked and assembled; nothing is solved yet.
 
     Attributes:
@@ -238,8 +238,35 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     """
     path = Path(path)
     costs = Costs()
-    data, name = read_tables(path)
-    name, overrides = with_settings(data, name, settings or {})
+    scene = assembled(path, *read_tables(path), settings or {}, costs)
+    if scene.table.drawing and (scene.table.drawing.body or scene.table.drawing.link or scene.equations.robot):
+        from .picture.scene_drawing import check_drawing
+
+        check_drawing(scene)
+    costs.lap("assemble the model")
+    scene.equations.polynomial_matrix.jordan_pairs()
+    costs.lap("scaling and staircase")
+    return scene
+
+
+def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, Any], costs: Costs | None = None) -> Scene:
+    """The scene of tables that were read; whether its equations determine a motion is not seen yet.
+
+    Args:
+        path: of the file, for its name and for data files next to it.
+        data: the tables, in which the settings are set in place.
+        name: of the file, for messages.
+        settings: as of ``read_scene``.
+        costs: where the stages are measured.
+
+    Returns:
+        The ``Scene``.
+
+    Raises:
+        SceneError: as ``read_scene``.
+    """
+    costs = costs or Costs()
+    name, overrides = with_settings(data, name, settings)
     unit_texts = count_texts({key: data[key] for key in data if key not in ("title", "source")})
     costs.lap("read the scene")
     if unit_texts:
@@ -254,15 +281,7 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
         coordinates = replace(equations.coordinates, shown=OutputUnits(table.output.units))
         equations = replace(equations, coordinates=coordinates)
     check_output(table.output, equations, name, getattr(table.model, "modal_damping", None) is not None)
-    scene = Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name)
-    if table.drawing and (table.drawing.body or table.drawing.link or equations.robot):
-        from .picture.scene_drawing import check_drawing
-
-        check_drawing(scene)
-    costs.lap("assemble the model")
-    equations.polynomial_matrix.jordan_pairs()
-    costs.lap("scaling and staircase")
-    return scene
+    return Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name)
 
 
 def check_output(output, equations: Equations, file_name: str, modal_damping: bool = False) -> None:

@@ -21,6 +21,7 @@ from .model_tables import MatricesTable, StateSpaceTable, TransferFunctionTable
 from .random_table import RandomTable
 from .robot_tables import RobotTable
 from .shock_table import ShockTable
+from .vary_table import VaryTable
 
 CONTROL = ("transfer-function", "state-space")
 
@@ -216,6 +217,7 @@ class SceneFile(Table):
     frequency: FrequencyTable | None = Field(None, description="The frequency response that is computed, too; left out: none.")
     random: RandomTable | None = Field(None, description="Random vibration, by the command random; left out: none.")
     shock: ShockTable | None = Field(None, description="Peaks under a shock, by the command shock; left out: the defaults.")
+    vary: VaryTable | None = Field(None, description="Parameters that the commands sweep and optimise vary; left out: named there.")
     output: OutputTable = Field(OutputTable(), description="Which files are written, and what the page shows.")
     drawing: DrawingTable | None = Field(None, description="How the model is drawn; left out: automatically.")
 

@@ -81,10 +81,11 @@ class SceneFrequency(SceneResponse):
             SceneError: unknown names, a quantity that does not fit, too many responses.
         """
         with at(self.scene.file_name, "frequency"):
-            empty = self._without_lines()
-            return empty(self._lines(empty))
+            return self.empty(self._lines(self.empty))
 
-    def _without_lines(self) -> FrequencyResponse:
+    @cached_property
+    def empty(self) -> FrequencyResponse:
+        """H without frequencies yet, but with its poles and peaks."""
         table, equations = self.table, self.scene.equations
         if self.system is not None:
             inputs, outputs = self._inputs(), self._outputs()
@@ -109,6 +110,27 @@ class SceneFrequency(SceneResponse):
         response = fraction.frequency_response([])
         of_input, of_output = control.inputs.names, control.outputs.names
         return replace(response, harmonic=replace(response.harmonic, input_names=of_input, output_names=of_output))
+
+    @cached_property
+    def largest(self) -> tuple[np.ndarray, np.ndarray]:
+        """The largest |H| of each entry in the range, at a peak or at an end, and its frequency in Hz, shape (outputs, inputs) each.
+
+        Of a range that the poles place, and of an entry without peak, the values are NaN.
+        """
+        empty, table = self.empty, self.table
+        ends = table.lines[[0, -1]] if not table.is_auto else [end for end in (table.lowest, table.highest) if end is not None]
+        limits = (min(ends), max(ends)) if len(ends) == 2 else (table.lowest or 0.0, table.highest or np.inf)
+        amplitudes, places = (np.full((len(empty.outputs), len(empty.inputs)), np.nan) for _ in range(2))
+        found = [(peak.output, peak.input, peak.frequency_hz, peak.amplitude) for peak in empty.peaks]
+        at_ends = empty(ends) if len(ends) else None
+        if at_ends is not None:
+            pairs = np.ndindex(at_ends.values.shape)
+            found += [(empty.outputs[i], empty.inputs[j], ends[k], float(np.abs(at_ends.values[i, j, k]))) for i, j, k in pairs]
+        for output, name, frequency, amplitude in found:
+            at = empty.outputs.index(output), empty.inputs.index(name)
+            if limits[0] <= frequency <= limits[1] and not amplitude <= amplitudes[at]:
+                amplitudes[at], places[at] = amplitude, frequency
+        return amplitudes, places
 
     def coordinate_response(self) -> FrequencyResponse:
         """The displacements of all coordinates of a mechanical system by the inputs, without frequencies yet."""

@@ -50,30 +50,33 @@ class SceneRandom(SceneResponse):
         Raises:
             SceneError: no table [random], unknown names, units that do not fit.
         """
-        table, equations = self.scene.table.random, self.scene.equations
         with at(self.scene.file_name, "random"):
-            if table is None:
-                raise InputError(
-                    "the scene has no table [random]; give its inputs as [[random.input]], with on, of, frequencies and values"
-                )
-            if equations.control is not None or equations.system is None:
-                raise InputError("random vibration needs a model with mass, damping and stiffness")
-            excitation = {entry.on: entry.spectrum for entry in table.input}
-            if len(excitation) < len(table.input):
-                raise InputError("two [[random.input]] have the same name in on; add their spectra")
-            delays = {entry.on: entry.delay for entry in table.input} if any(entry.delay for entry in table.input) else None
-            prescribed = {coordinate for motion in self.scene.table.motion for coordinate, _ in motion.rows.values()}
-            free = [name for name in equations.system.names if name not in prescribed]
-            outputs = table.outputs or (None if table.quantity == "reaction" else free)
-            return equations.system.random_response(
-                excitation,
-                outputs,
-                table.quantity,
-                relative_to=table.relative_to,
-                modal_damping=table.modal_damping,
-                coherence=table.coherence,
-                delays=delays,
+            arguments, options = self.arguments
+            return self.scene.equations.system.random_response(*arguments, **options)
+
+    @property
+    def arguments(self) -> tuple[tuple, dict]:
+        """Those of ``MechanicalSystem.random_response``.
+
+        Raises:
+            InputError: no table [random], two inputs of one name, a model without mass, damping and stiffness.
+        """
+        table, equations = self.scene.table.random, self.scene.equations
+        if table is None:
+            raise InputError(
+                "the scene has no table [random]; give its inputs as [[random.input]], with on, of, frequencies and values"
             )
+        if equations.control is not None or equations.system is None:
+            raise InputError("random vibration needs a model with mass, damping and stiffness")
+        excitation = {entry.on: entry.spectrum for entry in table.input}
+        if len(excitation) < len(table.input):
+            raise InputError("two [[random.input]] have the same name in on; add their spectra")
+        delays = {entry.on: entry.delay for entry in table.input} if any(entry.delay for entry in table.input) else None
+        prescribed = {coordinate for motion in self.scene.table.motion for coordinate, _ in motion.rows.values()}
+        free = [name for name in equations.system.names if name not in prescribed]
+        outputs = table.outputs or (None if table.quantity == "reaction" else free)
+        further = {key: getattr(table, key) for key in ("relative_to", "modal_damping", "coherence")}
+        return (excitation, outputs, table.quantity), {**further, "delays": delays}
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:

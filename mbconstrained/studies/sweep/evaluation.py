@@ -1,0 +1,268 @@
+"""One chunk of samples: each becomes a scene; those of one structure are solved together as a family, the others one by one.
+
+The same chunk always has the same bits, whoever computes it: on one thread, from plain data, without state.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...ground.errors import MbconstrainedError
+from ...ground.threads import SMALL, one_thread
+from ...mechanics.family.family import Family
+from ...mechanics.system import MechanicalSystem
+from ...scene.file.messages import SceneName
+from ...scene.run.curves import ORDERS, functions_of
+from ...scene.run.frequency.scene_frequency import SceneFrequency
+from ...scene.run.frequency.scene_random import SceneRandom
+from ...scene.run.plan import Plan
+from ...scene.run.result import Result
+from ...scene.run.scene import Scene, assembled
+from .quantities import Variable, eigenvalues_of, response_lines
+
+#: Errors that are the answer of a sample: its equations have none, or its data are wrong.
+FAILURES = (MbconstrainedError, ArithmeticError, np.linalg.LinAlgError)
+
+#: Letters of a reason.
+LONGEST_REASON = 160
+
+#: Its array: whether a sample has an answer.
+ANSWERED, FAILED = 1, 2
+
+
+@dataclass(frozen=True)
+class Job:
+    """A scene and what is kept of its samples, as plain data that other processes can be given.
+
+    Attributes:
+        path: of the scene file.
+        data: its tables.
+        origins: of the entries that come from other files.
+        settings: values that all samples share.
+        variables: what is kept.
+    """
+
+    path: str
+    data: dict
+    origins: Mapping
+    settings: Mapping[str, Any]
+    variables: tuple[Variable, ...]
+
+    def scene(self, row: Mapping[str, Any]) -> Scene:
+        """The scene of a sample.
+
+        Args:
+            row: its values by parameter or place.
+
+        Returns:
+            The scene; whether its equations determine a motion is not seen yet.
+
+        Raises:
+            SceneError: something in it is wrong.
+        """
+        path = Path(self.path)
+        name = SceneName(path.name, self.origins)
+        return assembled(path, copy.deepcopy(self.data), name, {**self.settings, **row})
+
+
+class SampleFamily(Family):
+    """A family whose members are the systems of scenes, which know more than their matrices, such as the elements in them."""
+
+    members: tuple[MechanicalSystem, ...]
+
+    @classmethod
+    def of(cls, systems: Sequence[MechanicalSystem]) -> SampleFamily:
+        """The family of systems of one structure."""
+        arrays = (np.stack([getattr(one, key) for one in systems]) for key in ("mass", "damping", "stiffness", "static_force"))
+        result = cls(systems[0], *arrays)
+        object.__setattr__(result, "members", tuple(systems))
+        return result
+
+    def __getitem__(self, index: int) -> MechanicalSystem:
+        return self.members[index]
+
+
+def evaluate(job: Job, rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
+    """What is kept of some samples.
+
+    Args:
+        job: the scene.
+        rows: the values of each sample.
+
+    Returns:
+        An array over the samples by the name of each variable, NaN where there is no answer; "status" (1 answered, 2 failed) and
+        "reason", texts.
+    """
+    with one_thread(SMALL), np.errstate(all="ignore"):
+        return _Chunk(job, rows).arrays()
+
+
+class _Chunk:
+    """Some samples with their scenes, and the reasons of those without an answer."""
+
+    def __init__(self, job: Job, rows: Sequence[Mapping[str, Any]]):
+        self.job, self.count = job, len(rows)
+        self.reasons = [""] * len(rows)
+        self.values = {one.name: np.full((len(rows), *one.shape), np.nan) for one in job.variables}
+        self.scenes: dict[int, Scene] = {}
+        for place, row in enumerate(rows):
+            self._try([place], lambda place=place, row=row: self.scenes.update({place: job.scene(row)}))
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Values, status and reasons."""
+        by_source: dict[str, list[Variable]] = {}
+        for variable in self.job.variables:
+            by_source.setdefault(variable.source, []).append(variable)
+        for source, variables in by_source.items():
+            compute = getattr(self, "_" + source.lower().replace(" ", "_"))
+            for group in self._groups(alike=source in ("modes", "random RMS", "motion")):
+                self._together(compute, variables, group)
+        failed = np.array([bool(reason) for reason in self.reasons])
+        for values in self.values.values():
+            values[failed] = np.nan
+        texts = np.array([reason[:LONGEST_REASON] for reason in self.reasons], dtype=f"<U{LONGEST_REASON}")
+        return {**self.values, "status": np.where(failed, FAILED, ANSWERED).astype(np.uint8), "reason": texts}
+
+    def _together(self, compute, variables: list[Variable], group: list[int]) -> None:
+        """Compute for a group; where that fails, for each of its samples alone."""
+        if len(group) > 1:
+            try:
+                compute(variables, group)
+                return
+            except FAILURES:
+                group = list(group)
+        for place in group:
+            self._try([place], lambda place=place: compute(variables, [place]))
+
+    def _try(self, places: list[int], work) -> None:
+        try:
+            work()
+        except FAILURES as problem:
+            for place in places:
+                self.reasons[place] = self.reasons[place] or (str(problem).strip() or type(problem).__name__).replace("\n", " ")
+
+    def _groups(self, alike: bool) -> list[list[int]]:
+        """The samples that have no reason yet, those of one structure together."""
+        groups: list[list[int]] = []
+        for place, scene in self.scenes.items():
+            if self.reasons[place]:
+                continue
+            group = next((one for one in groups if alike and _alike(self.scenes[one[0]], scene)), None)
+            if group is None:
+                groups.append([place])
+            else:
+                group.append(place)
+        return groups
+
+    def _modes(self, variables: list[Variable], group: list[int]) -> None:
+        if len(group) > 1:
+            values = list(SampleFamily.of(self._systems(group)).modes().eigenvalues)
+        else:
+            values = [eigenvalues_of(self.scenes[group[0]])]
+        for place, own in zip(group, values):
+            own = own[own.imag > 0]
+            own = own[np.argsort(np.abs(own), kind="stable")]
+            modulus = np.abs(own)
+            results = {"frequency": modulus / (2 * np.pi), "damping ratio": -own.real / modulus}
+            for variable in variables:
+                count = min(len(own), variable.shape[0])
+                self.values[variable.name][place, :count] = results[variable.name][:count]
+
+    def _response_peaks(self, variables: list[Variable], group: list[int]) -> None:
+        for place in group:
+            largest = SceneFrequency(self.scenes[place]).largest
+            for variable, rows in zip(variables, largest):
+                self.values[variable.name][place] = rows.ravel()
+
+    def _response_curves(self, variables: list[Variable], group: list[int]) -> None:
+        for place in group:
+            frequency = SceneFrequency(self.scenes[place])
+            response = frequency.empty(response_lines(frequency))
+            for variable, row in zip(variables, np.abs(response.values).reshape(len(variables), -1)):
+                self.values[variable.name][place] = row
+
+    def _random_rms(self, variables: list[Variable], group: list[int]) -> None:
+        scene = self.scenes[group[0]]
+        response = SceneRandom(scene).response
+        if len(group) == 1:
+            self.values["random RMS"][group] = response.rms
+            return
+        family = SampleFamily.of(self._systems(group))
+        excitation, options = SceneRandom(scene).arguments
+        self.values["random RMS"][group] = family.random_response(*excitation, **options).rms
+
+    def _motion(self, variables: list[Variable], group: list[int]) -> None:
+        own = [one for one in variables if one.curve[0] in ("displacement", "velocity", "output") and one.statistic != "peak"]
+        if len(group) == 1 or not own:
+            for place in group:
+                self._single_motion(variables, place)
+            return
+        scene = self.scenes[group[0]]
+        start = np.array([self.scenes[place].equations.initial for place in group])
+        motions = SampleFamily.of(self._systems(group)).solve(start[:, 0], start[:, 1], scene.equations.force)
+        late = np.array([one.time for one in own if one.statistic == "at"])
+        times = np.concatenate([scene.times, late])
+        for kind in dict.fromkeys(one.curve[0] for one in own):
+            values = motions(times) if kind != "velocity" else motions.velocity(times)
+            if kind == "output":
+                values = np.array([scene.equations.output_values(times, each) for each in values])
+            self._store(own, group, kind, values, len(scene.times), late)
+        for place in group if len(own) < len(variables) else ():
+            self._single_motion([one for one in variables if one not in own], place)
+
+    def _single_motion(self, variables: list[Variable], place: int) -> None:
+        result = Result(self.scenes[place], Plan(()))
+        late = np.array([one.time for one in variables if one.statistic == "at"])
+        times = np.concatenate([result.times, late])
+        sampled = [one for one in variables if one.statistic != "peak"]
+        for kind in dict.fromkeys(one.curve[0] for one in sampled):
+            values = functions_of(result, kind)(times)[None]
+            self._store(sampled, [place], kind, values, len(result.times), late)
+        for kind in dict.fromkeys(one.curve[0] for one in variables if one.statistic == "peak"):
+            peaks = result.motion.peaks(float(result.times[-1]), kind)
+            for one in variables:
+                if one.statistic == "peak" and one.curve[0] == kind:
+                    self.values[one.name][place] = peaks.largest[one.curve[1]]
+
+    def _store(self, variables: list[Variable], group: list[int], kind: str, values: np.ndarray, count: int, late) -> None:
+        """Statistics of curves, shape (S, rows, T): the first of the times are those of the scene, the others late ones."""
+        for one in (one for one in variables if one.curve[0] == kind):
+            row = values[:, one.curve[1]]
+            if one.statistic == "at":
+                self.values[one.name][group] = row[:, count + int(np.flatnonzero(late == one.time)[0])]
+            else:
+                self.values[one.name][group] = _STATISTICS[one.statistic](row[:, :count])
+
+    def _systems(self, group: list[int]) -> list[MechanicalSystem]:
+        return [self.scenes[place].equations.system for place in group]
+
+
+_STATISTICS = {
+    "largest": lambda rows: np.abs(rows).max(axis=1),
+    "maximum": lambda rows: rows.max(axis=1),
+    "minimum": lambda rows: rows.min(axis=1),
+    "RMS": lambda rows: np.sqrt(np.mean(rows**2, axis=1)),
+    "curve": lambda rows: rows,
+}
+
+
+def _alike(one: Scene, other: Scene) -> bool:
+    """Whether two scenes have systems of arrays that differ in their matrices, values at 0- and static forces only."""
+    first, second = one.equations.system, other.equations.system
+    if type(first) is not MechanicalSystem or type(second) is not MechanicalSystem or first.is_sparse or second.is_sparse:
+        return False
+    if first.gyroscopic is not None or second.gyroscopic is not None or one.equations.control or other.equations.control:
+        return False
+    tables = (one.table.force, one.table.motion, one.table.random, one.table.time)
+    if first.names != second.names or tables != (other.table.force, other.table.motion, other.table.random, other.table.time):
+        return False
+    rows = list(zip(first.rows, second.rows))
+    return len(first.rows) == len(second.rows) and all(
+        a.level == b.level and a.value == b.value and np.array_equal(a.coefficients, b.coefficients) for a, b in rows
+    )

@@ -1,0 +1,215 @@
+"""The study of a scene over many samples: checked at the start, computed in chunks by whoever there is, and kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ...ground.checks import counted, nearest, whole_number
+from ...ground.display import Displayed
+from ...ground.errors import InputError, MbconstrainedError, SceneError
+from ...scene.file.includes import read_tables
+from ...scene.file.messages import shown
+from ...scene.quantities.variations import Values, Variation
+from ...scene.schema.validation import validated
+from ...scene.schema.vary_table import VaryTable
+from ..timing import version_of
+from .evaluation import Job
+from .execution import by_dask, by_processes, hashes, in_process
+from .quantities import Variable, variables_of
+from .samples import Samples
+from .store import Chunks, Memory, Store, variable_data
+from .sweep_result import SweepResult
+
+if TYPE_CHECKING:
+    from ...scene.run.scene import Scene
+
+#: Samples of a chunk: as many as chunks, within these limits, so that a worker has some, and an interruption costs little.
+LEAST_CHUNK, MOST_CHUNK, USUAL_CHUNKS = 8, 256, 64
+
+MOST_WORKERS = 1024
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Sweep(Displayed):
+    """A study of many samples of a scene's parameters; ``run`` computes it.
+
+    Attributes:
+        scene: the scene as it is in the file.
+        samples: of the parameters.
+        variables: what is kept of each.
+        job: what workers are given.
+        table: [vary] with what was given in addition.
+    """
+
+    scene: Scene
+    samples: Samples
+    variables: tuple[Variable, ...]
+    job: Job
+    table: VaryTable
+
+    def _summary(self) -> str:
+        return f"{self.scene.name}, {counted(len(self.samples), 'sample')} of {', '.join(self.samples.variations)}"
+
+    @property
+    def chunk(self) -> int:
+        """Samples that are computed and stored together; it depends on their number alone."""
+        return self.table.chunk or min(max(len(self.samples) // USUAL_CHUNKS, LEAST_CHUNK), MOST_CHUNK)
+
+    def run(
+        self,
+        store: str | Path | None = None,
+        workers: int | None = None,
+        dask: str | None = None,
+        progress: Progress | None = None,
+    ) -> SweepResult:
+        """Compute the samples that are missing.
+
+        Args:
+            store: a folder, such as "k.zarr", that keeps them, so that an interrupted run goes on from there; None for memory.
+            workers: processes of this machine, one chunk at a time each; None for this process.
+            dask: instead, the address of the scheduler of a Dask cluster.
+            progress: called with the number of chunks that are done, and of all.
+
+        Returns:
+            The ``SweepResult``. It has the same bits whoever computed it.
+
+        Raises:
+            InputError: the store is of another study, the cluster does not answer.
+            OSError: the disk is full.
+        """
+        if workers is not None and whole_number(workers, "workers", minimum=1) > MOST_WORKERS:
+            raise InputError(f"workers: found {workers}; expected at most {MOST_WORKERS}")
+        if workers is not None and dask is not None:
+            raise InputError("workers and dask cannot both be given; leave out one of them")
+        texts = [text for values in self.samples.grid.values() if values.is_text for text in values.values]
+        files = hashes(self.job, texts)
+        chunks = self._chunks(store, files)
+        missing = list(chunks.missing())
+        work = ((number, self.samples.rows(chunks.at(number))) for number in missing)
+        done = chunks.count - len(missing)
+        report = progress or (lambda done, count: None)
+        report(done, chunks.count)
+        if dask is not None and missing:
+            answers = by_dask(self.job, work, dask, files)
+        elif workers is not None and missing:
+            answers = by_processes(self.job, work, min(workers, len(missing)))
+        else:
+            answers = in_process(self.job, work)
+        try:
+            for number, arrays in answers:
+                chunks.write(number, arrays)
+                done += 1
+                report(done, chunks.count)
+        except (MbconstrainedError, KeyboardInterrupt) as problem:
+            raise _with_advice(problem, done, chunks) from None
+        finally:
+            answers.close()
+        return SweepResult(self.scene, self.samples, self.variables, self.table, self.job, chunks)
+
+    def _chunks(self, store: str | Path | None, files: Mapping[str, str]) -> Chunks:
+        arguments = (self.samples, self.variables, self.chunk)
+        if store is None:
+            return Memory(*arguments)
+        vary = {
+            "parameters": {name: one.as_data() for name, one in self.samples.variations.items()},
+            "chunk": self.chunk,
+            **self.table.model_dump(include={"method", "samples", "seed", "correlation"}),
+        }
+        description = {
+            "scene": {key: value for key, value in self.job.data.items() if key not in ("title", "source", "drawing")},
+            "set": dict(self.job.settings),
+            "files": dict(files),
+            "vary": vary,
+            "keep": variable_data(self.variables),
+            "versions": {name: version_of(name) for name in ("mbconstrained", "numpy", "scipy")},
+        }
+        return Store(Path(store), description, *arguments)
+
+
+class StudyInterrupted(KeyboardInterrupt):
+    """A study that the user interrupted; the text says how to go on."""
+
+
+def _with_advice(problem: BaseException, done: int, chunks: Chunks) -> BaseException:
+    """The problem with what is stored and how to go on."""
+    stored = f"{done} of {chunks.count} chunks are stored; the same command goes on from there"
+    text = stored if isinstance(chunks, Store) else "nothing is stored; give a store to be able to go on"
+    if isinstance(problem, KeyboardInterrupt):
+        return StudyInterrupted(f"interrupted: {text}")
+    return type(problem)(f"{problem}; {text}")
+
+
+def sweep(scene: Scene, parameters: Mapping[str, Any] | None = None, **options) -> Sweep:
+    """The study of a scene; see ``Scene.sweep``.
+
+    Args:
+        scene: that was read from a file.
+        parameters: variations by the name of a parameter or place.
+        options: as in the table [vary].
+
+    Returns:
+        The ``Sweep``.
+
+    Raises:
+        InputError: an unknown or unused parameter, a range of the wrong kind.
+    """
+    own = scene.table.vary
+    given = {} if own is None else {name: getattr(own, name) for name in own.model_fields_set}
+    given = {**given, **options, "parameters": {**given.get("parameters", {}), **(parameters or {})}}
+    table = validated(given, "vary", VaryTable)
+    samples = Samples(table.parameters, table)
+    data, name = read_tables(scene.path)
+    data.pop("vary", None)
+    settings = {setting.name: setting.value for setting in scene.settings}
+    job = Job(str(scene.path), data, dict(name.origins), settings, ())
+    middle = _middle(job, scene, samples)
+    job = Job(job.path, job.data, job.origins, job.settings, variables_of(table.keep, middle))
+    return Sweep(scene, samples, job.variables, job, table)
+
+
+def _middle(job: Job, scene: Scene, samples: Samples) -> Scene:
+    """The scene of the middle sample, by which units and uses of the parameters are checked."""
+    for name, variation in samples.variations.items():
+        if name in job.settings:
+            raise InputError(f'"{name}" is set and varied; do one of them')
+        _check_unit(job, name, variation)
+    middle = job.scene(samples.nominal)
+    middle.equations.polynomial_matrix.jordan_pairs()  # a motion is determined
+    for name in samples.variations:
+        if name in middle.parameters.unused:
+            used = [other for other in scene.parameters.values if other not in middle.parameters.unused]
+            raise InputError(f'nothing in the scene uses the parameter "{name}"; vary one that is used{nearest(name, used)}: {", ".join(used)}')
+    return middle
+
+
+def _check_unit(job: Job, name: str, variation: Variation) -> None:
+    """Whether the scene takes a value with the unit of the variation."""
+    value, unit = variation.nominal, variation.unit
+    if isinstance(variation, Values) and variation.is_text:
+        return
+    try:
+        job.scene({name: f"{value!r} {unit}" if unit and unit != "1" else value})
+    except SceneError as problem:
+        raise SceneError(f"{shown(name)} cannot be varied: {str(problem).replace('--set: ', '')}") from None
+
+
+def optional_names(texts: Sequence[str]) -> dict[str, str]:
+    """Names and texts of --vary NAME=TEXT.
+
+    >>> optional_names(["k=1..3 N/mm:50"])
+    {'k': '1..3 N/mm:50'}
+    """
+    result = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise InputError(f'--vary: found "{text}"; expected NAME=VALUES, e.g. "k=1..3 N/mm:50" or "m=normal(10 kg, 2 %)"')
+        if name in result:
+            raise InputError(f'--vary: "{name}" is varied twice; give it one range, list or distribution')
+        result[name] = value
+    return result

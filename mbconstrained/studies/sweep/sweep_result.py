@@ -1,0 +1,232 @@
+"""What came of the samples of a study: arrays by name, figures with their statistics, samples without an answer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...ground.checks import counted, nearest, optional_package
+from ...ground.display import Displayed, TextTable, number_text
+from ...ground.errors import InputError
+from ...scene.file.messages import shown
+from ...scene.quantities.quantities import quantity
+from ...scene.schema.vary_table import VaryTable
+from .evaluation import ANSWERED, Job
+from .quantities import Variable
+from .samples import Samples
+from .statistics import Estimate, SobolIndices, Summary, exceedance, sobol_indices, summary
+from .store import REASON, STATUS, Chunks, column_name
+
+if TYPE_CHECKING:
+    from ...scene.run.scene import Scene
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A single number of each sample.
+
+    Attributes:
+        name: such as "frequency 1".
+        unit: in SI.
+        variable: that it is part of.
+        place: in the variable.
+    """
+
+    name: str
+    unit: str
+    variable: Variable
+    place: tuple[int, ...]
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class SweepResult(Displayed):
+    """The samples of a study with what was kept of each.
+
+    Attributes:
+        scene: of the study.
+        samples: of its parameters.
+        variables: what was kept.
+        table: [vary].
+        job: makes the scene of a sample.
+        chunks: where the arrays are.
+    """
+
+    scene: Scene
+    samples: Samples
+    variables: tuple[Variable, ...]
+    table: VaryTable
+    job: Job
+    chunks: Chunks
+
+    def _summary(self) -> str:
+        failed = len(self.samples) - int(self.answered.sum())
+        return f"{self.scene.name}, {counted(len(self.samples), 'sample')}{f', {failed} without an answer' if failed else ''}"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        from .sweep_report import SweepReport
+
+        return SweepReport(self).tables
+
+    def __len__(self) -> int:
+        return len(self.samples)
+
+    @cached_property
+    def answered(self) -> np.ndarray:
+        """Which samples have an answer, shape (S,)."""
+        return self.chunks.read(STATUS) == ANSWERED
+
+    @property
+    def failures(self) -> dict[int, str]:
+        """The reasons of the samples without an answer, by their numbers from 0."""
+        places = np.flatnonzero(~self.answered).tolist()
+        reasons = self.chunks.read(REASON) if places else []
+        return {place: str(reasons[place]) for place in places}
+
+    def parameter(self, name: str) -> np.ndarray:
+        """The values of a varied parameter, numbers in SI or texts, shape (S,)."""
+        if name not in self.samples.variations:
+            raise InputError(f'"{name}" is not varied{nearest(name, self.samples.variations)}; there are {", ".join(self.samples.variations)}')
+        return self.samples.column(name)
+
+    def values(self, name: str) -> np.ndarray:
+        """A kept variable or figure over the samples, NaN for those without an answer.
+
+        Args:
+            name: such as "frequency" or "frequency 1".
+
+        Returns:
+            Numbers in SI, shape (S,), of a variable with an axis (S, n).
+
+        Raises:
+            InputError: nothing of this name was kept.
+        """
+        if name in (one.name for one in self.variables):
+            return self.chunks.read(name)
+        figure = self.figures.get(name)
+        if figure is None:
+            known = list(dict.fromkeys([*(one.name for one in self.variables), *self.figures]))
+            raise InputError(f"{shown(name)} was not kept{nearest(name, known)}; there are {', '.join(known[:20])}")
+        return self.chunks.read(figure.variable.name, figure.place)
+
+    @cached_property
+    def figures(self) -> dict[str, Figure]:
+        """The single numbers of each sample, by name."""
+        pairs = ((name, one, place) for one in self.variables for name, place in one.figures())
+        return {name: Figure(name, one.unit, one, place) for name, one, place in pairs}
+
+    def statistics(self, name: str) -> Summary:
+        """Moments and quantiles of a figure."""
+        return summary(self.independent(name))
+
+    def independent(self, name: str) -> np.ndarray:
+        """The values of a figure in the samples drawn from the distributions."""
+        return self.values(name)[: self.samples.independent] if self.samples.is_random else self.values(name)
+
+    @property
+    def limits(self) -> dict[str, float]:
+        """Limits of figures in SI.
+
+        Raises:
+            InputError: no such figure, a limit of another unit.
+        """
+        result = {}
+        for name, limit in self.table.limits.items():
+            figure = self._figure(name)
+            unit = figure.unit if figure.unit != "1" else "1"
+            try:
+                result[figure.name] = float(quantity(limit, unit)) if unit and " or " not in unit else float(quantity(limit, "1"))
+            except InputError as problem:
+                raise InputError(f'limits: "{name}": {problem}') from None
+        return result
+
+    def _figure(self, name: str) -> Figure:
+        if name not in self.figures:
+            raise InputError(f'limits: there is no figure "{name}"{nearest(name, self.figures)}; there are {", ".join(list(self.figures)[:20])}')
+        return self.figures[name]
+
+    def exceedance(self, name: str, limit: float) -> Estimate:
+        """The probability that a figure exceeds a limit in SI.
+
+        Raises:
+            InputError: the samples are no random ones.
+        """
+        if not self.samples.is_random:
+            raise InputError("probabilities need distributions of all parameters; here some have given values")
+        return exceedance(self.independent(self._figure(name).name), limit)
+
+    def sobol_indices(self, name: str) -> SobolIndices:
+        """The shares of the variance of a figure that each parameter causes.
+
+        Raises:
+            InputError: another method than saltelli, a sample without an answer.
+        """
+        if self.table.method != "saltelli":
+            raise InputError('Sobol indices need method = "saltelli"')
+        return sobol_indices(self.values(name), self.table.samples)
+
+    def sample_scene(self, number: int) -> Scene:
+        """The scene of a sample.
+
+        Args:
+            number: from 0.
+
+        Returns:
+            The scene, ready to be run.
+        """
+        return self.job.scene(self.samples.rows(slice(number, number + 1))[0])
+
+    def to_xarray(self):
+        """All as one ``xarray.Dataset`` over the samples, units as attributes.
+
+        Raises:
+            MissingPackage: xarray is not installed.
+        """
+        xarray = optional_package("xarray", "to_xarray")
+        variables: dict[str, Any] = {}
+        for name, one in self.samples.variations.items():
+            variables[column_name(name)] = ("sample", self.samples.column(name), {"units": one.unit} if one.unit else {})
+        coordinates: dict[str, Any] = {}
+        for variable in self.variables:
+            axes = ["sample", *([variable.axis] if variable.axis else [])]
+            variables[variable.name] = (axes, self.chunks.read(variable.name), {"units": variable.unit})
+            coordinates |= {variable.axis: list(variable.labels)} if variable.axis else {}
+        variables |= {name: ("sample", self.chunks.read(name)) for name in (STATUS, REASON)}
+        return xarray.Dataset(variables, coordinates, {"source": "mbconstrained"})
+
+    def csv(self) -> str:
+        """Parameters and figures of each sample as CSV, numbers in SI."""
+        from ...scene.run.frequency.scene_response import csv_of
+
+        units = {name: one.unit for name, one in self.samples.variations.items()}
+        columns = {f"{name} ({unit})" if (unit := units[name]) else name: self.samples.column(name) for name in units}
+        columns |= {f"{one.name} ({one.unit})" if one.unit not in ("", "1") else one.name: self.values(one.name) for one in self.figures.values()}
+        return csv_of({"sample": np.arange(len(self)), **columns, REASON: self.chunks.read(REASON)})
+
+
+def estimate_text(estimate: Estimate, factor: float = 1.0) -> str:
+    """A number with its interval.
+
+    >>> estimate_text(Estimate(1.0, 0.5, 2.0))
+    '1 (0.5 to 2)'
+    """
+    value = number_text(factor * estimate.value)
+    if np.isnan(estimate.low) or np.isnan(estimate.high):
+        return value
+    return f"{value} ({factor * estimate.low:.4g} to {factor * estimate.high:.4g})"
+
+
+def shown_units(units, figures: Mapping[str, Figure]) -> dict[str, tuple[str, float]]:
+    """The unit of each figure on the page, and the factor of values in it.
+
+    Args:
+        units: of [output].
+        figures: by name.
+
+    Returns:
+        By the same names.
+    """
+    return {name: units.of(one.unit) if " or " not in one.unit else (one.unit, 1.0) for name, one in figures.items()}
