@@ -54,8 +54,8 @@ def answer(path: str, json: bool, work: Callable[[Scene], int | None], settings:
     leave(Path(path).name, json, lambda: work(read(path, values)))
 
 
-def setting(text: str) -> tuple[str, Any]:
-    """Name and value of a --set.
+def setting(text: str, option: str = "--set") -> tuple[str, Any]:
+    """Name and value of a --set, or of another option of this form.
 
     >>> setting("k=3 N/mm")
     ('k', '3 N/mm')
@@ -64,7 +64,7 @@ def setting(text: str) -> tuple[str, Any]:
 
     name, equals, value = (part.strip() for part in text.partition("="))
     if not (name and equals and value):
-        raise typer.BadParameter(f'found "{text}"; expected NAME=VALUE, e.g. k="3 N/mm" or time.end=20', param_hint="--set")
+        raise typer.BadParameter(f'found "{text}"; expected NAME=VALUE, e.g. k="3 N/mm" or time.end=20', param_hint=option)
     return name, value_of(value)
 
 

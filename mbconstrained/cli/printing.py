@@ -80,6 +80,28 @@ def step_progress() -> Iterator[Callable[[str], None] | None]:
         yield status.update
 
 
+@contextmanager
+def bar_progress(what: str) -> Iterator[Callable[[int, int], None] | None]:
+    """A bar with the remaining time, in a terminal only; it is called with what is done, and with all.
+
+    Args:
+        what: before the bar.
+
+    Yields:
+        The function, or None.
+    """
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task(what, total=None)
+        yield lambda done, total: progress.update(task, completed=done, total=total)
+
+
 def _text_of(block: str | TextTable, width: int) -> str:
     return table_text(block, width) if isinstance(block, TextTable) else wrapped(block, width)
 

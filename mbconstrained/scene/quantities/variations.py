@@ -184,7 +184,9 @@ def _of_text(text: str) -> Variation:
         first, _, last = match[1].partition("..")
         (low, high), kind = _numbers([first.strip(), last.strip()])
         if not low < high:
-            raise InputError(f"found {shown(text)}, a range that is {'empty' if low == high else 'reversed'}; expected one that ascends")
+            raise InputError(
+                f"found {shown(text)}, a range that is {'empty' if low == high else 'reversed'}; expected one that ascends"
+            )
         if match[2] is None:
             return Distribution("uniform", low, high, unit=_unit(kind))
         count = _count(int(match[2]) if match[2].isdecimal() else match[2], low, high)
@@ -215,7 +217,9 @@ def _distribution(kind: str, parts: Sequence[str], text: str) -> Distribution:
             raise InputError(f"found {shown(text)}; expected the two ends, e.g. uniform(1 kg, 2 kg)")
         (low, high), dimension = _numbers(list(parts))
         if not low < high:
-            raise InputError(f"found {shown(text)}, whose range is {'empty' if low == high else 'reversed'}; expected ends that ascend")
+            raise InputError(
+                f"found {shown(text)}, whose range is {'empty' if low == high else 'reversed'}; expected ends that ascend"
+            )
         return Distribution(kind, low, high, unit=_unit(dimension))
     if len(parts) not in (2, 3):
         raise InputError(
@@ -233,7 +237,9 @@ def _distribution(kind: str, parts: Sequence[str], text: str) -> Distribution:
     if kind == "lognormal" and not mean > 0:
         raise InputError(f"found {shown(text)}; a lognormal distribution has a positive mean")
     if not low < high:
-        raise InputError(f"found {shown(text)}, whose limits are {'equal' if low == high else 'reversed'}; expected limits that ascend")
+        raise InputError(
+            f"found {shown(text)}, whose limits are {'equal' if low == high else 'reversed'}; expected limits that ascend"
+        )
     result = Distribution(kind, mean, deviation, low, high, _unit(dimension))
     if not result.mass > 0:
         raise InputError(f"found {shown(text)}; the distribution has no values between its limits")

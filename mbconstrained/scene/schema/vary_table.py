@@ -57,7 +57,9 @@ class VaryTable(Table):
         description='What is kept of each sample: "frequencies", "response peaks", "random RMS", "maximum x", "x at 2 s", "curve x" …; '
         "left out: frequencies, response peaks and RMS values, and the largest values of the plotted coordinates.",
     )
-    limits: dict[Text, Any] = Field({}, description='Whose exceedance has its probability estimated, e.g. { "largest x" = "5 mm" }.')
+    limits: dict[Text, Any] = Field(
+        {}, description='Whose exceedance has its probability estimated, e.g. { "largest x" = "5 mm" }.'
+    )
     chunk: int | None = Field(None, ge=1, le=100_000, description="Samples that are computed and stored together.")
 
     @model_validator(mode="after")

@@ -169,7 +169,7 @@ class _Chunk:
             own = own[own.imag > 0]
             own = own[np.argsort(np.abs(own), kind="stable")]
             modulus = np.abs(own)
-            results = {"frequency": modulus / (2 * np.pi), "damping ratio": -own.real / modulus}
+            results = {"frequency": modulus / (2 * np.pi), "damping ratio": 0.0 - own.real / modulus}
             for variable in variables:
                 count = min(len(own), variable.shape[0])
                 self.values[variable.name][place, :count] = results[variable.name][:count]

@@ -103,7 +103,9 @@ def _worker(listener: Listener, key: bytes, job: Job, stack: ExitStack) -> Conne
     threads = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     path = os.pathsep.join(filter(None, (str(_PACKAGE), os.environ.get("PYTHONPATH", ""))))
     process = subprocess.Popen(
-        [sys.executable, "-c", _PROGRAM, str(listener.address)], stdin=subprocess.PIPE, env={**os.environ, **threads, "PYTHONPATH": path}
+        [sys.executable, "-c", _PROGRAM, str(listener.address)],
+        stdin=subprocess.PIPE,
+        env={**os.environ, **threads, "PYTHONPATH": path},
     )
     stack.callback(_end, process)
     process.stdin.write(key)
@@ -197,7 +199,9 @@ def evaluate_there(job: Job, rows: Sequence[Mapping[str, Any]], files: Mapping[s
     for name, known in files.items():
         path = folder / name
         if not _has_content(path, known):
-            raise InputError(f"the worker {os.uname().nodename} has not the same file {path}; share the folder of the scene with the cluster")
+            raise InputError(
+                f"the worker {os.uname().nodename} has not the same file {path}; share the folder of the scene with the cluster"
+            )
     with _ONE_CHUNK:
         return evaluate(job, rows)
 
@@ -215,7 +219,9 @@ def _client(distributed, address: str, stack: ExitStack):
         return stack.enter_context(distributed.Client(address, timeout=PATIENCE - 2, set_as_default=False))
     except (OSError, TimeoutError, ValueError) as problem:
         reason = (str(problem).splitlines() or [type(problem).__name__])[0][:160]
-        raise InputError(f"--dask: no Dask cluster answers at {address} within {PATIENCE:g} s ({reason}); give the address of a scheduler") from None
+        raise InputError(
+            f"--dask: no Dask cluster answers at {address} within {PATIENCE:g} s ({reason}); give the address of a scheduler"
+        ) from None
 
 
 def _checked_workers(client, address: str) -> int:

@@ -6,9 +6,9 @@ A text names one, such as "frequencies", "largest velocity of cart" or "cart at 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -80,7 +80,58 @@ class Variable:
             return []
         if not self.axis:
             return [(self.name, ())]
-        return [(f"{self.name} {label}" if len(self.labels) > 1 else self.name, (i,)) for i, label in enumerate(self.labels)]
+        numbered = len(self.labels) > 1 or self.axis == "mode"
+        return [(f"{self.name} {label}" if numbered else self.name, (i,)) for i, label in enumerate(self.labels)]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A single number of each sample.
+
+    Attributes:
+        name: such as "frequency 1".
+        unit: in SI.
+        variable: that it is part of.
+        place: in the variable.
+    """
+
+    name: str
+    unit: str
+    variable: Variable
+    place: tuple[int, ...]
+
+
+def figures_of(variables: Sequence[Variable]) -> dict[str, Figure]:
+    """The single numbers of a sample, by name."""
+    pairs = ((name, one, place) for one in variables for name, place in one.figures())
+    return {name: Figure(name, one.unit, one, place) for name, one, place in pairs}
+
+
+def limits_of(limits: Mapping[str, Any], figures: Mapping[str, Figure]) -> dict[str, float]:
+    """Limits in SI.
+
+    Args:
+        limits: numbers in SI or texts with units, by the names of figures.
+        figures: those that are kept.
+
+    Returns:
+        Numbers by name.
+
+    Raises:
+        InputError: no such figure, a limit of another unit.
+    """
+    result = {}
+    for name, limit in limits.items():
+        if name not in figures:
+            raise InputError(
+                f'limits: there is no figure "{name}"{nearest(name, figures)}; there are {", ".join(list(figures)[:20])}'
+            )
+        unit = figures[name].unit
+        try:
+            result[name] = float(quantity(limit, "1" if " or " in unit else unit or "1"))
+        except InputError as problem:
+            raise InputError(f'limits: "{name}": {problem}') from None
+    return result
 
 
 def variables_of(keep: Sequence[str] | None, scene: Scene) -> tuple[Variable, ...]:
@@ -208,7 +259,9 @@ class _Curves:
     def place(self, name: str, text: str) -> tuple[tuple[str, int], str]:
         """Kind and row of a curve, and its unit."""
         kind, of, own = name.partition(" of ")
-        kinds = [kind] if of and kind in self.names else [kind for kind in self.names if kind in ("displacement", "quantity", "output")]
+        kinds = (
+            [kind] if of and kind in self.names else [kind for kind in self.names if kind in ("displacement", "quantity", "output")]
+        )
         own = own if of and kind in self.names else name
         for kind in kinds:
             if own in self.names[kind]:

@@ -140,7 +140,9 @@ class Samples:
         try:
             L = np.linalg.cholesky(R)
         except np.linalg.LinAlgError:
-            raise InputError("correlation: no random numbers have these correlations; their matrix is not positive definite") from None
+            raise InputError(
+                "correlation: no random numbers have these correlations; their matrix is not positive definite"
+            ) from None
         return ndtr(np.einsum("ij,sj->si", L, ndtri(points)))
 
 
@@ -164,7 +166,9 @@ def _check_method(samples: Samples) -> None:
         raise InputError(f'method: "{method}" samples distributions, and only given values are varied; leave it out')
     if method in ("sobol", "saltelli") and random and table.samples & (table.samples - 1):
         power = 1 << (table.samples - 1).bit_length()
-        raise InputError(f"samples: found {table.samples}; Sobol's points are balanced in powers of two: give {power} or {power // 2}")
+        raise InputError(
+            f"samples: found {table.samples}; Sobol's points are balanced in powers of two: give {power} or {power // 2}"
+        )
     if method == "saltelli" and samples.grid:
         raise InputError(f"Sobol indices need distributions of all parameters, and {next(iter(samples.grid))} has given values")
     if method == "one at a time" and (text := next((name for name, one in samples.grid.items() if one.is_text), None)):

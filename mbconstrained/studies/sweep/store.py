@@ -160,7 +160,9 @@ class Store(Chunks):
                 self._group[name][at] = values
         except OSError as problem:
             done = self.count - sum(1 for _ in self.missing())
-            text = f"{problem.strerror or problem}; {done} of {self.count} chunks are stored, and the same command goes on from there"
+            text = (
+                f"{problem.strerror or problem}; {done} of {self.count} chunks are stored, and the same command goes on from there"
+            )
             raise OSError(problem.errno, text, str(self.path)) from None
 
     def read(self, name: str, where: tuple = ()) -> np.ndarray:
@@ -209,7 +211,9 @@ class Store(Chunks):
             attributes["meaning"] = "1 answered, 2 without answer, which has its reason"
         fill = float("nan") if kind is float else None if kind is np.uint8 else ""  # xarray takes what equals the fill for missing
         chunks = (self.size, *([length] if axis else []))
-        group.create_array(name, shape=shape, chunks=chunks, dtype=kind, fill_value=fill, compressors=_compressor(), attributes=attributes)
+        group.create_array(
+            name, shape=shape, chunks=chunks, dtype=kind, fill_value=fill, compressors=_compressor(), attributes=attributes
+        )
 
     def _check(self) -> None:
         """Whether the store is of this study."""

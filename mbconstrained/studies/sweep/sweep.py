@@ -18,10 +18,10 @@ from ...scene.schema.vary_table import VaryTable
 from ..timing import version_of
 from .evaluation import Job
 from .execution import by_dask, by_processes, hashes, in_process
-from .quantities import Variable, variables_of
+from .quantities import Variable, figures_of, limits_of, variables_of
 from .samples import Samples
 from .store import Chunks, Memory, Store, variable_data
-from .sweep_result import SweepResult
+from .sweep_result import ONLY_RANDOM, SweepResult
 
 if TYPE_CHECKING:
     from ...scene.run.scene import Scene
@@ -169,6 +169,8 @@ def sweep(scene: Scene, parameters: Mapping[str, Any] | None = None, **options) 
     job = Job(str(scene.path), data, dict(name.origins), settings, ())
     middle = _middle(job, scene, samples)
     job = Job(job.path, job.data, job.origins, job.settings, variables_of(table.keep, middle))
+    if limits_of(table.limits, figures_of(job.variables)) and not samples.is_random:
+        raise InputError(ONLY_RANDOM)
     return Sweep(scene, samples, job.variables, job, table)
 
 
@@ -183,7 +185,9 @@ def _middle(job: Job, scene: Scene, samples: Samples) -> Scene:
     for name in samples.variations:
         if name in middle.parameters.unused:
             used = [other for other in scene.parameters.values if other not in middle.parameters.unused]
-            raise InputError(f'nothing in the scene uses the parameter "{name}"; vary one that is used{nearest(name, used)}: {", ".join(used)}')
+            raise InputError(
+                f'nothing in the scene uses the parameter "{name}"; vary one that is used{nearest(name, used)}: {", ".join(used)}'
+            )
     return middle
 
 
@@ -196,20 +200,3 @@ def _check_unit(job: Job, name: str, variation: Variation) -> None:
         job.scene({name: f"{value!r} {unit}" if unit and unit != "1" else value})
     except SceneError as problem:
         raise SceneError(f"{shown(name)} cannot be varied: {str(problem).replace('--set: ', '')}") from None
-
-
-def optional_names(texts: Sequence[str]) -> dict[str, str]:
-    """Names and texts of --vary NAME=TEXT.
-
-    >>> optional_names(["k=1..3 N/mm:50"])
-    {'k': '1..3 N/mm:50'}
-    """
-    result = {}
-    for text in texts:
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if not (name and equals and value):
-            raise InputError(f'--vary: found "{text}"; expected NAME=VALUES, e.g. "k=1..3 N/mm:50" or "m=normal(10 kg, 2 %)"')
-        if name in result:
-            raise InputError(f'--vary: "{name}" is varied twice; give it one range, list or distribution')
-        result[name] = value
-    return result

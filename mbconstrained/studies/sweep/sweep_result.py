@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -10,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...ground.checks import counted, nearest, optional_package
-from ...ground.display import Displayed, TextTable, number_text
+from ...ground.display import Displayed, TextTable
 from ...ground.errors import InputError
 from ...scene.file.messages import shown
-from ...scene.quantities.quantities import quantity
 from ...scene.schema.vary_table import VaryTable
 from .evaluation import ANSWERED, Job
-from .quantities import Variable
+from .quantities import Figure, Variable, figures_of, limits_of
 from .samples import Samples
 from .statistics import Estimate, SobolIndices, Summary, exceedance, sobol_indices, summary
 from .store import REASON, STATUS, Chunks, column_name
@@ -25,21 +23,7 @@ if TYPE_CHECKING:
     from ...scene.run.scene import Scene
 
 
-@dataclass(frozen=True)
-class Figure:
-    """A single number of each sample.
-
-    Attributes:
-        name: such as "frequency 1".
-        unit: in SI.
-        variable: that it is part of.
-        place: in the variable.
-    """
-
-    name: str
-    unit: str
-    variable: Variable
-    place: tuple[int, ...]
+ONLY_RANDOM = "limits: probabilities need distributions of all parameters, and some have given values"
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -89,7 +73,9 @@ class SweepResult(Displayed):
     def parameter(self, name: str) -> np.ndarray:
         """The values of a varied parameter, numbers in SI or texts, shape (S,)."""
         if name not in self.samples.variations:
-            raise InputError(f'"{name}" is not varied{nearest(name, self.samples.variations)}; there are {", ".join(self.samples.variations)}')
+            raise InputError(
+                f'"{name}" is not varied{nearest(name, self.samples.variations)}; there are {", ".join(self.samples.variations)}'
+            )
         return self.samples.column(name)
 
     def values(self, name: str) -> np.ndarray:
@@ -115,8 +101,7 @@ class SweepResult(Displayed):
     @cached_property
     def figures(self) -> dict[str, Figure]:
         """The single numbers of each sample, by name."""
-        pairs = ((name, one, place) for one in self.variables for name, place in one.figures())
-        return {name: Figure(name, one.unit, one, place) for name, one, place in pairs}
+        return figures_of(self.variables)
 
     def statistics(self, name: str) -> Summary:
         """Moments and quantiles of a figure."""
@@ -128,25 +113,8 @@ class SweepResult(Displayed):
 
     @property
     def limits(self) -> dict[str, float]:
-        """Limits of figures in SI.
-
-        Raises:
-            InputError: no such figure, a limit of another unit.
-        """
-        result = {}
-        for name, limit in self.table.limits.items():
-            figure = self._figure(name)
-            unit = figure.unit if figure.unit != "1" else "1"
-            try:
-                result[figure.name] = float(quantity(limit, unit)) if unit and " or " not in unit else float(quantity(limit, "1"))
-            except InputError as problem:
-                raise InputError(f'limits: "{name}": {problem}') from None
-        return result
-
-    def _figure(self, name: str) -> Figure:
-        if name not in self.figures:
-            raise InputError(f'limits: there is no figure "{name}"{nearest(name, self.figures)}; there are {", ".join(list(self.figures)[:20])}')
-        return self.figures[name]
+        """Limits of figures in SI."""
+        return limits_of(self.table.limits, self.figures)
 
     def exceedance(self, name: str, limit: float) -> Estimate:
         """The probability that a figure exceeds a limit in SI.
@@ -155,8 +123,8 @@ class SweepResult(Displayed):
             InputError: the samples are no random ones.
         """
         if not self.samples.is_random:
-            raise InputError("probabilities need distributions of all parameters; here some have given values")
-        return exceedance(self.independent(self._figure(name).name), limit)
+            raise InputError(ONLY_RANDOM)
+        return exceedance(self.independent(name), limit)
 
     def sobol_indices(self, name: str) -> SobolIndices:
         """The shares of the variance of a figure that each parameter causes.
@@ -203,30 +171,8 @@ class SweepResult(Displayed):
 
         units = {name: one.unit for name, one in self.samples.variations.items()}
         columns = {f"{name} ({unit})" if (unit := units[name]) else name: self.samples.column(name) for name in units}
-        columns |= {f"{one.name} ({one.unit})" if one.unit not in ("", "1") else one.name: self.values(one.name) for one in self.figures.values()}
+        columns |= {
+            f"{one.name} ({one.unit})" if one.unit not in ("", "1") else one.name: self.values(one.name)
+            for one in self.figures.values()
+        }
         return csv_of({"sample": np.arange(len(self)), **columns, REASON: self.chunks.read(REASON)})
-
-
-def estimate_text(estimate: Estimate, factor: float = 1.0) -> str:
-    """A number with its interval.
-
-    >>> estimate_text(Estimate(1.0, 0.5, 2.0))
-    '1 (0.5 to 2)'
-    """
-    value = number_text(factor * estimate.value)
-    if np.isnan(estimate.low) or np.isnan(estimate.high):
-        return value
-    return f"{value} ({factor * estimate.low:.4g} to {factor * estimate.high:.4g})"
-
-
-def shown_units(units, figures: Mapping[str, Figure]) -> dict[str, tuple[str, float]]:
-    """The unit of each figure on the page, and the factor of values in it.
-
-    Args:
-        units: of [output].
-        figures: by name.
-
-    Returns:
-        By the same names.
-    """
-    return {name: units.of(one.unit) if " or " not in one.unit else (one.unit, 1.0) for name, one in figures.items()}

@@ -1,0 +1,122 @@
+"""The commands sweep and optimise: many samples of a scene's parameters, and the best values of some."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .answer import FINE, NOT_TRUSTED, Json, Out, ScenePath, Settings, answer, setting
+
+if TYPE_CHECKING:
+    from ..scene.run.scene import Scene
+
+Vary = Annotated[
+    list[str] | None,
+    typer.Option("--vary", metavar="NAME=VALUES", help='Such as "k=1..3 N/mm:50", "m=normal(10 kg, 2 %)"; repeat it for others.'),
+]
+
+
+def add_to(app: typer.Typer) -> None:
+    """Give the command line the two commands."""
+    app.command("sweep", short_help="Vary parameters: grids, Monte Carlo, statistics, Sobol indices.")(_sweep)
+
+
+def _sweep(
+    scene: ScenePath,
+    vary: Vary = None,
+    keep: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--keep", metavar="WHAT", help='What is kept of each sample, such as "frequencies", "largest x", "x at 2 s"; repeat it.'
+        ),
+    ] = None,
+    limit: Annotated[
+        list[str] | None,
+        typer.Option("--limit", metavar="WHAT=VALUE", help='Estimate the probability of exceeding it, e.g. "largest x=5 mm".'),
+    ] = None,
+    method: Annotated[
+        str,
+        typer.Option("--method", metavar="NAME", help="random, latin hypercube, sobol, saltelli (Sobol indices) or one at a time."),
+    ] = "",
+    samples: Annotated[int, typer.Option("--samples", metavar="N", help="Of the distributions; 1000 by default.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the random numbers; 0 by default.")] = -1,
+    correlation: Annotated[
+        list[str] | None, typer.Option("--correlation", metavar="A,B=R", help="Of the normal scores of two parameters; repeat it.")
+    ] = None,
+    store: Annotated[
+        str, typer.Option("--store", metavar="PATH", help="Keep the samples in this Zarr store, and go on from there.")
+    ] = "",
+    workers: Annotated[int, typer.Option("--workers", metavar="N", help="Compute in N processes.")] = 0,
+    dask: Annotated[str, typer.Option("--dask", metavar="ADDRESS", help="Compute on the Dask cluster with this scheduler.")] = "",
+    strict: Annotated[bool, typer.Option("--strict", help="Leave with 3 if a sample has no answer.")] = False,
+    out: Out = "",
+    settings: Settings = None,
+    json: Json = False,
+) -> None:
+    """Compute many samples of the parameters of a scene, those of its table [vary] and of --vary.
+
+    Ranges with a number of values and lists are combined in a grid; distributions (normal, lognormal, uniform, or a range without a number)
+    are sampled at each point of it. With --store an interrupted study goes on where it was, and with --workers or --dask others compute:
+    the results have the same bits. Writes NAME.sweep.html, .png, .json and .csv."""
+    given = {"method": method, "samples": samples, "keep": keep, "chunk": None}
+    options: dict[str, Any] = {key: value for key, value in given.items() if value}
+    options |= {"seed": seed} if seed >= 0 else {}
+    options |= {"limits": _pairs(limit, "--limit")} if limit else {}
+    options |= {"correlation": [_correlation(text) for text in correlation]} if correlation else {}
+    running = {"store": store or None, "workers": workers or None, "dask": dask or None}
+    if workers < 0:
+        raise typer.BadParameter(f"found {workers}; expected at least 1", param_hint="--workers")
+
+    def work(loaded: Scene) -> int:
+        from ..ground.files import Replacements
+        from ..studies.study_report import writable
+        from ..studies.sweep.sweep import StudyInterrupted, sweep
+        from ..studies.sweep.sweep_report import SweepReport
+        from .printing import bar_progress, show, show_error
+
+        study = sweep(loaded, _pairs(vary or (), "--vary"), **options)
+        folder = writable(Path(out or Path("results") / loaded.name))
+        try:
+            with bar_progress("samples") as progress:
+                result = study.run(**running, progress=progress)
+        except StudyInterrupted as problem:
+            return show_error(str(problem), json, INTERRUPTED)
+        report = SweepReport(result, strict)
+        files = report.write(folder, f"{loaded.name}.sweep")
+        with Replacements() as more:
+            more.temporary(folder / f"{loaded.name}.sweep.csv").write_text(result.csv(), encoding="utf-8")
+        files += more.paths
+        data = lambda: {**report.as_json(), "files": [str(path) for path in files]}  # noqa: E731
+        show(json, data, lambda: [*report.blocks, "\n".join(f"wrote {path}" for path in files)])
+        return FINE if report.is_trusted else NOT_TRUSTED
+
+    answer(scene, json, work, settings)
+
+
+#: As shells report a process that ended by SIGINT.
+INTERRUPTED = 130
+
+
+def _pairs(texts: Sequence[str], option: str) -> dict[str, Any]:
+    """Names and values of NAME=VALUE, each name once; values are read like those of --set."""
+    pairs: dict[str, Any] = {}
+    for text in texts:
+        name, value = setting(text, option)
+        if name in pairs:
+            raise typer.BadParameter(f'"{name}" is given twice; give it once', param_hint=option)
+        pairs[name] = value
+    return pairs
+
+
+def _correlation(text: str) -> list:
+    names, _, value = text.partition("=")
+    one, comma, other = (part.strip() for part in names.partition(","))
+    try:
+        return [one, other, float(value)]
+    except ValueError:
+        comma = ""
+    if not comma:
+        raise typer.BadParameter(f'found "{text}"; expected A,B=R, e.g. k,m=0.5', param_hint="--correlation")
