@@ -57,6 +57,13 @@ def answer(path: str, json: bool, work: Callable[[Scene], int | None], settings:
 def setting(text: str, option: str = "--set") -> tuple[str, Any]:
     """Name and value of a --set, or of another option of this form.
 
+    Args:
+        text: NAME=VALUE.
+        option: for messages.
+
+    Returns:
+        Both, the value as it could stand in the file.
+
     >>> setting("k=3 N/mm")
     ('k', '3 N/mm')
     """

@@ -22,6 +22,7 @@ Vary = Annotated[
 def add_to(app: typer.Typer) -> None:
     """Give the command line the two commands."""
     app.command("sweep", short_help="Vary parameters: grids, Monte Carlo, statistics, Sobol indices.")(_sweep)
+    app.command("optimise", short_help="Find the values of parameters that make a figure least or largest.")(_optimise)
 
 
 def _sweep(
@@ -66,7 +67,7 @@ def _sweep(
     options |= {"seed": seed} if seed >= 0 else {}
     options |= {"limits": _pairs(limit, "--limit")} if limit else {}
     options |= {"correlation": [_correlation(text) for text in correlation]} if correlation else {}
-    running = {"store": store or None, "workers": workers or None, "dask": dask or None}
+    running: dict[str, Any] = {"store": store or None, "workers": workers or None, "dask": dask or None}
     if workers < 0:
         raise typer.BadParameter(f"found {workers}; expected at least 1", param_hint="--workers")
 
@@ -96,6 +97,40 @@ def _sweep(
     answer(scene, json, work, settings)
 
 
+def _optimise(
+    scene: ScenePath,
+    vary: Vary = None,
+    minimise: Annotated[
+        str, typer.Option("--minimise", metavar="WHAT", help='The figure, such as "response peak", "random RMS x", "largest x".')
+    ] = "",
+    maximise: Annotated[str, typer.Option("--maximise", metavar="WHAT", help="Instead: the figure that is made largest.")] = "",
+    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the random numbers; 0 by default.")] = -1,
+    out: Out = "",
+    settings: Settings = None,
+    json: Json = False,
+) -> None:
+    """Find the values of parameters within ranges, those of the table [vary] and of --vary, that make a figure of the scene least.
+
+    A population of samples finds the region, a simplex refines the best of them. Writes NAME.optimise.html, .png and .json."""
+
+    def work(loaded: Scene) -> int:
+        from ..studies.study_report import writable
+        from ..studies.sweep.optimisation import OptimumReport, optimise
+        from .printing import bar_progress, show
+
+        folder = writable(Path(out or Path("results") / loaded.name))
+        figures = minimise or None, maximise or None
+        with bar_progress("generations") as progress:
+            optimum = optimise(loaded, _pairs(vary or (), "--vary"), *figures, None if seed < 0 else seed, progress)
+        report = OptimumReport(optimum)
+        files = report.write(folder, f"{loaded.name}.optimise")
+        data = lambda: {**report.as_json(), "files": [str(path) for path in files]}  # noqa: E731
+        show(json, data, lambda: [*report.blocks, "\n".join(f"wrote {path}" for path in files)])
+        return FINE
+
+    answer(scene, json, work, settings)
+
+
 #: As shells report a process that ended by SIGINT.
 INTERRUPTED = 130
 
@@ -113,10 +148,11 @@ def _pairs(texts: Sequence[str], option: str) -> dict[str, Any]:
 
 def _correlation(text: str) -> list:
     names, _, value = text.partition("=")
-    one, comma, other = (part.strip() for part in names.partition(","))
+    one, _, other = (part.strip() for part in names.partition(","))
     try:
-        return [one, other, float(value)]
+        rho = float(value)
     except ValueError:
-        comma = ""
-    if not comma:
+        rho = None
+    if rho is None or not (one and other):
         raise typer.BadParameter(f'found "{text}"; expected A,B=R, e.g. k,m=0.5', param_hint="--correlation")
+    return [one, other, rho]

@@ -418,3 +418,7 @@ NOT_DRAWN = 1e-9
 #: A singular value or a residual below this, relative to scaled constraint rows, is rounding error when consistent initial values
 #: are computed: rows come from geometry known to 1e-12, and a mechanism this near to a dead centre counts as being in it.
 CONSISTENT_ROWS = 1e-9
+
+#: The size of a simplex in a box of unit size, and relative difference of values in it, at which an optimum is found: kinks, where two
+#: peaks are equal, are found to this size, smooth minima to its square root.
+SIMPLEX_SIZE = 1e-11

@@ -230,7 +230,7 @@ def _distribution(kind: str, parts: Sequence[str], text: str) -> Distribution:
     given = [parts[0], *([] if percent else [parts[1]]), *(limit.strip() for limit in limits)]
     numbers, dimension = _numbers(given)
     mean = numbers.pop(0)
-    deviation = abs(mean) * _plain(percent[1], text) / 100 if percent else numbers.pop(0)
+    deviation = abs(mean) * _before_percent(percent[1], text) / 100 if percent else numbers.pop(0)
     low, high = numbers or (-math.inf, math.inf)
     if not deviation > 0:
         raise InputError(f"found {shown(text)}, without variance; expected a standard deviation above 0, or set the value by --set")
@@ -273,7 +273,7 @@ def _number_or_text(entry):
         return entry
 
 
-def _plain(text: str, whole: str) -> float:
+def _before_percent(text: str, whole: str) -> float:
     try:
         return float(text)
     except ValueError:

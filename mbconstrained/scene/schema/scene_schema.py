@@ -12,16 +12,16 @@ from ...ground.tolerances import noise_of
 from ..file.messages import shown
 from ..quantities.coordinates import DERIVATIVES
 from ..quantities.output_units import output_units
+from .analyses.frequency_table import FrequencyTable
+from .analyses.random_table import RandomTable
+from .analyses.shock_table import ShockTable
+from .analyses.vary_table import VaryTable
 from .drawing_tables import DrawingTable
 from .entry_types import NUMBER_SCHEMA, Name, Pair, Quantity, Table, Text, Time
 from .force_tables import ForceTable, MotionTable
-from .frequency_table import FrequencyTable
 from .lumped_tables import LumpedTable
 from .model_tables import MatricesTable, StateSpaceTable, TransferFunctionTable
-from .random_table import RandomTable
 from .robot_tables import RobotTable
-from .shock_table import ShockTable
-from .vary_table import VaryTable
 
 CONTROL = ("transfer-function", "state-space")
 

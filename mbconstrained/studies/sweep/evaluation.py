@@ -18,13 +18,13 @@ from ...ground.threads import SMALL, one_thread
 from ...mechanics.family.family import Family
 from ...mechanics.system import MechanicalSystem
 from ...scene.file.messages import SceneName
-from ...scene.run.curves import ORDERS, functions_of
+from ...scene.run.curves import functions_of
 from ...scene.run.frequency.scene_frequency import SceneFrequency
 from ...scene.run.frequency.scene_random import SceneRandom
 from ...scene.run.plan import Plan
 from ...scene.run.result import Result
 from ...scene.run.scene import Scene, assembled
-from .quantities import Variable, eigenvalues_of, response_lines
+from .kept_quantities import Variable, eigenvalues_of, response_lines
 
 #: Errors that are the answer of a sample: its equations have none, or its data are wrong.
 FAILURES = (MbconstrainedError, ArithmeticError, np.linalg.LinAlgError)

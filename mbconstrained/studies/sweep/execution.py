@@ -9,14 +9,14 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from functools import cache
 from hashlib import sha256
-from multiprocessing.connection import Client, Connection, Listener, wait
+from multiprocessing.connection import Client, Listener, wait
 from pathlib import Path
 from threading import Lock
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from .store import files_of
 
 #: A chunk: its number and the values of its samples.
 Chunk = tuple[int, list[dict[str, Any]]]
-Answer = tuple[int, dict[str, np.ndarray]]
+Answers = Generator[tuple[int, dict[str, np.ndarray]], None, None]
 
 #: A cluster that does not answer for so long is given up, s.
 PATIENCE = 10.0
@@ -40,13 +40,21 @@ _PROGRAM = "from mbconstrained.studies.sweep.execution import serve; serve()"
 _ONE_CHUNK = Lock()
 
 
-def in_process(job: Job, chunks: Iterator[Chunk]) -> Iterator[Answer]:
-    """Compute chunks one after the other."""
+def in_process(job: Job, chunks: Iterator[Chunk]) -> Answers:
+    """Compute chunks one after the other.
+
+    Args:
+        job: the scene.
+        chunks: what is to be computed.
+
+    Yields:
+        Chunks as they are done.
+    """
     for number, rows in chunks:
         yield number, evaluate(job, rows)
 
 
-def by_processes(job: Job, chunks: Iterator[Chunk], workers: int) -> Iterator[Answer]:
+def by_processes(job: Job, chunks: Iterator[Chunk], workers: int) -> Answers:
     """Compute chunks in processes with one thread of linear algebra each. One that ends early is replaced, and its chunk is done again.
 
     Args:
@@ -63,11 +71,11 @@ def by_processes(job: Job, chunks: Iterator[Chunk], workers: int) -> Iterator[An
     key = os.urandom(32)
     with ExitStack() as stack:
         listener = stack.enter_context(closing(Listener(authkey=key)))
-        busy: dict[Connection, Chunk] = {}
+        busy: dict[Any, Chunk] = {}
         losses: dict[int, int] = {}
         waiting: list[Chunk] = []
 
-        def give(connection: Connection | None) -> None:
+        def give(connection) -> None:
             chunk = waiting.pop() if waiting else next(chunks, None)
             if chunk is None:
                 return
@@ -78,7 +86,7 @@ def by_processes(job: Job, chunks: Iterator[Chunk], workers: int) -> Iterator[An
         for _ in range(workers):
             give(None)
         while busy:
-            for ready in wait(list(busy)):
+            for ready in cast(list, wait(list(busy))):
                 chunk = busy.pop(ready)
                 try:
                     answer = ready.recv()
@@ -98,7 +106,7 @@ def by_processes(job: Job, chunks: Iterator[Chunk], workers: int) -> Iterator[An
                 give(ready)
 
 
-def _worker(listener: Listener, key: bytes, job: Job, stack: ExitStack) -> Connection:
+def _worker(listener: Listener, key: bytes, job: Job, stack: ExitStack):
     """A new process, which ends when its connection does."""
     threads = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     path = os.pathsep.join(filter(None, (str(_PACKAGE), os.environ.get("PYTHONPATH", ""))))
@@ -139,7 +147,7 @@ def serve() -> None:
             return
 
 
-def by_dask(job: Job, chunks: Iterator[Chunk], address: str, files: Mapping[str, str]) -> Iterator[Answer]:
+def by_dask(job: Job, chunks: Iterator[Chunk], address: str, files: Mapping[str, str]) -> Answers:
     """Compute chunks by the workers of a Dask cluster, one at a time each.
 
     Args:
@@ -232,10 +240,10 @@ def _checked_workers(client, address: str) -> int:
     except (TimeoutError, OSError):
         raise InputError(f"--dask: the cluster at {address} has no workers; start some with dask worker {address}") from None
     own = versions["client"]["packages"]
-    for worker, found in versions["workers"].items():
+    for worker, there in versions["workers"].items():
         for package in ("mbconstrained", "numpy", "scipy"):
-            if (there := found["packages"].get(package)) != own[package]:
-                what = "lacks" if there is None else f"has version {there} of"
+            if (installed := there["packages"].get(package)) != own[package]:
+                what = "lacks" if installed is None else f"has version {installed} of"
                 raise InputError(f"--dask: the worker {worker} {what} the package {package}; install version {own[package]} there")
     return len(versions["workers"])
 
@@ -245,7 +253,8 @@ def _done(distributed, client, futures: list, address: str) -> list:
     lost = None
     while True:
         try:
-            return list(distributed.wait(futures, timeout=1.0, return_when="FIRST_COMPLETED").done)
+            with client.as_current():
+                return list(distributed.wait(futures, timeout=1.0, return_when="FIRST_COMPLETED").done)
         except (TimeoutError, OSError):
             if client.status == "running":
                 lost = None

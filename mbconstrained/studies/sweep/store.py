@@ -23,9 +23,8 @@ import numpy as np
 from ...ground.checks import counted, optional_package
 from ...ground.errors import InputError
 from ...ground.files import Replacements
-from .evaluation import ANSWERED
-from .quantities import Variable
-from .samples import Samples
+from .kept_quantities import Variable
+from .sampling import Samples
 
 #: Variables that every sample has.
 STATUS, REASON = "status", "reason"
@@ -106,11 +105,22 @@ class Memory(Chunks):
         return (chunk for chunk in range(self.count) if chunk not in self._parts)
 
     def write(self, chunk: int, arrays: Mapping[str, np.ndarray]) -> None:
-        """Keep the arrays."""
+        """Keep the arrays.
+
+        Args:
+            chunk, arrays: as of ``Chunks``.
+        """
         self._parts[chunk] = arrays
 
     def read(self, name: str, where: tuple = ()) -> np.ndarray:
-        """All parts as one array."""
+        """All parts as one array; as ``Chunks.read``.
+
+        Args:
+            name, where: as there.
+
+        Returns:
+            Values.
+        """
         whole = np.concatenate([self._parts[chunk][name] for chunk in sorted(self._parts)])
         return whole[(slice(None), *where)]
 
@@ -149,6 +159,9 @@ class Store(Chunks):
     def write(self, chunk: int, arrays: Mapping[str, np.ndarray]) -> None:
         """Write the files of a chunk, its status last.
 
+        Args:
+            chunk, arrays: as of ``Chunks``.
+
         Raises:
             OSError: the disk is full; the text has how to go on.
         """
@@ -166,7 +179,14 @@ class Store(Chunks):
             raise OSError(problem.errno, text, str(self.path)) from None
 
     def read(self, name: str, where: tuple = ()) -> np.ndarray:
-        """From the files."""
+        """From the files; as ``Chunks.read``.
+
+        Args:
+            name, where: as there.
+
+        Returns:
+            Values.
+        """
         return np.asarray(self._group[name][(slice(None), *where)])
 
     def _check_space(self, count: int) -> None:
@@ -179,6 +199,9 @@ class Store(Chunks):
 
     def _create(self) -> None:
         self.path.parent.mkdir(parents=True, exist_ok=True)
+        for left in self.path.parent.glob(f".{self.path.name}.*"):  # of a process that was killed at this place
+            if left.suffix[1:].isdecimal() and not _runs(int(left.suffix[1:])):
+                shutil.rmtree(left, ignore_errors=True)
         with Replacements() as files:
             place = files.temporary(self.path)
             shutil.rmtree(place, ignore_errors=True)
@@ -225,6 +248,17 @@ class Store(Chunks):
             raise InputError(f"{self.path}: the store is of another study: {difference}; give another path, or remove it")
 
 
+def _runs(process: int) -> bool:
+    """Whether there is a process of this number."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # of another user
+        return True
+    return True
+
+
 def column_name(parameter: str) -> str:
     """The name of the array of a parameter, which no axis or other array has."""
     reserved = (STATUS, REASON, "sample", "mode", "response", "output", "frequency", "damping ratio", "time (s)", "frequency (Hz)")
@@ -247,12 +281,12 @@ def hash_of(description: dict) -> str:
     return sha256(json.dumps(description, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
 
 
-def first_difference(known, found, place: str = "") -> str:
+def first_difference(known, here, place: str = "") -> str:
     """Where two plain descriptions differ first, in words; an empty string where they are equal.
 
     Args:
         known: that of a store.
-        found: that of a study.
+        here: that of a study.
         place: for messages.
 
     Returns:
@@ -261,15 +295,15 @@ def first_difference(known, found, place: str = "") -> str:
     >>> first_difference({"scene": {"k": "1 N/m"}}, {"scene": {"k": "2 N/m"}})
     'scene.k is "1 N/m" in the store and "2 N/m" here'
     """
-    if isinstance(known, dict) and isinstance(found, dict):
-        pairs = [(key, known.get(key), found.get(key)) for key in sorted({*known, *found})]
+    if isinstance(known, dict) and isinstance(here, dict):
+        pairs = [(key, known.get(key), here.get(key)) for key in sorted({*known, *here})]
         return next((text for key, a, b in pairs if (text := first_difference(a, b, f"{place}.{key}".removeprefix(".")))), "")
-    if isinstance(known, list) and isinstance(found, list) and len(known) == len(found):
-        pairs = [(f"{place}[{number}]", a, b) for number, (a, b) in enumerate(zip(known, found), 1)]
+    if isinstance(known, list) and isinstance(here, list) and len(known) == len(here):
+        pairs = [(f"{place}[{number}]", a, b) for number, (a, b) in enumerate(zip(known, here), 1)]
         return next((text for where, a, b in pairs if (text := first_difference(a, b, where))), "")
-    if known == found:
+    if known == here:
         return ""
-    texts = ["missing" if one is None else _short(one) for one in (known, found)]
+    texts = ["missing" if one is None else _short(one) for one in (known, here)]
     return f"{place} is {texts[0]} in the store and {texts[1]} here"
 
 
@@ -311,8 +345,3 @@ def _texts(value) -> Iterator[str]:
 def variable_data(variables: tuple[Variable, ...]) -> list[dict]:
     """Variables as plain data."""
     return [asdict(one) for one in variables]
-
-
-def answered(chunks: Chunks) -> np.ndarray:
-    """Which samples have an answer, shape (S,)."""
-    return chunks.read(STATUS) == ANSWERED

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,13 +13,13 @@ from ...ground.errors import InputError, MbconstrainedError, SceneError
 from ...scene.file.includes import read_tables
 from ...scene.file.messages import shown
 from ...scene.quantities.variations import Values, Variation
+from ...scene.schema.analyses.vary_table import VaryTable
 from ...scene.schema.validation import validated
-from ...scene.schema.vary_table import VaryTable
 from ..timing import version_of
 from .evaluation import Job
 from .execution import by_dask, by_processes, hashes, in_process
-from .quantities import Variable, figures_of, limits_of, variables_of
-from .samples import Samples
+from .kept_quantities import Variable, figures_of, limits_of, variables_of
+from .sampling import Samples
 from .store import Chunks, Memory, Store, variable_data
 from .sweep_result import ONLY_RANDOM, SweepResult
 
@@ -105,6 +105,8 @@ class Sweep(Displayed):
                 chunks.write(number, arrays)
                 done += 1
                 report(done, chunks.count)
+        except InputError:
+            raise
         except (MbconstrainedError, KeyboardInterrupt) as problem:
             raise _with_advice(problem, done, chunks) from None
         finally:
@@ -132,7 +134,7 @@ class Sweep(Displayed):
 
 
 class StudyInterrupted(KeyboardInterrupt):
-    """A study that the user interrupted; the text says how to go on."""
+    """A study that the user interrupted; the text has how to go on."""
 
 
 def _with_advice(problem: BaseException, done: int, chunks: Chunks) -> BaseException:
@@ -158,20 +160,36 @@ def sweep(scene: Scene, parameters: Mapping[str, Any] | None = None, **options) 
     Raises:
         InputError: an unknown or unused parameter, a range of the wrong kind.
     """
+    study, _ = study_of(scene, parameters, options)
+    if limits_of(study.table.limits, figures_of(study.variables)) and not study.samples.is_random:
+        raise InputError(ONLY_RANDOM)
+    return study
+
+
+def study_of(scene: Scene, parameters: Mapping[str, Any] | None, options: Mapping[str, Any]) -> tuple[Sweep, Scene]:
+    """The study of a scene, and the scene of its middle sample.
+
+    Args:
+        scene: that was read from a file.
+        parameters, options: as of ``sweep``.
+
+    Returns:
+        Both.
+
+    Raises:
+        InputError: as ``sweep``.
+    """
     own = scene.table.vary
     given = {} if own is None else {name: getattr(own, name) for name in own.model_fields_set}
-    given = {**given, **options, "parameters": {**given.get("parameters", {}), **(parameters or {})}}
-    table = validated(given, "vary", VaryTable)
+    table = validated({**given, **options, "parameters": {**given.get("parameters", {}), **(parameters or {})}}, "vary", VaryTable)
     samples = Samples(table.parameters, table)
     data, name = read_tables(scene.path)
     data.pop("vary", None)
     settings = {setting.name: setting.value for setting in scene.settings}
     job = Job(str(scene.path), data, dict(name.origins), settings, ())
     middle = _middle(job, scene, samples)
-    job = Job(job.path, job.data, job.origins, job.settings, variables_of(table.keep, middle))
-    if limits_of(table.limits, figures_of(job.variables)) and not samples.is_random:
-        raise InputError(ONLY_RANDOM)
-    return Sweep(scene, samples, job.variables, job, table)
+    job = replace(job, variables=variables_of(table.keep, middle))
+    return Sweep(scene, samples, job.variables, job, table), middle
 
 
 def _middle(job: Job, scene: Scene, samples: Samples) -> Scene:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...page.animation.figure import PALETTE
+from ...page.content import LEAST_SHARE
 from ...page.plots.images import GREY, LINE, MUTED, RED
 from ...page.typeset import raised, shortened
 from ..figures import Picture, power_of_ten
-from .statistics import QUANTILES, Estimate
+from .sample_statistics import QUANTILES, Estimate
 
 if TYPE_CHECKING:
     from .sweep_result import SweepResult
@@ -45,8 +47,7 @@ class SweepPictures:
     def __init__(self, result: SweepResult, figures: Sequence[str], units: dict[str, tuple[str, float]]):
         self.result, self.units = result, units
         self.kept = np.flatnonzero(result.answered)
-        varying = [name for name in figures if len(set(result.values(name)[self.kept].tolist())) > 1]
-        self.figures = varying[:MOST_FIGURES]
+        self.figures = [name for name in figures if _varies(result.values(name))][:MOST_FIGURES]
 
     def all(self) -> list[Picture]:
         """What suits the samples."""
@@ -67,12 +68,12 @@ class SweepPictures:
     def values(self, name: str) -> Axis:
         """The title of an axis and the values of a figure in its unit."""
         unit, factor = self.units[name]
-        return _titled(name, unit), factor * self.result.values(name)
+        return titled(name, unit), factor * self.result.values(name)
 
     def column(self, name: str) -> Axis:
         """The same of a parameter."""
         unit, factor = self.result.scene.equations.coordinates.shown.of(getattr(self.result.samples.variations[name], "unit", ""))
-        return _titled(name, unit), factor * self.result.parameter(name)
+        return titled(name, unit), factor * self.result.parameter(name)
 
     def _maps(self, names: list[str], figures: list[str]) -> Picture:
         (across, x), (up, y) = (self.column(name) for name in names)
@@ -87,7 +88,7 @@ class SweepPictures:
                 finite = np.ma.masked_invalid(values.T)
                 mesh = axes.pcolormesh(x, y, finite, shading="nearest", cmap="viridis", edgecolors="face", linewidth=0.2)
                 axes.set(xlabel=across, ylabel=up, facecolor=LINE)
-                axes.set_title(_tail(title, 30), loc="left")
+                axes.set_title(fill(title, 30), loc="left")
                 axes.grid(False)
                 figure.colorbar(mesh, ax=axes).solids.set_rasterized(False)  # pages show no images
 
@@ -179,7 +180,7 @@ class SweepPictures:
                 axes.yaxis.set_major_formatter(lambda value, place: power_of_ten(value))
                 for formatter in (axes.xaxis.set_major_formatter, axes.xaxis.set_minor_formatter):
                     formatter(lambda value, place: f"{value:g}")
-            axes.set(xlabel=variable.axis, ylabel=_titled("", unit) or "value")
+            axes.set(xlabel=variable.axis, ylabel=titled("", unit) or "value")
             figure.legend(loc="outside lower left", ncols=3)
 
         name = variable.name.removeprefix("curve ")
@@ -217,6 +218,12 @@ def bars(title: str, names: Sequence[str], groups: dict[str, Sequence[Estimate]]
     return Picture(title, f"{what} of {', '.join(names)}", 0.9 + 0.28 * len(names) * max(1, len(groups) / 1.5), draw)
 
 
+def _varies(values: np.ndarray) -> bool:
+    """By more than rounding errors."""
+    finite = values[np.isfinite(values)]
+    return bool(len(finite) and np.ptp(finite) > LEAST_SHARE * np.abs(finite).max())
+
+
 def _panels(figure, count: int, columns: int = 0):
     """Axes next to each other, with space for as many as there are columns."""
     row = figure.subplots(1, columns or count, squeeze=False)[0]
@@ -225,9 +232,17 @@ def _panels(figure, count: int, columns: int = 0):
     return row[:count]
 
 
-def _titled(name: str, unit: str) -> str:
-    """Of an axis."""
-    return " ".join(filter(None, (_tail(name, 34), f"({raised(unit)})" if unit not in ("", "1") else "")))
+def titled(name: str, unit: str) -> str:
+    """The title of an axis.
+
+    Args:
+        name: of what is along it.
+        unit: of its values; none for "1".
+
+    Returns:
+        Both, on several lines where they are long.
+    """
+    return fill(" ".join(filter(None, (_tail(name, 50), f"({raised(unit)})" if unit not in ("", "1") else ""))), 26)
 
 
 def _tail(name: str, longest: int) -> str:

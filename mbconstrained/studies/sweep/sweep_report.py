@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -14,7 +15,7 @@ from ...scene.quantities.variations import Distribution, Variation
 from ..figures import Picture
 from ..study_report import StudyReport
 from ..timing import machine
-from .statistics import QUANTILES, Estimate, SobolIndices, rank_correlations
+from .sample_statistics import QUANTILES, Estimate, SobolIndices, rank_correlations
 from .sweep_pictures import SweepPictures, bars
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ class SweepReport(StudyReport):
         pictures = SweepPictures(self.result, self.figures, self.units).all()
         names = list(self.result.samples.variations)
         for figure, indices in self.sobol.items():
-            groups = {"alone": indices.first, "with the others": indices.total}
+            groups: dict[str, Sequence[Estimate]] = {"alone": indices.first, "with the others": indices.total}
             pictures.append(bars(f"Sobol indices of {figure}", names, groups, "share of the variance"))
         for figure, ranks in self.correlations.items():
             order = np.argsort(-np.abs(np.nan_to_num(ranks)))
@@ -242,6 +243,13 @@ class SweepReport(StudyReport):
 
 def estimate_text(estimate: Estimate, factor: float = 1.0) -> str:
     """A number with its interval.
+
+    Args:
+        estimate: the number.
+        factor: of the unit that is shown.
+
+    Returns:
+        The text.
 
     >>> estimate_text(Estimate(1.0, 0.5, 2.0))
     '1 (0.5 to 2)'

@@ -12,11 +12,11 @@ from ...ground.checks import counted, nearest, optional_package
 from ...ground.display import Displayed, TextTable
 from ...ground.errors import InputError
 from ...scene.file.messages import shown
-from ...scene.schema.vary_table import VaryTable
+from ...scene.schema.analyses.vary_table import VaryTable
 from .evaluation import ANSWERED, Job
-from .quantities import Figure, Variable, figures_of, limits_of
-from .samples import Samples
-from .statistics import Estimate, SobolIndices, Summary, exceedance, sobol_indices, summary
+from .kept_quantities import Figure, Variable, figures_of, limits_of
+from .sample_statistics import Estimate, SobolIndices, Summary, exceedance, sobol_indices, summary
+from .sampling import Samples
 from .store import REASON, STATUS, Chunks, column_name
 
 if TYPE_CHECKING:
@@ -117,7 +117,14 @@ class SweepResult(Displayed):
         return limits_of(self.table.limits, self.figures)
 
     def exceedance(self, name: str, limit: float) -> Estimate:
-        """The probability that a figure exceeds a limit in SI.
+        """The probability that a figure exceeds a limit.
+
+        Args:
+            name: of the figure.
+            limit: in SI.
+
+        Returns:
+            The estimate with its interval.
 
         Raises:
             InputError: the samples are no random ones.

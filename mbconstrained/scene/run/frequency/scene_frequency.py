@@ -17,7 +17,7 @@ from ....ground.errors import InputError
 from ....ground.notices import Notice
 from ....mechanics.channels import channels
 from ...file.messages import at
-from ...schema.frequency_table import FrequencyTable
+from ...schema.analyses.frequency_table import FrequencyTable
 from .scene_response import SceneResponse
 
 if TYPE_CHECKING:
@@ -121,12 +121,12 @@ class SceneFrequency(SceneResponse):
         ends = table.lines[[0, -1]] if not table.is_auto else [end for end in (table.lowest, table.highest) if end is not None]
         limits = (min(ends), max(ends)) if len(ends) == 2 else (table.lowest or 0.0, table.highest or np.inf)
         amplitudes, places = (np.full((len(empty.outputs), len(empty.inputs)), np.nan) for _ in range(2))
-        found = [(peak.output, peak.input, peak.frequency_hz, peak.amplitude) for peak in empty.peaks]
+        maxima = [(peak.output, peak.input, peak.frequency_hz, peak.amplitude) for peak in empty.peaks]
         at_ends = empty(ends) if len(ends) else None
         if at_ends is not None:
             pairs = np.ndindex(at_ends.values.shape)
-            found += [(empty.outputs[i], empty.inputs[j], ends[k], float(np.abs(at_ends.values[i, j, k]))) for i, j, k in pairs]
-        for output, name, frequency, amplitude in found:
+            maxima += [(empty.outputs[i], empty.inputs[j], ends[k], float(np.abs(at_ends.values[i, j, k]))) for i, j, k in pairs]
+        for output, name, frequency, amplitude in maxima:
             at = empty.outputs.index(output), empty.inputs.index(name)
             if limits[0] <= frequency <= limits[1] and not amplitude <= amplitudes[at]:
                 amplitudes[at], places[at] = amplitude, frequency

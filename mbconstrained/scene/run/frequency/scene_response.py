@@ -10,10 +10,10 @@ import numpy as np
 
 from ....exchange.trajectories import write_arrays
 from ....ground.files import Replacements
+from ...schema.analyses.frequency_table import FrequencyTable
+from ...schema.analyses.shock_table import ShockTable
 from ...schema.entry_types import Table
-from ...schema.frequency_table import FrequencyTable
 from ...schema.scene_schema import OutputTable
-from ...schema.shock_table import ShockTable
 from ...schema.validation import validated
 
 if TYPE_CHECKING:

@@ -23,8 +23,8 @@ from ....signals.impulsive import ImpulsiveSmooth
 from ...build.record_file import Record, record_in_si
 from ...file.messages import at
 from ...quantities.output_units import OutputUnits
+from ...schema.analyses.shock_table import ShockTable
 from ...schema.scene_schema import OutputTable
-from ...schema.shock_table import ShockTable
 from ..report.summary import notices_json, response_blocks
 from .scene_response import SceneResponse, csv_of
 

@@ -13,7 +13,7 @@ from mbconstrained.scene.run.frequency.frequency_summary import as_json, blocks
 from mbconstrained.scene.run.frequency.response_page import frequency_content
 from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency
 from mbconstrained.scene.run.frequency.scene_response import with_options
-from mbconstrained.scene.schema.frequency_table import ResponseQuantity
+from mbconstrained.scene.schema.analyses.frequency_table import ResponseQuantity
 from tests.scene.scenes import COEFFICIENTS, OSCILLATOR, scene_of
 
 #: A machine of 2 kg and 50 Hz on a mount of damping ratio 0.05, on a floor that moves.

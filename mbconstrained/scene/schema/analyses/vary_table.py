@@ -6,10 +6,10 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
-from ...ground.errors import InputError
-from ..file.messages import named, shown
-from ..quantities.variations import FORMS, Variation, variation_of
-from .entry_types import Table, Text
+from ....ground.errors import InputError
+from ...file.messages import named, shown
+from ...quantities.variations import FORMS, Variation, variation_of
+from ..entry_types import Table, Text
 
 Method = Literal["random", "latin hypercube", "sobol", "saltelli", "one at a time"]
 
@@ -60,6 +60,8 @@ class VaryTable(Table):
     limits: dict[Text, Any] = Field(
         {}, description='Whose exceedance has its probability estimated, e.g. { "largest x" = "5 mm" }.'
     )
+    minimise: Text | None = Field(None, description='The figure that the command optimise makes least, e.g. "response peak".')
+    maximise: Text | None = Field(None, description="Or the one that it makes largest.")
     chunk: int | None = Field(None, ge=1, le=100_000, description="Samples that are computed and stored together.")
 
     @model_validator(mode="after")

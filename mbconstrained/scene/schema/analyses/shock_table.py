@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
-from ...ground.errors import InputError
-from .entry_types import NUMBER_SCHEMA, Number, Table, Text, Time
+from ....ground.errors import InputError
+from ..entry_types import NUMBER_SCHEMA, Number, Table, Text, Time
 from .frequency_table import AnyFrequency, frequency_lines
 
 ShockQuantity = Literal[

@@ -100,6 +100,11 @@ class Figure:
     variable: Variable
     place: tuple[int, ...]
 
+    def of(self, arrays: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Its values in arrays of variables over samples, shape (S,)."""
+        values = arrays[self.variable.name]
+        return values[:, self.place[0]] if self.place else values
+
 
 def figures_of(variables: Sequence[Variable]) -> dict[str, Figure]:
     """The single numbers of a sample, by name."""
@@ -243,7 +248,7 @@ class _Curves:
     def __init__(self, scene: Scene):
         self.result = Result(scene, Plan(()))
         equations = scene.equations
-        self.names = {kind: equations.coordinates.names for kind in ORDERS}
+        self.names = dict.fromkeys(ORDERS, equations.coordinates.names)
         if equations.system is not None and not equations.system.is_sparse and equations.system.rows:
             self.names["reaction"] = tuple(row.name for row in equations.system.rows)
         if scene.table.output.quantity:

@@ -12,7 +12,7 @@ import numpy as np
 from ...ground.checks import counted, nearest
 from ...ground.errors import InputError
 from ...scene.quantities.variations import Distribution, Values, Variation
-from ...scene.schema.vary_table import VaryTable
+from ...scene.schema.analyses.vary_table import VaryTable
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,15 @@ class Samples:
         return (*(len(values.values) for values in self.grid.values()), self._points)
 
     def column(self, name: str, at: slice = slice(None)) -> np.ndarray:
-        """The values of a parameter in some samples, numbers in SI or texts."""
+        """The values of a parameter in some samples.
+
+        Args:
+            name: of the parameter.
+            at: the samples.
+
+        Returns:
+            Numbers in SI or texts.
+        """
         return self._block(np.arange(len(self))[at])[name]
 
     def rows(self, at: slice) -> list[dict[str, Any]]:
