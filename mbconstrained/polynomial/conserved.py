@@ -16,10 +16,10 @@ import numpy as np
 import scipy.linalg
 
 from ..ground.tolerances import DECOUPLING_LIMIT, EPS, FREE_MOTION_GAP, INTEGER_DISTANCE, SEPARATION_STEPS, SLOWED_RATE, noise_of
+from ..linalg.accurate_products import exact_product
 from ..linalg.arrays import Matrix, filled_rows, full, kept, others
 from ..linalg.blocks import BlockDiagonal, assembled, block_diagonalize, block_matrix
 from ..linalg.division import solution
-from ..linalg.rounding import exact_product
 from ..linalg.scaling import balancing_units, equilibration
 
 
