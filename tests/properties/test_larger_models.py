@@ -36,7 +36,7 @@ def symmetric(random, n: int) -> np.ndarray:
 
 def weakly_coupled_chains(random):
     """Two chains, of which one decays, joined by one entry of K, C or M."""
-    p, q = random.integers(10, 15, size=2)
+    p, q = random.integers(13, 17, size=2)
     n, e = p + q, 10.0 ** random.uniform(-19, -5)
     M, C, K = (np.zeros((n, n)) for _ in range(3))
     M[:] = np.diag(random.uniform(0.5, 2, n))
@@ -50,7 +50,7 @@ def weakly_coupled_chains(random):
 
 def weakly_coupled_full_models(random):
     """The same with full blocks."""
-    p, q = random.integers(10, 15, size=2)
+    p, q = random.integers(13, 17, size=2)
     n, e = p + q, 10.0 ** random.uniform(-17, -5)
     M, C, K = (np.zeros((n, n)) for _ in range(3))
     for at in (slice(0, p), slice(p, n)):

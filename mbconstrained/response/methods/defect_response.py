@@ -90,12 +90,12 @@ class DefectResponse:
         return np.abs(C[:, :n] @ e) + total
 
     def _rounding(self, C: np.ndarray, order: int, v: np.ndarray, t: float) -> float:
-        """Of the terms of the sum, as independent errors."""
-        at = self._slices
-        starts, moved = [part.start for part in at], block_states(self.flow.states.blocks, v[:, None], np.array([t]))[:, 0]
-        sizes = np.sqrt(np.add.reduceat(moved**2, starts)) * self._rates**order
-        columns = np.sqrt(np.add.reduceat(C**2, starts, axis=1))
-        return EPS * float(np.sqrt(columns**2 @ (sizes * (SUMMED + TURNED * self._rates * t)) ** 2).max(initial=0.0))
+        """Of the terms of the sum, as independent errors; both states of an oscillation have those of its amplitude."""
+        sizes = np.abs(block_states(self.flow.states.blocks, v[:, None], np.array([t]))[:, 0])
+        pairs = self._pairs
+        sizes[pairs] = sizes[pairs + 1] = np.hypot(sizes[pairs], sizes[pairs + 1])
+        errors = (SUMMED + TURNED * self._rates * t) * self._rates**order * sizes
+        return EPS * float(np.sqrt(C**2 @ errors**2).max(initial=0.0))
 
     def _coordinates(self, start: np.ndarray, v: np.ndarray, t: float) -> np.ndarray:
         """e at a time after the start of a piece, from e and v there."""
@@ -131,8 +131,14 @@ class DefectResponse:
 
     @cached_property
     def _rates(self) -> np.ndarray:
-        """The largest modulus of an eigenvalue of each block."""
-        return np.array([np.abs(np.linalg.eigvals(block)).max() for block in self.flow.states.blocks])
+        """The largest modulus of an eigenvalue of the block of each state."""
+        rates = [np.abs(np.linalg.eigvals(block)).max() for block in self.flow.states.blocks]
+        return np.repeat(rates, list(map(len, self.flow.states.blocks)))
+
+    @cached_property
+    def _pairs(self) -> np.ndarray:
+        """The first states of blocks of size two."""
+        return np.array([at.start for at in self._slices if at.stop - at.start == 2], dtype=int)
 
     @cached_property
     def _J(self) -> np.ndarray:
