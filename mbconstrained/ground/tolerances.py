@@ -210,9 +210,6 @@ PROVED_STATES = 48
 #: A force that restarts more often is not summed exactly: each restart is a function of time of its own.
 PROVED_RESTARTS = 32
 
-#: The response to the residual of so many states is computed: 400 take a quarter of a second.
-DEFECT_STATES = 400
-
 #: Eigenvalues of a block nearer than this part of its size are separated by as much where its modes are needed.
 EQUAL_EIGENVALUES = 1e-6
 

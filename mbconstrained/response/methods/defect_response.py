@@ -17,13 +17,16 @@ from functools import cached_property
 
 import numpy as np
 
-from ...ground.tolerances import DEFECT_STATES, EPS, EQUAL_EIGENVALUES, PROVED_RESTARTS
+from ...ground.tolerances import EPS, EQUAL_EIGENVALUES, PROVED_RESTARTS
 from ...linalg.accurate_products import accurate_product
 from ...linalg.arrays import full
 from ...linalg.blocks import block_matrix, block_slices
 from ...linalg.division import solution
 from ...linalg.exponential.block_exponential import block_states
 from ..flow import Flow
+
+#: The response to the defect of so many states is computed: 400 take a quarter of a second.
+MOST_STATES = 400
 
 #: Rounding errors of a term of the sum in units of EPS, and of its phase for each radian.
 SUMMED, TURNED = 2.0, 1.0
@@ -52,7 +55,7 @@ class DefectResponse:
         Returns:
             A ``DefectResponse``; None of a flow with more states, restarts or impulses than it serves.
         """
-        few = flow.reduction.state_count + flow.force.smooth.state_count <= DEFECT_STATES
+        few = flow.reduction.state_count + flow.force.smooth.state_count <= MOST_STATES
         if not few or len(flow.knots) - 1 > PROVED_RESTARTS or (flow.impulsive is not None and flow.impulsive[:, 1:].any()):
             return None
         return cls(flow, end)
@@ -78,40 +81,42 @@ class DefectResponse:
 
     def _error(self, C: np.ndarray, order: int, piece: int, t: float) -> np.ndarray:
         """C e, or its derivative: e^(k) = J e^(k - 1) + E J^(k - 1) e^(J t) v."""
-        n, v = len(self.flow.start), self._starts[:, piece]
-        e, total = self._coordinates(self._errors_at_starts[piece], v, t), 0.0
+        n, v, (residual, driven, _) = len(self.flow.start), self._starts[:, piece], self._drives(piece)
+        e, total = self._coordinates(piece, self._errors_at_starts[piece], t), 0.0
         if order or len(self.flow.reduction.algebraic):
             moved = block_states(self.flow.states.blocks, v[:, None], np.array([t]))[:, 0]
             for _ in range(order):
-                e, moved = self._J[:n, :n] @ e + self._driven @ moved, self._J @ moved
+                e, moved = self._J[:n, :n] @ e + driven @ moved, self._J @ moved
             algebraic = self.flow.reduction.algebraic
             if len(algebraic):
-                total = np.abs(full(self.flow.reduction.Y) @ (self._residual[algebraic] @ moved)).max(initial=0.0)
+                total = np.abs(full(self.flow.reduction.Y) @ (residual[algebraic] @ moved)).max(initial=0.0)
         return np.abs(C[:, :n] @ e) + total
 
     def _rounding(self, C: np.ndarray, order: int, v: np.ndarray, t: float) -> float:
-        """Of the terms of the sum, as independent errors; both states of an oscillation have those of its amplitude."""
+        """Of the terms of the sum, as independent errors; those of its phase move an oscillation by parts of its amplitude."""
         sizes = np.abs(block_states(self.flow.states.blocks, v[:, None], np.array([t]))[:, 0])
-        pairs = self._pairs
-        sizes[pairs] = sizes[pairs + 1] = np.hypot(sizes[pairs], sizes[pairs + 1])
-        errors = (SUMMED + TURNED * self._rates * t) * self._rates**order * sizes
+        amplitudes, pairs = sizes.copy(), self._pairs
+        amplitudes[pairs] = amplitudes[pairs + 1] = np.hypot(sizes[pairs], sizes[pairs + 1])
+        errors = (SUMMED * sizes + TURNED * self._rates * t * amplitudes) * self._rates**order
         return EPS * float(np.sqrt(C**2 @ errors**2).max(initial=0.0))
 
-    def _coordinates(self, start: np.ndarray, v: np.ndarray, t: float) -> np.ndarray:
-        """e at a time after the start of a piece, from e and v there."""
+    def _coordinates(self, piece: int, start: np.ndarray, t: float) -> np.ndarray:
+        """e at a time after the start of a piece, from e there."""
         turn, back, zeros = self._diagonal
         n = len(start)
-        driven = self._diagonal_driven * divided_exponentials(zeros[:n], zeros, t)
-        return (turn[:n, :n] @ (np.exp(zeros[:n] * t) * (back[:n, :n] @ start) + driven @ (back @ v))).real
+        driven = self._drives(piece)[2] * divided_exponentials(zeros[:n], zeros, t)
+        v = back @ self._starts[:, piece]
+        return (turn[:n, :n] @ (np.exp(zeros[:n] * t) * (back[:n, :n] @ start) + driven @ v)).real
 
     @cached_property
     def _errors_at_starts(self) -> list[np.ndarray]:
         """e at the start of each piece: what came before, and by how much v differs from the states there."""
-        flow, gaps = self.flow, self.flow.states.restarts.gaps
-        result = [self._mismatch(self._starts[:, 0], flow.start)]
-        for v, following, h in zip(self._starts.T, self._starts.T[1:], gaps.tolist()):
-            end = block_states(flow.states.blocks, v[:, None], np.array([h]))[:, 0]
-            result.append(self._coordinates(result[-1], v, h) + self._mismatch(following - end, np.zeros(len(flow.start))))
+        flow, starts = self.flow, self._starts
+        result = [self._mismatch(starts[:, 0], flow.start)]
+        for piece, h in enumerate(flow.states.restarts.gaps[: starts.shape[1] - 1].tolist()):
+            end = block_states(flow.states.blocks, starts[:, piece, None], np.array([h]))[:, 0]
+            change = self._mismatch(starts[:, piece + 1] - end, np.zeros(len(flow.start)))
+            result.append(self._coordinates(piece, result[-1], h) + change)
         return result
 
     def _mismatch(self, v: np.ndarray, states: np.ndarray) -> np.ndarray:
@@ -137,8 +142,9 @@ class DefectResponse:
 
     @cached_property
     def _pairs(self) -> np.ndarray:
-        """The first states of blocks of size two."""
-        return np.array([at.start for at in self._slices if at.stop - at.start == 2], dtype=int)
+        """The first states of oscillations."""
+        blocks = self.flow.states.blocks
+        return np.array([at.start for at, block in zip(self._slices, blocks) if len(block) == 2 and block[1, 0]], dtype=int)
 
     @cached_property
     def _J(self) -> np.ndarray:
@@ -159,9 +165,28 @@ class DefectResponse:
         high[m : 2 * m], low[m : 2 * m] = accurate_product(high[:m], self._J)
         return high, low
 
+    def _drives(self, piece: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """R, E and U^-1 E U in a piece; copies of the states of the force count with these, so that their large parts cancel."""
+        v = self._starts[:, piece]
+        copies = [(copy, of) for copy, of in self.flow.copies if v[copy].any() and np.array_equal(v[copy], v[of])]
+        key = tuple((copy.start, of.start) for copy, of in copies)
+        if key not in self._known_drives:
+            total, rest = (part.copy() for part in self._residual)
+            for copy, of in copies:
+                for part in (total, rest):
+                    part[:, of] += part[:, copy]
+                    part[:, copy] = 0.0
+            driven, (turn, back, _), n = self._driven(total + rest), self._diagonal, len(self.flow.start)
+            self._known_drives[key] = total + rest, driven, back[:n, :n] @ driven @ turn
+        return self._known_drives[key]
+
     @cached_property
-    def _residual(self) -> np.ndarray:
-        """R = A_0 C + A_1 C J + A_2 C J^2 - F, C = P Z as it is evaluated, in the rows of A(s), shape (r, N)."""
+    def _known_drives(self) -> dict:
+        return {}
+
+    @cached_property
+    def _residual(self) -> tuple[np.ndarray, np.ndarray]:
+        """R = A_0 C + A_1 C J + A_2 C J^2 - F, C = P Z as it is evaluated, in the rows of A(s), shape (r, N), as a sum of two parts."""
         flow, n = self.flow, len(self.flow.start)
         A, high = np.concatenate([full(matrix) for matrix in flow.reduction.given], axis=1), full(flow.output) @ self._states
         columns, rests = [high], [np.zeros(high.shape)]
@@ -174,12 +199,11 @@ class DefectResponse:
         if len(self._states) > n:
             force, lost = accurate_product(flow.force.smooth.coefficients, self._states[n:])
             total, rest = total - force, rest - lost
-        return total + rest
+        return total, rest
 
-    @cached_property
-    def _driven(self) -> np.ndarray:
-        """E, shape (n, N)."""
-        reduction, residual, left = self.flow.reduction, self._residual, self.flow.reduction.decoupled.inverse
+    def _driven(self, residual: np.ndarray) -> np.ndarray:
+        """E = X^-1 B R, shape (n, N)."""
+        reduction, left = self.flow.reduction, self.flow.reduction.decoupled.inverse
         m, right = len(reduction.second), residual[np.concatenate([reduction.second, reduction.first])]
         if len(reduction.algebraic):
             values = residual[reduction.algebraic]
@@ -198,12 +222,6 @@ class DefectResponse:
             zeros[at], turn[at, at] = np.linalg.eig(_simple(block, self.end))
             back[at, at] = np.linalg.inv(turn[at, at])
         return turn, back, zeros
-
-    @cached_property
-    def _diagonal_driven(self) -> np.ndarray:
-        turn, back, _ = self._diagonal
-        n = len(self.flow.start)
-        return back[:n, :n] @ self._driven @ turn
 
 
 def _simple(block: np.ndarray, end: float) -> np.ndarray:
