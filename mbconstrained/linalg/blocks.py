@@ -26,7 +26,7 @@ CHUNK_ENTRIES = 2_000_000
 MANY_ROWS = 64
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BlockDiagonal:
     """inverse @ T @ basis = diag(blocks), inverse @ basis = I.
 

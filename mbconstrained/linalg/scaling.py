@@ -40,7 +40,7 @@ MANY_ROWS = 150
 SLIGHT, FILLED = 1e-9, 10
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scaling:
     """Scale factors, all powers of two: scaled A_k = rows[:, None] * A_k * columns * time**k.
 

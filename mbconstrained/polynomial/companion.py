@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from .polynomial_matrix import PolynomialMatrix
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ScaledCompanion:
     """The companion pencil of the scaled coefficients.
 

@@ -23,7 +23,7 @@ from ..linalg.division import solution
 from ..linalg.scaling import balancing_units, equilibration
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Conserved:
     """The conserved numbers z = L w of the states w = (x_m, x_m', x_d).
 
@@ -240,7 +240,7 @@ def _by_clusters(A, D, J, basis, inverse) -> BlockDiagonal:
 # far above.
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Freed:
     """The same equations, some of them replaced by such sums of all that have no stiffness.
 

@@ -55,7 +55,7 @@ class NotReducible(Exception):
     """The condition that direct reduction, or a solution by it, does not meet; its text is a clause, "the force contains ..."."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Reduction:
     """The equations of a directly reducible A(s): second-order ones of x_m, first-order ones of x_d, x = V (x_m, x_d) + Y g.
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .robot import Robot
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Posture(Displayed):
     """An equilibrium of a robot.
 

@@ -17,7 +17,7 @@ from .spectral_matrix import SpectralMatrix
 from .transfer import RefinedPole, Transfer
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Existence:
     """Why integrals of f^k G(f) are infinite.
 

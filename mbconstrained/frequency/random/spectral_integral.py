@@ -39,7 +39,7 @@ HALVINGS = 60
 TURN = 3.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SpectralIntegral:
     """Integrals of f^k G(f) df over f > 0, G the one-sided spectra of p outputs.
 

@@ -16,7 +16,7 @@ from .spectra import Spectrum
 INDEFINITE = 1e4 * EPS
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SpectralMatrix:
     """S(f) with the spectra on the diagonal and S_ij = coherence_ij sqrt(S_i S_j) e^{-i w (delay_i - delay_j)}, or given cross spectra.
 

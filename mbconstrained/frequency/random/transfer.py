@@ -14,7 +14,7 @@ from ..harmonic import Harmonic
 from ..pole_residue_form import is_on_axis
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RefinedPole:
     """A pole p = sigma + i w of H(s), with sigma accurate relative to itself.
 

@@ -20,7 +20,7 @@ LARGEST_MESH = 50_000_000
 MESH_ENDINGS = (".stl", ".obj", ".dae", ".ply")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Visual:
     """One shape of a link.
 

@@ -42,7 +42,7 @@ ENTRY_UNITS = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Equations:
     """The equations of a scene.
 
