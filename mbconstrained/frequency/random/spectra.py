@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...ground.checks import nearest, real_array, real_number
 from ...ground.display import Displayed
 from ...ground.errors import InputError
+from ...ground.tolerances import SPECTRAL_ACCURACY
 
 #: What may be random, and the order of the derivative of a displacement that it is.
 KINDS = {"force": None, "displacement": 0, "velocity": 1, "acceleration": 2}
@@ -63,6 +64,15 @@ class PowerLaw:
         """G at real or complex frequencies in Hz."""
         return self.level * (f / self.lower) ** self.exponent if self.exponent else np.full(np.shape(f), self.level, dtype=complex)
 
+    def within(self, low: float, high: float) -> PowerLaw:
+        """The same function between two frequencies of the piece."""
+        return PowerLaw(low, high, self(low).item() if self.exponent and low > self.lower else self.level, self.exponent)
+
+    def ratio(self, other) -> complex:
+        """c with other = c times this piece, or NaN."""
+        same = isinstance(other, PowerLaw) and (self.lower, self.upper) == (other.lower, other.upper)
+        return other.level / self.level if same and abs(self.exponent - other.exponent) <= SPECTRAL_ACCURACY else np.nan
+
     @property
     def singularities(self) -> tuple[complex, ...]:
         """Frequencies near which G is not analytic."""
@@ -89,6 +99,18 @@ class Line:
         """G at real or complex frequencies in Hz."""
         part = (f - self.lower) / (self.upper - self.lower)
         return self.level * (1 - part) + self.end * part
+
+    def within(self, low: float, high: float) -> Line:
+        """The same function between two frequencies of the piece."""
+        return Line(low, high, self(low), self(high))
+
+    def ratio(self, other) -> complex:
+        """c with other = c times this piece, or NaN."""
+        if not isinstance(other, Line) or (self.lower, self.upper) != (other.lower, other.upper):
+            return np.nan
+        own, given = np.array([self.level, self.end]), np.array([other.level, other.end])
+        c = np.vdot(own, given) / np.vdot(own, own)
+        return c if (np.abs(given - c * own) <= SPECTRAL_ACCURACY * np.abs(given).max()).all() else np.nan
 
     @property
     def singularities(self) -> tuple[complex, ...]:
@@ -118,6 +140,15 @@ class Rational:
         s = 2j * np.pi * np.asarray(f, dtype=complex)
         above = np.polyval(self.numerator, s) * np.polyval(self.numerator, -s)
         return self.intensity * above / (np.polyval(self.denominator, s) * np.polyval(self.denominator, -s))
+
+    def within(self, low: float, high: float) -> Rational:
+        """The same function between two frequencies."""
+        return replace(self, lower=low, upper=high)
+
+    def ratio(self, other) -> complex:
+        """c with other = c times this piece, or NaN."""
+        same = isinstance(other, Rational) and (self.numerator, self.denominator) == (other.numerator, other.denominator)
+        return other.intensity / self.intensity if same else np.nan
 
     @property
     def slope(self) -> int:
@@ -160,11 +191,39 @@ class Spectrum(Displayed):
         for piece in self.pieces:
             inside = (f >= piece.lower) & (f <= piece.upper)
             result[inside] = piece(f[inside])
-        return result if any(np.iscomplexobj(getattr(piece, "level", 0.0)) for piece in self.pieces) else result.real
+        return result if self.is_complex else result.real
+
+    def within(self, low: float, high: float) -> Spectrum:
+        """The same between two frequencies in Hz, zero outside."""
+        pieces = [piece.within(max(low, piece.lower), min(high, piece.upper)) for piece in self.pieces]
+        return replace(self, pieces=tuple(piece for piece in pieces if piece.lower < piece.upper))
+
+    @property
+    def is_complex(self) -> bool:
+        """Whether it is a cross spectrum with complex values."""
+        return any(np.iscomplexobj(getattr(piece, "level", 0.0)) for piece in self.pieces)
 
     def piece_at(self, frequency_hz: float):
         """The piece that holds this frequency, or None."""
         return next((piece for piece in self.pieces if piece.lower <= frequency_hz <= piece.upper), None)
+
+    def ratio(self, other: Spectrum) -> complex:
+        """c with other = c times this spectrum; NaN where there is none.
+
+        Args:
+            other: a spectrum, or a cross spectrum.
+
+        Returns:
+            A complex number.
+
+        >>> white_noise(2.0).ratio(white_noise(3.0))
+        (1.5+0j)
+        """
+        if len(self.pieces) != len(other.pieces) or not self.pieces:
+            return complex(np.nan)
+        ratios = [one.ratio(two) for one, two in zip(self.pieces, other.pieces)]
+        agree = np.ptp(np.real(ratios)) + np.ptp(np.imag(ratios)) <= SPECTRAL_ACCURACY * abs(ratios[0])
+        return complex(ratios[0]) if agree else complex(np.nan)
 
     @property
     def corners(self) -> tuple[float, ...]:

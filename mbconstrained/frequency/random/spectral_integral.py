@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...ground.errors import Overflow
 from ...ground.tolerances import EPS, SPECTRAL_ACCURACY
 from ...ground.tolerances import STEP_AGREEMENT as MARGIN
 from .spectral_matrix import SpectralMatrix
@@ -35,8 +36,11 @@ SOLVED = 10 * SPECTRAL_ACCURACY
 #: Panels are halved at most so many times: then they are as narrow as rounding errors.
 HALVINGS = 60
 
-#: Radians that e^{-i w delay} turns on a panel at most.
-TURN = 3.0
+#: Radians that e^{-i w delay} turns on a panel at most, and those that it has turned at least where the way to infinity leaves the axis.
+TURN, TURNED = 3.0, 40.0
+
+#: Gauss-Laguerre's rule; the nearest singularity is TURNED / 2 from its start.
+TAIL_NODES, TAIL_WEIGHTS = np.polynomial.laguerre.laggauss(32)
 
 
 @dataclass(frozen=True)
@@ -46,10 +50,12 @@ class SpectralIntegral:
     Attributes:
         values: complex, Hermitian, shape (K, p, p), for each power.
         errors: estimates of the absolute errors of the diagonals, shape (K, p).
+        parts: of the diagonals, from each edge to the next, shape (number of edges - 1, K, p).
     """
 
     values: np.ndarray
     errors: np.ndarray
+    parts: np.ndarray
 
 
 @dataclass
@@ -90,7 +96,11 @@ class _Panels:
 
 
 def spectral_integral(
-    transfer: Transfer, spectra: SpectralMatrix, powers: Sequence[int] = (0,), outputs: np.ndarray | None = None
+    transfer: Transfer,
+    spectra: SpectralMatrix,
+    powers: Sequence[int] = (0,),
+    outputs: np.ndarray | None = None,
+    edges: np.ndarray | None = None,
 ) -> SpectralIntegral:
     """The integrals of f^k H S H^H df.
 
@@ -99,11 +109,21 @@ def spectral_integral(
         spectra: S of the inputs.
         powers: k.
         outputs: the numbers of those outputs that are integrated; all by default.
+        edges: in Hz, ascending; additional corners, for ``parts``.
 
     Returns:
         The integrals with estimates of their errors.
+
+    Raises:
+        Overflow: values beyond float64.
     """
-    return _Integration(transfer, spectra, tuple(powers), outputs).result()
+    with np.errstate(over="ignore", invalid="ignore"):
+        result = _Integration(transfer, spectra, tuple(powers), outputs, edges).result()
+    if not np.isfinite(result.values).all():
+        raise Overflow(
+            "excitation: the spectra of the outputs leave the range of float64; expected densities and frequencies of usual size"
+        )
+    return result
 
 
 def _hermitian(matrices: np.ndarray) -> np.ndarray:
@@ -114,8 +134,9 @@ def _hermitian(matrices: np.ndarray) -> np.ndarray:
 class _Integration:
     """The work of one call."""
 
-    def __init__(self, transfer: Transfer, spectra: SpectralMatrix, powers: tuple[int, ...], outputs):
+    def __init__(self, transfer: Transfer, spectra: SpectralMatrix, powers: tuple[int, ...], outputs, edges=None):
         self.transfer, self.spectra, self.powers = transfer, spectra, powers
+        self.edges = np.zeros(0) if edges is None else edges
         self.outputs = np.arange(len(transfer.harmonic.outputs)) if outputs is None else outputs
         self.poles = [pole for pole in transfer.poles if pole.residues[:, self.outputs].any()]
         simple = [pole for pole in self.poles if pole.order == 1 and not pole.on_axis]
@@ -144,9 +165,9 @@ class _Integration:
             panels = panels.only(keep).joined(halves)
             H, errors = np.concatenate([H[:, :, keep], new_H], axis=2), np.concatenate([errors[:, :, keep], new_errors], axis=2)
             total, loss = np.concatenate([total[keep], new_total]), np.concatenate([loss[keep], new_loss])
-        return (
-            self._improved(panels, H, errors, total, loss) if p and K else SpectralIntegral(np.zeros((K, p, p)), np.zeros((K, p)))
-        )
+        if p and K:
+            return self._improved(panels, H, errors, total, loss)
+        return SpectralIntegral(np.zeros((K, p, p)), np.zeros((K, p)), np.zeros((max(len(self.edges) - 1, 0), K, p)))
 
     # Panels.
 
@@ -160,16 +181,22 @@ class _Integration:
             own = [abs(one) for one in self.spectra.singularities(middle) if one] + [size for size in sizes if size]
             low, high = (min(own), max(own)) if own else (1.0, 1.0)
             if np.isinf(b):
-                last = max(2.0 * high, 2.0 * a)
+                last = max(
+                    2.0 * high,
+                    2.0 * a,
+                    *self.edges[np.isfinite(self.edges)][-1:],
+                    *(TURNED / (2 * np.pi * one) for one in self.spectra.shifts),
+                )
                 rows.append((0.0, 1 / last, middle, True))
                 b = last
             if a == 0:
-                first = min(low / 2, b)
+                first = min(low / 2, b, *self.edges[self.edges > 0][:1])
                 rows.append((0.0, first, middle, False))
                 a = first
-            if b > a:
-                edges = np.geomspace(a, b, int(np.ceil(np.log2(b / a) - MARGIN)) + 1)
-                edges[0], edges[-1] = a, b
+            inner = self.edges[(self.edges > a) & (self.edges < b)]
+            for start, end in itertools.pairwise([a, *inner, b] if b > a else ()):
+                edges = np.geomspace(start, end, max(int(np.ceil(np.log2(end) - np.log2(start) - MARGIN)), 1) + 1)
+                edges[0], edges[-1] = start, end
                 rows += [(one, two, middle, False) for one, two in itertools.pairwise(edges)]
         if self.spectra.longest_delay:
             rows = [part for row in rows for part in self._divided(row)]
@@ -221,13 +248,29 @@ class _Integration:
             S[:, :, own] = self.spectra(nodes[own].ravel(), middle).reshape(m, m, -1, len(NODES))
         return S
 
+    def _delayed_tails(self, panels: _Panels, total: np.ndarray) -> None:
+        """Add what pairs of delayed inputs have from the end of the panels to infinity, along f - i u / (2 pi delay), u > 0 (Gauss-Laguerre)."""
+        form, power = self.transfer.harmonic.form, np.array(self.powers)
+        for x in np.flatnonzero(panels.is_tail) if self.spectra.longest_delay else ():
+            last = 1 / panels.upper[x]
+            for i, j in self.spectra.delayed_pairs:
+                step = -1j / (2 * np.pi * (self.spectra.delays[i] - self.spectra.delays[j]))
+                f = last + step * TAIL_NODES
+                one, other = (form.values(2j * np.pi * own)[0][self.outputs] for own in (f, f.conj()))
+                S = self.spectra(f, panels.middle[x])[i, j] * np.exp(TAIL_NODES) * step * TAIL_WEIGHTS
+                T = np.einsum("an,bn,kn->kab", one[:, i], other[:, j].conj(), S * f ** power[:, None])
+                total[x] += T + np.conj(np.swapaxes(T, 1, 2))
+
     def _integrals(self, panels: _Panels, H: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The integral over each panel, shape (P, K, p, p), and the rounding errors of its diagonal by cancellation, (P, K, p)."""
         S, nodes, weights = self._spectra_at(panels), panels.nodes, panels.weights
+        for i, j in self.spectra.delayed_pairs:
+            S[i, j, panels.is_tail] = S[j, i, panels.is_tail] = 0.0
         left, right = np.moveaxis(H, (2, 3), (0, 1)), np.moveaxis(H.conj(), (2, 3, 1), (0, 1, 2))
         G = left @ np.moveaxis(S, (2, 3), (0, 1)) @ right
         weighted = weights[..., None] * nodes[..., None] ** np.array(self.powers)
         total = np.einsum("xnk,xnab->xkab", weighted, G)
+        self._delayed_tails(panels, total)
         loss = np.zeros(total.shape[:3])
         x, number = np.nonzero(self._near(panels, self.frequencies))
         if not len(x):
@@ -288,4 +331,9 @@ class _Integration:
             errors[:, :, at] = np.where(better, solved_errors[self.outputs], errors[:, :, at])
             total, loss = self._integrals(panels, H)
             own = node_errors()
-        return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + loss.sum(axis=0) + 16 * EPS * size)
+        middle = np.where(panels.is_tail, np.inf, (panels.lower + panels.upper) / 2)
+        parts = np.zeros((max(len(self.edges) - 1, 0), *size.shape))
+        band = np.searchsorted(self.edges, middle) - 1
+        inside = (band >= 0) & (band < len(parts))
+        np.add.at(parts, band[inside], total[inside].diagonal(axis1=2, axis2=3).real)
+        return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + loss.sum(axis=0) + 16 * EPS * size, parts)

@@ -7,8 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...ground.tolerances import LIGHT_DAMPING, UNDAMPED
+from ...ground.tolerances import CLUSTER_SAFETY, EPS, LIGHT_DAMPING, UNDAMPED
 from ...linalg import precise
+from ...polynomial.structure import FiniteZero
 from ..frequency_response import NOISE
 from ..harmonic import Harmonic
 from ..pole_residue_form import is_on_axis
@@ -60,30 +61,48 @@ class Transfer:
             for k, pole in enumerate(own)
             if pole.order == 1 and pole.value and abs(pole.value.real) < LIGHT_DAMPING * abs(pole.value)
         ]
-        steps = self._newton_steps([own[k].value for k in light]) if light else []
+        steps, doubts = self._newton_steps([own[k].value for k in light]) if light else ([], [])
         values = {k: own[k].value + step for k, step in zip(light, steps)}
+        limits = {k: max(UNDAMPED * abs(own[k].value), doubt) for k, doubt in zip(light, doubts)}
         result = []
         for k, pole in enumerate(own):
             value = values.get(k, pole.value)
-            on_axis = not value or (abs(value.real) <= UNDAMPED * abs(value) if k in values else is_on_axis(pole))
-            result.append(RefinedPole(complex(0.0 if on_axis else value.real, value.imag), pole.residues, on_axis))
+            on_axis = not value or (abs(value.real) <= limits[k] if k in values else is_on_axis(pole))
+            residues = self._without_noise(pole.value, pole.residues) if on_axis else pole.residues
+            result.append(RefinedPole(complex(0.0 if on_axis else value.real, value.imag), residues, on_axis))
         return tuple(result)
 
-    def _newton_steps(self, values: list[complex]) -> list[complex]:
-        """-mean of the diagonal of Y^T A(p) X for each pole, X and Y its vectors."""
+    @cached_property
+    def _zeros(self) -> dict[complex, FiniteZero]:
+        zeros = {}
+        for zero in self.harmonic.form.pairs.finite.zeros:
+            zeros[zero.value], zeros[zero.value.conjugate()] = zero, zero
+        return zeros
+
+    def _zero_at(self, value: complex) -> FiniteZero:
+        """The zero of A(s) that is this pole, or its conjugate."""
+        return self._zeros.get(value) or self._zeros[min(self._zeros, key=lambda one: abs(one - value))]
+
+    def _without_noise(self, value: complex, residues: np.ndarray) -> np.ndarray:
+        """Without what is rounding error of a mode whose largest entries are in other coordinates."""
+        form = self.harmonic.form
+        pair, scaling = form.pairs.finite, form.pairs.form.companion.scaling
+        at, right, _, left = form.subspace(self._zero_at(value), value)
+        X, Y = np.abs(pair.C[:, at] @ right) / scaling.columns[:, None], np.abs(left @ pair.B[at]) / scaling.rows
+        size = X.max(axis=0) @ Y.max(axis=1)
+        limit = np.outer(np.abs(form.outputs) @ scaling.columns, scaling.rows @ np.abs(form.inputs))
+        return np.where(np.abs(residues) > CLUSTER_SAFETY * EPS * size * limit, residues, 0.0)
+
+    def _newton_steps(self, values: list[complex]) -> tuple[list[complex], list[float]]:
+        """-mean of the diagonal of Y^T A(p) X for each pole, X and Y its vectors; and what rounding errors of A change in the real part.
+
+        An entry of A_k adds Re(p^k y_i x_j) times its error: those of mass and stiffness nothing to an undamped motion.
+        """
         form = self.harmonic.form
         pair, coefficients = form.pairs.finite, self.harmonic.real[0].coefficients
-        zeros = {}
-        for zero in pair.zeros:
-            zeros[zero.value], zeros[zero.value.conjugate()] = zero, zero
         columns, rows, at, owner = [], [], [], []
         for number, value in enumerate(values):
-            zero = (
-                zeros[value]
-                if value in zeros
-                else min(zeros.values(), key=lambda one: min(abs(one.value - value), abs(one.value.conjugate() - value)))
-            )
-            places, right, _, left = form.subspace(zero, value)
+            places, right, _, left = form.subspace(self._zero_at(value), value)
             X, Y = pair.C[:, places] @ right, left @ pair.B[places]
             for i in range(X.shape[1]):
                 columns.append(X[:, i])
@@ -93,7 +112,16 @@ class Transfer:
         with precise.precise_arithmetic():
             residuals = _bilinear(coefficients, np.array(columns).T, np.array(rows), np.array(at))
         of = np.array(owner)
-        return [-residuals[of == number].mean() for number in range(len(values))]
+        sizes = self.harmonic.sizes if self.harmonic.imaginary is None else None
+        used = np.abs(coefficients) if sizes is None else sizes
+        doubts = EPS * np.array(
+            [
+                sum((A * np.abs(np.real(p**k * np.outer(y, x)))).sum() for k, A in enumerate(used))
+                for x, y, p in zip(columns, rows, at)
+            ]
+        )
+        means = [residuals[of == number].mean() for number in range(len(values))]
+        return [-mean for mean in means], [float(doubts[of == number].max()) for number in range(len(values))]
 
     def values(self, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """H by the sum of its terms at real frequencies in Hz, and estimates of the absolute errors, both of shape (p, m, F)."""
