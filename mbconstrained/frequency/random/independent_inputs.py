@@ -18,8 +18,9 @@ import scipy.linalg
 
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..harmonic import Harmonic
-from .spectra import PowerLaw, Rational, Spectrum
+from .spectra import Spectrum
 from .spectral_matrix import INDEFINITE, SpectralMatrix
+from .spectrum_pieces import PowerLaw, Rational
 
 
 def independent_inputs(harmonic: Harmonic, spectra: SpectralMatrix) -> tuple[Harmonic, SpectralMatrix]:

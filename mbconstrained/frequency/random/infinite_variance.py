@@ -46,7 +46,10 @@ def existence(transfer: Transfer, spectra: SpectralMatrix, powers: tuple[int, ..
     """
     p = len(transfer.harmonic.outputs)
     reasons = np.full((len(powers), p), "", dtype=object)
+    has_structural_damping = transfer.harmonic.imaginary is not None  # then H holds for f > 0 and has no stable poles below
     for pole in transfer.poles:
+        if has_structural_damping and pole.value.imag < 0:
+            continue
         for output in np.flatnonzero(pole.residues.any(axis=(0, 2))).tolist():
             for row, power in enumerate(powers):
                 reasons[row, output] = reasons[row, output] or _at_pole(pole, output, spectra, power)

@@ -13,9 +13,9 @@ import scipy.linalg
 
 from ...ground.checks import evaluation_times, real_array
 from ...ground.errors import InputError
-from .spectra import PowerLaw, Rational
 from .spectral_integral import TURN, _Integration
 from .spectral_matrix import INDEFINITE, SpectralMatrix
+from .spectrum_pieces import PowerLaw, Rational
 from .transfer import Transfer
 
 #: Harmonics that are added at once, times the number of times.

@@ -103,7 +103,14 @@ class SpectralMatrix:
         return S
 
     def within(self, low: float, high: float) -> SpectralMatrix:
-        """The same between two frequencies in Hz, zero outside."""
+        """The same matrix between two frequencies, zero outside.
+
+        Args:
+            low, high: in Hz.
+
+        Returns:
+            Another matrix.
+        """
         spectra = tuple(spectrum.within(low, high) for spectrum in self.spectra)
         return replace(self, spectra=spectra, cross={key: spectrum.within(low, high) for key, spectrum in self.cross.items()})
 
