@@ -41,11 +41,11 @@ def independent_inputs(harmonic: Harmonic, spectra: SpectralMatrix) -> tuple[Har
     if (np.isnan(ratios) & coupled).any():
         return harmonic, spectra
     if not spectra.longest_delay:
-        harmonic, spectra = _combined(harmonic, spectra, ratios, coupled)
+        harmonic, spectra = _combined(harmonic, spectra, ratios)
     return _with_filters(harmonic, spectra)
 
 
-def _combined(harmonic: Harmonic, spectra: SpectralMatrix, ratios: np.ndarray, coupled: np.ndarray):
+def _combined(harmonic: Harmonic, spectra: SpectralMatrix, ratios: np.ndarray):
     """Without coherence: B L of each group of coupled inputs; the given ones where a cross spectrum has another shape or is complex."""
     share = spectra.coherence.copy()
     for (i, j), given in spectra.cross.items():
@@ -54,7 +54,7 @@ def _combined(harmonic: Harmonic, spectra: SpectralMatrix, ratios: np.ndarray, c
             return harmonic, spectra
         share[i, j] = share[j, i] = own.real / np.sqrt(ratios[i, j].real)
     columns, chosen = [], []
-    for group in _groups(coupled):
+    for group in spectra.groups:
         first = group[0]
         size = np.sqrt(ratios[first, group].real)
         factor = _root(share[np.ix_(group, group)]) * size[:, None]
@@ -64,14 +64,6 @@ def _combined(harmonic: Harmonic, spectra: SpectralMatrix, ratios: np.ndarray, c
     inputs = np.hstack(columns) if columns else harmonic.inputs[:, :0]
     count = len(names)
     return replace(harmonic, inputs=inputs, input_names=names), SpectralMatrix(names, own, np.eye(count), np.zeros(count))
-
-
-def _groups(coupled: np.ndarray) -> list[list[int]]:
-    """The inputs that depend on each other, directly or by others."""
-    from scipy.sparse.csgraph import connected_components
-
-    count, label = connected_components(coupled, directed=False)
-    return [np.flatnonzero(label == number).tolist() for number in range(count)]
 
 
 def _root(matrix: np.ndarray) -> np.ndarray:

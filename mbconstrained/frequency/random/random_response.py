@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from ...ground.display import Displayed, TextTable, notice_table, number_text
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import REPORTED_ERROR, TRUST_LIMIT
+from ...response.response import Response
 from ..frequency_response import evaluated
 from ..harmonic import Harmonic
 from . import nonstationary, statistics
@@ -21,6 +23,9 @@ from .infinite_variance import Existence, existence
 from .spectral_integral import SpectralIntegral, spectral_integral
 from .spectral_matrix import SpectralMatrix
 from .transfer import Transfer
+
+if TYPE_CHECKING:
+    from ...exact.enclosure.intervals import Enclosure
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -110,8 +115,14 @@ class RandomResponse(Displayed):
         power = whole_number(power, "order")
         if power not in self._integrals:
             finite = np.flatnonzero([not reason for reason in self._exists(power).reasons[0]])
-            self._integrals[power] = finite, spectral_integral(*self._independent, (power,), finite)
+            self._integrals[power] = finite, self._without_noise(spectral_integral(*self._independent, (power,), finite), finite)
         return self._integrals[power]
+
+    def _without_noise(self, integral: SpectralIntegral, finite: np.ndarray) -> SpectralIntegral:
+        """Zeros of those outputs that no input moves, where the integral is rounding error."""
+        is_noise = self._independent[0].vanishes[finite] & (integral.values[0].diagonal().real <= integral.errors[0])
+        values = np.where(is_noise[:, None] | is_noise, 0.0, integral.values)
+        return replace(integral, values=values, errors=np.where(is_noise, 0.0, integral.errors))
 
     @property
     def infinite(self) -> dict[str, str]:
@@ -191,7 +202,7 @@ class RandomResponse(Displayed):
         transfer, spectra = self._independent
         squares = np.full((len(self.outputs), len(edges) - 1), np.inf)
         squares[finite] = spectral_integral(transfer, spectra, (0,), finite, edges).parts[:, 0].T
-        for band, (low, high) in enumerate(itertools.pairwise(edges) if len(finite) < len(squares) else ()):
+        for band, (low, high) in enumerate(itertools.pairwise(edges) if self.infinite else ()):
             part = spectra.within(low, high)
             own = np.flatnonzero([not reason for reason in existence(transfer, part, (0,), self.units).reasons[0]])
             squares[own, band] = spectral_integral(transfer, part, (0,), own).values[0].diagonal().real
@@ -230,6 +241,26 @@ class RandomResponse(Displayed):
                 middle = a + 1.0 if np.isinf(b) else (a + b) / 2
                 result[:, :, own] = np.einsum("aif,ijf,bjf->abf", H[..., own], self.spectra(f[own], middle), H[..., own].conj())
         return result
+
+    def enclose(self, digits: int = 15) -> Enclosure:
+        """The variances between proved bounds, the data taken exactly: rational numbers for white and filtered noise, certified quadrature for tables.
+
+        Args:
+            digits: of each variance, relative to itself.
+
+        Returns:
+            An ``Enclosure`` of shape (p,): .lower, .upper (decimal strings), .contains(values), .error_bounds(values).
+
+        Raises:
+            InputError: an output of infinite variance, structural damping, partly coherent or delayed noise without a highest frequency.
+
+        >>> import mbconstrained as mb
+        >>> R = mb.MechanicalSystem([[1.0]], [[0.75]], [[4.0]]).random_response({"x1": mb.white_noise(2.0)})  # 2 / (4 c k) = 1/6
+        >>> box = R.enclose(digits=20)
+        >>> print(box.lower[0], box.upper[0])
+        0.16666666666666666666666 0.16666666666666666666667
+        """
+        return Response.exact_engine().enclosed_variances(self.harmonic, self.spectra, digits)
 
     # Statistics.
 

@@ -117,8 +117,12 @@ def spectral_integral(
     Raises:
         Overflow: values beyond float64.
     """
+    parts = [(transfer, spectra)]
+    if any(pole.on_axis for pole in transfer.poles):  # of inputs that do not reach it, it is none
+        parts = [(transfer.of_inputs(group), spectra.of_inputs(group)) for group in spectra.groups]
     with np.errstate(over="ignore", invalid="ignore"):
-        result = _Integration(transfer, spectra, tuple(powers), outputs, edges).result()
+        each = [_Integration(*part, tuple(powers), outputs, edges).result() for part in parts]
+        result = SpectralIntegral(*(np.sum([getattr(one, name) for one in each], axis=0) for name in ("values", "errors", "parts")))
     if not np.isfinite(result.values).all():
         raise Overflow(
             "excitation: the spectra of the outputs leave the range of float64; expected densities and frequencies of usual size"

@@ -49,6 +49,24 @@ class SpectralMatrix:
         return max(self.shifts, default=0.0)
 
     @property
+    def groups(self) -> list[list[int]]:
+        """The numbers of the inputs that depend on each other, directly or by others."""
+        from scipy.sparse.csgraph import connected_components
+
+        coupled = self.coherence != 0
+        for i, j in self.cross:
+            coupled[i, j] = coupled[j, i] = True
+        count, label = connected_components(coupled, directed=False)
+        return [np.flatnonzero(label == number).tolist() for number in range(count)]
+
+    def of_inputs(self, chosen: list[int]) -> SpectralMatrix:
+        """The same of some of the inputs."""
+        at = {i: place for place, i in enumerate(chosen)}
+        cross = {(at[i], at[j]): given for (i, j), given in self.cross.items() if i in at and j in at}
+        names, spectra = (tuple(own[i] for i in chosen) for own in (self.names, self.spectra))
+        return SpectralMatrix(names, spectra, self.coherence[np.ix_(chosen, chosen)], self.delays[chosen], cross)
+
+    @property
     def delayed_pairs(self) -> list[tuple[int, int]]:
         """Coherent inputs (i, j) with different delays, i > j."""
         return [

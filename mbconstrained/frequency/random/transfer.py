@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -122,6 +122,18 @@ class Transfer:
         )
         means = [residuals[of == number].mean() for number in range(len(values))]
         return [-mean for mean in means], [float(doubts[of == number].max()) for number in range(len(values))]
+
+    @cached_property
+    def vanishes(self) -> np.ndarray:
+        """Which outputs no input moves: all residues are rounding errors and the polynomial part is zero, shape (p,)."""
+        parts = [self._without_noise(pole.value, pole.residues) for pole in self.poles] + [self.harmonic.form.polynomial]
+        return np.all([~part.any(axis=(0, 2)) for part in parts], axis=0)
+
+    def of_inputs(self, chosen: list[int]) -> Transfer:
+        """The same from some of the inputs."""
+        own = self.harmonic
+        names = tuple(own.input_names[i] for i in chosen)
+        return Transfer(replace(own, inputs=own.inputs[:, chosen], input_names=names))
 
     def values(self, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """H by the sum of its terms at real frequencies in Hz, and estimates of the absolute errors, both of shape (p, m, F)."""
