@@ -97,15 +97,17 @@ class ExactVariance:
     def _of_group(self, group: list[int], numerators) -> flint.arb | None:
         """What coherent inputs add."""
         spectra = self.spectra
+        pieces = [spectra.spectra[i].pieces for i in group]
+        is_delayed = any(i in group for pair in spectra.delayed_pairs for i in pair)
+        if not is_delayed and all(own == pieces[0] for own in pieces) and (spectra.coherence[np.ix_(group, group)] == 1).all():
+            first, total = group[0], sum((numerators[i] for i in group), ZERO)
+            group, numerators = [first], [*numerators[:first], total, *numerators[first + 1 :]]
         corners = sorted({corner for i in group for corner in spectra.spectra[i].corners})
         if not corners or np.isfinite(corners[-1]):
             return self._of_tables(group, numerators, corners)
-        pieces = [spectra.spectra[i].pieces for i in group]
-        is_delayed = any(i in group for pair in spectra.delayed_pairs for i in pair)
-        alike = all(own == pieces[0] for own in pieces) and (spectra.coherence[np.ix_(group, group)] == 1).all()
-        if is_delayed or not alike or len(pieces[0]) > 1:
+        if len(group) > 1 or len(pieces[0]) > 1:
             raise InputError("enclose: coherent noise without a highest frequency is covered where its coherence is 1, without delays")
-        return self._of_filter(sum((numerators[i] for i in group), ZERO), pieces[0][0])
+        return self._of_filter(numerators[group[0]], pieces[0][0])
 
     def _of_filter(self, N: flint.fmpq_poly, piece: Rational | PowerLaw) -> flint.arb | None:
         if isinstance(piece, Rational):

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...ground.errors import Overflow
-from ...ground.tolerances import EPS, SPECTRAL_ACCURACY
+from ...ground.tolerances import EPS, FORM_ROUNDING, SPECTRAL_ACCURACY
 from ...ground.tolerances import STEP_AGREEMENT as MARGIN
 from .spectral_matrix import SpectralMatrix
 from .transfer import Transfer
@@ -148,6 +148,7 @@ class _Integration:
         self.sigma = np.array([pole.value.real for pole in simple])
         shape = (len(simple), len(self.outputs), len(spectra.names))
         self.residues = np.array([pole.residues[0, self.outputs] for pole in simple]).reshape(shape)
+        self.doubts = FORM_ROUNDING * EPS * np.array([pole.sizes[0, self.outputs] for pole in simple]).reshape(shape)
         self.mirrored = transfer.mirrored(simple)[:, self.outputs]
         self.others = np.array([pole.frequency for pole in self.poles if pole.order > 1 or pole.on_axis], dtype=complex)
 
@@ -156,7 +157,7 @@ class _Integration:
         p, K = len(self.outputs), len(self.powers)
         panels = self._resolved(self._octaves())
         H, errors = self._values(panels)
-        total, loss = self._integrals(panels, H)
+        total, loss, doubts = self._integrals(panels, H)
         for _ in range(HALVINGS):
             size = np.abs(total.sum(axis=0).diagonal(axis1=1, axis2=2)).real
             bad = (loss > 0.1 * SPECTRAL_ACCURACY * size).any(axis=(1, 2)) & (panels.upper - panels.lower > 8 * EPS * panels.upper)
@@ -164,13 +165,13 @@ class _Integration:
                 break
             halves = self._resolved(panels.halves(bad))
             new_H, new_errors = self._values(halves)
-            new_total, new_loss = self._integrals(halves, new_H)
+            new = self._integrals(halves, new_H)
             keep = ~bad
             panels = panels.only(keep).joined(halves)
             H, errors = np.concatenate([H[:, :, keep], new_H], axis=2), np.concatenate([errors[:, :, keep], new_errors], axis=2)
-            total, loss = np.concatenate([total[keep], new_total]), np.concatenate([loss[keep], new_loss])
+            total, loss, doubts = (np.concatenate([one[keep], two]) for one, two in zip((total, loss, doubts), new))
         if p and K:
-            return self._improved(panels, H, errors, total, loss)
+            return self._improved(panels, H, errors, total, loss + doubts)
         return SpectralIntegral(np.zeros((K, p, p)), np.zeros((K, p)), np.zeros((max(len(self.edges) - 1, 0), K, p)))
 
     # Panels.
@@ -265,8 +266,8 @@ class _Integration:
                 T = np.einsum("an,bn,kn->kab", one[:, i], other[:, j].conj(), S * f ** power[:, None])
                 total[x] += T + np.conj(np.swapaxes(T, 1, 2))
 
-    def _integrals(self, panels: _Panels, H: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The integral over each panel, shape (P, K, p, p), and the rounding errors of its diagonal by cancellation, (P, K, p)."""
+    def _integrals(self, panels: _Panels, H: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The integral over each panel, shape (P, K, p, p), errors of its diagonal by cancellation, and by those of residues, (P, K, p)."""
         S, nodes, weights = self._spectra_at(panels), panels.nodes, panels.weights
         for i, j in self.spectra.delayed_pairs:
             S[i, j, panels.is_tail] = S[j, i, panels.is_tail] = 0.0
@@ -275,10 +276,10 @@ class _Integration:
         weighted = weights[..., None] * nodes[..., None] ** np.array(self.powers)
         total = np.einsum("xnk,xnab->xkab", weighted, G)
         self._delayed_tails(panels, total)
-        loss = np.zeros(total.shape[:3])
+        loss, doubts = np.zeros((2, *total.shape[:3]))
         x, number = np.nonzero(self._near(panels, self.frequencies))
         if not len(x):
-            return total, loss
+            return total, loss, doubts
         a, b = self.frequencies[number].real, self.frequencies[number].imag
         distance, lower, upper = nodes[x] - a[:, None], panels.lower[x] - a, panels.upper[x] - a
         size = distance**2 + b[:, None] ** 2
@@ -286,7 +287,7 @@ class _Integration:
         logarithm = 0.5 * np.log((upper**2 + b**2) / (lower**2 + b**2))
         angle = np.sign(b) * np.arctan2((upper - lower) * np.abs(b), b**2 + upper * lower)
         for k, power in enumerate(self.powers):
-            X, Y = self._principal_parts(number, panels.middle[x], power)
+            X, Y, doubt = self._principal_parts(number, panels.middle[x], power)
             part = 2 * (X * (logarithm - first)[:, None, None] - Y * (angle - second)[:, None, None])
             np.add.at(total[:, k], x, part)
             terms = [
@@ -294,10 +295,11 @@ class _Integration:
                 for one, u, v in ((X, logarithm, first), (Y, angle, second))
             ]
             np.add.at(loss[:, k], x, 2 * EPS * sum(terms))
-        return total, loss
+            np.add.at(doubts[:, k], x, 2 * doubt * np.abs(angle)[:, None])
+        return total, loss, doubts
 
-    def _principal_parts(self, number: np.ndarray, middle: np.ndarray, power: int) -> tuple[np.ndarray, np.ndarray]:
-        """Of poles by number, at pieces of the spectra: X and Y of r = X + i Y, both Hermitian, shape (number, p, p).
+    def _principal_parts(self, number: np.ndarray, middle: np.ndarray, power: int) -> tuple[np.ndarray, ...]:
+        """Of poles by number, at pieces of the spectra: X and Y of r = X + i Y, both Hermitian, shape (number, p, p), and errors of Y, (number, p).
 
         r = -i R f^k S(f) (conj R / (2 |sigma|) + rest)^T / (2 pi) at the pole. The term with 1 / sigma belongs to Y but for the change of S from
         the axis to the pole, which is taken by itself: far from the peak it is the small part X that counts.
@@ -312,7 +314,8 @@ class _Integration:
         even = R @ _hermitian(S) @ np.conj(np.swapaxes(R, 1, 2)) / (-2 * self.sigma[number])[:, None, None]
         odd = R @ _hermitian(-1j * S) @ np.conj(np.swapaxes(R, 1, 2)) / (-2 * self.sigma[number])[:, None, None]
         other = R @ S @ np.swapaxes(rest, 1, 2)
-        return _hermitian(odd + _hermitian(-1j * other)) / (2 * np.pi), -_hermitian(even + other) / (2 * np.pi)
+        doubt = np.einsum("xai,xij,xaj->xa", np.abs(R), np.abs(S), self.doubts[number]) / np.abs(2 * np.pi * self.sigma[number])[:, None]
+        return _hermitian(odd + _hermitian(-1j * other)) / (2 * np.pi), -_hermitian(even + other) / (2 * np.pi), doubt
 
     def _improved(self, panels, H, errors, total, loss) -> SpectralIntegral:
         """With values of H solved for where the errors of their sums count."""
@@ -333,7 +336,8 @@ class _Integration:
             better = solved_errors[self.outputs] < errors[:, :, at]
             H[:, :, at] = np.where(better, solved[self.outputs], H[:, :, at])
             errors[:, :, at] = np.where(better, solved_errors[self.outputs], errors[:, :, at])
-            total, loss = self._integrals(panels, H)
+            total, loss, doubts = self._integrals(panels, H)
+            loss = loss + doubts
             own = node_errors()
         middle = np.where(panels.is_tail, np.inf, (panels.lower + panels.upper) / 2)
         parts = np.zeros((max(len(self.edges) - 1, 0), *size.shape))

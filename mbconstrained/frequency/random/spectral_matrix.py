@@ -81,9 +81,10 @@ class SpectralMatrix:
     def singularities(self, middle: float) -> list[complex]:
         """Frequencies near which the piece at ``middle`` is not analytic."""
         chosen = [spectrum.piece_at(middle) for spectrum in (*self.spectra, *self.cross.values())]
-        roots = len(self.spectra) > 1
+        pairs = ((i, j) for i in range(len(self.spectra)) for j in range(i) if self.coherence[i, j])
+        has_roots = any(chosen[i] != chosen[j] for i, j in pairs)
         return [
-            one for piece in chosen if piece is not None and (roots or not hasattr(piece, "end")) for one in piece.singularities
+            one for piece in chosen if piece is not None and (has_roots or not hasattr(piece, "end")) for one in piece.singularities
         ]
 
     def slopes(self, middle: float) -> np.ndarray:

@@ -12,7 +12,7 @@ from ...linalg import precise
 from ...polynomial.structure import FiniteZero
 from ..frequency_response import NOISE
 from ..harmonic import Harmonic
-from ..pole_residue_form import is_on_axis
+from ..pole_residue_form import Pole, is_on_axis
 
 
 @dataclass(frozen=True)
@@ -23,11 +23,13 @@ class RefinedPole:
         value: p in 1/s.
         residues: R_0, R_1, ... of 1 / (s - p), 1 / (s - p)^2, ..., shape (order, p, m).
         on_axis: whether sigma is zero.
+        sizes: of the terms that residues are sums of, shape (order, p, m); some of their rounding errors are errors of the residues.
     """
 
     value: complex
     residues: np.ndarray
     on_axis: bool
+    sizes: np.ndarray
 
     @property
     def frequency(self) -> complex:
@@ -68,8 +70,9 @@ class Transfer:
         for k, pole in enumerate(own):
             value = values.get(k, pole.value)
             on_axis = not value or (abs(value.real) <= limits[k] if k in values else is_on_axis(pole))
-            residues = self._without_noise(pole.value, pole.residues) if on_axis else pole.residues
-            result.append(RefinedPole(complex(0.0 if on_axis else value.real, value.imag), residues, on_axis))
+            sizes = self._sizes(pole)
+            residues = _without_noise(pole.residues, sizes) if on_axis else pole.residues
+            result.append(RefinedPole(complex(0.0 if on_axis else value.real, value.imag), residues, on_axis, sizes))
         return tuple(result)
 
     @cached_property
@@ -83,15 +86,17 @@ class Transfer:
         """The zero of A(s) that is this pole, or its conjugate."""
         return self._zeros.get(value) or self._zeros[min(self._zeros, key=lambda one: abs(one - value))]
 
-    def _without_noise(self, value: complex, residues: np.ndarray) -> np.ndarray:
-        """Without what is rounding error of a mode whose largest entries are in other coordinates."""
+    def _sizes(self, pole: Pole) -> np.ndarray:
+        """Of residues whose mode has its largest entries at input and output, shape (order, p, m)."""
         form = self.harmonic.form
         pair, scaling = form.pairs.finite, form.pairs.form.companion.scaling
-        at, right, _, left = form.subspace(self._zero_at(value), value)
+        at, right, J, left = form.subspace(self._zero_at(pole.value), pole.value)
         X, Y = np.abs(pair.C[:, at] @ right) / scaling.columns[:, None], np.abs(left @ pair.B[at]) / scaling.rows
-        size = X.max(axis=0) @ Y.max(axis=1)
+        front, N = np.linalg.matrix_power(J, form.power), J - pole.value * np.eye(len(J))
+        powers = [np.abs(front @ np.linalg.matrix_power(N, j)) for j in range(pole.order)]
+        size = np.array([X.max(axis=0) @ middle @ Y.max(axis=1) for middle in powers])
         limit = np.outer(np.abs(form.outputs) @ scaling.columns, scaling.rows @ np.abs(form.inputs))
-        return np.where(np.abs(residues) > CLUSTER_SAFETY * EPS * size * limit, residues, 0.0)
+        return size[:, None, None] * limit
 
     def _newton_steps(self, values: list[complex]) -> tuple[list[complex], list[float]]:
         """-mean of the diagonal of Y^T A(p) X for each pole, X and Y its vectors; and what rounding errors of A change in the real part.
@@ -126,7 +131,7 @@ class Transfer:
     @cached_property
     def vanishes(self) -> np.ndarray:
         """Which outputs no input moves: all residues are rounding errors and the polynomial part is zero, shape (p,)."""
-        parts = [self._without_noise(pole.value, pole.residues) for pole in self.poles] + [self.harmonic.form.polynomial]
+        parts = [_without_noise(pole.residues, pole.sizes) for pole in self.poles] + [self.harmonic.form.polynomial]
         return np.all([~part.any(axis=(0, 2)) for part in parts], axis=0)
 
     def of_inputs(self, chosen: list[int]) -> Transfer:
@@ -163,6 +168,10 @@ class Transfer:
         for k, D in enumerate(self.harmonic.form.polynomial):
             total += np.multiply.outer((-s) ** k, D.conj())
         return total
+
+
+def _without_noise(residues: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    return np.where(np.abs(residues) > CLUSTER_SAFETY * EPS * sizes, residues, 0.0)
 
 
 def _bilinear(coefficients: np.ndarray, X: np.ndarray, Y: np.ndarray, p: np.ndarray) -> np.ndarray:
