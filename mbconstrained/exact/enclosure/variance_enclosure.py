@@ -64,7 +64,9 @@ class ExactVariance:
 
     def __init__(self, harmonic: Harmonic, spectra: SpectralMatrix):
         if harmonic.imaginary is not None:
-            raise InputError("enclose: not available with structural damping, which is no rational function of s; give viscous damping")
+            raise InputError(
+                "enclose: not available with structural damping, which is no rational function of s; give viscous damping"
+            )
         self.spectra, self.power = spectra, flint.fmpq_poly([0, 1]) ** harmonic.power
         matrix = RationalMatrix.of(harmonic.A)
         self.denominator = matrix.determinant
@@ -106,7 +108,9 @@ class ExactVariance:
         if not corners or np.isfinite(corners[-1]):
             return self._of_tables(group, numerators, corners)
         if len(group) > 1 or len(pieces[0]) > 1:
-            raise InputError("enclose: coherent noise without a highest frequency is covered where its coherence is 1, without delays")
+            raise InputError(
+                "enclose: coherent noise without a highest frequency is covered where its coherence is 1, without delays"
+            )
         return self._of_filter(numerators[group[0]], pieces[0][0])
 
     def _of_filter(self, N: flint.fmpq_poly, piece: Rational | PowerLaw) -> flint.arb | None:
@@ -135,7 +139,9 @@ class ExactVariance:
         turn = flint.acb(0, 2) * flint.acb.pi()
 
         def integrand(f, analytic):
-            values = {i: (pairs[i][0](turn * f) / pairs[i][1](turn * f), pairs[i][0](-turn * f) / pairs[i][1](-turn * f)) for i in used}
+            values = {
+                i: (pairs[i][0](turn * f) / pairs[i][1](turn * f), pairs[i][0](-turn * f) / pairs[i][1](-turn * f)) for i in used
+            }
             own = {i: _density(chosen[i], f, analytic) for i in used}
             result = flint.acb(0)
             for i in used:

@@ -157,21 +157,21 @@ class _Integration:
         p, K = len(self.outputs), len(self.powers)
         panels = self._resolved(self._octaves())
         H, errors = self._values(panels)
-        total, loss, doubts = self._integrals(panels, H)
+        sums, near, loss, doubts = self._sums(panels, H), *self._near_poles(panels)
         for _ in range(HALVINGS):
-            size = np.abs(total.sum(axis=0).diagonal(axis1=1, axis2=2)).real
+            size = np.abs((sums + near).sum(axis=0).diagonal(axis1=1, axis2=2)).real
             bad = (loss > 0.1 * SPECTRAL_ACCURACY * size).any(axis=(1, 2)) & (panels.upper - panels.lower > 8 * EPS * panels.upper)
             if not bad.any():
                 break
             halves = self._resolved(panels.halves(bad))
             new_H, new_errors = self._values(halves)
-            new = self._integrals(halves, new_H)
+            new = self._sums(halves, new_H), *self._near_poles(halves)
             keep = ~bad
             panels = panels.only(keep).joined(halves)
             H, errors = np.concatenate([H[:, :, keep], new_H], axis=2), np.concatenate([errors[:, :, keep], new_errors], axis=2)
-            total, loss, doubts = (np.concatenate([one[keep], two]) for one, two in zip((total, loss, doubts), new))
+            sums, near, loss, doubts = (np.concatenate([one[keep], two]) for one, two in zip((sums, near, loss, doubts), new))
         if p and K:
-            return self._improved(panels, H, errors, total, loss + doubts)
+            return self._improved(panels, H, errors, sums, near, (loss + doubts).sum(axis=0))
         return SpectralIntegral(np.zeros((K, p, p)), np.zeros((K, p)), np.zeros((max(len(self.edges) - 1, 0), K, p)))
 
     # Panels.
@@ -266,36 +266,45 @@ class _Integration:
                 T = np.einsum("an,bn,kn->kab", one[:, i], other[:, j].conj(), S * f ** power[:, None])
                 total[x] += T + np.conj(np.swapaxes(T, 1, 2))
 
-    def _integrals(self, panels: _Panels, H: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The integral over each panel, shape (P, K, p, p), errors of its diagonal by cancellation, and by those of residues, (P, K, p)."""
-        S, nodes, weights = self._spectra_at(panels), panels.nodes, panels.weights
+    def _sums(self, panels: _Panels, H: np.ndarray) -> np.ndarray:
+        """Gauss's rule on each panel, shape (P, K, p, p)."""
+        S = self._spectra_at(panels)
         for i, j in self.spectra.delayed_pairs:
             S[i, j, panels.is_tail] = S[j, i, panels.is_tail] = 0.0
         left, right = np.moveaxis(H, (2, 3), (0, 1)), np.moveaxis(H.conj(), (2, 3, 1), (0, 1, 2))
         G = left @ np.moveaxis(S, (2, 3), (0, 1)) @ right
-        weighted = weights[..., None] * nodes[..., None] ** np.array(self.powers)
+        weighted = panels.weights[..., None] * panels.nodes[..., None] ** np.array(self.powers)
         total = np.einsum("xnk,xnab->xkab", weighted, G)
         self._delayed_tails(panels, total)
+        return total
+
+    def _near_poles(self, panels: _Panels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Integrals of principal parts less the sums of Gauss's rule for them, shape (P, K, p, p), and of their diagonals the errors by cancellation,
+        and by those of residues, (P, K, p)."""
+        p, K = len(self.outputs), len(self.powers)
+        total = np.zeros((len(panels.lower), K, p, p), dtype=complex)
         loss, doubts = np.zeros((2, *total.shape[:3]))
         x, number = np.nonzero(self._near(panels, self.frequencies))
         if not len(x):
             return total, loss, doubts
         a, b = self.frequencies[number].real, self.frequencies[number].imag
-        distance, lower, upper = nodes[x] - a[:, None], panels.lower[x] - a, panels.upper[x] - a
+        nodes, weights = panels.nodes[x], panels.weights[x]
+        distance, lower, upper = nodes - a[:, None], panels.lower[x] - a, panels.upper[x] - a
         size = distance**2 + b[:, None] ** 2
-        first, second = (weights[x] * distance / size).sum(axis=1), b * (weights[x] / size).sum(axis=1)
+        first, second = (weights * distance / size).sum(axis=1), b * (weights / size).sum(axis=1)
         logarithm = 0.5 * np.log((upper**2 + b**2) / (lower**2 + b**2))
         angle = np.sign(b) * np.arctan2((upper - lower) * np.abs(b), b**2 + upper * lower)
+        starts = np.flatnonzero(np.diff(x, prepend=-1))
         for k, power in enumerate(self.powers):
             X, Y, doubt = self._principal_parts(number, panels.middle[x], power)
-            part = 2 * (X * (logarithm - first)[:, None, None] - Y * (angle - second)[:, None, None])
-            np.add.at(total[:, k], x, part)
-            terms = [
+            part = X * (2 * (logarithm - first))[:, None, None] - Y * (2 * (angle - second))[:, None, None]
+            total[x[starts], k] = np.add.reduceat(part, starts)
+            terms = sum(
                 np.abs(one.diagonal(axis1=1, axis2=2)) * (np.abs(u) + np.abs(v))[:, None]
                 for one, u, v in ((X, logarithm, first), (Y, angle, second))
-            ]
-            np.add.at(loss[:, k], x, 2 * EPS * sum(terms))
-            np.add.at(doubts[:, k], x, 2 * doubt * np.abs(angle)[:, None])
+            )
+            loss[x[starts], k] = 2 * EPS * np.add.reduceat(terms, starts)
+            doubts[x[starts], k] = 2 * np.add.reduceat(doubt * np.abs(angle)[:, None], starts)
         return total, loss, doubts
 
     def _principal_parts(self, number: np.ndarray, middle: np.ndarray, power: int) -> tuple[np.ndarray, ...]:
@@ -311,14 +320,18 @@ class _Integration:
             S[own] = np.moveaxis(self.spectra(at[own], piece), 2, 0)
         S *= (at**power)[:, None, None]
         R, rest = self.residues[number], self.mirrored[number]
-        even = R @ _hermitian(S) @ np.conj(np.swapaxes(R, 1, 2)) / (-2 * self.sigma[number])[:, None, None]
-        odd = R @ _hermitian(-1j * S) @ np.conj(np.swapaxes(R, 1, 2)) / (-2 * self.sigma[number])[:, None, None]
+        conjugate = np.conj(np.swapaxes(R, 1, 2)) / (-2 * self.sigma[number])[:, None, None]
+        even, odd = R @ _hermitian(S) @ conjugate, R @ _hermitian(-1j * S) @ conjugate
         other = R @ S @ np.swapaxes(rest, 1, 2)
-        doubt = np.einsum("xai,xij,xaj->xa", np.abs(R), np.abs(S), self.doubts[number]) / np.abs(2 * np.pi * self.sigma[number])[:, None]
+        doubt = (
+            np.einsum("xai,xij,xaj->xa", np.abs(R), np.abs(S), self.doubts[number])
+            / np.abs(2 * np.pi * self.sigma[number])[:, None]
+        )
         return _hermitian(odd + _hermitian(-1j * other)) / (2 * np.pi), -_hermitian(even + other) / (2 * np.pi), doubt
 
-    def _improved(self, panels, H, errors, total, loss) -> SpectralIntegral:
+    def _improved(self, panels, H, errors, sums, near, loss) -> SpectralIntegral:
         """With values of H solved for where the errors of their sums count."""
+        total = sums + near
         S, weights = self._spectra_at(panels), panels.weights
         powers = panels.nodes[..., None] ** np.array(self.powers)
 
@@ -336,12 +349,10 @@ class _Integration:
             better = solved_errors[self.outputs] < errors[:, :, at]
             H[:, :, at] = np.where(better, solved[self.outputs], H[:, :, at])
             errors[:, :, at] = np.where(better, solved_errors[self.outputs], errors[:, :, at])
-            total, loss, doubts = self._integrals(panels, H)
-            loss = loss + doubts
-            own = node_errors()
+            total, own = self._sums(panels, H) + near, node_errors()
         middle = np.where(panels.is_tail, np.inf, (panels.lower + panels.upper) / 2)
         parts = np.zeros((max(len(self.edges) - 1, 0), *size.shape))
         band = np.searchsorted(self.edges, middle) - 1
         inside = (band >= 0) & (band < len(parts))
         np.add.at(parts, band[inside], total[inside].diagonal(axis1=2, axis2=3).real)
-        return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + loss.sum(axis=0) + 16 * EPS * size, parts)
+        return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + loss + 16 * EPS * size, parts)
