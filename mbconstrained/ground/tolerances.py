@@ -267,7 +267,7 @@ SAME_FREQUENCY = 1e-9
 LINE_ROUNDING = 2.0
 
 #: Poles with a smaller ratio of damping have real parts that are refined; below the other, a refined real part is rounding error.
-LIGHT_DAMPING, UNDAMPED = 1e-2, 1e10 * EPS**2
+LIGHT_DAMPING, UNDAMPED = 0.5, 1e10 * EPS**2
 
 #: Integrals of spectra have smaller relative rounding errors than this, or their panels are halved, and values at their nodes solved for.
 SPECTRAL_ACCURACY = 1e-13
