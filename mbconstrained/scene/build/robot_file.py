@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...ground.errors import InputError
+from ..file.includes import ROBOT_FILE, robot_tables
 from ..file.messages import at, shown
-from ..file.reading import FileKind, inside, parse, read_text
+from ..file.reading import inside
 from ..quantities.quantities import count_texts
 from ..schema.validation import validated
 from .robot_values import PLACE, UrdfNames, joint_values, names_of_urdf, posing, robot_arguments
@@ -17,9 +18,6 @@ from .robot_values import PLACE, UrdfNames, joint_values, names_of_urdf, posing,
 if TYPE_CHECKING:
     from ...robot.robot import Robot
     from ..schema.robot_tables import RobotFile
-
-ROBOT_FILE = "robot.toml"
-_KIND = FileKind("a robot.toml has at least urdf, source and licence", "which is no robot.toml; meshes lie in files of their own")
 
 
 @dataclass(frozen=True)
@@ -34,6 +32,7 @@ class RobotData:
         locks: joints that the files name as locked, with their values in SI.
         locked: the same with those that follow them.
         unit_texts: how many quantities were written with a unit.
+        place: the file in messages.
     """
 
     path: Path
@@ -43,6 +42,7 @@ class RobotData:
     locks: dict[str, float] = field(default_factory=dict)
     locked: dict[str, float] = field(default_factory=dict)
     unit_texts: int = 0
+    place: str = ""
     _posture: dict = field(default_factory=dict, repr=False)
 
     @property
@@ -89,11 +89,6 @@ class RobotData:
         return {"guess": guess, "forces": forces, "hold": hold}
 
     @property
-    def place(self) -> str:
-        """The file in messages."""
-        return f"{self.name}/{self.path.name}"
-
-    @property
     def urdf_place(self) -> str:
         """The URDF in messages."""
         return f"{self.name}/{self.names.path.name}"
@@ -115,17 +110,20 @@ def read_robot(path: str | Path, *, package_dirs: Sequence[str | Path] = (), loc
         SceneError: a file that cannot be read, or something in it that is wrong; the text names file, place, what was
             found and what was expected.
     """
-    data = robot_data(Path(path), package_dirs)
+    path = Path(path) / ROBOT_FILE if Path(path).is_dir() else Path(path)
+    data = robot_data(path, *robot_tables(path), package_dirs)
     with at(data.place, "the robot"):
         data = data.with_locked(locked or {})
     return robot_of(data), data
 
 
-def robot_data(path: Path, package_dirs: Sequence[str | Path] = ()) -> RobotData:
-    """Read and check a robot.toml and the names in its URDF; pinocchio is not needed for it.
+def robot_data(path: Path, data: dict, place: str, package_dirs: Sequence[str | Path] = ()) -> RobotData:
+    """Check the tables of a robot.toml and the names in its URDF; pinocchio is not needed for it.
 
     Args:
-        path: a folder with a robot.toml, or the robot.toml.
+        path: the robot.toml.
+        data: its tables, perhaps with changes.
+        place: the file in messages, which knows where changes come from.
         package_dirs: as of ``read_robot``.
 
     Returns:
@@ -136,9 +134,6 @@ def robot_data(path: Path, package_dirs: Sequence[str | Path] = ()) -> RobotData
     """
     from ..schema.robot_tables import RobotFile
 
-    path = path / ROBOT_FILE if path.is_dir() else path
-    place = f"{path.absolute().parent.name}/{path.name}"
-    data = parse(read_text(path, _KIND), place)
     table = validated(data, place, RobotFile)
     folder = path.parent.resolve()
     with at(place, "urdf"):
@@ -152,7 +147,7 @@ def robot_data(path: Path, package_dirs: Sequence[str | Path] = ()) -> RobotData
     with at(place, "posture"):
         posture = posing(table.posture, names, table.base == "free")
     with at(place, "the robot"):
-        return RobotData(path, table, names, dirs, unit_texts=texts, _posture=posture).with_locked(locked)
+        return RobotData(path, table, names, dirs, unit_texts=texts, place=place, _posture=posture).with_locked(locked)
 
 
 def robot_of(data: RobotData) -> Robot:
@@ -166,7 +161,8 @@ def robot_of(data: RobotData) -> Robot:
     values = robot_arguments(data.table, data.names, data.place)
     for key in ("joint_stiffness", "joint_rest", "joint_damping", "flexible_joints", "motors"):
         values[key] = {name: value for name, value in values[key].items() if name not in data.locked}
-    with at(data.place, "the robot"):
+    files = sorted({file for file, _ in getattr(data.place, "origins", {}).values()})
+    with at(f"{data.place} with {' and '.join(files)}" if files else data.place, "the robot"):
         return Robot(data.names.path, package_dirs=data.package_dirs, name=data.name, locked=data.locked, **values)
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ...ground.checks import nearest
 from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
-from ..file.messages import at, named, shown
+from ..file.messages import EntryError, at, named, shown
 from ..quantities.quantities import quantity
 
 if TYPE_CHECKING:
@@ -123,8 +123,10 @@ def joint_values(values: Mapping, names: UrdfNames, units: Mapping[str, str]) ->
     by_name = {}
     for name, value in values.items():
         unit = names.joint_unit(name)
-        with named(name):
+        try:
             by_name[name] = quantity(value, units[unit])
+        except InputError as problem:
+            raise EntryError(f"{name}: {problem}", name) from None
     return by_name
 
 

@@ -203,6 +203,12 @@ class RobotFile(Table):
     posture: Posing = Field(Posing(), description="Where the robot stands if a scene does not say otherwise.")
 
 
+class RobotChanges(RobotFile):
+    """Changes of the robot.toml for one scene: entries replace those of the file, and arrays of tables grow."""
+
+    urdf: Text = Field("", description="Another URDF, a file in the robot's folder.")
+
+
 class SpotTable(Table):
     """A named motion: that of a joint, or of a point of a body along a direction."""
 
