@@ -136,7 +136,8 @@ def _fixed_coordinates(robot: Robot, hold) -> np.ndarray:
     single = [name for name in robot.joints if name in robot.coordinates and name not in followers]
     fixed = np.zeros(len(robot.coordinates), bool)
     for name in (*(single if hold == "all" else hold), *robot.flexible_joints):
-        fixed[robot.tangent.place(name, "hold")] = True
+        for coordinate in robot.tangent.coordinates_of(name) if name in robot.joints else (name,):
+            fixed[robot.tangent.place(coordinate, "hold")] = True
     follows = np.isin(robot.coordinates, followers)
     return fixed | ((robot.rests_at_guess | (robot.position_gains > 0)) & ~follows)
 

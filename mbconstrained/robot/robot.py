@@ -224,8 +224,8 @@ class Robot(Displayed):
             g(q) + tau_springs(q) - tau = J^T lambda,   phi(q) = 0        (Newton's method)
 
         Args:
-            guess: values by joint (rad, m), 0 for those not named: for a free base ("base") x, y, z, roll, pitch, yaw or
-                x, y, z and a quaternion x, y, z, w; or all of q.
+            guess: values by joint or coordinate (rad, m), 0 for those not named: for a free base ("base") x, y, z, roll, pitch, yaw
+                or x, y, z and a quaternion x, y, z, w, and "base z" alone for one of them; or all of q.
             forces: constant ones by joint (N m, N) or by ``PointMotion`` (N, N m).
             hold: joints or coordinates that keep the guess, or "all" joints; ``Posture.torques`` has their loads. Flexible joints
                 and those with a spring without a rest keep it always.

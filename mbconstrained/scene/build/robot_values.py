@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,6 +40,7 @@ class UrdfNames:
         path: the file.
         links: their names.
         units: of the joints with one degree of freedom and the coordinates of others, "rad" or "m", by name.
+        several: the coordinates of joints with several degrees of freedom, by joint.
         mimics: joints that follow others.
         meshes: file names of the meshes that are drawn, as they stand in the URDF, each with its link.
     """
@@ -49,6 +50,7 @@ class UrdfNames:
     units: dict[str, str]
     mimics: tuple[Mimic, ...]
     meshes: tuple[tuple[str, str], ...]
+    several: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def joint_unit(self, name: str) -> str:
         """The unit of a joint.
@@ -97,11 +99,16 @@ def names_of_urdf(path: Path, free_base: bool = False) -> UrdfNames:
     root = checked_tree(text)
     units = {joint.get("name").strip(): JOINT_UNITS.get(joint.get("type")) for joint in root.findall("joint")}
     several = [(joint.get("name").strip(), COORDINATE_UNITS.get(joint.get("type"), {})) for joint in root.findall("joint")]
+    coordinates = {}
     for name, own in (*several, *([(BASE, COORDINATE_UNITS["floating"])] if free_base else [])):
         units |= {f"{name} {suffix}": unit for suffix, unit in own.items()}
+        coordinates[name] = tuple(f"{name} {suffix}" for suffix in own)
     links = {link.get("name").strip(): link for link in root.findall("link")}
     meshes = ((name, mesh.get("filename", "")) for name, link in links.items() for mesh in link.findall("visual/geometry/mesh"))
-    return UrdfNames(path, tuple(links), {name: unit for name, unit in units.items() if unit}, mimics_of(root), tuple(meshes))
+    known = {name: unit for name, unit in units.items() if unit}
+    return UrdfNames(
+        path, tuple(links), known, mimics_of(root), tuple(meshes), {name: own for name, own in coordinates.items() if own}
+    )
 
 
 def _some(names) -> str:
@@ -135,6 +142,12 @@ def _pose(value) -> tuple[float, ...]:
         raise InputError(f"found {shown(value)}; expected [x, y, z, roll, pitch, yaw], or x, y, z and a quaternion x, y, z, w")
     units = POSE_UNITS if len(value) == 6 else ("m", "m", "m", "1", "1", "1", "1")
     return tuple(quantity(entry, unit) for entry, unit in zip(value, units))
+
+
+def _planar(value) -> tuple[float, ...]:
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 3:
+        raise InputError(f"found {shown(value)}; expected [x, y, angle]")
+    return tuple(quantity(entry, unit) for entry, unit in zip(value, ("m", "m", "rad")))
 
 
 def _given(entry, *left_out: str) -> dict:
@@ -213,12 +226,12 @@ def _body_forces(entries, names: UrdfNames) -> dict:
 
 
 def _guess(values: Mapping, names: UrdfNames, free_base: bool) -> dict:
-    """The values of joints, and the pose of a free base under "base"."""
-    joints = {name: value for name, value in values.items() if not (free_base and name == BASE)}
-    guess = joint_values(joints, names, PLACE)
-    if len(joints) < len(values):
-        with named(BASE):
-            guess[BASE] = _pose(values[BASE])
+    """The values of joints and coordinates; of a joint with several degrees of freedom all at once, as of a free base."""
+    several = {name: value for name, value in values.items() if name in names.several and (free_base or name != BASE)}
+    guess = joint_values({name: value for name, value in values.items() if name not in several}, names, PLACE)
+    for name, value in several.items():
+        with named(name):
+            guess[name] = _pose(value) if len(names.several[name]) == len(POSE_UNITS) else _planar(value)
     return guess
 
 
@@ -242,7 +255,7 @@ def posing(table, names: UrdfNames, free_base: bool) -> dict:
     if "hold" in table.model_fields_set:
         with named("hold"):
             for name in table.hold if table.hold != "all" else ():
-                names.joint_unit(name)
+                names.joint_unit(name if name not in names.several else names.several[name][0])
             posture["hold"] = table.hold if table.hold == "all" else tuple(table.hold)
     return posture
 
