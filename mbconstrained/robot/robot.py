@@ -16,6 +16,7 @@ from ..mechanics.constraints import Level
 from .connections import BodySpring, Bushing, Loop, PointMotion
 from .description.masses import Payload, replace_masses
 from .description.models import described, has_free_base, is_model
+from .description.srdf import SemanticDescription, read_srdf
 from .description.urdf import checked_tree, description_notices, link_masses, mimics_of, read_urdf, root_link, skeleton
 from .flexible_joint import FlexibleJoint, Motor
 from .kinematics import Tree, built_model, finished_model
@@ -59,6 +60,8 @@ class Robot(Displayed):
         payloads: bodies fixed to links, ``Payload``.
         masses: other masses of links than those of the URDF (kg), by link; the inertia changes in the same ratio.
         inertias: other inertias of links, by link, as of ``Payload`` (kg m^2).
+        srdf: the path of an SRDF file: its group states are guesses by name, ``equilibrium("standing")``, and its rotors are motors of
+            the joints that have no other.
         package_dirs: folders that contain the folder NAME of package://NAME/... in names of mesh files.
         name: the URDF's when not given.
 
@@ -93,6 +96,7 @@ class Robot(Displayed):
         payloads: Sequence[Payload] = (),
         masses: Mapping[str, float] | None = None,
         inertias: Mapping[str, Sequence[float]] | None = None,
+        srdf: str | Path | None = None,
         package_dirs: Sequence[str | Path] = (),
         name: str | None = None,
     ):
@@ -134,7 +138,8 @@ class Robot(Displayed):
         self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
         self._set_joints(joint_stiffness, joint_rest, joint_damping)
         self.flexible_joints = self._by_joint(flexible_joints, FlexibleJoint, "flexible_joints")
-        self._set_motors(self._by_joint(motors, Motor, "motors"))
+        self.semantics = SemanticDescription() if srdf is None else read_srdf(srdf)
+        self._set_motors({**self._rotors(), **self._by_joint(motors, Motor, "motors")})
 
     def _add_payloads(self, payloads: Sequence[Payload]) -> None:
         import pinocchio
@@ -156,6 +161,12 @@ class Robot(Displayed):
             if not isinstance(value, kind):
                 raise InputError(f"{what}: {name}: found {type(value).__name__}; make it with mb.{kind.__name__}(...)")
         return dict(values or {})
+
+    def _rotors(self) -> dict[str, Motor]:
+        """Those of the SRDF file, of joints that move and are not flexible."""
+        single = set(self.coordinates) & set(self.joints) - set(self.flexible_joints)
+        rotors = ((name, rotor) for name, rotor in self.semantics.rotors.items() if name in single)
+        return {name: Motor(rotor_inertia=inertia, gear_ratio=abs(ratio)) for name, (inertia, ratio) in rotors}
 
     def _set_motors(self, motors: dict[str, Motor]) -> None:
         """Inertias go to the model, gains into vectors by coordinate, shape (nv,)."""
@@ -213,9 +224,15 @@ class Robot(Displayed):
         """Lower and upper limit (rad, m) by joint, of those that have any."""
         return self.tangent.limits
 
+    @property
+    def states(self) -> dict[str, dict[str, float | tuple[float, ...]]]:
+        """The guesses of the SRDF file by name: values (rad, m) of the joints that move."""
+        base = BASE if self.base != "fixed" else None
+        return {name: self.semantics.state(name, self.joints, base) for name in self.semantics.states}
+
     def equilibrium(
         self,
-        guess: Mapping | np.ndarray | None = None,
+        guess: Mapping | np.ndarray | str | None = None,
         forces: Mapping[str | PointMotion, float] | None = None,
         hold: Sequence[str] | Literal["all"] = (),
     ) -> Posture:
@@ -225,7 +242,8 @@ class Robot(Displayed):
 
         Args:
             guess: values by joint or coordinate (rad, m), 0 for those not named: for a free base ("base") x, y, z, roll, pitch, yaw
-                or x, y, z and a quaternion x, y, z, w, and "base z" alone for one of them; or all of q.
+                or x, y, z and a quaternion x, y, z, w, and "base z" alone for one of them; or all of q; or the
+                name of a state of the SRDF file.
             forces: constant ones by joint (N m, N) or by ``PointMotion`` (N, N m).
             hold: joints or coordinates that keep the guess, or "all" joints; ``Posture.torques`` has their loads. Flexible joints
                 and those with a spring without a rest keep it always.
@@ -236,6 +254,8 @@ class Robot(Displayed):
         Raises:
             InputError: there is none near the guess, the loops do not close, or the posture is singular.
         """
+        if isinstance(guess, str):
+            guess = self.states[guess] if guess in self.states else self.semantics.state(guess, self.joints, None)
         return find_posture(self, {} if guess is None else guess, forces or {}, hold)
 
     def linearize(

@@ -16,6 +16,7 @@ from ..schema.validation import validated
 from .robot_values import PLACE, UrdfNames, joint_values, names_of_urdf, posing, robot_arguments
 
 if TYPE_CHECKING:
+    from ...robot.description.srdf import SemanticDescription
     from ...robot.robot import Robot
     from ..schema.robot_tables import RobotFile
 
@@ -28,6 +29,7 @@ class RobotData:
         path: the robot.toml.
         table: its content.
         names: of the links and joints in its URDF.
+        semantics: the states of its SRDF.
         package_dirs: folders in which package://NAME/... is looked up.
         locks: joints that the files name as locked, with their values in SI.
         locked: the same with those that follow them.
@@ -38,6 +40,7 @@ class RobotData:
     path: Path
     table: RobotFile
     names: UrdfNames
+    semantics: SemanticDescription
     package_dirs: tuple[Path, ...]
     locks: dict[str, float] = field(default_factory=dict)
     locked: dict[str, float] = field(default_factory=dict)
@@ -140,14 +143,15 @@ def robot_data(path: Path, data: dict, place: str, package_dirs: Sequence[str | 
         urdf = inside(folder, table.urdf, "the URDF must lie in the robot's folder", 'the name of a file, e.g. "robot.urdf"')
     with at(f"{folder.name}/{urdf.name}"):
         names = names_of_urdf(urdf, table.base != "fixed")
+    semantics = _semantics(table.srdf, folder, place)
     dirs = (*_package_dirs(table.package_dirs, folder, place), *(Path(place).resolve() for place in package_dirs))
     texts = count_texts({key: value for key, value in data.items() if key not in ("title", "source", "licence", "urdf")})
     with at(place, "locked"):
         locked = joint_values(table.locked, names, PLACE)
     with at(place, "posture"):
-        posture = posing(table.posture, names, table.base == "free")
+        posture = posing(table.posture, names, table.base == "free", semantics)
     with at(place, "the robot"):
-        return RobotData(path, table, names, dirs, unit_texts=texts, place=place, _posture=posture).with_locked(locked)
+        return RobotData(path, table, names, semantics, dirs, unit_texts=texts, place=place, _posture=posture).with_locked(locked)
 
 
 def robot_of(data: RobotData) -> Robot:
@@ -163,7 +167,18 @@ def robot_of(data: RobotData) -> Robot:
         values[key] = {name: value for name, value in values[key].items() if name not in data.locked}
     files = sorted({file for file, _ in getattr(data.place, "origins", {}).values()})
     with at(f"{data.place} with {' and '.join(files)}" if files else data.place, "the robot"):
-        return Robot(data.names.path, package_dirs=data.package_dirs, name=data.name, locked=data.locked, **values)
+        srdf = None if data.table.srdf is None else data.path.parent / data.table.srdf
+        return Robot(data.names.path, srdf=srdf, package_dirs=data.package_dirs, name=data.name, locked=data.locked, **values)
+
+
+def _semantics(name: str | None, folder: Path, place: str) -> SemanticDescription:
+    """Of the SRDF file, empty without one."""
+    from ...robot.description.srdf import SemanticDescription, read_srdf
+
+    with at(place, "srdf"):
+        if name is None:
+            return SemanticDescription()
+        return read_srdf(inside(folder, name, "the SRDF must lie in the robot's folder", 'the name of a file, e.g. "robot.srdf"'))
 
 
 def _package_dirs(dirs: Sequence[str], folder: Path, place: str) -> list[Path]:

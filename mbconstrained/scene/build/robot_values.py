@@ -14,6 +14,7 @@ from ..file.messages import EntryError, at, named, shown
 from ..quantities.quantities import quantity
 
 if TYPE_CHECKING:
+    from ...robot.description.srdf import SemanticDescription
     from ...robot.description.urdf import Mimic
 
 STIFFNESS = {"rad": "N*m/rad", "m": "N/m"}
@@ -235,20 +236,23 @@ def _guess(values: Mapping, names: UrdfNames, free_base: bool) -> dict:
     return guess
 
 
-def posing(table, names: UrdfNames, free_base: bool) -> dict:
+def posing(table, names: UrdfNames, free_base: bool, semantics: SemanticDescription) -> dict:
     """The posture that a robot.toml or a scene gives.
 
     Args:
         table: with guess, forces, body_force and hold.
         names: of the joints and links.
         free_base: whether the guess has a pose of the base.
+        semantics: the states of the SRDF.
 
     Returns:
         guess and forces in SI, and hold where it is given: arguments of ``Robot.equilibrium``.
     """
-    posture = {}
+    joints = (*names.units, *names.several)
+    state = {} if table.state is None else semantics.state(table.state, joints, BASE if free_base else None)
+    posture: dict = {}
     with named("guess"):
-        posture["guess"] = _guess(table.guess, names, free_base)
+        posture["guess"] = state | _guess(table.guess, names, free_base)
     with named("forces"):
         posture["forces"] = joint_values(table.forces, names, FORCE)
     posture["forces"] |= _body_forces(table.body_force, names)

@@ -158,6 +158,7 @@ class BodyForceTable(PointTable):
 class Posing(Table):
     """Where the robot stands: of a robot, and of a scene that has it otherwise."""
 
+    state: Text | None = Field(None, description="A group state of the SRDF file; the values of guess come on top.")
     guess: dict[Text, Any] = Field({}, description="Joints near the equilibrium; base = [x, y, z, roll, pitch, yaw] if it is free.")
     forces: JointValues = Field({}, description="Forces and torques of joints that act all the time.")
     body_force: list[BodyForceTable] = Field([], description="Forces and torques on bodies that act all the time.")
@@ -178,6 +179,7 @@ class RobotFile(Table):
     source: Text = Field("", description="Where it comes from.")
     licence: Text = Field("", description='Under which licence, e.g. "MIT".')
     urdf: Text = Field(description="The URDF, a file in the robot's folder.")
+    srdf: Text | None = Field(None, description="An SRDF, a file in the robot's folder: postures by name, rotors of motors.")
     package_dirs: list[Text] = Field(
         [], description="Folders in which package://NAME/… are looked up: paths, or relative to the robot's."
     )
