@@ -243,7 +243,7 @@ class LinearizedRobot(MechanicalSystem):
             excitation, _chosen(outputs), quantity, **options
         )
 
-    def to_state_space(self, inputs=None, outputs=None) -> StateSpace:  # type: ignore[override]
+    def to_state_space(self, inputs=None, outputs=None) -> StateSpace:
         """As of every mechanical system, with inputs and outputs of its own: joints and points.
 
         Args:

@@ -111,8 +111,9 @@ def root_link(root: ElementTree.Element) -> str:
 
 #: Advice where another format than URDF is found, by the name of the root element.
 _OTHER_FORMATS = {
-    "mujoco": ": this is MJCF; give pinocchio's model of it, mb.Robot(pinocchio.buildModelFromMJCF(path))",
-    "sdf": ": this is SDF; convert it to a URDF, or give a pinocchio model",
+    "mujoco": ": this is MJCF; give the path of the file, which ends in .xml",
+    "sdf": ": this is SDF, which pinocchio's packages do not read; convert it to a URDF and give its loops as mb.Loop(...), or give the "
+    "model of a pinocchio with SDFormat, mb.Robot(model)",
 }
 
 #: The name of a link "ground", which here names the body that does not move.

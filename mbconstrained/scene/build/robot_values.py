@@ -79,7 +79,7 @@ class UrdfNames:
 
 
 def names_of_urdf(path: Path, free_base: bool = False) -> UrdfNames:
-    """Look through a URDF. Collision geometry is not looked at.
+    """Look through a URDF, or an MJCF file, which pinocchio reads. Collision geometry is not looked at.
 
     Args:
         path: the file.
@@ -91,13 +91,14 @@ def names_of_urdf(path: Path, free_base: bool = False) -> UrdfNames:
     Raises:
         InputError: it cannot be read, is too large, or is no URDF.
     """
+    from ...robot.description.mjcf import is_mjcf, read_mjcf
+    from ...robot.description.models import described
     from ...robot.description.urdf import checked_tree, mimics_of, read_urdf
 
     if not path.is_file():
         others = [other.name for other in path.parent.glob("*.urdf")] if path.parent.is_dir() else []
         raise InputError(f"there is no file {shown(path.name)}{nearest(path.name, others)}")
-    text, _ = read_urdf(path)
-    root = checked_tree(text)
+    root = described(read_mjcf(path, free_base).model) if is_mjcf(path) else checked_tree(read_urdf(path)[0])
     units = {joint.get("name").strip(): JOINT_UNITS.get(joint.get("type")) for joint in root.findall("joint")}
     several = [(joint.get("name").strip(), COORDINATE_UNITS.get(joint.get("type"), {})) for joint in root.findall("joint")]
     coordinates = {}

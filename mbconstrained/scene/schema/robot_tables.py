@@ -178,7 +178,7 @@ class RobotFile(Table):
     title: Text = Field("", description="What the robot is.")
     source: Text = Field("", description="Where it comes from.")
     licence: Text = Field("", description='Under which licence, e.g. "MIT".')
-    urdf: Text = Field(description="The URDF, a file in the robot's folder.")
+    urdf: Text = Field(description="The URDF, or MJCF (.xml), a file in the robot's folder.")
     srdf: Text | None = Field(None, description="An SRDF, a file in the robot's folder: postures by name, rotors of motors.")
     package_dirs: list[Text] = Field(
         [], description="Folders in which package://NAME/… are looked up: paths, or relative to the robot's."
