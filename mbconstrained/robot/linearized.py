@@ -21,8 +21,8 @@ from ..mechanics.vibration.harmonic_equations import frequency_response
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
 from .connections import PointMotion
-from .equilibrium import rows_of
 from .flexible_joint import FlexibleJoint
+from .statics.equilibrium import rows_of
 
 if TYPE_CHECKING:
     from ..control.state_space import StateSpace

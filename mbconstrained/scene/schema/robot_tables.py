@@ -68,15 +68,21 @@ class FramesTable(ConnectionTable):
 class LoopTable(FramesTable):
     """A joint that closes a loop."""
 
-    kind: Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "rod"] = Field(
+    kind: Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "universal", "rod"] = Field(
         "point", description="Which of the six directions are constrained."
     )
     axis: Three[Number] = Field([0.0, 0.0, 1.0], description="Of a hinge, prismatic or cylindrical loop, in the frame on body1.")
+    axis2: Three[Number] = Field(
+        [1.0, 0.0, 0.0], description="Of a universal loop, in the frame on body2; axis is in that on body1."
+    )
     length: Length | None = Field(None, description="Of a rod; that at the guess if it is left out.")
     friction: Number | None = Field(
         None, description="Coefficient of friction of a foot on the ground; its force at rest is checked."
     )
     normal: Three[Number] = Field([0.0, 0.0, 1.0], description="Of the contact with friction, in the directions of the ground.")
+    patch: Annotated[list[Length], Field(min_length=2, max_length=2)] | None = Field(
+        None, description="Of a rigid foot with friction: extents of its sole along x and y of the frame on body1."
+    )
 
 
 class BodySpringTable(ConnectionTable):
