@@ -60,10 +60,10 @@ def _combined(harmonic: Harmonic, spectra: SpectralMatrix, ratios: np.ndarray):
         factor = _root(share[np.ix_(group, group)]) * size[:, None]
         columns.append(harmonic.inputs[:, group] @ factor)
         chosen += [(spectra.names[first], spectra.spectra[first])] * factor.shape[1]
-    names, own = zip(*chosen) if chosen else ((), ())
+    names, pieces = tuple(name for name, _ in chosen), tuple(spectrum for _, spectrum in chosen)
     inputs = np.hstack(columns) if columns else harmonic.inputs[:, :0]
     count = len(names)
-    return replace(harmonic, inputs=inputs, input_names=names), SpectralMatrix(names, own, np.eye(count), np.zeros(count))
+    return replace(harmonic, inputs=inputs, input_names=names), SpectralMatrix(names, pieces, np.eye(count), np.zeros(count))
 
 
 def _root(matrix: np.ndarray) -> np.ndarray:

@@ -63,7 +63,7 @@ class SpectralMatrix:
         """The same of some of the inputs."""
         at = {i: place for place, i in enumerate(chosen)}
         cross = {(at[i], at[j]): given for (i, j), given in self.cross.items() if i in at and j in at}
-        names, spectra = (tuple(own[i] for i in chosen) for own in (self.names, self.spectra))
+        names, spectra = tuple(self.names[i] for i in chosen), tuple(self.spectra[i] for i in chosen)
         return SpectralMatrix(names, spectra, self.coherence[np.ix_(chosen, chosen)], self.delays[chosen], cross)
 
     @property

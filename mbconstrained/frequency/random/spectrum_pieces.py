@@ -40,7 +40,7 @@ class PowerLaw:
         Returns:
             A piece.
         """
-        return PowerLaw(low, high, self(low).item() if self.exponent and low > self.lower else self.level, self.exponent)
+        return PowerLaw(low, high, self(np.array(low)).item() if self.exponent and low > self.lower else self.level, self.exponent)
 
     def ratio(self, other) -> complex:
         """c with other = c times this piece, or NaN."""
@@ -83,7 +83,7 @@ class Line:
         Returns:
             A piece.
         """
-        return Line(low, high, self(low), self(high))
+        return Line(low, high, *self(np.array([low, high])).tolist())
 
     def ratio(self, other) -> complex:
         """c with other = c times this piece, or NaN."""
