@@ -16,10 +16,10 @@ from ..ground.checks import real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
 from .connections import BodySpring, Connection, Loop
-from .equilibrium import Search, closed, rows_of
 from .kinematics import Anchor
 from .mechanism import Attached
 from .posture import Posture
+from .statics.equilibrium import Search, closed, rows_of
 from .tangent import MimicRow
 
 #: Loops count as closed in a drawing below this gap, in rad or relative to the robot's size.

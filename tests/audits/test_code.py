@@ -28,7 +28,7 @@ OWN_CONSTANTS = {
     "linalg/tree_modes/topology.py",
     "response/estimate.py",
     "robot/description/urdf.py",
-    "robot/equilibrium.py",
+    "robot/statics/equilibrium.py",
     "robot/visualization.py",
     "signals/approximated.py",
 }

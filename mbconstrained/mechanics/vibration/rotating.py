@@ -22,6 +22,7 @@ from ...ground.threads import short_work
 from ...ground.tolerances import EPS, NEWTON_STEP, noise_of
 from ...polynomial.variation.branches import Family, FamilyPart, followed
 from ...polynomial.variation.spectrum import refined_values
+from ..sensitivity.parameter import Parameter
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
@@ -50,6 +51,9 @@ def at_speed(system: MechanicalSystem, speed: float) -> MechanicalSystem:
         result.stiffness = stiffness = system._matrix(system.stiffness + speed * system.circulatory, "stiffness", system.size)
     result.given, result._forms = (stiffness, damping, mass), {}
     result.gyroscopic = result.circulatory = None
+    N, G = (0.0 if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic))
+    own = Parameter("speed", speed, stiffness=N, damping=G, unit="rad/s")
+    result.parameter_source = lambda: (*system.parameters(), own)
     return result
 
 

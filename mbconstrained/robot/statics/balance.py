@@ -14,11 +14,11 @@ from functools import cached_property
 
 import numpy as np
 
-from ..ground.errors import InputError
-from .connections import BodySpring, Bushing, PointMotion
-from .kinematics import Anchor, Kinematics, RelativePose, Tree
-from .mechanism import Attached
-from .tangent import MimicRow, joint_displacement
+from ...ground.errors import InputError
+from ..connections import BodySpring, Bushing, PointMotion
+from ..kinematics import Anchor, Kinematics, RelativePose, Tree
+from ..mechanism import Attached
+from ..tangent import MimicRow, joint_displacement
 
 
 @dataclass(frozen=True, eq=False)

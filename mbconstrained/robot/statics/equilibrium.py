@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..ground.errors import InputError
-from ..ground.tolerances import (
+from ...ground.errors import InputError
+from ...ground.tolerances import (
     BALANCED,
     LOOP_RANK,
     LOOP_RANK_DOUBTFUL,
@@ -17,8 +17,8 @@ from ..ground.tolerances import (
     LOOPS_TILTED,
     ZERO_STIFFNESS,
 )
+from ..kinematics import Tree
 from .balance import Balance, Load
-from .kinematics import Tree
 
 #: Largest step of a joint angle (rad), and of a displacement relative to the robot's size: the linear equations do not hold
 #: beyond it.
