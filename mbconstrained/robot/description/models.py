@@ -17,7 +17,7 @@ from ...ground.notices import Notice
 SEVERAL = ("JointModelPlanar", "JointModelFreeFlyer", "JointModelSpherical", "JointModelTranslation")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ModelFile:
     """A pinocchio model with what the file that it was read from gives besides.
 

@@ -20,7 +20,7 @@ from .equilibrium import Equilibrium
 SIDES = 16
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Contact:
     """A foot at rest.
 
