@@ -27,10 +27,10 @@ LARGEST_EXPONENT = 1000.0
 #: Rounds of alternating row and column scaling; each at least halves the spread that is left.
 EQUILIBRATION_ROUNDS = 6
 
-#: Rounds of balancing a sparse matrix; Newton's method follows where an entry is so many times the median of all.
-BALANCING_ROUNDS, LIKE_SIZES = 12, 8.0
+#: Rounds of balancing.
+BALANCING_ROUNDS = 12
 
-#: Newton's method: most steps, and the longest and the last change of the exponent of an entry.
+#: Newton's method for sparse matrices: most steps, and the longest and the last change of the exponent of an entry.
 NEWTON_STEPS, LONGEST_STEP, SHORTEST_STEP = 40, 3.0, 0.25
 
 #: Beyond so many states what couples them is found by their graph, not by powers of their matrix.
@@ -135,10 +135,7 @@ def _balanced_exponents(row: np.ndarray, column: np.ndarray, size: np.ndarray, e
         rows, columns = np.bincount(row, now, n), np.bincount(column, now, n)
         both = (rows > 0) & (columns > 0)
         exponents = exponents + (np.log2(np.where(both, rows, 1.0)) - np.log2(np.where(both, columns, 1.0))) / 4
-    now = size * np.exp2(exponents[column] - exponents[row])
-    if now.size and now.max() > LIKE_SIZES * np.median(now):
-        return _least_sum(row, column, size, exponents)
-    return exponents
+    return _least_sum(row, column, size, exponents) if 0 < len(size) * FILLED <= n * n else exponents
 
 
 def _least_sum(row: np.ndarray, column: np.ndarray, size: np.ndarray, exponents: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ import numpy as np
 from ...ground.tolerances import EPS, EQUAL_EIGENVALUES, PROVED_RESTARTS
 from ...linalg.accurate_products import accurate_product
 from ...linalg.arrays import full
-from ...linalg.blocks import block_matrix, block_slices
+from ...linalg.blocks import block_eigenvalues, block_matrix, block_slices
 from ...linalg.division import solution
 from ...linalg.exponential.block_exponential import block_states
 from ..flow import Flow
@@ -137,7 +137,7 @@ class DefectResponse:
     @cached_property
     def _rates(self) -> np.ndarray:
         """The largest modulus of an eigenvalue of the block of each state."""
-        rates = [np.abs(np.linalg.eigvals(block)).max() for block in self.flow.states.blocks]
+        rates = [np.abs(block_eigenvalues(block)).max() for block in self.flow.states.blocks]
         return np.repeat(rates, list(map(len, self.flow.states.blocks)))
 
     @cached_property
@@ -219,7 +219,7 @@ class DefectResponse:
         count = len(self._J)
         turn, back, zeros = np.zeros((count, count), complex), np.zeros((count, count), complex), np.zeros(count, complex)
         for block, at in zip(self.flow.states.blocks, self._slices):
-            zeros[at], turn[at, at] = np.linalg.eig(_simple(block, self.end))
+            zeros[at], turn[at, at] = np.linalg.eig(_simple(block, self.end).astype(complex))
             back[at, at] = np.linalg.inv(turn[at, at])
         return turn, back, zeros
 
@@ -230,7 +230,7 @@ def _simple(block: np.ndarray, end: float) -> np.ndarray:
     if count == 1 or not size or (count == 2 and block[0, 0] == block[1, 1] and block[0, 1] == -block[1, 0]):
         return block
     values, distance = (
-        np.linalg.eigvals(block),
+        block_eigenvalues(block),
         min(EQUAL_EIGENVALUES, EQUAL_EIGENVALUES**0.5 / (size * end)) if end else EQUAL_EIGENVALUES,
     )
     if (np.abs(np.subtract.outer(values, values)) + size * np.eye(count)).min() > distance * size:
