@@ -263,3 +263,11 @@ def _sample(array: np.ndarray) -> str:
     if " at 0x" in text:  # a memory address has no meaning for users
         return f"an object of type {type(first).__name__}"
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def is_table(value) -> bool:
+    """Whether it has a leading axis for several motions."""
+    try:
+        return np.ndim(value) == 2
+    except ValueError:  # rows of different lengths, which is an error later
+        return False

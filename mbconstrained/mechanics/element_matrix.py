@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from functools import cached_property, reduce
 from operator import add
@@ -18,6 +18,7 @@ from ..polynomial.polynomial_matrix import Factors
 
 if TYPE_CHECKING:
     from .modes import Modes
+    from .sensitivity.parameter import Parameter
 
 
 class ElementMatrix:
@@ -162,9 +163,11 @@ class DampedSystem:
 
     Attributes:
         loss_factors: eta of structural damping by the name of a spring, for harmonic motion only.
+        parameter_source: the parameters of a model that knows them; None for entries of the matrices.
     """
 
     loss_factors: Mapping[str, float] = MappingProxyType({})
+    parameter_source: Callable[[], Iterable[Parameter]] | None = None
     given: tuple
     mass: Any
     stiffness: Any
@@ -174,6 +177,7 @@ class DampedSystem:
     damping: Any
     uncertainty: tuple
     is_sparse: bool
+    parameters: Callable[[], Any]
     _matrix: Callable[..., Any]
     _reduced_pencil: Callable[[], Any]
 
@@ -226,9 +230,11 @@ class DampedSystem:
         array([0.02, 0.05])
         """
         self._refuse_sparse("modal damping")
-        return self._with_damping(
+        system = self._with_damping(
             [modal_damping(self.mass, self.stiffness, self.constraint_matrix, self.modes(damped=False), ratios)]
         )
+        system.parameter_source = _refuse_parameters
+        return system
 
     def _with_damping(self, parts: Sequence, factors: tuple[float, float] = (0.0, 0.0)) -> Self:
         """The same system with further damping, whose entries have the errors of K and M times factors."""
@@ -245,4 +251,13 @@ class DampedSystem:
         else:
             K, C, M = self.uncertainty
             system.uncertainty = (K, C + factors[0] * K + factors[1] * M, M)
+            b, a = factors
+            system.parameter_source = lambda: (one.with_damping(a, b) for one in self.parameters())
         return system
+
+
+def _refuse_parameters() -> Iterable[Parameter]:
+    raise InputError(
+        "sensitivities: modal damping follows the modes, which change with every parameter; give the parameters as "
+        "Parameter.of_function(name, value, build), which assembles the system for each value"
+    )

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.sparse
 
 from ..exchange.exported import ExportedSystem
-from ..ground.checks import constant_zeros, counted, names_of, nearest, real_array, real_number, whole_number
+from ..ground.checks import constant_zeros, counted, is_table, names_of, nearest, real_array, real_number, whole_number
 from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
@@ -115,10 +115,14 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem)
         self.circulatory = None if circulatory is None else self._matrix(circulatory, "circulatory", self.size)
         self.constraints = checked_constraints(constraints, self.names)
         if self.is_sparse:
-            names_of_arrays = ("energy_parts", "uncertainty", "gyroscopic", "circulatory")
-            for value, name in zip((energy_parts, uncertainty, gyroscopic, circulatory), names_of_arrays):
-                if value is not None:
-                    self._refuse_sparse(name)
+            of_arrays = {
+                "energy_parts": energy_parts,
+                "uncertainty": uncertainty,
+                "gyroscopic": gyroscopic,
+                "circulatory": circulatory,
+            }
+            for name in (name for name, value in of_arrays.items() if value is not None):
+                self._refuse_sparse(name)
             self.pencil: ReducedPencil | None = self._reduced_pencil()
         else:
             self.pencil = None
@@ -267,10 +271,10 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem)
         """
         self._refuse_loss_factors()
         request = Request(evaluations)
-        several_forces = _is_table(force) or (
+        several_forces = is_table(force) or (
             isinstance(force, (list, tuple)) and any(isinstance(f, ImpulsiveSmooth) for f in force)
         )
-        several = several_forces or _is_table(displacement) or _is_table(velocity)
+        several = several_forces or is_table(displacement) or is_table(velocity)
         if self.is_sparse:
             from .sparse.sparse_motion import sparse_motion
 
@@ -438,12 +442,7 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem)
         return tuple(bounds.get(name, constant_zeros(shape)) for name in known)
 
 
-def _is_table(value) -> bool:
-    """Whether it has a leading axis for several motions."""
-    try:
-        return np.ndim(value) == 2
-    except ValueError:  # rows of different lengths, which is an error later
-        return False
+MechanicalSystem.base_class = MechanicalSystem
 
 
 def _mode_count(count) -> int:

@@ -6,6 +6,7 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Concatenate, ParamSpec, TypeVar
 
 import numpy as np
@@ -20,6 +21,7 @@ from ..mechanics.element_matrix import ElementMatrix
 from ..mechanics.energy import EnergyParts
 from ..mechanics.system import MechanicalSystem
 from ..signals.inputs import ImpulsiveSmooth, zero
+from .element_parameters import element_parameters
 from .elements import (
     Body,
     Damper,
@@ -81,7 +83,7 @@ class LumpedModel(Displayed):
         self._parts: dict[str, Element] = {}
         self._units: dict[str, str] = {}
         self._forces: dict[str, ImpulsiveSmooth] = {}
-        self._gravity = 0.0
+        self.gravity_along = 0.0  # acceleration along the axis (m/s^2)
 
     def _summary(self) -> str:
         kinds = [element.kind for element in self.elements]
@@ -126,7 +128,7 @@ class LumpedModel(Displayed):
 
     def gravity(self, acceleration: float) -> None:
         """A force m g along the axis on every mass; negative where the axis points upwards (m/s^2)."""
-        self._gravity = real_number(acceleration, "gravity")
+        self.gravity_along = real_number(acceleration, "gravity")
 
     def force(self, name: str, signal: ImpulsiveSmooth) -> None:
         """A force on a body from t = 0 on, in addition to earlier ones.
@@ -161,7 +163,7 @@ class LumpedModel(Displayed):
         if not units:
             raise InputError("the model has no body; add a mass, an inertia or a node")
         factors, ties = self.incidence(), [element for element in with_parts(self.elements) if isinstance(element, Tie)]
-        weights = {element.name: self._gravity * element.mass for element in self.elements if isinstance(element, Mass)}
+        weights = {element.name: self.gravity_along * element.mass for element in self.elements if isinstance(element, Mass)}
         signals = [signal.mapped(coordinate_row({name: 1.0}, names)[:, None]) for name, signal in self._forces.items()]
         system = MechanicalSystem(
             mass=ElementMatrix(np.eye(len(names)), factors.masses),
@@ -181,6 +183,7 @@ class LumpedModel(Displayed):
         system.elements = element_forces(self.elements, names)
         system.origin = copy(self)
         system.origin._elements, system.origin._units = dict(self._elements), units  # what is added later is not in the system
+        system.parameter_source = partial(element_parameters, system.origin)
         return system
 
     def _add(self, element):
@@ -230,7 +233,7 @@ class LumpedModel(Displayed):
 # The factors of the matrices of a lumped model: K = B^T diag(k) B, C = B^T diag(c) B, M = diag(m).
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Branches:
     """The springs or the dampers of a model with n coordinates, one a row.
 
@@ -256,7 +259,7 @@ class Branches:
         return self.incidence.T @ (self.constants * self.rest)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Incidence:
     """All factors of a model.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, ClassVar, cast
 
 import numpy as np
 
@@ -12,13 +12,21 @@ from ..channels import NamedDirections
 if TYPE_CHECKING:
     from ...frequency.random.random_response import RandomResponse
     from ..motion import Motion
+    from ..sensitivity.parameter import Parameter
+    from ..sensitivity.sensitivities import Sensitivities
     from ..system import MechanicalSystem
     from .peaks import ModalCombination, Peaks
     from .rotating import Campbell
 
 
 class SystemQuestions(NamedDirections):
-    """Random excitation, response spectra and rotation of a ``MechanicalSystem``."""
+    """Random excitation, response spectra, rotation and sensitivities of a ``MechanicalSystem``.
+
+    Attributes:
+        base_class: ``MechanicalSystem``, for systems that are derived from others.
+    """
+
+    base_class: ClassVar[type[MechanicalSystem]]
 
     def at_speed(self, speed: float) -> MechanicalSystem:
         """The rotor at a constant speed W: the system with C + W G and K + W N, whose motion, modes and responses are those at this speed.
@@ -109,6 +117,37 @@ class SystemQuestions(NamedDirections):
         from .peaks import modal_combination
 
         return modal_combination(cast("MechanicalSystem", self), spectrum, base, damping_ratio, combination)
+
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The numbers of the system with the derivatives of its equations: of a lumped model by element, otherwise the entries of M, C, K."""
+        from ..sensitivity.parameter import entry_parameters
+
+        system = cast("MechanicalSystem", self)
+        return tuple(entry_parameters(system) if system.parameter_source is None else system.parameter_source())
+
+    def sensitivities(self, parameters=None) -> Sensitivities:
+        """Derivatives of eigenvalues, shapes, motions and responses with respect to parameters, in closed form.
+
+        Of a lumped model the parameters are its elements by name ("mount"), and their other numbers ("mount.rest_length"); of
+        other systems the entries of M, C and K that are not zero ("stiffness[x1, x2]", of a symmetric matrix both of a pair).
+
+        Args:
+            parameters: names, or ``mb.Parameter`` objects with derivatives of their own; all by default.
+
+        Returns:
+            ``Sensitivities``: ``eigenvalues``, ``natural_frequencies``, ``logarithmic``, ``defective``, ``motion(name, ...)``, ...
+
+        Raises:
+            InputError: an unknown name, sparse matrices, modal damping.
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> d = MechanicalSystem([[1.0]], stiffness=[[4.0]]).sensitivities()
+        >>> dict(zip(d.names, d.natural_frequencies[:, 0].round(12).tolist()))  # w = sqrt(k / m)
+        {'stiffness[x1, x1]': 0.25, 'mass[x1, x1]': -1.0}
+        """
+        from ..sensitivity.sensitivities import sensitivities
+
+        return sensitivities(cast("MechanicalSystem", self), parameters)
 
     def random_response(self, excitation: Mapping, outputs=None, quantity: str = "displacement", **options) -> RandomResponse:
         """The stationary response to random forces and motions of supports, in closed form.

@@ -22,6 +22,7 @@ from ...ground.threads import short_work
 from ...ground.tolerances import EPS, NEWTON_STEP, noise_of
 from ...polynomial.variation.branches import Family, FamilyPart, followed
 from ...polynomial.variation.spectrum import refined_values
+from ..sensitivity.parameter import Parameter
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
@@ -50,6 +51,9 @@ def at_speed(system: MechanicalSystem, speed: float) -> MechanicalSystem:
         result.stiffness = stiffness = system._matrix(system.stiffness + speed * system.circulatory, "stiffness", system.size)
     result.given, result._forms = (stiffness, damping, mass), {}
     result.gyroscopic = result.circulatory = None
+    N, G = (0.0 if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic))
+    own = Parameter("speed", speed, stiffness=N, damping=G, unit="rad/s")
+    result.parameter_source = lambda: (*system.parameters(), own)
     return result
 
 
@@ -80,7 +84,7 @@ def rotor_family(system: MechanicalSystem) -> tuple[Family, np.ndarray]:
     return Family.linear(base, slope), V
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class CriticalSpeed(Displayed):
     """A speed at which an excitation of the order n is in resonance with a mode.
 
@@ -107,7 +111,7 @@ class CriticalSpeed(Displayed):
         return f"{self.speed:.6g} rad/s, order {self.order:g}, {direction(self.whirl)}, damping ratio {self.damping_ratio:.4g}"
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Campbell(Displayed):
     """Eigenvalues over the speed of rotation; a column belongs to one mode at all speeds.
 

@@ -1,0 +1,166 @@
+"""How a multiple eigenvalue splits under a change of a parameter: exponents and coefficients of its Puiseux series.
+
+Near a root s of multiplicity m, det A(s + d; p + e) = sum over i, j of a_ij d^i e^j with a_i0 = 0 for i < m. The lower edges of the
+Newton polygon of the points (j, i) are the exponents of the branches d = c e^r, and the roots of the polynomials on the edges their
+coefficients c. A defective eigenvalue with one shape splits as e^(1/m) (Lidskii 1966; Moro, Burke and Overton 1997).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from ..ground.tolerances import EXACT_DIGITS, SPLITTING_DIGITS, SPLITTING_ROUNDING
+
+#: Steps of Newton's method to the multiple root; each doubles the digits.
+STEPS = 12
+
+
+@dataclass(frozen=True)
+class Branch:
+    """One of the eigenvalues into which s splits: s + c e^r for a small positive change e of the parameter.
+
+    Attributes:
+        exponent: r; 1 of a derivative, less where the eigenvalue is defective.
+        coefficient: c, in 1/s per unit of the parameter to the power r; 0 of a branch that does not move.
+    """
+
+    exponent: Fraction
+    coefficient: complex
+
+
+@dataclass(frozen=True)
+class Splitting:
+    """All branches of a multiple eigenvalue.
+
+    Attributes:
+        eigenvalue: s, refined.
+        branches: one for each of its multiplicity.
+        is_exact: whether the given numbers, taken as exact, have this multiple eigenvalue; False where rounding errors of them
+            separate its parts.
+    """
+
+    eigenvalue: complex
+    branches: tuple[Branch, ...]
+    is_exact: bool
+
+
+def splitting(base: Sequence, slope: Sequence, value: complex, multiplicity: int, rate: float, step: float) -> Splitting:
+    """The branches of a multiple eigenvalue, from det A in arithmetic of hundreds of digits.
+
+    Args:
+        base: A_0, A_1, ... at the value of the parameter, each of shape (n, n), with floats as exact numbers.
+        slope: their derivatives with respect to the parameter.
+        value: s, from which Newton's method starts.
+        multiplicity: m of s.
+        rate: a scale of eigenvalues (1/s).
+        step: a scale of the parameter, at which slope and base are of one size.
+
+    Returns:
+        The branches.
+    """
+    from flint import acb, ctx
+
+    with ctx.workdps(SPLITTING_DIGITS):
+        determinant = _Determinant(base, slope, rate, step, multiplicity + 2)
+        center = acb(value.real, value.imag) / acb(rate)
+        for _ in range(STEPS):
+            a = determinant.in_rate(center)
+            change = -a[multiplicity - 1] / (a[multiplicity] * multiplicity)
+            center = (center + change).mid()
+            if _size(change) < 10.0**-EXACT_DIGITS:
+                break
+        table = determinant.in_both(center)
+        leading = table[multiplicity][0]
+        relative = [[complex(entry / leading) for entry in row] for row in table]
+        is_exact = all(abs(relative[i][0]) < 10.0**-EXACT_DIGITS for i in range(multiplicity))
+        root = complex(center) * rate
+    noise = 10.0**-EXACT_DIGITS if is_exact else SPLITTING_ROUNDING
+    points = {
+        (i, j): relative[i][j]
+        for i in range(multiplicity + 1)
+        for j in range(multiplicity + 2)
+        if (j or i == multiplicity) and abs(relative[i][j]) > noise
+    }
+    branches = tuple(
+        Branch(exponent, coefficient * rate / step ** float(exponent))
+        for exponent, coefficient in newton_branches(points, multiplicity)
+    )
+    return Splitting(root, branches, is_exact)
+
+
+def newton_branches(points: dict[tuple[int, int], complex], multiplicity: int) -> list[tuple[Fraction, complex]]:
+    """The leading terms c e^r of the roots d of sum of a_ij d^i e^j = 0 near 0, by Newton's polygon.
+
+    Args:
+        points: a_ij by (i, j), those that are not zero.
+        multiplicity: m with a_m0 not zero and all other a_i0, i < m, zero.
+
+    Returns:
+        Exponents with coefficients, smallest exponents first; (1, 0) for roots that stay 0.
+
+    >>> newton_branches({(2, 0): 1.0, (0, 1): -4.0}, 2)
+    [(Fraction(1, 2), (2+0j)), (Fraction(1, 2), (-2+0j))]
+    """
+    result: list[tuple[Fraction, complex]] = []
+    i, j = multiplicity, 0
+    while i:
+        slopes = {(k, q): Fraction(q - j, i - k) for k, q in points if k < i and q >= j}
+        if not slopes:
+            return result + [(Fraction(1), 0j)] * i
+        exponent = min(slopes.values())
+        edge = [point for point, slope in slopes.items() if slope == exponent]
+        end = min(edge)
+        coefficients = np.zeros(i - end[0] + 1, dtype=complex)
+        for k, q in [(i, j), *edge]:
+            coefficients[i - k] = points[k, q]
+        roots = sorted(np.roots(coefficients), key=lambda root: (-round(root.imag, 9), -root.real))
+        result += [(exponent, complex(root)) for root in roots]
+        i, j = end
+    return result
+
+
+class _Determinant:
+    """det A(s; p), scaled, and its Taylor coefficients by values on small circles."""
+
+    def __init__(self, base, slope, rate: float, step: float, count: int):
+        from flint import acb, acb_mat, arb
+
+        def scaled(matrices, factor: float):
+            powers = [arb(rate) ** k * arb(factor) for k in range(len(matrices))]
+            return [acb_mat([[acb(arb(float(x)) * f) for x in row] for row in matrix]) for matrix, f in zip(matrices, powers)]
+
+        self.base, self.slope, self.count = scaled(base, 1.0), scaled(slope, step), count
+        self.radius = arb(10) ** -(SPLITTING_DIGITS // 10)
+        self.roots = [(acb(2 * k) / count).exp_pi_i() for k in range(count)]
+
+    def _coefficients(self, values: list) -> list:
+        """Of the powers, from the values at radius times the roots of unity."""
+        n = self.count
+        return [sum((values[k] * self.roots[-i * k % n] for k in range(1, n)), values[0]) / (n * self.radius**i) for i in range(n)]
+
+    def _at(self, s, change) -> object:
+        total = None
+        for k in reversed(range(len(self.base))):
+            matrix = self.base[k] if change is None else self.base[k] + self.slope[k] * change
+            total = matrix if total is None else total * s + matrix
+        return total.det()
+
+    def in_rate(self, center) -> list:
+        """a_i0."""
+        return self._coefficients([self._at(center + self.radius * root, None) for root in self.roots])
+
+    def in_both(self, center) -> list[list]:
+        """a_ij as rows i."""
+        columns = [
+            self._coefficients([self._at(center + self.radius * root, self.radius * other) for root in self.roots])
+            for other in self.roots
+        ]
+        return [self._coefficients([column[i] for column in columns]) for i in range(self.count)]
+
+
+def _size(number) -> float:
+    return abs(complex(number))
