@@ -238,7 +238,7 @@ def _exact_lumped(scene: Scene, symbols: Symbols) -> tuple[list[np.ndarray], lis
     from ...exact.formulas.symbolic_equations import Row
 
     table, coordinates = scene.table.model, scene.equations.coordinates
-    elements = _exact_elements(scene, symbols)
+    elements = exact_elements(scene, symbols)
     factors = incidence_of(elements)
     K, C = (_integers(b.incidence).T @ (b.constants[:, None] * _integers(b.incidence)) for b in (factors.springs, factors.dampers))
     gravity = symbols.of(0 if table.gravity is None else table.gravity)  # 0 may be the default of a parameter
@@ -263,7 +263,7 @@ def _integers(incidence: np.ndarray) -> np.ndarray:
     return incidence.astype(int).astype(object)
 
 
-def _exact_elements(scene: Scene, symbols: Symbols) -> list[Element]:
+def exact_elements(scene: Scene, symbols: Symbols) -> list[Element]:
     """Copies of the elements, with expressions for numbers; they come in the order in which they were added."""
     model, elements = scene.equations.model, []
     for element, (key, _, entry) in zip(model.elements, scene.table.model.elements):
