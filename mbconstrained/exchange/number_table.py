@@ -21,7 +21,7 @@ SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", None: "blanks"}
 _UNIT = re.compile(r"[(\[]([^()\[\]]+)[)\]]\s*$")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class NumberTable:
     """The numbers of a text file.
 

@@ -17,7 +17,7 @@ from .number_table import NumberTable, number_table, text_of
 from .universal import UNIVERSAL, read_function
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Samples:
     """Values over time as they are in a file.
 

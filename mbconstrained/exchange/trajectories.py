@@ -15,7 +15,7 @@ from ..ground.files import Replacements
 from .universal import UNIVERSAL, Geometry, write_functions
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Curves:
     """Values of one kind over time.
 

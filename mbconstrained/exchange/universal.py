@@ -38,7 +38,7 @@ _DIRECTIONS = ("", "X", "Y", "Z", "RX", "RY", "RZ")
 LONGEST_ID = 80
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Function:
     """A function of time of a universal file.
 

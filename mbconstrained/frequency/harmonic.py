@@ -27,7 +27,7 @@ class LeftOut:
         raise NotImplementedError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Harmonic:
     """s^p C A(s)^-1 B, what a frequency response is of; A(s) may have an imaginary part without s, of structural damping.
 

@@ -14,7 +14,7 @@ import scipy.linalg
 from ..ground.tolerances import EPS
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ModalSum:
     """C_e (s I - diag(poles))^-1 B_e.
 

@@ -23,7 +23,7 @@ from ..polynomial.jordan_pairs import JordanPairs
 from ..polynomial.structure import FiniteZero
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Pole:
     """A pole of H(s).
 
@@ -41,7 +41,7 @@ class Pole:
         return len(self.residues)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PoleResidueForm:
     """Poles, residues and polynomial part of s^p C A(s)^-1 B.
 

@@ -43,7 +43,7 @@ REFINED = 60
 STEPS = 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Lines:
     """C A(i w)^-1 B at F lines.
 
@@ -276,7 +276,7 @@ def _extended_product(coefficients, s, X) -> np.ndarray:
 # The two solvers: along a pattern, and by LAPACK.
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Pattern:
     """The filled pattern of the permuted matrix.
 

@@ -87,6 +87,9 @@ WORTHWHILE_DIGITS, WORTHWHILE_STATES_PER_DIGIT = 2, 12
 
 # Matrices, eigenvalues and exponentials (``linalg``, ``polynomial``).
 
+#: Entries of a quotient of matrices below this part of their terms, which have lost four digits, are computed with twice the digits.
+CANCELLED = EPS**0.25
+
 #: Condition up to which a matrix is not brought to better scales: at most two digits are at stake.
 GOOD_CONDITION = 100.0
 
@@ -141,6 +144,9 @@ AS_WRITTEN_STATES = 24
 #: Where the largest stiffness of a mode is more than this many times the least, undamped modes are refined: their shapes have lost six
 #: digits.
 REFINED_SPREAD = 1e6
+
+#: Condition of a positive definite stiffness matrix, its diagonal brought to 1, up to which refined modes resolve the softest motion.
+REFINED_CONDITION = 1e-3 / EPS
 
 #: Refined shapes have converged with a correction below this, whose square is negligible; with one above the other they are combined
 #: in groups first.
@@ -204,6 +210,9 @@ PROVED_STATES = 48
 #: A force that restarts more often is not summed exactly: each restart is a function of time of its own.
 PROVED_RESTARTS = 32
 
+#: Eigenvalues of a block nearer than this part of its size are separated by as much where its modes are needed.
+EQUAL_EIGENVALUES = 1e-6
+
 #: The error estimate compares the answer with answers to data perturbed by this many units in the last place.
 PROBE_SIZE = 1.0
 
@@ -258,7 +267,7 @@ SAME_FREQUENCY = 1e-9
 LINE_ROUNDING = 2.0
 
 #: Poles with a smaller ratio of damping have real parts that are refined; below the other, a refined real part is rounding error.
-LIGHT_DAMPING, UNDAMPED = 1e-2, 1e10 * EPS**2
+LIGHT_DAMPING, UNDAMPED = 0.5, 1e10 * EPS**2
 
 #: Integrals of spectra have smaller relative rounding errors than this, or their panels are halved, and values at their nodes solved for.
 SPECTRAL_ACCURACY = 1e-13

@@ -55,24 +55,6 @@ def solution(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     return result
 
 
-def divided(matrix: Matrix, right: Matrix) -> Matrix:
-    """The same without what rounding errors of the matrix would bring in (Skeel 1979): a coupling that is not there.
-
-    Args:
-        matrix: shape (n, n).
-        right: shape (n, any).
-
-    Returns:
-        Shape (n, any), of the kind of the right side.
-    """
-    if is_diagonal(matrix) or not right.shape[1]:
-        return solved(matrix, right)
-    divisor, dividend = full(matrix), full(right)
-    inverse = np.abs(solution(divisor, np.eye(len(divisor))))
-    size = inverse @ (np.abs(divisor) @ (inverse @ np.abs(dividend)))
-    return of_like_kind(without_noise(solution(divisor, dividend), size), right)
-
-
 def without_noise(matrix: Matrix, size: Matrix) -> Matrix:
     """The same without entries that are rounding of terms of this size: they would couple what is not, in any units.
 

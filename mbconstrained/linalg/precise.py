@@ -1,5 +1,9 @@
 """Arrays of real numbers with 96 digits, for data that span so many orders of magnitude that the 16 of float64 are too few.
 
+At the end the multiplicity of the zero at s = 0 of a pencil of floats, in the integers modulo a prime: exact but for a chance of 1e-16.
+Floats are fractions with powers of two as denominators, so they have images modulo an odd prime, and what is zero stays zero there.
+What is not zero vanishes there only if the prime happens to divide it. flint takes 0.4 s for 400 states, NumPy took 1.1 s.
+
 Such an array has dtype object and entries ``arb`` of python-flint, of which only the midpoints count. Entrywise operations are
 NumPy's; products and solutions are flint's. A product of 80 rows takes 31 ms, one of ``decimal.Decimal`` 232 ms. flint is imported
 when the first such array is created. ``is_precise`` distinguishes the two kinds of array, and each function here takes both, so
@@ -14,6 +18,12 @@ from fractions import Fraction
 import numpy as np
 
 from ..ground.tolerances import EPS, PRECISE_DIGITS, PRECISE_EPS, PRECISE_STATES, WORTHWHILE_DIGITS, WORTHWHILE_STATES_PER_DIGIT
+
+#: The largest prime below 2^63, the largest word that flint computes with.
+PRIME = 2**63 - 25
+
+#: Where the pencil is inverted: any residues without a pattern.
+SHIFTS = (0x5A827999_6ED9EBA1, 0x3243F6A8_885A308D, 0x2B7E1516_28AED2A6)
 
 
 def precise_arithmetic(digits: int = PRECISE_DIGITS) -> AbstractContextManager:
@@ -137,3 +147,46 @@ def _array(values: list, shape: tuple[int, ...]) -> np.ndarray:
     array = np.empty(shape, dtype=object)
     array.flat = values
     return array
+
+
+def zero_multiplicity(E: np.ndarray, F: np.ndarray) -> int:
+    """The multiplicity of s = 0 as a zero of det(s E - F).
+
+    It is the multiplicity of the eigenvalue 1/c of W = (c E - F)^-1 E for any c with det(c E - F) != 0: the number by which the
+    rank of (W - I/c)^k falls short of n for large k.
+
+    Args:
+        E, F: a regular pencil, shape (n, n); whole numbers, floats or Fractions of floats, taken exactly.
+
+    Returns:
+        0 or more.
+
+    >>> zero_multiplicity(np.eye(2), np.array([[1e15, -1e15], [-1e15, 1e15]]))
+    1
+    >>> zero_multiplicity(np.eye(2), np.array([[1e15 + 2, -1e15], [-1e15, 1e15]]))
+    0
+    """
+    from flint import nmod_mat
+
+    n = len(F)
+    E, F = (nmod_mat(n, n, remainders(matrix).ravel().tolist(), PRIME) for matrix in (E, F))
+    for shift in SHIFTS:
+        try:
+            power = (shift * E - F).solve(E) - pow(shift, -1, PRIME) * nmod_mat(n, n, np.eye(n, dtype=int).ravel().tolist(), PRIME)
+        except ZeroDivisionError:  # the shift is a zero
+            continue
+        rank, before = power.rank(), n + 1
+        while rank < before:
+            power = power * power
+            rank, before = power.rank(), rank
+        return n - rank
+    return 0
+
+
+def remainders(matrix: np.ndarray) -> np.ndarray:
+    """The entries, whole numbers, floats or Fractions of floats, modulo the prime, from 0 on, as Python integers."""
+    ratios = [value.as_integer_ratio() for value in np.asarray(matrix).ravel().tolist()]
+    inverses = {denominator: pow(denominator, -1, PRIME) for _, denominator in ratios}
+    residues = np.empty(np.shape(matrix), dtype=object)
+    residues.flat = [numerator * inverses[denominator] % PRIME for numerator, denominator in ratios]
+    return residues

@@ -71,7 +71,7 @@ def _decoupled(matrix: np.ndarray, balance: np.ndarray, spectrum: Spectrum) -> B
     return BlockDiagonal(balance[:, None] * basis, rows / balance, tuple(space.block for space in spaces), coupling)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class InvariantSpace:
     """Some eigenvalues: inverse @ A @ basis = block, inverse @ basis = I.
 
@@ -87,7 +87,7 @@ class InvariantSpace:
     coupling: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Spectrum:
     """The eigenvalues of a precise matrix A after its perturbation.
 

@@ -51,7 +51,7 @@ class RankDecision:
         return self.smallest_kept >= CLEAR_KEPT and (self.is_structural or self.largest_dropped <= CLEAR_DROPPED)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RowCompression:
     """The rows of S (m, n): ``pivots`` are independent, and null @ S = 0.
 

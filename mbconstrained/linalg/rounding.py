@@ -10,14 +10,11 @@ large models is ``mechanics.sparse.pencil``.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from ..ground.tolerances import EPS, NOISE_SAFETY, PRECISE_DECOUPLING
-from .arrays import Matrix, entries
 from .precise import floats, is_precise, magnitude, midpoints, of_kind, precise, product, squared, unit
 
 
@@ -192,62 +189,3 @@ def reduce_in_order(
             pivots.append(int(size.argmax()))
             eliminate(work, place, pivots[-1], place + 1)
     return kept, pivots
-
-
-#: Veltkamp's factor: times it a number splits into two halves of 26 bits, whose products are exact.
-HALVES = 2.0**27 + 1
-
-
-def exact_product(row: np.ndarray, matrix: np.ndarray) -> np.ndarray:
-    """row @ A rounded once: products and their rounding errors (Dekker 1971) are summed exactly (Shewchuk 1997).
-
-    Args:
-        row: shape (m,).
-        matrix: shape (m, n).
-
-    Returns:
-        Shape (n,).
-
-    >>> exact_product(np.array([1.0, 1.0, -1.0]), np.array([[1.0], [2.0**-60], [1.0]])) * 2.0**60
-    array([1.])
-    """
-    result = np.zeros(matrix.shape[1])
-    for column in np.flatnonzero((row != 0) @ (matrix != 0)):
-        used = np.flatnonzero((row != 0) & (matrix[:, column] != 0))
-        (left, unit), (right, other) = _scaled(row[used]), _scaled(matrix[used, column])
-        terms = left * right
-        (a, b), (c, d) = _halves(left), _halves(right)
-        total = math.fsum([*terms, *(((a * c - terms) + a * d + b * c) + b * d)])
-        result[column] = math.ldexp(total, unit + other)
-    return result
-
-
-def exact_row_sums(matrix: Matrix) -> np.ndarray:
-    """The sum of the entries of each row, rounded once.
-
-    Args:
-        matrix: shape (m, n), dense or sparse.
-
-    Returns:
-        Shape (m,).
-
-    >>> exact_row_sums(np.array([[1.0, 2.0**-60, -1.0]])) * 2.0**60
-    array([1.])
-    """
-    row, _, values = entries(matrix)
-    order = np.argsort(row, kind="stable")
-    ends = np.searchsorted(row[order], np.arange(matrix.shape[0] + 1)).tolist()
-    values = values[order].tolist()
-    return np.array([math.fsum(values[begin:end]) for begin, end in pairwise(ends)])
-
-
-def _scaled(values: np.ndarray) -> tuple[np.ndarray, int]:
-    """With the largest near 1, and its power of two."""
-    power = math.frexp(np.abs(values).max())[1]
-    return np.ldexp(values, -power), power
-
-
-def _halves(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    high = HALVES * values
-    high -= high - values
-    return high, values - high

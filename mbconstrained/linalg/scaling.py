@@ -27,8 +27,11 @@ LARGEST_EXPONENT = 1000.0
 #: Rounds of alternating row and column scaling; each at least halves the spread that is left.
 EQUILIBRATION_ROUNDS = 6
 
-#: Rounds of balancing a sparse matrix.
+#: Rounds of balancing.
 BALANCING_ROUNDS = 12
+
+#: Newton's method for sparse matrices: most steps, and the longest and the last change of the exponent of an entry.
+NEWTON_STEPS, LONGEST_STEP, SHORTEST_STEP = 40, 3.0, 0.25
 
 #: Beyond so many states what couples them is found by their graph, not by powers of their matrix.
 FEW_STATES = 40
@@ -40,7 +43,7 @@ MANY_ROWS = 150
 SLIGHT, FILLED = 1e-9, 10
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scaling:
     """Scale factors, all powers of two: scaled A_k = rows[:, None] * A_k * columns * time**k.
 
@@ -116,16 +119,40 @@ def balancing_units(generator: Matrix) -> np.ndarray:
     [1.0, 16.0]
     """
     if isinstance(generator, np.ndarray):
-        return _balancing(*_mutual_sizes(generator))
+        if len(generator) <= FEW_STATES:
+            return _balancing(*_mutual_sizes(generator))
+        generator = compressed(generator)
     row, column, size, first = _mutual(generator)
-    n = len(first)
-    exponents = _fitted_exponents(row, column, np.log2(size), n)
+    exponents = _fitted_exponents(row, column, np.log2(size), len(first))
+    return _powers_of_two(_balanced_exponents(row, column, size, exponents), first)
+
+
+def _balanced_exponents(row: np.ndarray, column: np.ndarray, size: np.ndarray, exponents: np.ndarray) -> np.ndarray:
+    """The same, rows and columns of like size."""
+    n = len(exponents)
     for _ in range(BALANCING_ROUNDS):
         now = size * np.exp2(exponents[column] - exponents[row])
         rows, columns = np.bincount(row, now, n), np.bincount(column, now, n)
         both = (rows > 0) & (columns > 0)
-        exponents += (np.log2(np.where(both, rows, 1.0)) - np.log2(np.where(both, columns, 1.0))) / 4
-    return _powers_of_two(exponents, first)
+        exponents = exponents + (np.log2(np.where(both, rows, 1.0)) - np.log2(np.where(both, columns, 1.0))) / 4
+    return _least_sum(row, column, size, exponents) if 0 < len(size) * FILLED <= n * n else exponents
+
+
+def _least_sum(row: np.ndarray, column: np.ndarray, size: np.ndarray, exponents: np.ndarray) -> np.ndarray:
+    """Exponents u of the least sum of |S_ij| 2^(u_j - u_i), by Newton's method with bounded steps (Cohen et al. 2017).
+
+    A weak coupling at the end of a chain bends the fit all along the chain, and rounds from state to state would take long to undo it.
+    """
+    n = len(exponents)
+    for _ in range(NEWTON_STEPS):
+        now = size * np.exp2(exponents[column] - exponents[row])
+        right = np.bincount(row, now, n) - np.bincount(column, now, n)
+        step = _laplace_solution(row, column, now / now.max(), right[:, None] / now.max(), n)[:, 0] / np.log(2)
+        longest = np.abs(step[column] - step[row]).max()
+        exponents = exponents + step * min(1.0, LONGEST_STEP / longest if longest else 1.0)
+        if longest <= SHORTEST_STEP:
+            break
+    return exponents
 
 
 def balanced_norm(generator: Matrix) -> float:
@@ -213,13 +240,19 @@ def _fitted_exponents(row, column, logs, n: int) -> np.ndarray:
     """u and m with the least sum of (log_ij + u_j - u_i - m)^2, only u: a Laplace equation on the graph of the entries."""
     ratios = row != column
     row, column, logs = row[ratios], column[ratios], logs[ratios]
-    ones, degree = np.ones(len(row)), np.bincount(row, minlength=n) + np.bincount(column, minlength=n)
-    rows, columns = np.concatenate([np.arange(n), row, column]), np.concatenate([np.arange(n), column, row])
-    laplacian = csc_array((np.concatenate([degree + SLIGHT, -ones, -ones]), (rows, columns)), shape=(n, n))
+    ones = np.ones(len(row))
     right = np.array([np.bincount(row, result, n) - np.bincount(column, result, n) for result in (logs, ones)]).T
-    dense = len(row) * FILLED > n * n
-    result = np.linalg.solve(laplacian.toarray(), right) if dense else spsolve(laplacian, right).reshape(n, 2)
-    return _about_their_mean(result, right, logs.sum(), len(row))
+    return _about_their_mean(_laplace_solution(row, column, ones, right, n), right, logs.sum(), len(row))
+
+
+def _laplace_solution(row, column, weights, right: np.ndarray, n: int) -> np.ndarray:
+    """The potentials of a graph with these weights of its edges for right sides of shape (n, k)."""
+    degree = np.bincount(row, weights, n) + np.bincount(column, weights, n)
+    rows, columns = np.concatenate([np.arange(n), row, column]), np.concatenate([np.arange(n), column, row])
+    laplacian = csc_array((np.concatenate([degree + SLIGHT, -weights, -weights]), (rows, columns)), shape=(n, n))
+    if len(row) * FILLED > n * n:
+        return np.linalg.solve(laplacian.toarray(), right)
+    return spsolve(laplacian, right).reshape(n, right.shape[1])
 
 
 def _mutual(generator: csr_array) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -25,7 +25,7 @@ class SingularPencil(ArithmeticError):
     """det(s E - F) = 0 for every s."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SplitPencil:
     """W (s E - F) Z = [[s E11 - F11, s E12 - F12], [0, s N - I]], N strictly upper triangular, hence nilpotent.
 

@@ -28,7 +28,7 @@ from .scaling import equilibration
 from .staircase import SingularPencil, split_pencil
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TriangularForm:
     """left (s E - F) right = s I - T, all of shape (n, n).
 

@@ -27,7 +27,7 @@ from .constraints import IndependentRows, right_sides
 from .element_matrix import ElementMatrix
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class ConstrainedForm(Displayed):
     """The constrained equations of a system with n coordinates and k independent constraint rows.
 

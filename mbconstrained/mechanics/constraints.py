@@ -106,7 +106,7 @@ class Constraint:
         return f"Constraint({count} row{'s' if count != 1 else ''} at {self.level} level)"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ConstraintRow:
     """One row a x^(level) = value + signal(t) of a system.
 
@@ -267,7 +267,7 @@ def _sparse_rows(rows) -> scipy.sparse.csr_array:
 # implied for a dependent row.
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class IndependentRows:
     """The independent constraint rows of a system with n coordinates, and what they leave free.
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from .system import MechanicalSystem
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Energy:
     """Energies in joules, each a number or shape (T,).
 
@@ -214,7 +214,7 @@ def coordinate_parts(names: Sequence[str], mass: Matrix, stiffness: Matrix) -> E
     return EnergyParts(*parts)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Products:
     """The energies of all parts as sums of products c (L u)^* (R u), one product a row, in units of 2^unit.
 

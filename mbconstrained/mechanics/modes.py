@@ -29,7 +29,7 @@ Kind = Literal["oscillation", "decay", "growth", "rigid body", "drift", "offset"
 STILL = ("drift", "offset", "decay")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Mode:
     """A finite eigenvalue of a mechanical system (of a complex pair the one above the real axis) with its shapes and meaning.
 
@@ -103,7 +103,7 @@ class Mode:
         return f"{kind} at {self.frequency_hz:.6g} Hz{damped}"
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Modes(Presented, Sequence):
     """The modes of a mechanical system: a sequence of ``Mode``, ascending by |s|, with the tables that vibration people read.
 

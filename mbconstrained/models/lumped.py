@@ -233,7 +233,7 @@ class LumpedModel(Displayed):
 # The factors of the matrices of a lumped model: K = B^T diag(k) B, C = B^T diag(c) B, M = diag(m).
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Branches:
     """The springs or the dampers of a model with n coordinates, one a row.
 
@@ -259,7 +259,7 @@ class Branches:
         return self.incidence.T @ (self.constants * self.rest)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Incidence:
     """All factors of a model.
 

@@ -56,7 +56,7 @@ class TimeFunctions:
     record: RecordResponse | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Curve:
     """One line of a plot.
 
@@ -123,7 +123,7 @@ class Guide:
         return (*ends[0], False) if ends[0][0] < LEAST_SHARE else (*ends[1], True) if ends[1][1] < LEAST_SHARE else None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Plot:
     """Curves over time or another variable, or in a phase plane.
 

@@ -21,7 +21,7 @@ from ..signals.bohl import BohlFunction
 from .corollaries import checked_start, closed_blocks, motion_of_blocks
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ApostolKolodner:
     """The solution of A_q x^(q) = A_0 x from values at 0-, arrays or matrices of expressions.
 

@@ -19,7 +19,7 @@ from ..ground.errors import InputError
 from ..polynomial.structure import FiniteZero
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ModalSum:
     """y(t) = Re(transient^T E(t)) + sum of forced[k] I_(k+1)(t), for t > 0, and impulses at t = 0 (Theorems 1 and 2).
 
@@ -42,7 +42,7 @@ class ModalSum:
         return (self.transient @ self.form.exponentials(times)).real + powers
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ResidueForm:
     """Poles, kappa, J, E(t) of a(s) and what responses are made of them.
 

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..ground.tolerances import EPS, NOISE_SAFETY
-from ..linalg.modular import zero_multiplicity
-from ..linalg.precise import is_precise, magnitude, of_kind, precise
+from ..linalg.precise import is_precise, magnitude, of_kind, precise, zero_multiplicity
 from ..linalg.rounding import Noisy
 from ..linalg.scaling import Scaling, joint_scaling
 from ..linalg.staircase import SplitPencil, split_regular
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from .polynomial_matrix import PolynomialMatrix
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ScaledCompanion:
     """The companion pencil of the scaled coefficients.
 

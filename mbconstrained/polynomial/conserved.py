@@ -16,14 +16,14 @@ import numpy as np
 import scipy.linalg
 
 from ..ground.tolerances import DECOUPLING_LIMIT, EPS, FREE_MOTION_GAP, INTEGER_DISTANCE, SEPARATION_STEPS, SLOWED_RATE, noise_of
+from ..linalg.accurate_products import exact_product
 from ..linalg.arrays import Matrix, filled_rows, full, kept, others
 from ..linalg.blocks import BlockDiagonal, assembled, block_diagonalize, block_matrix
 from ..linalg.division import solution
-from ..linalg.rounding import exact_product
 from ..linalg.scaling import balancing_units, equilibration
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Conserved:
     """The conserved numbers z = L w of the states w = (x_m, x_m', x_d).
 
@@ -240,7 +240,7 @@ def _by_clusters(A, D, J, basis, inverse) -> BlockDiagonal:
 # far above.
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Freed:
     """The same equations, some of them replaced by such sums of all that have no stiffness.
 

@@ -24,7 +24,7 @@ from ..linalg.triangular import triangular_form
 from .companion import ScaledCompanion
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WeierstrassForm:
     """The decoupled pencil, in scaled units.
 

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
-from ..ground.tolerances import CLEAR_KEPT, DIVISOR_CONDITION, STIFFNESS_CONDITION
+from ..ground.tolerances import CLEAR_KEPT, DIVISOR_CONDITION, REFINED_CONDITION, STIFFNESS_CONDITION
 from ..linalg.arrays import (
     Matrix,
     entries,
@@ -31,9 +31,10 @@ from ..linalg.arrays import (
     shifted_unit,
     zeros_of_kind,
 )
-from ..linalg.division import condition, is_symmetric, solution, without_noise
+from ..linalg.division import condition, definite_condition, is_symmetric, solution, without_noise
 from ..linalg.rounding import Noisy, reduce_in_order
 from ..linalg.scaling import column_units, equilibration
+from ..linalg.symmetric.symmetric_modes import may_be_wide
 from .conserved import Conserved, Freed, conserved, freed, lowest
 from .reduced_equations import FEW_STATES, NotReducible, Reduction
 
@@ -96,7 +97,7 @@ def _reduction_of(A: PolynomialMatrix, like: Reduction | None) -> Reduction:
     if len(algebraic) and powers.any() and _is_doubtful(powers, A0[rest] @ V, A1[rest] @ V):
         raise NotReducible("the stiffness or damping of a row is zero to rounding only")
     equations, unconstrained = (M, C, K), None
-    if like.freed is not None if like is not None else not _is_regular(floor):
+    if like.freed is not None if like is not None else not (_is_regular(floor) or _has_refined_modes(M, K)):
         alike = None if like is None else (like.freed, like.C, like.K)
         unconstrained = freed(M, C, K, alike) if 2 * m + len(first) >= FEW_STATES else None
         if unconstrained is None:
@@ -111,6 +112,13 @@ def _reduction_of(A: PolynomialMatrix, like: Reduction | None) -> Reduction:
 
 def _is_regular(floor: Matrix) -> bool:
     return condition(floor, STIFFNESS_CONDITION) <= STIFFNESS_CONDITION
+
+
+def _has_refined_modes(M: Matrix, K: Matrix) -> bool:
+    """Whether K is positive definite beyond rounding errors, and modes are refined whatever their spread is: no body is free then."""
+    if 2 * len(M.diagonal()) < FEW_STATES or K.shape != M.shape or not all(is_symmetric(matrix) for matrix in (M, K)):
+        return False
+    return may_be_wide(M, K) and definite_condition(full(K)) <= REFINED_CONDITION
 
 
 def _is_doubtful(powers: np.ndarray, K: Matrix, C: Matrix) -> bool:

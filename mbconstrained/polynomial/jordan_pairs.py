@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 TINY = float(np.finfo(float).tiny)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class FinitePair(Displayed):
     """The strictly proper part of A(s)^-1 as C (s I - J)^-1 B (Moysis et al., Theorem 2.8).
 
@@ -64,7 +64,7 @@ class FinitePair(Displayed):
         return finite_zeros(self.form)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class InfinitePair(Displayed):
     """The polynomial part of A(s)^-1 as C (I - s J)^-1 B, minimal, J nilpotent (Theorem 2.8, sizes corrected).
 
@@ -80,7 +80,7 @@ class InfinitePair(Displayed):
         return counted(len(self.J), "state")
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class JordanPairs(Displayed):
     """Both pairs of a regular A(s); each is computed when it is read.
 

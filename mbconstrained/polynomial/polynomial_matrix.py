@@ -226,7 +226,7 @@ def _assembled(matrix, what: str) -> np.ndarray:
 # L diag(v) R, such as those of B^T diag(k) B, have not.
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Factors:
     """The matrix left @ diag(values) @ right, all entries meant as the exact numbers that they are.
 

@@ -21,6 +21,7 @@ from ..ground.tolerances import (
     ROUNDING_SUPPORT,
     noise_of,
 )
+from ..linalg.accurate_products import accurately_solved
 from ..linalg.arrays import (
     Matrix,
     entry_count,
@@ -34,7 +35,7 @@ from ..linalg.arrays import (
     zeros_of_kind,
 )
 from ..linalg.blocks import BlockDiagonal, assembled, block_matrix, coupled_rows, zeros_of
-from ..linalg.division import divided, is_semidefinite, is_symmetric, without_noise
+from ..linalg.division import is_semidefinite, is_symmetric, without_noise
 from ..linalg.eigen import decoupled, weakly_coupled_groups
 from ..linalg.scaling import balancing_units
 from ..linalg.symmetric.symmetric_modes import SymmetricModes, may_be_wide, modes_of_wide_spread, symmetric_modes
@@ -54,7 +55,7 @@ class NotReducible(Exception):
     """The condition that direct reduction, or a solution by it, does not meet; its text is a clause, "the force contains ..."."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Reduction:
     """The equations of a directly reducible A(s): second-order ones of x_m, first-order ones of x_d, x = V (x_m, x_d) + Y g.
 
@@ -118,13 +119,13 @@ class Reduction:
         m = len(self.second)
         if not len(self.first):
             return self.divided_by_mass(right), right[m:]
-        rates, C = divided(self.C[m:, m:], right[m:]), self.C[:m, m:]
+        rates, C = accurately_solved(self.C[m:, m:], right[m:]), self.C[:m, m:]
         left = without_noise(right[:m] - C @ rates, abs(right[:m]) + abs(C) @ abs(rates))
         return self.divided_by_mass(left), rates
 
     def divided_by_mass(self, right: Matrix) -> Matrix:
         """M^-1 times a matrix."""
-        return divided(self.M, right)
+        return accurately_solved(self.M, right)
 
     @cached_property
     def generator(self) -> Matrix:

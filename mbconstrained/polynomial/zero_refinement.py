@@ -19,10 +19,10 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ..ground.tolerances import EPS, SIMILAR_EIGENVALUES
+from ..linalg.accurate_products import exact_row_sums
 from ..linalg.arrays import Matrix, entries
 from ..linalg.blocks import BlockDiagonal, block_slices, zeros_of
 from ..linalg.division import solved
-from ..linalg.rounding import exact_row_sums
 
 if TYPE_CHECKING:
     from .reduced_equations import Reduction

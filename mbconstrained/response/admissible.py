@@ -26,7 +26,7 @@ from .response_notices import DERIVATIVE_NAMES
 from .solve import solve
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Admissibility(Displayed):
     """The consequences of values at 0-, and the nearest admissible values.
 

@@ -148,9 +148,10 @@ def reduced_flow(problem: Problem) -> Flow:
     reduction = serving_reduction(problem.polynomial_matrix, force, problem.rank_tolerance, proved=proved)
     try:
         with np.errstate(over="raise", invalid="raise"):
-            if not satisfying(reduction, initial[..., None], force)[0]:
+            jumping = not satisfying(reduction, initial[..., None], force)[0]
+            if jumping and (reduction.is_small or makes_constrained_jump(reduction, force)):
                 raise NotReducible("the initial values or a jump of the force do not satisfy the algebraic equations")
-            flow = Flow.of(reduction, initial, force)
+            flow = Flow.of(reduction, initial, force, jumping=jumping)
             flow.jump, flow.events  # computed here, where overflow is still another method's to avoid
     except FloatingPointError:
         raise NotReducible("the reduced equations leave the range of float64") from None
@@ -246,17 +247,30 @@ def satisfying(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth
     Returns:
         Truth values, shape (S,).
     """
-    constraining = reduction.algebraic
-    if not (len(constraining) and len(constraining := constraining[reduction.constraining])):
+    constraining = _constraining(reduction)
+    if not len(constraining):
         return np.ones(initial.shape[2], dtype=bool)
-    smooth = force.smooth
-    rows, columns = reduction.given[0][constraining], smooth.coefficients[constraining]
-    start, jumps, satisfied = smooth.start_at_zero[:, None], smooth.restarts.jumps[:, 1:], np.ones(initial.shape[2], dtype=bool)
+    smooth, satisfied = force.smooth, np.full(initial.shape[2], not makes_constrained_jump(reduction, force))
+    rows, columns, start = reduction.given[0][constraining], smooth.coefficients[constraining], smooth.start_at_zero[:, None]
     for values in initial:
         noise = noise_of(abs(rows) @ np.abs(values) + np.abs(columns) @ np.abs(start), len(values))
-        satisfied &= (np.abs(rows @ values - columns @ start) <= noise).all(axis=0) & (not (columns @ jumps).any())
+        satisfied &= (np.abs(rows @ values - columns @ start) <= noise).all(axis=0)
         columns = columns @ smooth.generator
     return satisfied
+
+
+def makes_constrained_jump(reduction: Reduction, force: ImpulsiveSmooth) -> bool:
+    """Whether a jump of the right sides after t = 0 makes coordinates with mass or damping jump, or their velocities."""
+    columns, jumps = force.smooth.coefficients[_constraining(reduction)], force.smooth.restarts.jumps[:, 1:]
+    orders = len(reduction.given) - 1
+    return len(columns) > 0 and any(
+        (columns @ np.linalg.matrix_power(force.smooth.generator, k) @ jumps).any() for k in range(orders)
+    )
+
+
+def _constraining(reduction: Reduction) -> np.ndarray:
+    algebraic = reduction.algebraic
+    return algebraic[reduction.constraining] if len(algebraic) else algebraic
 
 
 # Modes, powers or steps

@@ -1,8 +1,12 @@
-"""The error estimate of a response: of a small model proved, of others by solving the same problem with moved data again.
+"""The error estimate of a response: proved, or from the defect of its values, or by solving the same problem with moved data again.
 
 The values of a small model are compared with balls of the exact engine, at each time relative to the largest value then.
 
-Of a larger one, or of a function that the exact engine does not know, the data of A(s), of the values at 0- and of the force are
+Of a larger model that the reduced equations serve, values by modes leave a residual in the given equations, and the response to it is
+their error (``methods.defect_response``); values by other methods are compared with those by modes. Nothing but the true error makes
+this estimate large.
+
+Of all others, and before the Taylor series of the start ends, the data of A(s), of the values at 0- and of the force are
 moved entry by entry by a unit in the last place. The largest change of the answer over a few such trials, times a safety factor, is
 the estimate: it sees the condition of the problem and the rounding errors of the algorithm at once, for the solution and for all
 that is derived from it.
@@ -22,11 +26,13 @@ import numpy as np
 
 from ..ground.checks import real_array
 from ..ground.errors import Overflow, within_float64
-from ..ground.tolerances import EPS, PROVED_ACCURACY, ROUNDED_FREE, UNCLEAR_ERROR
+from ..ground.tolerances import EPS, PROVED_ACCURACY, ROUNDED_FREE, TRUST_LIMIT, UNCLEAR_ERROR
 from ..linalg.blocks import CHUNK_ENTRIES
 from ..linalg.exponential.block_exponential import block_states
 from ..signals.bohl import BohlFunction
+from .methods.defect_response import DefectResponse
 from .methods.proved import ProvedFunction
+from .methods.reduced_solution import FlowFunction
 
 if TYPE_CHECKING:
     from .response import Response
@@ -37,6 +43,9 @@ TRIALS = 3
 #: An algorithm in float64 adds errors of its own to those of the data, of the same kind; precise arithmetic only those of
 #: the evaluation.
 SAFETY, PRECISE_SAFETY = 2.5, 1.0
+
+#: The response to the defect is right to a few percent where the modes are well separated.
+DEFECT_SAFETY = 2.0
 
 #: Values at so many times are compared with the exact engine.
 MOST_PROVED = 64
@@ -54,6 +63,9 @@ def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] 
         x: the response.
         times: in s, a number or shape (T,).
         view: the function of time y of a response; x itself when not given.
+
+    Returns:
+        A number.
     """
     with within_float64():
         return _estimate(x, real_array(times, "time"), view)
@@ -62,25 +74,58 @@ def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] 
 def _estimate(x: Response, times: np.ndarray, view: Callable[[Response], BohlFunction]) -> float:
     function = view(x)
     values = np.asarray(function(times))
-    largest = np.abs(values).max(initial=0.0)
-    if largest == 0:
-        return EPS
-    # eigenvalues are known to half a unit at best
-    phase = EPS / 2 * float(np.abs(times * np.asarray(function.derivative()(times)) / largest).max())
-    if isinstance(function, ProvedFunction) and function.is_provable:
-        rounded = max(2 * LEAST, min(phase, PROVED_ACCURACY))  # what rounded data move, within what is proved
+    largest, times = np.abs(values).max(initial=0.0), np.atleast_1d(times)
+    values = values.reshape(function.size, len(times))
+    if largest and isinstance(function, ProvedFunction) and function.is_provable:
+        rounded = max(
+            2 * LEAST, min(_phase(function, times, largest), PROVED_ACCURACY)
+        )  # what rounded data move, within what is proved
         return max(_proved_error(function, times, values), rounded)
+    if isinstance(function, FlowFunction) and (error := _error_by_defect(function, times, values)) is not None:
+        early = times < function.flow.taylor_start(modal=True).end
+        estimate = error / largest if largest else np.inf * (error > 0)
+        if estimate <= TRUST_LIMIT and not early.any():
+            return max(_relative_to_truth(estimate), LEAST)
+        if estimate <= TRUST_LIMIT:
+            times, values = times[early], values[:, early]
+    else:
+        estimate = 0.0
+    return max(_relative_to_truth(estimate), _estimate_by_trials(x, times, values, largest, view)) if largest else EPS
+
+
+def _error_by_defect(function: FlowFunction, times: np.ndarray, values: np.ndarray) -> float | None:
+    """The largest error of some of the values after the first moments; None where it is not known."""
+    late = np.flatnonzero(times >= function.flow.taylor_start(modal=True).end)
+    if not len(late):
+        return 0.0
+    if len(late) > MOST_PROVED:
+        late = late[np.linspace(0, len(late) - 1, MOST_PROVED).astype(int)]
+    response = DefectResponse.of(function.flow, float(times[late].max()))
+    if response is None:
+        return None
+    errors = DEFECT_SAFETY * response.errors(function.place, function.order, times[late])
+    return float((errors + np.abs(values[:, late] - function.by_modes(times[late])).max(axis=0, initial=0.0)).max())
+
+
+def _phase(function: BohlFunction, times: np.ndarray, largest: float) -> float:
+    """Eigenvalues are known to half a unit at best."""
+    return EPS / 2 * float(np.abs(times * np.asarray(function.derivative()(times)) / largest).max())
+
+
+def _estimate_by_trials(x: Response, times: np.ndarray, values: np.ndarray, largest: float, view) -> float:
+    """Of the values at these times, relative to the largest of all."""
+    function = view(x)
     change = max(_largest_change(lambda other=other: view(other)(times) - values, largest) for other in x.moved)
     written = 0.0 if x.written is None else _largest_change(lambda: view(x.written)(times) - values, largest)
     change = max(change, written if written > ROUNDED_FREE * largest else 0.0)
     summed = EPS * summands(function, times) / largest
-    estimate = _relative_to_truth(max((PRECISE_SAFETY if x.solution.is_precise else SAFETY) * (change / largest), phase, summed))
+    safety = PRECISE_SAFETY if x.solution.is_precise else SAFETY
+    estimate = _relative_to_truth(max(safety * (change / largest), _phase(function, times, largest), summed))
     return max(estimate, LEAST if x.solution.has_clear_ranks else UNCLEAR_ERROR)
 
 
 def _proved_error(function: ProvedFunction, times: np.ndarray, values: np.ndarray) -> float:
     """A bound of the largest |error| / |y| at any of the times, of very many at those with the smallest values and at even ones."""
-    times, values = np.atleast_1d(times), values.reshape(function.size, -1)
     size = np.abs(values).max(axis=0)
     if len(times) > MOST_PROVED:
         even = np.linspace(0, len(times) - 1, MOST_PROVED // 2).astype(int)
@@ -103,6 +148,13 @@ def summands(function: BohlFunction, times) -> float:
     """Size of the terms that C e^{J t} v is summed of, the largest of any row and time: the root of the sum of their squares.
 
     Rows are left out while they are evaluated in another way, by their Taylor series for example, in which nothing cancels.
+
+    Args:
+        function: C e^{J t} v.
+        times: in s, a number or shape (T,).
+
+    Returns:
+        A number.
     """
     times, summed_from = np.atleast_1d(times), function.summed_from
     times = times[times >= summed_from.min(initial=np.inf)]

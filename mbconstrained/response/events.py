@@ -14,7 +14,7 @@ from ..signals.impulsive import ImpulsiveSmooth
 from .forcing import ScaledForce, power_of_two_of, scaled_force, scaled_impulses
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Event:
     """Jumps and Dirac impulses of x at one time after t = 0.
 
@@ -29,7 +29,7 @@ class Event:
     impulses: tuple[np.ndarray, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class KnotJumps:
     """Jumps and impulses at all K knots of the force after t = 0.
 
@@ -163,7 +163,7 @@ def _impulse_effect(form: WeierstrassForm, inconsistency: Noisy, impulses: Seque
 # condition (60), corrected). Its rounding noise is bounded along with it, so that a consistent start has g = 0.
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Start:
     """State and jump at t = 0; of S starts, each with an axis for these at its end.
 

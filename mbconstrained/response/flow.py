@@ -15,6 +15,7 @@ import numpy as np
 import scipy.sparse
 
 from ..ground.tolerances import noise_of
+from ..linalg.accurate_products import accurately_solved
 from ..linalg.arrays import Matrix, entry_count, full, hstack, of_like_kind, vstack, zeros_of_kind
 from ..linalg.blocks import CHUNK_ENTRIES, block_slices
 from ..linalg.exponential.powers import Propagator
@@ -113,18 +114,21 @@ class Flow:
     first_moments: bool = True
 
     @classmethod
-    def of(cls, reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> Flow:
-        """From values at 0- (q, r) that satisfy the algebraic equations.
+    def of(cls, reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth, *, jumping: bool = False) -> Flow:
+        """From values at 0- (q, r).
 
         Args:
             reduction: the reduced equations.
-            initial: x^(i)(0-) as row i, shape (q, r); satisfying the algebraic equations.
+            initial: x^(i)(0-) as row i, shape (q, r).
             force: f; its Dirac impulses on rows with mass or dampers only, and not their derivatives.
+            jumping: whether the values do not satisfy the algebraic equations, and jump.
 
         Returns:
             The ``Flow``.
         """
         smooth, start = force.smooth, reduction.state(initial)
+        if jumping:
+            start = start + _jump_to_algebraic_equations(reduction, initial, smooth)
         impulsive = _jumps_by_impulses(reduction, force)
         if impulsive is not None:
             start = start + impulsive[:, 0]
@@ -339,6 +343,29 @@ class Flow:
             values = through[rows] @ changes
             jumps.append((rows, np.where(np.abs(values) <= noise_of(size[rows] @ np.abs(changes)), 0.0, values)))
         return jumps
+
+
+def _jump_to_algebraic_equations(reduction: Reduction, initial: np.ndarray, smooth: BohlFunction) -> np.ndarray:
+    """Of w at 0+ where x = V x_f + Y g does not hold at 0-: by r in x and r' in x'.
+
+    The rows with mass or dampers, integrated over t = 0, keep M x_m, C_dd x_d + C_dm x_m and M x_m' + C_md x_d + C_mm x_m, in which x
+    is V x_f + Y g afterwards: what r adds to them before is a change of x_f.
+    """
+    m, second, first, V = len(reduction.second), reduction.second, reduction.first, reduction.V
+    values, states, g = list(initial), reduction.state(initial), smooth.coefficients[reduction.algebraic]
+    free, at_zero = [np.concatenate([states[:m], states[2 * m :]]), states[m : 2 * m]], smooth.start_at_zero
+    rest = []
+    for x, own in zip(values, free):
+        beyond, size = x - V[:, : len(own)] @ own - reduction.Y @ (g @ at_zero), np.abs(x) + abs(V[:, : len(own)]) @ np.abs(own)
+        rest.append(np.where(np.abs(beyond) <= noise_of(size, len(size)), 0.0, beyond))
+        at_zero = smooth.generator @ at_zero
+    damped, C = reduction.given[1], reduction.C
+    moved = reduction.divided_by_mass((reduction.given[2][second] @ rest[0])[:, None])[:, 0] if m else np.zeros(0)
+    slow = accurately_solved(C[m:, m:], (damped[first] @ rest[0] - C[m:, :m] @ moved)[:, None])[:, 0]
+    if not m:
+        return slow
+    momentum = reduction.given[2][second] @ rest[1] + damped[second] @ rest[0] - C[:m] @ np.concatenate([moved, slow])
+    return np.concatenate([moved, reduction.divided_by_mass(momentum[:, None])[:, 0], slow])
 
 
 def _jumps_by_impulses(reduction: Reduction, force: ImpulsiveSmooth) -> np.ndarray | None:

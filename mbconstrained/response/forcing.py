@@ -15,7 +15,7 @@ from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.restarts import Restarts
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ScaledForce:
     """f in the units of the scaled pencil: coefficients C_f, generator J_f, start v at 0+, and Dirac impulses at t = 0.
 
@@ -153,7 +153,7 @@ def power_of_two_of(matrix) -> float:
 # The finite part driven by the force, in scaled units.
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Driven:
     """y' = T y + D w, w' = J_f w, x = C y + G w with the states w of the force.
 

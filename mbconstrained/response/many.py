@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 IN_CACHE = 16
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Superposed:
     """x_0 + sum over j of weights[j] x_j(t) for some of the members.
 
@@ -132,7 +132,7 @@ def _parts(count: int, each: int) -> Iterator[slice]:
     return (slice(begin, min(begin + width, count)) for begin in range(0, count, width))
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Responses(Displayed):
     """The solutions of S problems A(d/dt) x_s = f_s, each from its own values at 0-.
 

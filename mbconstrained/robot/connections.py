@@ -9,6 +9,7 @@ A loop constrains rows of phi to zero; springs and bushings have an energy of ph
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, get_args
@@ -20,7 +21,7 @@ from ..ground.checks import nearest, real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
 
-LoopKind = Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "rod"]
+LoopKind = Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "universal", "rod"]
 Vector = Sequence[float]
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
@@ -88,12 +89,17 @@ class Loop(Connection):
     Attributes:
         kind: "point": the points coincide (3 rows); "rigid": the frames coincide (6 rows); "hinge": they coincide but for
             a turn about the axis (5 rows); "prismatic": but for a displacement along it (5 rows); "cylindrical": but for both
+            (4 rows); "universal": the points coincide and two axes, one in each body, stay at right angles, as of a Cardan joint
             (4 rows); "rod": the points keep a distance (1 row).
         axis: of a hinge, prismatic or cylindrical loop, in the frame on body1 and the same in that on body2; of any length but zero.
+            Of a universal loop that in the frame on body1.
+        axis2: of a universal loop that in the frame on body2.
         length: of a rod (m); that at the guess when not given.
         friction: coefficient of friction of a foot on the ground, in which case its force at rest is checked: a note reports one
             outside of the cone about ``normal``, or one that pulls.
         normal: of the contact, on the foot, in the directions of the ground.
+        patch: of a rigid foot, the extents of its sole along x and y of the frame on body1 about the point (m): a note reports a
+            centre of pressure outside of it, where the foot tips over.
 
     The multiplier of a row is the force (N) or torque (N m) on body2, against that on body1, in the frame on body1; torques
     of a hinge that turns are in the frame half-way between the two. That of a rod is its compression (N).
@@ -104,9 +110,11 @@ class Loop(Connection):
 
     kind: LoopKind = "point"
     axis: Vector = (0.0, 0.0, 1.0)
+    axis2: Vector = (1.0, 0.0, 0.0)
     length: float | None = None
     friction: float | None = None
     normal: Vector = (0.0, 0.0, 1.0)
+    patch: Sequence[float] | None = None
 
     word = "loop"
 
@@ -114,23 +122,31 @@ class Loop(Connection):
         super().__post_init__()
         if self.kind not in (kinds := get_args(LoopKind)):
             raise InputError(f"{self.label}: found the kind {self.kind!r}{nearest(self.kind, kinds)}; expected {', '.join(kinds)}")
-        self._set_vector("axis")
-        largest = max(map(abs, self.axis))
-        if not largest:
-            raise InputError(f"{self.label}: axis: found 0, 0, 0; expected a direction")
-        axis = np.array(self.axis) / largest
-        self._set("axis", tuple((axis / np.linalg.norm(axis)).tolist()))
+        self._set_direction("axis")
+        self._set_direction("axis2")
         self._set_vector("normal")
         if self.friction is not None:
             self._set("friction", real_number(self.friction, f"{self.label}: friction", minimum=0.0))
             if GROUND not in (self.body1, self.body2) or not any(self.normal):
                 raise InputError(f'{self.label}: friction is checked of a foot on the "{GROUND}", with a normal other than 0, 0, 0')
+        if self.patch is not None:
+            extents = real_array(self.patch, f"{self.label}: patch", shape=(2,)).tolist()
+            if self.kind != "rigid" or self.friction is None or min(extents) <= 0:
+                raise InputError(f"{self.label}: patch: expected two lengths of the sole of a rigid foot that has friction")
+            self._set("patch", tuple(extents))
         if self.length is not None:
             self._set("length", real_number(self.length, f"{self.label}: length", positive=True))
             if self.kind != "rod":
                 raise InputError(f"{self.label}: length belongs to a rod; leave it out")
         if self.kind == "rod" and self.point2 is None:
             raise InputError(f"{self.label}: point2 is missing; a rod needs the point on {self.body2} that it ends at")
+
+    def _set_direction(self, key: str) -> None:
+        self._set_vector(key)
+        if not (largest := max(map(abs, getattr(self, key)))):
+            raise InputError(f"{self.label}: {key}: found 0, 0, 0; expected a direction")
+        direction = np.array(getattr(self, key)) / largest
+        self._set(key, tuple((direction / np.linalg.norm(direction)).tolist()))
 
     @property
     def turning(self) -> bool:
@@ -145,16 +161,17 @@ class Loop(Connection):
             across = np.eye(3)[~nonzero]
         none, every = np.zeros((0, 3)), np.eye(3)
         moves = {"prismatic": across, "cylindrical": across, "rod": every[:1]}.get(self.kind, every)
-        turns = {"point": none, "rod": none, "hinge": across, "cylindrical": across}.get(self.kind, every)
+        turns = {"point": none, "rod": none, "hinge": across, "cylindrical": across, "universal": every[:1]}.get(self.kind, every)
         return moves, turns
 
     @property
     def rows(self) -> np.ndarray:
-        """The combinations of phi that are constrained to 0, shape (k, 6); of a rod, the place of its one row."""
+        """The combinations of phi that are constrained to 0, shape (k, 6); of a rod and of the axes of a universal loop, the place of
+        the row."""
         return block_diag(*self._parts)
 
     def gaps(self, phi: np.ndarray, length: float) -> np.ndarray:
-        """The left sides of the rows, rows @ phi, or |p| - length of a rod (m, rad), shape (k,).
+        """The left sides of the rows (m, rad): rows @ phi, |p| - length of a rod, a1 . R a2 of universal axes, shape (k,).
 
         Args:
             phi: shape (6,).
@@ -163,10 +180,19 @@ class Loop(Connection):
         Returns:
             Zero where the loop is closed.
         """
-        return np.array([np.linalg.norm(phi[:3]) - length]) if self.kind == "rod" else self.rows @ phi
+        if self.kind == "rod":
+            return np.array([np.linalg.norm(phi[:3]) - length])
+        gaps = self.rows @ phi
+        if self.kind == "universal":
+            gaps[3] = turned_product(self.axis, self.axis2, phi[3:])[0]
+        return gaps
 
     def gradient(self, phi: np.ndarray) -> np.ndarray:
         """Their derivatives by phi, shape (k, 6)."""
+        if self.kind == "universal":
+            gradient = self.rows.copy()
+            gradient[3, 3:] = turned_product(self.axis, self.axis2, phi[3:])[1]
+            return gradient
         if self.kind != "rod":
             return self.rows
         if not (distance := np.linalg.norm(phi[:3])):
@@ -187,6 +213,8 @@ class Loop(Connection):
         if self.kind == "rod":
             along = self.gradient(phi)[0, :3]
             result[:3, :3] = multipliers[0] * (np.eye(3) - np.outer(along, along)) / np.linalg.norm(phi[:3])
+        if self.kind == "universal":
+            result[3:, 3:] = multipliers[3] * turned_product(self.axis, self.axis2, phi[3:])[2]
         return result
 
     @property
@@ -197,6 +225,8 @@ class Loop(Connection):
             places = [np.flatnonzero(row) for row in part]
             single = all(len(place) == 1 for place in places)
             names += [axes[place[0]] if single else f"{word} {number}" for number, place in enumerate(places, 1)]
+        if self.kind == "universal":
+            names[3] = "right angle"
         return tuple(f"{self.name} {axis}" for axis in (("length",) if self.kind == "rod" else names))
 
     @property
@@ -204,6 +234,41 @@ class Loop(Connection):
         """The unit of each row."""
         moves, turns = self._parts
         return ("m",) * len(moves) + ("rad",) * len(turns)
+
+
+#: Terms of the series of cos x, sin(x) / x and (1 - cos x) / x^2 in x^2, exact up to an angle of pi.
+_TERMS = 18
+
+_SERIES = tuple(np.polynomial.Polynomial([(-1) ** k / math.factorial(2 * k + m) for k in range(_TERMS)]) for m in range(3))
+
+
+def turned_product(first: Vector, second: Vector, turn: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+    """a . exp([w]) b with its derivatives by w, by Rodrigues' formula.
+
+        a . exp([w]) b = cos|w| a . b + sin|w| / |w| (b x a) . w + (1 - cos|w|) / |w|^2 (a . w) (b . w)
+
+    Args:
+        first, second: a and b, shape (3,).
+        turn: w, a rotation vector (rad), shape (3,).
+
+    Returns:
+        The value, its gradient (3,), and the symmetric matrix of its second derivatives (3, 3).
+    """
+    a, b, w, eye = np.array(first), np.array(second), np.asarray(turn), np.eye(3)
+    normal, s = np.cross(b, a), float(w @ w)
+    parts = (
+        (a @ b, np.zeros(3), np.zeros((3, 3))),
+        (normal @ w, normal, np.zeros((3, 3))),
+        ((a @ w) * (b @ w), (b @ w) * a + (a @ w) * b, np.outer(a, b) + np.outer(b, a)),
+    )
+    value, gradient, second_derivative = 0.0, np.zeros(3), np.zeros((3, 3))
+    for series, (h, dh, ddh) in zip(_SERIES, parts):
+        P, dP, ddP = (float(series.deriv(order)(s)) for order in range(3))
+        value += P * h
+        gradient += P * dh + 2 * dP * h * w
+        mixed = 2 * dP * np.outer(w, dh)
+        second_derivative += P * ddh + mixed + mixed.T + h * (2 * dP * eye + 4 * ddP * np.outer(w, w))
+    return float(value), gradient, second_derivative
 
 
 @dataclass(frozen=True)

@@ -21,11 +21,13 @@ from ..mechanics.vibration.harmonic_equations import frequency_response
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
 from .connections import PointMotion
-from .equilibrium import rows_of
 from .flexible_joint import FlexibleJoint
+from .statics.equilibrium import rows_of
 
 if TYPE_CHECKING:
+    from ..control.state_space import StateSpace
     from ..frequency.frequency_response import FrequencyResponse
+    from ..frequency.random.random_response import RandomResponse
     from .flexible_joint import WithoutMotors
     from .posture import Posture
 
@@ -210,12 +212,65 @@ class LinearizedRobot(MechanicalSystem):
         >>> robot.linearize(robot.equilibrium()).frequency_response([0.0], tip, tip).values.real.item()
         0.02
         """
+        system = self.with_points(inputs, outputs)
+        return frequency_response(system, frequencies_hz, _chosen(inputs), _chosen(outputs), *arguments, **named)
+
+    def random_response(self, excitation: Mapping, outputs=None, quantity: str = "displacement", **options) -> RandomResponse:
+        """As of every mechanical system, with outputs as of ``frequency_response``, such as the vibration of the tool of a robot on a
+        base that moves at random.
+
+        Args:
+            excitation: spectra by names of coordinates, rows ("motion of base x") and ``inputs``.
+            outputs: names of coordinates, rows and ``outputs``, or a mapping from new names to joints and ``PointMotion``.
+            quantity, options: see ``MechanicalSystem.random_response``.
+
+        Returns:
+            The response.
+
+        >>> from mbconstrained import PointMotion, Robot, white_noise
+        >>> urdf = '''<robot name="arm"><link name="base"/><link name="rod"><inertial><mass value="2"/>
+        ...   <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        ...   <joint name="slide" type="prismatic"><parent link="base"/><child link="rod"/><axis xyz="0 0 1"/></joint></robot>'''
+        >>> robot = Robot(urdf, base="moving", joint_stiffness={"slide": 800.0}, joint_damping={"slide": 8.0})
+        >>> arm, tip = robot.linearize(robot.equilibrium()), {"tip": PointMotion("rod", along=(0, 0, 1))}
+        >>> noise = {"motion of base z": white_noise(0.3, of="acceleration")}
+        >>> R = arm.random_response(noise, tip, "acceleration")
+        >>> wn, z = 20.0, 0.1
+        >>> bool(np.isclose(R.covariance.item(), wn / 2 * 0.3 * (1 + 4 * z**2) / (4 * z), rtol=1e-12))  # of a mass on its base
+        True
+        """
+        return super(LinearizedRobot, self.with_points(None, outputs)).random_response(
+            excitation, _chosen(outputs), quantity, **options
+        )
+
+    def to_state_space(self, inputs=None, outputs=None) -> StateSpace:
+        """As of every mechanical system, with inputs and outputs of its own: joints and points.
+
+        Args:
+            inputs, outputs: names, or mappings, as of ``frequency_response``; without them all coordinates.
+
+        Returns:
+            The ``StateSpace``.
+        """
+        return super(LinearizedRobot, self.with_points(inputs, outputs)).to_state_space(_chosen(inputs), _chosen(outputs))
+
+    def with_points(self, inputs=None, outputs=None) -> LinearizedRobot:
+        """The same robot with other inputs and outputs.
+
+        Args:
+            inputs: a mapping from names of your own to joints and ``PointMotion``: forces and torques that act there; anything
+                else leaves the inputs.
+            outputs: likewise, what moves.
+
+        Returns:
+            The robot.
+        """
         system = copy(self)
         if isinstance(inputs, Mapping):
-            (system.inputs, system.input_units), inputs = self._directions("input", inputs), list(inputs)
+            system.inputs, system.input_units = self._directions("input", inputs)
         if isinstance(outputs, Mapping):
-            (system.outputs, system.output_units), outputs = self._directions("output", outputs), list(outputs)
-        return frequency_response(system, frequencies_hz, inputs, outputs, *arguments, **named)
+            system.outputs, system.output_units = self._directions("output", outputs)
+        return system
 
     def without_motors(self) -> WithoutMotors:
         """The same motion with the motors of flexible joints eliminated: a polynomial matrix of degree 4."""
@@ -379,6 +434,11 @@ def _clean_rows(J: np.ndarray, sizes: np.ndarray, units: Sequence[str]) -> tuple
         rows = np.array(units) == unit
         clean[rows], doubt[rows] = _clean(J[rows], sizes), _rounding(J[rows], sizes)
     return clean, doubt
+
+
+def _chosen(channels):
+    """The names of a mapping, and what else names channels."""
+    return list(channels) if isinstance(channels, Mapping) else channels
 
 
 def _by_name(values, what: str) -> Mapping:

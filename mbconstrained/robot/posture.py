@@ -9,23 +9,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..ground.checks import nearest, real_number
-from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import CONE_TOLERANCE, JOINT_LIMIT, LOOPS_CLOSED, LOOPS_CLOSED_AS_ROUNDED
-from .balance import Balance, Load
+from ..ground.tolerances import JOINT_LIMIT, LOOPS_CLOSED, LOOPS_CLOSED_AS_ROUNDED
 from .connections import BodySpring, PointMotion
-from .equilibrium import LARGEST_STEP, Equilibrium, Search, closed, equilibrium
 from .kinematics import Kinematics
 from .mechanism import TURNING, Attached, untwisted, with_rest_length
-from .regularity import loop_rows, rounded_advice, with_all_digits
+from .statics.balance import Balance, Load
+from .statics.contacts import contact_notices
+from .statics.equilibrium import LARGEST_STEP, Equilibrium, Search, closed, equilibrium
+from .statics.regularity import loop_rows, rounded_advice, with_all_digits
 
 if TYPE_CHECKING:
     from .robot import Robot
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Posture(Displayed):
     """An equilibrium of a robot.
 
@@ -136,7 +136,8 @@ def _fixed_coordinates(robot: Robot, hold) -> np.ndarray:
     single = [name for name in robot.joints if name in robot.coordinates and name not in followers]
     fixed = np.zeros(len(robot.coordinates), bool)
     for name in (*(single if hold == "all" else hold), *robot.flexible_joints):
-        fixed[robot.tangent.place(name, "hold")] = True
+        for coordinate in robot.tangent.coordinates_of(name) if name in robot.joints else (name,):
+            fixed[robot.tangent.place(coordinate, "hold")] = True
     follows = np.isin(robot.coordinates, followers)
     return fixed | ((robot.rests_at_guess | (robot.position_gains > 0)) & ~follows)
 
@@ -224,7 +225,7 @@ def _posture(robot: Robot, state: Equilibrium, free: np.ndarray, guess: np.ndarr
             *rows.notices,
             *(_SHARED if shared else ()),
             *_beyond_limits(robot, balance.configuration),
-            *_outside_cones(balance, state.multipliers),
+            *contact_notices(state, free),
             *_left_out(robot),
             *_assumed_lengths(balance, robot, guess),
         ),
@@ -263,29 +264,6 @@ def _misfit(state: Equilibrium) -> tuple[Notice, ...]:
     row, gap, unit = state.balance.widest_gap
     text = f"the joints keep the loop row {row} open by {gap:.2g} {unit}, as where axes in the URDF are rounded; the motion keeps this gap"
     return (Notice(NoticeKind.RANK, text),)
-
-
-def _outside_cones(balance: Balance, multipliers: np.ndarray) -> Iterator[Notice]:
-    """Notices on feet whose force at rest pulls or leaves the friction cone."""
-    start = 0
-    for item, G in zip(balance.load.loops, balance.gradients):
-        loop, own = item.connection, multipliers[start : start + len(G)]
-        start += len(G)
-        if loop.friction is None:
-            continue
-        force = balance.kinematics.frame(item.first)[0] @ (G.T @ own)[:3] * (1.0 if loop.body1 == GROUND else -1.0)  # on the foot
-        normal = np.array(loop.normal) / np.linalg.norm(loop.normal)
-        along = float(force @ normal)
-        across = float(np.linalg.norm(force - along * normal))
-        largest = np.linalg.norm(force) * CONE_TOLERANCE
-        if along < -largest:
-            yield Notice(
-                NoticeKind.STATIC_LOAD, f"{loop.label}: the ground would have to pull by {-along:.4g} N; the foot lifts off"
-            )
-        elif across > loop.friction * max(along, 0.0) + largest:
-            text = f"{loop.label}: the foot slips: it needs {across:.4g} N along the ground with {along:.4g} N across it"
-            needed = f", a coefficient of friction of {across / along:.3g}" if along > largest else ""
-            yield Notice(NoticeKind.STATIC_LOAD, f"{text}{needed}; found {loop.friction:g}")
 
 
 def _beyond_limits(robot: Robot, q: np.ndarray) -> tuple[Notice, ...]:

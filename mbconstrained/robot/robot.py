@@ -15,7 +15,9 @@ from ..ground.errors import InputError
 from ..mechanics.constraints import Level
 from .connections import BodySpring, Bushing, Loop, PointMotion
 from .description.masses import Payload, replace_masses
-from .description.models import described, has_free_base, is_model
+from .description.mjcf import is_mjcf, read_mjcf
+from .description.models import ModelFile, described, has_free_base, is_model
+from .description.srdf import SemanticDescription, read_srdf
 from .description.urdf import checked_tree, description_notices, link_masses, mimics_of, read_urdf, root_link, skeleton
 from .flexible_joint import FlexibleJoint, Motor
 from .kinematics import Tree, built_model, finished_model
@@ -40,8 +42,9 @@ class Robot(Displayed):
     """A tree of joints from a URDF, with loops, springs and flexible joints.
 
     Args:
-        urdf: the path of a .urdf file, or the XML text itself; or a pinocchio model, such as of
-            ``pinocchio.buildModelFromMJCF``, which has its own base and is not drawn. Collision geometry is never read.
+        urdf: the path of a .urdf file, or the XML text itself; the path of an MJCF file, whose ``connect`` and ``weld`` are loops,
+            whose key frames are states, and whose free joint makes the base free; or a pinocchio model, which has its own base
+            and is not drawn. Collision geometry is never read.
         loops: joints that close loops, ``Loop``.
         springs: connections between bodies, ``BodySpring`` and ``Bushing``.
         base: "fixed" to the ground; "free"; or "moving", with a prescribed motion: it rests at the origin unless
@@ -59,6 +62,8 @@ class Robot(Displayed):
         payloads: bodies fixed to links, ``Payload``.
         masses: other masses of links than those of the URDF (kg), by link; the inertia changes in the same ratio.
         inertias: other inertias of links, by link, as of ``Payload`` (kg m^2).
+        srdf: the path of an SRDF file: its group states are guesses by name, ``equilibrium("standing")``, and its rotors are motors of
+            the joints that have no other.
         package_dirs: folders that contain the folder NAME of package://NAME/... in names of mesh files.
         name: the URDF's when not given.
 
@@ -93,14 +98,20 @@ class Robot(Displayed):
         payloads: Sequence[Payload] = (),
         masses: Mapping[str, float] | None = None,
         inertias: Mapping[str, Sequence[float]] | None = None,
+        srdf: str | Path | None = None,
         package_dirs: Sequence[str | Path] = (),
         name: str | None = None,
     ):
-        given_model: Any = urdf if is_model(urdf) else None
+        source = read_mjcf(urdf, base != "fixed") if is_mjcf(urdf) else None
+        if is_model(urdf):
+            model: Any = urdf
+            source = ModelFile(model, model.gravity.linear.tolist())
+        given_model: Any = source and source.model
         text, self.folder = read_urdf(urdf) if given_model is None else ("", None)
         self.description = checked_tree(text) if given_model is None else described(given_model)
         if given_model is not None and (masses or inertias):
             raise InputError("masses, inertias: found them with a pinocchio model; change model.inertias, or add an mb.Payload")
+        self.source = source = source or ModelFile(None, _DOWNWARDS)
         self.name = str(name or self.description.get("name") or "robot")
         if base not in (bases := ("fixed", "free", "moving")):
             raise InputError(f'base: found {base!r}{nearest(str(base), bases)}; expected "fixed", "free" or "moving"')
@@ -114,27 +125,32 @@ class Robot(Displayed):
         single = {
             j.get("name", ""): j.get("type") in ("revolute", "continuous", "prismatic") for j in self.description.findall("joint")
         }
-        mimics = geared(gears, mimics_of(self.description), single)
+        mimics = geared([*source.gears, *gears] if isinstance(gears, Sequence) else gears, mimics_of(self.description), single)
         self.locked = locked_values(locked, mimics)
         if given_model is None:
             model = built_model(skeleton(self.description), base != "fixed", self.locked, _gravity(gravity, _DOWNWARDS))
         else:
-            own = np.array(given_model.gravity.linear)
-            model = finished_model(given_model.copy(), self.locked, _gravity(gravity, own))
+            if base == "moving" and not has_free_base(given_model):
+                raise InputError('base: found "moving" with a pinocchio model; give it a JointModelFreeFlyer as its first joint')
+            model = finished_model(given_model.copy(), self.locked, _gravity(gravity, source.gravity))
         self.tree = Tree(model)
-        self.description_notices = description_notices(self.description)
+        self.description_notices = (*source.notices, *description_notices(self.description))
         self.tangent = Tangent(self.model, base != "fixed", tuple(self.locked))
         self.link_frames = LinkFrames(self.model, link_masses(self.description))
         self._add_payloads(payloads)
         self.mimic_rows = mimic_rows(mimics, self.tangent)
         given = checked_connections(loops, (Loop,), "loops", self.link_frames)
+        given = checked_connections((*source.loops, *given), (Loop,), "loops", self.link_frames)
         support = Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
         self.moving_base = support if base == "moving" else None
         self.loops = given if base != "moving" else checked_connections((*given, support), (Loop,), "loops", self.link_frames)
         self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
-        self._set_joints(joint_stiffness, joint_rest, joint_damping)
+        moving = {name for name in source.joint_stiffness if name in self.coordinates and name not in (joint_stiffness or {})}
+        own, rest = ({name: values[name] for name in moving} for values in (source.joint_stiffness, source.joint_rest))
+        self._set_joints({**own, **(joint_stiffness or {})}, {**rest, **(joint_rest or {})}, joint_damping)
         self.flexible_joints = self._by_joint(flexible_joints, FlexibleJoint, "flexible_joints")
-        self._set_motors(self._by_joint(motors, Motor, "motors"))
+        self.semantics = SemanticDescription() if srdf is None else read_srdf(srdf)
+        self._set_motors({**self._rotors(), **self._by_joint(motors, Motor, "motors")})
 
     def _add_payloads(self, payloads: Sequence[Payload]) -> None:
         import pinocchio
@@ -156,6 +172,12 @@ class Robot(Displayed):
             if not isinstance(value, kind):
                 raise InputError(f"{what}: {name}: found {type(value).__name__}; make it with mb.{kind.__name__}(...)")
         return dict(values or {})
+
+    def _rotors(self) -> dict[str, Motor]:
+        """Those of the SRDF file, of joints that move and are not flexible."""
+        single = set(self.coordinates) & set(self.joints) - set(self.flexible_joints)
+        rotors = ((name, rotor) for name, rotor in self.semantics.rotors.items() if name in single)
+        return {name: Motor(rotor_inertia=inertia, gear_ratio=abs(ratio)) for name, (inertia, ratio) in rotors}
 
     def _set_motors(self, motors: dict[str, Motor]) -> None:
         """Inertias go to the model, gains into vectors by coordinate, shape (nv,)."""
@@ -213,9 +235,16 @@ class Robot(Displayed):
         """Lower and upper limit (rad, m) by joint, of those that have any."""
         return self.tangent.limits
 
+    @property
+    def states(self) -> dict[str, dict[str, float | tuple[float, ...]]]:
+        """The guesses of the SRDF file by name: values (rad, m) of the joints that move."""
+        base = BASE if self.base != "fixed" else None
+        own = {name: self.tangent.values(q) for name, q in self.source.states.items() if len(q) == self.model.nq}
+        return own | {name: self.semantics.state(name, self.joints, base) for name in self.semantics.states}
+
     def equilibrium(
         self,
-        guess: Mapping | np.ndarray | None = None,
+        guess: Mapping | np.ndarray | str | None = None,
         forces: Mapping[str | PointMotion, float] | None = None,
         hold: Sequence[str] | Literal["all"] = (),
     ) -> Posture:
@@ -224,8 +253,9 @@ class Robot(Displayed):
             g(q) + tau_springs(q) - tau = J^T lambda,   phi(q) = 0        (Newton's method)
 
         Args:
-            guess: values by joint (rad, m), 0 for those not named: for a free base ("base") x, y, z, roll, pitch, yaw or
-                x, y, z and a quaternion x, y, z, w; or all of q.
+            guess: values by joint or coordinate (rad, m), 0 for those not named: for a free base ("base") x, y, z, roll, pitch, yaw
+                or x, y, z and a quaternion x, y, z, w, and "base z" alone for one of them; or all of q; or the
+                name of a state of the SRDF file.
             forces: constant ones by joint (N m, N) or by ``PointMotion`` (N, N m).
             hold: joints or coordinates that keep the guess, or "all" joints; ``Posture.torques`` has their loads. Flexible joints
                 and those with a spring without a rest keep it always.
@@ -236,6 +266,8 @@ class Robot(Displayed):
         Raises:
             InputError: there is none near the guess, the loops do not close, or the posture is singular.
         """
+        if isinstance(guess, str):
+            guess = self.states[guess] if guess in self.states else self.semantics.state(guess, self.joints, None)
         return find_posture(self, {} if guess is None else guess, forces or {}, hold)
 
     def linearize(
@@ -272,8 +304,10 @@ class Robot(Displayed):
         Raises:
             InputError: shapes without sense, mesh files that cannot be read.
         """
-        from .description.visuals import visuals_of
+        from .description.visuals import visuals_of, visuals_of_mjcf
 
+        if self.source.path is not None:
+            return visuals_of_mjcf(self.source.model, self.source.path)
         return visuals_of(self.description, self.folder, self.package_dirs)
 
     def mesh_notices(self) -> tuple[Notice, ...]:

@@ -69,7 +69,7 @@ class Tangent:
         if name in self.coordinates:
             return self.coordinates.index(name)
         if name in self.joints:
-            several = ", ".join(c for c in self.coordinates if c.startswith(f"{name} "))
+            several = ", ".join(self.coordinates_of(name))
             raise InputError(f'{what}: "{name}" has several degrees of freedom; name one of {several}')
         if name in self.locked:
             raise InputError(f'{what}: the joint "{name}" is locked; leave it out, or do not lock it')
@@ -109,13 +109,32 @@ class Tangent:
         q = pinocchio.neutral(self.model)
         if not isinstance(values, Mapping):
             return pinocchio.normalize(self.model, self._whole(values, what))
-        for name, value in values.items():
+        for name, value in self._by_joint(values, what).items():
             if name not in self.joints:
                 locked = "; it is locked" if name in self.locked else nearest(name, self.joints)
                 raise InputError(f'{what}: there is no joint "{name}" that moves{locked}')
             joint = self.model.joints[self.joints.index(name) + 1]
             q[joint.idx_q : joint.idx_q + joint.nq] = _joint_configuration(joint, value, f"{what} of {name}")
         return q
+
+    def _by_joint(self, values: Mapping, what: str) -> Mapping:
+        """The values, those of coordinates of a joint with several degrees of freedom collected, 0 for the others of it."""
+        collected: dict = {}
+        for name, value in values.items():
+            joint = next((joint for joint in self.joints if name != joint and name in self.coordinates_of(joint)), None)
+            if joint in values:
+                raise InputError(f'{what}: found "{name}" and "{joint}"; give one of them')
+            if joint is None:
+                collected[name] = value
+            else:
+                own = self.coordinates_of(joint)
+                collected.setdefault(joint, [0.0] * len(own))[own.index(name)] = real_number(value, f"{what} of {name}")
+        return collected
+
+    def coordinates_of(self, joint: str) -> tuple[str, ...]:
+        """The names of the coordinates of a joint; rx, ry and rz are roll, pitch and yaw where values are given."""
+        model = self.model.joints[self.joints.index(joint) + 1]
+        return self.coordinates[model.idx_v : model.idx_v + model.nv]
 
     def values(self, q: np.ndarray) -> dict[str, float | tuple[float, ...]]:
         """The inverse: by joint a number, or the numbers of a joint with several degrees of freedom."""

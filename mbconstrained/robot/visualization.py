@@ -16,10 +16,10 @@ from ..ground.checks import real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
 from .connections import BodySpring, Connection, Loop
-from .equilibrium import Search, closed, rows_of
 from .kinematics import Anchor
 from .mechanism import Attached
 from .posture import Posture
+from .statics.equilibrium import Search, closed, rows_of
 from .tangent import MimicRow
 
 #: Loops count as closed in a drawing below this gap, in rad or relative to the robot's size.
@@ -32,7 +32,7 @@ MOST_CHORDS = 6
 BASE_COORDINATES = 6
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Poses:
     """Positions (3, T) in m and unit quaternions (4, T) x y z w of a link; both signs of a quaternion are the same rotation."""
 
@@ -101,7 +101,7 @@ def _onto_loops(posture: Posture) -> Callable[[np.ndarray], np.ndarray]:
     return on_loops
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ConnectionPoints:
     """The two ends of a loop or spring.
 
@@ -149,7 +149,7 @@ def _kinds(connection: Connection) -> tuple[str, ...]:
     return ("bushing",)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Wrench:
     """A force F = force @ x and a moment T = moment @ x about the point, for multipliers or a generalized force x.
 

@@ -122,7 +122,7 @@ def _robot_scene(system: MechanicalSystem | None) -> RobotScene | None:
     names = UrdfNames(Path(robot.name), robot.bodies, dict(zip(robot.coordinates, robot.units)), (), ())
     table = RobotFile.model_construct(title=robot.name, urdf=robot.name, base=robot.base)
     linearized: Any = system
-    return RobotScene(RobotData(Path(robot.name) / "robot.toml", table, names, ()), robot, posture, linearized, {})
+    return RobotScene(RobotData(Path(robot.name) / "robot.toml", table, names, robot.semantics, ()), robot, posture, linearized, {})
 
 
 def _last_time(motion: Response) -> float:

@@ -26,7 +26,7 @@ from .restarts import Restarts, as_slice
 from .sums import Summand, merged
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class BohlFunction:
     """f(t) = C e^{J t} v for t >= 0, evaluated at any times in any order, without time steps.
 

@@ -44,7 +44,7 @@ TO_POWERS_AT_END = TO_POWERS * (-1.0) ** np.add.outer(np.arange(DEGREE + 1), np.
 SENSITIVITY = np.abs(TO_POWERS).sum(axis=1)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fit:
     """Polynomials of m intervals with r rows.
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .impulsive import ImpulsiveLoad
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ExactTerm:
     """vector t^power e^{rate t} cos(angular_frequency t + phase) / divisor."""
 
@@ -31,7 +31,7 @@ class ExactTerm:
     divisor: int = 1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ExactImpulse:
     """vector times the derivative of this order of Dirac's delta."""
 
@@ -39,7 +39,7 @@ class ExactImpulse:
     order: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ExactRecord:
     """Linear between samples, values (r, T) at times (T,), zero before and after."""
 
@@ -47,7 +47,7 @@ class ExactRecord:
     values: np.ndarray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ExactStates:
     """A Bohl function with impulses, its float64 states at each knot taken as exact."""
 
@@ -56,7 +56,7 @@ class ExactStates:
     later: tuple[ImpulsiveLoad, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ExactInput:
     """One summand of an input: its data, and the operations that were applied to it.
 

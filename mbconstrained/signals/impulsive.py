@@ -15,7 +15,7 @@ from .exact_inputs import ExactInput, ExactStates
 from .restarts import later_times
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ImpulsiveLoad:
     """An impulsive load: the sum over k of impulses[k] delta^(k)(t - time).
 
@@ -28,7 +28,7 @@ class ImpulsiveLoad:
     impulses: tuple[np.ndarray, ...]
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class ImpulsiveSmooth:
     """An impulsive-smooth function f(t) = smooth(t) + sum of impulses[k] delta^(k)(t) + later impulses, zero before t = 0.
 

@@ -28,7 +28,7 @@ def as_slice(numbers: np.ndarray) -> slice | np.ndarray:
 LOST_GAP = 2.0**-10
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Restarts:
     """z(t) = e^{J (t - t_j)} z_j for t_j <= t < t_(j+1), and z = 0 before t = 0.
 

@@ -23,7 +23,7 @@ DIGITS = 25
 MOST_STATES, SECONDS = 240, 60.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ReferenceSolution:
     """The solution at some of the times of a problem.
 

@@ -28,7 +28,7 @@ OWN_CONSTANTS = {
     "linalg/tree_modes/topology.py",
     "response/estimate.py",
     "robot/description/urdf.py",
-    "robot/equilibrium.py",
+    "robot/statics/equilibrium.py",
     "robot/visualization.py",
     "signals/approximated.py",
 }
@@ -53,6 +53,20 @@ def test_no_exception_is_swallowed():
         if isinstance(node, ast.ExceptHandler) and (node.type is None or all(isinstance(line, ast.Pass) for line in node.body))
     ]
     expect_none(offenders, "name the exception and answer it")
+
+
+def test_objects_that_hold_arrays_are_equal_to_themselves_alone():
+    """Fields that are arrays have no truth value and no hash: such an object compares and hashes by identity."""
+    offenders = []
+    for file in FILES:
+        for node in ast.walk(tree(file)):
+            if not isinstance(node, ast.ClassDef) or not any("frozen=True" in ast.unparse(mark) for mark in node.decorator_list):
+                continue
+            types = [ast.unparse(line.annotation) for line in node.body if isinstance(line, ast.AnnAssign)]
+            holds = any(re.search(r"\bndarray\b|\bMatrix\b|\bNoisy\b", own) for own in types)
+            if holds and not any("eq=False" in ast.unparse(mark) for mark in node.decorator_list):
+                offenders.append(f"{file}:{node.lineno} {node.name}")
+    expect_none(offenders, "add eq=False to the dataclass")
 
 
 def test_algorithms_have_no_literal_tolerances():

@@ -48,3 +48,24 @@ def test_full_and_sparse_matrices_of_any_size():
     assert balancing_units(csr_array(np.array([[5.0]]))).tolist() == [1.0]
     assert balanced_norm(csr_array(np.array([[5.0]]))) == 5.0
     assert balanced_norm(csr_array(np.ones((40, 40)))) == 40.0
+
+
+@pytest.mark.parametrize("weak", [1e-9, 1e-17])
+@pytest.mark.parametrize("back", [0.0, 1.0])
+def test_a_weak_coupling_does_not_bend_the_units_of_a_chain(weak, back):
+    """One more entry between the ends of a chain changes the least-squares fit all along it, and what balances the rows hardly."""
+    n = 40
+    S = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    S[0, -1], S[-1, 0] = weak, back * weak
+    units = balancing_units(csr_array(S))
+    assert units.max() <= 2 * units.min()
+
+
+def test_a_chain_of_stiff_and_soft_links_keeps_its_own_units():
+    """D^-1 S D is balanced in the units D, whatever the weak coupling is."""
+    n = 40
+    scale = 2.0 ** np.random.default_rng(0).integers(-20, 20, n)
+    S = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    S[0, -1] = 1e-12
+    units = balancing_units(csr_array(S * scale / scale[:, None])) * scale
+    assert units.max() <= 2 * units.min()

@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from mbconstrained.ground.tolerances import DECOUPLING_LIMIT
-from mbconstrained.linalg.blocks import block_diagonalize, block_matrix, coupled, coupled_rows, eigenvalues
+from mbconstrained.linalg.blocks import block_diagonalize, block_eigenvalues, block_matrix, coupled, coupled_rows, eigenvalues
 
 
 def schur(eigenvalue_list, coupling=1.0, seed=0) -> np.ndarray:
@@ -113,3 +113,15 @@ def test_block_matrix_is_the_direct_sum(sizes, seed):
     blocks = [random.normal(size=(size, size)) for size in sizes]
     known = scipy.linalg.block_diag(*blocks) if blocks else np.zeros((0, 0))
     assert np.array_equal(block_matrix(blocks), known)
+
+
+def test_eigenvalues_of_pairs_that_are_coupled_alike():
+    """Of [[a, b], [-b, a]] blocks those of complex numbers a + i b; couplings of 1e-26 next to them keep LAPACK from converging."""
+    pair, coupling = np.array([[-0.07, 1.7], [-1.7, -0.07]]), np.array([[1e-26, 3.65e-11], [-3.65e-11, 1e-26]])
+    block = np.block([[pair, coupling], [coupling, pair]])
+    found = block_eigenvalues(block)
+    expected = [-0.07 + (1.7 + sign * 3.65e-11) * 1j for sign in (1, -1)]
+    for value in expected:
+        assert np.abs(found - value).min() <= 1e-15
+        assert np.abs(found - value.conjugate()).min() <= 1e-15
+    assert np.array_equal(block_eigenvalues(np.array([block, block])), [found, found])

@@ -10,7 +10,7 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbconstrained.linalg.modular import PRIME, remainders, zero_multiplicity
+from mbconstrained.linalg.precise import PRIME, remainders, zero_multiplicity
 
 seeds = st.integers(0, 10**6)
 

@@ -260,7 +260,7 @@ def test_a_mimic_joint_without_its_leader_moves_by_itself():
 @pytest.mark.parametrize(
     ("text", "advice"),
     [
-        ("<mujoco/>", "buildModelFromMJCF"),
+        ("<mujoco/>", "give the path of the file, which ends in .xml"),
         ("<sdf/>", "convert it to a URDF"),
         (
             '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="a"/><link name="a"/></robot>',

@@ -16,7 +16,7 @@ from ...linalg.scaling import joint_scaling
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StateSpaceData:
     """F x' = A x + B u, y = C x + D u as given.
 
@@ -123,7 +123,7 @@ def _check_regular(F, A) -> None:
 # log2|b_ij| - d_i + c_j to zero over all nonzero entries. With one, equations and states are scaled separately, jointly for A and F.
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ScaledPencil:
     """A_s = e A d, F_s = rate e F d, B_s = e B c: with x = d x_s, u = c u_s and t = t_s / rate the same equations.
 

@@ -31,7 +31,7 @@ WORTH = 1e-3
 SINGULAR = 1e3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Family:
     """All rows X^T = particular + free @ null^T of the transformations of a pencil.
 

@@ -21,7 +21,7 @@ from .existence import Existence, existence
 from .extension import well_conditioned_rows
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class NormalForm(Displayed):
     """x^ = T x of a system F x' = A x + B u, y = C x + D u, in which it reads q'' - A^_22 q' - A^_21 q = B^_2 u, x^ = (q, q').
 

@@ -28,8 +28,17 @@ from .exact_structure import deciding_entry, structure_notices
 from .fractions import ZERO, RationalResponse
 from .intervals import Enclosure, bits_of, has_digits
 from .transfer_enclosure import enclosed_transfer
+from .variance_enclosure import enclosed_variances
 
-__all__ = ["ExactResponse", "deciding_entry", "enclosed_transfer", "exact_fraction_response", "exact_response", "structure_notices"]
+__all__ = [
+    "ExactResponse",
+    "deciding_entry",
+    "enclosed_transfer",
+    "enclosed_variances",
+    "exact_fraction_response",
+    "exact_response",
+    "structure_notices",
+]
 
 #: Bits to begin with, beyond those of the requested digits.
 FIRST_BITS = 40

@@ -127,7 +127,7 @@ def _quotient(above: Sequence, below: Sequence) -> list:
 # Partial fractions in balls: the sum over the roots z of D of c_j t^(j-1)/(j-1)! e^{z t}, each root isolated for certain.
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Pole:
     """A root z of D of multiplicity m.
 
@@ -142,7 +142,7 @@ class Pole:
     columns: list[list[flint.acb]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PartialFractions:
     """The strictly proper part of N / D without its pole at s = 0.
 

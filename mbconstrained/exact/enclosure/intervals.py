@@ -17,7 +17,7 @@ from ...ground.notices import Notice
 from ..rational.flint_numbers import working_precision
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Enclosure:
     """Lower and upper bounds of values, proved by ball arithmetic.
 

@@ -32,7 +32,7 @@ class Derivative(NamedTuple):
 Part: TypeAlias = str | Derivative | Term | sympy.Basic
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Layout:
     """The terms of every coordinate, and what the names in them stand for.
 

@@ -17,7 +17,7 @@ from .closed_form import ClosedForm, Parameter
 from .formula_text import TextPrinter
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Row:
     """A constraint row: the sum of coefficient times coordinate, in the derivative of this order, equals the value."""
 
@@ -27,7 +27,7 @@ class Row:
     value: sympy.Expr
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ExactForm:
     """The constrained equations, exactly.
 

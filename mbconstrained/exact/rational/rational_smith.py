@@ -91,7 +91,7 @@ def _right_vectors(W, p, own: Pivots, earlier: Minor, order: int) -> list[list[f
     return vectors
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Block:
     """All elementary divisors p^k of one exponent k: they add right @ left / (p^k unit) to W(s)^-1.
 

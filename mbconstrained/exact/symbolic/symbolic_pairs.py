@@ -108,7 +108,7 @@ class SymbolicJordanPairs(ExactJordanPairs):
         return multiplicity == 1 and p.degree() == A.size * A.degree and self.ring.roots(p) is None
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Block:
     """The part of the finite pair that belongs to one elementary divisor p^k and one of its zeros.
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .symbolic_matrix import SymbolicPolynomialMatrix
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LocalSmithForm:
     """U_L(s) A(s) U_R(s) = diag((s - zero)^k_1, ..., (s - zero)^k_r), U_L and U_R regular at the zero (Moysis et al., Eq. 9).
 

@@ -11,13 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...ground.display import number_text
-from ...ground.tolerances import EPS, NOISE_SAFETY
-from .spectra import Line, Rational
+from ...ground.tolerances import CLUSTER_SAFETY, EPS, NOISE_SAFETY
 from .spectral_matrix import SpectralMatrix
 from .transfer import RefinedPole, Transfer
 
+#: The exponent of a spectrum at zero frequency is measured at this share of the frequencies over which it changes.
+NEXT_TO_ZERO = 1e-2
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Existence:
     """Why integrals of f^k G(f) are infinite.
 
@@ -44,7 +46,10 @@ def existence(transfer: Transfer, spectra: SpectralMatrix, powers: tuple[int, ..
     """
     p = len(transfer.harmonic.outputs)
     reasons = np.full((len(powers), p), "", dtype=object)
+    has_structural_damping = transfer.harmonic.imaginary is not None  # then H holds for f > 0 and has no stable poles below
     for pole in transfer.poles:
+        if has_structural_damping and pole.value.imag < 0:
+            continue
         for output in np.flatnonzero(pole.residues.any(axis=(0, 2))).tolist():
             for row, power in enumerate(powers):
                 reasons[row, output] = reasons[row, output] or _at_pole(pole, output, spectra, power)
@@ -76,32 +81,33 @@ def _at_pole(pole: RefinedPole, output: int, spectra: SpectralMatrix, power: int
         return f"the motion with the eigenvalue {pole.value:.4g} 1/s is unstable and grows" if reached.any() else ""
     if not pole.on_axis:
         return ""
-    corners = spectra.corners
-    for a, b in itertools.pairwise(corners):
+    for a, b in itertools.pairwise(spectra.corners):
         if not a <= f0 <= b:
             continue
         middle = a + 1.0 if np.isinf(b) else (a + b) / 2
         for j in range(pole.order - 1, -1, -1):
-            R = pole.residues[j][output]
-            moved = R @ spectra(np.array([f0 + 0j]), middle)[..., 0] @ R.conj()
-            rise = _rise(spectra, middle, R) if f0 == 0 else 0 if abs(moved) > 0 else np.inf
-            if rise + (power if f0 == 0 else 0) - 2 * (j + 1) <= -1:
+            rise = _rise(spectra, middle, pole.residues[j][output], f0) + (0 if f0 else power)
+            if rise - 2 * (j + 1) <= -1:
                 kind = "a rigid-body motion" if not f0 else "an undamped motion"
                 return f"{kind} of {number_text(f0)} Hz has no damping and its excitation does not vanish there"
     return ""
 
 
-def _rise(spectra: SpectralMatrix, middle: float, R: np.ndarray) -> float:
-    """The exponent of f of the noise that reaches a pole at zero frequency."""
-    rises = [np.inf]
-    for entry, spectrum in zip(R, spectra.spectra):
-        piece = spectrum.piece_at(middle)
-        if entry and piece is not None:
-            if isinstance(piece, Rational):
-                rises.append(2 * (len(piece.numerator) - len(np.trim_zeros(piece.numerator, "b"))))
-            else:
-                rises.append(1.0 if isinstance(piece, Line) and piece.level == 0 else 0.0)
-    return min(rises)
+def _rise(spectra: SpectralMatrix, middle: float, R: np.ndarray, f0: float) -> float:
+    """The exponent of |f - f0| of R S R^H at a pole on the axis, infinite where it vanishes; measured next to a pole at zero frequency."""
+
+    def reached(f: float) -> float:
+        S = spectra(np.array([f + 0j]), middle)[..., 0]
+        value, size = (R @ S @ R.conj()).real, np.abs(R) @ np.abs(S) @ np.abs(R)
+        return value if value > CLUSTER_SAFETY * EPS * size else 0.0
+
+    if f0:
+        return 0.0 if reached(f0) else np.inf
+    lengths = [1.0, *(1 / abs(one) for one in spectra.singularities(middle) if one), 2 * np.pi * spectra.longest_delay]
+    lengths.append(1 / spectra.corners[spectra.corners > 0][0])
+    f = NEXT_TO_ZERO / max(lengths)
+    one, two = reached(f), reached(2 * f)
+    return float(np.round(np.log2(two / one))) if one else np.inf
 
 
 def _growth(transfer: Transfer, spectra: SpectralMatrix, middle: float) -> tuple[np.ndarray, np.ndarray]:

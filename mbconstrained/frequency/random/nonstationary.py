@@ -13,9 +13,9 @@ import scipy.linalg
 
 from ...ground.checks import evaluation_times, real_array
 from ...ground.errors import InputError
-from .spectra import PowerLaw, Rational
 from .spectral_integral import TURN, _Integration
 from .spectral_matrix import INDEFINITE, SpectralMatrix
+from .spectrum_pieces import PowerLaw, Rational
 from .transfer import Transfer
 
 #: Harmonics that are added at once, times the number of times.
@@ -181,7 +181,10 @@ def sample(transfer: Transfer, spectra: SpectralMatrix, times, seed=None) -> np.
         Shape (p, T).
     """
     times = np.atleast_1d(real_array(times, "times"))
-    generator = np.random.default_rng(seed)
+    try:
+        generator = np.random.default_rng(seed)
+    except (TypeError, ValueError):
+        raise InputError(f"seed: found {seed!r}; expected a whole number of at least 0, or None") from None
     if len(spectra.corners) and np.isinf(spectra.corners[-1]):
         return _markov_path(transfer, spectra, times, generator)
     work = _Integration(transfer, spectra, (0,), None)

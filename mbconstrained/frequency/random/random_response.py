@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...ground.checks import counted, whole_number
+from ...ground.checks import counted, real_array, whole_number
 from ...ground.display import Displayed, TextTable, notice_table, number_text
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import REPORTED_ERROR, TRUST_LIMIT
+from ...response.response import Response
 from ..frequency_response import evaluated
 from ..harmonic import Harmonic
 from . import nonstationary, statistics
+from .independent_inputs import independent_inputs
 from .infinite_variance import Existence, existence
 from .spectral_integral import SpectralIntegral, spectral_integral
 from .spectral_matrix import SpectralMatrix
 from .transfer import Transfer
+
+if TYPE_CHECKING:
+    from ...exact.enclosure.intervals import Enclosure
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -86,8 +92,10 @@ class RandomResponse(Displayed):
         return tuple(map(str, self.harmonic.units))
 
     @cached_property
-    def _transfer(self) -> Transfer:
-        return Transfer(self.harmonic)
+    def _independent(self) -> tuple[Transfer, SpectralMatrix]:
+        """H from independent inputs, and their spectra."""
+        harmonic, spectra = independent_inputs(self.harmonic, self.spectra)
+        return Transfer(harmonic), spectra
 
     @cached_property
     def _existence(self) -> dict[int, Existence]:
@@ -99,15 +107,22 @@ class RandomResponse(Displayed):
 
     def _exists(self, power: int) -> Existence:
         if power not in self._existence:
-            self._existence[power] = existence(self._transfer, self.spectra, (power,), self.units)
+            self._existence[power] = existence(*self._independent, (power,), self.units)
         return self._existence[power]
 
     def _integral(self, power: int) -> tuple[np.ndarray, SpectralIntegral]:
         """The outputs whose integral exists, and their integrals."""
+        power = whole_number(power, "order")
         if power not in self._integrals:
             finite = np.flatnonzero([not reason for reason in self._exists(power).reasons[0]])
-            self._integrals[power] = finite, spectral_integral(self._transfer, self.spectra, (power,), finite)
+            self._integrals[power] = finite, self._without_noise(spectral_integral(*self._independent, (power,), finite), finite)
         return self._integrals[power]
+
+    def _without_noise(self, integral: SpectralIntegral, finite: np.ndarray) -> SpectralIntegral:
+        """Zeros of those outputs that no input moves, where the integral is rounding error."""
+        is_noise = self._independent[0].vanishes[finite] & (integral.values[0].diagonal().real <= integral.errors[0])
+        values = np.where(is_noise[:, None] | is_noise, 0.0, integral.values)
+        return replace(integral, values=values, errors=np.where(is_noise, 0.0, integral.errors))
 
     @property
     def infinite(self) -> dict[str, str]:
@@ -135,7 +150,15 @@ class RandomResponse(Displayed):
     @property
     def error_estimate(self) -> np.ndarray:
         """Estimates of the relative errors of the variances, shape (p,); 0 where they are 0 or infinite."""
-        finite, integral = self._integral(0)
+        return self.moment_error_estimate(0)
+
+    def moment_error_estimate(self, order: int) -> np.ndarray:
+        """Estimates of the relative errors of ``moment(order)``, shape (p,); 0 where it is 0 or infinite.
+
+        Args:
+            order: 0, 1, 2, ...
+        """
+        finite, integral = self._integral(order)
         result, values = np.zeros(len(self.outputs)), integral.values[0].diagonal().real
         result[finite] = np.where(values > 0, integral.errors[0] / np.where(values > 0, values, 1.0), 0.0)
         return result
@@ -149,10 +172,50 @@ class RandomResponse(Displayed):
         Returns:
             Shape (p,), infinite where the integral does not exist.
         """
-        finite, integral = self._integral(whole_number(order, "order"))
+        finite, integral = self._integral(order)
         result = np.full(len(self.outputs), np.inf)
         result[finite] = integral.values[0].diagonal().real
         return result
+
+    def rms_in_bands(self, edges_hz) -> np.ndarray:
+        """RMS values of the parts of the outputs between frequencies, exact as those of the whole.
+
+        Args:
+            edges_hz: shape (B + 1,), ascending from 0 or more; the last may be infinite. ``mb.octave_bands`` gives those of octaves.
+
+        Returns:
+            Shape (p, B); infinite where the variance in the band is.
+
+        Raises:
+            InputError: edges that do not ascend.
+
+        >>> import mbconstrained as mb
+        >>> R = mb.MechanicalSystem([[1.0]], [[0.2]], [[4.0]]).random_response({"x1": mb.white_noise(3.2)})
+        >>> parts = R.rms_in_bands([0.0, 0.3, 0.4, np.inf])
+        >>> bool(np.isclose(np.square(parts).sum(), 1.0, rtol=1e-13))
+        True
+        """
+        edges = np.array(edges_hz, dtype=float) if np.ndim(edges_hz) == 1 else np.zeros(0)
+        if len(edges) < 2 or not (np.diff(edges) > 0).all() or not edges[0] >= 0:
+            raise InputError("edges_hz: expected at least two ascending frequencies from 0 Hz on; the last may be infinite")
+        finite, _ = self._integral(0)
+        transfer, spectra = self._independent
+        squares = np.full((len(self.outputs), len(edges) - 1), np.inf)
+        squares[finite] = spectral_integral(transfer, spectra, (0,), finite, edges).parts[:, 0].T
+        for band, (low, high) in enumerate(itertools.pairwise(edges) if self.infinite else ()):
+            part = spectra.within(low, high)
+            own = np.flatnonzero([not reason for reason in existence(transfer, part, (0,), self.units).reasons[0]])
+            squares[own, band] = spectral_integral(transfer, part, (0,), own).values[0].diagonal().real
+        return np.sqrt(np.maximum(squares, 0.0))
+
+    def cumulative_rms(self, frequencies_hz) -> np.ndarray:
+        """RMS values of the parts of the outputs below frequencies, shape (p, F); infinite where their variance is.
+
+        Args:
+            frequencies_hz: positive, ascending, shape (F,).
+        """
+        f = real_array(frequencies_hz, "frequencies_hz", shape=(None,))
+        return np.sqrt(np.cumsum(np.square(self.rms_in_bands([0.0, *f])), axis=1))
 
     def psd(self, frequencies_hz) -> np.ndarray:
         """One-sided spectra of the outputs, shape (p, F), in the squared unit per Hz.
@@ -178,6 +241,26 @@ class RandomResponse(Displayed):
                 middle = a + 1.0 if np.isinf(b) else (a + b) / 2
                 result[:, :, own] = np.einsum("aif,ijf,bjf->abf", H[..., own], self.spectra(f[own], middle), H[..., own].conj())
         return result
+
+    def enclose(self, digits: int = 15) -> Enclosure:
+        """The variances between proved bounds, the data taken exactly: rational numbers for white and filtered noise, certified quadrature for tables.
+
+        Args:
+            digits: of each variance, relative to itself.
+
+        Returns:
+            An ``Enclosure`` of shape (p,): .lower, .upper (decimal strings), .contains(values), .error_bounds(values).
+
+        Raises:
+            InputError: an output of infinite variance, structural damping, partly coherent or delayed noise without a highest frequency.
+
+        >>> import mbconstrained as mb
+        >>> R = mb.MechanicalSystem([[1.0]], [[0.75]], [[4.0]]).random_response({"x1": mb.white_noise(2.0)})  # 2 / (4 c k) = 1/6
+        >>> box = R.enclose(digits=20)
+        >>> print(box.lower[0], box.upper[0])
+        0.16666666666666666666666 0.16666666666666666666667
+        """
+        return Response.exact_engine().enclosed_variances(self.harmonic, self.spectra, digits)
 
     # Statistics.
 
@@ -239,7 +322,7 @@ class RandomResponse(Displayed):
         Raises:
             InputError: excitations with corner frequencies or delays, outputs that white noise reaches directly.
         """
-        return nonstationary.covariance_over_time(self._transfer, self.spectra, times, initial_covariance, modulation)
+        return nonstationary.covariance_over_time(*self._independent, times, initial_covariance, modulation)
 
     def sample(self, times, seed=None) -> np.ndarray:
         """A random path of the stationary outputs with exactly these spectra.
@@ -257,7 +340,7 @@ class RandomResponse(Displayed):
         if self.infinite:
             name, reason = next(iter(self.infinite.items()))
             raise InputError(f"sample: the output {name} has infinite variance: {reason}")
-        return nonstationary.sample(self._transfer, self.spectra, times, seed)
+        return nonstationary.sample(*self._independent, times, seed)
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:

@@ -1,4 +1,4 @@
-"""One-sided power spectral densities per Hz: tables, white noise, and rational spectra of shaping filters.
+"""One-sided power spectral densities per Hz: tables, white noise, and rational spectra of shaping filters, as pieces between corner frequencies.
 
     E[u^2] = integral from 0 to infinity of G(f) df
 
@@ -10,13 +10,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...ground.checks import nearest, real_array, real_number
-from ...ground.display import Displayed
+from ...ground.display import Displayed, number_text
 from ...ground.errors import InputError
+from ...ground.tolerances import SPECTRAL_ACCURACY
+from .spectrum_pieces import Line, PowerLaw, Rational
 
 #: What may be random, and the order of the derivative of a displacement that it is.
 KINDS = {"force": None, "displacement": 0, "velocity": 1, "acceleration": 2}
@@ -41,96 +43,6 @@ UNITS = {"force": _FORCES, "displacement": _LENGTHS, "velocity": _RATES, "accele
 INTERPOLATIONS = ("log-log", "linear", "steps")
 
 
-@dataclass(frozen=True)
-class PowerLaw:
-    """G(f) = level (f / lower)^exponent between two corner frequencies; a constant where the exponent is 0.
-
-    Attributes:
-        lower, upper: in Hz; the upper one may be infinite where the exponent is 0.
-        level: G at the lower corner.
-        exponent: slope in a plot with two logarithmic axes.
-    """
-
-    lower: float
-    upper: float
-    level: complex
-    exponent: float = 0.0
-
-    #: G ~ f^slope towards infinity.
-    slope = 0
-
-    def __call__(self, f: np.ndarray) -> np.ndarray:
-        """G at real or complex frequencies in Hz."""
-        return self.level * (f / self.lower) ** self.exponent if self.exponent else np.full(np.shape(f), self.level, dtype=complex)
-
-    @property
-    def singularities(self) -> tuple[complex, ...]:
-        """Frequencies near which G is not analytic."""
-        return (0j,) if self.exponent else ()
-
-
-@dataclass(frozen=True)
-class Line:
-    """G(f) = level + slope_per_hz (f - lower) between two corner frequencies.
-
-    Attributes:
-        lower, upper: in Hz.
-        level, end: G at both.
-    """
-
-    lower: float
-    upper: float
-    level: complex
-    end: complex
-
-    slope = 0
-
-    def __call__(self, f: np.ndarray) -> np.ndarray:
-        """G at real or complex frequencies in Hz."""
-        part = (f - self.lower) / (self.upper - self.lower)
-        return self.level * (1 - part) + self.end * part
-
-    @property
-    def singularities(self) -> tuple[complex, ...]:
-        """A line is analytic; the square root of it, in cross spectra, is not at its zero."""
-        rise = self.end - self.level
-        return (complex(self.lower - self.level * (self.upper - self.lower) / rise),) if rise else ()
-
-
-@dataclass(frozen=True)
-class Rational:
-    """G(f) = intensity |F(i w)|^2, F(s) = numerator(s) / denominator(s), w = 2 pi f: white noise through a filter.
-
-    Attributes:
-        intensity: of the white noise, one-sided per Hz.
-        numerator, denominator: coefficients, highest power first.
-        lower, upper: 0 and infinity.
-    """
-
-    intensity: float
-    numerator: tuple[float, ...]
-    denominator: tuple[float, ...]
-    lower: float = 0.0
-    upper: float = np.inf
-
-    def __call__(self, f: np.ndarray) -> np.ndarray:
-        """G at real or complex frequencies in Hz."""
-        s = 2j * np.pi * np.asarray(f, dtype=complex)
-        above = np.polyval(self.numerator, s) * np.polyval(self.numerator, -s)
-        return self.intensity * above / (np.polyval(self.denominator, s) * np.polyval(self.denominator, -s))
-
-    @property
-    def slope(self) -> int:
-        """G ~ f^slope towards infinity."""
-        return 2 * (len(self.numerator) - len(self.denominator))
-
-    @property
-    def singularities(self) -> tuple[complex, ...]:
-        """The poles of F as complex frequencies, in both half planes."""
-        at = np.roots(self.denominator) / (2j * np.pi)
-        return tuple(at) + tuple(at.conj())
-
-
 @dataclass(frozen=True, repr=False)
 class Spectrum(Displayed):
     """The one-sided power spectral density G(f) of a random excitation, per Hz; zero outside its pieces.
@@ -143,7 +55,7 @@ class Spectrum(Displayed):
     >>> import mbconstrained as mb
     >>> table = mb.psd([10, 100], [1.0, 0.1], of="acceleration", unit="g^2/Hz")
     >>> table(np.array([5.0, 10.0])).round(4), table
-    (array([ 0.    , 96.1704]), Spectrum(of acceleration, table from 10 Hz to 100 Hz))
+    (array([ 0.    , 96.1704]), Spectrum(of acceleration, table from 10 Hz to 100 Hz, 1 g^2/Hz = 96.1704 (m/s^2)^2/Hz))
     """
 
     pieces: tuple
@@ -160,11 +72,46 @@ class Spectrum(Displayed):
         for piece in self.pieces:
             inside = (f >= piece.lower) & (f <= piece.upper)
             result[inside] = piece(f[inside])
-        return result if any(np.iscomplexobj(getattr(piece, "level", 0.0)) for piece in self.pieces) else result.real
+        return result if self.is_complex else result.real
+
+    def within(self, low: float, high: float) -> Spectrum:
+        """The same function between two frequencies, zero outside.
+
+        Args:
+            low, high: in Hz.
+
+        Returns:
+            A spectrum.
+        """
+        pieces = [piece.within(max(low, piece.lower), min(high, piece.upper)) for piece in self.pieces]
+        return replace(self, pieces=tuple(piece for piece in pieces if piece.lower < piece.upper))
+
+    @property
+    def is_complex(self) -> bool:
+        """Whether it is a cross spectrum with complex values."""
+        return any(np.iscomplexobj(getattr(piece, "level", 0.0)) for piece in self.pieces)
 
     def piece_at(self, frequency_hz: float):
         """The piece that holds this frequency, or None."""
         return next((piece for piece in self.pieces if piece.lower <= frequency_hz <= piece.upper), None)
+
+    def ratio(self, other: Spectrum) -> complex:
+        """c with other = c times this spectrum; NaN where there is none.
+
+        Args:
+            other: a spectrum, or a cross spectrum.
+
+        Returns:
+            A complex number.
+
+        >>> white_noise(2.0).ratio(white_noise(3.0))
+        (1.5+0j)
+        """
+        if len(self.pieces) != len(other.pieces) or not self.pieces:
+            return complex(np.nan)
+        ratios = [one.ratio(two) for one, two in zip(self.pieces, other.pieces)]
+        agree = np.ptp(np.real(ratios)) + np.ptp(np.imag(ratios)) <= SPECTRAL_ACCURACY * abs(ratios[0])
+        return complex(ratios[0]) if agree else complex(np.nan)
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -226,9 +173,8 @@ def psd(frequencies_hz, values, of: str = "force", unit: str | None = None, inte
     else:
         slopes = np.diff(np.log(G)) / np.diff(np.log(f))
         pieces = [PowerLaw(a, b, level, slope if c != level else 0.0) for a, b, level, c, slope in zip(f, f[1:], G, G[1:], slopes)]
-    return Spectrum(
-        tuple(piece for piece in pieces if piece.level or getattr(piece, "end", 0)), of, f"table from {f[0]:g} Hz to {f[-1]:g} Hz"
-    )
+    own = tuple(piece for piece in pieces if piece.level or getattr(piece, "end", 0))
+    return Spectrum(own, of, f"table from {f[0]:g} Hz to {f[-1]:g} Hz{_conversion(unit, of)}")
 
 
 def white_noise(intensity: float, of: str = "force", unit: str | None = None) -> Spectrum:
@@ -247,7 +193,7 @@ def white_noise(intensity: float, of: str = "force", unit: str | None = None) ->
     if of not in KINDS:
         raise InputError(f"of: found {of!r}; expected one of {', '.join(KINDS)}{nearest(str(of), KINDS)}")
     level = real_number(intensity, "intensity", minimum=0.0) * _factor(unit, of)
-    return Spectrum((PowerLaw(0.0, np.inf, level),) if level else (), of, "white noise")
+    return Spectrum((PowerLaw(0.0, np.inf, level),) if level else (), of, f"white noise{_conversion(unit, of)}")
 
 
 def rational_spectrum(
@@ -280,7 +226,7 @@ def rational_spectrum(
         )
     level = real_number(intensity, "intensity", minimum=0.0) * _factor(unit, of)
     pieces = (Rational(level, tuple(above), tuple(below)),) if level and len(above) else ()
-    return Spectrum(pieces, of, "filtered white noise")
+    return Spectrum(pieces, of, f"filtered white noise{_conversion(unit, of)}")
 
 
 def kanai_tajimi(intensity: float, frequency_hz: float = 2.5, damping_ratio: float = 0.6, unit: str | None = None) -> Spectrum:
@@ -301,7 +247,7 @@ def kanai_tajimi(intensity: float, frequency_hz: float = 2.5, damping_ratio: flo
     w = 2 * np.pi * real_number(frequency_hz, "frequency_hz", positive=True)
     z = real_number(damping_ratio, "damping_ratio", positive=True)
     spectrum = rational_spectrum(intensity, [2 * z * w, w**2], [1.0, 2 * z * w, w**2], "acceleration", unit)
-    return Spectrum(spectrum.pieces, spectrum.of, f"Kanai-Tajimi, soil of {frequency_hz:g} Hz")
+    return Spectrum(spectrum.pieces, spectrum.of, f"Kanai-Tajimi, soil of {frequency_hz:g} Hz{_conversion(unit, spectrum.of)}")
 
 
 def dryden(rms: float, speed: float, length: float, component: str = "longitudinal") -> Spectrum:
@@ -382,5 +328,14 @@ def _factor(unit: str | None, of: str) -> float:
         examples = {"force": "N^2/Hz", "displacement": "mm^2/Hz", "velocity": "(m/s)^2/Hz", "acceleration": "g^2/Hz"}
         advice = f'; "{text}" is no density: it must be a unit squared per Hz' if text in known else ""
         raise InputError(f'unit: found {unit!r} for a density of {of}; expected for example "{examples[of]}"{advice}')
-    per_radian = "rad" in match[2]
-    return known[name] ** 2 * (4 * np.pi if per_radian else 1.0)
+    return known[name] ** 2 * (4 * np.pi if "rad" in match[2] else 1.0)
+
+
+def _conversion(unit: str | None, of: str) -> str:
+    """How a density in this unit is converted, in words; "" of SI units."""
+    factor, si = _factor(unit, of), {"force": "N", "displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}[of]
+    if factor == 1:
+        return ""
+    two_sided = "two-sided per rad/s, G = 4 pi S(2 pi f): " if "rad" in (unit or "").split("^2")[-1] else ""
+    angle = "rad" + si[1:] if re.search(r"rad|deg|N ?\*?m", (unit or "").split("^2")[0]) and si != "N" else si
+    return f", {two_sided}1 {unit} = {number_text(factor)} {f'({angle})' if '/' in angle else angle}^2/Hz"

@@ -19,7 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...ground.tolerances import EPS, SPECTRAL_ACCURACY
+from ...ground.errors import Overflow
+from ...ground.tolerances import EPS, FORM_ROUNDING, SPECTRAL_ACCURACY
 from ...ground.tolerances import STEP_AGREEMENT as MARGIN
 from .spectral_matrix import SpectralMatrix
 from .transfer import Transfer
@@ -35,21 +36,26 @@ SOLVED = 10 * SPECTRAL_ACCURACY
 #: Panels are halved at most so many times: then they are as narrow as rounding errors.
 HALVINGS = 60
 
-#: Radians that e^{-i w delay} turns on a panel at most.
-TURN = 3.0
+#: Radians that e^{-i w delay} turns on a panel at most, and those that it has turned at least where the way to infinity leaves the axis.
+TURN, TURNED = 3.0, 40.0
+
+#: Gauss-Laguerre's rule; the nearest singularity is TURNED / 2 from its start.
+TAIL_NODES, TAIL_WEIGHTS = np.polynomial.laguerre.laggauss(32)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SpectralIntegral:
     """Integrals of f^k G(f) df over f > 0, G the one-sided spectra of p outputs.
 
     Attributes:
         values: complex, Hermitian, shape (K, p, p), for each power.
         errors: estimates of the absolute errors of the diagonals, shape (K, p).
+        parts: of the diagonals, from each edge to the next, shape (number of edges - 1, K, p).
     """
 
     values: np.ndarray
     errors: np.ndarray
+    parts: np.ndarray
 
 
 @dataclass
@@ -90,7 +96,11 @@ class _Panels:
 
 
 def spectral_integral(
-    transfer: Transfer, spectra: SpectralMatrix, powers: Sequence[int] = (0,), outputs: np.ndarray | None = None
+    transfer: Transfer,
+    spectra: SpectralMatrix,
+    powers: Sequence[int] = (0,),
+    outputs: np.ndarray | None = None,
+    edges: np.ndarray | None = None,
 ) -> SpectralIntegral:
     """The integrals of f^k H S H^H df.
 
@@ -99,11 +109,25 @@ def spectral_integral(
         spectra: S of the inputs.
         powers: k.
         outputs: the numbers of those outputs that are integrated; all by default.
+        edges: in Hz, ascending; additional corners, for ``parts``.
 
     Returns:
         The integrals with estimates of their errors.
+
+    Raises:
+        Overflow: values beyond float64.
     """
-    return _Integration(transfer, spectra, tuple(powers), outputs).result()
+    parts = [(transfer, spectra)]
+    if any(pole.on_axis for pole in transfer.poles):  # of inputs that do not reach it, it is none
+        parts = [(transfer.of_inputs(group), spectra.of_inputs(group)) for group in spectra.groups]
+    with np.errstate(over="ignore", invalid="ignore"):
+        each = [_Integration(*part, tuple(powers), outputs, edges).result() for part in parts]
+        result = SpectralIntegral(*(np.sum([getattr(one, name) for one in each], axis=0) for name in ("values", "errors", "parts")))
+    if not np.isfinite(result.values).all():
+        raise Overflow(
+            "excitation: the spectra of the outputs leave the range of float64; expected densities and frequencies of usual size"
+        )
+    return result
 
 
 def _hermitian(matrices: np.ndarray) -> np.ndarray:
@@ -114,8 +138,9 @@ def _hermitian(matrices: np.ndarray) -> np.ndarray:
 class _Integration:
     """The work of one call."""
 
-    def __init__(self, transfer: Transfer, spectra: SpectralMatrix, powers: tuple[int, ...], outputs):
+    def __init__(self, transfer: Transfer, spectra: SpectralMatrix, powers: tuple[int, ...], outputs, edges=None):
         self.transfer, self.spectra, self.powers = transfer, spectra, powers
+        self.edges = np.zeros(0) if edges is None else edges
         self.outputs = np.arange(len(transfer.harmonic.outputs)) if outputs is None else outputs
         self.poles = [pole for pole in transfer.poles if pole.residues[:, self.outputs].any()]
         simple = [pole for pole in self.poles if pole.order == 1 and not pole.on_axis]
@@ -123,6 +148,7 @@ class _Integration:
         self.sigma = np.array([pole.value.real for pole in simple])
         shape = (len(simple), len(self.outputs), len(spectra.names))
         self.residues = np.array([pole.residues[0, self.outputs] for pole in simple]).reshape(shape)
+        self.doubts = FORM_ROUNDING * EPS * np.array([pole.sizes[0, self.outputs] for pole in simple]).reshape(shape)
         self.mirrored = transfer.mirrored(simple)[:, self.outputs]
         self.others = np.array([pole.frequency for pole in self.poles if pole.order > 1 or pole.on_axis], dtype=complex)
 
@@ -131,22 +157,22 @@ class _Integration:
         p, K = len(self.outputs), len(self.powers)
         panels = self._resolved(self._octaves())
         H, errors = self._values(panels)
-        total, loss = self._integrals(panels, H)
+        sums, near, loss, doubts = self._sums(panels, H), *self._near_poles(panels)
         for _ in range(HALVINGS):
-            size = np.abs(total.sum(axis=0).diagonal(axis1=1, axis2=2)).real
+            size = np.abs((sums + near).sum(axis=0).diagonal(axis1=1, axis2=2)).real
             bad = (loss > 0.1 * SPECTRAL_ACCURACY * size).any(axis=(1, 2)) & (panels.upper - panels.lower > 8 * EPS * panels.upper)
             if not bad.any():
                 break
             halves = self._resolved(panels.halves(bad))
             new_H, new_errors = self._values(halves)
-            new_total, new_loss = self._integrals(halves, new_H)
+            new = self._sums(halves, new_H), *self._near_poles(halves)
             keep = ~bad
             panels = panels.only(keep).joined(halves)
             H, errors = np.concatenate([H[:, :, keep], new_H], axis=2), np.concatenate([errors[:, :, keep], new_errors], axis=2)
-            total, loss = np.concatenate([total[keep], new_total]), np.concatenate([loss[keep], new_loss])
-        return (
-            self._improved(panels, H, errors, total, loss) if p and K else SpectralIntegral(np.zeros((K, p, p)), np.zeros((K, p)))
-        )
+            sums, near, loss, doubts = (np.concatenate([one[keep], two]) for one, two in zip((sums, near, loss, doubts), new))
+        if p and K:
+            return self._improved(panels, H, errors, sums, near, (loss + doubts).sum(axis=0))
+        return SpectralIntegral(np.zeros((K, p, p)), np.zeros((K, p)), np.zeros((max(len(self.edges) - 1, 0), K, p)))
 
     # Panels.
 
@@ -160,16 +186,22 @@ class _Integration:
             own = [abs(one) for one in self.spectra.singularities(middle) if one] + [size for size in sizes if size]
             low, high = (min(own), max(own)) if own else (1.0, 1.0)
             if np.isinf(b):
-                last = max(2.0 * high, 2.0 * a)
+                last = max(
+                    2.0 * high,
+                    2.0 * a,
+                    *self.edges[np.isfinite(self.edges)][-1:],
+                    *(TURNED / (2 * np.pi * one) for one in self.spectra.shifts),
+                )
                 rows.append((0.0, 1 / last, middle, True))
                 b = last
             if a == 0:
-                first = min(low / 2, b)
+                first = min(low / 2, b, *self.edges[self.edges > 0][:1])
                 rows.append((0.0, first, middle, False))
                 a = first
-            if b > a:
-                edges = np.geomspace(a, b, int(np.ceil(np.log2(b / a) - MARGIN)) + 1)
-                edges[0], edges[-1] = a, b
+            inner = self.edges[(self.edges > a) & (self.edges < b)]
+            for start, end in itertools.pairwise([a, *inner, b] if b > a else ()):
+                edges = np.geomspace(start, end, max(int(np.ceil(np.log2(end) - np.log2(start) - MARGIN)), 1) + 1)
+                edges[0], edges[-1] = start, end
                 rows += [(one, two, middle, False) for one, two in itertools.pairwise(edges)]
         if self.spectra.longest_delay:
             rows = [part for row in rows for part in self._divided(row)]
@@ -221,36 +253,62 @@ class _Integration:
             S[:, :, own] = self.spectra(nodes[own].ravel(), middle).reshape(m, m, -1, len(NODES))
         return S
 
-    def _integrals(self, panels: _Panels, H: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The integral over each panel, shape (P, K, p, p), and the rounding errors of its diagonal by cancellation, (P, K, p)."""
-        S, nodes, weights = self._spectra_at(panels), panels.nodes, panels.weights
+    def _delayed_tails(self, panels: _Panels, total: np.ndarray) -> None:
+        """Add what pairs of delayed inputs have from the end of the panels to infinity, along f - i u / (2 pi delay), u > 0 (Gauss-Laguerre)."""
+        form, power = self.transfer.harmonic.form, np.array(self.powers)
+        for x in np.flatnonzero(panels.is_tail) if self.spectra.longest_delay else ():
+            last = 1 / panels.upper[x]
+            for i, j in self.spectra.delayed_pairs:
+                step = -1j / (2 * np.pi * (self.spectra.delays[i] - self.spectra.delays[j]))
+                f = last + step * TAIL_NODES
+                one, other = (form.values(2j * np.pi * own)[0][self.outputs] for own in (f, f.conj()))
+                S = self.spectra(f, panels.middle[x])[i, j] * np.exp(TAIL_NODES) * step * TAIL_WEIGHTS
+                T = np.einsum("an,bn,kn->kab", one[:, i], other[:, j].conj(), S * f ** power[:, None])
+                total[x] += T + np.conj(np.swapaxes(T, 1, 2))
+
+    def _sums(self, panels: _Panels, H: np.ndarray) -> np.ndarray:
+        """Gauss's rule on each panel, shape (P, K, p, p)."""
+        S = self._spectra_at(panels)
+        for i, j in self.spectra.delayed_pairs:
+            S[i, j, panels.is_tail] = S[j, i, panels.is_tail] = 0.0
         left, right = np.moveaxis(H, (2, 3), (0, 1)), np.moveaxis(H.conj(), (2, 3, 1), (0, 1, 2))
         G = left @ np.moveaxis(S, (2, 3), (0, 1)) @ right
-        weighted = weights[..., None] * nodes[..., None] ** np.array(self.powers)
+        weighted = panels.weights[..., None] * panels.nodes[..., None] ** np.array(self.powers)
         total = np.einsum("xnk,xnab->xkab", weighted, G)
-        loss = np.zeros(total.shape[:3])
+        self._delayed_tails(panels, total)
+        return total
+
+    def _near_poles(self, panels: _Panels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Integrals of principal parts less the sums of Gauss's rule for them, shape (P, K, p, p), and of their diagonals the errors by cancellation,
+        and by those of residues, (P, K, p)."""
+        p, K = len(self.outputs), len(self.powers)
+        total = np.zeros((len(panels.lower), K, p, p), dtype=complex)
+        loss, doubts = np.zeros((2, *total.shape[:3]))
         x, number = np.nonzero(self._near(panels, self.frequencies))
         if not len(x):
-            return total, loss
+            return total, loss, doubts
         a, b = self.frequencies[number].real, self.frequencies[number].imag
-        distance, lower, upper = nodes[x] - a[:, None], panels.lower[x] - a, panels.upper[x] - a
+        nodes, weights = panels.nodes[x], panels.weights[x]
+        distance, lower, upper = nodes - a[:, None], panels.lower[x] - a, panels.upper[x] - a
         size = distance**2 + b[:, None] ** 2
-        first, second = (weights[x] * distance / size).sum(axis=1), b * (weights[x] / size).sum(axis=1)
+        first, second = (weights * distance / size).sum(axis=1), b * (weights / size).sum(axis=1)
         logarithm = 0.5 * np.log((upper**2 + b**2) / (lower**2 + b**2))
         angle = np.sign(b) * np.arctan2((upper - lower) * np.abs(b), b**2 + upper * lower)
+        starts = np.flatnonzero(np.diff(x, prepend=-1))
         for k, power in enumerate(self.powers):
-            X, Y = self._principal_parts(number, panels.middle[x], power)
-            part = 2 * (X * (logarithm - first)[:, None, None] - Y * (angle - second)[:, None, None])
-            np.add.at(total[:, k], x, part)
-            terms = [
+            X, Y, doubt = self._principal_parts(number, panels.middle[x], power)
+            part = X * (2 * (logarithm - first))[:, None, None] - Y * (2 * (angle - second))[:, None, None]
+            total[x[starts], k] = np.add.reduceat(part, starts)
+            terms = sum(
                 np.abs(one.diagonal(axis1=1, axis2=2)) * (np.abs(u) + np.abs(v))[:, None]
                 for one, u, v in ((X, logarithm, first), (Y, angle, second))
-            ]
-            np.add.at(loss[:, k], x, 2 * EPS * sum(terms))
-        return total, loss
+            )
+            loss[x[starts], k] = 2 * EPS * np.add.reduceat(terms, starts)
+            doubts[x[starts], k] = 2 * np.add.reduceat(doubt * np.abs(angle)[:, None], starts)
+        return total, loss, doubts
 
-    def _principal_parts(self, number: np.ndarray, middle: np.ndarray, power: int) -> tuple[np.ndarray, np.ndarray]:
-        """Of poles by number, at pieces of the spectra: X and Y of r = X + i Y, both Hermitian, shape (number, p, p).
+    def _principal_parts(self, number: np.ndarray, middle: np.ndarray, power: int) -> tuple[np.ndarray, ...]:
+        """Of poles by number, at pieces of the spectra: X and Y of r = X + i Y, both Hermitian, shape (number, p, p), and errors of Y, (number, p).
 
         r = -i R f^k S(f) (conj R / (2 |sigma|) + rest)^T / (2 pi) at the pole. The term with 1 / sigma belongs to Y but for the change of S from
         the axis to the pole, which is taken by itself: far from the peak it is the small part X that counts.
@@ -262,13 +320,18 @@ class _Integration:
             S[own] = np.moveaxis(self.spectra(at[own], piece), 2, 0)
         S *= (at**power)[:, None, None]
         R, rest = self.residues[number], self.mirrored[number]
-        even = R @ _hermitian(S) @ np.conj(np.swapaxes(R, 1, 2)) / (-2 * self.sigma[number])[:, None, None]
-        odd = R @ _hermitian(-1j * S) @ np.conj(np.swapaxes(R, 1, 2)) / (-2 * self.sigma[number])[:, None, None]
+        conjugate = np.conj(np.swapaxes(R, 1, 2)) / (-2 * self.sigma[number])[:, None, None]
+        even, odd = R @ _hermitian(S) @ conjugate, R @ _hermitian(-1j * S) @ conjugate
         other = R @ S @ np.swapaxes(rest, 1, 2)
-        return _hermitian(odd + _hermitian(-1j * other)) / (2 * np.pi), -_hermitian(even + other) / (2 * np.pi)
+        doubt = (
+            np.einsum("xai,xij,xaj->xa", np.abs(R), np.abs(S), self.doubts[number])
+            / np.abs(2 * np.pi * self.sigma[number])[:, None]
+        )
+        return _hermitian(odd + _hermitian(-1j * other)) / (2 * np.pi), -_hermitian(even + other) / (2 * np.pi), doubt
 
-    def _improved(self, panels, H, errors, total, loss) -> SpectralIntegral:
+    def _improved(self, panels, H, errors, sums, near, loss) -> SpectralIntegral:
         """With values of H solved for where the errors of their sums count."""
+        total = sums + near
         S, weights = self._spectra_at(panels), panels.weights
         powers = panels.nodes[..., None] ** np.array(self.powers)
 
@@ -286,6 +349,10 @@ class _Integration:
             better = solved_errors[self.outputs] < errors[:, :, at]
             H[:, :, at] = np.where(better, solved[self.outputs], H[:, :, at])
             errors[:, :, at] = np.where(better, solved_errors[self.outputs], errors[:, :, at])
-            total, loss = self._integrals(panels, H)
-            own = node_errors()
-        return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + loss.sum(axis=0) + 16 * EPS * size)
+            total, own = self._sums(panels, H) + near, node_errors()
+        middle = np.where(panels.is_tail, np.inf, (panels.lower + panels.upper) / 2)
+        parts = np.zeros((max(len(self.edges) - 1, 0), *size.shape))
+        band = np.searchsorted(self.edges, middle) - 1
+        inside = (band >= 0) & (band < len(parts))
+        np.add.at(parts, band[inside], total[inside].diagonal(axis1=2, axis2=3).real)
+        return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + loss + 16 * EPS * size, parts)

@@ -15,8 +15,11 @@ from .spectra import Spectrum
 #: A Hermitian matrix counts as positive semidefinite where no eigenvalue is below this share of the largest one.
 INDEFINITE = 1e4 * EPS
 
+#: Frequencies between two corners at which that is tested.
+EACH_PIECE = 9
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class SpectralMatrix:
     """S(f) with the spectra on the diagonal and S_ij = coherence_ij sqrt(S_i S_j) e^{-i w (delay_i - delay_j)}, or given cross spectra.
 
@@ -43,14 +46,45 @@ class SpectralMatrix:
     @property
     def longest_delay(self) -> float:
         """The largest difference of two delays in s."""
-        return float(np.ptp(self.delays)) if len(self.delays) else 0.0
+        return max(self.shifts, default=0.0)
+
+    @property
+    def groups(self) -> list[list[int]]:
+        """The numbers of the inputs that depend on each other, directly or by others."""
+        from scipy.sparse.csgraph import connected_components
+
+        coupled = self.coherence != 0
+        for i, j in self.cross:
+            coupled[i, j] = coupled[j, i] = True
+        count, label = connected_components(coupled, directed=False)
+        return [np.flatnonzero(label == number).tolist() for number in range(count)]
+
+    def of_inputs(self, chosen: list[int]) -> SpectralMatrix:
+        """The same of some of the inputs."""
+        at = {i: place for place, i in enumerate(chosen)}
+        cross = {(at[i], at[j]): given for (i, j), given in self.cross.items() if i in at and j in at}
+        names, spectra = tuple(self.names[i] for i in chosen), tuple(self.spectra[i] for i in chosen)
+        return SpectralMatrix(names, spectra, self.coherence[np.ix_(chosen, chosen)], self.delays[chosen], cross)
+
+    @property
+    def delayed_pairs(self) -> list[tuple[int, int]]:
+        """Coherent inputs (i, j) with different delays, i > j."""
+        return [
+            (i, j) for i in range(len(self.delays)) for j in range(i) if self.coherence[i, j] and self.delays[i] != self.delays[j]
+        ]
+
+    @property
+    def shifts(self) -> list[float]:
+        """The moduli of the differences of these delays in s."""
+        return [abs(self.delays[i] - self.delays[j]) for i, j in self.delayed_pairs]
 
     def singularities(self, middle: float) -> list[complex]:
         """Frequencies near which the piece at ``middle`` is not analytic."""
         chosen = [spectrum.piece_at(middle) for spectrum in (*self.spectra, *self.cross.values())]
-        roots = len(self.spectra) > 1
+        pairs = ((i, j) for i in range(len(self.spectra)) for j in range(i) if self.coherence[i, j])
+        has_roots = any(chosen[i] != chosen[j] for i, j in pairs)
         return [
-            one for piece in chosen if piece is not None and (roots or not hasattr(piece, "end")) for one in piece.singularities
+            one for piece in chosen if piece is not None and (has_roots or not hasattr(piece, "end")) for one in piece.singularities
         ]
 
     def slopes(self, middle: float) -> np.ndarray:
@@ -87,16 +121,29 @@ class SpectralMatrix:
                     S[i, j], S[j, i] = self.coherence[i, j] * size * turn, self.coherence[i, j] * size / turn
         return S
 
-    def check(self, frequencies_hz: np.ndarray) -> None:
-        """Refuse a matrix that is not positive semidefinite.
+    def within(self, low: float, high: float) -> SpectralMatrix:
+        """The same matrix between two frequencies, zero outside.
 
         Args:
-            frequencies_hz: where it is tested.
+            low, high: in Hz.
+
+        Returns:
+            Another matrix.
+        """
+        spectra = tuple(spectrum.within(low, high) for spectrum in self.spectra)
+        return replace(self, spectra=spectra, cross={key: spectrum.within(low, high) for key, spectrum in self.cross.items()})
+
+    def check(self) -> None:
+        """Refuse a matrix that is not positive semidefinite.
 
         Raises:
-            InputError: with the frequency.
+            InputError: with a frequency.
         """
-        for f in frequencies_hz if self.cross or (self.coherence != np.eye(len(self.names))).any() else ():
+        corners = self.corners
+        if not len(corners) or not (self.cross or (self.coherence != np.eye(len(self.names))).any()):
+            return
+        ends = np.append(corners[:-1], corners[-1] if np.isfinite(corners[-1]) else corners[-2] + 1.0)
+        for f in np.unique(np.linspace(ends[:-1], ends[1:], EACH_PIECE)):
             values = np.linalg.eigvalsh(self(np.array([f]), f)[..., 0])
             if values[0] < -INDEFINITE * max(values[-1], np.finfo(float).tiny):
                 raise InputError(
@@ -118,7 +165,7 @@ def spectral_matrix(excitation: Mapping, coherence=None, delays: Mapping | None 
         The matrix.
 
     Raises:
-        InputError: unknown names, coherences beyond [0, 1].
+        InputError: unknown names, coherences beyond [0, 1], spectra that are not those of one process.
     """
     if not isinstance(excitation, Mapping) or not excitation:
         raise InputError('excitation: expected a table of spectra by the names of inputs, such as {"base": mb.psd(...)}')
@@ -127,6 +174,8 @@ def spectral_matrix(excitation: Mapping, coherence=None, delays: Mapping | None 
             raise InputError(
                 f"excitation of {name}: found an object of type {type(spectrum).__name__}; expected mb.psd(...) or mb.white_noise(...)"
             )
+        if spectrum.is_complex and not isinstance(name, tuple):
+            raise InputError(f"excitation of {name}: found complex values, which only cross spectra of two inputs have")
     names = tuple(name for name in excitation if not isinstance(name, tuple))
     places = {name: place for place, name in enumerate(names)}
 
@@ -154,8 +203,18 @@ def spectral_matrix(excitation: Mapping, coherence=None, delays: Mapping | None 
     for key, spectrum in excitation.items():
         if isinstance(key, tuple):
             i, j = pair(key)
+            if key[::-1] in excitation:
+                raise InputError(
+                    f"excitation: the cross spectrum of {key[0]} and {key[1]} is given twice, in both orders; give one"
+                )
+            if shift[i] != shift[j]:
+                raise InputError(
+                    f"delays: {key[0]} and {key[1]} have a cross spectrum, which has their delay already; give one of both"
+                )
             cross[min(i, j), max(i, j)] = spectrum if i < j else _conjugate(spectrum)
-    return SpectralMatrix(names, tuple(excitation[name] for name in names), gamma, shift, cross)
+    result = SpectralMatrix(names, tuple(excitation[name] for name in names), gamma, shift, cross)
+    result.check()
+    return result
 
 
 def _coherence(value, what: str) -> float:

@@ -76,7 +76,8 @@ def expected_maximum(moments: dict[int, np.ndarray], duration: float) -> np.ndar
 def damage_rate(moments: dict[int, np.ndarray], exponent: float, strength: float = 1.0, method: str = "dirlik") -> np.ndarray:
     """Fatigue damage per second by Miner's rule, cycles of the amplitude a taking N(a) = (strength / a)^exponent of them.
 
-    Narrow band: n (sqrt(2) sigma / strength)^k Gamma(1 + k / 2); Dirlik's formula counts the ranges of a broad band.
+    Narrow band: n (sqrt(2) sigma / strength)^k Gamma(1 + k / 2); Dirlik's formula counts the ranges of a broad band. Where m_4 is infinite its limit
+    stands, which is the formula of the narrow band with the mean frequency m_1 / m_0 in the place of n, for k > 1.
 
     Args:
         moments: m_k by k = 0, 1, 2, 4.
@@ -96,8 +97,9 @@ def damage_rate(moments: dict[int, np.ndarray], exponent: float, strength: float
     if method not in METHODS:
         raise InputError(f"method: found {method!r}; expected one of {', '.join(METHODS)}{nearest(str(method), METHODS)}")
     sigma = np.sqrt(moments[0]) / strength
+    each = (np.sqrt(2.0) * sigma) ** k * gamma(1 + k / 2)
     if method == "narrow-band":
-        return crossing_rate(moments) * (np.sqrt(2.0) * sigma) ** k * gamma(1 + k / 2)
+        return crossing_rate(moments) * each
     ratio, rate = np.minimum(irregularity(moments), 1.0), peak_rate(moments)
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = moments[1] / moments[0] * _root_of_ratio(moments[2], moments[4])
@@ -106,8 +108,10 @@ def damage_rate(moments: dict[int, np.ndarray], exponent: float, strength: float
         second = np.where(R != 1, (1 - ratio - first + first**2) / (1 - R), 0.0)
         third = 1 - first - second
         Q = np.where(first > 0, 1.25 * (ratio - third - second * R) / first, 0.0)
-    shape = first * np.abs(Q) ** k * gamma(1 + k) + np.sqrt(2.0) ** k * gamma(1 + k / 2) * (second * np.abs(R) ** k + third)
-    return np.where(moments[0] > 0, rate * sigma**k * shape, 0.0)
+        shape = first * np.abs(Q) ** k * gamma(1 + k) + np.sqrt(2.0) ** k * gamma(1 + k / 2) * (second * np.abs(R) ** k + third)
+        damage, limit = rate * sigma**k * shape, moments[1] / moments[0] * each if k > 1 else np.inf
+    damage = np.where(np.isinf(moments[4]), np.where(np.isinf(moments[2]), np.inf, limit), damage)
+    return np.where(moments[0] > 0, damage, 0.0)
 
 
 def _root_of_ratio(above: np.ndarray, below: np.ndarray) -> np.ndarray:

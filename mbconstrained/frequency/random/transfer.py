@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from ...ground.tolerances import LIGHT_DAMPING, UNDAMPED
+from ...ground.tolerances import CLUSTER_SAFETY, EPS, LIGHT_DAMPING, UNDAMPED
 from ...linalg import precise
+from ...polynomial.structure import FiniteZero
 from ..frequency_response import NOISE
 from ..harmonic import Harmonic
-from ..pole_residue_form import is_on_axis
+from ..pole_residue_form import Pole, is_on_axis
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RefinedPole:
     """A pole p = sigma + i w of H(s), with sigma accurate relative to itself.
 
@@ -22,11 +23,13 @@ class RefinedPole:
         value: p in 1/s.
         residues: R_0, R_1, ... of 1 / (s - p), 1 / (s - p)^2, ..., shape (order, p, m).
         on_axis: whether sigma is zero.
+        sizes: of the terms that residues are sums of, shape (order, p, m); some of their rounding errors are errors of the residues.
     """
 
     value: complex
     residues: np.ndarray
     on_axis: bool
+    sizes: np.ndarray
 
     @property
     def frequency(self) -> complex:
@@ -60,30 +63,51 @@ class Transfer:
             for k, pole in enumerate(own)
             if pole.order == 1 and pole.value and abs(pole.value.real) < LIGHT_DAMPING * abs(pole.value)
         ]
-        steps = self._newton_steps([own[k].value for k in light]) if light else []
+        steps, doubts = self._newton_steps([own[k].value for k in light]) if light else ([], [])
         values = {k: own[k].value + step for k, step in zip(light, steps)}
+        limits = {k: max(UNDAMPED * abs(own[k].value), doubt) for k, doubt in zip(light, doubts)}
         result = []
         for k, pole in enumerate(own):
             value = values.get(k, pole.value)
-            on_axis = not value or (abs(value.real) <= UNDAMPED * abs(value) if k in values else is_on_axis(pole))
-            result.append(RefinedPole(complex(0.0 if on_axis else value.real, value.imag), pole.residues, on_axis))
+            on_axis = not value or (abs(value.real) <= limits[k] if k in values else is_on_axis(pole))
+            sizes = self._sizes(pole)
+            residues = _without_noise(pole.residues, sizes) if on_axis else pole.residues
+            result.append(RefinedPole(complex(0.0 if on_axis else value.real, value.imag), residues, on_axis, sizes))
         return tuple(result)
 
-    def _newton_steps(self, values: list[complex]) -> list[complex]:
-        """-mean of the diagonal of Y^T A(p) X for each pole, X and Y its vectors."""
+    @cached_property
+    def _zeros(self) -> dict[complex, FiniteZero]:
+        zeros = {}
+        for zero in self.harmonic.form.pairs.finite.zeros:
+            zeros[zero.value], zeros[zero.value.conjugate()] = zero, zero
+        return zeros
+
+    def _zero_at(self, value: complex) -> FiniteZero:
+        """The zero of A(s) that is this pole, or its conjugate."""
+        return self._zeros.get(value) or self._zeros[min(self._zeros, key=lambda one: abs(one - value))]
+
+    def _sizes(self, pole: Pole) -> np.ndarray:
+        """Of residues whose mode has its largest entries at input and output, shape (order, p, m)."""
+        form = self.harmonic.form
+        pair, scaling = form.pairs.finite, form.pairs.form.companion.scaling
+        at, right, J, left = form.subspace(self._zero_at(pole.value), pole.value)
+        X, Y = np.abs(pair.C[:, at] @ right) / scaling.columns[:, None], np.abs(left @ pair.B[at]) / scaling.rows
+        front, N = np.linalg.matrix_power(J, form.power), J - pole.value * np.eye(len(J))
+        powers = [np.abs(front @ np.linalg.matrix_power(N, j)) for j in range(pole.order)]
+        size = np.array([X.max(axis=0) @ middle @ Y.max(axis=1) for middle in powers])
+        limit = np.outer(np.abs(form.outputs) @ scaling.columns, scaling.rows @ np.abs(form.inputs))
+        return size[:, None, None] * limit
+
+    def _newton_steps(self, values: list[complex]) -> tuple[list[complex], list[float]]:
+        """-mean of the diagonal of Y^T A(p) X for each pole, X and Y its vectors; and what rounding errors of A change in the real part.
+
+        An entry of A_k adds Re(p^k y_i x_j) times its error: those of mass and stiffness nothing to an undamped motion.
+        """
         form = self.harmonic.form
         pair, coefficients = form.pairs.finite, self.harmonic.real[0].coefficients
-        zeros = {}
-        for zero in pair.zeros:
-            zeros[zero.value], zeros[zero.value.conjugate()] = zero, zero
         columns, rows, at, owner = [], [], [], []
         for number, value in enumerate(values):
-            zero = (
-                zeros[value]
-                if value in zeros
-                else min(zeros.values(), key=lambda one: min(abs(one.value - value), abs(one.value.conjugate() - value)))
-            )
-            places, right, _, left = form.subspace(zero, value)
+            places, right, _, left = form.subspace(self._zero_at(value), value)
             X, Y = pair.C[:, places] @ right, left @ pair.B[places]
             for i in range(X.shape[1]):
                 columns.append(X[:, i])
@@ -93,7 +117,28 @@ class Transfer:
         with precise.precise_arithmetic():
             residuals = _bilinear(coefficients, np.array(columns).T, np.array(rows), np.array(at))
         of = np.array(owner)
-        return [-residuals[of == number].mean() for number in range(len(values))]
+        sizes = self.harmonic.sizes if self.harmonic.imaginary is None else None
+        used = np.abs(coefficients) if sizes is None else sizes
+        doubts = EPS * np.array(
+            [
+                sum((A * np.abs(np.real(p**k * np.outer(y, x)))).sum() for k, A in enumerate(used))
+                for x, y, p in zip(columns, rows, at)
+            ]
+        )
+        means = [residuals[of == number].mean() for number in range(len(values))]
+        return [-mean for mean in means], [float(doubts[of == number].max()) for number in range(len(values))]
+
+    @cached_property
+    def vanishes(self) -> np.ndarray:
+        """Which outputs no input moves: all residues are rounding errors and the polynomial part is zero, shape (p,)."""
+        parts = [_without_noise(pole.residues, pole.sizes) for pole in self.poles] + [self.harmonic.form.polynomial]
+        return np.all([~part.any(axis=(0, 2)) for part in parts], axis=0)
+
+    def of_inputs(self, chosen: list[int]) -> Transfer:
+        """The same from some of the inputs."""
+        own = self.harmonic
+        names = tuple(own.input_names[i] for i in chosen)
+        return Transfer(replace(own, inputs=own.inputs[:, chosen], input_names=names))
 
     def values(self, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """H by the sum of its terms at real frequencies in Hz, and estimates of the absolute errors, both of shape (p, m, F)."""
@@ -123,6 +168,10 @@ class Transfer:
         for k, D in enumerate(self.harmonic.form.polynomial):
             total += np.multiply.outer((-s) ** k, D.conj())
         return total
+
+
+def _without_noise(residues: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    return np.where(np.abs(residues) > CLUSTER_SAFETY * EPS * sizes, residues, 0.0)
 
 
 def _bilinear(coefficients: np.ndarray, X: np.ndarray, Y: np.ndarray, p: np.ndarray) -> np.ndarray:

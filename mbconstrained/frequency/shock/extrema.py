@@ -31,7 +31,7 @@ NARROWEST = 8 * EPS
 NOISE = 16 * EPS
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Extrema:
     """The largest and the smallest value of each of r functions, and their times.
 

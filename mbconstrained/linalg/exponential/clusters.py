@@ -14,7 +14,7 @@ import scipy.linalg
 
 from ...ground.errors import IllConditioned
 from ...ground.tolerances import CLUSTER_DEGREE, MODERATE_EXPONENT
-from ..blocks import CHUNK_ENTRIES
+from ..blocks import CHUNK_ENTRIES, block_eigenvalues
 
 #: Up to so many doublings the Taylor polynomial is applied to the vectors, 2^doublings times; beyond that it is
 #: cheaper to square the matrices.
@@ -75,7 +75,7 @@ def _speeds(blocks) -> np.ndarray:
     count, size = blocks.shape[:2]
     if size % 2:
         return np.zeros(count)
-    values = np.linalg.eigvals(blocks)
+    values = block_eigenvalues(blocks)
     above = values.imag > 0
     middle = np.where(above, values, 0.0).sum(axis=1) * 2 / size
     spread = np.where(above, np.abs(values - middle[:, None]), 0.0).max(axis=1)
@@ -181,7 +181,7 @@ def _units(rest, times) -> np.ndarray:
     units, sizes, latest = np.ones(rest.shape[:2]), np.abs(rest), times.max(initial=0.0)
     if not latest:
         return units
-    target = np.maximum(np.abs(np.linalg.eigvals(rest)).max(axis=1), 1 / latest)
+    target = np.maximum(np.abs(block_eigenvalues(rest)).max(axis=1), 1 / latest)
     if (np.triu(sizes, 1).max(axis=(1, 2)) <= target).all():  # mostly
         return units
     for at in range(1, rest.shape[1]):

@@ -5,71 +5,20 @@ motion. With S = X^T K X and R = I - X^T M X of approximate shapes X, computed w
 
 k_j = S_jj / (1 - R_jj),    E_ij = (S_ij + k_j R_ij) / (k_j - k_i),    E_jj = R_jj / 2,    Phi = X (I + E)
 
-squares the error (Ogita and Aishima 2018). The products are sums of products of slices of the factors, each exact in float64 (Ozaki,
-Ogita, Oishi and Rump 2012).
+squares the error (Ogita and Aishima 2018).
 """
 
 from __future__ import annotations
-
-import math
-from functools import reduce
 
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from ...ground.tolerances import EPS, LARGEST_CORRECTION, LAST_CORRECTION
-
-#: Slices of a factor: three hold all 53 bits, and 16 more of entries smaller than the largest of their row.
-SLICES = 3
+from ..accurate_products import congruence
 
 #: Most steps.
 STEPS = 5
-
-
-def congruence(shapes: np.ndarray, matrix: np.ndarray) -> np.ndarray:
-    """X^T A X with twice the digits, rounded once.
-
-    Args:
-        shapes: X, shape (n, k).
-        matrix: A, shape (n, n).
-
-    Returns:
-        Shape (k, k).
-
-    >>> x = np.array([[1.0], [1.0]])
-    >>> congruence(x, np.array([[1.0, -1.0], [-1.0, 1.0 + 2.0**-52]])) * 2.0**52
-    array([[1.]])
-    """
-    columns = _slices(shapes, 0)
-    high, low = _product(_slices(matrix, 1), columns)
-    rows = [part.T for part in columns]
-    return sum(_product(rows, _slices(high, 0))) + shapes.T @ low
-
-
-def _slices(matrix: np.ndarray, axis: int) -> list[np.ndarray]:
-    """Parts that add up to the matrix, of so few bits relative to the largest entry along an axis that their products are exact."""
-    bits, result, rest = math.ceil((53 + math.log2(max(matrix.shape[axis], 2))) / 2), [], matrix
-    for _ in range(SLICES - 1):
-        size = np.abs(rest).max(axis=axis, keepdims=True)
-        shift = np.ldexp(1.0, np.frexp(size)[1] + bits)
-        result.append((rest + shift) - shift)
-        rest = rest - result[-1]
-    return [*result, rest]
-
-
-def _product(left: list[np.ndarray], right: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """The sum of the products of slices, as a matrix and what it is rounded by."""
-    pairs = [(i, j) for total in range(SLICES + 1) for i in range(SLICES) for j in range(SLICES) if i + j == total]
-
-    def add(sums, pair):
-        (high, low), term = sums, left[pair[0]] @ right[pair[1]]
-        total = high + term
-        part = total - high
-        return total, low + ((high - (total - part)) + (term - part))
-
-    zero = np.zeros((left[0].shape[0], right[0].shape[1]))
-    return reduce(add, pairs, (zero, zero))
 
 
 def refined_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, ...] | None:

@@ -18,11 +18,11 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ...ground.tolerances import EPS, REFINED_SPREAD, noise_of
+from ..accurate_products import exact_row_sums
 from ..arrays import Matrix, entries, entry_count, full, of_like_kind
 from ..blocks import BlockDiagonal
 from ..division import condition
 from ..eigen import decoupled
-from ..rounding import exact_row_sums
 from .mode_refinement import refined_modes
 
 #: Where a matrix has at most so many entries in a row the differences of coordinates are taken one by one.

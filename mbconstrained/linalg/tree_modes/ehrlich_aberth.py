@@ -25,7 +25,7 @@ NEAR, SLOW = 0.03, 12
 CORRECTION_CHUNK = 1 << 16
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Zeros:
     """The zeros of a real polynomial.
 

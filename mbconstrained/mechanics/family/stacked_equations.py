@@ -15,7 +15,7 @@ from ...ground.tolerances import CLEAR_KEPT, DIVISOR_CONDITION, GOOD_CONDITION, 
 from ...polynomial.direct_reduction import matching_rows, pivots_of
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StackedEquations:
     """S models with the coordinates q, the first m of which have mass, the other d dampers only.
 

@@ -21,7 +21,7 @@ from .stacked_equations import StackedEquations
 WIDTH = 16
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StackedFlow:
     """z' = G z and x = P z of S models.
 

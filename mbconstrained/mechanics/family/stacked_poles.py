@@ -23,7 +23,7 @@ TOGETHER = 256
 JACOBI_STEPS = 24
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StackedPoles:
     """Poles and residues of S models, of complex pairs those above the real axis.
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .family import Family
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StackedTransfer:
     """H(s) of S models, from m inputs to p outputs.
 

@@ -28,7 +28,7 @@ MOST_CORRECTIONS, GAIN = 12, 0.5
 GAP_SHIFT = 1 / 64
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DampedModes:
     """P(s_i) x_i = 0 on the free coordinates, ascending by |s|.
 
@@ -54,7 +54,7 @@ class DampedModes:
     of_body: np.ndarray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SlowBody:
     """A body on soft springs and dampers: x = (u + y d/dt) q with q'' + c q' + k q = u^T f, to first order of its rates.
 
@@ -335,7 +335,7 @@ def _sorted(pairs: list[Pair]) -> list[Pair]:
 # Davidson's method, for quadratic pencils: Sleijpen, Booten, Fokkema and van der Vorst 1996).
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _MixedSpace:
     """The space of [X, Y] with X^T M X = I, X^T K X = diag(w^2), X^T M Y = 0 and Y^T (K - shift M) Y a multiple of I.
 

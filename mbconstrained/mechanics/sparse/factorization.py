@@ -20,7 +20,7 @@ from ...ground.errors import SingularPolynomialMatrix
 from ...ground.tolerances import EPS, NOISE_SAFETY, PIVOT_RESIDUAL
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Factorization:
     """Solutions of [[P, L^T], [L, 0]] with P = K - s M.
 

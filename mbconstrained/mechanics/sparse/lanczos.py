@@ -33,7 +33,7 @@ BETWEEN_LOOKS = 3
 MOST_RESTARTS = 60
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RitzPairs:
     """P^-1 M X = X diag(values), X^T M X = I.
 

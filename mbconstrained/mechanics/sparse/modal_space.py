@@ -24,7 +24,7 @@ from .sparse_matrices import asymmetry, quadratic_form, times
 from .undamped_modes import SOFT, UndampedModes
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ModeSpace:
     """W and B with M W B^2 + C W B + K W = 0, and the inputs of y.
 

@@ -32,7 +32,7 @@ FARTHER, FARTHEST = 100.0, 9
 MOST_BORDERED = 200
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ReducedPencil:
     """M, C, K as N^T . N on r free coordinates y with x = N y + x_0, and the long rows L y = 0 that are not eliminated.
 
@@ -222,7 +222,7 @@ LONGEST = 64
 Row = dict[int, tuple[float, float]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Elimination:
     """x = basis y + offset satisfies all eliminated rows.
 

@@ -31,7 +31,7 @@ from .undamped_modes import UndampedModes, balanced
 MOST_STEPS = 8
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Residual:
     """P(s) x without the forces of the long rows.
 
@@ -270,7 +270,7 @@ def _product(matrix, x: np.ndarray) -> np.ndarray:
     return matrix @ x.real + 1j * (matrix @ x.imag) if x.dtype.kind == "c" else matrix @ x
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Ordered:
     """Factors of a permuted matrix."""
 
@@ -286,7 +286,7 @@ class _Ordered:
         return solution
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Banded:
     """Factors of a matrix with few diagonals, by LAPACK."""
 

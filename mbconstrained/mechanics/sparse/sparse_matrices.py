@@ -155,7 +155,7 @@ def combined(basis: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
     return product
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SparseRows:
     """The constraint rows A x = b of a system of sparse matrices.
 

@@ -18,7 +18,7 @@ from .sparse_matrices import times
 from .undamped_modes import UndampedModes
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class SparseModes(Modes):
     """Modes of lowest frequency of M x'' + C x' + K x = 0 with A x = 0, each Re(u e^{s t}); ascending by |s|.
 

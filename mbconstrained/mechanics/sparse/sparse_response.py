@@ -123,7 +123,7 @@ class _Reduced:
         return np.diag(rates)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Residuals(LeftOut):
     """Norms of residuals by a Gram matrix of what they are combinations of."""
 

@@ -57,7 +57,7 @@ MOST_SHIFTS = 4
 FIRST_LOOK = 4
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class UndampedModes:
     """K X = M X diag(values) on the free coordinates, ascending.
 

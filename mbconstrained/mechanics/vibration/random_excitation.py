@@ -21,8 +21,8 @@ from .harmonic_equations import saddle_point
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
 
-#: What the outputs may be, and the order of the derivative of the displacements.
-QUANTITIES = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": None}
+#: What the outputs may be, and the order of the derivative of the displacements; None of forces.
+QUANTITIES = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": None, "force": None}
 
 
 def random_response(
@@ -42,8 +42,8 @@ def random_response(
         system: of arrays.
         excitation: spectra (``mb.psd``, ``mb.white_noise``, ...) by the names of coordinates, for forces on them, or of constraint rows, for their
             prescribed motions; a coordinate that a row prescribes may stand for the row. Pairs of names have complex cross spectra.
-        outputs: names of coordinates, or of constraint rows for reactions; all by default.
-        quantity: "displacement", "velocity", "acceleration" or "reaction".
+        outputs: names of coordinates, of constraint rows for reactions, of springs and dampers for forces; all by default.
+        quantity: "displacement", "velocity", "acceleration", "reaction", or "force" of springs and dampers, which is proportional to a stress.
         relative_to: a coordinate, or a row that prescribes one, whose motion is subtracted from the outputs.
         modal_damping, loss_factor: as of ``frequency_response``.
         coherence: ordinary coherence of the inputs, a number or by pairs of names; they are independent by default.
@@ -73,21 +73,49 @@ def random_response(
         )
     spectra, order = spectral_matrix(excitation, coherence, delays), QUANTITIES[quantity]
     inputs, levels = _inputs(system, spectra)
-    chosen = _outputs(system, outputs, quantity)
-    coefficients, imaginary, sizes = saddle_point(system, levels, modal_damping, loss_factor)
+    equations = saddle_point(system, levels, modal_damping, loss_factor)
     B = np.array([channel.unknowns(system) for channel in inputs]).T
-    C = np.array([channel.unknowns(system) for channel in chosen]).reshape(len(chosen), len(B))
-    C[:, system.size :] *= -1.0  # the unknowns are -lambda
-    if relative_to is not None:
-        if order is None:
-            raise InputError("relative_to: reactions are not relative; expected a displacement, velocity or acceleration")
-        other = reference(system, relative_to)
-        C[:, : system.size] -= np.outer([one.unit == other.unit for one in chosen], other.direction)
-    units = np.array([force_unit(one.unit) if order is None else rate_unit(one.unit, order) for one in chosen])
-    names = [f"x {name}" for name in system.names] + [f"reaction {row.name}" for row in system.rows]
-    output_names = tuple(one.name for one in chosen)
-    A = PolynomialMatrix(coefficients, names)
-    return RandomResponse(Harmonic(A, B, C, order or 0, imaginary, sizes, spectra.names, output_names, units, quantity), spectra)
+    if order is None and relative_to is not None:
+        raise InputError("relative_to: forces are not relative; expected a displacement, velocity or acceleration")
+    if quantity == "force":
+        names, units, C, equations = _element_forces(system, outputs, equations, loss_factor)
+        B = np.pad(B, ((0, len(equations[0][0]) - len(B)), (0, 0)))
+    else:
+        chosen = _outputs(system, outputs, quantity)
+        names, C = (
+            tuple(one.name for one in chosen),
+            np.array([one.unknowns(system) for one in chosen]).reshape(len(chosen), len(B)),
+        )
+        C[:, system.size :] *= -1.0  # the unknowns are -lambda
+        if relative_to is not None:
+            other = reference(system, relative_to)
+            C[:, : system.size] -= np.outer([one.unit == other.unit for one in chosen], other.direction)
+        units = [force_unit(one.unit) if order is None else rate_unit(one.unit, order) for one in chosen]
+    coefficients, imaginary, sizes = equations
+    unknowns = [f"x {name}" for name in system.names] + [f"reaction {row.name}" for row in system.rows]
+    A = PolynomialMatrix(coefficients, [*unknowns, *(f"force {name}" for name in names)][: len(B)])
+    return RandomResponse(Harmonic(A, B, C, order or 0, imaginary, sizes, spectra.names, names, np.array(units), quantity), spectra)
+
+
+def _element_forces(system: MechanicalSystem, outputs, equations, loss_factor):
+    """Names, units, C and equations with the forces N = (k + c s) a x of springs and dampers as more unknowns."""
+    known = system.elements
+    names = tuple(chosen_by_name("outputs", outputs, {name: name for name in known}, tuple(known)))
+    if not names:
+        raise InputError("force: the system has no springs and dampers with names; expected one of a lumped model or a robot")
+    coefficients, imaginary, sizes = equations
+    elements, r, p = [known[name] for name in names], len(coefficients[0]), len(names)
+    rows = np.array([[one.stiffness * one.elongation for one in elements], [one.damping * one.elongation for one in elements]])
+    extended = np.pad(coefficients, ((0, 0), (0, p), (0, p)))
+    extended[:2, r:, : system.size], extended[0, r:, r:] = -rows, np.eye(p)
+    if sizes is not None:
+        sizes = np.maximum(np.pad(sizes, ((0, 0), (0, p), (0, p))), np.abs(extended))
+    if imaginary is not None:
+        imaginary = np.pad(imaginary, (0, p))
+        given = {**system.loss_factors, **loss_factor} if isinstance(loss_factor, Mapping) else system.loss_factors
+        factors = [given.get(name, 0.0) if isinstance(loss_factor, (Mapping, type(None))) else loss_factor for name in names]
+        imaginary[r:, : system.size] = -np.array(factors)[:, None] * rows[0]
+    return names, [force_unit(one.unit) for one in elements], np.eye(p, r + p, r), (extended, imaginary, sizes)
 
 
 def _inputs(system: MechanicalSystem, spectra: SpectralMatrix) -> tuple[list[Channel], list[int]]:

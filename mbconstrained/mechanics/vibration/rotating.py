@@ -84,7 +84,7 @@ def rotor_family(system: MechanicalSystem) -> tuple[Family, np.ndarray]:
     return Family.linear(base, slope), V
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class CriticalSpeed(Displayed):
     """A speed at which an excitation of the order n is in resonance with a mode.
 
@@ -111,7 +111,7 @@ class CriticalSpeed(Displayed):
         return f"{self.speed:.6g} rad/s, order {self.order:g}, {direction(self.whirl)}, damping ratio {self.damping_ratio:.4g}"
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Campbell(Displayed):
     """Eigenvalues over the speed of rotation; a column belongs to one mode at all speeds.
 

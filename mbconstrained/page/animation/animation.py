@@ -38,7 +38,7 @@ class Arrow:
         return None if self.direction is None else np.array(self.direction) / np.linalg.norm(self.direction)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ForceArrows:
     """Arrows of one force over time.
 
@@ -68,7 +68,7 @@ class ImpulseArrow(NamedTuple):
     label: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DrawnEvent:
     """Jumps and impulses at one time.
 
@@ -106,7 +106,7 @@ class Overlay:
         return bool(self.events or self.forces)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Animation:
     """A drawing and the motion of its coordinates.
 

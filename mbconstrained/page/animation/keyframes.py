@@ -39,7 +39,7 @@ RATE_INFLUENCE = 4 / 27
 BodyPoses = dict[str, Path]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class KeyFrames:
     """Values (r, T) and rates (r, T) of named coordinates at times (T,); ``stride`` of the given times make one.
 

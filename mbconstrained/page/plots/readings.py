@@ -161,7 +161,7 @@ def _resolved(functions: TimeFunctions, start: float, end: float, breaks: np.nda
     return _joined(done, end)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Panels:
     """Panels of one degree: their starts (k,), exponents (r, k) and codes (r, k, degree + 1)."""
 

@@ -36,7 +36,7 @@ EARLY = 2.0
 FEW_GAPS = 4
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Coupled:
     """A block of the finite part driven by a part of the force that cannot be separated from it.
 
@@ -56,7 +56,7 @@ class _Coupled:
         return np.vstack([np.zeros((self.own.stop - self.own.start, inputs.shape[1])), inputs[self.of_force]])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FinitePart:
     """The finite part of A(s) decoupled, its excitation, and its states at and after t = 0.
 
@@ -78,7 +78,7 @@ class FinitePart:
     columns: np.ndarray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Forced:
     """The states that a force drives: -X w in y, w, a copy of w for X w where that is zero at times, and coupled pairs.
 

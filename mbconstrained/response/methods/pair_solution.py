@@ -22,7 +22,7 @@ from .series import with_series
 from .taylor import taylor_series
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PairSolution:
     """x from the pairs.
 

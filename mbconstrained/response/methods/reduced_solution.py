@@ -26,7 +26,7 @@ from ..flow import Flow
 from ..response_notices import growth_notice, modal_sums
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ReducedSolution:
     """x of a directly reducible problem.
 

@@ -40,7 +40,7 @@ PLACES = 2.0 ** (-np.arange(2 * 52) / 2)
 EARLY = slice(int((PLACES > 1 / REACH).sum()), None)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Series:
     """sum over k of c_k t^k for 0 <= t <= span, each coefficient with its rounding noise.
 

@@ -2,14 +2,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
 from ...ground.errors import InputError
+from ...ground.notices import Notice
 
 #: Kinds of joints with several degrees of freedom that have tangent coordinates here.
 SEVERAL = ("JointModelPlanar", "JointModelFreeFlyer", "JointModelSpherical", "JointModelTranslation")
+
+
+@dataclass(frozen=True, eq=False)
+class ModelFile:
+    """A pinocchio model with what the file that it was read from gives besides.
+
+    Attributes:
+        model: of pinocchio.
+        gravity: shape (3,) (m/s^2).
+        path: the file; None for a model alone.
+        loops, gears: ``Loop`` and ``JointGear``.
+        joint_stiffness, joint_rest: by joint.
+        states: configurations q by name.
+        notices: on what was left out.
+    """
+
+    model: Any
+    gravity: Sequence[float]
+    path: Path | None = None
+    loops: tuple[Any, ...] = ()
+    gears: tuple[Any, ...] = ()
+    joint_stiffness: Mapping[str, float] = field(default_factory=dict)
+    joint_rest: Mapping[str, float] = field(default_factory=dict)
+    states: Mapping[str, np.ndarray] = field(default_factory=dict)
+    notices: tuple[Notice, ...] = ()
 
 
 def is_model(given) -> bool:

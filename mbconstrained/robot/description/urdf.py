@@ -25,8 +25,15 @@ MOST_LINKS = 2_000
 _JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
 
-def read_urdf(source: str | Path) -> tuple[str, Path | None]:
+def read_urdf(source: str | Path, kind: str = "URDF") -> tuple[str, Path | None]:
     """The XML text, and the folder of the file if it was one.
+
+    Args:
+        source: the path, or the text itself.
+        kind: of file, for messages; its ending is the same in small letters.
+
+    Returns:
+        The text and the folder.
 
     Raises:
         InputError: no such file, too large, not text.
@@ -34,21 +41,21 @@ def read_urdf(source: str | Path) -> tuple[str, Path | None]:
     if isinstance(source, str) and "<" in source:
         return source, None
     if not isinstance(source, (str, Path)):
-        raise InputError(f"urdf: found {type(source).__name__}; expected the path of a .urdf file, or its text")
+        raise InputError(f"{kind.lower()}: found {type(source).__name__}; expected the path of a .{kind.lower()} file, or its text")
     path = Path(source)
     try:
         if path.stat().st_size > LARGEST_URDF:
             raise InputError(f"{path.name}: the file has {path.stat().st_size:,} bytes; at most {LARGEST_URDF:,} are read")
         return path.read_text("utf-8-sig"), path.parent
     except FileNotFoundError:
-        others = [other.name for other in path.parent.glob("*.urdf")] if path.parent.is_dir() else []
-        raise InputError(f"{path}: there is no such URDF file{nearest(path.name, others)}") from None
+        others = [other.name for other in path.parent.glob(f"*.{kind.lower()}")] if path.parent.is_dir() else []
+        raise InputError(f"{path}: there is no such {kind} file{nearest(path.name, others)}") from None
     except UnicodeDecodeError:
         raise InputError(f"{path.name}: not a text file in UTF-8") from None
     except InputError:
         raise
     except (OSError, ValueError) as problem:
-        raise InputError(f"urdf: the file cannot be read ({getattr(problem, 'strerror', None) or problem})") from None
+        raise InputError(f"{kind.lower()}: the file cannot be read ({getattr(problem, 'strerror', None) or problem})") from None
 
 
 def checked_tree(text: str) -> ElementTree.Element:
@@ -57,14 +64,7 @@ def checked_tree(text: str) -> ElementTree.Element:
     Raises:
         InputError: not XML, entities, no robot, names used twice, unknown links, loops, kinds of joints that do not exist.
     """
-    if re.search(r"<!(DOCTYPE|ENTITY)", text, re.IGNORECASE):
-        raise InputError("urdf: found a document type or an entity; a URDF has none, take it out")
-    try:
-        root = ElementTree.fromstring(text.encode(), ElementTree.XMLParser(encoding="utf-8"))  # whatever it declares
-    except (ElementTree.ParseError, ValueError) as problem:
-        raise InputError(f"urdf: not XML ({problem})") from None
-    if root.tag != "robot":
-        raise InputError(f"urdf: found <{short(root.tag)}>; expected <robot>{_OTHER_FORMATS.get(root.tag, '')}")
+    root = parsed_xml(text, "urdf")
     if any(element.tag.startswith("{") and "xacro" in element.tag for element in root.iter()):
         raise InputError("urdf: found xacro macros; expand them first: xacro robot.xacro > robot.urdf")
     if not root.findall("link"):
@@ -79,6 +79,30 @@ def checked_tree(text: str) -> ElementTree.Element:
     return root
 
 
+def parsed_xml(text: str, what: str) -> ElementTree.Element:
+    """The element <robot> of a text.
+
+    Args:
+        text: of the file.
+        what: the argument, for messages: "urdf" or "srdf".
+
+    Returns:
+        The element.
+
+    Raises:
+        InputError: not XML, entities, another root element.
+    """
+    if re.search(r"<!(DOCTYPE|ENTITY)", text, re.IGNORECASE):
+        raise InputError(f"{what}: found a document type or an entity; a {what.upper()} has none, take it out")
+    try:
+        root = ElementTree.fromstring(text.encode(), ElementTree.XMLParser(encoding="utf-8"))  # whatever it declares
+    except (ElementTree.ParseError, ValueError) as problem:
+        raise InputError(f"{what}: not XML ({problem})") from None
+    if root.tag != "robot":
+        raise InputError(f"{what}: found <{short(root.tag)}>; expected <robot>{_OTHER_FORMATS.get(root.tag, '')}")
+    return root
+
+
 def root_link(root: ElementTree.Element) -> str:
     """The name of the link without a parent, the base, of a checked tree."""
     children = {child.get("link") for joint in root.findall("joint") for child in joint.findall("child")}
@@ -87,8 +111,9 @@ def root_link(root: ElementTree.Element) -> str:
 
 #: Advice where another format than URDF is found, by the name of the root element.
 _OTHER_FORMATS = {
-    "mujoco": ": this is MJCF; give pinocchio's model of it, mb.Robot(pinocchio.buildModelFromMJCF(path))",
-    "sdf": ": this is SDF; convert it to a URDF, or give a pinocchio model",
+    "mujoco": ": this is MJCF; give the path of the file, which ends in .xml",
+    "sdf": ": this is SDF, which pinocchio's packages do not read; convert it to a URDF and give its loops as mb.Loop(...), or give the "
+    "model of a pinocchio with SDFormat, mb.Robot(model)",
 }
 
 #: The name of a link "ground", which here names the body that does not move.

@@ -20,7 +20,7 @@ LARGEST_MESH = 50_000_000
 MESH_ENDINGS = (".stl", ".obj", ".dae", ".ply")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Visual:
     """One shape of a link.
 
@@ -68,6 +68,65 @@ def visuals_of(description: ElementTree.Element, folder: Path | None, package_di
             continue
         visuals.append(Visual(link, kind, size, _placement(visual.find("origin"), where), color, *mesh))
     return tuple(visuals)
+
+
+def visuals_of_mjcf(model, path: Path) -> tuple[Visual, ...]:
+    """The visuals of an MJCF file; planes are left out, and ellipsoids are meshes.
+
+    Args:
+        model: of pinocchio, read from the file.
+        path: of the file.
+
+    Returns:
+        The shapes of all links.
+
+    Raises:
+        InputError: a mesh that cannot be read.
+    """
+    import pinocchio
+
+    try:
+        geometry = pinocchio.buildGeomFromMJCF(model, str(path), pinocchio.GeometryType.VISUAL)
+    except (ValueError, RuntimeError) as problem:
+        raise InputError(f"mjcf: the shapes cannot be read ({(str(problem).splitlines() or ['unknown'])[0][:200]})") from None
+    visuals = []
+    for item in geometry.geometryObjects:
+        frame = model.frames[item.parentFrame]
+        placement = frame.placement.inverse() * item.placement  # those of shapes are relative to the joint
+        kind, size, vertices, faces = _coal_shape(item.geometry)
+        if kind:
+            color = tuple(min(1.0, max(0.0, float(part))) for part in item.meshColor)
+            visuals.append(Visual(str(frame.name), kind, size, placement.homogeneous, color, vertices, faces))
+    return tuple(visuals)
+
+
+def _coal_shape(shape) -> tuple[str, tuple[float, ...], np.ndarray | None, np.ndarray | None]:
+    """Kind, size, vertices and faces of a shape of coal; an empty kind for what is not drawn."""
+    name = type(shape).__name__
+    if name == "Box":
+        return "box", tuple((2 * shape.halfSide).tolist()), None, None
+    if name in ("Cylinder", "Capsule"):
+        return "cylinder", (float(shape.radius), 2 * float(shape.halfLength)), None, None
+    if name == "Sphere":
+        return "sphere", (float(shape.radius),), None, None
+    if name == "Ellipsoid":
+        return "mesh", (), *_ellipsoid(np.array(shape.radii))
+    if hasattr(shape, "tri_indices"):
+        return "mesh", (), *_mesh_arrays(shape)
+    return "", (), None, None
+
+
+#: Rows and columns of the mesh of an ellipsoid.
+_ROWS, _COLUMNS = 12, 24
+
+
+def _ellipsoid(radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (k, 3) and triangles (f, 3) of an ellipsoid about the origin."""
+    polar, around = np.meshgrid(np.linspace(0, np.pi, _ROWS + 1), np.linspace(0, 2 * np.pi, _COLUMNS + 1), indexing="ij")
+    corners = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=-1).reshape(-1, 3)
+    first = (np.arange(_ROWS)[:, None] * (_COLUMNS + 1) + np.arange(_COLUMNS)).ravel()
+    below = first + _COLUMNS + 1
+    return corners * radii, np.vstack([np.stack([first, below, below + 1], 1), np.stack([first, below + 1, first + 1], 1)])
 
 
 def _visual_elements(description: ElementTree.Element):
@@ -135,16 +194,20 @@ def _read_mesh(path: Path, scale, where: str) -> tuple[np.ndarray, np.ndarray]:
     import coal
 
     try:
-        mesh = coal.MeshLoader().load(str(path), np.array(scale))
-        triangles = (mesh.tri_indices(i) for i in range(mesh.num_tris))  # which know their length, but not their end
-        faces = np.fromiter((triangle[k] for triangle in triangles for k in range(3)), int).reshape(-1, 3)
-        vertices = np.array(mesh.vertices()).reshape(-1, 3)
+        vertices, faces = _mesh_arrays(coal.MeshLoader().load(str(path), np.array(scale)))
     except (ValueError, RuntimeError) as problem:
         reason = (str(problem).strip().splitlines() or ["unknown"])[-1][:120]
         raise InputError(f"{where}: the mesh file {path.name} cannot be read ({reason})") from None
     if not np.isfinite(vertices).all():
         raise InputError(f"{where}: the mesh file {path.name} has corners that are no finite numbers")
     return vertices, faces
+
+
+def _mesh_arrays(mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (k, 3) and triangles (f, 3) of a mesh of coal."""
+    triangles = (mesh.tri_indices(i) for i in range(mesh.num_tris))  # which know their length, but not their end
+    faces = np.fromiter((triangle[k] for triangle in triangles for k in range(3)), int).reshape(-1, 3)
+    return np.array(mesh.vertices()).reshape(-1, 3), faces
 
 
 def mesh_file(name: str, where: str, folder: Path | None, package_dirs: tuple[Path, ...]) -> Path:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 MOST_STATES, MOST_PAIRS = 40, 16
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TransferFunction:
     """A transfer function with its input.
 
@@ -77,7 +77,7 @@ class TransferFunction:
         return transfer_function_response(self.numerator, self.denominator, self.input)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ControlScene:
     """The model of a scene of control engineering, with its input.
 

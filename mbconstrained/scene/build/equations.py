@@ -19,7 +19,7 @@ from ...response.response import Response
 from ...response.solve import solve
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import zero
-from ..file.messages import at
+from ..file.messages import SceneName, at
 from ..quantities.coordinates import FORCE_UNITS, Coordinates, beyond_noise, constraint_row, initial_values
 from ..quantities.quantities import Expressed, quantity
 from .consistent_values import consistent_values
@@ -42,7 +42,7 @@ ENTRY_UNITS = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Equations:
     """The equations of a scene.
 
@@ -141,7 +141,7 @@ class Equations:
         return from_rest or solve(self.polynomial_matrix, initial=self.initial, force=self.force)
 
 
-def equations_of(table, folder: Path, file_name: str, lap: Callable[[str], object] = lambda stage: None) -> Equations:
+def equations_of(table, folder: Path, file_name: SceneName, lap: Callable[[str], object] = lambda stage: None) -> Equations:
     """Assemble the equations of a scene.
 
     Args:
@@ -179,10 +179,10 @@ def _lumped(table, folder: Path, file_name: str) -> Equations:
     return _mechanical(table, system, coordinates, folder, file_name, model)
 
 
-def _robot(table, folder: Path, file_name: str, lap) -> Equations:
+def _robot(table, folder: Path, file_name: SceneName, lap) -> Equations:
     from .robot_model import robot_scene
 
-    scene = robot_scene(table.model, folder, file_name, lap)
+    scene = robot_scene(table.model, table.robot, folder, file_name, lap)
     return _mechanical(table, scene.system, scene.coordinates, folder, file_name, robot_scene=scene)
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ...robot.linearized import LinearizedRobot
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Load:
     """The force of one [[force]] table.
 

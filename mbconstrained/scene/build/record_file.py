@@ -17,7 +17,7 @@ from ..quantities.dimensions import KINDS, Dimension, described, dimension, mean
 from ..quantities.quantities import LARGEST, LEAST, Expressed, any_quantity, quantity, unit_name
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Record(Displayed):
     """A record over time, in SI.
 

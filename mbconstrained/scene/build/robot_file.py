@@ -8,18 +8,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...ground.errors import InputError
+from ..file.includes import ROBOT_FILE, robot_tables
 from ..file.messages import at, shown
-from ..file.reading import FileKind, inside, parse, read_text
+from ..file.reading import inside
 from ..quantities.quantities import count_texts
 from ..schema.validation import validated
 from .robot_values import PLACE, UrdfNames, joint_values, names_of_urdf, posing, robot_arguments
 
 if TYPE_CHECKING:
+    from ...robot.description.srdf import SemanticDescription
     from ...robot.robot import Robot
     from ..schema.robot_tables import RobotFile
-
-ROBOT_FILE = "robot.toml"
-_KIND = FileKind("a robot.toml has at least urdf, source and licence", "which is no robot.toml; meshes lie in files of their own")
 
 
 @dataclass(frozen=True)
@@ -30,19 +29,23 @@ class RobotData:
         path: the robot.toml.
         table: its content.
         names: of the links and joints in its URDF.
+        semantics: the states of its SRDF.
         package_dirs: folders in which package://NAME/... is looked up.
         locks: joints that the files name as locked, with their values in SI.
         locked: the same with those that follow them.
         unit_texts: how many quantities were written with a unit.
+        place: the file in messages.
     """
 
     path: Path
     table: RobotFile
     names: UrdfNames
+    semantics: SemanticDescription
     package_dirs: tuple[Path, ...]
     locks: dict[str, float] = field(default_factory=dict)
     locked: dict[str, float] = field(default_factory=dict)
     unit_texts: int = 0
+    place: str = ""
     _posture: dict = field(default_factory=dict, repr=False)
 
     @property
@@ -89,11 +92,6 @@ class RobotData:
         return {"guess": guess, "forces": forces, "hold": hold}
 
     @property
-    def place(self) -> str:
-        """The file in messages."""
-        return f"{self.name}/{self.path.name}"
-
-    @property
     def urdf_place(self) -> str:
         """The URDF in messages."""
         return f"{self.name}/{self.names.path.name}"
@@ -115,17 +113,20 @@ def read_robot(path: str | Path, *, package_dirs: Sequence[str | Path] = (), loc
         SceneError: a file that cannot be read, or something in it that is wrong; the text names file, place, what was
             found and what was expected.
     """
-    data = robot_data(Path(path), package_dirs)
+    path = Path(path) / ROBOT_FILE if Path(path).is_dir() else Path(path)
+    data = robot_data(path, *robot_tables(path), package_dirs)
     with at(data.place, "the robot"):
         data = data.with_locked(locked or {})
     return robot_of(data), data
 
 
-def robot_data(path: Path, package_dirs: Sequence[str | Path] = ()) -> RobotData:
-    """Read and check a robot.toml and the names in its URDF; pinocchio is not needed for it.
+def robot_data(path: Path, data: dict, place: str, package_dirs: Sequence[str | Path] = ()) -> RobotData:
+    """Check the tables of a robot.toml and the names in its URDF; pinocchio is not needed for it.
 
     Args:
-        path: a folder with a robot.toml, or the robot.toml.
+        path: the robot.toml.
+        data: its tables, perhaps with changes.
+        place: the file in messages, which knows where changes come from.
         package_dirs: as of ``read_robot``.
 
     Returns:
@@ -136,23 +137,21 @@ def robot_data(path: Path, package_dirs: Sequence[str | Path] = ()) -> RobotData
     """
     from ..schema.robot_tables import RobotFile
 
-    path = path / ROBOT_FILE if path.is_dir() else path
-    place = f"{path.absolute().parent.name}/{path.name}"
-    data = parse(read_text(path, _KIND), place)
     table = validated(data, place, RobotFile)
     folder = path.parent.resolve()
     with at(place, "urdf"):
         urdf = inside(folder, table.urdf, "the URDF must lie in the robot's folder", 'the name of a file, e.g. "robot.urdf"')
     with at(f"{folder.name}/{urdf.name}"):
         names = names_of_urdf(urdf, table.base != "fixed")
+    semantics = _semantics(table.srdf, folder, place)
     dirs = (*_package_dirs(table.package_dirs, folder, place), *(Path(place).resolve() for place in package_dirs))
     texts = count_texts({key: value for key, value in data.items() if key not in ("title", "source", "licence", "urdf")})
     with at(place, "locked"):
         locked = joint_values(table.locked, names, PLACE)
     with at(place, "posture"):
-        posture = posing(table.posture, names, table.base == "free")
+        posture = posing(table.posture, names, table.base == "free", semantics)
     with at(place, "the robot"):
-        return RobotData(path, table, names, dirs, unit_texts=texts, _posture=posture).with_locked(locked)
+        return RobotData(path, table, names, semantics, dirs, unit_texts=texts, place=place, _posture=posture).with_locked(locked)
 
 
 def robot_of(data: RobotData) -> Robot:
@@ -166,8 +165,20 @@ def robot_of(data: RobotData) -> Robot:
     values = robot_arguments(data.table, data.names, data.place)
     for key in ("joint_stiffness", "joint_rest", "joint_damping", "flexible_joints", "motors"):
         values[key] = {name: value for name, value in values[key].items() if name not in data.locked}
-    with at(data.place, "the robot"):
-        return Robot(data.names.path, package_dirs=data.package_dirs, name=data.name, locked=data.locked, **values)
+    files = sorted({file for file, _ in getattr(data.place, "origins", {}).values()})
+    with at(f"{data.place} with {' and '.join(files)}" if files else data.place, "the robot"):
+        srdf = None if data.table.srdf is None else data.path.parent / data.table.srdf
+        return Robot(data.names.path, srdf=srdf, package_dirs=data.package_dirs, name=data.name, locked=data.locked, **values)
+
+
+def _semantics(name: str | None, folder: Path, place: str) -> SemanticDescription:
+    """Of the SRDF file, empty without one."""
+    from ...robot.description.srdf import SemanticDescription, read_srdf
+
+    with at(place, "srdf"):
+        if name is None:
+            return SemanticDescription()
+        return read_srdf(inside(folder, name, "the SRDF must lie in the robot's folder", 'the name of a file, e.g. "robot.srdf"'))
 
 
 def _package_dirs(dirs: Sequence[str], folder: Path, place: str) -> list[Path]:

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...ground.errors import InputError
-from ..file.messages import at, shown
+from ..file.includes import robot_name, robot_path
+from ..file.messages import SceneName, at, shown
 from ..quantities.coordinates import Coordinates
 from .robot_file import RobotData, robot_data, robot_of
 from .robot_values import PLACE, joint_values, point_motion, posing
@@ -48,11 +49,12 @@ class RobotScene:
         return Coordinates(tuple(self.system.outputs), tuple(self.system.output_units.values()))
 
 
-def robot_scene(model, folder: Path, file_name: str, lap: Callable[[str], object]) -> RobotScene:
+def robot_scene(model, changed: dict, folder: Path, file_name: SceneName, lap: Callable[[str], object]) -> RobotScene:
     """Read the robot, find its equilibrium and linearize it there.
 
     Args:
         model: the [model] table.
+        changed: the tables of the robot.toml with the changes of the scene.
         folder: of the scene.
         file_name: of the scene, for messages.
         lap: called with the name of each stage when it is done.
@@ -63,12 +65,11 @@ def robot_scene(model, folder: Path, file_name: str, lap: Callable[[str], object
     Raises:
         SceneError: a file, a name, a unit that is wrong; no equilibrium near the guess.
     """
-    with at(file_name, "model.robot"):
-        path = _robot_path(model.robot, folder)
-    data = robot_data(path)
+    path = robot_path(model.robot, folder)
+    data = robot_data(path, changed, robot_name(file_name, f"{path.absolute().parent.name}/{path.name}"))
     with at(file_name, "model"):
         data = data.with_locked(joint_values(model.locked, data.names, PLACE))
-        arguments = _posture_arguments(data, posing(model, data.names, data.table.base == "free"))
+        arguments = _posture_arguments(data, posing(model, data.names, data.table.base == "free", data.semantics))
     robot = robot_of(data)
     lap("robot model (pinocchio)")
     with at(file_name, "model"):
@@ -78,17 +79,6 @@ def robot_scene(model, folder: Path, file_name: str, lap: Callable[[str], object
     with at(file_name, "model"):
         system = robot.linearize(posture, level=model.level, inputs=inputs, outputs=outputs)
     return RobotScene(data, robot, posture, system, inputs)
-
-
-def _robot_path(name: str, folder: Path) -> Path:
-    if not name or not name.isprintable() or Path(name).is_absolute():
-        raise InputError(f'found {shown(name)}; expected a folder relative to the scene, e.g. "../robots/four_bar"')
-    path = folder / name
-    if not path.exists():
-        raise InputError(f"found {shown(name)}; there is no such folder or file")
-    if path.is_dir() or path.suffix == ".toml":
-        return path
-    raise InputError(f"found {shown(name)}; expected the folder of a robot, or its robot.toml")
 
 
 def _posture_arguments(data: RobotData, own: dict) -> dict:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...ground.checks import nearest
 from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
-from ..file.messages import at, named, shown
+from ..file.messages import EntryError, at, named, shown
 from ..quantities.quantities import quantity
 
 if TYPE_CHECKING:
+    from ...robot.description.srdf import SemanticDescription
     from ...robot.description.urdf import Mimic
 
 STIFFNESS = {"rad": "N*m/rad", "m": "N/m"}
@@ -40,6 +41,7 @@ class UrdfNames:
         path: the file.
         links: their names.
         units: of the joints with one degree of freedom and the coordinates of others, "rad" or "m", by name.
+        several: the coordinates of joints with several degrees of freedom, by joint.
         mimics: joints that follow others.
         meshes: file names of the meshes that are drawn, as they stand in the URDF, each with its link.
     """
@@ -49,6 +51,7 @@ class UrdfNames:
     units: dict[str, str]
     mimics: tuple[Mimic, ...]
     meshes: tuple[tuple[str, str], ...]
+    several: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def joint_unit(self, name: str) -> str:
         """The unit of a joint.
@@ -76,7 +79,7 @@ class UrdfNames:
 
 
 def names_of_urdf(path: Path, free_base: bool = False) -> UrdfNames:
-    """Look through a URDF. Collision geometry is not looked at.
+    """Look through a URDF, or an MJCF file, which pinocchio reads. Collision geometry is not looked at.
 
     Args:
         path: the file.
@@ -88,20 +91,26 @@ def names_of_urdf(path: Path, free_base: bool = False) -> UrdfNames:
     Raises:
         InputError: it cannot be read, is too large, or is no URDF.
     """
+    from ...robot.description.mjcf import is_mjcf, read_mjcf
+    from ...robot.description.models import described
     from ...robot.description.urdf import checked_tree, mimics_of, read_urdf
 
     if not path.is_file():
         others = [other.name for other in path.parent.glob("*.urdf")] if path.parent.is_dir() else []
         raise InputError(f"there is no file {shown(path.name)}{nearest(path.name, others)}")
-    text, _ = read_urdf(path)
-    root = checked_tree(text)
+    root = described(read_mjcf(path, free_base).model) if is_mjcf(path) else checked_tree(read_urdf(path)[0])
     units = {joint.get("name").strip(): JOINT_UNITS.get(joint.get("type")) for joint in root.findall("joint")}
     several = [(joint.get("name").strip(), COORDINATE_UNITS.get(joint.get("type"), {})) for joint in root.findall("joint")]
+    coordinates = {}
     for name, own in (*several, *([(BASE, COORDINATE_UNITS["floating"])] if free_base else [])):
         units |= {f"{name} {suffix}": unit for suffix, unit in own.items()}
+        coordinates[name] = tuple(f"{name} {suffix}" for suffix in own)
     links = {link.get("name").strip(): link for link in root.findall("link")}
     meshes = ((name, mesh.get("filename", "")) for name, link in links.items() for mesh in link.findall("visual/geometry/mesh"))
-    return UrdfNames(path, tuple(links), {name: unit for name, unit in units.items() if unit}, mimics_of(root), tuple(meshes))
+    known = {name: unit for name, unit in units.items() if unit}
+    return UrdfNames(
+        path, tuple(links), known, mimics_of(root), tuple(meshes), {name: own for name, own in coordinates.items() if own}
+    )
 
 
 def _some(names) -> str:
@@ -123,8 +132,10 @@ def joint_values(values: Mapping, names: UrdfNames, units: Mapping[str, str]) ->
     by_name = {}
     for name, value in values.items():
         unit = names.joint_unit(name)
-        with named(name):
+        try:
             by_name[name] = quantity(value, units[unit])
+        except InputError as problem:
+            raise EntryError(f"{name}: {problem}", name) from None
     return by_name
 
 
@@ -133,6 +144,12 @@ def _pose(value) -> tuple[float, ...]:
         raise InputError(f"found {shown(value)}; expected [x, y, z, roll, pitch, yaw], or x, y, z and a quaternion x, y, z, w")
     units = POSE_UNITS if len(value) == 6 else ("m", "m", "m", "1", "1", "1", "1")
     return tuple(quantity(entry, unit) for entry, unit in zip(value, units))
+
+
+def _planar(value) -> tuple[float, ...]:
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 3:
+        raise InputError(f"found {shown(value)}; expected [x, y, angle]")
+    return tuple(quantity(entry, unit) for entry, unit in zip(value, ("m", "m", "rad")))
 
 
 def _given(entry, *left_out: str) -> dict:
@@ -211,36 +228,39 @@ def _body_forces(entries, names: UrdfNames) -> dict:
 
 
 def _guess(values: Mapping, names: UrdfNames, free_base: bool) -> dict:
-    """The values of joints, and the pose of a free base under "base"."""
-    joints = {name: value for name, value in values.items() if not (free_base and name == BASE)}
-    guess = joint_values(joints, names, PLACE)
-    if len(joints) < len(values):
-        with named(BASE):
-            guess[BASE] = _pose(values[BASE])
+    """The values of joints and coordinates; of a joint with several degrees of freedom all at once, as of a free base."""
+    several = {name: value for name, value in values.items() if name in names.several and (free_base or name != BASE)}
+    guess = joint_values({name: value for name, value in values.items() if name not in several}, names, PLACE)
+    for name, value in several.items():
+        with named(name):
+            guess[name] = _pose(value) if len(names.several[name]) == len(POSE_UNITS) else _planar(value)
     return guess
 
 
-def posing(table, names: UrdfNames, free_base: bool) -> dict:
+def posing(table, names: UrdfNames, free_base: bool, semantics: SemanticDescription) -> dict:
     """The posture that a robot.toml or a scene gives.
 
     Args:
         table: with guess, forces, body_force and hold.
         names: of the joints and links.
         free_base: whether the guess has a pose of the base.
+        semantics: the states of the SRDF.
 
     Returns:
         guess and forces in SI, and hold where it is given: arguments of ``Robot.equilibrium``.
     """
-    posture = {}
+    joints = (*names.units, *names.several)
+    state = {} if table.state is None else semantics.state(table.state, joints, BASE if free_base else None)
+    posture: dict = {}
     with named("guess"):
-        posture["guess"] = _guess(table.guess, names, free_base)
+        posture["guess"] = state | _guess(table.guess, names, free_base)
     with named("forces"):
         posture["forces"] = joint_values(table.forces, names, FORCE)
     posture["forces"] |= _body_forces(table.body_force, names)
     if "hold" in table.model_fields_set:
         with named("hold"):
             for name in table.hold if table.hold != "all" else ():
-                names.joint_unit(name)
+                names.joint_unit(name if name not in names.several else names.several[name][0])
             posture["hold"] = table.hold if table.hold == "all" else tuple(table.hold)
     return posture
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ..run.scene import Scene
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ExactEquations:
     """The arguments of ``solve_symbolically``.
 

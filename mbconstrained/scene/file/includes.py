@@ -1,7 +1,8 @@
 """Scenes that include others: the tables of several files merged, each entry with the file from which it comes.
 
 Included files come first, in the order in which they are named, the including file last: arrays of tables grow, for everything
-else the last value counts. A file included by several others is read once.
+else the last value counts. A file included by several others is read once. The robot.toml of a robot comes first of all: the table
+[robot] of a scene changes it for this scene.
 """
 
 from __future__ import annotations
@@ -14,6 +15,9 @@ from ...ground.checks import nearest
 from ...ground.errors import InputError, SceneError
 from .messages import Place, SceneName, at, shown, written
 from .reading import FileKind, parse, read_text
+
+ROBOT_FILE = "robot.toml"
+ROBOT_KIND = FileKind("a robot.toml has at least urdf", "which is no robot.toml; meshes lie in files of their own")
 
 MOST_FILES = 20  # that a scene includes, directly or not
 DEEPEST_INCLUDE = 5
@@ -34,6 +38,87 @@ def read_tables(path: Path) -> tuple[dict, SceneName]:
     files = _Files(path)
     files.read(path, ())
     return files.together()
+
+
+def robot_path(name: str, folder: Path) -> Path:
+    """The robot.toml that a scene names.
+
+    Args:
+        name: the folder of the robot, or the file.
+        folder: of the scene.
+
+    Returns:
+        The path of the file.
+
+    Raises:
+        InputError: no such folder or file.
+    """
+    if not name or not name.isprintable() or Path(name).is_absolute():
+        raise InputError(f'found {shown(name)}; expected a folder relative to the scene, e.g. "../robots/four_bar"')
+    path = folder / name
+    if not path.exists():
+        raise InputError(f"found {shown(name)}; there is no such folder or file")
+    if not path.is_dir() and path.suffix != ".toml":
+        raise InputError(f"found {shown(name)}; expected the folder of a robot, or its {ROBOT_FILE}")
+    return path / ROBOT_FILE if path.is_dir() else path
+
+
+def robot_tables(path: Path) -> tuple[dict, str]:
+    """The tables of a robot.toml, and its name in messages.
+
+    Raises:
+        SceneError: no such file, no TOML.
+    """
+    place = f"{path.absolute().parent.name}/{path.name}"
+    return parse(read_text(path, ROBOT_KIND), place), place
+
+
+def with_robot_file(data: dict, name: SceneName, folder: Path) -> SceneName:
+    """Merge the robot.toml of a scene into its table [robot], which comes last; in place.
+
+    Args:
+        data: the tables of the scene.
+        name: of the scene, for messages.
+        folder: of the scene.
+
+    Returns:
+        The name, which knows what comes from which file.
+
+    Raises:
+        SceneError: the robot cannot be read, or [robot] is no table.
+    """
+    model, changes = data.get("model"), data.get("robot", {})
+    if not isinstance(model, dict) or model.get("kind") != "robot" or not isinstance(model.get("robot"), str):
+        return name
+    with at(name, "model.robot"):
+        path = robot_path(model["robot"], folder)
+    if not isinstance(changes, dict):
+        with at(name, "robot"):
+            raise InputError(f"found {shown(changes)}; expected a table, [robot], with changes of the {ROBOT_FILE}")
+    tables, file = robot_tables(path)
+    merged: dict = {}
+    own: dict[Place, tuple[str, Place]] = {}
+    changed: dict[Place, tuple[str, Place]] = {}
+    _merge(merged, tables, (), file, own)
+    _merge(merged, changes, (), "", changed)
+    data["robot"] = merged
+    origins = {("robot", *place): origin for place, origin in own.items()}
+    origins |= {("robot", *place): name.file_of(("robot", *there)) for place, (_, there) in changed.items()}
+    return SceneName(name, {**name.origins, **origins}, name.settings)
+
+
+def robot_name(name: SceneName, file: str) -> SceneName:
+    """The name of a robot.toml whose tables are those merged under [robot].
+
+    Args:
+        name: of the scene.
+        file: the robot.toml, in messages.
+
+    Returns:
+        The name, which knows what comes from the scene or the command line.
+    """
+    inside = ((place[1:], origin) for place, origin in name.origins.items() if place[0] == "robot" and len(place) > 1)
+    return SceneName(file, {place: origin for place, origin in inside if origin[0] != file})
 
 
 class _Files:

@@ -19,7 +19,7 @@ MOST_PROBLEMS = 5
 
 Place = tuple  # of keys, and of numbers of entries from 1
 
-_PART = re.compile(r"\.?([^\s.\[\]:]+)|\[(\d+)\]")
+_PART = re.compile(r'\.?"([^"]+)"|\.?([^\s.\[\]:]+)|\[(\d+)\]')
 
 
 class EntryError(InputError):
@@ -78,7 +78,8 @@ class SceneName(str):
             if whole[:count] in self.origins:
                 file, place = self.origins[whole[:count]]
                 shared = min(count, len(parts))
-                text = written(place[:shared]) + text[ends[shared] :]
+                there, rest = written(place[: len(place) - count + shared]), text[ends[shared] :]
+                text = there + (rest.removeprefix("the file") if there else rest)
                 return file, text if file == ORIGIN else text + self._with_settings(whole)
         return str(self), text + self._with_settings(whole)
 
@@ -198,8 +199,8 @@ def written(place: Place) -> str:
 def parts_of(text: str) -> Place:
     """The keys and numbers of a written place.
 
-    >>> parts_of("model.mass[1].mass")
-    ('model', 'mass', 1, 'mass')
+    >>> parts_of("model.mass[1].mass"), parts_of('robot.joint_damping."crank pivot"')
+    (('model', 'mass', 1, 'mass'), ('robot', 'joint_damping', 'crank pivot'))
     """
     return tuple(_parts(text)[0])
 
@@ -208,7 +209,7 @@ def _parts(text: str) -> tuple[list, list[int]]:
     """Keys and numbers at the beginning of a text, and after how many characters each ends."""
     parts, ends = [], [0]
     while text[:8] != "the file" and (match := _PART.match(text, ends[-1])):
-        parts.append(match[1] if match[1] is not None else int(match[2]))
+        parts.append(match[1] or match[2] or int(match[3]))
         ends.append(match.end())
     return parts, ends
 

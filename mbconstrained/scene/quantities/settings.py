@@ -69,7 +69,7 @@ def with_settings(data: dict, name: SceneName, settings: Mapping[str, Any]) -> t
     Raises:
         SceneError: no such parameter or place, a quantity of another kind than that of the parameter.
     """
-    changes, origins, set_by = [], dict(name.origins), {}
+    changes, origins, set_by = [], dict(name.origins), dict(name.settings)
     for key, value in settings.items():
         with at(ORIGIN, key if key.isprintable() else quoted(key)):
             setting, place = _set_parameter(data, key, value) or _set_at(data, key, value)

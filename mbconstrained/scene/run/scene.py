@@ -18,8 +18,8 @@ from ...response.choose import Method, Request, choose
 from ...response.problem import Problem
 from ..build.equations import Equations, equations_of
 from ..build.free_motions import free_motion_notices
-from ..file.includes import read_tables
-from ..file.messages import at
+from ..file.includes import read_tables, with_robot_file
+from ..file.messages import SceneName, at
 from ..quantities.output_units import OutputUnits
 from ..quantities.parameters import Parameters, with_parameters
 from ..quantities.quantities import count_texts
@@ -61,7 +61,7 @@ class Scene(Displayed):
     costs: dict[str, Cost]
     parameters: Parameters = Parameters()
     settings: tuple[Setting, ...] = ()
-    file_name: str = ""
+    file_name: SceneName = SceneName("")
 
     def _summary(self) -> str:
         return f"{self.name}: {self.title}" if self.title else self.name
@@ -253,7 +253,7 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     Args:
         path: a TOML file in UTF-8.
         settings: values to take instead of those in the file, numbers or texts with units: by the name of a parameter, or by
-            place, such as "time.end" or "model.mass.cart.mass".
+            place, such as "time.end" or "model.mass.cart.mass"; "robot.gravity" changes the robot.toml of a robot.
 
     Returns:
         The ``Scene``, ready to be planned and run.
@@ -272,8 +272,12 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     path = Path(path)
     costs = Costs()
     data, name = read_tables(path)
-    name, overrides = with_settings(data, name, settings or {})
-    unit_texts = count_texts({key: data[key] for key in data if key not in ("title", "source")})
+    of_robot = {key: value for key, value in (settings or {}).items() if key.startswith("robot.")}
+    name, overrides = with_settings(data, name, {key: value for key, value in (settings or {}).items() if key not in of_robot})
+    name = with_robot_file(data, name, path.parent)
+    name, changes = with_settings(data, name, of_robot)
+    overrides += changes
+    unit_texts = count_texts({key: data[key] for key in data if key not in ("title", "source", "robot")})
     costs.lap("read the scene")
     if unit_texts:
         registry()

@@ -91,8 +91,12 @@ class RandomTable(Table):
     """The stationary response to random forces and random motions of supports."""
 
     input: list[RandomInputTable] = Field(min_length=1, description="The random inputs, [[random.input]].")
-    outputs: list[Text] | None = Field(None, description="Coordinates, of reactions constraint rows; left out: all.")
-    quantity: Literal["displacement", "velocity", "acceleration", "reaction"] = Field("displacement", description="Of the outputs.")
+    outputs: list[Text] | None = Field(
+        None, description="Coordinates; constraint rows for reactions, springs and dampers for forces; left out: all."
+    )
+    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force"] = Field(
+        "displacement", description="Of the outputs; force: of springs and dampers."
+    )
     relative_to: Text | None = Field(None, description="A coordinate or prescribed motion, subtracted from the outputs.")
     coherence: Number | None = Field(
         None,

@@ -68,15 +68,21 @@ class FramesTable(ConnectionTable):
 class LoopTable(FramesTable):
     """A joint that closes a loop."""
 
-    kind: Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "rod"] = Field(
+    kind: Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "universal", "rod"] = Field(
         "point", description="Which of the six directions are constrained."
     )
     axis: Three[Number] = Field([0.0, 0.0, 1.0], description="Of a hinge, prismatic or cylindrical loop, in the frame on body1.")
+    axis2: Three[Number] = Field(
+        [1.0, 0.0, 0.0], description="Of a universal loop, in the frame on body2; axis is in that on body1."
+    )
     length: Length | None = Field(None, description="Of a rod; that at the guess if it is left out.")
     friction: Number | None = Field(
         None, description="Coefficient of friction of a foot on the ground; its force at rest is checked."
     )
     normal: Three[Number] = Field([0.0, 0.0, 1.0], description="Of the contact with friction, in the directions of the ground.")
+    patch: Annotated[list[Length], Field(min_length=2, max_length=2)] | None = Field(
+        None, description="Of a rigid foot with friction: extents of its sole along x and y of the frame on body1."
+    )
 
 
 class BodySpringTable(ConnectionTable):
@@ -158,6 +164,7 @@ class BodyForceTable(PointTable):
 class Posing(Table):
     """Where the robot stands: of a robot, and of a scene that has it otherwise."""
 
+    state: Text | None = Field(None, description="A group state of the SRDF file; the values of guess come on top.")
     guess: dict[Text, Any] = Field({}, description="Joints near the equilibrium; base = [x, y, z, roll, pitch, yaw] if it is free.")
     forces: JointValues = Field({}, description="Forces and torques of joints that act all the time.")
     body_force: list[BodyForceTable] = Field([], description="Forces and torques on bodies that act all the time.")
@@ -177,7 +184,8 @@ class RobotFile(Table):
     title: Text = Field("", description="What the robot is.")
     source: Text = Field("", description="Where it comes from.")
     licence: Text = Field("", description='Under which licence, e.g. "MIT".')
-    urdf: Text = Field(description="The URDF, a file in the robot's folder.")
+    urdf: Text = Field(description="The URDF, or MJCF (.xml), a file in the robot's folder.")
+    srdf: Text | None = Field(None, description="An SRDF, a file in the robot's folder: postures by name, rotors of motors.")
     package_dirs: list[Text] = Field(
         [], description="Folders in which package://NAME/… are looked up: paths, or relative to the robot's."
     )
@@ -201,6 +209,12 @@ class RobotFile(Table):
     spring: list[BodySpringTable] = Field([], description="Springs between bodies.")
     bushing: list[BushingTable] = Field([], description="Bushings between bodies.")
     posture: Posing = Field(Posing(), description="Where the robot stands if a scene does not say otherwise.")
+
+
+class RobotChanges(RobotFile):
+    """Changes of the robot.toml for one scene: entries replace those of the file, and arrays of tables grow."""
+
+    urdf: Text = Field("", description="Another URDF, a file in the robot's folder.")
 
 
 class SpotTable(Table):

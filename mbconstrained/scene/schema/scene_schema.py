@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
+from pydantic import BeforeValidator, Field, SkipValidation, WithJsonSchema, field_validator, model_validator
 
 from ...ground.errors import InputError
 from ...ground.tolerances import noise_of
@@ -19,7 +19,7 @@ from .frequency_table import FrequencyTable
 from .lumped_tables import LumpedTable
 from .model_tables import MatricesTable, StateSpaceTable, TransferFunctionTable
 from .random_table import RandomTable
-from .robot_tables import RobotTable
+from .robot_tables import RobotChanges, RobotTable
 from .shock_table import ShockTable
 
 CONTROL = ("transfer-function", "state-space")
@@ -209,6 +209,9 @@ class SceneFile(Table):
     include: list[Text] | Text = Field([], description="Scene files whose tables are part of this one, relative to it.")
     parameters: Parameters = Field({}, description='Quantities by name, e.g. m = "10 kg"; "=2*m" may stand wherever a number does.')
     model: Model = Field(description="The equations.")
+    robot: Annotated[RobotChanges | None, SkipValidation] = Field(
+        None, description="Changes of the robot.toml for this scene, e.g. its gravity, stiffness, damping or payloads."
+    )
     initial: InitialTable = Field(InitialTable(), description="The values just before t = 0.")
     force: list[ForceTable] = Field([], description="Forces from t = 0 or from their delays on; entries on one coordinate add up.")
     motion: list[MotionTable] = Field([], description="Prescribed motions of coordinates: supports that move.")
@@ -235,6 +238,12 @@ class SceneFile(Table):
         has_outputs = model["kind"] != "state-space" or "C" in model or "D" in model
         plots = ["displacement"] * (not has_outputs or model.get("normal_form") is True) + ["output"] * has_outputs
         return {**data, "output": {**output, "plots": plots}}
+
+    @model_validator(mode="after")
+    def _robot_of_what(self):
+        if self.robot is not None and self.model.kind != "robot":
+            raise InputError('robot changes the robot.toml of kind = "robot"; leave it out')
+        return self
 
     @model_validator(mode="after")
     def _still_in_time(self):

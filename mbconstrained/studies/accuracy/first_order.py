@@ -29,7 +29,7 @@ from ..study_problem import StudyProblem
 BEGINNING = 0.1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Reduced:
     """z' = S z + B f, x = C z + through.
 

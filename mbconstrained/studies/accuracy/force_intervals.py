@@ -26,7 +26,7 @@ Term = tuple[int, float, float, Callable[[float], float]]
 SAME_TIME = 8.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Interval:
     """An interval of time between two knots of the force.
 

@@ -42,7 +42,7 @@ UNTESTED = 1e10
 MOST_SMALL = 100
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Descriptor:
     """E y' + F y = g, the first-order form of A_0 u + A_1 u' + ... = force.
 

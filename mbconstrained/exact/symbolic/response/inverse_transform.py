@@ -24,7 +24,7 @@ from .symbolic_sources import Source
 Combination = dict[sympy.Expr, object]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Quotient:
     """X(s) of the sources that share a denominator: generator -> r numerators, over the product of the factors."""
 

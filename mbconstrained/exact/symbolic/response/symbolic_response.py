@@ -20,7 +20,7 @@ from .symbolic_sources import Source, force_sources, initial_sources, initial_sy
 from .transform import delta
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class SymbolicResponse(Displayed):
     """x(t), t > 0, and its impulses, as expressions.
 

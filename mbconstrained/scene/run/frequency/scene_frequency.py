@@ -34,7 +34,7 @@ EACH_DECADE = 40
 INVERSES = ("dynamic stiffness", "impedance", "apparent mass")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Shown:
     """Names and factors of the units in which responses are shown, shape (outputs, inputs) each."""
 

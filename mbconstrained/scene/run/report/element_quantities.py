@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 RELATIVE = ("displacement", "velocity", "acceleration")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ElementQuantity:
     """constant + sum over i of rows[i] @ x^(i)(t).
 

@@ -22,18 +22,18 @@ from xml.etree import ElementTree
 import numpy as np
 import scipy.linalg
 
-from ..ground.checks import counted
-from ..ground.errors import InputError
-from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import LEFT_OPEN, LOOP_RANK, LOOP_RANK_DOUBTFUL, LOOP_RANK_EXACT, LOOP_RANK_TILTED, SINGULAR_POSTURE
+from ...ground.checks import counted
+from ...ground.errors import InputError
+from ...ground.notices import Notice, NoticeKind
+from ...ground.tolerances import LEFT_OPEN, LOOP_RANK, LOOP_RANK_DOUBTFUL, LOOP_RANK_EXACT, LOOP_RANK_TILTED, SINGULAR_POSTURE
+from ..description.urdf import skeleton
+from ..kinematics import Tree, built_model
+from ..mechanism import LinkFrames
 from .balance import Balance
-from .description.urdf import skeleton
 from .equilibrium import Rows, rows_of
-from .kinematics import Tree, built_model
-from .mechanism import LinkFrames
 
 if TYPE_CHECKING:
-    from .robot import Robot
+    from ..robot import Robot
 
 
 @dataclass(frozen=True)

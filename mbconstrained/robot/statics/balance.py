@@ -14,14 +14,14 @@ from functools import cached_property
 
 import numpy as np
 
-from ..ground.errors import InputError
-from .connections import BodySpring, Bushing, PointMotion
-from .kinematics import Anchor, Kinematics, RelativePose, Tree
-from .mechanism import Attached
-from .tangent import MimicRow, joint_displacement
+from ...ground.errors import InputError
+from ..connections import BodySpring, Bushing, PointMotion
+from ..kinematics import Anchor, Kinematics, RelativePose, Tree
+from ..mechanism import Attached
+from ..tangent import MimicRow, joint_displacement
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Load:
     """The loads and connections of a robot besides gravity.
 
@@ -220,7 +220,7 @@ class Balance:
         return stretch
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Elastic:
     """The contributions of an element with the energy U(phi) to the equations in one configuration.
 

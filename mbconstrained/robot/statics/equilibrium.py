@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..ground.errors import InputError
-from ..ground.tolerances import (
+from ...ground.errors import InputError
+from ...ground.tolerances import (
     BALANCED,
     LOOP_RANK,
     LOOP_RANK_DOUBTFUL,
@@ -17,8 +17,8 @@ from ..ground.tolerances import (
     LOOPS_TILTED,
     ZERO_STIFFNESS,
 )
+from ..kinematics import Tree
 from .balance import Balance, Load
-from .kinematics import Tree
 
 #: Largest step of a joint angle (rad), and of a displacement relative to the robot's size: the linear equations do not hold
 #: beyond it.
@@ -37,7 +37,7 @@ LEAST_STEP = 1e-4
 LEAST_STIFFNESS = 1e-6
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Search:
     """The data of the search for an equilibrium.
 
@@ -71,7 +71,7 @@ class Search:
         return self.at(self.tree.moved(balance.configuration, step / max(1.0, furthest)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Rows:
     """The independent rows of J for the free coordinates, in comparable units.
 
@@ -120,7 +120,7 @@ def rows_of(J: np.ndarray) -> Rows:
     return Rows(left[:, :rank], values[:rank], right[:rank], left[:, rank:], right[rank:].T, relative)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Equilibrium:
     """An equilibrium, or a step on the way to one.
 

@@ -1,0 +1,249 @@
+"""Variances under random excitation between proved bounds, the data taken as the exact numbers that they are.
+
+With H = N / D in lowest terms, white or filtered noise of intensity G gives a rational number: G x_(n-1) / (2 d_n), where X of degree below n is
+the solution of D(s) X(-s) + D(-s) X(s) = N(s) N(-s) (Newton, Gould and Kaiser, Analytical Design of Linear Feedback Controls, 1957, appendix E,
+by one linear system). Between corner frequencies the integral of |H|^2 G is computed by certified quadrature (Johansson, Mathematical Software,
+ICMS 2018). The variance is infinite where D, without what cancels in N, has a zero on the axis that the noise reaches, or to the right of it, and where
+the degrees of N and D say so.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import flint
+import numpy as np
+
+from ...frequency.harmonic import Harmonic
+from ...frequency.random.spectral_matrix import SpectralMatrix
+from ...frequency.random.spectrum_pieces import PowerLaw, Rational
+from ...ground.checks import whole_number
+from ...ground.errors import InputError
+from ..rational.flint_numbers import enclosed_roots, polynomial, rational, working_precision
+from ..rational.rational_matrix import RationalMatrix
+from .intervals import Enclosure, bits_of, has_digits
+
+#: Working precision in bits beyond the digits, in turn.
+GUARDS = (96, 384, 1536)
+
+#: Evaluations of an integrand at most, for each piece.
+EVALUATIONS = 200_000
+
+ZERO = flint.fmpq_poly([0])
+
+
+def enclosed_variances(harmonic: Harmonic, spectra: SpectralMatrix, digits: int) -> Enclosure:
+    """E[y^2] of each output.
+
+    Args:
+        harmonic: H, without structural damping.
+        spectra: of its inputs.
+        digits: of each variance, relative to itself.
+
+    Returns:
+        Shape (outputs,).
+
+    Raises:
+        InputError: an infinite variance, structural damping, partly coherent or delayed noise without a highest frequency.
+    """
+    digits, exact = whole_number(digits, "digits", minimum=1), ExactVariance(harmonic, spectra)
+    balls = [exact.enclosed(output, digits) for output in range(len(harmonic.outputs))]
+    for name, ball in zip(harmonic.output_names, balls):
+        if ball is None:
+            raise InputError(f'the variance of "{name}" is infinite; expected outputs of finite variance, see ``infinite``')
+    return Enclosure.of(balls, np.array(0.0), digits)
+
+
+class ExactVariance:
+    """The variances of one random response.
+
+    Args:
+        harmonic: H.
+        spectra: of its inputs.
+    """
+
+    def __init__(self, harmonic: Harmonic, spectra: SpectralMatrix):
+        if harmonic.imaginary is not None:
+            raise InputError(
+                "enclose: not available with structural damping, which is no rational function of s; give viscous damping"
+            )
+        self.spectra, self.power = spectra, flint.fmpq_poly([0, 1]) ** harmonic.power
+        matrix = RationalMatrix.of(harmonic.A)
+        self.denominator = matrix.determinant
+        self.outputs = [[rational(entry) for entry in row] for row in harmonic.outputs.tolist()]
+        self.solutions = [matrix.numerators([polynomial([entry]) for entry in column]) for column in harmonic.inputs.T.tolist()]
+
+    def numerators(self, output: int) -> list[flint.fmpq_poly]:
+        """det A(s) H(s) from each input."""
+        row = self.outputs[output]
+        return [self.power * sum((c * N for c, N in zip(row, own) if c), ZERO) for own in self.solutions]
+
+    def enclosed(self, output: int, digits: int) -> flint.arb | None:
+        """A ball with the digits; None where the variance is infinite.
+
+        Args:
+            output: its number.
+            digits: relative to the variance.
+        """
+        numerators = self.numerators(output)
+        for guard in GUARDS:
+            with working_precision(bits_of(digits) + guard):
+                parts = [self._of_group(group, numerators) for group in self.spectra.groups]
+                if None in parts:
+                    return None
+                total = sum(parts, flint.arb(0))
+                if has_digits(total, digits) or total == 0:
+                    return total
+        raise InputError(f"enclose: {digits} digits are not reached with {GUARDS[-1]} bits more; ask for fewer digits")
+
+    def _of_group(self, group: list[int], numerators) -> flint.arb | None:
+        """What coherent inputs add."""
+        spectra = self.spectra
+        pieces = [spectra.spectra[i].pieces for i in group]
+        is_delayed = any(i in group for pair in spectra.delayed_pairs for i in pair)
+        if not is_delayed and all(own == pieces[0] for own in pieces) and (spectra.coherence[np.ix_(group, group)] == 1).all():
+            first, total = group[0], sum((numerators[i] for i in group), ZERO)
+            group, numerators = [first], [*numerators[:first], total, *numerators[first + 1 :]]
+        corners = sorted({corner for i in group for corner in spectra.spectra[i].corners})
+        if not corners or np.isfinite(corners[-1]):
+            return self._of_tables(group, numerators, corners)
+        if len(group) > 1 or len(pieces[0]) > 1:
+            raise InputError(
+                "enclose: coherent noise without a highest frequency is covered where its coherence is 1, without delays"
+            )
+        return self._of_filter(numerators[group[0]], pieces[0][0])
+
+    def _of_filter(self, N: flint.fmpq_poly, piece: Rational | PowerLaw) -> flint.arb | None:
+        if isinstance(piece, Rational):
+            above, below, intensity = polynomial(piece.numerator[::-1]), polynomial(piece.denominator[::-1]), piece.intensity
+        else:
+            above, below, intensity = flint.fmpq_poly([1]), flint.fmpq_poly([1]), complex(piece.level).real
+        own = _white_variance(N * above, self.denominator * below)
+        return None if own is None else flint.arb(rational(float(intensity)) / 2 * own)
+
+    def _of_tables(self, group: list[int], numerators, corners) -> flint.arb | None:
+        total = flint.arb(0)
+        reduced = [_lowest_terms(N, self.denominator) for N in numerators]
+        for low, high in itertools.pairwise(corners):
+            middle = (low + high) / 2
+            chosen = {i: piece for i in group if (piece := self.spectra.spectra[i].piece_at(middle)) is not None and reduced[i][0]}
+            for D in (reduced[i][1] for i in chosen):
+                if _has_unstable_zero(D) or _reaches_axis(D, low, high):
+                    return None
+            if chosen:
+                total += self._integral(reduced, chosen, middle, low, high)
+        return total
+
+    def _integral(self, reduced, chosen, middle: float, low: float, high: float) -> flint.arb:
+        pairs, used = [(flint.acb_poly(N), flint.acb_poly(D)) for N, D in reduced], list(chosen)
+        turn = flint.acb(0, 2) * flint.acb.pi()
+
+        def integrand(f, analytic):
+            values = {
+                i: (pairs[i][0](turn * f) / pairs[i][1](turn * f), pairs[i][0](-turn * f) / pairs[i][1](-turn * f)) for i in used
+            }
+            own = {i: _density(chosen[i], f, analytic) for i in used}
+            result = flint.acb(0)
+            for i in used:
+                result += values[i][0] * values[i][1] * own[i]
+                for j in used[: used.index(i)]:
+                    given = self._cross(i, j, own, f, middle, analytic)
+                    if given is not None:
+                        result += values[i][0] * values[j][1] * given[0] + values[j][0] * values[i][1] * given[1]
+            return result
+
+        ends = flint.acb(flint.arb(rational(low))), flint.acb(flint.arb(rational(high)))
+        return flint.acb.integral(integrand, *ends, eval_limit=EVALUATIONS).real
+
+    def _cross(self, i: int, j: int, own, f, middle: float, analytic):
+        """S_ij and S_ji, or None where they vanish."""
+        spectra = self.spectra
+        given = spectra.cross.get((j, i))
+        if given is not None:
+            piece = given.piece_at(middle)
+            return None if piece is None else (_density(piece, f, analytic, conjugate=True), _density(piece, f, analytic))
+        if not spectra.coherence[i, j]:
+            return None
+        alike = spectra.spectra[i].pieces == spectra.spectra[j].pieces
+        size = own[i] if alike else own[i].sqrt(analytic=analytic) * own[j].sqrt(analytic=analytic)
+        shift = flint.arb(rational(float(spectra.delays[i]))) - flint.arb(rational(float(spectra.delays[j])))
+        angle = (flint.acb(0, 2) * flint.acb.pi() * f * shift).exp()
+        size *= flint.arb(rational(float(spectra.coherence[i, j])))
+        return size / angle, size * angle
+
+
+def _density(piece, f: flint.acb, analytic: bool, conjugate: bool = False) -> flint.acb:
+    """G of a piece at a complex frequency, or what is the conjugate on the axis."""
+
+    def number(value) -> flint.acb:
+        value = complex(value).conjugate() if conjugate else complex(value)
+        return flint.acb(flint.arb(rational(value.real)), flint.arb(rational(value.imag)))
+
+    if isinstance(piece, PowerLaw):
+        if not piece.exponent:
+            return number(piece.level)
+        return number(piece.level) * (f / number(piece.lower)).pow(number(float(piece.exponent)), analytic=analytic)
+    if isinstance(piece, Rational):
+        s = flint.acb(0, 2) * flint.acb.pi() * f
+        above, below = (flint.acb_poly(polynomial(part[::-1])) for part in (piece.numerator, piece.denominator))
+        return number(piece.intensity) * above(s) * above(-s) / (below(s) * below(-s))
+    part = (f - number(piece.lower)) / (number(piece.upper) - number(piece.lower))
+    return number(piece.level) * (1 - part) + number(piece.end) * part
+
+
+def _lowest_terms(N: flint.fmpq_poly, D: flint.fmpq_poly) -> tuple[flint.fmpq_poly, flint.fmpq_poly]:
+    common = N.gcd(D) if N else D
+    return N // common, D // common
+
+
+def _mirrored(p: flint.fmpq_poly) -> flint.fmpq_poly:
+    return flint.fmpq_poly([(-1) ** k * c for k, c in enumerate(p.coeffs())])
+
+
+def _factors(p: flint.fmpq_poly) -> list[flint.fmpz_poly]:
+    """The irreducible factors, each once."""
+    return [factor for factor, _ in flint.fmpz_poly([int(c.p) for c in (p * p.denom()).coeffs()]).factor()[1]]
+
+
+def _has_unstable_zero(D: flint.fmpq_poly) -> bool:
+    """Whether a zero is to the right of the axis; those on the axis and their mirror images are common with D(-s)."""
+    for factor in _factors(D):
+        bits = 64
+        while True:
+            roots = enclosed_roots(factor, bits)
+            if any(root.real > 0 for root in roots):
+                return True
+            if all(root.real < 0 or root.real == 0 for root in roots):
+                break
+            bits *= 2
+    return False
+
+
+def _reaches_axis(D: flint.fmpq_poly, low: float, high: float) -> bool:
+    """Whether a zero is on the axis between two frequencies in Hz."""
+    for factor in _factors(D.gcd(_mirrored(D))):
+        for root in enclosed_roots(factor, 256):
+            if root.real == 0:
+                f = root.imag / (2 * flint.arb.pi())
+                if f >= flint.arb(rational(low)) and f <= flint.arb(rational(high)):
+                    return True
+    return False
+
+
+def _white_variance(N: flint.fmpq_poly, D: flint.fmpq_poly) -> flint.fmpq | None:
+    """The integral of |N / D|^2 over -infinity < f < infinity; None where it is infinite."""
+    N, D = _lowest_terms(N, D)
+    n = D.degree()
+    if not N:
+        return flint.fmpq(0)
+    if N.degree() >= n or D.gcd(_mirrored(D)).degree() > 0 or _has_unstable_zero(D):
+        return None
+    below, square = D.coeffs(), (N * _mirrored(N)).coeffs()
+    rows = [[flint.fmpq(0)] * n for _ in range(n)]
+    for k in range(n):  # the coefficients of s^(2 k)
+        for j in range(n):
+            if 0 <= 2 * k - j <= n:
+                rows[k][j] = 2 * (-1) ** j * below[2 * k - j]
+    right = [[square[2 * k] if 2 * k < len(square) else flint.fmpq(0)] for k in range(n)]
+    X = flint.fmpq_mat(rows).solve(flint.fmpq_mat(right))
+    return X[n - 1, 0] / below[n]

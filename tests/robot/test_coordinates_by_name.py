@@ -1,0 +1,92 @@
+"""Joints with several degrees of freedom by the names of their coordinates, as messages print them; points as channels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from tests.robot.linkages import GROUND, bar, joint, urdf
+
+PLANAR = urdf(GROUND, bar("plate", 0.5, 0.2), joint("slide", "frame", "plate", kind="planar"))
+PENDULUM = "robots/pendulum/pendulum.urdf"
+
+
+def test_a_guess_by_coordinate_is_that_by_joint():
+    robot = mb.Robot(PLANAR, gravity=0)
+    for own, whole in (({"slide x": 0.1, "slide rz": 0.3}, (0.1, 0.0, 0.3)), ({"slide y": -0.2}, (0.0, -0.2, 0.0))):
+        postures = [robot.equilibrium(guess, hold=["slide"]) for guess in (own, {"slide": whole})]
+        assert np.array_equal(*(posture.configuration for posture in postures))
+    free = mb.Robot(PENDULUM, base="free")
+    postures = [
+        free.equilibrium(guess, hold=["base", "pivot"])
+        for guess in ({"base z": 1.0, "base rx": 0.2}, {"base": (0, 0, 1.0, 0.2, 0, 0)})
+    ]
+    assert np.array_equal(*(posture.configuration for posture in postures))
+    assert set(postures[0].torques) == set(free.coordinates)
+
+
+@pytest.mark.parametrize(
+    ("guess", "message"),
+    [
+        ({"slide x": 0.1, "slide": (0, 0, 0)}, 'guess: found "slide x" and "slide"; give one of them'),
+        ({"slide x": float("nan")}, "guess of slide x: found nan"),
+        ({"slide w": 1.0}, 'there is no joint "slide w" that moves; did you mean "slide"'),
+    ],
+)
+def test_wrong_coordinates(guess, message):
+    with pytest.raises(mb.InputError, match=message):
+        mb.Robot(PLANAR).equilibrium(guess)
+
+
+def test_a_scene_names_coordinates_and_joints_with_several(tmp_path):
+    (tmp_path / "plate.urdf").write_text(PLANAR)
+    (tmp_path / "robot.toml").write_text(
+        'urdf = "plate.urdf"\ngravity = 0\njoint_stiffness = { "slide x" = "5 N/m", "slide rz" = 2 }\n'
+        '[posture]\nguess = { slide = ["10 cm", 0, "30 deg"] }\nhold = ["slide"]'
+    )
+    robot, data = mb.read_robot(tmp_path)
+    assert data.posture["guess"] == {"slide": pytest.approx((0.1, 0.0, np.pi / 6))} and data.posture["hold"] == ("slide",)
+    assert robot.joint_stiffness.tolist() == [5.0, 0.0, 2.0]
+    assert robot.equilibrium(**data.posture).torques == pytest.approx(dict.fromkeys(robot.coordinates, 0.0), abs=1e-15)
+    (tmp_path / "robot.toml").write_text('urdf = "plate.urdf"\n[posture]\nguess = { slide = [1, 2] }')
+    with pytest.raises(mb.SceneError, match=r"guess: slide: found an array of 2; expected \[x, y, angle\]"):
+        mb.read_robot(tmp_path)
+
+
+def test_a_state_space_of_an_arm_goes_to_control_and_back():
+    robot, data = mb.read_robot("robots/seven_joint_arm")
+    arm = robot.linearize(robot.equilibrium(**data.posture))
+    tip = mb.PointMotion("tool", (0, 0, 0.08), along=(0, 0, 1))
+    inputs, outputs = {"force": tip, "torque": "j2"}, {"tip": tip}
+    space = arm.to_state_space(inputs, outputs)
+    assert (space.inputs, space.outputs) == (("force on force", "force on torque"), ("tip",))
+    other = space.to_control()
+    w = np.array([1.0, 20.0, 200.0, 2000.0])
+    H = arm.frequency_response(w / (2 * np.pi), inputs, outputs).values
+    there = np.array([other(1j * rate) for rate in w]).transpose(1, 2, 0)
+    back = mb.StateSpace(other.A, other.B, other.C, other.D)
+    again = np.array([back(1j * rate) for rate in w]).transpose(1, 2, 0)
+    for values in (there, again):
+        assert np.abs(values - H).max(axis=2) == pytest.approx(np.zeros((1, 2)), abs=1e-11 * np.abs(H).max())
+    poles = np.sort_complex(np.linalg.eigvals(other.A))
+    own = arm.modes().eigenvalues
+    own = np.sort_complex(np.concatenate([own, own[own.imag != 0].conj()]))
+    assert poles == pytest.approx(own, rel=1e-9)
+
+
+def test_the_tool_of_an_arm_on_a_shaken_base():
+    """In closed form the mean square of the tool's acceleration is the integral of |H|^2 G."""
+    moving = mb.Robot(
+        "robots/double_pendulum/double_pendulum.urdf",
+        base="moving",
+        joint_stiffness={"shoulder": 900.0, "elbow": 300.0},
+        joint_damping={"shoulder": 6.0, "elbow": 3.0},
+    )
+    arm = moving.linearize(moving.equilibrium({"shoulder": 0.5, "elbow": 0.4}))
+    tool = {"tool": mb.PointMotion("lower", (0, 0, -0.4), along=(1, 0, 0))}
+    G = mb.psd([1.0, 40.0], [0.02, 0.02], of="acceleration")
+    R = arm.random_response({"motion of base x": G}, tool, "acceleration")
+    f = np.linspace(1.0, 40.0, 40001)
+    H = arm.frequency_response(f, ["motion of base x"], tool, quantity="transmissibility").values[0, 0]
+    assert R.covariance.item() == pytest.approx(np.trapezoid(np.abs(H) ** 2 * 0.02, f), rel=1e-6)
