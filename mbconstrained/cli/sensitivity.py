@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 def add_to(app: typer.Typer) -> None:
     """Give the command line the commands."""
-    app.command("sensitivity", short_help="Who matters: derivatives of frequencies and damping.")(_sensitivity)
+    app.command("sensitivity", short_help="Derivatives of frequencies and damping, sorted by influence.")(_sensitivity)
 
 
 def _sensitivity(
@@ -25,7 +25,7 @@ def _sensitivity(
     settings: Settings = None,
     json: Json = False,
 ) -> None:
-    """Who matters: what each per cent of a parameter or an element changes of natural frequencies and damping, sorted by influence.
+    """What each per cent of a parameter or an element changes of natural frequencies and damping, sorted by influence.
 
     Derivatives in closed form: of eigenvalues and shapes, of defective ones exponents and coefficients of their splitting."""
 
@@ -33,7 +33,7 @@ def _sensitivity(
         from ..scene.run.modes.scene_sensitivities import SceneSensitivities
         from .printing import show
 
-        found = SceneSensitivities(loaded, names or ())
-        show(json, found.as_json, found.blocks)
+        sensitivities = SceneSensitivities(loaded, names or ())
+        show(json, sensitivities.as_json, sensitivities.blocks)
 
     answer(scene, json, work, settings)

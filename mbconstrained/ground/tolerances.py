@@ -81,8 +81,7 @@ PRECISE_DECOUPLING = 1e-30
 #: More states are not computed in precise arithmetic: 120 take a quarter of a minute, these two minutes.
 PRECISE_STATES = 240
 
-#: Losing this many digits in float64 is not worth precise arithmetic, nor one more for every so many states, for its time grows
-#: with their cube.
+#: Losing this many digits in float64 is not worth precise arithmetic, nor one more for every so many states (cubic time).
 WORTHWHILE_DIGITS, WORTHWHILE_STATES_PER_DIGIT = 2, 12
 
 # Matrices, eigenvalues and exponentials (``linalg``, ``polynomial``).
@@ -141,15 +140,13 @@ RANK_TRIALS = (1.0, 10.0, 100.0, CLUSTER_SAFETY)
 #: Up to this many states the pairs of the data taken exactly are computed in precise arithmetic: a quarter of a second.
 AS_WRITTEN_STATES = 24
 
-#: Where the largest stiffness of a mode is more than this many times the least, undamped modes are refined: their shapes have lost six
-#: digits.
+#: Where the stiffnesses of modes have a larger ratio, undamped modes are refined: their shapes have lost six digits.
 REFINED_SPREAD = 1e6
 
 #: Condition of a positive definite stiffness matrix, its diagonal brought to 1, up to which refined modes resolve the softest motion.
 REFINED_CONDITION = 1e-3 / EPS
 
-#: Refined shapes have converged with a correction below this, whose square is negligible; with one above the other they are combined
-#: in groups first.
+#: Refined shapes have converged with a correction below the first, whose square is negligible; above the other, groups combine first.
 LAST_CORRECTION, LARGEST_CORRECTION = EPS**0.5, 0.1
 
 #: Where the moduli of all eigenvalues are within this ratio nothing cancels in the generator, and they need no refinement.
@@ -174,8 +171,7 @@ MODERATE_EXPONENT = 690.0
 #: P(s) is factored at this relative distance from an eigenvalue s, where it is regular.
 FACTOR_DISTANCE = 1e-11
 
-#: Error of the modal coordinates recovered from a sum of modes up to which all modes are there; those of states are refined
-#: once.
+#: Error of the modal coordinates recovered from a sum of modes up to which all modes are there; those of states are refined once.
 MODE_SUM_ERROR = 1e-9
 
 #: Relative steps smaller than this that do not become smaller are rounding error.
@@ -329,8 +325,7 @@ NEWTON_STEP = EPS**0.5
 #: Static corrections are refined to a residual of this part of the force.
 CORRECTION_RESIDUAL = EPS**0.75
 
-#: Free and forced motion of a mode are separated where the transformation, times the largest rate, is at most this many times the
-#: coupling: below resonance.
+#: Free and forced motion of a mode are separated where the transformation times the largest rate is at most this many couplings.
 RESONANCE_RATIO = 32.0
 
 # Control: transfer functions and the mechanical normal form.
@@ -399,8 +394,7 @@ LOOP_RANK_EXACT = 1e-12
 #: Rounded data that make rows independent also keep the loop open, by a like amount; a gap below this part of it is none of theirs.
 LEFT_OPEN = 1e-3
 
-#: Second derivative along the motion, relative to that of single rows, above which a posture is singular; rounded axes cause up
-#: to LOOP_RANK.
+#: Second derivative along the motion, relative to that of single rows, above which a posture is singular (rounded axes: LOOP_RANK).
 SINGULAR_POSTURE = 1e-4
 
 #: A stiffness below this share of the largest is rounding error.

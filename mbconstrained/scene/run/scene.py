@@ -155,7 +155,7 @@ class Scene(Displayed):
         Raises:
             InputError: the scene has no mechanical system.
         """
-        from ..build.scene_parameters import scene_parameters
+        from ..build.symbolic.scene_parameters import scene_parameters
 
         before = {setting.name: setting.value for setting in self.settings}
         return scene_parameters(self, lambda scene, name, value: read_scene(scene.path, {**before, name: value}))

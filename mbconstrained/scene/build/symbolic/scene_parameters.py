@@ -13,17 +13,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...ground.errors import InputError
-from ...ground.tolerances import COMPLEX_STEP
-from ...mechanics.constraints import row_names
-from ...mechanics.sensitivity.parameter import Parameter
-from ...models.element_parameters import complex_parameter
-from ..quantities.coordinates import constraint_row
-from .data_files import entries_of
+from ....ground.errors import InputError
+from ....ground.tolerances import COMPLEX_STEP
+from ....mechanics.constraints import row_names
+from ....mechanics.sensitivity.parameter import Parameter
+from ....models.element_parameters import complex_parameter
+from ...quantities.coordinates import constraint_row
+from ..data_files import entries_of
 from .symbolic_scene import exact_elements
 
 if TYPE_CHECKING:
-    from ..run.scene import Scene
+    from ...run.scene import Scene
 
 
 class ComplexNumbers:
@@ -88,7 +88,9 @@ def scene_parameters(scene: Scene, assembled: Callable[[Scene, str, float], Scen
             continue
         step = COMPLEX_STEP * (abs(value) or 1.0)
         numbers = ComplexNumbers(values, name, step)
-        parameter = _of_elements(scene, name, value, numbers, step) if model.kind == "lumped" else _of_matrices(scene, name, numbers, step)
+        parameter = (
+            _of_elements(scene, name, value, numbers, step) if model.kind == "lumped" else _of_matrices(scene, name, numbers, step)
+        )
         yield replace(_with_rayleigh(scene, parameter, numbers, step), unit=unit)
 
 
@@ -104,7 +106,7 @@ def _of_elements(scene: Scene, name: str, value: float, numbers: ComplexNumbers,
 
 def _of_matrices(scene: Scene, name: str, numbers: ComplexNumbers, step: float) -> Parameter:
     model, coordinates = scene.table.model, scene.equations.coordinates
-    slopes = {}
+    slopes: dict[str, Any] = {}
     for key in ("stiffness", "damping", "mass"):
         source = getattr(model, key)
         slopes[key] = 0.0 if source is None else numbers.slope(entries_of(source, scene.path.parent), step)
