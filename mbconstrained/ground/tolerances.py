@@ -428,6 +428,9 @@ SPLITTING_ROUNDING = 1e-10
 #: errors near EPS / 0.03.
 DIFFERENCE_STEP = 0.03
 
+#: Influences in per cent per per cent below this are shown as 0: rounding errors of what has none.
+SHOWN_INFLUENCE = 1e-9
+
 #: Imaginary steps relative to a number, whose squares vanish next to 1 without underflow.
 COMPLEX_STEP = 1e-40
 

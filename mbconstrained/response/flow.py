@@ -102,6 +102,7 @@ class Flow:
         output: P, shape (r, n + m).
         impulsive: the jumps of w by Dirac impulses at the knots of the force, shape (n, K); None where there are no impulses.
         first_moments: whether those of a delayed force are pieces of their own, in which nothing cancels.
+        jumping: whether the values at 0- do not satisfy the algebraic equations.
     """
 
     reduction: Reduction
@@ -112,6 +113,7 @@ class Flow:
     output: Matrix
     impulsive: np.ndarray | None = None
     first_moments: bool = True
+    jumping: bool = False
 
     @classmethod
     def of(cls, reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth, *, jumping: bool = False) -> Flow:
@@ -128,12 +130,13 @@ class Flow:
         """
         smooth, start = force.smooth, reduction.state(initial)
         if jumping:
-            start = start + _jump_to_algebraic_equations(reduction, initial, smooth)
+            start = start + _jumps_to_algebraic_equations(reduction, initial[None], smooth)[:, 0]
         impulsive = _jumps_by_impulses(reduction, force)
         if impulsive is not None:
             start = start + impulsive[:, 0]
         if not smooth.blocks:
-            return cls(reduction, force, initial, start, zeros_of_kind((len(start), 0), reduction.K), reduction.output, impulsive)
+            nothing = zeros_of_kind((len(start), 0), reduction.K)
+            return cls(reduction, force, initial, start, nothing, reduction.output, impulsive, jumping=jumping)
         J, columns = (of_like_kind(matrix, reduction.K) for matrix in (smooth.generator, smooth.coefficients))
         algebraic, right = columns[reduction.algebraic], columns[np.concatenate([reduction.second, reduction.first])]
         output = hstack(reduction.output, reduction.Y @ algebraic)
@@ -142,7 +145,7 @@ class Flow:
                 right, algebraic = right - matrix @ algebraic, algebraic @ J
         accelerations, rates = reduction.solved(right)
         excitation = vstack(zeros_of_kind(accelerations.shape, reduction.K), accelerations, rates)
-        return cls(reduction, force, initial, start, excitation, output, impulsive)
+        return cls(reduction, force, initial, start, excitation, output, impulsive, jumping=jumping)
 
     def after(self, knot: int, states: np.ndarray) -> Flow:
         """The motion after a knot of the force as one of its own, for states w there.
@@ -288,11 +291,13 @@ class Flow:
         return self.derivatives_less(self.start_with_force[:, None], self.initial[..., None])[..., 0]
 
     def jumps(self, initial: np.ndarray) -> np.ndarray:
-        """The same for other values at 0-, shape (S, q, r), which satisfy the algebraic equations; of this shape."""
+        """The same for other values at 0-, shape (S, q, r), which satisfy the algebraic equations where those of the flow do; of this shape."""
         if self.impulsive is None and len(self.reduction.second) == initial.shape[2]:
             return np.zeros(initial.shape)
         force = np.repeat(self.force.smooth.start_at_zero[:, None], len(initial), axis=1)
         own = self.reduction.states(initial)
+        if self.jumping:
+            own = own + _jumps_to_algebraic_equations(self.reduction, initial, self.force.smooth)
         states = np.concatenate([own if self.impulsive is None else own + self.impulsive[:, :1], force])
         return self.derivatives_less(states, initial.transpose(1, 2, 0)).transpose(2, 0, 1)
 
@@ -345,27 +350,27 @@ class Flow:
         return jumps
 
 
-def _jump_to_algebraic_equations(reduction: Reduction, initial: np.ndarray, smooth: BohlFunction) -> np.ndarray:
-    """Of w at 0+ where x = V x_f + Y g does not hold at 0-: by r in x and r' in x'.
+def _jumps_to_algebraic_equations(reduction: Reduction, initial: np.ndarray, smooth: BohlFunction) -> np.ndarray:
+    """Of w at 0+, shape (n, S), from values at 0- (S, q, r) of which x = V x_f + Y g does not hold: by r in x and r' in x'.
 
     The rows with mass or dampers, integrated over t = 0, keep M x_m, C_dd x_d + C_dm x_m and M x_m' + C_md x_d + C_mm x_m, in which x
     is V x_f + Y g afterwards: what r adds to them before is a change of x_f.
     """
-    m, second, first, V = len(reduction.second), reduction.second, reduction.first, reduction.V
-    values, states, g = list(initial), reduction.state(initial), smooth.coefficients[reduction.algebraic]
-    free, at_zero = [np.concatenate([states[:m], states[2 * m :]]), states[m : 2 * m]], smooth.start_at_zero
-    rest = []
-    for x, own in zip(values, free):
-        beyond, size = x - V[:, : len(own)] @ own - reduction.Y @ (g @ at_zero), np.abs(x) + abs(V[:, : len(own)]) @ np.abs(own)
+    m, second, first, V, C = len(reduction.second), reduction.second, reduction.first, reduction.V, reduction.C
+    states, g = reduction.states(initial), smooth.coefficients[reduction.algebraic]
+    free, at_zero, rest = [np.concatenate([states[:m], states[2 * m :]]), states[m : 2 * m]], smooth.start_at_zero, []
+    for x, own in zip(initial.transpose(1, 2, 0), free):
+        through = V[:, : len(own)]
+        beyond, size = x - through @ own - (reduction.Y @ (g @ at_zero))[:, None], np.abs(x) + abs(through) @ np.abs(own)
         rest.append(np.where(np.abs(beyond) <= noise_of(size, len(size)), 0.0, beyond))
         at_zero = smooth.generator @ at_zero
-    damped, C = reduction.given[1], reduction.C
-    moved = reduction.divided_by_mass((reduction.given[2][second] @ rest[0])[:, None])[:, 0] if m else np.zeros(0)
-    slow = accurately_solved(C[m:, m:], (damped[first] @ rest[0] - C[m:, :m] @ moved)[:, None])[:, 0]
+    damped = reduction.given[1]
+    moved = reduction.divided_by_mass(reduction.given[2][second] @ rest[0]) if m else states[:0]
+    slow = accurately_solved(C[m:, m:], damped[first] @ rest[0] - C[m:, :m] @ moved)
     if not m:
         return slow
     momentum = reduction.given[2][second] @ rest[1] + damped[second] @ rest[0] - C[:m] @ np.concatenate([moved, slow])
-    return np.concatenate([moved, reduction.divided_by_mass(momentum[:, None])[:, 0], slow])
+    return np.concatenate([moved, reduction.divided_by_mass(momentum), slow])
 
 
 def _jumps_by_impulses(reduction: Reduction, force: ImpulsiveSmooth) -> np.ndarray | None:

@@ -46,7 +46,7 @@ def test_positions_and_velocities_jump_as_momentum_demands():
     x0, v0 = np.eye(n)[0], 3.0 * np.eye(n)[1]
     motion = system.solve(displacement=x0, velocity=v0)
     x, v = x0 + motion.jump[0], v0 + motion.jump[1]
-    assert x[0] == x[1] == pytest.approx(1 / 3)  # (1 * 1 + 2 * 0) / (1 + 2)
+    assert x[:2] == pytest.approx(1 / 3, rel=4 * EPS)  # (1 * 1 + 2 * 0) / (1 + 2)
     momentum = M @ v + 0.1 * x
     assert v[0] == pytest.approx(v[1])
     assert momentum[0] + momentum[1] == pytest.approx((M @ v0 + 0.1 * x0)[:2].sum())

@@ -14,7 +14,7 @@ from ...ground.checks import counted, nearest
 from ...ground.display import Displayed, TextTable
 from ...ground.errors import InputError
 from ...ground.threads import short_work
-from ...ground.tolerances import noise_of
+from ...ground.tolerances import SHOWN_INFLUENCE, noise_of
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import step
 from ..modes import Modes
@@ -214,7 +214,7 @@ class Sensitivities(Displayed):
         percent = self.logarithmic[chosen]
         damping = self.damping_ratios[chosen] * np.array([[self.parameters[i].value] for i in chosen]).reshape(-1, 1)
         influence = np.maximum(np.abs(percent), np.abs(damping)).max(axis=1, initial=0.0)
-        order = [i for i in np.argsort(-influence, kind="stable") if influence[i] > np.finfo(float).eps]
+        order = [i for i in np.argsort(-influence, kind="stable") if influence[i] > SHOWN_INFLUENCE]
         hz = self.modes.frequencies_hz
         heads = [f"{hz[k]:.4g} Hz" for k in range(shown)] + [f"damping {k + 1}" for k in range(shown) if damping[:, k].any()]
         damped = [k for k in range(shown) if damping[:, k].any()]
@@ -315,8 +315,8 @@ def _moved(key, system: MechanicalSystem, parameter: Parameter):
 
 
 def _entry(value: float) -> str:
-    if np.isinf(value) or not value:
-        return "infinite" if value else "0"
+    if np.isinf(value) or abs(value) <= SHOWN_INFLUENCE:
+        return "infinite" if np.isinf(value) else "0"
     return f"{value:+.{DECIMALS}f}" if round(value, DECIMALS) else f"{value:+.1e}"
 
 

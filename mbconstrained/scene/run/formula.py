@@ -88,7 +88,7 @@ def _formula(scene: Scene, numbers: bool, coordinates, progress: Progress) -> Cl
     from ...exact.formulas.real_form import real_form
     from ...exact.formulas.symbolic_equations import Symbols
     from ...exact.symbolic.response.symbolic_response import solve_symbolically
-    from ..build.symbolic_scene import exact_equations
+    from ..build.symbolic.symbolic_scene import exact_equations
 
     symbols = Symbols(scene.parameters.values, scene.parameters.units, numbers)
     try:

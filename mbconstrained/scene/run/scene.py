@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -34,6 +34,8 @@ from .stage_costs import Cost, Costs
 from .stages import plan_of, run_stages
 
 if TYPE_CHECKING:
+    from ...mechanics.sensitivity.parameter import Parameter
+    from ...mechanics.sensitivity.sensitivities import Sensitivities
     from ...mechanics.system import MechanicalSystem
 
 
@@ -146,6 +148,37 @@ class Scene(Studied):
     def plan(self) -> Plan:
         """The stages that this scene needs and those it can do without, each with its reason."""
         return plan_of(self)
+
+    def named_parameters(self) -> Iterator[Parameter]:
+        """The [parameters] with the derivatives of the equations, for ``MechanicalSystem.sensitivities``.
+
+        Raises:
+            InputError: the scene has no mechanical system.
+        """
+        from ..build.symbolic.scene_parameters import scene_parameters
+
+        before = {setting.name: setting.value for setting in self.settings}
+        return scene_parameters(self, lambda scene, name, value: read_scene(scene.path, {**before, name: value}))
+
+    def sensitivities(self, parameters: Sequence[str] | None = None) -> Sensitivities:
+        """Derivatives of eigenvalues, motions and responses with respect to the [parameters], or to elements and entries by name.
+
+        Args:
+            parameters: names; all [parameters] by default, all elements or entries where there are none.
+
+        Returns:
+            See ``MechanicalSystem.sensitivities``.
+
+        Raises:
+            InputError: the scene has no mechanical system, an unknown name.
+
+        >>> scene = read_scene("examples/two_masses.toml")
+        >>> scene.sensitivities(["stiffness[x1, x1]"]).natural_frequencies.shape
+        (1, 2)
+        """
+        named = {one.name: one for one in self.named_parameters()}
+        chosen = list(named) or None if parameters is None else parameters
+        return self.equations.system.sensitivities(chosen and [named.get(name, name) for name in chosen])
 
     def run(self, folder: str | Path | None = None, progress=None) -> Result:
         """Solve the scene by the stages of its plan, each of which is measured.

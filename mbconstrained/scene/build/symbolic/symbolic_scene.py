@@ -6,25 +6,25 @@ import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from ...ground.errors import InputError
-from ...mechanics.constraints import LEVELS
-from ...models.elements import Element, Mass, Tie
-from ...models.lumped import coordinate_row, incidence_of
-from ...models.rigid_bar import with_parts
-from ..file.messages import at
-from ..quantities.coordinates import FORCE_UNITS, Coordinates, constraint_row, force_value, initial_values, state_values
-from .data_files import entries_of
-from .forces import sampled_force
-from .lumped_model import element_fields
+from ....ground.errors import InputError
+from ....mechanics.constraints import LEVELS
+from ....models.elements import Element, Mass, Tie
+from ....models.lumped import coordinate_row, incidence_of
+from ....models.rigid_bar import with_parts
+from ...file.messages import at
+from ...quantities.coordinates import FORCE_UNITS, Coordinates, constraint_row, force_value, initial_values, state_values
+from ..data_files import entries_of
+from ..forces import sampled_force
+from ..lumped_model import element_fields
 
 if TYPE_CHECKING:
-    from ...exact.formulas.symbolic_equations import Row, Symbols
-    from ...exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-    from ..run.scene import Scene
+    from ....exact.formulas.symbolic_equations import Row, Symbols
+    from ....exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+    from ...run.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ def exact_equations(scene: Scene, symbols: Symbols) -> ExactEquations:
 
 
 def _mechanical(scene: Scene, symbols: Symbols) -> ExactEquations:
-    from ...exact.formulas.symbolic_equations import exact_form
+    from ....exact.formulas.symbolic_equations import exact_form
 
     if scene.table.motion:
         raise InputError("there is no formula with symbols for a model with prescribed motions ([[motion]])")
@@ -99,7 +99,7 @@ def _mechanical(scene: Scene, symbols: Symbols) -> ExactEquations:
 
 
 def _matrices(scene: Scene, symbols: Symbols) -> tuple[list[np.ndarray], list[Row], list]:
-    from ...exact.formulas.symbolic_equations import Row
+    from ....exact.formulas.symbolic_equations import Row
 
     model, coordinates, folder = scene.table.model, scene.equations.coordinates, scene.path.parent
     size = len(coordinates.names)
@@ -114,7 +114,7 @@ def _matrices(scene: Scene, symbols: Symbols) -> tuple[list[np.ndarray], list[Ro
 
 
 def _followed(initial: np.ndarray, scene: Scene, rows) -> np.ndarray:
-    from ...exact.formulas.symbolic_equations import followed
+    from ....exact.formulas.symbolic_equations import followed
 
     names, given = scene.equations.coordinates.names, scene.table.initial.rows
     values_at_start = initial.copy()
@@ -125,7 +125,7 @@ def _followed(initial: np.ndarray, scene: Scene, rows) -> np.ndarray:
 
 
 def _coefficients(scene: Scene, symbols: Symbols) -> ExactEquations:
-    from ...exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+    from ....exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
     coordinates, folder, name = scene.equations.coordinates, scene.path.parent, scene.path.name
     matrices = [symbols.all_of(entries_of(source, folder)) for source in scene.table.model.coefficients]
@@ -136,7 +136,7 @@ def _coefficients(scene: Scene, symbols: Symbols) -> ExactEquations:
 
 def _state_space(scene: Scene, symbols: Symbols) -> ExactEquations:
     """[[s E - A, 0], [-C, I]] [x; y] = [B; D] u, as ``control.state_space_response`` has it in numbers."""
-    from ...exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+    from ....exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
     system, inputs = scene.equations.control.system, scene.equations.control.inputs
     E, A, B, C, D = _state_matrices(scene, symbols)
@@ -166,8 +166,8 @@ def _state_matrices(scene: Scene, symbols: Symbols) -> list[np.ndarray]:
 
 def _transfer_function(scene: Scene, symbols: Symbols) -> ExactEquations:
     """[[a(s), -b(s)], [0, 1]] [y; u] = [0; u]: from rest, b(d/dt) acts on u with its jumps."""
-    from ...exact.formulas.symbolic_equations import power_input
-    from ...exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+    from ....exact.formulas.symbolic_equations import power_input
+    from ....exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
     model, control = scene.table.model, scene.equations.control
     a, b = (symbols.all_of(coefficients[::-1]) for coefficients in (model.denominator, model.numerator))
@@ -197,7 +197,7 @@ def _exact_force(
     Raises:
         SceneError: a record too long for a formula.
     """
-    from ...exact.formulas import symbolic_equations as signals
+    from ....exact.formulas import symbolic_equations as signals
 
     force = [symbols.of(0)] * len(coordinates.names)
     for number, table in enumerate(tables, 1):
@@ -235,10 +235,10 @@ def _term(table, symbols: Symbols, signals) -> dict:
 
 def _exact_lumped(scene: Scene, symbols: Symbols) -> tuple[list[np.ndarray], list[Row], np.ndarray]:
     """K, C, M as arrays of expressions, the constraint rows, and the static force of rest lengths and weights."""
-    from ...exact.formulas.symbolic_equations import Row
+    from ....exact.formulas.symbolic_equations import Row
 
     table, coordinates = scene.table.model, scene.equations.coordinates
-    elements = _exact_elements(scene, symbols)
+    elements = exact_elements(scene, symbols)
     factors = incidence_of(elements)
     K, C = (_integers(b.incidence).T @ (b.constants[:, None] * _integers(b.incidence)) for b in (factors.springs, factors.dampers))
     gravity = symbols.of(0 if table.gravity is None else table.gravity)  # 0 may be the default of a parameter
@@ -263,8 +263,23 @@ def _integers(incidence: np.ndarray) -> np.ndarray:
     return incidence.astype(int).astype(object)
 
 
-def _exact_elements(scene: Scene, symbols: Symbols) -> list[Element]:
-    """Copies of the elements, with expressions for numbers; they come in the order in which they were added."""
+class Numbers(Protocol):
+    """What gives an entry of a scene another number, or an expression."""
+
+    def of(self, entry) -> Any:
+        """That of an entry."""
+
+
+def exact_elements(scene: Scene, symbols: Numbers) -> list[Element]:
+    """Copies of the elements, with expressions for numbers; they come in the order in which they were added.
+
+    Args:
+        scene: of kind lumped.
+        symbols: what entries become.
+
+    Returns:
+        As many as the elements of the model.
+    """
     model, elements = scene.equations.model, []
     for element, (key, _, entry) in zip(model.elements, scene.table.model.elements):
         twin = copy.copy(element)

@@ -1,0 +1,125 @@
+"""The sensitivities of a scene to its [parameters] and to its elements, as tables and as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from itertools import chain
+from textwrap import wrap
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....ground.checks import nearest
+from ....ground.display import WIDTH, TextTable
+from ....ground.errors import InputError
+from ....mechanics.sensitivity.parameter import Parameter
+from ....mechanics.sensitivity.sensitivities import Sensitivities
+from ..report.summary import notices_json
+
+if TYPE_CHECKING:
+    from ....ground.notices import Notice
+    from ..scene import Scene
+
+NO_INFLUENCE = "No eigenvalue depends on {}."
+
+
+class SceneSensitivities:
+    """Who matters: what each per cent of a parameter or of an element changes.
+
+    Args:
+        scene: with a mechanical system.
+        names: of the parameters and elements; all by default.
+
+    Raises:
+        InputError: no mechanical system, an unknown name.
+    """
+
+    def __init__(self, scene: Scene, names: Sequence[str] = ()):
+        self.scene, own = scene, scene.parameters.values
+        named = tuple(scene.named_parameters())
+        system = scene.equations.system
+        elements = () if scene.equations.robot or scene.table.model.modal_damping is not None else system.parameters()
+        if not named and not elements:
+            raise InputError(
+                "there is nothing to vary: name quantities of the scene in a table [parameters]; of robots and of modal damping "
+                "the elements are not varied"
+            )
+        known = {one.name: one for one in (*elements, *named)}
+        for name in names:
+            if name not in known:
+                raise InputError(f'there is no parameter or element "{name}"{nearest(name, known)}; there are {", ".join(known)}')
+        self.groups = {
+            title: tuple(one for one in group if not names or one.name in names)
+            for title, group in (("parameters", named), ("elements", [one for one in elements if one.name not in own]))
+        }
+
+    @cached_property
+    def sensitivities(self) -> Sensitivities:
+        """Of all chosen parameters and elements."""
+        return self.scene.equations.system.sensitivities(list(chain.from_iterable(self.groups.values())))
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """Those of the scene."""
+        return self.scene.notices
+
+    def tables(self) -> Iterator[TextTable]:
+        """One table for the parameters, one for the elements, the largest influence first; defective eigenvalues."""
+        for title, group in self.groups.items():
+            if group and (title == "parameters" or not self.groups["parameters"] or self._matter(group)):
+                table = self.sensitivities.table([one.name for one in group])
+                yield TextTable(f"Sensitivities to {title}", table.columns if table.rows else (), table.rows, _note(table, group))
+        if rows := tuple((str(one.mode + 1), one.text) for one in self.sensitivities.defective):
+            note = "of an eigenvalue with fewer shapes than its multiplicity there is no derivative; e is a small change"
+            yield TextTable("Defective eigenvalues", ("mode", "how it splits"), rows, note)
+
+    def _matter(self, group: Sequence[Parameter]) -> bool:
+        return bool(self.sensitivities.table([one.name for one in group]).rows)
+
+    def blocks(self) -> list[str | TextTable]:
+        """What is printed."""
+        heading = "\n".join(line for text in (self.scene.heading, self.scene.table.source) for line in wrap(text, WIDTH))
+        notices = ["\n".join(wrap(str(notice), WIDTH)) for notice in self.notices]
+        return [heading, *self.tables(), *notices]
+
+    def as_json(self) -> dict:
+        """Derivatives by parameter, None where they are infinite; complex numbers as pairs."""
+        d = self.sensitivities
+        rows = [
+            {
+                "name": parameter.name,
+                "value": parameter.value,
+                "unit": parameter.unit,
+                "eigenvalues": [[_finite(value.real), _finite(value.imag)] for value in d.eigenvalues[i]],
+                "frequencies_hz": [*map(_finite, d.frequencies_hz[i])],
+                "damping_ratios": [*map(_finite, d.damping_ratios[i])],
+                "logarithmic": [*map(_finite, d.logarithmic[i])],
+            }
+            for i, parameter in enumerate(d.parameters)
+        ]
+        return {
+            "title": self.scene.title,
+            "eigenvalues": [[value.real, value.imag] for value in d.modes.eigenvalues],
+            "frequencies_hz": d.modes.frequencies_hz.tolist(),
+            "sensitivities": rows,
+            "defective": [_splitting_json(one) for one in d.defective],
+            "error_estimate": float(d.error_estimate),
+            "notices": notices_json(self.notices),
+        }
+
+
+def _note(table: TextTable, group: Sequence[Parameter]) -> str:
+    return table.note if table.rows else NO_INFLUENCE.format(", ".join(one.name for one in group))
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _splitting_json(one) -> dict:
+    branches = [
+        {"exponent": str(branch.exponent), "coefficient": [branch.coefficient.real, branch.coefficient.imag]}
+        for branch in one.splitting.branches
+    ]
+    return {"mode": one.mode + 1, "parameter": one.parameter, "exact": one.splitting.is_exact, "branches": branches}
