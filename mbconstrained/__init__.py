@@ -88,6 +88,7 @@ _LATE = {
     "Robot": "robot.robot",
     "Geometry": "exchange.universal",
     "Record": "scene.build.record_file",
+    "Optimum": "studies.sweep.optimisation",
     "Sweep": "studies.sweep.sweep",
     "SweepResult": "studies.sweep.sweep_result",
     "linspace": "scene.quantities.variations",
@@ -107,8 +108,8 @@ def _presentation():
     return import_module(".scene.python_models", __name__)
 
 
-def _studies():
-    return import_module(".studies.sweep.sweep", __name__)
+def _studies(name: str):
+    return import_module(f".studies.sweep.{name}", __name__)
 
 
 MechanicalSystem.to_state_space = to_state_space

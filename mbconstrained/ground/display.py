@@ -114,7 +114,7 @@ class Presented(Displayed):
 class Studied(Displayed):
     """A public object of which studies are made, by a room that imports this one: the package's own first file sets ``studies``."""
 
-    studies: ClassVar[Callable[[], Any]]
+    studies: ClassVar[Callable[[str], Any]]
 
     def sweep(self, parameters=None, **options):
         """A study of many samples of parameters, which ``run`` computes.
@@ -136,7 +136,27 @@ class Studied(Displayed):
         >>> study, study.run().values("response peak")[:, 0].round(7).tolist()
         (Sweep(tuned_mass_damper, 3 samples of zeta), [7.13e-05, 6.64e-05, 8.38e-05])
         """
-        return type(self).studies().sweep(self, parameters, **options)
+        return type(self).studies("sweep").sweep(self, parameters, **options)
+
+    def optimise(self, parameters=None, **options):
+        """The values of parameters between bounds that make a figure least or largest.
+
+        Args:
+            parameters: ranges by name or place, such as {"zeta": "0.05..0.3"}; in addition to those of [vary].
+            options: minimise or maximise, a figure such as "response peak" or "largest x"; seed.
+
+        Returns:
+            An ``Optimum``: ``parameters``, ``value``, ``at_bounds``.
+
+        Raises:
+            InputError: no figure, given values instead of a range, no sample with an answer.
+
+        >>> import mbconstrained as mb
+        >>> scene = mb.read_scene("examples/tuned_mass_damper.toml")
+        >>> round(scene.optimise({"zeta": "0.1..0.2"}, minimise="response peak machine by machine").parameters["zeta"], 4)
+        0.1339
+        """
+        return type(self).studies("optimisation").optimise(self, parameters, **options)
 
 
 def notice_table(notices: Sequence[Notice]) -> TextTable:

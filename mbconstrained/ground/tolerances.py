@@ -196,8 +196,7 @@ EDGE_UNITS = 8
 
 # Error estimates.
 
-#: Every value of a small model is right to this part of the largest value at that time; the rounding errors of a well-conditioned
-#: problem stay a hundred times below it.
+#: Every value of a small model is right to this part of the largest value at that time, a hundred times usual rounding errors.
 PROVED_ACCURACY = 1e-12
 
 #: Models of up to so many states are small: the exact engine answers within a second.

@@ -35,7 +35,11 @@ def test_frequency_and_damping_of_one_mass(command, scene):
     """f = sqrt(k / m) / 2 pi and zeta = c / 2 sqrt(k m): half a per cent per per cent, and half of zeta = 0.05."""
     code, text, _ = command("sensitivity", scene)
     assert code == 0
-    rows = {line.split()[0]: [float(entry) for entry in line.split()[1:]] for line in text.splitlines() if line.startswith(("  k ", "  m "))}
+    rows = {
+        line.split()[0]: [float(entry) for entry in line.split()[1:]]
+        for line in text.splitlines()
+        if line.startswith(("  k ", "  m "))
+    }
     assert rows["k"] == pytest.approx([0.5, -0.025], abs=1e-3)
     assert rows["m"] == pytest.approx([-0.5, -0.025], abs=1e-3)
     assert max(map(len, text.splitlines())) <= 80
