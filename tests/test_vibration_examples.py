@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.linalg import expm
 from scipy.signal import lsim
 
 from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency
 from mbconstrained.scene.run.frequency.scene_random import SceneRandom
+from mbconstrained.scene.run.frequency.scene_shock import SceneShock
 from mbconstrained.scene.run.scene import read_scene
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -123,3 +125,94 @@ def test_electronics_box():
     edges = [20.0, 29.0, 31.0, 80.0, 350.0, 2000.0]
     total = sum(quad(density, a, b, epsabs=0, epsrel=1e-13)[0] for a, b in itertools.pairwise(edges))
     assert np.isclose(response.rms[0], 9.80665 * np.sqrt(total), rtol=1e-11)
+
+
+def rms_by_quadrature(transfer, density, edges) -> float:
+    """The root of the integral of |H|^2 G by adaptive quadrature between edges in Hz."""
+    pieces = itertools.pairwise(edges)
+    return math.sqrt(
+        sum(
+            quad(lambda f: abs(transfer(2 * np.pi * f)) ** 2 * density(f), a, b, epsabs=0, epsrel=1e-11, limit=400)[0]
+            for a, b in pieces
+        )
+    )
+
+
+def test_building_in_earthquake():
+    """Floors relative to the soil: -M 1 times the filtered acceleration of the rock (Kanai 1957, Tajimi 1960)."""
+    response = SceneRandom(read_scene(EXAMPLES / "building_in_earthquake.toml")).response
+    masses = np.array([20e3, 20e3, 15e3])
+    chain = np.array([[2.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0]])
+
+    def soil(f):
+        r = f / 2.5
+        return 0.01 * (1 + (1.2 * r) ** 2) / ((1 - r**2) ** 2 + (1.2 * r) ** 2)
+
+    frequencies = np.sqrt(np.linalg.eigvals(20e6 / masses[:, None] * chain).real) / (2 * np.pi)
+    edges = [1e-6, *np.sort(frequencies), 20.0, 200.0, 2000.0]
+    for floor in range(3):
+
+        def drift(w, floor=floor):
+            return np.linalg.solve(np.diag(-(w**2) * masses) + (20e6 + 80e3j * w) * chain, -masses.astype(complex))[floor]
+
+        assert np.isclose(response.rms[floor], rms_by_quadrature(drift, soil, edges), rtol=1e-8)
+
+
+def test_car_on_road():
+    """Both axles follow one road, the rear 0.135 s later; ISO 8608 class C: G(n) = 256e-6 (n / 0.1)^-2 m^3 at n = f / v."""
+    response = SceneRandom(read_scene(EXAMPLES / "car_on_road.toml")).response
+    k, c, arms, m, J, delay = np.array([35e3, 30e3]), 1.5e3, np.array([-1.5, 1.2]), 1200.0, 1500.0, 2.7 / 20.0
+
+    def accelerations(w):
+        z = k + 1j * w * c
+        road = np.array([np.exp(-1j * w * delay), 1.0])
+        stiffness = np.array([[z.sum(), z @ arms], [z @ arms, z @ arms**2]])  # of height and of the angle that raises the front
+        return -(w**2) * np.linalg.solve(stiffness - w**2 * np.diag([m, J]), [z @ road, (z * arms) @ road])
+
+    def road(f):
+        return 256e-6 * (f / 20.0 / 0.1) ** -2 / 20.0
+
+    edges = [0.011 * 20.0, 1.0, 2.0, 5.0, 20.0, 2.83 * 20.0]  # the spatial frequencies of the standard
+    for output in range(2):
+        expected = rms_by_quadrature(lambda w, output=output: accelerations(w)[output], road, edges)
+        assert np.isclose(response.rms[output], expected, rtol=1e-9)
+
+
+def test_arm_on_shaking_base():
+    """RMS of the tool's acceleration by quadrature of the transfer function from M, C, K and the row of the floor."""
+    scene = read_scene(EXAMPLES / "arm_on_shaking_base.toml")
+    own, system = SceneRandom(scene).response, scene.equations.system
+    n, A = system.size, system.constraint_matrix
+    floor = [row.name for row in system.rows].index("floor")
+    up = system.outputs["tool upwards"]
+    corners, values = np.log([2.0, 10.0, 100.0]), np.log([1e-4, 1e-3, 1e-3])
+
+    def transfer(w):  # of accelerations
+        D = system.stiffness - w**2 * system.mass + 1j * w * system.damping
+        saddle = np.block([[D, A.T], [A, np.zeros((len(A), len(A)))]])
+        return up @ np.linalg.solve(saddle, np.eye(len(saddle))[n + floor])[:n]
+
+    edges = np.unique([2.0, 10.0, 100.0, *(f for f in system.modes().frequencies_hz if 2.0 < f < 100.0)])
+    expected = rms_by_quadrature(transfer, lambda f: np.exp(np.interp(np.log(f), corners, values)), edges)
+    assert np.isclose(own.rms[0], 9.80665 * expected, rtol=1e-8)
+
+
+def test_half_sine_drop():
+    """The mounts' force by Duhamel's integral of the half sine: the largest acceleration of the instrument."""
+    shock = SceneShock.of_scene(read_scene(EXAMPLES / "half_sine_drop.toml"))
+    w, z, A, T = 2 * np.pi * 12.0, 0.1, 50 * 9.80665, 11e-3
+    W = np.pi / T
+    # states: relative displacement and velocity, sin W t, cos W t
+    S = np.array([[0, 1, 0, 0], [-(w**2), -2 * z * w, -A, 0], [0, 0, 0, W], [0, 0, -W, 0]])
+    times = np.linspace(0, 0.05, 5001)
+    step = expm(S * times[1])
+    states, accelerations = np.array([0.0, 0.0, 0.0, 1.0]), []
+    for time in times:
+        if time > T:
+            states[2:] = 0.0
+        accelerations.append(-(w**2) * states[0] - 2 * z * w * states[1])
+        states = step @ states
+    (peaks,) = (one for one in shock.peaks if one.quantity == "acceleration")
+    largest = peaks.maximum[peaks.names.index("instrument")]
+    assert largest == pytest.approx(max(accelerations), rel=1e-5)
+    assert largest >= max(accelerations) * (1 - 1e-12)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -11,8 +11,8 @@ import numpy as np
 
 from ..ground.checks import OF_FUNCTION, nearest, real_number
 from ..ground.errors import InputError
-from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import EPS, NOISE_SAFETY, SYMMETRIC_STIFFNESS, noise_of
+from ..ground.notices import Notice
+from ..ground.tolerances import NOISE_SAFETY
 from ..mechanics.channels import ElementForce, Side, channels, chosen_by_name
 from ..mechanics.constraints import Constraint, Level, checked_level
 from ..mechanics.energy import EnergyParts
@@ -22,7 +22,7 @@ from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
 from .connections import PointMotion
 from .flexible_joint import FlexibleJoint
-from .statics.equilibrium import rows_of
+from .stiffness import cleaned, cleaned_rows, rounding_errors, stiffness_parts, stiffness_rounding, symmetric_stiffness
 
 if TYPE_CHECKING:
     from ..control.state_space import StateSpace
@@ -30,9 +30,6 @@ if TYPE_CHECKING:
     from ..frequency.random.random_response import RandomResponse
     from .flexible_joint import WithoutMotors
     from .posture import Posture
-
-#: Rounding of an entry that is computed through a chain of joints, relative to the largest of its kind.
-COMPUTED = 4 * EPS
 
 
 class LinearizedRobot(MechanicalSystem):
@@ -53,16 +50,16 @@ class LinearizedRobot(MechanicalSystem):
         robot, balance = posture.robot, posture.balance
         self.posture = posture
         checked_level(level, "level")
-        self._stiffness_parts = _stiffness_parts(posture)
+        self._stiffness_parts = stiffness_parts(posture)
         self._flexible = [(robot.coordinates.index(name), joint) for name, joint in robot.flexible_joints.items()]
-        K, rounding = sum(part for _, part in self._stiffness_parts), _stiffness_rounding(posture)
-        link_stiffness, self._notices = _stiffness(posture, np.where(np.abs(K) > NOISE_SAFETY * rounding, K, 0.0))
+        K, rounding = sum(part for _, part in self._stiffness_parts), stiffness_rounding(posture)
+        link_stiffness, self._notices = symmetric_stiffness(posture, np.where(np.abs(K) > NOISE_SAFETY * rounding, K, 0.0))
         sizes = balance.entry_sizes
-        damping = np.diag(robot.joint_damping) + sum(_clean(item.damping, sizes) for item in balance.elastic)
+        damping = np.diag(robot.joint_damping) + sum(cleaned(item.damping, sizes) for item in balance.elastic)
         motors = [joint for _, joint in self._flexible]
         names = (*robot.coordinates, *(f"{robot.coordinates[i]} motor" for i, _ in self._flexible))
         super().__init__(
-            mass=self._with_motors(_clean(balance.mass, sizes)) + self._at_motors([motor.reflected_inertia for motor in motors]),
+            mass=self._with_motors(cleaned(balance.mass, sizes)) + self._at_motors([motor.reflected_inertia for motor in motors]),
             damping=self._with_motors(damping)
             + self._gears([motor.damping for motor in motors])
             + self._at_motors([motor.derivative_gain for motor in motors]),
@@ -74,8 +71,8 @@ class LinearizedRobot(MechanicalSystem):
             units=(*robot.units, *(robot.units[i] for i, _ in self._flexible)),
             energy_parts=self._energy_parts(),
             uncertainty={
-                "mass": self._with_motors(_rounding(balance.mass, sizes)),
-                "damping": self._with_motors(sum((_rounding(item.damping, sizes) for item in balance.elastic), 0.0 * sizes)),
+                "mass": self._with_motors(rounding_errors(balance.mass, sizes)),
+                "damping": self._with_motors(sum((rounding_errors(item.damping, sizes) for item in balance.elastic), 0.0 * sizes)),
                 "stiffness": self._with_motors(rounding),
             },
         )
@@ -183,9 +180,28 @@ class LinearizedRobot(MechanicalSystem):
             (channel,) = chosen_by_name("motions", label if label in rows else name, known, ())
             doubt = rows[label].uncertainty if label in rows else None
             rows[label] = Constraint(np.atleast_2d(channel.direction), level, value, label, channel.unit, doubt)
+        return self._with_rows(rows.values())
+
+    def without_rows(self, names: Iterable[str]) -> LinearizedRobot:
+        """The same robot without some of its constraint rows, such as those of a moving base that another motion replaces.
+
+        Args:
+            names: of rows; names of none are left out.
+
+        Returns:
+            A ``LinearizedRobot``.
+        """
+        left = set(names)
+        return (
+            self
+            if left.isdisjoint(row.name for row in self.rows)
+            else self._with_rows(row.constraint() for row in self.rows if row.name not in left)
+        )
+
+    def _with_rows(self, rows: Iterable[Constraint]) -> LinearizedRobot:
         bare = copy(self)
         bare.constraints = ()
-        return bare.with_constraints(*rows.values())
+        return bare.with_constraints(*rows)
 
     def frequency_response(self, frequencies_hz="auto", inputs=None, outputs=None, *arguments, **named) -> FrequencyResponse:
         """As of every mechanical system, with inputs and outputs of its own: joints and points.
@@ -297,7 +313,7 @@ class LinearizedRobot(MechanicalSystem):
         balance = self.posture.balance
         names, units = balance.load.row_names, balance.load.row_units
         motors = ((0, 0), (0, len(self._flexible)))
-        J, doubt = (np.pad(part, motors) for part in _clean_rows(balance.jacobian, balance.sizes, units))
+        J, doubt = (np.pad(part, motors) for part in cleaned_rows(balance.jacobian, balance.sizes, units))
         return [
             Constraint(J[i], level=level, names=names[i], unit=units[i], uncertainty=doubt[i])
             for i in self.posture.independent_rows
@@ -374,66 +390,6 @@ def body_masses(posture: Posture) -> list[tuple[str, np.ndarray]]:
         v, w = kinematics.of_point(joint, centre), R.T @ columns[3:]
         masses.append((names[joint], inertia.mass * v.T @ v + w.T @ np.array(inertia.inertia) @ w))
     return masses
-
-
-def _stiffness_parts(posture: Posture) -> list[tuple[str, np.ndarray]]:
-    """The contributions to K: springs of joints, springs between bodies, gravity and forces."""
-    robot, balance = posture.robot, posture.balance
-    gravity, joints, *others = balance.stiffnesses
-    springs, applied = others[: len(balance.elastic)], others[len(balance.elastic) :]
-    sizes = balance.entry_sizes
-    rest = np.sum([_clean(part, sizes) for part in (gravity, *applied)], axis=0)
-    rest = rest - sum(_clean(part, sizes) for part in balance.geometric(posture.multipliers))
-    parts = [(f"spring of {name}", np.diag(row)) for name, row, k in zip(robot.coordinates, joints, robot.joint_stiffness) if k]
-    gains = zip(robot.coordinates, np.diag(robot.position_gains), robot.position_gains)
-    parts += [(f"control of {name}", np.diag(row)) for name, row, k in gains if k]
-    parts += [(item.connection.name, _clean(part, sizes)) for item, part in zip(balance.load.springs, springs)]
-    return [*parts, ("gravity and forces", rest)]
-
-
-def _stiffness_rounding(posture: Posture) -> np.ndarray:
-    """Rounding errors of K: of each contribution, with the largest multiplier in every loop, since one equation gives them all."""
-    balance, load = posture.balance, posture.balance.load
-    sizes = balance.entry_sizes
-    largest = np.abs(posture.multipliers * load.row_lengths).max(initial=0.0) / load.row_lengths
-    return sum(_rounding(part, sizes) for part in (*balance.stiffnesses, *balance.geometric(largest)))
-
-
-def _stiffness(posture: Posture, K: np.ndarray) -> tuple[np.ndarray, tuple[Notice, ...]]:
-    """K made symmetric where the forces have a potential.
-
-    At an equilibrium the derivative of a conservative force is symmetric; the skew part lies across the motion.
-    """
-    balance, lengths = posture.balance, posture.balance.load.lengths
-    N = rows_of(balance.scaled_jacobian[list(posture.independent_rows)]).motions
-    scaled = K * np.outer(lengths, lengths)
-    along = N.T @ scaled @ N
-    skew = np.abs(along - along.T).max(initial=0.0)
-    if skew <= SYMMETRIC_STIFFNESS * np.abs(scaled).max(initial=0.0):
-        return (K + K.T) / 2, ()
-    text = f"the stiffness matrix is not symmetric (by {skew / np.abs(along).max():.1e} of its largest entry along the motion)"
-    return K, (Notice(NoticeKind.UNSYMMETRIC, f"{text}: a torque that keeps its direction has no potential"),)
-
-
-def _clean(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """The matrix without entries that are rounding errors of the largest: a zero stiffness must be zero, or a free motion oscillates."""
-    scaled = np.abs(part / sizes)
-    return np.where(scaled > noise_of(scaled.max(initial=0.0), len(part)), part, 0.0)
-
-
-def _rounding(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """The rounding errors of the entries: that of the largest, since entries are sums."""
-    largest = np.abs(part / sizes).max(initial=0.0)
-    return np.where(_clean(part, sizes) != 0, COMPUTED * largest * sizes, 0.0)
-
-
-def _clean_rows(J: np.ndarray, sizes: np.ndarray, units: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of loops without rounding errors of the largest entry of the same unit, and their rounding errors."""
-    clean, doubt = np.zeros_like(J), np.zeros_like(J)
-    for unit in set(units):
-        rows = np.array(units) == unit
-        clean[rows], doubt[rows] = _clean(J[rows], sizes), _rounding(J[rows], sizes)
-    return clean, doubt
 
 
 def _chosen(channels):

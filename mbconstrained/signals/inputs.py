@@ -7,10 +7,11 @@ the units of the rows that the input loads, such as N or N m. Inputs add, and ``
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
-from ..ground.checks import real_array, real_number, whole_number
+from ..ground.checks import nearest, real_array, real_number, whole_number
 from ..ground.errors import InputError
 from ..ground.tolerances import noise_of
 from .bohl import BohlFunction
@@ -210,24 +211,31 @@ def _rate_unit(diagonal, power) -> float:
 LINEAR = np.array([[0.0, 1.0], [0.0, 0.0]])
 
 
-def pulse(vector, *, start: float = 0.0, duration: float) -> ImpulsiveSmooth:
-    """The rectangular pulse f(t) = v for start <= t < start + duration, zero before and after.
+def pulse(vector, *, start: float = 0.0, duration: float, shape: str = "rectangle") -> ImpulsiveSmooth:
+    """A pulse of peak v for start <= t < start + duration, zero before and after, with u = (t - start) / duration:
+
+    f = v (rectangle), v sin(pi u) (half-sine), v (1 - cos(2 pi u)) / 2 (versed-sine), v (1 - |2 u - 1|) (triangle), v u (sawtooth).
 
     Args:
         vector: v, shape (r,).
         start: in s, at least 0.
         duration: in s, greater than 0.
+        shape: "rectangle", "half-sine", "versed-sine", "triangle" or "sawtooth", which ends at its peak.
 
     Returns:
         An ``ImpulsiveSmooth`` with r rows.
 
     Raises:
-        InputError: times out of range, or a duration that rounding removes.
+        InputError: an unknown shape, times out of range, or a duration that rounding removes.
 
     >>> from mbconstrained import pulse
     >>> pulse([2.0], start=1.0, duration=0.5)([0.5, 1.0, 1.4, 1.5])
     array([[0., 2., 2., 0.]])
+    >>> pulse([2.0], duration=0.5, shape="half-sine")([0.125, 0.25]).round(6)
+    array([[1.414214, 2.      ]])
     """
+    if shape not in PULSES:
+        raise InputError(f"shape: found {shape!r}; expected one of {', '.join(PULSES)}{nearest(str(shape), PULSES)}")
     start, duration = real_number(start, "start", minimum=0.0), real_number(duration, "duration", positive=True)
     end = start + duration
     if end == start:
@@ -235,10 +243,41 @@ def pulse(vector, *, start: float = 0.0, duration: float) -> ImpulsiveSmooth:
     if end == np.inf:
         raise InputError(f"duration: {duration:g} s after the start at {start:g} s is beyond the range of float64; shorten it")
     vector = _vector(vector)
+    if shape != "rectangle":
+        return PULSES[shape](vector, duration).delayed(start)
     restarts = Restarts(np.array([0.0, duration]), np.array([[1.0, 0.0]]), np.array([[1.0, -1.0]]))
     pulse_at_zero = ImpulsiveSmooth(BohlFunction(vector[:, None], (np.zeros((1, 1)),), restarts))
     parts = ExactInput(ExactTerm(vector)), ExactInput(ExactTerm(-vector)).delayed(duration)
     return pulse_at_zero.described_by(*parts).delayed(start)
+
+
+def _half_sine(v: np.ndarray, T: float) -> ImpulsiveSmooth:
+    sine = harmonic(v, angular_frequency=np.pi / T, phase=-np.pi / 2)
+    return sine + sine.delayed(T)
+
+
+def _versed_sine(v: np.ndarray, T: float) -> ImpulsiveSmooth:
+    wave = step(v / 2) + harmonic(-v / 2, angular_frequency=2 * np.pi / T)
+    return wave + (-1.0 * wave).delayed(T)
+
+
+def _triangle(v: np.ndarray, T: float) -> ImpulsiveSmooth:
+    rise = ramp(2 * v / T)
+    return rise + (-2.0 * rise).delayed(T / 2) + rise.delayed(T)
+
+
+def _sawtooth(v: np.ndarray, T: float) -> ImpulsiveSmooth:
+    return ramp(v / T) + (ramp(-v / T) + step(-v)).delayed(T)
+
+
+#: The shapes of pulses.
+PULSES: dict[str, Callable] = {
+    "rectangle": pulse,
+    "half-sine": _half_sine,
+    "versed-sine": _versed_sine,
+    "triangle": _triangle,
+    "sawtooth": _sawtooth,
+}
 
 
 def sampled(times, values) -> ImpulsiveSmooth:

@@ -250,6 +250,8 @@ def _mechanical(table, system, coordinates, folder, file_name, model=None, robot
     prescribed = prescribed_motions(table.motion, coordinates, folder, file_name, robot_scene and robot_scene.system)
     if prescribed:
         with at(file_name, "motion"):
+            if robot_scene:  # a moving base is at rest where nothing else is prescribed
+                system = system.without_rows(f"motion of {name}" for motion in table.motion for name, _ in motion.rows.values())
             system = system.with_constraints(*prescribed)
     system = _damped(table.model, system, file_name)  # of the modes with the supports at rest
     robot_scene = robot_scene and replace(robot_scene, system=system)

@@ -169,5 +169,5 @@ _SIGNALS: dict[str, Callable] = {
     "impulse": lambda t, v: signals.impulse(v, order=t.order),
     "harmonic": lambda t, v: signals.harmonic(v, angular_frequency=t.omega, phase=t.phase),
     "term": lambda t, v: signals.term(v, power=t.power, rate=t.rate, angular_frequency=t.omega, phase=t.phase),
-    "pulse": lambda t, v: signals.pulse(v, start=t.start, duration=t.duration),
+    "pulse": lambda t, v: signals.pulse(v, start=t.start, duration=t.duration, shape=t.shape),
 }

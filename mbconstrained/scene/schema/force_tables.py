@@ -123,9 +123,12 @@ class TermTable(PeriodicTable):
 
 
 class PulseTable(ForceBase):
-    """value for start <= t < start + duration."""
+    """A pulse of peak value for start <= t < start + duration."""
 
-    kind: Literal["pulse"] = Field(description="Constant for a while, zero before and after.")
+    kind: Literal["pulse"] = Field(description="Zero before and after; constant between, or of another shape.")
+    shape: Literal["rectangle", "half-sine", "versed-sine", "triangle", "sawtooth"] = Field(
+        "rectangle", description="sawtooth: ends at its peak."
+    )
     value: Quantity = Field(description="The force, or the torque on an angle.")
     start: Time = Field(0.0, description="When it begins.")
     duration: Time = Field(description="How long it lasts.")

@@ -216,6 +216,10 @@ def _signal(table, unit: str | None, symbols: Symbols, folder: Path, signals) ->
         return signals.sampled(*([of(entry) for entry in entries] for entries in (times, values)), t)
     value = of(force_value(table.value, unit, table.time_power))
     if table.kind == "pulse":
+        if table.shape != "rectangle":
+            raise InputError(
+                f'formulas know rectangular pulses only, and this is a {table.shape}; write it as [[force]] of kind "term"'
+            )
         return signals.pulse(value, t, of(table.start), of(table.duration))
     if table.kind in ("impulse", "power"):
         return signals.power_input(value, t, -table.order if table.kind == "impulse" else table.gamma)

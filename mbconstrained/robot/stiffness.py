@@ -1,0 +1,111 @@
+"""The stiffness of a robot at a posture by its parts, and matrices of a posture without entries that are rounding errors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..ground.notices import Notice, NoticeKind
+from ..ground.tolerances import EPS, SYMMETRIC_STIFFNESS, noise_of
+from .statics.equilibrium import rows_of
+
+if TYPE_CHECKING:
+    from .posture import Posture
+
+#: Rounding of an entry that is computed through a chain of joints, relative to the largest of its kind.
+COMPUTED = 4 * EPS
+
+
+def stiffness_parts(posture: Posture) -> list[tuple[str, np.ndarray]]:
+    """The contributions to K: springs of joints, springs between bodies, gravity and forces."""
+    robot, balance = posture.robot, posture.balance
+    gravity, joints, *others = balance.stiffnesses
+    springs, applied = others[: len(balance.elastic)], others[len(balance.elastic) :]
+    sizes = balance.entry_sizes
+    rest = np.sum([cleaned(part, sizes) for part in (gravity, *applied)], axis=0)
+    rest = rest - sum(cleaned(part, sizes) for part in balance.geometric(posture.multipliers))
+    parts = [(f"spring of {name}", np.diag(row)) for name, row, k in zip(robot.coordinates, joints, robot.joint_stiffness) if k]
+    gains = zip(robot.coordinates, np.diag(robot.position_gains), robot.position_gains)
+    parts += [(f"control of {name}", np.diag(row)) for name, row, k in gains if k]
+    parts += [(item.connection.name, cleaned(part, sizes)) for item, part in zip(balance.load.springs, springs)]
+    return [*parts, ("gravity and forces", rest)]
+
+
+def stiffness_rounding(posture: Posture) -> np.ndarray:
+    """Rounding errors of K: of each contribution, with the largest multiplier in every loop, since one equation gives them all."""
+    balance, load = posture.balance, posture.balance.load
+    sizes = balance.entry_sizes
+    largest = np.abs(posture.multipliers * load.row_lengths).max(initial=0.0) / load.row_lengths
+    return sum(
+        (rounding_errors(part, sizes) for part in (*balance.stiffnesses, *balance.geometric(largest))), np.zeros(sizes.shape)
+    )
+
+
+def symmetric_stiffness(posture: Posture, K: np.ndarray) -> tuple[np.ndarray, tuple[Notice, ...]]:
+    """K made symmetric where the forces have a potential.
+
+    At an equilibrium the derivative of a conservative force is symmetric; the skew part lies across the motion.
+
+    Args:
+        posture: at rest.
+        K: the sum of its parts, shape (nv, nv).
+
+    Returns:
+        K of this shape, and a notice where it is not symmetric.
+    """
+    balance, lengths = posture.balance, posture.balance.load.lengths
+    N = rows_of(balance.scaled_jacobian[list(posture.independent_rows)]).motions
+    scaled = K * np.outer(lengths, lengths)
+    along = N.T @ scaled @ N
+    skew = np.abs(along - along.T).max(initial=0.0)
+    if skew <= SYMMETRIC_STIFFNESS * np.abs(scaled).max(initial=0.0):
+        return (K + K.T) / 2, ()
+    text = f"the stiffness matrix is not symmetric (by {skew / np.abs(along).max():.1e} of its largest entry along the motion)"
+    return K, (Notice(NoticeKind.UNSYMMETRIC, f"{text}: a torque that keeps its direction has no potential"),)
+
+
+def cleaned(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """The matrix without entries that are rounding errors of the largest: a zero stiffness must be zero, or a free motion oscillates.
+
+    Args:
+        part: any matrix of the coordinates.
+        sizes: the units of its entries, of the same shape.
+
+    Returns:
+        A copy.
+    """
+    scaled = np.abs(part / sizes)
+    return np.where(scaled > noise_of(scaled.max(initial=0.0), len(part)), part, 0.0)
+
+
+def rounding_errors(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """The rounding errors of the entries: that of the largest, since entries are sums.
+
+    Args:
+        part, sizes: as of ``cleaned``.
+
+    Returns:
+        Of the same shape.
+    """
+    largest = np.abs(part / sizes).max(initial=0.0)
+    return np.where(cleaned(part, sizes) != 0, COMPUTED * largest * sizes, 0.0)
+
+
+def cleaned_rows(J: np.ndarray, sizes: np.ndarray, units: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of loops without rounding errors of the largest entry of the same unit, and their rounding errors.
+
+    Args:
+        J: shape (k, nv).
+        sizes: units of the columns.
+        units: of the rows.
+
+    Returns:
+        Two matrices of this shape.
+    """
+    clean, doubt = np.zeros_like(J), np.zeros_like(J)
+    for unit in set(units):
+        rows = np.array(units) == unit
+        clean[rows], doubt[rows] = cleaned(J[rows], sizes), rounding_errors(J[rows], sizes)
+    return clean, doubt
