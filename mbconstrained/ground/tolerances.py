@@ -104,8 +104,8 @@ MODE_AMPLIFICATION = 1e4
 #: The same for models of few states, for which the general method costs little: two digits.
 REDUCED_AMPLIFICATION = 100.0
 
-#: Couplings below this part of the rates of both states are weak: states coupled so are decoupled in groups, and the groups from each
-#: other entry by entry. LAPACK keeps thirteen digits of a coupling of this size.
+#: Couplings below this part of the rates of both states are weak, of the faster one where the rates differ by more: such groups are
+#: decoupled each for itself, then from each other entry by entry. LAPACK keeps thirteen digits of a coupling of this size.
 WEAK_COUPLING = 2.0**-10
 
 #: Most steps of that: each gains a factor of weak coupling over the distance of rates.
@@ -337,7 +337,7 @@ CONJUGATE_ROOTS = 1e-10
 
 #: Units of one model differ by at most twelve orders of magnitude: a coupling below this part of its row and column may be rounding
 #: error in other units.
-WEAK_COUPLING = 1e12 * EPS
+ROUNDED_COUPLING = 1e12 * EPS
 
 #: From this many times its noise bound on a distance to non-existence counts, half-way in digits to a clear decision.
 COUNTED_DISTANCE = CLEAR_KEPT**0.5

@@ -152,12 +152,16 @@ def _by_groups(matrix: Matrix) -> BlockDiagonal | None:
 
 
 def weakly_coupled_groups(matrix: Matrix) -> list[np.ndarray]:
-    """The states of a balanced matrix in groups that excite each other by more than weak couplings."""
+    """The states of a balanced matrix in groups that excite each other by more than weak couplings.
+
+    What couples a fast state with a slow one moves the rates by its square over the faster rate, and counts relative to that.
+    """
     n = matrix.shape[0]
     row, column, values = entries(matrix)
     largest, sizes = np.zeros(n), np.abs(values)
     np.maximum.at(largest, row, sizes)
-    strong = sizes > WEAK_COUPLING * np.minimum(largest[row], largest[column])
+    less, more = np.minimum(largest[row], largest[column]), np.maximum(largest[row], largest[column])
+    strong = sizes > WEAK_COUPLING * np.where(less > WEAK_COUPLING * more, less, more)
     if strong.all() and WEAK_COUPLING * largest.max(initial=0.0) <= largest.min(initial=np.inf):
         return [np.arange(n)]
     joined = csr_array((strong[strong], (row[strong], column[strong])), shape=(n, n))

@@ -112,8 +112,8 @@ def decoupled_with_conserved(S: np.ndarray, given: Conserved, decoupled: Callabl
     Args:
         S: shape (n, n), in 1/s.
         given: the conserved numbers of its states.
-        decoupled: does the same for a matrix without zeros at 0; its second argument is which states of S it is the part of, None
-            where it is none, its third a matrix whose units serve, where they are not its own.
+        decoupled: does the same for a matrix without zeros at 0; its second argument is which states of S it belongs to, whose units
+            serve, None where it belongs to none, its third a matrix whose units serve, where they are not its own.
 
     Returns:
         Blocks, those of J last.
@@ -126,16 +126,16 @@ def decoupled_with_conserved(S: np.ndarray, given: Conserved, decoupled: Callabl
     inverse[count:] = L
     moving = S[rest] @ basis  # [A, D] of the other states y' = A y + D z
     A, D = moving[:, :count], moving[:, count:]
-    rows, own, is_part = inverse[:count], basis[:, count:], not np.count_nonzero(D)
+    rows, own = inverse[:count], basis[:, count:]
     if given.left is not None:
         slow = given.left[:, :n] + given.left[:, n:] @ S[2 * n - given.left.shape[1] :]
         return _decoupled_with_slow(A, D, given.blocks, slow @ basis, basis, inverse, decoupled)
-    if not is_part:
+    if np.count_nonzero(D):
         X = _separating(A, D, J)
         rows, own = rows - X @ L, own + basis[:, :count] @ X
     if not (np.abs(own) * np.abs(L.T)).sum(axis=0).max() <= DECOUPLING_LIMIT:
         return _by_clusters(A, D, J, basis, inverse)
-    return _with_conserved(decoupled(A, rest if is_part else None), basis[:, :count], rows, own, given)
+    return _with_conserved(decoupled(A, rest), basis[:, :count], rows, own, given)
 
 
 def _decoupled_with_slow(A, D, blocks, left: np.ndarray, basis, inverse, decoupled) -> BlockDiagonal:

@@ -303,9 +303,6 @@ class Reduction:
             return None
         if len(self._groups) > 1 or self.topology is not None:
             return None
-        balanced = of_like_kind(self.generator * self.units / self.units[:, None], self.generator)
-        if entry_count(self.C) and len(weakly_coupled_groups(balanced)) > 1:
-            return None
         return modes_of_wide_spread(self.M, self.C, self.K, self.order)
 
     @property
@@ -341,9 +338,10 @@ class Reduction:
         return decoupled(full(self.generator[states][:, states]), self.units[states]) if result is None else result
 
     def _decoupled_rest(self, rest: np.ndarray, states: np.ndarray | None, like: np.ndarray | None = None) -> BlockDiagonal:
-        """The rest of S without the conserved quantities, group by group; its part on these states where it is one.
+        """The rest of S without the conserved quantities, group by group.
 
-        In units that balance it, or a matrix like it: those of very small couplings would be far from those of all others.
+        In the units of its states, or in those that balance it, or a matrix like it: those of very small couplings would be far from those
+        of all others, and a row of all momenta would bend them.
         """
         units = balancing_units(kept(rest if like is None else like)) if states is None else self.units[states]
         groups = coupled_rows(rest)

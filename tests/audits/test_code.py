@@ -81,6 +81,16 @@ def test_algorithms_have_no_literal_tolerances():
     expect_none(offenders, "give the number a name and its reason in ground/tolerances.py")
 
 
+def test_every_constant_is_defined_once():
+    """A second definition of a name would silently replace the first."""
+    offenders = []
+    for file in FILES:
+        targets = [line.targets[0] for line in tree(file).body if isinstance(line, ast.Assign)]
+        names = [target.id for target in targets if isinstance(target, ast.Name) and target.id.isupper()]
+        offenders += [f"{file} {name}" for name in sorted(set(names)) if names.count(name) > 1]
+    expect_none(offenders, "two quantities have two names")
+
+
 def test_texts_name_no_machine_and_no_bookkeeping():
     """In nothing that is committed: paths of one machine, hosts of package registries, notes to oneself."""
     bookkeeping = re.compile(

@@ -261,17 +261,15 @@ def conserving(random, ignorable: bool) -> PolynomialMatrix:
 
 @pytest.mark.parametrize("ignorable", [True, False])
 @pytest.mark.parametrize("seed", range(5))
-def test_what_is_conserved_is_apart_from_the_rest_which_is_balanced_with_all_states_where_it_is_their_part(
-    ignorable, seed, monkeypatch
-):
-    """S is decoupled; balanced once, and what is left of it once more only where conserved numbers drive it."""
+def test_what_is_conserved_is_apart_from_the_rest_which_keeps_the_units_of_all_states(ignorable, seed, monkeypatch):
+    """S is decoupled; balanced once, whether conserved numbers drive what is left of it or not."""
     balanced = []
     for module in (mbconstrained.linalg.eigen, mbconstrained.polynomial.reduced_equations):
         found = module.balancing_units
         monkeypatch.setattr(module, "balancing_units", lambda S, found=found: balanced.append(len(S)) or found(S))
     reduction = check(conserving(np.random.default_rng(seed), ignorable), states=6)
     parts, S = reduction.decoupled, reduction.generator
-    assert reduction.is_well_separated and balanced == ([6] if ignorable else [5, 6])
+    assert reduction.is_well_separated and balanced == [6]
     assert np.allclose(parts.inverse @ S @ parts.basis, block_matrix(parts.blocks), rtol=0, atol=1e-13)
     assert np.allclose(parts.inverse @ parts.basis, np.eye(6), rtol=0, atol=1e-13)
     expected = np.sort_complex(np.round(np.linalg.eigvals(S), 8))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
+from tests.oracles.ball_exponential import motion
 
 
 def scalar(*zeros) -> mb.PolynomialMatrix:
@@ -159,3 +160,16 @@ def test_the_largest_and_the_smallest_numbers_pass():
     A = mb.PolynomialMatrix([[[1.0]], [[1.0]]])
     for size in (1e308, 1e-308):
         assert mb.solve(A, [[size]])(0.5)[0] / size == pytest.approx(np.exp(-0.5), rel=1e-12)
+
+
+def test_a_free_chain_with_dampers_to_the_ground_has_separate_modes():
+    """What the dampers' row conserves is a sum of all momenta; its units bend no others. Clusters of 51 states had errors of 2e-9."""
+    random = np.random.default_rng([42, 4])
+    n = 39
+    K = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    K[0, 0] = K[-1, -1] = 1.0
+    M, C, start = np.diag(random.uniform(0.5, 2, n)), np.diag(random.uniform(0, 0.1, n)), random.normal(size=n)
+    x = mb.solve(mb.PolynomialMatrix([K, C, M]), [start, np.zeros(n)])
+    expected = np.array([float(value) for value in motion([K, C, M], [start, np.zeros(n)], 5.0)])
+    assert np.abs(x(5.0) - expected).max() <= 1e-11 * np.abs(expected).max()
+    assert all(len(block) <= 2 for block in x.method.flow.reduction.decoupled.blocks)

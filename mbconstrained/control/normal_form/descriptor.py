@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ...ground.checks import counted, real_array
 from ...ground.errors import InputError, NoNormalForm, SingularPolynomialMatrix
-from ...ground.tolerances import EPS, NOISE_SAFETY, WEAK_COUPLING
+from ...ground.tolerances import EPS, NOISE_SAFETY, ROUNDED_COUPLING
 from ...linalg.rank import compress_rows, null_columns
 from ...linalg.rounding import Noisy
 from ...linalg.scaling import joint_scaling
@@ -215,7 +215,7 @@ def _input_space(F, B, known: float = EPS) -> tuple[np.ndarray, float]:
 
 def _weak(A) -> np.ndarray:
     size = np.abs(A)
-    small = size <= WEAK_COUPLING * np.minimum(size.max(axis=1, keepdims=True), size.max(axis=0))
+    small = size <= ROUNDED_COUPLING * np.minimum(size.max(axis=1, keepdims=True), size.max(axis=0))
     return (size > 0) & small & _on_no_cycle(A)
 
 

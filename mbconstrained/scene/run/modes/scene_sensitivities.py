@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ....ground.notices import Notice
     from ..scene import Scene
 
-NO_INFLUENCE = "No eigenvalue depends on {}."
+NO_INFLUENCE = "No oscillating mode depends on {}; --json has the derivatives of all eigenvalues."
 
 
 class SceneSensitivities:
@@ -39,7 +39,9 @@ class SceneSensitivities:
         self.scene, own = scene, scene.parameters.values
         named = tuple(scene.named_parameters())
         system = scene.equations.system
-        elements = () if scene.equations.robot or scene.table.model.modal_damping is not None else system.parameters()
+        elements = (
+            () if scene.equations.robot or getattr(scene.table.model, "modal_damping", None) is not None else system.parameters()
+        )
         if not named and not elements:
             raise InputError(
                 "there is nothing to vary: name quantities of the scene in a table [parameters]; of robots and of modal damping "
