@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ....mechanics.energy import EnergyShares
     from ....mechanics.modes import Mode
     from ....mechanics.system import MechanicalSystem
+    from ....mechanics.vibration.effective_masses import EffectiveMasses
     from ..scene import Scene
 
 
@@ -103,6 +104,13 @@ class SceneModes:
             ModeLine(number, row, complex(mode.eigenvalue), mode.multiplicity, mode, place)
             for number, (row, mode, place) in enumerate(wanted, 1)
         )
+
+    @cached_property
+    def effective_masses(self) -> EffectiveMasses | None:
+        """Of a robot, under motions of its base along x, y and z; None where no mode oscillates."""
+        robot = self.scene.equations.robot_scene
+        masses = None if robot is None else robot.system.effective_masses()
+        return masses if masses is not None and len(masses.frequencies_hz) else None
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
