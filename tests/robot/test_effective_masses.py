@@ -96,6 +96,9 @@ def test_free_bodies_have_no_effective_mass_and_directions_are_checked():
     assert found.totals == pytest.approx([mass_of(robot)] * 3, rel=1e-12)
     with pytest.raises(mb.InputError, match="base: found 'w'; expected x, y, z, rx, ry, rz"):
         system.effective_masses("w")
+    follower = mb.MechanicalSystem(np.eye(2), None, [[2.0, 1.0], [0.0, 2.0]], [mb.Constraint([0, 1])])
+    with pytest.raises(mb.InputError, match="effective masses: the stiffness matrix is not symmetric"):
+        follower.effective_masses()
 
 
 def test_groups_of_rows_of_other_models_move_together():

@@ -12,7 +12,7 @@ from ...ground.checks import counted, nearest
 from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError
 from ...ground.tolerances import noise_of
-from ..element_matrix import mass_normalized, static_response
+from ..element_matrix import check_orthogonal, mass_normalized, static_response
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
@@ -86,7 +86,11 @@ def effective_masses(
 
     Returns:
         The ``EffectiveMasses``.
+
+    Raises:
+        InputError: unsymmetric M or K.
     """
+    check_orthogonal("effective masses", system.mass, system.stiffness)
     modes = system.modes(damped=False)
     w = modes.natural_frequencies
     V = system.constrained_form().null_space

@@ -11,7 +11,7 @@ import numpy as np
 
 from ....ground.errors import SceneError
 from ....ground.files import Replacements
-from ....ground.notices import Notice
+from ....ground.notices import Notice, NoticeKind
 from ....response.response_notices import pair_notices
 from ..plan import Plan
 from ..report.tables import eigenvalue_rows
@@ -107,10 +107,12 @@ class SceneModes:
 
     @cached_property
     def effective_masses(self) -> EffectiveMasses | None:
-        """Of a robot, under motions of its base along x, y and z; None where no mode oscillates."""
+        """Of a robot, under motions of its base along x, y and z; None where no mode oscillates or the modes are not orthogonal."""
         robot = self.scene.equations.robot_scene
-        masses = None if robot is None else robot.system.effective_masses()
-        return masses if masses is not None and len(masses.frequencies_hz) else None
+        if robot is None or any(notice.kind is NoticeKind.UNSYMMETRIC for notice in robot.system.notices):
+            return None
+        masses = robot.system.effective_masses()
+        return masses if len(masses.frequencies_hz) else None
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
