@@ -154,7 +154,7 @@ def _by_groups(matrix: Matrix) -> BlockDiagonal | None:
 def weakly_coupled_groups(matrix: Matrix) -> list[np.ndarray]:
     """The states of a balanced matrix in groups that excite each other by more than weak couplings."""
     n = matrix.shape[0]
-    row, column, strong, largest = _couplings(matrix)
+    row, column, strong, largest = _coupled_states(matrix)
     if strong.all() and WEAK_COUPLING * largest.max(initial=0.0) <= largest.min(initial=np.inf):
         return [np.arange(n)]
     joined = csr_array((strong[strong], (row[strong], column[strong])), shape=(n, n))
@@ -162,12 +162,12 @@ def weakly_coupled_groups(matrix: Matrix) -> list[np.ndarray]:
     return [np.flatnonzero(which == group) for group in range(count)]
 
 
-def has_weak_couplings(matrix: Matrix) -> bool:
+def is_weakly_coupled(matrix: Matrix) -> bool:
     """Whether some states of a balanced matrix are weakly coupled."""
-    return not _couplings(matrix)[2].all()
+    return not _coupled_states(matrix)[2].all()
 
 
-def _couplings(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _coupled_states(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Rows and columns of the entries, which of them are strong, and the largest size in each row.
 
     What couples a fast state with a slow one moves the rates by its square over the faster rate, and counts relative to that.
