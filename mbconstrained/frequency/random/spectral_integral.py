@@ -135,6 +135,17 @@ def _hermitian(matrices: np.ndarray) -> np.ndarray:
     return (matrices + np.conj(np.swapaxes(matrices, -1, -2))) / 2
 
 
+def _diagonal(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Of the products of stacks of matrices (number, p, m) and (number, m, p): shape (number, p)."""
+    return np.einsum("xai,xia->xa", left, right)
+
+
+def _product_sum(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The sum of these products over the stack, as one product."""
+    count, p, m = left.shape
+    return left.transpose(1, 0, 2).reshape(p, count * m) @ right.reshape(count * m, p)
+
+
 class _Integration:
     """The work of one call."""
 
@@ -295,39 +306,35 @@ class _Integration:
         logarithm = 0.5 * np.log((upper**2 + b**2) / (lower**2 + b**2))
         angle = np.sign(b) * np.arctan2((upper - lower) * np.abs(b), b**2 + upper * lower)
         starts = np.flatnonzero(np.diff(x, prepend=-1))
+        X, Y = 2 * (logarithm - first), 2 * (angle - second)
         for k, power in enumerate(self.powers):
-            X, Y, doubt = self._principal_parts(number, panels.middle[x], power)
-            part = X * (2 * (logarithm - first))[:, None, None] - Y * (2 * (angle - second))[:, None, None]
-            total[x[starts], k] = np.add.reduceat(part, starts)
-            terms = sum(
-                np.abs(one.diagonal(axis1=1, axis2=2)) * (np.abs(u) + np.abs(v))[:, None]
-                for one, u, v in ((X, logarithm, first), (Y, angle, second))
-            )
+            left, (odd, even, other), doubt = self._principal_parts(number, panels.middle[x], power)
+            right = X[:, None, None] * (odd - 1j * other) + Y[:, None, None] * (even + other)
+            for panel, own in zip(x[starts], itertools.pairwise([*starts, len(x)])):
+                total[panel, k] = _product_sum(left[slice(*own)], right[slice(*own)])
+            sizes = zip((_diagonal(left, odd - 1j * other), _diagonal(left, even + other)), ((logarithm, first), (angle, second)))
+            terms = sum(np.abs(one.real) * (np.abs(u) + np.abs(v))[:, None] for one, (u, v) in sizes)
             loss[x[starts], k] = 2 * EPS * np.add.reduceat(terms, starts)
             doubts[x[starts], k] = 2 * np.add.reduceat(doubt * np.abs(angle)[:, None], starts)
-        return total, loss, doubts
+        return _hermitian(total), loss, doubts
 
-    def _principal_parts(self, number: np.ndarray, middle: np.ndarray, power: int) -> tuple[np.ndarray, ...]:
-        """Of poles by number, at pieces of the spectra: X and Y of r = X + i Y, both Hermitian, shape (number, p, p), and errors of Y, (number, p).
+    def _principal_parts(self, number: np.ndarray, middle: np.ndarray, power: int) -> tuple[np.ndarray, tuple, np.ndarray]:
+        """Of poles by number, at pieces of the spectra: r = -i R f^k S(f) (conj R / (2 |sigma|) + rest)^T / (2 pi), and errors, (number, p).
 
-        r = -i R f^k S(f) (conj R / (2 |sigma|) + rest)^T / (2 pi) at the pole. The term with 1 / sigma belongs to Y but for the change of S from
-        the axis to the pole, which is taken by itself: far from the peak it is the small part X that counts.
+        Its Hermitian part and that of -i r are those of R (odd - i other) and -R (even + other), R of shape (number, p, m) and these of shape
+        (number, m, p). The term with 1 / sigma belongs to the arc tangent but for the change of S from the axis to the pole, which is taken by
+        itself: far from the peak it is the small part of the logarithm that counts.
         """
         S = np.zeros((len(number), *(len(self.spectra.names),) * 2), dtype=complex)
         at = self.frequencies[number]
         for piece in np.unique(middle):
             own = middle == piece
             S[own] = np.moveaxis(self.spectra(at[own], piece), 2, 0)
-        S *= (at**power)[:, None, None]
+        S *= (at**power / (2 * np.pi))[:, None, None]
         R, rest = self.residues[number], self.mirrored[number]
         conjugate = np.conj(np.swapaxes(R, 1, 2)) / (-2 * self.sigma[number])[:, None, None]
-        even, odd = R @ _hermitian(S) @ conjugate, R @ _hermitian(-1j * S) @ conjugate
-        other = R @ S @ np.swapaxes(rest, 1, 2)
-        doubt = (
-            np.einsum("xai,xij,xaj->xa", np.abs(R), np.abs(S), self.doubts[number])
-            / np.abs(2 * np.pi * self.sigma[number])[:, None]
-        )
-        return _hermitian(odd + _hermitian(-1j * other)) / (2 * np.pi), -_hermitian(even + other) / (2 * np.pi), doubt
+        doubt = np.einsum("xai,xij,xaj->xa", np.abs(R), np.abs(S), self.doubts[number]) / np.abs(self.sigma[number])[:, None]
+        return R, (_hermitian(-1j * S) @ conjugate, _hermitian(S) @ conjugate, S @ np.swapaxes(rest, 1, 2)), doubt
 
     def _improved(self, panels, H, errors, sums, near, loss) -> SpectralIntegral:
         """With values of H solved for where the errors of their sums count."""
