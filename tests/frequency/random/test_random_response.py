@@ -240,6 +240,8 @@ def test_spectra_of_outputs():
     H = oscillator(0.3).frequency_response([2.0]).values.item()
     assert np.isclose(R.psd([2.0]).item(), abs(H) ** 2 * (1 + 2 / 3))
     assert R.psd([0.5, 4.5]).tolist() == [[0.0, 0.0]]
+    ends = [abs(oscillator(0.3).frequency_response([one]).values.item()) ** 2 * G for one, G in ((1.0, 1.0), (4.0, 3.0))]
+    assert np.allclose(R.psd([1.0, 4.0]), ends)  # a table holds at both of its ends
     f = np.linspace(1.0, 4.0, 20001)
     assert np.isclose(np.trapezoid(R.psd(f)[0], f), R.covariance.item(), rtol=1e-6)
 
@@ -264,6 +266,10 @@ def test_spectra_of_outputs():
         (lambda: base_excited(0.1).random_response({"base": mb.white_noise(1.0)}), "prescribed motion"),
         (lambda: base_excited(0.1).random_response({"base": mb.white_noise(1.0, of="velocity")}, "base"), "constraint row"),
         (lambda: oscillator(0.1).random_response({"x1": mb.white_noise(1.0)}, quantity="speed"), "displacement"),
+        (lambda: oscillator(0.1).random_response({"x1": mb.white_noise(1.0)}, delays=[1.0]), "table"),
+        (lambda: oscillator(0.1).random_response({"x1": mb.white_noise(1.0)}).crossing_rate("a"), "level"),
+        (lambda: oscillator(0.1).random_response({"x1": mb.white_noise(1.0)}).rms_in_bands([2.0, 1.0]), "ascending"),
+        (lambda: mb.octave_bands(2.0, 1.0), "more than low"),
         (lambda: oscillator(0.1).random_response({"x1": mb.white_noise(1.0)}, coherence=2.0), "from 0 to 1"),
     ],
 )
@@ -271,6 +277,49 @@ def test_bad_input(make, message):
     """Each mistake has a message with what to do."""
     with pytest.raises(mb.InputError, match=message):
         make()
+
+
+def test_values_in_bands():
+    """RMS values of octaves add up to the whole; an output of infinite variance has finite parts, its spectrum integrated by trapezoids."""
+    R = oscillator(0.05).random_response({"x1": mb.psd([1.0, 40.0], [1.0, 3.0])})
+    octaves = mb.octave_bands(1.0, 40.0)
+    assert octaves[0] <= 1.0 < octaves[1] and octaves[-2] < 40.0 <= octaves[-1]
+    assert np.isclose(np.square(R.rms_in_bands(octaves)).sum(), R.covariance.item(), rtol=1e-13)
+    rough = oscillator(0.3).random_response({"x1": mb.white_noise(2.0)}, quantity="acceleration")
+    f = np.linspace(0.0, 3.0, 20001)
+    parts = rough.cumulative_rms([1.0, 3.0])
+    assert np.isclose(parts[0, 1], np.sqrt(np.trapezoid(rough.psd(f)[0], f)), rtol=1e-6)
+    assert np.isinf(rough.rms_in_bands([0.0, 3.0, np.inf])).tolist() == [[False, True]]
+    undamped = mb.MechanicalSystem([[1.0]], None, [[4.0]]).random_response({"x1": mb.white_noise(2.0)})
+    assert np.isinf(undamped.rms_in_bands([0.0, 0.2, 0.4, 1.0])).tolist() == [[False, True, False]]
+
+
+def test_tables_of_xarray():
+    """Spectra with their frequencies, units and RMS values."""
+    pytest.importorskip("xarray")
+    R = oscillator(0.3).random_response({"x1": mb.white_noise(2.0)})
+    table = R.to_xarray([1.0, 2.0])
+    assert (table.values == R.psd([1.0, 2.0])).all()
+    assert table.rms.item() == R.rms[0]
+    assert table.unit.item() == "(m)^2/Hz"
+
+
+def test_one_output_of_several():
+    """A response of some outputs is that of the whole, and has a path although another one has none."""
+    R = oscillator(0.1).random_response({"x1": mb.psd([0.1, 5.0], [2.0, 0.5])})
+    assert (R.only("x1").sample([0.0, 1.0], 3) == R.sample([0.0, 1.0], 3)).all()
+    with pytest.raises(mb.InputError, match="x1"):
+        R.only("x")
+
+
+def test_a_path_at_even_times_is_that_of_uneven_rounding():
+    """Times that differ by rounding errors have one step, the path goes on from time to time whatever their order."""
+    R = oscillator(0.1).random_response({"x1": mb.white_noise(1.0)})
+    times = np.linspace(0.0, 7.0, 50)
+    assert np.allclose(R.sample(times, 1), R.sample(times * (1 + 1e-15), 1), rtol=1e-9)
+    free = mb.MechanicalSystem(np.eye(2), np.diag([0.1, 0.0]), np.eye(2)).random_response({"x1": mb.white_noise(1.0)}, "x1")
+    path = free.sample(np.arange(0.0, 20000.0, 7.0), 1)  # the other mass has no damping and stays at rest
+    assert np.isclose(np.std(path), free.rms[0], rtol=0.15)
 
 
 def test_two_sided_densities_per_radian():
