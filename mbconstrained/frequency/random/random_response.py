@@ -236,15 +236,15 @@ class RandomResponse(Displayed):
         Args:
             frequencies_hz: shape (F,).
         """
-        response = evaluated(self.harmonic, frequencies_hz)
-        corners = self.spectra.corners
+        transfer, spectra = self._independent
+        response, corners = evaluated(transfer.harmonic, frequencies_hz), spectra.corners
         f, H = response.frequencies_hz, response.values
         result = np.zeros((len(H), len(H), len(f)), dtype=complex)
         for a, b in itertools.pairwise(corners):
             own = (f >= a) & ((f < b) | (b == corners[-1]) & (f == b))  # a table holds at both of its ends
             if own.any():
                 middle = a + 1.0 if np.isinf(b) else (a + b) / 2
-                result[:, :, own] = np.einsum("aif,ijf,bjf->abf", H[..., own], self.spectra(f[own], middle), H[..., own].conj())
+                result[:, :, own] = np.einsum("aif,ijf,bjf->abf", H[..., own], spectra(f[own], middle), H[..., own].conj())
         return result
 
     def to_xarray(self, frequencies_hz):

@@ -33,6 +33,9 @@ NEAR = 2.0
 #: Values of H at nodes are solved for where the estimated error of an integral by their sums exceeds this share of it.
 SOLVED = 10 * SPECTRAL_ACCURACY
 
+#: Panels whose nodes have errors of more than this share of the integral, because one is at a peak, are moved, so often at most.
+MOVED, MOVES = 10 * SOLVED, 3
+
 #: Panels are halved at most so many times: then they are as narrow as rounding errors.
 HALVINGS = 60
 
@@ -175,15 +178,31 @@ class _Integration:
             if not bad.any():
                 break
             halves = self._resolved(panels.halves(bad))
-            new_H, new_errors = self._values(halves)
-            new = self._sums(halves, new_H), *self._near_poles(halves)
-            keep = ~bad
-            panels = panels.only(keep).joined(halves)
-            H, errors = np.concatenate([H[:, :, keep], new_H], axis=2), np.concatenate([errors[:, :, keep], new_errors], axis=2)
-            sums, near, loss, doubts = (np.concatenate([one[keep], two]) for one, two in zip((sums, near, loss, doubts), new))
+            panels, *parts = self._with(halves, bad, panels, H, errors, sums, near, loss, doubts)
+            H, errors, sums, near, loss, doubts = parts
         if p and K:
-            return self._improved(panels, H, errors, sums, near, (loss + doubts).sum(axis=0))
+            return self._improved(panels, H, errors, sums, near, loss, doubts)
         return SpectralIntegral(np.zeros((K, p, p)), np.zeros((K, p)), np.zeros((max(len(self.edges) - 1, 0), K, p)))
+
+    def _with(self, new: _Panels, bad: np.ndarray, panels: _Panels, H, errors, *parts) -> tuple:
+        """All of these with new panels in the place of some."""
+        keep, (new_H, new_errors) = ~bad, self._values(new)
+        new_parts = self._sums(new, new_H), *self._near_poles(new)
+        both = (np.concatenate([one[:, :, keep], two], axis=2) for one, two in ((H, new_H), (errors, new_errors)))
+        return panels.only(keep).joined(new), *both, *(np.concatenate([one[keep], two]) for one, two in zip(parts, new_parts))
+
+    def _centred(self, panels: _Panels, errors: np.ndarray) -> _Panels:
+        """Three panels for each, the middle one around the peak that is next to its node with the largest error: then no node is at the peak."""
+        nodes = panels.nodes[np.arange(len(errors)), errors.argmax(axis=1)]
+        peaks = np.append(self.frequencies.real, np.inf)
+        peak = peaks[np.abs(nodes[:, None] - peaks).argmin(axis=1)]
+        low, high, middle = panels.lower, panels.upper, (panels.lower + panels.upper) / 2
+        reach = np.minimum(peak - low, high - peak)
+        is_inside = reach > (high - low) * MARGIN
+        edges = np.array([low, np.where(is_inside, peak - reach, middle), np.where(is_inside, peak + reach, middle), high])
+        parts = [_Panels(one, two, panels.middle, panels.is_tail) for one, two in itertools.pairwise(edges)]
+        new = parts[0].joined(parts[1]).joined(parts[2])
+        return self._resolved(new.only(new.upper - new.lower > 8 * EPS * new.upper))
 
     # Panels.
 
@@ -336,30 +355,35 @@ class _Integration:
         doubt = np.einsum("xai,xij,xaj->xa", np.abs(R), np.abs(S), self.doubts[number]) / np.abs(self.sigma[number])[:, None]
         return R, (_hermitian(-1j * S) @ conjugate, _hermitian(S) @ conjugate, S @ np.swapaxes(rest, 1, 2)), doubt
 
-    def _improved(self, panels, H, errors, sums, near, loss) -> SpectralIntegral:
-        """With values of H solved for where the errors of their sums count."""
+    def _improved(self, panels, H, errors, sums, near, loss, doubts) -> SpectralIntegral:
+        """With other panels and with values of H solved for where the errors of their sums count."""
+        for moves in range(MOVES + 1):
+            size = np.abs((sums + near).sum(axis=0).diagonal(axis1=1, axis2=2).real)
+            own = self._node_errors(panels, H, errors)
+            bad = (own.sum(axis=1) > MOVED * size).any(axis=(1, 2)) & ~panels.is_tail
+            if (moves or not bad.any()) and (own.sum(axis=(0, 1)) > SOLVED * size).any():
+                at = (own > 0.1 * SPECTRAL_ACCURACY * size / max(own.shape[0] * own.shape[1], 1)).any(axis=(2, 3))
+                solved, solved_errors = self.transfer.solved(panels.nodes[at])
+                better = solved_errors[self.outputs] < errors[:, :, at]
+                H[:, :, at] = np.where(better, solved[self.outputs], H[:, :, at])
+                errors[:, :, at] = np.where(better, solved_errors[self.outputs], errors[:, :, at])
+                sums, own = self._sums(panels, H), self._node_errors(panels, H, errors)
+                bad &= (own.sum(axis=1) > MOVED * size).any(axis=(1, 2))
+            if not bad.any() or moves == MOVES:
+                break
+            new = self._centred(panels.only(bad), own[bad].max(axis=(2, 3)))
+            panels, H, errors, sums, near, loss, doubts = self._with(new, bad, panels, H, errors, sums, near, loss, doubts)
         total = sums + near
-        S, weights = self._spectra_at(panels), panels.weights
-        powers = panels.nodes[..., None] ** np.array(self.powers)
-
-        def node_errors() -> np.ndarray:
-            """Of the diagonal, by nodes and powers, shape (P, 16, K, p)."""
-            delta = np.einsum("ijxn,ajxn->aixn", np.abs(S), errors)
-            both = ((2 * np.abs(H) + errors) * delta).sum(axis=1)
-            return (weights * both).transpose(1, 2, 0)[:, :, None, :] * powers[..., None]
-
-        size = np.abs(total.sum(axis=0).diagonal(axis1=1, axis2=2).real)
-        own = node_errors()
-        if (own.sum(axis=(0, 1)) > SOLVED * size).any():
-            at = (own > 0.1 * SPECTRAL_ACCURACY * size / max(own.shape[0] * own.shape[1], 1)).any(axis=(2, 3))
-            solved, solved_errors = self.transfer.solved(panels.nodes[at])
-            better = solved_errors[self.outputs] < errors[:, :, at]
-            H[:, :, at] = np.where(better, solved[self.outputs], H[:, :, at])
-            errors[:, :, at] = np.where(better, solved_errors[self.outputs], errors[:, :, at])
-            total, own = self._sums(panels, H) + near, node_errors()
         middle = np.where(panels.is_tail, np.inf, (panels.lower + panels.upper) / 2)
         parts = np.zeros((max(len(self.edges) - 1, 0), *size.shape))
         band = np.searchsorted(self.edges, middle) - 1
         inside = (band >= 0) & (band < len(parts))
         np.add.at(parts, band[inside], total[inside].diagonal(axis1=2, axis2=3).real)
-        return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + loss + 16 * EPS * size, parts)
+        return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + (loss + doubts).sum(axis=0) + 16 * EPS * size, parts)
+
+    def _node_errors(self, panels: _Panels, H: np.ndarray, errors: np.ndarray) -> np.ndarray:
+        """Of the diagonal, by nodes and powers, shape (P, 16, K, p)."""
+        delta = np.einsum("ijxn,ajxn->aixn", np.abs(self._spectra_at(panels)), errors)
+        both = ((2 * np.abs(H) + errors) * delta).sum(axis=1)
+        powers = panels.nodes[..., None] ** np.array(self.powers)
+        return (panels.weights * both).transpose(1, 2, 0)[:, :, None, :] * powers[..., None]
