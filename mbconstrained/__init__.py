@@ -66,6 +66,7 @@ _LATE = {
     "Spectrum": "frequency.random.spectra",
     "dryden": "frequency.random.spectra",
     "kanai_tajimi": "frequency.random.spectra",
+    "octave_bands": "frequency.random.statistics",
     "psd": "frequency.random.spectra",
     "ShockResponseSpectrum": "frequency.shock.response_spectrum",
     "shock_response_spectrum": "frequency.shock.response_spectrum",

@@ -180,7 +180,7 @@ class MotionQuestions:
 
         Args:
             end: in s.
-            of: "displacement", "velocity", "acceleration", "reaction", or "force" of springs and dampers by name.
+            of: "displacement", "velocity", "acceleration", "reaction", or "elongation" or "force" of springs and dampers by name.
             combinations: a matrix (p, r) of what is combined, such as the elongation of a spring.
             names: of the combinations.
 
