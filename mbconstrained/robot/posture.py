@@ -35,7 +35,7 @@ class Posture(Displayed):
         joints: the same by joint: a number (rad, m), or the numbers of a joint with several degrees of freedom.
         multipliers: of the rows of all loops and mimic joints, of least norm where they are not determined (torques over the
             size of the robot), shape (m,) (N, N m).
-        reactions: the same by loop: force (N) and torque (N m) on its second body, in the frame on the first, shape (6,).
+        reactions: by loop, spring and bushing: force (N) and torque (N m) on its second body, in the frame on the first, shape (6,).
         torques: by joint that keeps the guess: the load that keeps it in place, besides springs with a rest (N m, N).
         residual: largest unbalanced force relative to the largest force.
         loop_error: largest opening of a loop (m, rad).
@@ -64,17 +64,19 @@ class Posture(Displayed):
 
     @property
     def reactions(self) -> dict[str, np.ndarray]:
-        """Force and torque of each loop."""
+        """Force and torque of each loop, spring and bushing."""
         reactions, start = {}, 0
         for item, G in zip(self.loops, self.balance.gradients):
             reactions[item.connection.name] = G.T @ self.multipliers[start : start + len(G)]
             start += len(G)
-        return reactions
+        springs = zip(self.balance.load.springs, self.balance.elastic)
+        return reactions | {item.connection.name: own.wrench for item, own in springs}
 
     @property
     def ground_reactions(self) -> dict[str, np.ndarray]:
         """The same in the directions of the ground, about the same point, shape (6,) (N, N m)."""
-        turns = {item.connection.name: self.balance.kinematics.frame(item.first)[0] for item in self.loops}
+        items = (*self.loops, *self.balance.load.springs)
+        turns = {item.connection.name: self.balance.kinematics.frame(item.first)[0] for item in items}
         return {name: np.concatenate([turns[name] @ part for part in np.split(own, 2)]) for name, own in self.reactions.items()}
 
     def __getitem__(self, joint: str):

@@ -144,7 +144,7 @@ class Robot(Displayed):
         support = Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
         self.moving_base = support if base == "moving" else None
         self.loops = given if base != "moving" else checked_connections((*given, support), (Loop,), "loops", self.link_frames)
-        self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
+        self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames, self.loops)
         moving = {name for name in source.joint_stiffness if name in self.coordinates and name not in (joint_stiffness or {})}
         own, rest = ({name: values[name] for name in moving} for values in (source.joint_stiffness, source.joint_rest))
         self._set_joints({**own, **(joint_stiffness or {})}, {**rest, **(joint_rest or {})}, joint_damping)
