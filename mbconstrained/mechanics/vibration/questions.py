@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .effective_masses import EffectiveMasses
     from .peaks import ModalCombination, Peaks
     from .rotating import Campbell
+    from .rotor_equations import SpeedTable
 
 
 class SystemQuestions(NamedDirections):
@@ -25,9 +26,19 @@ class SystemQuestions(NamedDirections):
 
     Attributes:
         base_class: ``MechanicalSystem``, for systems that are derived from others.
+        speed_tables: bearings whose coefficients change with the speed.
+        unbalance: u of the force W^2 Re(u e^{i W t}) of the unbalance, complex, in kg m, shape (n,); None if there is none.
     """
 
     base_class: ClassVar[type[MechanicalSystem]]
+    speed_tables: tuple[SpeedTable, ...] = ()
+    unbalance: np.ndarray | None = None
+
+    @property
+    def turns(self) -> bool:
+        """Whether something of it depends on a speed of rotation."""
+        system = cast("MechanicalSystem", self)
+        return bool(self.speed_tables) or any(one is not None for one in (system.gyroscopic, system.circulatory, self.unbalance))
 
     def at_speed(self, speed: float) -> MechanicalSystem:
         """The rotor at a constant speed W: the system with C + W G and K + W N, whose motion, modes and responses are those at this speed.
@@ -46,7 +57,7 @@ class SystemQuestions(NamedDirections):
         >>> disc.at_speed(1.0).modes().natural_frequencies.round(12)  # 2 and 1/2: their product is k / m
         array([0.5, 2. ])
         """
-        from .rotating import at_speed
+        from .rotor_equations import at_speed
 
         return at_speed(cast("MechanicalSystem", self), speed)
 
