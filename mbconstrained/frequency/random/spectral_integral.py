@@ -296,9 +296,9 @@ class _Integration:
                 T = np.einsum("an,bn,kn->kab", one[:, i], other[:, j].conj(), S * f ** power[:, None])
                 total[x] += T + np.conj(np.swapaxes(T, 1, 2))
 
-    def _sums(self, panels: _Panels, H: np.ndarray) -> np.ndarray:
+    def _sums(self, panels: _Panels, H: np.ndarray, spectra: np.ndarray | None = None) -> np.ndarray:
         """Gauss's rule on each panel, shape (P, K, p, p)."""
-        S = self._spectra_at(panels)
+        S = self._spectra_at(panels) if spectra is None else spectra.copy()
         for i, j in self.spectra.delayed_pairs:
             S[i, j, panels.is_tail] = S[j, i, panels.is_tail] = 0.0
         left, right = np.moveaxis(H, (2, 3), (0, 1)), np.moveaxis(H.conj(), (2, 3, 1), (0, 1, 2))
@@ -359,7 +359,8 @@ class _Integration:
         """With other panels and with values of H solved for where the errors of their sums count."""
         for moves in range(MOVES + 1):
             size = np.abs((sums + near).sum(axis=0).diagonal(axis1=1, axis2=2).real)
-            own = self._node_errors(panels, H, errors)
+            S = self._spectra_at(panels)
+            own = self._node_errors(panels, S, H, errors)
             bad = (own.sum(axis=1) > MOVED * size).any(axis=(1, 2)) & ~panels.is_tail
             if (moves or not bad.any()) and (own.sum(axis=(0, 1)) > SOLVED * size).any():
                 at = (own > 0.1 * SPECTRAL_ACCURACY * size / max(own.shape[0] * own.shape[1], 1)).any(axis=(2, 3))
@@ -367,7 +368,7 @@ class _Integration:
                 better = solved_errors[self.outputs] < errors[:, :, at]
                 H[:, :, at] = np.where(better, solved[self.outputs], H[:, :, at])
                 errors[:, :, at] = np.where(better, solved_errors[self.outputs], errors[:, :, at])
-                sums, own = self._sums(panels, H), self._node_errors(panels, H, errors)
+                sums, own = self._sums(panels, H, S), self._node_errors(panels, S, H, errors)
                 bad &= (own.sum(axis=1) > MOVED * size).any(axis=(1, 2))
             if not bad.any() or moves == MOVES:
                 break
@@ -381,9 +382,9 @@ class _Integration:
         np.add.at(parts, band[inside], total[inside].diagonal(axis1=2, axis2=3).real)
         return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + (loss + doubts).sum(axis=0) + 16 * EPS * size, parts)
 
-    def _node_errors(self, panels: _Panels, H: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    def _node_errors(self, panels: _Panels, S: np.ndarray, H: np.ndarray, errors: np.ndarray) -> np.ndarray:
         """Of the diagonal, by nodes and powers, shape (P, 16, K, p)."""
-        delta = np.einsum("ijxn,ajxn->aixn", np.abs(self._spectra_at(panels)), errors)
+        delta = np.einsum("ijxn,ajxn->aixn", np.abs(S), errors)
         both = ((2 * np.abs(H) + errors) * delta).sum(axis=1)
         powers = panels.nodes[..., None] ** np.array(self.powers)
         return (panels.weights * both).transpose(1, 2, 0)[:, :, None, :] * powers[..., None]

@@ -211,6 +211,9 @@ def test_spectra_of_outputs():
         (lambda: mb.psd([2, 1], [1, 1]), "ascending"),
         (lambda: mb.psd([1, 1], [1, 1]), "ascending"),
         (lambda: mb.psd([1, 2], [1]), "values"),
+        (lambda: mb.psd([1], [1]), "at least two"),
+        (lambda: mb.psd([1, 2], [1, 1], interpolation="steps"), "one for each band"),
+        (lambda: mb.psd([1, 2], [1, 1], of="displacement", unit="m^2/s^2/Hz"), "mm\\^2/Hz"),
         (lambda: mb.psd([0, 2], [1, 1]), "0 Hz"),
         (lambda: mb.psd([1, 2], [1, np.nan]), "finite"),
         (lambda: mb.psd([1, 2], [1, 1], of="acceleration", unit="g"), "squared per Hz"),
@@ -278,6 +281,24 @@ def test_a_path_at_even_times_is_that_of_uneven_rounding():
     free = mb.MechanicalSystem(np.eye(2), np.diag([0.1, 0.0]), np.eye(2)).random_response({"x1": mb.white_noise(1.0)}, "x1")
     path = free.sample(np.arange(0.0, 20000.0, 7.0), 1)  # the other mass has no damping and stays at rest
     assert np.isclose(np.std(path), free.rms[0], rtol=0.15)
+
+
+@pytest.mark.parametrize(
+    ("of", "unit", "factor"),
+    [
+        ("acceleration", "m^2/s^3", 1.0),
+        ("acceleration", "mm^2/s^4/Hz", 1e-6),
+        ("acceleration", "g**2/Hz", 9.80665**2),
+        ("velocity", "mm^2/s", 1e-6),
+        ("velocity", "m^2/s^2/Hz", 1.0),
+        ("displacement", "cm^2 s", 1e-4),
+        ("force", "(N*m)^2/Hz", 1.0),
+        ("force", "kN^2*s", 1e6),
+    ],
+)
+def test_units_of_densities(of, unit, factor):
+    """One density has several names."""
+    assert np.isclose(mb.psd([1.0, 2.0], [1.0, 1.0], of=of, unit=unit)(1.5), factor, rtol=4 * EPS)
 
 
 def test_two_sided_densities_per_radian():
