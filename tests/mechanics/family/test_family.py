@@ -255,4 +255,4 @@ def test_memory_is_that_of_the_answer_and_of_what_is_kept():
     for question in (lambda one: one.modes().eigenvalues, lambda one: one.solve(np.ones(4))(times)):
         (small, own), (large, answer) = highest(1000, question), highest(2000, question)
         assert large - answer <= 2.1 * (small - own)
-    assert large <= 1.3 * answer
+    assert large <= 1.5 * answer  # the last of them, a motion
