@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +24,7 @@ from ..signals.inputs import zero
 from .connections import AXES, PointMotion
 from .flexible_joint import FlexibleJoint
 from .inertia import body_masses, momentum
+from .robot_parameters import robot_parameters
 from .stiffness import cleaned, cleaned_rows, rounding_errors, stiffness_parts, stiffness_rounding, symmetric_stiffness
 
 if TYPE_CHECKING:
@@ -80,6 +81,7 @@ class LinearizedRobot(MechanicalSystem):
         )
         self.inputs, self.input_units = self._directions("input", inputs)
         self.outputs, self.output_units = self._directions("output", outputs)
+        self.parameter_source = partial(robot_parameters, posture, partial(type(self), level=level, inputs={}, outputs={}))
 
     @cached_property
     def elements(self) -> Mapping[str, ElementForce]:  # type: ignore[override]

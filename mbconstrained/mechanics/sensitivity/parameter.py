@@ -57,8 +57,8 @@ class Parameter:
     def of_function(name: str, value: float, build: Callable[[float], MechanicalSystem], unit: str = "") -> Parameter:
         """The derivatives of a function that makes a system, as of a robot whose equilibrium moves with the parameter.
 
-        Central differences of order 8 of the matrices: where these are smooth their errors are near 1e-13. Their estimates are the
-        distance to differences of order 6 and the noise in the eighth difference. Whatever is computed from them is in closed form.
+        Central differences of order 8 of the matrices: where these are smooth their errors are near 1e-13. Their estimates
+        are the distance to differences of order 6 and the noise in the eighth difference. Whatever is computed from them is in closed form.
 
         Args:
             name: of the parameter.
@@ -70,7 +70,7 @@ class Parameter:
             The parameter.
 
         Raises:
-            InputError: systems of different coordinates or rows.
+            InputError: systems of different coordinates or rows; no system at a value near p.
 
         >>> from mbconstrained import MechanicalSystem
         >>> lengths = Parameter.of_function("l", 2.0, lambda l: MechanicalSystem([[3 * l**2]], stiffness=[[9.81 * l]]))
@@ -78,7 +78,7 @@ class Parameter:
         ([[12.0]], [[9.81]])
         """
         step = DIFFERENCE_STEP * abs(real_number(value, f"value of {name}")) or DIFFERENCE_STEP
-        pairs = [[_parts(build(value + sign * i * step)) for sign in (1, -1)] for i in range(1, 1 + len(CENTRAL_WEIGHTS))]
+        step, pairs = _pairs(build, float(value), step)
         center = _parts(build(value))
         shapes = {key: part.shape for key, part in center.items()}
         if any({key: part.shape for key, part in one.items()} != shapes for pair in pairs for one in pair):
@@ -87,10 +87,10 @@ class Parameter:
         for key, middle in center.items():
             odd, even = (np.array([above[key] + sign * below[key] for above, below in pairs]) for sign in (-1, 1))
             slopes[key] = np.tensordot(CENTRAL_WEIGHTS, odd, 1) / step
-            truncation = np.tensordot(np.subtract(CENTRAL_WEIGHTS, LOWER_WEIGHTS), odd, 1)
+            truncation = np.abs(np.tensordot(np.subtract(CENTRAL_WEIGHTS, LOWER_WEIGHTS), odd, 1))
             noise = EIGHTH_DIFFERENCE[0] * middle + np.tensordot(EIGHTH_DIFFERENCE[1:], even, 1)
             rounding = EPS * np.abs(middle) * odd.any(axis=0)
-            errors[key] = (np.abs(truncation) + NOISE_OF_DIFFERENCE * np.abs(noise) + rounding) / step
+            errors[key] = (truncation + NOISE_OF_DIFFERENCE * np.abs(noise) + rounding) / step
         return replace(_of_parts(name, float(value), slopes), unit=unit, error=_of_parts(name, float(value), errors))
 
     def matrices(self, size: int) -> np.ndarray:
@@ -114,6 +114,16 @@ class Parameter:
         """
         error = self.error and self.error.with_damping(abs(mass), abs(stiffness))
         return replace(self, damping=self.damping + mass * self.mass + stiffness * self.stiffness, error=error)
+
+
+def _pairs(build: Callable[[float], MechanicalSystem], value: float, step: float, again: int = 2) -> tuple[float, list]:
+    """A step with which there is a system at all values, and the parts of those above and below p."""
+    try:
+        return step, [[_parts(build(value + sign * i * step)) for sign in (1, -1)] for i in range(1, 1 + len(CENTRAL_WEIGHTS))]
+    except InputError:  # as where a robot collapses under a tenth more mass
+        if not again:
+            raise
+        return _pairs(build, value, step / 10, again - 1)
 
 
 def _parts(system: MechanicalSystem) -> dict[str, np.ndarray]:

@@ -44,13 +44,10 @@ class SceneSensitivities:
         self.scene, own = scene, scene.parameters.values
         named = tuple(scene.named_parameters())
         system = scene.equations.system
-        elements = (
-            () if scene.equations.robot or getattr(scene.table.model, "modal_damping", None) is not None else system.parameters()
-        )
+        elements = () if getattr(scene.table.model, "modal_damping", None) is not None else system.parameters()
         if not named and not elements:
             raise InputError(
-                "there is nothing to vary: name quantities of the scene in a table [parameters]; of robots and of modal damping "
-                "the elements are not varied"
+                "there is nothing to vary: name quantities of the scene in a table [parameters]; elements are not varied with modal damping"
             )
         known = {one.name: one for one in (*elements, *named)}
         for name in names:
