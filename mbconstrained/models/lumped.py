@@ -186,7 +186,7 @@ class LumpedModel(Displayed):
             gyroscopic=turning and turning.gyroscopic,
         )
         if turning:
-            system.speed_tables, system.unbalance = turning.tables, turning.unbalance
+            system.speed_tables, system.unbalance, system.whirl_matrix = turning.tables, turning.unbalance, turning.whirl
         springs = (element for element in with_parts(self.elements) if isinstance(element, (Spring, TorsionSpring)))
         system.loss_factors = {spring.name: spring.loss_factor for spring in springs if spring.loss_factor}
         system.elements = element_forces(self.elements, names)

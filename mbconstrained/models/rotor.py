@@ -103,9 +103,10 @@ class Rotor(Element):
         return with_parts(bars)
 
     @property
-    def tilts(self) -> tuple[str, ...]:
-        """The names of its angles in both planes; none where it does not tilt."""
-        return () if self.diametral_inertia is None else tuple(f"{name} angle" for name in in_planes(self.name))
+    def tilts(self) -> tuple[str, str]:
+        """The names of its angles in both planes, where it tilts."""
+        y, z = (f"{name} angle" for name in in_planes(self.name))
+        return y, z
 
 
 @dataclass(frozen=True)
@@ -219,12 +220,14 @@ class RotorTerms:
 
     Attributes:
         gyroscopic: G, shape (n, n).
+        whirl: masses between y and z, diametral inertias between the tilts, skew-symmetric, shape (n, n).
         stiffness, damping: what springs and dampers do not have, shape (n, n).
         tables: bearings whose coefficients change with the speed.
         unbalance: u of the force W^2 Re(u e^{i W t}), complex, in kg m, shape (n,).
     """
 
     gyroscopic: np.ndarray
+    whirl: np.ndarray
     stiffness: np.ndarray
     damping: np.ndarray
     tables: tuple[SpeedTable, ...]
@@ -259,12 +262,15 @@ def rotor_terms(elements: Sequence[Element], names: Sequence[str]) -> RotorTerms
         return None
     place = {name: i for i, name in enumerate(names)}
     n = len(names)
-    G, K, C, u = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros(n, dtype=complex)
+    G, S, K, C = np.zeros((4, n, n))
+    u = np.zeros(n, dtype=complex)
     tables = []
     for one in own:
-        if isinstance(one, Rotor) and one.tilts:
-            y, z = (place[name] for name in one.tilts)
-            G[y, z], G[z, y] = one.polar_inertia, -one.polar_inertia
+        if isinstance(one, Rotor):
+            S += one.mass * _turn(in_planes(one.name), place)
+            if one.diametral_inertia is not None:
+                tilt = _turn(one.tilts, place)
+                S, G = S + one.diametral_inertia * tilt, G + one.polar_inertia * tilt
         elif isinstance(one, Bearing):
             stiffness, damping = (_spread(one, one.coupling(what), place) for what in ("stiffness", "damping"))
             K, C = K + stiffness[0], C + damping[0]
@@ -273,7 +279,15 @@ def rotor_terms(elements: Sequence[Element], names: Sequence[str]) -> RotorTerms
         elif isinstance(one, Unbalance):
             y, z = (place[name] for name in in_planes(one.on))
             u += unbalance_of(y, z, one.moment, one.angle, n)
-    return RotorTerms(G, K, C, tuple(tables), u)
+    return RotorTerms(G, S, K, C, tuple(tables), u)
+
+
+def _turn(planes: tuple[str, str], place: Mapping[str, int]) -> np.ndarray:
+    """1 in the row of the first plane and the column of the second, -1 in the other, shape (n, n)."""
+    turn = np.zeros((len(place),) * 2)
+    y, z = (place[name] for name in planes)
+    turn[y, z], turn[z, y] = 1.0, -1.0
+    return turn
 
 
 def _spread(bearing: Bearing, matrices: np.ndarray, place: Mapping[str, int]) -> np.ndarray:

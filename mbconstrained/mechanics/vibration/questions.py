@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .peaks import ModalCombination, Peaks
     from .rotating import Campbell
     from .rotor_equations import SpeedTable
+    from .unbalance_response import UnbalanceResponse
 
 
 class SystemQuestions(NamedDirections):
@@ -27,11 +28,13 @@ class SystemQuestions(NamedDirections):
     Attributes:
         base_class: ``MechanicalSystem``, for systems that are derived from others.
         speed_tables: bearings whose coefficients change with the speed.
+        whirl_matrix: S of ``Campbell.whirl``, shape (n, n); None for that of the gyroscopic moments.
         unbalance: u of the force W^2 Re(u e^{i W t}) of the unbalance, complex, in kg m, shape (n,); None if there is none.
     """
 
     base_class: ClassVar[type[MechanicalSystem]]
     speed_tables: tuple[SpeedTable, ...] = ()
+    whirl_matrix: np.ndarray | None = None
     unbalance: np.ndarray | None = None
 
     @property
@@ -107,6 +110,35 @@ class SystemQuestions(NamedDirections):
         from .rotating import critical_points
 
         return np.array([point.speed for point in critical_points(cast("MechanicalSystem", self), order)])
+
+    def unbalance_response(self, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
+        """The steady states under unbalance over the speed, with their peaks.
+
+            (K(W) + i n W C(W) - n^2 W^2 M) x = W^2 u
+
+        Args:
+            speeds: W in rad/s, ascending, two or more, at least 0.
+            unbalance: u in kg m, complex, shape (n,) or by name; for an eccentric mass m e in y and -i m e in z. By default that of
+                the model.
+            order: n of the frequency n W of the force.
+
+        Returns:
+            An ``UnbalanceResponse``: ``values``, ``amplitudes``, ``peaks``.
+
+        Raises:
+            InputError: no unbalance, speeds that do not ascend, a speed beyond the table of a bearing.
+
+        >>> from mbconstrained import LumpedModel
+        >>> model = LumpedModel()
+        >>> _ = model.rotor("disc", 2.0), model.bearing("ground", "disc", stiffness=200.0, damping=4.0)
+        >>> _ = model.unbalance("disc", 0.02)
+        >>> peak = model.assemble().unbalance_response([1.0, 20.0]).peaks[0]
+        >>> round(peak.speed, 9), round(peak.amplitude, 9)  # zeta = 0.1: 10 / sqrt(1 - 2 zeta^2), e / (2 zeta sqrt(1 - zeta^2))
+        (10.101525446, 0.050251891)
+        """
+        from .unbalance_response import unbalance_response
+
+        return unbalance_response(cast("MechanicalSystem", self), speeds, unbalance, order)
 
     def modal_combination(self, spectrum, base=None, damping_ratio: float = 0.05, combination: str = "CQC") -> ModalCombination:
         """Response spectrum analysis of a moving base: participation factors, effective masses, peaks by CQC or SRSS.

@@ -108,9 +108,10 @@ class Campbell(Displayed):
 
     @cached_property
     def whirl(self) -> np.ndarray:
-        """i x^H G x / (|x|^T |G| |x|) between -1 and 1, shape (S, m): the sense in which the discs whirl, weighted by their inertia.
+        """i x^H S x / (|x|^T |S| |x|) between -1 and 1, shape (S, m): the sense in which the rotor whirls, weighted by inertia.
 
-        Positive is forward: with the rotation, gyroscopic moments raise the frequency, dw/dW > 0. 0 is motion in a plane.
+        S is skew-symmetric: the mass between y and z and the diametral inertia between both tilts of the rotors of a lumped model,
+        otherwise G. Positive is forward, with the rotation; gyroscopic moments raise its frequency. 0 is motion in a plane.
         """
         return np.array([whirl_of(self.system, shapes) for shapes in self.shapes])
 
@@ -187,12 +188,13 @@ def whirl_of(system: MechanicalSystem, shapes: np.ndarray) -> np.ndarray:
     Returns:
         Shape (m,).
     """
-    if system.gyroscopic is None:
+    form_matrix = system.gyroscopic if system.whirl_matrix is None else system.whirl_matrix
+    if form_matrix is None:
         return np.zeros(shapes.shape[1])
-    G, size = (system.gyroscopic - system.gyroscopic.T) / 2, np.abs(shapes)
-    form = (1j * (shapes.conj() * (G @ shapes)).sum(axis=0)).real
-    scale = (size * (np.abs(G) @ size)).sum(axis=0)
-    total = np.abs(G).sum() * size.max(axis=0, initial=0.0) ** 2
+    S, size = (form_matrix - form_matrix.T) / 2, np.abs(shapes)
+    form = (1j * (shapes.conj() * (S @ shapes)).sum(axis=0)).real
+    scale = (size * (np.abs(S) @ size)).sum(axis=0)
+    total = np.abs(S).sum() * size.max(axis=0, initial=0.0) ** 2
     return np.where(scale > EPS * total, form / np.where(scale > 0, scale, 1.0), 0.0)
 
 
