@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from .posture import Posture
+    from ..posture import Posture
 
 
 def body_masses(posture: Posture) -> list[tuple[str, np.ndarray]]:
