@@ -73,6 +73,25 @@ def loads_of(
     return tuple(loads)
 
 
+def unbalance_loads(unbalance: np.ndarray, speed: float, coordinates: Coordinates) -> tuple[Load, ...]:
+    """The forces of the unbalance at a speed.
+
+    Args:
+        unbalance: u of W^2 Re(u e^{i W t}), shape (r,).
+        speed: W in rad/s.
+        coordinates: of the model.
+
+    Returns:
+        One for each coordinate with unbalance; none at rest.
+    """
+    loads = []
+    for place in np.flatnonzero(unbalance) if speed else ():
+        u, name, unit = unbalance[place], coordinates.names[place], coordinates.units[place]
+        signal = signals.harmonic([abs(u) * speed**2], angular_frequency=speed, phase=float(np.angle(u)))
+        loads.append(Load(name, unit, np.eye(len(unbalance))[place], signal))
+    return tuple(loads)
+
+
 def prescribed_motions(
     tables: Sequence, coordinates: Coordinates, folder: Path, file_name: str, robot: LinearizedRobot | None = None
 ) -> list[Constraint]:
