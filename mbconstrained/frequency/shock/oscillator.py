@@ -262,7 +262,7 @@ class Oscillator:
         after = self.residual(y[-1], v[-1], output)
         return high, low, *after
 
-    def _ends(self, y, v, a, slope, h) -> list[tuple]:
+    def _ends(self, y, v, a, slope, h) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
         """The parts of long intervals that have their extrema, as y, v, a, slope and length.
 
         r = p + s tau + g, g a damped cosine. At a maximum r' = 0 >= r'', so that g >= 2 z s / w. From cycle to cycle s tau is even and a positive g
