@@ -25,7 +25,7 @@ from .statics.equilibrium import Search, closed
 
 if TYPE_CHECKING:
     from ..mechanics.modes import Modes
-    from .linearized import LinearizedRobot
+    from .linearization.linearized import LinearizedRobot
     from .robot import Robot
 
 #: Starts of the search: the guess, then places near it, since an arm that is stretched cannot bend to first order.

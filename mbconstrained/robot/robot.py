@@ -21,7 +21,7 @@ from .description.srdf import SemanticDescription, read_srdf
 from .description.urdf import checked_tree, description_notices, link_masses, mimics_of, read_urdf, root_link, skeleton
 from .flexible_joint import FlexibleJoint, Motor
 from .kinematics import Tree, built_model, finished_model
-from .linearized import LinearizedRobot
+from .linearization.linearized import LinearizedRobot
 from .mechanism import LinkFrames, checked_connections
 from .posture import Posture, find_posture
 from .tangent import BASE, JointGear, Tangent, geared, locked_values, mimic_rows
@@ -384,7 +384,7 @@ class Robot(Displayed):
     def inertia_ellipsoids(self) -> dict[str, np.ndarray]:
         """Of each body, by its heaviest link: the placement (4, 4) in the link's frame that makes a unit sphere a uniform ellipsoid with
         its mass, centre of mass and inertia, payloads included."""
-        from .inertia import inertia_ellipsoids
+        from .linearization.inertia import inertia_ellipsoids
 
         return inertia_ellipsoids(self)
 

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from ..motion import Motion
     from ..system import MechanicalSystem
 
-#: What the peaks may be of: the displacements and their derivatives, forces of constraint rows, forces of springs and dampers.
-QUANTITIES = ("displacement", "velocity", "acceleration", "reaction", "force")
+#: What the peaks may be of: the displacements and their derivatives, forces of constraint rows, elongations and forces of springs and dampers.
+QUANTITIES = ("displacement", "velocity", "acceleration", "reaction", "elongation", "force")
 
 COMBINATIONS = ("CQC", "SRSS")
 
@@ -35,7 +35,7 @@ class Peaks(Displayed):
 
     Attributes:
         names, units: of the functions.
-        quantity: "displacement", "velocity", "acceleration", "reaction" or "force".
+        quantity: "displacement", "velocity", "acceleration", "reaction", "elongation" or "force".
         extrema: values and times.
     """
 
@@ -88,7 +88,7 @@ def peaks(motion: Motion, end: float, of: str = "displacement", combinations=Non
     Args:
         motion: of a system of arrays.
         end: in s.
-        of: "displacement", "velocity", "acceleration", "reaction", or "force" of the springs and dampers, positive in tension.
+        of: "displacement", "velocity", "acceleration", "reaction", or "elongation" or "force" of the springs and dampers, positive in tension.
         combinations: a matrix (p, r) of what is combined, such as the elongation of a spring; each coordinate, row or element by default.
         names: of the combinations.
 
@@ -123,10 +123,12 @@ def _functions(motion: Motion, of: str) -> tuple[BohlFunction, tuple[str, ...], 
         rows = system.rows
         names, units = tuple(row.name for row in rows), tuple(force_unit(row.unit) for row in rows)
         return motion.reaction_function, names, units, np.zeros(len(rows))
-    if of == "force":
+    if of in ("elongation", "force"):
         elements = list(system.elements.values())
         directions = np.array([one.elongation for one in elements]).reshape(len(elements), system.size)
         stiffness, damping, rest = (np.array([one[i] for one in elements]) for i in (2, 3, 1))
+        if of == "elongation":
+            return motion.function.mapped(directions), tuple(system.elements), tuple(one.unit for one in elements), rest
         function = motion.function.mapped(stiffness[:, None] * directions)
         if damping.any():
             function = function + motion.derivative(1).mapped(damping[:, None] * directions)

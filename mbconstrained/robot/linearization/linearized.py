@@ -4,34 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ground.checks import OF_FUNCTION, nearest, real_number
-from ..ground.errors import InputError
-from ..ground.notices import Notice
-from ..ground.tolerances import NOISE_SAFETY
-from ..mechanics.channels import ElementForce, Side, channels, chosen_by_name
-from ..mechanics.constraints import Constraint, Level, checked_level
-from ..mechanics.energy import EnergyParts
-from ..mechanics.system import MechanicalSystem
-from ..mechanics.vibration.effective_masses import EffectiveMasses, effective_masses
-from ..mechanics.vibration.harmonic_equations import frequency_response
-from ..signals.impulsive import ImpulsiveSmooth
-from ..signals.inputs import zero
-from .connections import AXES, PointMotion
-from .flexible_joint import FlexibleJoint
+from ...ground.checks import OF_FUNCTION, nearest, real_number
+from ...ground.errors import InputError
+from ...ground.notices import Notice
+from ...ground.tolerances import NOISE_SAFETY
+from ...mechanics.channels import ElementForce, Side, channels, chosen_by_name
+from ...mechanics.constraints import Constraint, Level, checked_level
+from ...mechanics.energy import EnergyParts
+from ...mechanics.system import MechanicalSystem
+from ...mechanics.vibration.effective_masses import EffectiveMasses, effective_masses
+from ...mechanics.vibration.harmonic_equations import frequency_response
+from ...signals.impulsive import ImpulsiveSmooth
+from ...signals.inputs import zero
+from ..connections import AXES, PointMotion
+from ..flexible_joint import FlexibleJoint
 from .inertia import body_masses, momentum
+from .robot_parameters import robot_parameters
 from .stiffness import cleaned, cleaned_rows, rounding_errors, stiffness_parts, stiffness_rounding, symmetric_stiffness
 
 if TYPE_CHECKING:
-    from ..control.state_space import StateSpace
-    from ..frequency.frequency_response import FrequencyResponse
-    from ..frequency.random.random_response import RandomResponse
-    from .flexible_joint import WithoutMotors
-    from .posture import Posture
+    from ...control.state_space import StateSpace
+    from ...frequency.frequency_response import FrequencyResponse
+    from ...frequency.random.random_response import RandomResponse
+    from ..flexible_joint import WithoutMotors
+    from ..posture import Posture
 
 
 class LinearizedRobot(MechanicalSystem):
@@ -80,6 +81,7 @@ class LinearizedRobot(MechanicalSystem):
         )
         self.inputs, self.input_units = self._directions("input", inputs)
         self.outputs, self.output_units = self._directions("output", outputs)
+        self.parameter_source = partial(robot_parameters, posture, partial(type(self), level=level, inputs={}, outputs={}))
 
     @cached_property
     def elements(self) -> Mapping[str, ElementForce]:  # type: ignore[override]
@@ -325,7 +327,7 @@ class LinearizedRobot(MechanicalSystem):
 
     def without_motors(self) -> WithoutMotors:
         """The same motion with the motors of flexible joints eliminated: a polynomial matrix of degree 4."""
-        from .flexible_joint import WithoutMotors
+        from ..flexible_joint import WithoutMotors
 
         return WithoutMotors(self)
 

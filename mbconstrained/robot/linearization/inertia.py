@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from .posture import Posture
-    from .robot import Robot
+    from ..posture import Posture
+    from ..robot import Robot
 
 
 #: Least semi-axis of an ellipsoid (m): a point mass is drawn, and the normals of a flat one exist.
