@@ -28,8 +28,11 @@ function filmFrame(ended) {
   if (ended) endFilm();
 }
 
+const lastShown = 300; // ms, for which the film stays at its last frame: of less a recorder keeps nothing
+
 function endFilm() {
-  film.recorder.stop();
+  const { recorder } = film;
+  setTimeout(() => recorder.stop(), lastShown);
   film.recorder = null;
   control("record").textContent = "Record";
   pause();
