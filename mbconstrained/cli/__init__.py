@@ -14,13 +14,14 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a terminal without Greek letters gets question marks
     try:
-        from . import compare, frequency, new, sensitivity, studies, variation, vibration
+        from . import campbell, compare, frequency, new, sensitivity, studies, variation, vibration
         from .commands import app
 
         compare.add_to(app)
         frequency.add_to(app)
         vibration.add_to(app)
         sensitivity.add_to(app)
+        campbell.add_to(app)
         variation.add_to(app)
         studies.add_to(app)
         new.add_to(app)

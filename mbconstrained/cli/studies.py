@@ -39,7 +39,7 @@ def _accuracy(
         from ..studies.accuracy.accuracy_report import accuracy_report
         from ..studies.study_problem import problem_of
 
-        return _published(
+        return published(
             lambda progress: accuracy_report(problem_of(loaded), seconds=seconds, progress=progress),
             loaded.name,
             "accuracy",
@@ -76,7 +76,7 @@ def _stability(
 def _stability_of(scene: Scene, decades: int, step: int, out: str, json: bool) -> int:
     from ..studies.stability.stability_report import scene_report
 
-    return _published(lambda progress: scene_report(scene, decades, step, progress), scene.name, "stability", out, json)
+    return published(lambda progress: scene_report(scene, decades, step, progress), scene.name, "stability", out, json)
 
 
 def _stability_of_gallery(names: list[str], out: str, json: bool) -> int:
@@ -84,11 +84,21 @@ def _stability_of_gallery(names: list[str], out: str, json: bool) -> int:
     from ..studies.stability.stability_report import gallery_report
 
     systems = [system(name) for name in names]
-    return _published(lambda progress: gallery_report(systems, progress), "gallery", "stability", out, json)
+    return published(lambda progress: gallery_report(systems, progress), "gallery", "stability", out, json)
 
 
-def _published(study: Callable[[Progress], StudyReport], name: str, kind: str, out: str, json: bool) -> int:
-    """Run a study, write its files, print its report; the exit code."""
+def published(study: Callable[[Progress], StudyReport], name: str, kind: str, out: str, json: bool) -> int:
+    """Run a study, write its files, print its report.
+
+    Args:
+        study: makes the report, and calls its argument as it proceeds.
+        name, kind: of the files, NAME.KIND.html, ....
+        out: the folder, or an empty text.
+        json: whether plain data is printed.
+
+    Returns:
+        The exit code.
+    """
     from ..studies.study_report import no_progress, writable
     from .printing import show, step_progress
 

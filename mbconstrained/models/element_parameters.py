@@ -21,8 +21,8 @@ from .rigid_bar import with_parts
 if TYPE_CHECKING:
     from .lumped import LumpedModel
 
-#: Numbers of elements on which no equation depends, or none in time.
-LEFT_OUT = ("position", "loss_factor")
+#: Numbers of elements on which no equation depends, or none in time, or only that of one speed.
+LEFT_OUT = ("position", "loss_factor", "polar_inertia", "moment", "angle")
 
 
 def element_parameters(model: LumpedModel) -> Iterator[Parameter]:
@@ -107,6 +107,7 @@ def _unit(element: Element, field: str) -> str:
     units = {
         "mass": "kg",
         "inertia": "kg m^2",
+        "diametral_inertia": "kg m^2",
         "stiffness": "N m/rad" if turning else "N/m",
         "damping": "N m s/rad" if turning else "N s/m",
         "rest_angle": "rad",

@@ -43,6 +43,7 @@ from .elements import (
     TorsionSpring,
 )
 from .rigid_bar import RigidBar, with_parts
+from .rotor import Bearing, Rotor, Unbalance, rotor_terms
 
 STATES = {"m": "moves along the axis (m)", "rad": "turns (rad)"}
 
@@ -64,10 +65,11 @@ def _adds(kind: Callable[Fields, Added]) -> Callable[Concatenate[LumpedModel, Fi
 
 
 class LumpedModel(Displayed):
-    """Masses, inertias, rigid bars and massless nodes; springs and dampers between them; rigid ties, levers, gears, ropes.
+    """Masses, inertias, rigid bars and massless nodes; springs and dampers between them; rigid ties, levers, gears, ropes; rotors.
 
     Each body has one coordinate, named as the body: its absolute position along one axis in m (a displacement
-    where no rest lengths are given), or its angle in rad; a rigid bar has one of each, and one for each of its points. "ground" is the fixed body. Elements between bodies are
+    where no rest lengths are given), or its angle in rad; a rigid bar has one of each, and one for each of its points; a rotor is a bar in
+    two planes (``Rotor``). "ground" is the fixed body. Elements between bodies are
     added after them; every method takes the arguments of the element's class and returns the element. It raises an
     ``InputError`` for a name in use, an unknown body, one that moves where it should turn, a number out of range.
 
@@ -123,6 +125,9 @@ class LumpedModel(Displayed):
     gear = _adds(Gear)
     rack = _adds(Rack)
     pulley = _adds(Pulley)
+    rotor = _adds(Rotor)
+    bearing = _adds(Bearing)
+    unbalance = _adds(Unbalance)
     constrain = _adds(Relation)
     prescribe = _adds(PrescribedMotion)
 
@@ -165,10 +170,11 @@ class LumpedModel(Displayed):
         factors, ties = self.incidence(), [element for element in with_parts(self.elements) if isinstance(element, Tie)]
         weights = {element.name: self.gravity_along * element.mass for element in self.elements if isinstance(element, Mass)}
         signals = [signal.mapped(coordinate_row({name: 1.0}, names)[:, None]) for name, signal in self._forces.items()]
+        turning = rotor_terms(self.elements, names)
         system = MechanicalSystem(
             mass=ElementMatrix(np.eye(len(names)), factors.masses),
-            damping=factors.dampers.matrix,
-            stiffness=factors.springs.matrix,
+            damping=turning.added_to(factors.dampers.matrix, "damping") if turning else factors.dampers.matrix,
+            stiffness=turning.added_to(factors.springs.matrix, "stiffness") if turning else factors.springs.matrix,
             constraints=[
                 Constraint(coordinate_row(tie.row, names), level=tie.level, value=tie.row_value, names=tie.name) for tie in ties
             ],
@@ -176,8 +182,11 @@ class LumpedModel(Displayed):
             force=sum(signals, zero(len(names))) if signals else None,
             static_force=factors.springs.rest_force() + coordinate_row(weights, names),
             units=units,
-            energy_parts=_energy_parts(factors, names),
+            energy_parts=None if turning and turning.stiffness.any() else _energy_parts(factors, names),
+            gyroscopic=turning and turning.gyroscopic,
         )
+        if turning:
+            system.speed_tables, system.unbalance, system.whirl_matrix = turning.tables, turning.unbalance, turning.whirl
         springs = (element for element in with_parts(self.elements) if isinstance(element, (Spring, TorsionSpring)))
         system.loss_factors = {spring.name: spring.loss_factor for spring in springs if spring.loss_factor}
         system.elements = element_forces(self.elements, names)

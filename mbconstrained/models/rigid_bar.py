@@ -61,15 +61,23 @@ class RigidBar(Mass):
     def parts(self) -> tuple[Element, ...]:
         """The inertia of its angle, a node for each point, and the rows of the points."""
         rows = (
-            _unchecked(Relation, name=f"{point} on {self.name}", coefficients={point: 1.0, self.name: -1.0, self.angle: -distance})
+            unchecked(Relation, name=f"{point} on {self.name}", coefficients={point: 1.0, self.name: -1.0, self.angle: -distance})
             for point, distance in self.points.items()
         )
-        nodes = (_unchecked(Node, name=point) for point in self.points)
-        return (_unchecked(Inertia, name=self.angle, inertia=self.inertia), *nodes, *rows)
+        nodes = (unchecked(Node, name=point) for point in self.points)
+        return (unchecked(Inertia, name=self.angle, inertia=self.inertia), *nodes, *rows)
 
 
-def _unchecked(kind: type, **values) -> Element:
-    """An element of numbers that another has checked already; in formulas they are expressions."""
+def unchecked(kind: type, **values) -> Element:
+    """An element of numbers that another has checked already; in formulas they are expressions.
+
+    Args:
+        kind: its class.
+        values: of its fields; the others have their defaults.
+
+    Returns:
+        The element.
+    """
     element = object.__new__(kind)
     for each in fields(kind):
         object.__setattr__(element, each.name, values.get(each.name, each.default))

@@ -15,8 +15,11 @@ if TYPE_CHECKING:
     from ..sensitivity.parameter import Parameter
     from ..sensitivity.sensitivities import Sensitivities
     from ..system import MechanicalSystem
+    from .effective_masses import EffectiveMasses
     from .peaks import ModalCombination, Peaks
     from .rotating import Campbell
+    from .rotor_equations import SpeedTable
+    from .unbalance_response import UnbalanceResponse
 
 
 class SystemQuestions(NamedDirections):
@@ -24,9 +27,21 @@ class SystemQuestions(NamedDirections):
 
     Attributes:
         base_class: ``MechanicalSystem``, for systems that are derived from others.
+        speed_tables: bearings whose coefficients change with the speed.
+        whirl_matrix: S of ``Campbell.whirl``, shape (n, n); None for that of the gyroscopic moments.
+        unbalance: u of the force W^2 Re(u e^{i W t}) of the unbalance, complex, in kg m, shape (n,); None if there is none.
     """
 
     base_class: ClassVar[type[MechanicalSystem]]
+    speed_tables: tuple[SpeedTable, ...] = ()
+    whirl_matrix: np.ndarray | None = None
+    unbalance: np.ndarray | None = None
+
+    @property
+    def turns(self) -> bool:
+        """Whether something of it depends on a speed of rotation."""
+        system = cast("MechanicalSystem", self)
+        return bool(self.speed_tables) or any(one is not None for one in (system.gyroscopic, system.circulatory, self.unbalance))
 
     def at_speed(self, speed: float) -> MechanicalSystem:
         """The rotor at a constant speed W: the system with C + W G and K + W N, whose motion, modes and responses are those at this speed.
@@ -45,7 +60,7 @@ class SystemQuestions(NamedDirections):
         >>> disc.at_speed(1.0).modes().natural_frequencies.round(12)  # 2 and 1/2: their product is k / m
         array([0.5, 2. ])
         """
-        from .rotating import at_speed
+        from .rotor_equations import at_speed
 
         return at_speed(cast("MechanicalSystem", self), speed)
 
@@ -96,6 +111,35 @@ class SystemQuestions(NamedDirections):
 
         return np.array([point.speed for point in critical_points(cast("MechanicalSystem", self), order)])
 
+    def unbalance_response(self, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
+        """The steady states under unbalance over the speed, with their peaks.
+
+            (K(W) + i n W C(W) - n^2 W^2 M) x = W^2 u
+
+        Args:
+            speeds: W in rad/s, ascending, two or more, at least 0.
+            unbalance: u in kg m, complex, shape (n,) or by name; for an eccentric mass m e in y and -i m e in z. By default that of
+                the model.
+            order: n of the frequency n W of the force.
+
+        Returns:
+            An ``UnbalanceResponse``: ``values``, ``amplitudes``, ``peaks``.
+
+        Raises:
+            InputError: no unbalance, speeds that do not ascend, a speed beyond the table of a bearing.
+
+        >>> from mbconstrained import LumpedModel
+        >>> model = LumpedModel()
+        >>> _ = model.rotor("disc", 2.0), model.bearing("ground", "disc", stiffness=200.0, damping=4.0)
+        >>> _ = model.unbalance("disc", 0.02)
+        >>> peak = model.assemble().unbalance_response([1.0, 20.0]).peaks[0]
+        >>> round(peak.speed, 9), round(peak.amplitude, 9)  # zeta = 0.1: 10 / sqrt(1 - 2 zeta^2), e / (2 zeta sqrt(1 - zeta^2))
+        (10.101525446, 0.050251891)
+        """
+        from .unbalance_response import unbalance_response
+
+        return unbalance_response(cast("MechanicalSystem", self), speeds, unbalance, order)
+
     def modal_combination(self, spectrum, base=None, damping_ratio: float = 0.05, combination: str = "CQC") -> ModalCombination:
         """Response spectrum analysis of a moving base: participation factors, effective masses, peaks by CQC or SRSS.
 
@@ -117,6 +161,34 @@ class SystemQuestions(NamedDirections):
         from .peaks import modal_combination
 
         return modal_combination(cast("MechanicalSystem", self), spectrum, base, damping_ratio, combination)
+
+    def effective_masses(self, base=None) -> EffectiveMasses:
+        """Effective masses and participation factors of the modes without damping under a moving base.
+
+            Gamma_i = u_i^T M r with u_i^T M u_i = 1,    m_i = Gamma_i^2
+
+        with the static response r to a unit motion of the base (Chopra, Dynamics of Structures, section 13.2).
+
+        Args:
+            base: names of constraint rows, each a direction of its own, all rows by default; or by a name of your own several rows
+                that move together.
+
+        Returns:
+            ``EffectiveMasses``: ``masses``, shape (m, d), and ``totals`` of all modes, shape (d,).
+
+        Raises:
+            InputError: unknown rows, a system without rows.
+
+        >>> from mbconstrained import Constraint, MechanicalSystem
+        >>> K = [[100.0, -100.0], [-100.0, 100.0]]
+        >>> tower = MechanicalSystem([[2.0, 0.0], [0.0, 0.0]], None, K, [Constraint([0, 1], names="base")])
+        >>> tower.effective_masses().masses.round(12)
+        array([[2.]])
+        """
+        from .effective_masses import effective_masses, loads_of_rows
+
+        system = cast("MechanicalSystem", self)
+        return effective_masses(system, *loads_of_rows(system, base))
 
     def parameters(self) -> tuple[Parameter, ...]:
         """The numbers of the system with the derivatives of its equations: of a lumped model by element, otherwise the entries of M, C, K."""
@@ -180,7 +252,7 @@ class MotionQuestions:
 
         Args:
             end: in s.
-            of: "displacement", "velocity", "acceleration", "reaction", or "force" of springs and dampers by name.
+            of: "displacement", "velocity", "acceleration", "reaction", or "elongation" or "force" of springs and dampers by name.
             combinations: a matrix (p, r) of what is combined, such as the elongation of a spring.
             names: of the combinations.
 

@@ -6,7 +6,6 @@ Sources: Genta, Dynamics of Rotating Systems (2005), chapters 3 and 4; Friswell,
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -20,68 +19,15 @@ from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError
 from ...ground.threads import short_work
 from ...ground.tolerances import EPS, NEWTON_STEP, noise_of
-from ...polynomial.variation.branches import Family, FamilyPart, followed
+from ...polynomial.variation.branches import FamilyPart, followed
 from ...polynomial.variation.spectrum import refined_values
-from ..sensitivity.parameter import Parameter
+from .rotor_equations import check_rotor, rotor_family, speed_ranges
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
 
 #: Most steps of Newton's method to a speed.
 STEPS = 30
-
-
-def at_speed(system: MechanicalSystem, speed: float) -> MechanicalSystem:
-    """The rotor at a constant speed.
-
-    Args:
-        system: the rotor at rest.
-        speed: in rad/s.
-
-    Returns:
-        See ``MechanicalSystem.at_speed``.
-    """
-    speed = real_number(speed, "speed")
-    _check_rotor(system)
-    stiffness, damping, mass = system.given
-    result = copy(system)
-    if system.gyroscopic is not None:
-        result.damping = damping = system._matrix(system.damping + speed * system.gyroscopic, "damping", system.size)
-    if system.circulatory is not None:
-        result.stiffness = stiffness = system._matrix(system.stiffness + speed * system.circulatory, "stiffness", system.size)
-    result.given, result._forms = (stiffness, damping, mass), {}
-    result.gyroscopic = result.circulatory = None
-    N, G = (0.0 if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic))
-    own = Parameter("speed", speed, stiffness=N, damping=G, unit="rad/s")
-    result.parameter_source = lambda: (*system.parameters(), own)
-    return result
-
-
-def _check_rotor(system: MechanicalSystem) -> None:
-    system._refuse_sparse("rotation")
-    if system.gyroscopic is None and system.circulatory is None:
-        raise InputError(
-            "speed: this system does not depend on a speed of rotation; give MechanicalSystem(..., gyroscopic=G) or circulatory=N"
-        )
-
-
-def rotor_family(system: MechanicalSystem) -> tuple[Family, np.ndarray]:
-    """The equations over the speed, in coordinates that satisfy all constraint rows.
-
-    Args:
-        system: of arrays, with gyroscopic or circulatory matrices.
-
-    Returns:
-        The family with W as its parameter, and the basis V of the coordinates, shape (n, n - k).
-    """
-    _check_rotor(system)
-    V, zero = system.position_form().null_space, np.zeros((system.size,) * 2)
-    slopes = [zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic, None)]
-    base, slope = (
-        np.array([V.T @ matrix @ V for matrix in matrices])
-        for matrices in ((system.stiffness, system.damping, system.mass), slopes)
-    )
-    return Family.linear(base, slope), V
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -162,9 +108,10 @@ class Campbell(Displayed):
 
     @cached_property
     def whirl(self) -> np.ndarray:
-        """i x^H G x / (|x|^T |G| |x|) between -1 and 1, shape (S, m): the sense in which the discs whirl, weighted by their inertia.
+        """i x^H S x / (|x|^T |S| |x|) between -1 and 1, shape (S, m): the sense in which the rotor whirls, weighted by inertia.
 
-        Positive is forward: with the rotation, gyroscopic moments raise the frequency, dw/dW > 0. 0 is motion in a plane.
+        S is skew-symmetric: the mass between y and z and the diametral inertia between both tilts of the rotors of a lumped model,
+        otherwise G. Positive is forward, with the rotation; gyroscopic moments raise its frequency. 0 is motion in a plane.
         """
         return np.array([whirl_of(self.system, shapes) for shapes in self.shapes])
 
@@ -241,12 +188,13 @@ def whirl_of(system: MechanicalSystem, shapes: np.ndarray) -> np.ndarray:
     Returns:
         Shape (m,).
     """
-    if system.gyroscopic is None:
+    form_matrix = system.gyroscopic if system.whirl_matrix is None else system.whirl_matrix
+    if form_matrix is None:
         return np.zeros(shapes.shape[1])
-    G, size = (system.gyroscopic - system.gyroscopic.T) / 2, np.abs(shapes)
-    form = (1j * (shapes.conj() * (G @ shapes)).sum(axis=0)).real
-    scale = (size * (np.abs(G) @ size)).sum(axis=0)
-    total = np.abs(G).sum() * size.max(axis=0, initial=0.0) ** 2
+    S, size = (form_matrix - form_matrix.T) / 2, np.abs(shapes)
+    form = (1j * (shapes.conj() * (S @ shapes)).sum(axis=0)).real
+    scale = (size * (np.abs(S) @ size)).sum(axis=0)
+    total = np.abs(S).sum() * size.max(axis=0, initial=0.0) ** 2
     return np.where(scale > EPS * total, form / np.where(scale > 0, scale, 1.0), 0.0)
 
 
@@ -265,6 +213,7 @@ def campbell(system: MechanicalSystem, speeds) -> Campbell:
         raise InputError(
             f"speeds: found {len(speeds)} values; expected two or more, ascending, in rad/s, e.g. numpy.linspace(0, 1000, 101)"
         )
+    check_rotor(system, *speeds[[0, -1]])
     family, V = rotor_family(system)
     with short_work(2 * system.size):
         branches = followed(family, speeds)
@@ -300,21 +249,32 @@ def critical_points(system: MechanicalSystem, order: float = 1.0) -> list[Critic
     order = real_number(order, "order", minimum=0.0)
     if not order:
         raise InputError("order: found 0; expected a positive number, 1 for unbalance")
-    family, V = rotor_family(system)
+    check_rotor(system)
     points = []
     with short_work(2 * system.size):
-        for places in family.parts:
-            part = FamilyPart(family, places, np.array([0.0, 1.0]))
-            base, slope = part.block(family.at(0.0)), part.block(family.slope(0.0))
-            coefficients = [base[0], base[1] + slope[0] / (1j * order), base[2] + slope[1] / (1j * order)]
-            is_lossless = not coefficients[1].any() and part.is_conservative
-            pairs = _undamped_points(coefficients, part) if is_lossless else _damped_points(coefficients, part, order)
-            for value, x in pairs:
-                shape = V[:, places] @ x
-                shape = shape / shape[np.abs(shape).argmax()]
-                speed = value.imag / order
-                points.append(CriticalSpeed(speed, order, value, shape, float(whirl_of(system, shape[:, None])[0])))
+        for number, (low, high) in enumerate(speed_ranges(system)):
+            least = low + noise_of(low) * (number > 0)  # a critical speed at a knot of a table is that of the interval below
+            candidates = _points_within(system, order, low if system.speed_tables else None)
+            points += [point for point in candidates if least < point.speed <= high + noise_of(high)]
     return sorted(points, key=lambda point: point.speed)
+
+
+def _points_within(system: MechanicalSystem, order: float, within: float | None) -> list[CriticalSpeed]:
+    """The critical speeds of equations that are linear in the speed, those of the interval of a speed."""
+    family, V = rotor_family(system, within)
+    points = []
+    for places in family.parts:
+        part = FamilyPart(family, places, np.array([0.0, 1.0]))
+        base, slope = part.block(family.at(0.0)), part.block(family.slope(0.0))
+        coefficients = [base[0], base[1] + slope[0] / (1j * order), base[2] + slope[1] / (1j * order)]
+        is_lossless = not coefficients[1].any() and part.is_conservative
+        pairs = _undamped_points(coefficients, part) if is_lossless else _damped_points(coefficients, part, order)
+        for value, x in pairs:
+            shape = V[:, places] @ x
+            shape = shape / shape[np.abs(shape).argmax()]
+            speed = value.imag / order
+            points.append(CriticalSpeed(speed, order, value, shape, float(whirl_of(system, shape[:, None])[0])))
+    return points
 
 
 def _undamped_points(coefficients, part: FamilyPart) -> list[tuple[complex, np.ndarray]]:

@@ -13,6 +13,7 @@ from ...ground.coordinate_units import GROUND
 from ...models.elements import Body as ModelBody
 from ...models.elements import Element, Gear, Mass, Node, PrescribedMotion, Pulley, Rack
 from ...models.rigid_bar import with_parts
+from ...models.rotor import Unbalance
 from .bars import bar_length, bar_pieces, bars_of
 from .bodies import Body, Drawing, Link
 from .chains import Chain
@@ -117,7 +118,8 @@ def _at_zero(body: Body, natural: dict, scale: float) -> Body:
 
 def _not_drawn(elements: Iterable[Element], known: set[str]) -> str:
     """A note of the elements without a link; gears and racks are drawn as wheels in contact."""
-    others = (element for element in elements if not isinstance(element, (ModelBody, Gear, Rack, PrescribedMotion)))
+    left_out = (ModelBody, Gear, Rack, PrescribedMotion, Unbalance)
+    others = (element for element in elements if not (isinstance(element, left_out) or element.parts))
     missing = ", ".join(element.name for element in others if element.name not in known)
     return f"not drawn: {missing}" * bool(missing)
 

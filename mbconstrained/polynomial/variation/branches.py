@@ -9,7 +9,7 @@ first order (Leissa 1974, Perkins and Mote 1986), so that their interval is halv
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -29,11 +29,13 @@ class Family:
         at: K, C, M at p, shape (3, n, n).
         slope: their derivatives with respect to p, shape (3, n, n).
         pattern: the entries that are not zero for all p, shape (n, n).
+        knots: values of p where the derivative jumps, if A is linear between them.
     """
 
     at: Callable[[float], np.ndarray]
     slope: Callable[[float], np.ndarray]
     pattern: np.ndarray
+    knots: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @staticmethod
     def linear(base: np.ndarray, slope: np.ndarray) -> Family:
@@ -130,7 +132,7 @@ class FamilyPart:
     Args:
         family: A(s; p).
         places: of the coordinates; None for all.
-        parameters: p, shape (P,); the first and the last are compared.
+        parameters: p, shape (P,); the first and the last, and the knots of the family, are compared.
 
     Attributes:
         basis, stiffness: of ``modal_coordinates``, where they are used.
@@ -140,11 +142,12 @@ class FamilyPart:
     def __init__(self, family: Family, places: np.ndarray | None, parameters: np.ndarray):
         places = np.arange(len(family.pattern)) if places is None else places
         self.family, self.places, self.evaluations = family, places, 0
-        first, last = (self.block(family.at(float(p))) for p in parameters[[0, -1]])
-        self.is_constant = (first == last).all() and not self.block(family.slope(float(parameters[0]))).any()
+        first, *others = (self.block(family.at(float(p))) for p in (*parameters[[0, -1]], *family.knots))
+        is_same = (first == np.array(others)).all(axis=(0, 2, 3))
+        self.is_constant = is_same.all() and not self.block(family.slope(float(parameters[0]))).any()
         self.basis: np.ndarray | None = None
         self.stiffness: np.ndarray | None = None
-        if (first[[0, 2]] == last[[0, 2]]).all() and (modal := modal_coordinates(first[2], first[0])) is not None:
+        if is_same[[0, 2]].all() and (modal := modal_coordinates(first[2], first[0])) is not None:
             self.basis, self.stiffness = modal
 
     def block(self, matrices: np.ndarray) -> np.ndarray:

@@ -24,7 +24,7 @@ from ..quantities.coordinates import FORCE_UNITS, Coordinates, beyond_noise, con
 from ..quantities.quantities import Expressed, quantity
 from .consistent_values import consistent_values
 from .data_files import entries_of
-from .forces import Load, force_of, loads_of, prescribed_motions
+from .forces import Load, force_of, loads_of, prescribed_motions, unbalance_loads
 
 if TYPE_CHECKING:
     from ...mechanics.system import MechanicalSystem
@@ -39,6 +39,8 @@ ENTRY_UNITS = {
     "mass": ("kg", "kg*m/rad", "kg*m^2"),
     "damping": ("N*s/m", "N*s/rad", "N*m*s/rad"),
     "stiffness": ("N/m", "N/rad", "N*m/rad"),
+    "gyroscopic": ("kg", "kg*m/rad", "kg*m^2"),
+    "circulatory": ("N*s/m", "N*s/rad", "N*m*s/rad"),
 }
 
 
@@ -55,7 +57,8 @@ class Equations:
         model: the lumped model behind the system, or None.
         robot_scene: the robot behind the system with its posture, inputs and outputs, or None.
         control: the transfer function or state space behind the equations with its inputs and outputs, or None.
-        loads: the forces of the [[force]] tables, one by one, but for inputs of a transfer function or state space.
+        loads: the forces of the [[force]] tables and of unbalance, one by one, but for inputs of a transfer function or state space.
+        rotor: the rotor at rest whose speed the system has, or None.
     """
 
     coordinates: Coordinates
@@ -67,6 +70,7 @@ class Equations:
     robot_scene: RobotScene | None = None
     control: ControlScene | None = None
     loads: tuple[Load, ...] = ()
+    rotor: MechanicalSystem | None = None
 
     @property
     def coordinates_called(self) -> str:
@@ -212,10 +216,11 @@ def _state_space(table, folder: Path, file_name: str, lap) -> Equations:
 def _matrices(table, folder: Path, file_name: str) -> Equations:
     from ...mechanics.constraints import Constraint
     from ...mechanics.system import MechanicalSystem
+    from ...mechanics.vibration.rotor_equations import unbalance_of
     from ...models.lumped import coordinate_row
 
     matrices = {}
-    for key in ("mass", "damping", "stiffness"):
+    for key in ENTRY_UNITS:
         source = getattr(table.model, key)
         with at(file_name, f"model.{key}"):
             matrices[key] = None if source is None else _square(entries_of(source, folder))
@@ -230,6 +235,10 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
     units = dict(zip(coordinates.names, coordinates.units))
     with at(file_name, "model"):
         system = MechanicalSystem(**matrices, constraints=constraints, names=coordinates.names, units=units)
+    for number, entry in enumerate(table.model.unbalance, 1):
+        with at(file_name, f"model.unbalance[{number}]"):
+            system.unbalance = np.zeros(system.size, dtype=complex) if system.unbalance is None else system.unbalance
+            system.unbalance += unbalance_of(*map(coordinates.number, entry.coordinates), entry.moment, entry.angle, system.size)
     return _mechanical(table, system, coordinates, folder, file_name)
 
 
@@ -254,6 +263,7 @@ def _mechanical(table, system, coordinates, folder, file_name, model=None, robot
                 system = system.without_rows(f"motion of {name}" for motion in table.motion for name, _ in motion.rows.values())
             system = system.with_constraints(*prescribed)
     system = _damped(table.model, system, file_name)  # of the modes with the supports at rest
+    system, rotor = _turning(getattr(table.model, "speed", None), system, file_name)
     robot_scene = robot_scene and replace(robot_scene, system=system)
     with at(file_name, "model"):
         polynomial_matrix = system.polynomial_matrix()
@@ -261,7 +271,22 @@ def _mechanical(table, system, coordinates, folder, file_name, model=None, robot
     if table.initial.follow:
         initial = consistent_values(initial, table.initial, system, coordinates, file_name)
     loads = loads_of(table.force, coordinates, folder, file_name, robot_scene and robot_scene.system)
-    return Equations(coordinates, polynomial_matrix, initial, force_of(loads), system, model, robot_scene, loads=loads)
+    if rotor is not None and rotor.unbalance is not None:
+        loads += unbalance_loads(rotor.unbalance, table.model.speed or 0.0, coordinates)
+    return Equations(coordinates, polynomial_matrix, initial, force_of(loads), system, model, robot_scene, loads=loads, rotor=rotor)
+
+
+def _turning(speed: float | None, system: MechanicalSystem, file_name: str) -> tuple[MechanicalSystem, MechanicalSystem | None]:
+    """The system at the speed of the model, and the rotor at rest; None where nothing turns."""
+    if not system.turns:
+        if speed is not None:
+            with at(file_name, "model.speed"):
+                raise InputError(
+                    "nothing of this model turns; give it a rotor, a gyroscopic or a circulatory matrix, or leave it out"
+                )
+        return system, None
+    with at(file_name, "model.speed"):
+        return system.at_speed(speed or 0.0), system
 
 
 def _damped(model, system: MechanicalSystem, file_name: str) -> MechanicalSystem:

@@ -21,7 +21,7 @@ from ..quantities.coordinates import FORCE_UNITS, Coordinates, force_value, with
 from .data_files import record_of
 
 if TYPE_CHECKING:
-    from ...robot.linearized import LinearizedRobot
+    from ...robot.linearization.linearized import LinearizedRobot
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +70,25 @@ def loads_of(
                 index = coordinates.number(name, *inputs)
                 direction, unit = np.eye(len(coordinates.names))[index], coordinates.units[index]
             loads.append(Load(name, unit, direction, _signal(table, FORCE_UNITS.get(unit), folder)))
+    return tuple(loads)
+
+
+def unbalance_loads(unbalance: np.ndarray, speed: float, coordinates: Coordinates) -> tuple[Load, ...]:
+    """The forces of the unbalance at a speed.
+
+    Args:
+        unbalance: u of W^2 Re(u e^{i W t}), shape (r,).
+        speed: W in rad/s.
+        coordinates: of the model.
+
+    Returns:
+        One for each coordinate with unbalance; none at rest.
+    """
+    loads = []
+    for place in np.flatnonzero(unbalance) if speed else ():
+        u, name, unit = unbalance[place], coordinates.names[place], coordinates.units[place]
+        signal = signals.harmonic([abs(u) * speed**2], angular_frequency=speed, phase=float(np.angle(u)))
+        loads.append(Load(name, unit, np.eye(len(unbalance))[place], signal))
     return tuple(loads)
 
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 KINDS = {  # SI unit: (what it is called, an example)
     "1": ("a plain number", "2"),
     "kg": ("a mass", '"10 kg"'),
+    "kg*m": ("an unbalance, mass times eccentricity", '"20 g*mm"'),
     "kg*m^2": ("a moment of inertia", '"0.02 kg*m^2"'),
     "m": ("a length", '"0.2 m"'),
     "m/s": ("a velocity", '"0.5 m/s"'),

@@ -345,6 +345,8 @@ def check_output(output, equations: Equations, file_name: str, modal_damping: bo
     with at(file_name, "output.formula"):
         if output.formula and equations.robot:
             raise InputError("there is no formula with symbols for a robot; leave it out")
+        if output.formula and equations.rotor is not None:
+            raise InputError("there is no formula with symbols for a rotor; leave it out")
         if output.formula and modal_damping:
             raise InputError("there is no formula with symbols for modal damping; leave it out")
     system = equations.system

@@ -87,6 +87,7 @@ def quantity_field(unit: str):
 Number = quantity_field("1")
 Mass = quantity_field("kg")
 Inertia = quantity_field("kg*m^2")
+Eccentric = quantity_field("kg*m")
 Length = quantity_field("m")
 Acceleration = quantity_field("m/s^2")
 Angle = quantity_field("rad")
@@ -98,6 +99,21 @@ TorsionDamping = quantity_field("N*m*s/rad")
 Time = quantity_field("s")
 Frequency = quantity_field("Hz")
 Rate = quantity_field("1/s")
+
+
+def _in_planes(unit: str):
+    """The type of a key that holds a quantity, one for each of the planes y and z, a matrix of them, or a list of these."""
+
+    def converted(value):
+        return [converted(entry) for entry in value] if isinstance(value, list) else quantity(value, unit)
+
+    title = "a quantity, two for the planes y and z, or two rows of two; with speeds a list of these"
+    return Annotated[
+        Any, BeforeValidator(converted), WithJsonSchema({"title": title, "anyOf": [*NUMBER_SCHEMA["anyOf"], {"type": "array"}]})
+    ]
+
+
+PlaneStiffness, PlaneDamping = _in_planes("N/m"), _in_planes("N*s/m")
 
 
 class RayleighTable(Table):
@@ -130,6 +146,10 @@ class DampedTable(Table):
             }
         ),
     ] = Field(None, description="The damping ratio of all undamped modes, e.g. 0.02, or of the lowest ones, e.g. [0.02, 0.05].")
+
+
+#: The key of models that may be rotors.
+SPEED: Any = Field(None, description='The constant speed of a rotor, e.g. "3000 rpm"; left out: at rest.')
 
 
 def _teeth(value):

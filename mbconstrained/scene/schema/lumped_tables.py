@@ -9,16 +9,21 @@ from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 from ...ground.errors import InputError
 from ..file.messages import shown
 from .entry_types import (
+    SPEED,
     Acceleration,
     Angle,
+    AngularVelocity,
     DampedTable,
     Damping,
+    Eccentric,
     Inertia,
     Length,
     Level,
     Mass,
     Name,
     Pair,
+    PlaneDamping,
+    PlaneStiffness,
     Quantity,
     Stiffness,
     Table,
@@ -27,7 +32,7 @@ from .entry_types import (
     TorsionStiffness,
 )
 
-BODIES = ("mass", "inertia", "node", "rigid_bar")
+BODIES = ("mass", "inertia", "node", "rigid_bar", "rotor")
 
 
 class MassTable(Table):
@@ -66,6 +71,20 @@ class RigidBarTable(Table):
     inertia: Inertia = Field(description="Its moment of inertia about the centre of mass.")
     points: Annotated[dict[Name, Length], BeforeValidator(_points)] = Field(
         description="Points with their distances from the centre of mass along the bar; each is a coordinate, tied to the bar."
+    )
+
+
+class RotorTable(Table):
+    """A rigid rotor that moves across its shaft in the planes y and z and tilts; the shaft turns from y to z."""
+
+    name: Name = Field(
+        description='Its centre of mass has the coordinates "NAME y", "NAME z", its tilts "NAME y angle", "NAME z angle".'
+    )
+    mass: Mass = Field(description="Its mass.")
+    diametral_inertia: Inertia | None = Field(None, description="About an axis across the shaft; left out: it does not tilt.")
+    polar_inertia: Inertia = Field(0.0, description="About the shaft, at most twice the diametral one.")
+    points: dict[Name, Length] = Field(
+        {}, description='Points with their distances from the centre of mass along the shaft; each has "POINT y" and "POINT z".'
     )
 
 
@@ -155,6 +174,25 @@ class PulleyTable(ElementTable):
     length: Length | None = Field(None, description="The length of rope; left out: the rope is just taut at the start.")
 
 
+class BearingTable(ElementTable):
+    """A bearing, seal or elastic shaft between points of rotors, or a point and the ground: force -K r - C r' in both planes."""
+
+    stiffness: PlaneStiffness = Field(0.0, description="K: one stiffness, [K_yy, K_zz], or [[K_yy, K_yz], [K_zy, K_zz]].")
+    damping: PlaneDamping = Field(0.0, description="C, likewise.")
+    speeds: Annotated[list[AngularVelocity], Field(min_length=2)] | None = Field(
+        None, description="Speeds of a table, ascending; stiffness and damping then have an entry for each, linear in between."
+    )
+
+
+class UnbalanceTable(Table):
+    """An eccentric mass: the force moment W^2, which turns with the shaft."""
+
+    name: Name | None = Field(None, description="A name for messages.")
+    on: Name = Field(description="The rotor, or a point of it.")
+    moment: Eccentric = Field(description='Mass times eccentricity, e.g. "20 g*mm".')
+    angle: Angle = Field(0.0, description="From y towards z at t = 0.")
+
+
 def _rows_by_name(value):
     if not isinstance(value, dict) or not value:
         raise InputError(f"found {shown(value)}; expected coordinates with their factors, e.g. {{ x1 = 1, q1 = -1 }}")
@@ -177,6 +215,7 @@ class LumpedTable(DampedTable):
 
     kind: Literal["lumped"] = Field(description='"lumped": bodies along one axis, springs, dampers, gears ….')
     gravity: Acceleration | None = Field(None, description="Acceleration of free fall along the axis, negative for downwards.")
+    speed: AngularVelocity | None = SPEED
     mass: list[MassTable] = Field([], description="Masses.")
     inertia: list[InertiaTable] = Field([], description="Bodies that turn.")
     node: list[NodeTable] = Field([], description="Joints without mass.")
@@ -190,6 +229,9 @@ class LumpedTable(DampedTable):
     gear: list[GearTable] = Field([], description="Gear pairs.")
     rack: list[RackTable] = Field([], description="Racks with their pinions.")
     pulley: list[PulleyTable] = Field([], description="Ropes over pulleys.")
+    rotor: list[RotorTable] = Field([], description="Rigid rotors, in two planes.")
+    bearing: list[BearingTable] = Field([], description="Bearings, seals and shafts of rotors.")
+    unbalance: list[UnbalanceTable] = Field([], description="Eccentric masses of rotors.")
     constraint: list[ConstraintTable] = Field([], description="Further constraint rows.")
     _order: tuple[str, ...] = PrivateAttr(default=())
 

@@ -10,9 +10,14 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 from ...ground.errors import InputError
 from ..file.messages import shown
 from ..quantities.quantities import measured
-from .entry_types import NUMBER_SCHEMA, DampedTable, Name, Number, Table, Text, Unit
+from .entry_types import NUMBER_SCHEMA, SPEED, Angle, AngularVelocity, DampedTable, Eccentric, Name, Number, Pair, Table, Text, Unit
 from .force_tables import MOST_POWER
 from .lumped_tables import ConstraintTable
+
+#: Keys that belong to mass, damping and stiffness.
+WITHOUT_COEFFICIENTS = (
+    "damping", "stiffness", "gyroscopic", "circulatory", "speed", "unbalance", "constraint", "rayleigh_damping", "modal_damping",
+)  # fmt: skip
 
 Coefficients = Annotated[list[Number], Field(min_length=1, max_length=200)]
 
@@ -115,6 +120,16 @@ Matrix = Annotated[
 ]
 
 
+class MatrixUnbalanceTable(Table):
+    """An eccentric mass: the force moment W^2, which turns with the shaft."""
+
+    coordinates: Pair = Field(
+        description='The displacements in two planes, the shaft turning from the first to the second, e.g. ["y", "z"].'
+    )
+    moment: Eccentric = Field(description='Mass times eccentricity, e.g. "20 g*mm".')
+    angle: Angle = Field(0.0, description="From the first towards the second plane at t = 0.")
+
+
 class MatricesTable(DampedTable):
     """M x'' + C x' + K x = f with constraint rows, or A_0 x + A_1 x' + … + A_q x^(q) = f of any degree."""
 
@@ -126,6 +141,10 @@ class MatricesTable(DampedTable):
     mass: Matrix = Field(None, description="M, in kg (kg m² for angles); may be singular.")
     damping: Matrix = Field(None, description="C, in N s/m.")
     stiffness: Matrix = Field(None, description="K, in N/m.")
+    gyroscopic: Matrix = Field(None, description="G of a rotor, in kg m²: its damping matrix is C + speed G.")
+    circulatory: Matrix = Field(None, description="N of a rotor, in N s/m: its stiffness matrix is K + speed N.")
+    speed: AngularVelocity | None = SPEED
+    unbalance: list[MatrixUnbalanceTable] = Field([], description="Eccentric masses of a rotor.")
     constraint: list[ConstraintTable] = Field([], description="Constraint rows.")
     coefficients: list[Matrix] | None = Field(None, description="[A_0, A_1, …, A_q] instead of mass, damping and stiffness.")
 
@@ -138,7 +157,7 @@ class MatricesTable(DampedTable):
         return self
 
     def _refuse_with_coefficients(self) -> None:
-        for key in ("damping", "stiffness", "constraint", "rayleigh_damping", "modal_damping"):
+        for key in WITHOUT_COEFFICIENTS:
             if key in self.model_fields_set:
                 raise InputError(f"{key} cannot stand with coefficients; write it into A_0, A_1, … or give mass instead")
         if not self.coefficients:

@@ -12,6 +12,7 @@ from ...ground.tolerances import noise_of
 from ..file.messages import shown
 from ..quantities.coordinates import DERIVATIVES
 from ..quantities.output_units import output_units
+from .analyses.campbell_table import CampbellTable
 from .analyses.frequency_table import FrequencyTable
 from .analyses.random_table import RandomTable
 from .analyses.shock_table import ShockTable
@@ -221,6 +222,7 @@ class SceneFile(Table):
     random: RandomTable | None = Field(None, description="Random vibration, by the command random; left out: none.")
     shock: ShockTable | None = Field(None, description="Peaks under a shock, by the command shock; left out: the defaults.")
     vary: VaryTable | None = Field(None, description="Parameters that the commands sweep and optimise vary; left out: named there.")
+    campbell: CampbellTable | None = Field(None, description="Speeds and orders of the command campbell; left out: the defaults.")
     output: OutputTable = Field(OutputTable(), description="Which files are written, and what the page shows.")
     drawing: DrawingTable | None = Field(None, description="How the model is drawn; left out: automatically.")
 

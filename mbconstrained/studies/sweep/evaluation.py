@@ -257,7 +257,7 @@ def _alike(one: Scene, other: Scene) -> bool:
     first, second = one.equations.system, other.equations.system
     if type(first) is not MechanicalSystem or type(second) is not MechanicalSystem or first.is_sparse or second.is_sparse:
         return False
-    if first.gyroscopic is not None or second.gyroscopic is not None or one.equations.control or other.equations.control:
+    if any(scene.equations.rotor is not None or scene.equations.control for scene in (one, other)):
         return False
     tables = (one.table.force, one.table.motion, one.table.random, one.table.time)
     if first.names != second.names or tables != (other.table.force, other.table.motion, other.table.random, other.table.time):

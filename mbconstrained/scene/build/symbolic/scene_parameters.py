@@ -1,7 +1,7 @@
 """The [parameters] of a scene as parameters of its mechanical system, with the derivatives of the equations.
 
 The expressions of the scene are evaluated with p + i h in the place of p (``models.element_parameters``). The equations of robots and
-of modal damping come from an equilibrium or from modes: these are assembled for values around p (``Parameter.of_function``).
+of modal damping come from an equilibrium or from modes, those of a rotor depend on its speed: these are assembled for values around p (``Parameter.of_function``).
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def scene_parameters(scene: Scene, assembled: Callable[[Scene, str, float], Scen
     model, values = scene.table.model, scene.parameters.values
     for name, value in values.items():
         unit = scene.parameters.units[name]
-        if model.kind not in ("lumped", "matrices") or model.modal_damping is not None:
+        if model.kind not in ("lumped", "matrices") or model.modal_damping is not None or scene.equations.rotor:
             yield Parameter.of_function(name, value, partial(_system, scene, assembled, name), unit)
             continue
         step = COMPLEX_STEP * (abs(value) or 1.0)

@@ -79,6 +79,8 @@ def _mechanical(scene: Scene, symbols: Symbols) -> ExactEquations:
 
     if scene.table.motion:
         raise InputError("there is no formula with symbols for a model with prescribed motions ([[motion]])")
+    if scene.equations.rotor is not None:
+        raise InputError("there is no formula with symbols for a rotor; give the matrices at one speed, or leave the formula out")
     coordinates = scene.equations.coordinates
     matrices, rows, static = _exact_lumped(scene, symbols) if scene.equations.model is not None else _matrices(scene, symbols)
     model = scene.table.model

@@ -10,6 +10,7 @@ import numpy as np
 
 from ....exchange.trajectories import write_arrays
 from ....ground.files import Replacements
+from ...schema.analyses.campbell_table import CampbellTable
 from ...schema.analyses.frequency_table import FrequencyTable
 from ...schema.analyses.shock_table import ShockTable
 from ...schema.entry_types import Table
@@ -124,12 +125,12 @@ def _cell(text: str) -> str:
     return text.replace(",", ";").replace("\n", " ")
 
 
-def with_options(own: Table | None, kind: Literal["frequency", "shock"], options: dict, file_name: str):
-    """The table [frequency] or [shock] of a scene with other values.
+def with_options(own: Table | None, kind: Literal["frequency", "shock", "campbell"], options: dict, file_name: str):
+    """The table [frequency], [shock] or [campbell] of a scene with other values.
 
     Args:
         own: as read; None for the defaults.
-        kind: which of both.
+        kind: which of them.
         options: by the keys of the table.
         file_name: for messages.
 
@@ -151,3 +152,4 @@ def with_options(own: Table | None, kind: Literal["frequency", "shock"], options
 class _Options(Table):
     frequency: FrequencyTable | None = None
     shock: ShockTable | None = None
+    campbell: CampbellTable | None = None

@@ -15,18 +15,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..mechanics.sensitivity.parameter import Parameter
-from .connections import BodySpring
-from .description.masses import replace_masses
-from .description.urdf import link_masses, skeleton
-from .kinematics import Tree, built_model
-from .statics.equilibrium import Search, equilibrium
+from ...mechanics.sensitivity.parameter import Parameter
+from ..connections import BodySpring
+from ..description.masses import replace_masses
+from ..description.urdf import link_masses, skeleton
+from ..kinematics import Tree, built_model
+from ..statics.equilibrium import Search, equilibrium
 
 if TYPE_CHECKING:
-    from ..mechanics.system import MechanicalSystem
-    from .posture import Posture
-    from .robot import Robot
-    from .statics.balance import Load
+    from ...mechanics.system import MechanicalSystem
+    from ..posture import Posture
+    from ..robot import Robot
+    from ..statics.balance import Load
 
 #: Constants along and about an axis, with their units.
 BUSHING_UNITS = {"stiffness": "N/m", "turning_stiffness": "N m/rad", "damping": "N s/m", "turning_damping": "N m s/rad"}

@@ -1,0 +1,190 @@
+"""The equations of a rotor at constant speed W, M x'' + (C + W G) x' + (K + W N) x = f, and those of bearings that change with W."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass
+from itertools import pairwise, product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...ground.checks import real_number
+from ...ground.errors import InputError
+from ..sensitivity.parameter import Parameter
+
+if TYPE_CHECKING:
+    from ...polynomial.variation.branches import Family
+    from ..system import MechanicalSystem
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedTable:
+    """Coefficients of a bearing that change with the speed: what is added to K and C, linear between the speeds.
+
+    Attributes:
+        name: of the bearing.
+        speeds: W in rad/s, ascending, shape (S,).
+        stiffness, damping: shape (S, n, n).
+    """
+
+    name: str
+    speeds: np.ndarray
+    stiffness: np.ndarray
+    damping: np.ndarray
+
+    def _interval(self, speed: float) -> int:
+        return int(np.clip(np.searchsorted(self.speeds, speed, side="right") - 1, 0, len(self.speeds) - 2))
+
+    def slope(self, speed: float) -> np.ndarray:
+        """The derivatives of K and C, at a speed of the table those above it, shape (2, n, n)."""
+        i = self._interval(speed)
+        step = self.speeds[i + 1] - self.speeds[i]
+        return np.array([self.stiffness[i + 1] - self.stiffness[i], self.damping[i + 1] - self.damping[i]]) / step
+
+    def at(self, speed: float) -> np.ndarray:
+        """What is added to K and C, shape (2, n, n); beyond the table its last piece is continued."""
+        i = self._interval(speed)
+        return np.array([self.stiffness[i], self.damping[i]]) + (speed - self.speeds[i]) * self.slope(speed)
+
+
+def at_speed(system: MechanicalSystem, speed: float) -> MechanicalSystem:
+    """The rotor at a constant speed.
+
+    Args:
+        system: the rotor at rest.
+        speed: in rad/s.
+
+    Returns:
+        See ``MechanicalSystem.at_speed``.
+    """
+    speed = real_number(speed, "speed")
+    check_rotor(system, speed)
+    stiffness, damping, mass = system.given
+    result, rest = copy(system), (system.stiffness, system.damping)
+    now, slope = rotor_matrices(system, speed), rotor_slopes(system, speed)
+    if (now[0] != rest[0]).any():
+        result.stiffness = stiffness = system._matrix(now[0], "stiffness", system.size)
+    if (now[1] != rest[1]).any():
+        result.damping = damping = system._matrix(now[1], "damping", system.size)
+    result.given, result._forms = (stiffness, damping, mass), {}
+    result.gyroscopic = result.circulatory = result.unbalance = None
+    result.speed_tables = ()
+    own = Parameter("speed", speed, stiffness=slope[0], damping=slope[1], unit="rad/s")
+    result.parameter_source = lambda: (*system.parameters(), own)
+    return result
+
+
+def check_rotor(system: MechanicalSystem, *speeds: float) -> None:
+    """A system of arrays that depends on a speed.
+
+    Args:
+        system: to be checked.
+        speeds: at which its matrices are needed.
+
+    Raises:
+        InputError: it is sparse, nothing of it turns, a speed beyond the table of a bearing.
+    """
+    system._refuse_sparse("rotation")
+    if not system.turns:
+        raise InputError(
+            "speed: this system does not depend on a speed of rotation; give MechanicalSystem(..., gyroscopic=G) or circulatory=N, "
+            "or a rotor of a lumped model"
+        )
+    for table, speed in product(system.speed_tables, speeds):
+        low, high = table.speeds[[0, -1]]
+        if not low <= speed <= high:
+            raise InputError(
+                f'speed: found {speed:g} rad/s; the table of the bearing "{table.name}" is from {low:g} to {high:g} rad/s, '
+                "and is not continued beyond"
+            )
+
+
+def unbalance_of(first: int, second: int, moment: float, angle: float, size: int) -> np.ndarray:
+    """The unbalance u of an eccentric mass, whose force is W^2 Re(u e^{i W t}) = moment W^2 (cos(W t + angle), sin(W t + angle)).
+
+    Args:
+        first, second: the displacements in two planes, the shaft turning from the first to the second.
+        moment: mass times eccentricity, in kg m.
+        angle: from the first towards the second at t = 0, in rad.
+        size: the number n of coordinates.
+
+    Returns:
+        Complex, shape (n,).
+    """
+    u = np.zeros(size, dtype=complex)
+    u[[first, second]] = np.array([1.0, -1j]) * moment * np.exp(1j * angle)
+    return u
+
+
+def rotor_matrices(system: MechanicalSystem, speed: float) -> np.ndarray:
+    """K, C and M at a speed.
+
+    Args:
+        system: the rotor at rest.
+        speed: W in rad/s.
+
+    Returns:
+        Shape (3, n, n).
+    """
+    zero = np.zeros((system.size,) * 2)
+    N, G = (zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic))
+    total = np.array([system.stiffness + speed * N, system.damping + speed * G, system.mass])
+    for table in system.speed_tables:
+        total[:2] += table.at(speed)
+    return total
+
+
+def rotor_slopes(system: MechanicalSystem, speed: float) -> np.ndarray:
+    """The derivatives of K, C and M with respect to the speed.
+
+    Args:
+        system, speed: as of ``rotor_matrices``.
+
+    Returns:
+        Shape (3, n, n).
+    """
+    zero = np.zeros((system.size,) * 2)
+    total = np.array([zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic, None)])
+    for table in system.speed_tables:
+        total[:2] += table.slope(speed)
+    return total
+
+
+def speed_ranges(system: MechanicalSystem) -> list[tuple[float, float]]:
+    """The intervals in which the matrices are linear in the speed: one of all speeds without tables, else those that all tables cover."""
+    if not system.speed_tables:
+        return [(0.0, np.inf)]
+    low, high = (pick(table.speeds[end] for table in system.speed_tables) for pick, end in ((max, 0), (min, -1)))
+    return [(a, b) for a, b in pairwise(_knots(system)) if low <= a and b <= high]
+
+
+def _knots(system: MechanicalSystem) -> np.ndarray:
+    return np.unique([speed for table in system.speed_tables for speed in table.speeds])
+
+
+def rotor_family(system: MechanicalSystem, within: float | None = None) -> tuple[Family, np.ndarray]:
+    """The equations over the speed, in coordinates that satisfy all constraint rows.
+
+    Args:
+        system: of arrays, with gyroscopic or circulatory matrices or speed tables.
+        within: a speed; the equations are those of its interval, continued to all speeds. None for those with all intervals.
+
+    Returns:
+        The family with W as its parameter, and the basis V of the coordinates, shape (n, n - k).
+    """
+    from ...polynomial.variation.branches import Family
+
+    check_rotor(system)
+    V = system.position_form().null_space
+
+    def reduced(matrices: np.ndarray) -> np.ndarray:
+        return np.array([V.T @ matrix @ V for matrix in matrices])
+
+    if within is not None or not system.speed_tables:
+        at = within or 0.0
+        slope = rotor_slopes(system, at)
+        return Family.linear(reduced(rotor_matrices(system, at) - at * slope), reduced(slope)), V
+    knots = _knots(system)
+    pattern = (np.array([reduced(rotor_matrices(system, knot)) for knot in knots]) != 0).any(axis=(0, 1))
+    return Family(lambda W: reduced(rotor_matrices(system, W)), lambda W: reduced(rotor_slopes(system, W)), pattern, knots), V

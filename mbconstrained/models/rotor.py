@@ -1,0 +1,300 @@
+"""Rotors of a lumped model, in two planes across the shaft: rigid rotors, bearings with cross coupling, unbalance.
+
+What is called "disc" has the displacements "disc y" and "disc z"; the shaft turns from y to z. Positions along the shaft are distances
+from the centre of mass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import ClassVar
+
+import numpy as np
+
+from ..ground.checks import counted, real_array, real_number
+from ..ground.coordinate_units import GROUND
+from ..ground.errors import InputError
+from ..ground.tolerances import noise_of
+from ..mechanics.element_matrix import ElementMatrix
+from ..mechanics.vibration.rotor_equations import SpeedTable, unbalance_of
+from .elements import Damper, Element, Mass, Spring
+from .rigid_bar import RigidBar, unchecked, with_parts
+
+#: The planes through the shaft, in the order in which it turns.
+PLANES = ("y", "z")
+
+
+def in_planes(name: str) -> tuple[str, str]:
+    """The displacements of a point in both planes; the ground has none.
+
+    >>> in_planes("disc")
+    ('disc y', 'disc z')
+    """
+    y, z = (GROUND if name == GROUND else f"{name} {plane}" for plane in PLANES)
+    return y, z
+
+
+@dataclass(frozen=True)
+class Rotor(Element):
+    """A rigid rotor at a constant speed W: a rigid bar in each plane, coupled by gyroscopic moments.
+
+    With the tilts a in the plane y and b in z
+
+        J_d a'' + W J_p b' = sum of moments,  J_d b'' - W J_p a' = sum of moments.
+
+    Its coordinates are "NAME y" and "NAME z" and, where it has moments of inertia, "NAME y angle" and "NAME z angle" and those of its
+    points, "POINT y" and "POINT z" (``RigidBar``).
+
+    Args:
+        mass: m > 0, in kg.
+        diametral_inertia: J_d > 0 about an axis across the shaft through the centre of mass, in kg m^2; None for a mass that does not tilt.
+        polar_inertia: J_p about the shaft, between 0 and 2 J_d, in kg m^2.
+        points: by name the distances from the centre of mass along the shaft, in m; of either sign.
+
+    Example:
+        A disc on springs whirls with the frequencies of k - w^2 J_d +- w W J_p = 0.
+
+        >>> from mbconstrained import LumpedModel
+        >>> model = LumpedModel()
+        >>> _ = model.rotor("disc", 2.0, diametral_inertia=1.0, polar_inertia=1.5, points={"left": -1.0, "right": 1.0})
+        >>> for point in ("left", "right"):
+        ...     _ = model.bearing("ground", point, stiffness=2.0)
+        >>> model.assemble().critical_speeds().round(9).tolist()  # sqrt(4 / 2) twice, sqrt(4 / (1 + 1.5))
+        [1.264911064, 1.414213562, 1.414213562]
+    """
+
+    name: str = field()
+    mass: float
+    diametral_inertia: float | None = None
+    polar_inertia: float = 0.0
+    points: Mapping[str, float] = field(default_factory=dict)
+
+    positive: ClassVar[tuple[str, ...]] = ("mass", "diametral_inertia")
+    nonnegative: ClassVar[tuple[str, ...]] = ("polar_inertia",)
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.diametral_inertia is None and (self.polar_inertia or self.points):
+            what = "a polar inertia" if self.polar_inertia else "points"
+            raise InputError(f"{self.label}: found {what} without a diametral inertia; give it, or leave both out")
+        if self.diametral_inertia is not None and self.polar_inertia > 2 * self.diametral_inertia * (1 + noise_of(1.0)):
+            raise InputError(
+                f"{self.label}: polar inertia {self.polar_inertia:g} kg m^2 is more than twice the diametral one, "
+                f"{self.diametral_inertia:g} kg m^2, which no body has; are they swapped?"
+            )
+        if not isinstance(self.points, Mapping):
+            raise InputError(f'{self.label}: points: expected distances by name, such as {{"left": -0.2, "right": 0.3}}')
+        distances = {point: real_number(value, f'{self.label}: distance of "{point}"') for point, value in self.points.items()}
+        object.__setattr__(self, "points", MappingProxyType(distances))
+
+    @property
+    def parts(self) -> tuple[Element, ...]:
+        """The masses or bars in both planes, with their own parts."""
+        if self.diametral_inertia is None:
+            return tuple(unchecked(Mass, name=name, mass=self.mass) for name in in_planes(self.name))
+        planes = zip(in_planes(self.name), PLANES)
+        points = [{f"{point} {plane}": value for point, value in self.points.items()} for plane in PLANES]
+        bars = (
+            unchecked(RigidBar, name=name, mass=self.mass, inertia=self.diametral_inertia, points=own)
+            for (name, _), own in zip(planes, points)
+        )
+        return with_parts(bars)
+
+    @property
+    def tilts(self) -> tuple[str, str]:
+        """The names of its angles in both planes, where it tilts."""
+        y, z = (f"{name} angle" for name in in_planes(self.name))
+        return y, z
+
+
+@dataclass(frozen=True)
+class Bearing(Element):
+    """A bearing, seal or shaft between two points: the force -K r - C r' on the end, r = (y, z) the displacements relative to the start.
+
+    Args:
+        start, end: names of rotors, their points, or "ground".
+        stiffness: K in N/m, a number for the same in both planes, two for those of y and z, or a matrix (2, 2), of any signs and not
+            necessarily symmetric (oil films).
+        damping: C in N s/m, likewise.
+        speeds: W in rad/s, ascending; then stiffness and damping are sequences with an entry for each speed, linear between them.
+    """
+
+    start: str
+    end: str
+    stiffness: float | Sequence = 0.0
+    damping: float | Sequence = 0.0
+    speeds: Sequence[float] | None = None
+
+    end_count = 3
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.speeds is not None:
+            speeds = real_array(self.speeds, f"{self.label}: speeds", shape=(None,))
+            if len(speeds) < 2 or not (np.diff(speeds) > 0).all():
+                shown = ", ".join(f"{speed:g}" for speed in speeds[:6])
+                raise InputError(f"{self.label}: speeds: found {shown}; expected two or more, ascending, in rad/s")
+        if not (self.matrices("stiffness").any() or self.matrices("damping").any()):
+            raise InputError(f"{self.label}: found neither stiffness nor damping; give at least one of them")
+
+    _joined = property(lambda self: [(self.start, None), (self.end, None)])
+
+    @property
+    def ends(self) -> dict[str, str | None]:
+        """The displacements of both ends in both planes; "ground" has none."""
+        return {name: None if name == GROUND else "m" for end in (self.start, self.end) for name in in_planes(end)}
+
+    def matrices(self, what: str) -> np.ndarray:
+        """The matrices "stiffness" or "damping" of each speed, of one that does not change with the speed one, shape (S, 2, 2)."""
+        return _matrices(getattr(self, what), self.speeds, f"{self.label}: {what}")
+
+    @property
+    def parts(self) -> tuple[Element, ...]:
+        """Springs and dampers in both planes, of a table those of its first speed."""
+        parts = []
+        for kind, what in ((Spring, "stiffness"), (Damper, "damping")):
+            values = np.diag(self.matrices(what)[0]).tolist()
+            for plane, value, start, end in zip(PLANES, values, in_planes(self.start), in_planes(self.end)):
+                if value > 0:
+                    parts.append(unchecked(kind, name=f"{self.name} {what} {plane}", start=start, end=end, **{what: value}))
+        return tuple(parts)
+
+    def coupling(self, what: str) -> np.ndarray:
+        """Of ``matrices`` what its springs or dampers do not have, shape (S, 2, 2)."""
+        matrices = self.matrices(what)
+        return matrices - np.diag(np.maximum(np.diag(matrices[0]), 0.0))
+
+
+def _matrices(value, speeds: Sequence[float] | None, what: str) -> np.ndarray:
+    """One matrix for each speed, or one alone; shape (S, 2, 2)."""
+    if speeds is None:
+        return _matrix(value, what)[None]
+    if isinstance(value, (int, float)) and not value:
+        return np.zeros((len(speeds), 2, 2))
+    if not isinstance(value, (Sequence, np.ndarray)) or len(value) != len(speeds):
+        entries = counted(len(value), "entry", "entries") if isinstance(value, (Sequence, np.ndarray)) else f"{value!r}"
+        raise InputError(f"{what}: found {entries}; expected {len(speeds)}, one for each of the speeds")
+    return np.array([_matrix(entry, f"{what} at {speed:g} rad/s") for speed, entry in zip(speeds, value)])
+
+
+def _matrix(value, what: str) -> np.ndarray:
+    entries = real_array(value, what)
+    if entries.shape not in ((), (2,), (2, 2)):
+        raise InputError(f"{what}: expected a number, two of the planes y and z, or two rows of two numbers")
+    return entries if entries.ndim == 2 else np.diag(np.broadcast_to(entries, 2))
+
+
+@dataclass(frozen=True)
+class Unbalance(Element):
+    """An eccentric mass: the force moment W^2 (cos(W t + angle), sin(W t + angle)) in y and z.
+
+    Args:
+        on: name of a rotor or of one of its points.
+        moment: mass times eccentricity, m e >= 0, in kg m.
+        angle: from y towards z at t = 0, in rad.
+    """
+
+    on: str
+    moment: float
+    angle: float = 0.0
+
+    nonnegative = ("moment",)
+    real = ("angle",)
+    end_count = 2
+
+    _joined = property(lambda self: [(self.on, None)])
+
+    @property
+    def ends(self) -> dict[str, str | None]:
+        """Both displacements of its point; "ground" is none."""
+        if self.on == GROUND:
+            raise InputError(f'{self.label}: "ground" does not turn; name a rotor or a point of one')
+        return dict.fromkeys(in_planes(self.on), "m")
+
+
+@dataclass(frozen=True, eq=False)
+class RotorTerms:
+    """What rotors, bearings and unbalance add to the equations of a model with n coordinates.
+
+    Attributes:
+        gyroscopic: G, shape (n, n).
+        whirl: masses between y and z, diametral inertias between the tilts, skew-symmetric, shape (n, n).
+        stiffness, damping: what springs and dampers do not have, shape (n, n).
+        tables: bearings whose coefficients change with the speed.
+        unbalance: u of the force W^2 Re(u e^{i W t}), complex, in kg m, shape (n,).
+    """
+
+    gyroscopic: np.ndarray
+    whirl: np.ndarray
+    stiffness: np.ndarray
+    damping: np.ndarray
+    tables: tuple[SpeedTable, ...]
+    unbalance: np.ndarray
+
+    def added_to(self, elements: ElementMatrix, what: str) -> ElementMatrix | np.ndarray:
+        """The matrix of springs or dampers with "stiffness" or "damping" of this.
+
+        Args:
+            elements: their matrix.
+            what: which.
+
+        Returns:
+            The same elements where nothing is added.
+        """
+        further = getattr(self, what)
+        return elements.matrix + further if further.any() else elements
+
+
+def rotor_terms(elements: Sequence[Element], names: Sequence[str]) -> RotorTerms | None:
+    """The terms of all rotors, bearings and unbalances.
+
+    Args:
+        elements: of a model.
+        names: of its coordinates.
+
+    Returns:
+        The terms; None of a model without them.
+    """
+    own = [element for element in elements if isinstance(element, (Rotor, Bearing, Unbalance))]
+    if not own:
+        return None
+    place = {name: i for i, name in enumerate(names)}
+    n = len(names)
+    G, S, K, C = np.zeros((4, n, n))
+    u = np.zeros(n, dtype=complex)
+    tables = []
+    for one in own:
+        if isinstance(one, Rotor):
+            S += one.mass * _turn(in_planes(one.name), place)
+            if one.diametral_inertia is not None:
+                tilt = _turn(one.tilts, place)
+                S, G = S + one.diametral_inertia * tilt, G + one.polar_inertia * tilt
+        elif isinstance(one, Bearing):
+            stiffness, damping = (_spread(one, one.coupling(what), place) for what in ("stiffness", "damping"))
+            K, C = K + stiffness[0], C + damping[0]
+            if one.speeds is not None:
+                tables.append(SpeedTable(one.name, np.array(one.speeds), stiffness - stiffness[0], damping - damping[0]))
+        elif isinstance(one, Unbalance):
+            y, z = (place[name] for name in in_planes(one.on))
+            u += unbalance_of(y, z, one.moment, one.angle, n)
+    return RotorTerms(G, S, K, C, tuple(tables), u)
+
+
+def _turn(planes: tuple[str, str], place: Mapping[str, int]) -> np.ndarray:
+    """1 in the row of the first plane and the column of the second, -1 in the other, shape (n, n)."""
+    turn = np.zeros((len(place),) * 2)
+    y, z = (place[name] for name in planes)
+    turn[y, z], turn[z, y] = 1.0, -1.0
+    return turn
+
+
+def _spread(bearing: Bearing, matrices: np.ndarray, place: Mapping[str, int]) -> np.ndarray:
+    """B^T k B of matrices k of relative displacements, shape (S, n, n)."""
+    B = np.zeros((2, len(place)))
+    for names, sign in ((in_planes(bearing.start), -1.0), (in_planes(bearing.end), 1.0)):
+        for row, name in zip(B, names):
+            if name != GROUND:
+                row[place[name]] = sign
+    return B.T @ matrices @ B
