@@ -106,7 +106,7 @@ def leave(name: str, json: bool, work: Callable[[], int | None]) -> None:
     try:
         code = work() or FINE
     except MbconstrainedError as problem:
-        is_named = isinstance(problem, SceneError) or str(problem).startswith(f"{name}: ")
+        is_named = isinstance(problem, SceneError) or str(problem).startswith((f"{name}: ", f"{name}, line "))
         named = str(problem) if is_named else f"{name}: {problem}"
         code = show_error(named, json, SCENE_WRONG)
     except OSError as problem:

@@ -152,21 +152,31 @@ def _by_groups(matrix: Matrix) -> BlockDiagonal | None:
 
 
 def weakly_coupled_groups(matrix: Matrix) -> list[np.ndarray]:
-    """The states of a balanced matrix in groups that excite each other by more than weak couplings.
-
-    What couples a fast state with a slow one moves the rates by its square over the faster rate, and counts relative to that.
-    """
+    """The states of a balanced matrix in groups that excite each other by more than weak couplings."""
     n = matrix.shape[0]
-    row, column, values = entries(matrix)
-    largest, sizes = np.zeros(n), np.abs(values)
-    np.maximum.at(largest, row, sizes)
-    less, more = np.minimum(largest[row], largest[column]), np.maximum(largest[row], largest[column])
-    strong = sizes > WEAK_COUPLING * np.where(less > WEAK_COUPLING * more, less, more)
+    row, column, strong, largest = _coupled_states(matrix)
     if strong.all() and WEAK_COUPLING * largest.max(initial=0.0) <= largest.min(initial=np.inf):
         return [np.arange(n)]
     joined = csr_array((strong[strong], (row[strong], column[strong])), shape=(n, n))
     count, which = connected_components(joined, connection="strong")
     return [np.flatnonzero(which == group) for group in range(count)]
+
+
+def is_weakly_coupled(matrix: Matrix) -> bool:
+    """Whether some states of a balanced matrix are weakly coupled."""
+    return not _coupled_states(matrix)[2].all()
+
+
+def _coupled_states(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Rows and columns of the entries, which of them are strong, and the largest size in each row.
+
+    What couples a fast state with a slow one moves the rates by its square over the faster rate, and counts relative to that.
+    """
+    row, column, values = entries(matrix)
+    largest, sizes = np.zeros(matrix.shape[0]), np.abs(values)
+    np.maximum.at(largest, row, sizes)
+    less, more = np.minimum(largest[row], largest[column]), np.maximum(largest[row], largest[column])
+    return row, column, sizes > WEAK_COUPLING * np.where(less > WEAK_COUPLING * more, less, more), largest
 
 
 def _complex_modes(blocks: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -104,9 +104,7 @@ def modal_damping(mass: np.ndarray, stiffness: np.ndarray, rows: np.ndarray, mod
     Raises:
         InputError: unsymmetric M or K, negative ratios, or more of them than oscillating modes.
     """
-    for matrix, name in ((mass, "mass"), (stiffness, "stiffness")):
-        if np.abs(matrix - matrix.T).max() > noise_of(np.abs(matrix).max(), len(matrix)):
-            raise InputError(f"modal damping: the {name} matrix is not symmetric, so that its modes are not orthogonal")
+    check_orthogonal("modal damping", mass, stiffness)
     frequencies, ratios = modes.natural_frequencies, real_array(ratios, "damping ratios")
     if ratios.ndim > 1 or (ratios.ndim and len(ratios) > len(frequencies)):
         count = counted(len(frequencies), "oscillating mode")
@@ -118,6 +116,18 @@ def modal_damping(mass: np.ndarray, stiffness: np.ndarray, rows: np.ndarray, mod
     momenta = mass @ mass_normalized(mass, modes.shapes.real, frequencies)
     momenta -= rows.T @ (static_response(stiffness, rows).T @ momenta)
     return ElementMatrix(momenta[:, damped].T, 2 * (zeta * frequencies)[damped])
+
+
+def check_orthogonal(what: str, mass: np.ndarray, stiffness: np.ndarray) -> None:
+    """Raise an InputError where M or K is not symmetric.
+
+    Args:
+        what: the use of the modes, for the message.
+        mass, stiffness: M and K, shape (n, n).
+    """
+    for matrix, name in ((mass, "mass"), (stiffness, "stiffness")):
+        if np.abs(matrix - matrix.T).max() > noise_of(np.abs(matrix).max(), len(matrix)):
+            raise InputError(f"{what}: the {name} matrix is not symmetric, so that its modes are not orthogonal")
 
 
 def static_response(stiffness: np.ndarray, rows: np.ndarray) -> np.ndarray:

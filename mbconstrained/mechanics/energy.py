@@ -9,11 +9,13 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from ..ground.checks import counted, real_array
 from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..ground.tolerances import noise_of
+from ..linalg.arrays import Matrix as AnyMatrix
 from ..linalg.arrays import kept
 from .element_matrix import ElementMatrix
 
@@ -173,21 +175,45 @@ class EnergyParts(Displayed):
         Raises:
             InputError: a shape of another length, with entries that are not finite, or zero.
         """
-        shape = _unit_shape(shape, self.size)
-        (kinetic, strain), units = (products.energies(shape) for products in self._products), [p.unit for p in self._products]
-        totals = [_total(*energies) for energies in (kinetic, strain)]
-        if eigenvalue == 0:
-            totals[1] = 0.0
-        elif eigenvalue is not None and all(totals):
-            ratio = np.log2(abs(totals[0] / totals[1])) + units[0] - units[1] + 2 * np.log2(abs(eigenvalue))
-            for place, exponent in enumerate((ratio, -ratio)):
-                if exponent <= np.log2(noise_of(1.0, len(self._products[place].names))):
-                    totals[place] = 0.0
-        shares = (
-            dict(zip(products.names, (values / total).tolist())) if total else None
-            for products, (values, _), total in zip(self._products, (kinetic, strain), totals)
-        )
-        return EnergyShares(*shares)
+        return self.shares_of(np.asarray(shape)[..., None], None if eigenvalue is None else [eigenvalue])[0]
+
+    def shares_of(self, shapes, eigenvalues: Sequence[complex] | None = None) -> tuple[EnergyShares, ...]:
+        """The shares of several shapes, computed together.
+
+        Args:
+            shapes: one a column, shape (n, g), real or complex.
+            eigenvalues: of their modes (1/s), shape (g,), as of ``shares``.
+
+        Returns:
+            The shares of each shape.
+
+        Raises:
+            InputError: as of ``shares``.
+
+        >>> parts = EnergyParts({"a": np.diag([1.0, 0.0]), "b": np.diag([0.0, 3.0])}, {})
+        >>> [shares.kinetic for shares in parts.shares_of(np.array([[1.0, 1.0], [1.0, 0.0]]))]
+        [{'a': 0.25, 'b': 0.75}, {'a': 1.0, 'b': 0.0}]
+        """
+        shapes = _unit_shapes(shapes, self.size)
+        energies, totals = zip(*(products.energies(shapes) for products in self._products))
+        kinetic, strain = totals
+        if eigenvalues is not None:
+            size = np.abs(eigenvalues)
+            both = (kinetic != 0) & (strain != 0) & (size > 0)
+            units = self._products[0].unit - self._products[1].unit
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ratio = np.log2(np.abs(kinetic / strain)) + units + 2 * np.log2(size)
+            limits = [np.log2(noise_of(1.0, len(products.names))) for products in self._products]
+            kinetic = np.where(both & (ratio <= limits[0]), 0.0, kinetic)
+            strain = np.where((size == 0) | (both & (-ratio <= limits[1])), 0.0, strain)
+        named = [
+            [
+                dict(zip(products.names, own)) if known else None
+                for own, known in zip((part / np.where(total, total, 1.0)).T.tolist(), total)
+            ]
+            for products, part, total in zip(self._products, energies, (kinetic, strain))
+        ]
+        return tuple(EnergyShares(*pair) for pair in zip(*named))
 
     @cached_property
     def _products(self) -> tuple[_Products, _Products]:
@@ -223,11 +249,11 @@ class _Products:
     """
 
     names: tuple[str, ...]
-    left: np.ndarray
+    left: AnyMatrix
     constants: np.ndarray
-    right: np.ndarray
+    right: AnyMatrix
     of_element: np.ndarray
-    owner: np.ndarray
+    sums: csr_array
     unit: int
 
     @classmethod
@@ -238,18 +264,22 @@ class _Products:
         sizes = constants if all(of_element for *_, of_element in rows) else constants * np.abs(right).max(axis=1, initial=0.0)
         unit = int(np.frexp(np.abs(sizes).max(initial=0.0))[1])
         of_element = np.repeat([of_element for *_, of_element in rows], counts)
-        owner = np.repeat(np.arange(len(rows)), counts)
-        return cls(tuple(parts), left, np.ldexp(constants, -unit), right, of_element, owner, unit)
+        sums = csr_array(
+            (np.ones(len(constants)), np.arange(len(constants)), np.cumsum([0, *counts])), shape=(len(rows), len(constants))
+        )
+        return cls(tuple(parts), kept(left), np.ldexp(constants, -unit), kept(right), of_element, sums, unit)
 
-    def energies(self, shape: np.ndarray) -> tuple[np.ndarray, float]:
-        """Re(u^H P u) / 2^unit of each part, and the sum of the sizes of the terms that they are sums of."""
-        if not len(self.owner):
-            return np.zeros(len(self.names)), 0.0
-        a, b, size = self.left @ shape, self.right @ shape, np.abs(self.right) @ np.abs(shape)
-        b = np.where(self.of_element & (np.abs(b) <= noise_of(size, len(shape))), 0.0, b)
-        values = (a.conj() * self.constants * b).real
-        magnitudes = np.abs(a) * np.abs(self.constants) * np.where(self.of_element, np.abs(b), size)
-        return np.bincount(self.owner, values, len(self.names)), float(magnitudes.sum())
+    def energies(self, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Re(u^H P u) / 2^unit of each part P and column u, shape (p, g), and their sums, 0 where those are rounding errors, shape (g,)."""
+        if not len(self.constants):
+            return np.zeros((len(self.names), shapes.shape[1])), np.zeros(shapes.shape[1])
+        a, b, size = self.left @ shapes, self.right @ shapes, abs(self.right) @ np.abs(shapes)
+        of_element, constants = self.of_element[:, None], self.constants[:, None]
+        b = np.where(of_element & (np.abs(b) <= noise_of(size, len(shapes))), 0.0, b)
+        values = self.sums @ (a.conj() * constants * b).real
+        terms = (np.abs(a) * np.abs(constants) * np.where(of_element, np.abs(b), size)).sum(axis=0)
+        totals = values.sum(axis=0)
+        return values, np.where(np.abs(totals) > noise_of(terms, len(values)), totals, 0.0)
 
 
 def _rows(part: EnergyPart) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
@@ -267,12 +297,6 @@ def _rows(part: EnergyPart) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
     return np.eye(len(whole)), np.ones(len(whole)), whole, False
 
 
-def _total(values: np.ndarray, magnitude: float) -> float:
-    """The sum of the energies; 0 where it is no more than the rounding error of its terms."""
-    total = float(values.sum())
-    return total if abs(total) > noise_of(magnitude, len(values)) else 0.0
-
-
 def _checked(part, what: str) -> EnergyPart:
     if isinstance(part, (ElementMatrix, CoordinatePart)):
         return part
@@ -288,14 +312,14 @@ def _size(part: EnergyPart) -> int:
     return whole.size if isinstance(whole, ElementMatrix) else len(whole)
 
 
-def _unit_shape(shape, size: int | None) -> np.ndarray:
-    """The shape divided by its largest entry."""
-    shape = np.asarray(shape)
-    parts = [real_array(part, "shape", shape=(size,)) for part in (shape.real, shape.imag)]
-    largest = max(np.abs(part).max(initial=0.0) for part in parts)
-    if not largest:
+def _unit_shapes(shapes, size: int | None) -> np.ndarray:
+    """Each shape divided by its largest entry."""
+    shapes = np.asarray(shapes)
+    real, imaginary = (real_array(part, "shape", shape=(size, None)) for part in (shapes.real, shapes.imag))
+    largest = np.maximum(np.abs(real).max(axis=0, initial=0.0), np.abs(imaginary).max(axis=0, initial=0.0))
+    if not largest.all():
         raise InputError("shape: found zeros only; a shape has at least one entry that is not zero")
-    return (parts[0] + 1j * parts[1]) / largest if parts[1].any() else parts[0] / largest
+    return (real + 1j * imaginary) / largest if imaginary.any() else real / largest
 
 
 def checked_parts(parts: EnergyParts, size: int) -> EnergyParts:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -17,6 +18,7 @@ from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Presented, TextTable
 from ..ground.errors import InputError
 from ..ground.files import replacing
+from ..linalg.arrays import kept
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .energy import EnergyParts, EnergyShares
 
@@ -82,10 +84,7 @@ class Mode:
         >>> {name: round(share, 3) for name, share in model.assemble().modes().oscillating[0].shares[0].strain.items()}
         {'wall': 0.639, 'coupling': 0.361}
         """
-        if (parts := self.energy_parts) is None:
-            return ()
-        each = (parts.shares(shape, self.eigenvalue) for shape in self.shapes.T)
-        return tuple(replace(shares, kinetic=None) if self.kind == "offset" else shares for shares in each)
+        return _shares((self,))[0]
 
     @property
     def text(self) -> str:
@@ -168,15 +167,20 @@ class Modes(Presented, Sequence):
         return np.array(columns).T if columns else np.zeros((len(self.names), 0))
 
     @cached_property
+    def shares(self) -> tuple[tuple[EnergyShares, ...], ...]:
+        """``Mode.shares`` of each mode, computed together."""
+        return _shares(self.modes)
+
+    @cached_property
     def residuals(self) -> np.ndarray:
         """|A(s) u| of each mode, relative to the sizes of its terms, the largest of its shapes, shape (m,)."""
         A, counts = self.polynomial_matrix, [mode.shapes.shape[1] for mode in self.modes]
         if A is None or not sum(counts):
             return np.zeros(len(counts))
         s, u = np.repeat([mode.eigenvalue for mode in self.modes], counts), np.hstack([mode.shapes for mode in self.modes])
-        powers = list(enumerate(A.coefficients))
-        left = sum(s**k * (matrix @ u.real + 1j * (matrix @ u.imag)) for k, matrix in powers)
-        terms = sum(np.abs(s) ** k * (np.abs(matrix) @ np.abs(u)) for k, matrix in powers)
+        powers = [(k, kept(matrix)) for k, matrix in enumerate(A.coefficients) if matrix.any()]
+        left = sum(s**k * (matrix @ u) for k, matrix in powers)
+        terms = sum(np.abs(s) ** k * (abs(matrix) @ np.abs(u)) for k, matrix in powers)
         sizes = np.linalg.norm(terms, axis=0)
         relative = np.linalg.norm(left, axis=0) / np.where(sizes > 0, sizes, 1.0)
         return np.array([own.max(initial=0.0) for own in np.split(relative, np.cumsum(counts)[:-1])])
@@ -236,6 +240,19 @@ class Modes(Presented, Sequence):
             modes = [(mode.eigenvalue, shape) for mode in self.modes if mode.kind not in STILL for shape in mode.shapes.T]
             write_modes(place, modes, self.names, each, geometry or Geometry(), path.stem)
         return path
+
+
+def _shares(modes: Sequence[Mode]) -> tuple[tuple[EnergyShares, ...], ...]:
+    """For each mode of one system the energy shares of its shapes."""
+    parts, counts = (modes[0].energy_parts if modes else None), [mode.shapes.shape[1] for mode in modes]
+    if parts is None or not sum(counts):
+        return ((),) * len(modes)
+    values = np.repeat([mode.eigenvalue for mode in modes], counts)
+    each = iter(parts.shares_of(np.hstack([mode.shapes for mode in modes]), values))
+    result = [tuple(islice(each, count)) for count in counts]
+    return tuple(
+        tuple(replace(one, kinetic=None) for one in own) if mode.kind == "offset" else own for mode, own in zip(modes, result)
+    )
 
 
 def _table_row(mode: Mode) -> dict[str, str]:

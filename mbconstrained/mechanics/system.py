@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import scipy.sparse
@@ -136,7 +136,7 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem)
         self.static_force = self._vector(static_force, "static_force") + self._vector(None if varies else force, "force")
         self.static_force.flags.writeable = False
 
-    def with_constraints(self, *constraints: Constraint) -> MechanicalSystem:
+    def with_constraints(self, *constraints: Constraint) -> Self:
         """The same system with further constraint rows.
 
         Args:

@@ -8,14 +8,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..ground.display import is_number
+from ..ground.display import TextTable, is_number
 from ..ground.notices import Notice
 from .animation.animation import Animation
 from .animation.figure import figure_data
 from .animation.keyframes import KeyFrames, key_frames
 from .drawing.bodies import Drawing
 from .drawing.paths import Path
-from .sections import stage_section
+from .sections import stage_section, table_section
 from .typeset import typeset
 
 #: Times of one cycle, both ends included: the error of cubic interpolation is less than 2e-6 of the amplitude.
@@ -101,6 +101,7 @@ class ModesContent:
         names: r coordinate names.
         modes: in the order in which they are listed.
         notices, facts: as on the page of a run.
+        tables: below the list of modes.
     """
 
     title: str
@@ -110,6 +111,7 @@ class ModesContent:
     modes: tuple[ModePicture, ...] = ()
     notices: tuple[Notice, ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
+    tables: tuple[TextTable, ...] = ()
 
 
 def cycle(shape, phases: int = PHASES) -> np.ndarray:
@@ -158,7 +160,7 @@ def mode_sections(content: ModesContent) -> tuple[list[str], dict]:
         "decimals": _DECIMALS,
         "unit": "cycle",
     }
-    return [picture, _list(modes, first)], data
+    return [picture, _list(modes, first), *map(table_section, content.tables)], data
 
 
 def _scale_note(drawing: Drawing, mode: ModePicture, moves: bool) -> str:

@@ -36,7 +36,7 @@ from ..linalg.arrays import (
 )
 from ..linalg.blocks import BlockDiagonal, assembled, block_matrix, coupled_rows, zeros_of
 from ..linalg.division import is_semidefinite, is_symmetric, without_noise
-from ..linalg.eigen import decoupled, weakly_coupled_groups
+from ..linalg.eigen import decoupled, is_weakly_coupled
 from ..linalg.scaling import balancing_units
 from ..linalg.symmetric.symmetric_modes import SymmetricModes, may_be_wide, modes_of_wide_spread, symmetric_modes
 from ..linalg.tree_modes.residue_modes import ResidueModes
@@ -249,7 +249,7 @@ class Reduction:
         if damped and not is_symmetric(self.C @ self.divided_by_mass(self.K)):
             return False
         balanced = of_like_kind(self.generator * self.units / self.units[:, None], self.generator)
-        return len(weakly_coupled_groups(balanced)) == 1 or (not damped and is_semidefinite(self.K))
+        return not is_weakly_coupled(balanced) or (not damped and is_semidefinite(self.K))
 
     @property
     def _is_softly_supported(self) -> bool:

@@ -3,5 +3,5 @@
 Imports the rooms up to ``models``. Read ``robot`` first, then in the order of the data: ``description`` (the URDF as checked
 data), ``kinematics`` (the pinocchio model and relative poses), ``tangent`` (coordinates), ``connections`` and ``mechanism``
 (loops and springs, attached to joints), ``statics`` (forces at rest, equilibria, the rank of the loops, contacts), ``posture``,
-``linearized`` with ``flexible_joint``, and ``visualization``, the data of drawings.
+``linearization`` with ``flexible_joint``, ``cartesian_path``, and ``visualization``, the data of drawings.
 """

@@ -34,14 +34,14 @@ class Connection:
 
     Attributes:
         body1, body2: names of links, or "ground".
-        point1, point2: origins of the frames in their links (m); point2 None: where the first frame lies at the guess
-            from which the equilibrium is sought, with the same directions, before loops are closed.
+        point1, point2: origins of the frames in their links (m). One that is None lies where the other is at the guess from which
+            the equilibrium is sought, before loops are closed, and the second frame then has the directions of the first.
         rotation1, rotation2: directions of the frames in their links: roll, pitch, yaw (rad) as in a URDF.
         name: for messages and results; made from the bodies when not given.
     """
 
     body1: str
-    point1: Vector
+    point1: Vector | None
     body2: str
     point2: Vector | None = None
     rotation1: Vector = field(default=_NOWHERE, kw_only=True)
@@ -55,10 +55,20 @@ class Connection:
             if not isinstance(getattr(self, key), str):
                 raise InputError(f'{self.word}: {key}: found {getattr(self, key)!r}; expected the name of a link, or "ground"')
         self._set("name", str(self.name) if self.name is not None else f"{self.body1}-{self.body2}")
-        for key in ("point1", "rotation1", "rotation2", *(["point2"] if self.point2 is not None else [])):
-            self._set_vector(key)
-        if self.point2 is None and any(self.rotation2):
-            raise InputError(f"{self.label}: found rotation2 without point2; give both, or neither")
+        missing = [key for key in ("point1", "point2") if getattr(self, key) is None]
+        for key in ("point1", "rotation1", "point2", "rotation2"):
+            if key not in missing:
+                self._set_vector(key)
+        if len(missing) == 2 or (missing and self.between_points):
+            body = self.body1 if missing[0] == "point1" else self.body2
+            reason = (
+                f"a {self.between_points} needs the point on {body} that it ends at"
+                if self.between_points
+                else "give one of both points"
+            )
+            raise InputError(f"{self.label}: {missing[0]} is missing; {reason}")
+        if missing and any(self.rotation2):
+            raise InputError(f"{self.label}: found rotation2 without {missing[0]}; give both, or neither")
         if self.body1 == self.body2:
             raise InputError(f'{self.label}: both ends are on "{self.body1}"; name two bodies')
 
@@ -66,6 +76,11 @@ class Connection:
     def turning(self) -> bool:
         """Whether the connection depends on the rotation of its frames."""
         return True
+
+    @property
+    def between_points(self) -> str:
+        """What a connection along the line between two points is called; empty for others."""
+        return ""
 
     @property
     def label(self) -> str:
@@ -83,7 +98,43 @@ class Connection:
 
 
 @dataclass(frozen=True)
-class Loop(Connection):
+class Support(Connection):
+    """A connection that may be a foot on the ground.
+
+    Attributes:
+        friction: coefficient of friction of a foot on the ground, in which case its force at rest is checked: a note reports one
+            outside of the cone about ``normal``, or one that pulls.
+        normal: of the contact, on the foot, in the directions of the ground.
+        patch: of a foot that cannot turn freely, the extents of its sole along x and y of the frame on body1 about the point (m): a
+            note reports a centre of pressure outside of it, where the foot tips over.
+    """
+
+    friction: float | None = field(default=None, kw_only=True)
+    normal: Vector = field(default=(0.0, 0.0, 1.0), kw_only=True)
+    patch: Sequence[float] | None = field(default=None, kw_only=True)
+
+    def __post_init__(self):
+        super().__post_init__()
+        self._set_vector("normal")
+        if self.friction is not None:
+            self._set("friction", real_number(self.friction, f"{self.label}: friction", minimum=0.0))
+            if GROUND not in (self.body1, self.body2) or not any(self.normal):
+                raise InputError(f'{self.label}: friction is checked of a foot on the "{GROUND}", with a normal other than 0, 0, 0')
+        if self.patch is not None:
+            extents = real_array(self.patch, f"{self.label}: patch", shape=(2,)).tolist()
+            if not self.has_sole or self.friction is None or min(extents) <= 0:
+                wanted = "two lengths of the sole of a foot with friction that is rigid or has springs about all axes"
+                raise InputError(f"{self.label}: patch: found {self.patch}; expected {wanted}")
+            self._set("patch", tuple(extents))
+
+    @property
+    def has_sole(self) -> bool:
+        """Whether the connection has torques about all axes."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Loop(Support):
     """A joint that closes a loop: rows of phi (see the module) constrained to 0.
 
     Attributes:
@@ -95,11 +146,6 @@ class Loop(Connection):
             Of a universal loop that in the frame on body1.
         axis2: of a universal loop that in the frame on body2.
         length: of a rod (m); that at the guess when not given.
-        friction: coefficient of friction of a foot on the ground, in which case its force at rest is checked: a note reports one
-            outside of the cone about ``normal``, or one that pulls.
-        normal: of the contact, on the foot, in the directions of the ground.
-        patch: of a rigid foot, the extents of its sole along x and y of the frame on body1 about the point (m): a note reports a
-            centre of pressure outside of it, where the foot tips over.
 
     The multiplier of a row is the force (N) or torque (N m) on body2, against that on body1, in the frame on body1; torques
     of a hinge that turns are in the frame half-way between the two. That of a rod is its compression (N).
@@ -112,9 +158,6 @@ class Loop(Connection):
     axis: Vector = (0.0, 0.0, 1.0)
     axis2: Vector = (1.0, 0.0, 0.0)
     length: float | None = None
-    friction: float | None = None
-    normal: Vector = (0.0, 0.0, 1.0)
-    patch: Sequence[float] | None = None
 
     word = "loop"
 
@@ -124,22 +167,10 @@ class Loop(Connection):
             raise InputError(f"{self.label}: found the kind {self.kind!r}{nearest(self.kind, kinds)}; expected {', '.join(kinds)}")
         self._set_direction("axis")
         self._set_direction("axis2")
-        self._set_vector("normal")
-        if self.friction is not None:
-            self._set("friction", real_number(self.friction, f"{self.label}: friction", minimum=0.0))
-            if GROUND not in (self.body1, self.body2) or not any(self.normal):
-                raise InputError(f'{self.label}: friction is checked of a foot on the "{GROUND}", with a normal other than 0, 0, 0')
-        if self.patch is not None:
-            extents = real_array(self.patch, f"{self.label}: patch", shape=(2,)).tolist()
-            if self.kind != "rigid" or self.friction is None or min(extents) <= 0:
-                raise InputError(f"{self.label}: patch: expected two lengths of the sole of a rigid foot that has friction")
-            self._set("patch", tuple(extents))
         if self.length is not None:
             self._set("length", real_number(self.length, f"{self.label}: length", positive=True))
             if self.kind != "rod":
                 raise InputError(f"{self.label}: length belongs to a rod; leave it out")
-        if self.kind == "rod" and self.point2 is None:
-            raise InputError(f"{self.label}: point2 is missing; a rod needs the point on {self.body2} that it ends at")
 
     def _set_direction(self, key: str) -> None:
         self._set_vector(key)
@@ -152,6 +183,16 @@ class Loop(Connection):
     def turning(self) -> bool:
         """Whether the connection depends on the rotation of its frames."""
         return self.kind not in ("point", "rod")
+
+    @property
+    def between_points(self) -> str:
+        """A rod."""
+        return "rod" if self.kind == "rod" else ""
+
+    @property
+    def has_sole(self) -> bool:
+        """Whether the loop is rigid."""
+        return self.kind == "rigid"
 
     @property
     def _parts(self) -> tuple[np.ndarray, np.ndarray]:
@@ -298,6 +339,11 @@ class BodySpring(Connection):
         """Whether the connection depends on the rotation of its frames."""
         return False
 
+    @property
+    def between_points(self) -> str:
+        """A spring."""
+        return "spring"
+
     def __post_init__(self):
         super().__post_init__()
         self._set("stiffness", real_number(self.stiffness, f"{self.label}: stiffness", minimum=0.0))
@@ -308,21 +354,22 @@ class BodySpring(Connection):
             self._set("preload", real_number(self.preload, f"{self.label}: preload"))
         if self.rest_length is not None and self.preload is not None:
             raise InputError(f"{self.label}: found both rest_length and preload; give one of them")
-        if self.point2 is None:
-            raise InputError(f"{self.label}: point2 is missing; a spring needs the point on {self.body2} that it ends at")
         if self.preload and not self.stiffness:
             raise InputError(f"{self.label}: found a preload but no stiffness; give a stiffness greater than zero")
 
 
 @dataclass(frozen=True)
-class Bushing(Connection):
+class Bushing(Support):
     """Springs and dampers in all directions between two frames: forces and torques K phi + D phi' (see the module).
+
+    A foot on compliant ground is a bushing whose body1 is "ground" and whose point1 is left out: its springs have the directions of
+    the ground, turned by rotation1, and are without force where the guess has the foot, from where its load presses them.
 
     Attributes:
         stiffness, turning_stiffness: along and about the axes of the frame on body1 (N/m, N m/rad).
         damping, turning_damping: the same (N s/m, N m s/rad).
 
-    >>> Bushing("foot", (0, 0, 0), "ground", stiffness=(1e4, 1e4, 1e5)).stiffness
+    >>> Bushing("ground", None, "foot", (0, 0, -0.02), stiffness=(1e4, 1e4, 1e5), friction=0.7).stiffness
     (10000.0, 10000.0, 100000.0)
     """
 
@@ -337,6 +384,11 @@ class Bushing(Connection):
         super().__post_init__()
         for key in ("stiffness", "turning_stiffness", "damping", "turning_damping"):
             self._set_vector(key, minimum=0.0)
+
+    @property
+    def has_sole(self) -> bool:
+        """Whether there are springs about all axes."""
+        return all(self.turning_stiffness)
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import step
 
 if TYPE_CHECKING:
-    from .linearized import LinearizedRobot
+    from .linearization.linearized import LinearizedRobot
 
 
 @dataclass(frozen=True)

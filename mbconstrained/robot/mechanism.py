@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -119,7 +119,7 @@ class LinkFrames:
             raise InputError(f'{what}: there is no body "{body}"{nearest(body, (GROUND, *self.names))}')
 
     def attached(self, connection: Connection, guess: Kinematics) -> Attached:
-        """A connection with its frames; a second point that is left out lies where the first is at the guess.
+        """A connection with its frames; a point that is left out lies where the other is at the guess.
 
         Args:
             connection: a loop, spring or bushing.
@@ -128,14 +128,17 @@ class LinkFrames:
         Returns:
             The connection with its frames.
         """
-        label = connection.label
-        first = self.anchor(connection.body1, connection.point1, connection.rotation1, label)
-        if connection.point2 is not None:
-            return Attached(connection, first, self.anchor(connection.body2, connection.point2, connection.rotation2, label))
-        joint = self.link(connection.body2).joint
-        rotation, point = guess.frame(first)
-        R, origin = guess.frame(Anchor(joint, np.eye(3), np.zeros(3)))
-        return Attached(connection, first, Anchor(joint, R.T @ rotation, R.T @ (point - origin)))
+        nowhere, label = (0.0, 0.0, 0.0), connection.label
+        first = self.anchor(connection.body1, connection.point1 or nowhere, connection.rotation1, label)
+        second = self.anchor(connection.body2, connection.point2 or nowhere, connection.rotation2, label)
+        if connection.point1 is not None and connection.point2 is not None:
+            return Attached(connection, first, second)
+        (rotation, place), (own, end) = guess.frame(first), guess.frame(second)
+        if connection.point2 is None:
+            second = replace(second, point=second.point + second.rotation @ own.T @ (place - end))
+        else:
+            first = replace(first, point=first.point + first.rotation @ rotation.T @ (end - place))
+        return Attached(connection, first, replace(second, rotation=second.rotation @ own.T @ rotation))
 
 
 #: Loops that turn about their axis.
@@ -194,7 +197,9 @@ def with_rest_length(attached: Attached, guess: Kinematics) -> Attached:
     return replace(attached, rest_length=length - slack)
 
 
-def checked_connections(connections, kinds: tuple[type[Connection], ...], word: str, frames: LinkFrames) -> tuple[Connection, ...]:
+def checked_connections(
+    connections, kinds: tuple[type[Connection], ...], word: str, frames: LinkFrames, others: Sequence[Connection] = ()
+) -> tuple[Connection, ...]:
     """Loops or springs, checked, each with a distinct name.
 
     Args:
@@ -202,6 +207,7 @@ def checked_connections(connections, kinds: tuple[type[Connection], ...], word: 
         kinds: the accepted classes.
         word: the argument, for messages.
         frames: of the links.
+        others: connections with names of their own.
 
     Returns:
         The connections.
@@ -219,12 +225,12 @@ def checked_connections(connections, kinds: tuple[type[Connection], ...], word: 
         for body in (connection.body1, connection.body2):
             if body != GROUND:
                 frames.check(body, connection.label)
-    return _with_distinct_names(given)
+    return _with_distinct_names(given, [connection.name for connection in others])
 
 
-def _with_distinct_names(connections) -> tuple[Connection, ...]:
+def _with_distinct_names(connections, others) -> tuple[Connection, ...]:
     """The connections with distinct names: equal names get numbers."""
-    names = [connection.name for connection in connections]
+    names = [*others, *(connection.name for connection in connections)]
     distinct, used = [], set(names)
     for connection in connections:
         if names.count(connection.name) > 1:

@@ -35,7 +35,7 @@ class Posture(Displayed):
         joints: the same by joint: a number (rad, m), or the numbers of a joint with several degrees of freedom.
         multipliers: of the rows of all loops and mimic joints, of least norm where they are not determined (torques over the
             size of the robot), shape (m,) (N, N m).
-        reactions: the same by loop: force (N) and torque (N m) on its second body, in the frame on the first, shape (6,).
+        reactions: by loop, spring and bushing: force (N) and torque (N m) on its second body, in the frame on the first, shape (6,).
         torques: by joint that keeps the guess: the load that keeps it in place, besides springs with a rest (N m, N).
         residual: largest unbalanced force relative to the largest force.
         loop_error: largest opening of a loop (m, rad).
@@ -64,17 +64,19 @@ class Posture(Displayed):
 
     @property
     def reactions(self) -> dict[str, np.ndarray]:
-        """Force and torque of each loop."""
+        """Force and torque of each loop, spring and bushing."""
         reactions, start = {}, 0
         for item, G in zip(self.loops, self.balance.gradients):
             reactions[item.connection.name] = G.T @ self.multipliers[start : start + len(G)]
             start += len(G)
-        return reactions
+        springs = zip(self.balance.load.springs, self.balance.elastic)
+        return reactions | {item.connection.name: own.wrench for item, own in springs}
 
     @property
     def ground_reactions(self) -> dict[str, np.ndarray]:
         """The same in the directions of the ground, about the same point, shape (6,) (N, N m)."""
-        turns = {item.connection.name: self.balance.kinematics.frame(item.first)[0] for item in self.loops}
+        items = (*self.loops, *self.balance.load.springs)
+        turns = {item.connection.name: self.balance.kinematics.frame(item.first)[0] for item in items}
         return {name: np.concatenate([turns[name] @ part for part in np.split(own, 2)]) for name, own in self.reactions.items()}
 
     def __getitem__(self, joint: str):
@@ -103,9 +105,9 @@ def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str
     Returns:
         The posture.
     """
-    start = _guess_with_followers(robot, guess)
+    start = guess_with_followers(robot, guess)
     free = ~_fixed_coordinates(robot, hold)
-    load = _untwisted(_load(robot, start, forces), robot, start)
+    load = _untwisted(attached_load(robot, start, forces), robot, start)
     nearest = closed(Search(robot.tree, load, free), start)
     load = replace(load, springs=tuple(with_rest_length(item, nearest.kinematics) for item in load.springs))
     rounded = rounded_advice(robot) if robot.loops else ""
@@ -115,8 +117,16 @@ def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str
     return _posture(robot, state, free, start, nearest, rounded)
 
 
-def _guess_with_followers(robot: Robot, guess) -> np.ndarray:
-    """The guess as a configuration, in which joints that it does not name follow their leaders."""
+def guess_with_followers(robot: Robot, guess) -> np.ndarray:
+    """The guess as a configuration, in which joints that it does not name follow their leaders.
+
+    Args:
+        robot: the robot.
+        guess: values by joint (rad, m), or q, shape (nq,).
+
+    Returns:
+        q, shape (nq,).
+    """
     start = robot.tangent.configuration(guess)
     named = robot.joints if not isinstance(guess, Mapping) else guess
     step = np.zeros(robot.model.nv)
@@ -142,8 +152,17 @@ def _fixed_coordinates(robot: Robot, hold) -> np.ndarray:
     return fixed | ((robot.rests_at_guess | (robot.position_gains > 0)) & ~follows)
 
 
-def _load(robot: Robot, start: np.ndarray, forces) -> Load:
-    """The loads, with the frames of loops and springs at the guess."""
+def attached_load(robot: Robot, start: np.ndarray, forces) -> Load:
+    """The loads, with the frames of loops and springs at the guess.
+
+    Args:
+        robot: the robot.
+        start: q of the guess, shape (nq,).
+        forces: constant ones by joint or ``PointMotion`` (N, N m).
+
+    Returns:
+        The loads.
+    """
     if not isinstance(forces, Mapping):
         raise InputError(f'forces: found {type(forces).__name__}; expected numbers by joint, such as {{"j1": 2.0}}')
     at_guess, bodies = Kinematics(robot.tree, start), robot.link_frames
@@ -203,7 +222,7 @@ def _assumed_lengths(balance: Balance, robot: Robot, guess: np.ndarray) -> Itera
 def _balance_with_all_digits(robot: Robot, q: np.ndarray, guess: np.ndarray) -> Balance:
     """Of the robot whose rounded angles have all digits, in the configuration with closed loops next to q."""
     twin = with_all_digits(robot)
-    load = _untwisted(_load(twin, guess, {}), twin, q)
+    load = _untwisted(attached_load(twin, guess, {}), twin, q)
     return closed(Search(twin.tree, load, np.ones(len(twin.coordinates), bool)), q)
 
 

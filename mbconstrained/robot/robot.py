@@ -21,13 +21,14 @@ from .description.srdf import SemanticDescription, read_srdf
 from .description.urdf import checked_tree, description_notices, link_masses, mimics_of, read_urdf, root_link, skeleton
 from .flexible_joint import FlexibleJoint, Motor
 from .kinematics import Tree, built_model, finished_model
-from .linearized import LinearizedRobot
+from .linearization.linearized import LinearizedRobot
 from .mechanism import LinkFrames, checked_connections
 from .posture import Posture, find_posture
 from .tangent import BASE, JointGear, Tangent, geared, locked_values, mimic_rows
 
 if TYPE_CHECKING:
     from ..ground.notices import Notice
+    from .cartesian_path import PathModes
     from .description.visuals import Visual
     from .visualization import ConnectionPoints, Poses
 
@@ -144,7 +145,7 @@ class Robot(Displayed):
         support = Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
         self.moving_base = support if base == "moving" else None
         self.loops = given if base != "moving" else checked_connections((*given, support), (Loop,), "loops", self.link_frames)
-        self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
+        self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames, self.loops)
         moving = {name for name in source.joint_stiffness if name in self.coordinates and name not in (joint_stiffness or {})}
         own, rest = ({name: values[name] for name in moving} for values in (source.joint_stiffness, source.joint_rest))
         self._set_joints({**own, **(joint_stiffness or {})}, {**rest, **(joint_rest or {})}, joint_damping)
@@ -266,9 +267,79 @@ class Robot(Displayed):
         Raises:
             InputError: there is none near the guess, the loops do not close, or the posture is singular.
         """
+        return find_posture(self, self._guess(guess), forces or {}, hold)
+
+    def _guess(self, guess):
+        """The values of a guess, which may be the name of a state."""
         if isinstance(guess, str):
-            guess = self.states[guess] if guess in self.states else self.semantics.state(guess, self.joints, None)
-        return find_posture(self, {} if guess is None else guess, forces or {}, hold)
+            return self.states[guess] if guess in self.states else self.semantics.state(guess, self.joints, None)
+        return {} if guess is None else guess
+
+    def inverse_kinematics(
+        self, body: str, place, point=_ORIGIN, orientation=None, guess: Mapping | np.ndarray | str | None = None
+    ) -> dict[str, float | tuple[float, ...]]:
+        """The values of the joints, near a guess, with which a point of a body is at a place and the loops are closed.
+
+        The place is a loop between body and ground, which Gauss-Newton steps of least size close; where these get stuck, they start
+        again from places near the guess. Limits of joints are not observed.
+
+        Args:
+            body: a link.
+            place: in the directions of the ground (m), shape (3,).
+            point: of the body, in its frame (m), shape (3,).
+            orientation: of the body, roll, pitch, yaw (rad), shape (3,); any where it is None.
+            guess: as of ``equilibrium``.
+
+        Returns:
+            Values by joint (rad, m), a guess of ``equilibrium``.
+
+        Raises:
+            InputError: the place is out of reach, with the distance that remains.
+
+        >>> from mbconstrained import Robot
+        >>> arm = Robot("robots/double_pendulum/double_pendulum.urdf")
+        >>> joints = arm.inverse_kinematics("lower", (0.3, -0.02, -0.5), point=(0, 0, -0.3), guess={"shoulder": -0.5, "elbow": 0.3})
+        >>> posture = arm.equilibrium(joints, hold="all")
+        """
+        from .cartesian_path import inverse_kinematics, target
+
+        q = inverse_kinematics(self, target(body, point, place, orientation), self._guess(guess))
+        return self.tangent.values(q)
+
+    def modes_along(
+        self,
+        body: str,
+        places,
+        point=_ORIGIN,
+        orientation=None,
+        guess: Mapping | np.ndarray | str | None = None,
+        hold: Sequence[str] | Literal["all"] = "all",
+    ) -> PathModes:
+        """The modes without damping where a point of a body is at each place of a path, each mode followed by its shape.
+
+        Args:
+            body, point, orientation: as of ``inverse_kinematics``.
+            places: along the path (m), shape (P, 3).
+            guess: near the first place, from which each posture is sought from the one before.
+            hold: as of ``equilibrium``; joints that do not keep the guess give way to their load.
+
+        Returns:
+            ``PathModes``: ``frequencies_hz``, shape (P, m), ``postures``, ``systems``, and ``unreachable`` places.
+
+        Raises:
+            InputError: the first place is out of reach.
+
+        >>> from mbconstrained import Robot
+        >>> springs = {"shoulder": 900.0, "elbow": 300.0}
+        >>> arm = Robot("robots/double_pendulum/double_pendulum.urdf", joint_stiffness=springs)
+        >>> path = [(x, -0.02, -0.5) for x in (0.1, 0.2, 0.3, 0.9)]
+        >>> along = arm.modes_along("lower", path, point=(0, 0, -0.3), guess={"shoulder": -0.5, "elbow": 0.3})
+        >>> along.frequencies_hz.shape, along.unreachable
+        ((4, 2), (3,))
+        """
+        from .cartesian_path import modes_along
+
+        return modes_along(self, body, places, point, orientation, self._guess(guess), hold)
 
     def linearize(
         self,

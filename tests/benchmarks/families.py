@@ -3,13 +3,15 @@
     python tests/benchmarks/families.py [COUNT]
 
 Chains of 10 masses with scattered data (20 states), damped: modes, a frequency response of 200 lines, a motion at 200 even times. The
-loop takes numpy.linalg.eig of the first-order matrix and sums over its eigenvectors; errors are against single systems.
+loop takes numpy.linalg.eig of the first-order matrix and sums over its eigenvectors; errors are against single systems. Memory is the
+highest that NumPy holds in another run, besides the answer, for each system: chunks add little, poles and equations are kept.
 """
 
 from __future__ import annotations
 
 import sys
 import time
+import tracemalloc
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -66,6 +68,15 @@ def timed(function):
     return time.perf_counter() - begin, result
 
 
+def memory(function):
+    """Bytes at the highest, besides the result."""
+    tracemalloc.start()
+    result = function()
+    highest = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return highest - result.nbytes
+
+
 def main(count: int) -> None:
     M, C, K = chains(count)
     start = np.eye(SIZE)[-1]
@@ -87,7 +98,8 @@ def main(count: int) -> None:
         ),
     }
     print(f"{count} systems of {2 * SIZE} states; the family with its error estimates\n")
-    print("| question | family (s) | loop (s) | family / loop | largest difference from single systems |\n|---|---|---|---|---|")
+    print("| question | family (s) | loop (s) | family / loop | largest difference from single systems | memory (kB/system) |")
+    print("|---|---|---|---|---|---|")
     for name, (together, alone, single) in questions.items():
         systems = mb.family(M, C, K)
         own, values = timed(lambda systems=systems, together=together: together(systems))
@@ -96,7 +108,9 @@ def main(count: int) -> None:
         for place in range(0, count, max(1, count // COMPARED)):
             exact = single(systems[place])
             error = max(error, float(np.abs(values[place] - exact).max() / np.abs(exact).max()))
-        print(f"| {name} | {own:.2f} | {loop:.2f} | {own / loop:.2f} | {error:.1e} |")
+        again = mb.family(M, C, K)
+        kilobytes = memory(lambda again=again, together=together: together(again)) / count / 1e3
+        print(f"| {name} | {own:.2f} | {loop:.2f} | {own / loop:.2f} | {error:.1e} | {kilobytes:.1f} |")
 
 
 if __name__ == "__main__":

@@ -48,6 +48,19 @@ def test_infinite_variances_are_texts_and_null(command, tmp_path):
     assert data["rms"] == [None] and "directly" in data["infinite"]["machine"]
 
 
+def test_plots_of_the_page(tmp_path):
+    """Steps of octaves that add up, the exact cumulative RMS, a path within its band about two thirds of the time; parts of an infinite output."""
+    plots = {plot.title: plot for plot in SceneRandom(read_scene(scene(tmp_path))).plots}
+    octaves, rising, path = (plots[title] for title in ("RMS of octaves", "RMS up to a frequency", "a random path of machine"))
+    rms = np.sqrt(3 / (4 * 4 * 200))
+    assert np.isclose(np.square(octaves.curves[0].values[::2]).sum(), rms**2, rtol=1e-3)
+    assert np.isclose(rising.curves[0].values[-1], rms, rtol=1e-3)
+    assert np.isclose(path.curves[1].values[0], rms) and np.isclose(path.curves[2].values[0], -rms)
+    assert 0.5 < np.mean(np.abs(path.curves[0].values) < rms) < 0.85
+    rough = SceneRandom(read_scene(scene(tmp_path, '[random]\nquantity = "acceleration"\n' + WHITE)))
+    assert [plot.title for plot in rough.plots] == ["spectrum of the acceleration", "RMS of octaves", "RMS up to a frequency"]
+
+
 def test_what_is_wrong_is_named_with_its_place(command, tmp_path):
     """One message each, no traceback."""
     cases = [

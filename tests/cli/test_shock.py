@@ -106,3 +106,23 @@ def test_wrong_records_and_options(command, tmp_path):
     assert "shock.damping_ratio" in error("--damping", "abc")
     assert "there is no such file" in command("shock", "missing.csv")[2]
     assert command("shock", scene(tmp_path), "--unit", "g")[0] == 2
+
+
+@pytest.mark.parametrize(
+    ("record", "message"),
+    [
+        ("t (s), a (g)\n0, 0\n0.01,\n0.02, 0\n", "record.csv, line 3: it has another number of columns"),
+        ("t (s), a (g)\n0, 0\n0.01, nan\n0.02, 0\n", "record.csv, line 3: found an entry that is nan"),
+        ("t (s), a (g)\n0, 0\n0.02, 1\n0.01, 0\n", "record.csv, line 4: 0.02 s is followed by 0.01 s"),
+        ("t (s)\n0\n0.01\n0.02\n", "record.csv: found 1 column"),
+        ("t (s), a (N)\n0, 0\n0.01, 1\n0.02, 0\n", "record.csv: the values are a force (N)"),
+        ("", "record.csv: the file is empty"),
+    ],
+)
+def test_records_that_are_none_have_one_message(command, tmp_path, record, message):
+    """The file is named once, with the line; a record with uneven steps is accepted."""
+    path = tmp_path / "record.csv"
+    path.write_text(record, encoding="utf-8")
+    code, out, err = command("shock", str(path))
+    assert code != 0 and out == ""
+    assert err.startswith(message) and err.count("record.csv") == 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mbconstrained.ground.display import TextTable
 from mbconstrained.ground.notices import Notice
 from mbconstrained.page.drawing.bodies import Body, Drawing, Link
 from mbconstrained.page.drawing.paths import Path
@@ -61,7 +62,8 @@ def hostile_modes() -> ModesContent:
     modes = tuple(
         ModePicture(text, ((text, text),), ((text, 0.5, -0.5),), cycle([1.0]), period=1.0, note=text) for text in (HOSTILE, long)
     )
-    return ModesContent(HOSTILE + long, HOSTILE, drawing, (HOSTILE,), modes, (Notice("rank", HOSTILE),), ((HOSTILE, long),))
+    tables = tuple(TextTable(text, (text,), ((text,),), text, folded) for text, folded in ((HOSTILE, False), (long, True)))
+    return ModesContent(HOSTILE + long, HOSTILE, drawing, (HOSTILE,), modes, (Notice("rank", HOSTILE),), ((HOSTILE, long),), tables)
 
 
 def resting_path() -> Path:

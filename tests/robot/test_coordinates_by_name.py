@@ -75,6 +75,30 @@ def test_a_state_space_of_an_arm_goes_to_control_and_back():
     assert poles == pytest.approx(own, rel=1e-9)
 
 
+@pytest.mark.parametrize("level", ["position", "velocity", "acceleration"])
+def test_a_state_space_of_a_robot_with_loops_goes_to_control_and_back(level):
+    """What the rows of four feet leave is eliminated: two states for each motion, and those of the drift of the rows."""
+    control = pytest.importorskip("control")
+    robot, data = mb.read_robot("robots/quadruped")
+    system = robot.linearize(robot.equilibrium(**data.posture), level=level)
+    nose = mb.PointMotion("trunk", (0.2, 0.0, 0.0), along=(0, 0, 1))
+    inputs, outputs = {"push": nose, "knee": "front left knee"}, {"rise": nose, "turn": mb.PointMotion("trunk", turn=True)}
+    other = system.to_state_space(inputs, outputs).to_control()
+    assert isinstance(other, control.StateSpace) and other.input_labels == ["force on push", "force on knee"]
+    drift = 12 * ("position", "velocity", "acceleration").index(level)
+    assert other.nstates == 2 * (18 - 12) + drift and len(system.rows) == 12
+    w = np.array([1.0, 20.0, 200.0])
+    H = system.frequency_response(w / (2 * np.pi), inputs, outputs).values
+    back = mb.StateSpace.from_control(other)
+    for space in (other, back):
+        values = np.array([space(1j * rate) for rate in w]).transpose(1, 2, 0)
+        assert values == pytest.approx(H, rel=1e-9, abs=1e-12 * np.abs(H).max())
+    poles = np.linalg.eigvals(other.A)
+    own = system.modes().eigenvalues
+    own = own[np.abs(own) > 1e-6 * np.abs(own).max()]
+    assert np.abs(own[:, None] - poles).min(axis=1) == pytest.approx(np.zeros(len(own)), abs=1e-7 * np.abs(own).max())
+
+
 def test_the_tool_of_an_arm_on_a_shaken_base():
     """In closed form the mean square of the tool's acceleration is the integral of |H|^2 G."""
     moving = mb.Robot(

@@ -117,7 +117,7 @@ def test_a_sole_tips_where_the_centre_of_mass_is_beside_it(centre, text, turned)
 
 
 def test_patches_belong_to_rigid_feet_with_friction():
-    with pytest.raises(mb.InputError, match='loop "foot": patch: expected two lengths of the sole of a rigid foot'):
+    with pytest.raises(mb.InputError, match=r'loop "foot": patch: found \(0.1, 0.1\); expected two lengths of the sole'):
         mb.Loop("foot", (0, 0, 0), "ground", kind="point", friction=0.5, patch=(0.1, 0.1), name="foot")
     with pytest.raises(mb.InputError, match="axis2: found 0, 0, 0"):
         mb.Loop("a", (0, 0, 0), "b", kind="universal", axis2=(0, 0, 0))

@@ -113,7 +113,7 @@ def _rise(spectra: SpectralMatrix, middle: float, R: np.ndarray, f0: float) -> f
 def _growth(transfer: Transfer, spectra: SpectralMatrix, middle: float) -> tuple[np.ndarray, np.ndarray]:
     """The exponent of f of the spectrum of each output towards infinity, and the intensity of its white part, both of shape (p,)."""
     harmonic = transfer.harmonic
-    slopes, D = spectra.slopes(middle), harmonic.form.polynomial
+    slopes, D = spectra.slopes(middle), transfer.polynomial
     p = len(harmonic.outputs)
     exponents, white = np.full(p, -np.inf), np.zeros(p)
     S = spectra(np.array([middle + 0j]), middle)[..., 0]

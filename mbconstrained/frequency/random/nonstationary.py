@@ -13,6 +13,7 @@ import scipy.linalg
 
 from ...ground.checks import evaluation_times, real_array
 from ...ground.errors import InputError
+from ...ground.tolerances import EPS
 from .spectral_integral import TURN, _Integration
 from .spectral_matrix import INDEFINITE, SpectralMatrix
 from .spectrum_pieces import PowerLaw, Rational
@@ -20,6 +21,9 @@ from .transfer import Transfer
 
 #: Harmonics that are added at once, times the number of times.
 CHUNK = 1 << 22
+
+#: Steps between samples that differ by so many rounding errors of the last time are equal.
+EQUAL_STEPS = 8.0
 
 #: Time constants after which a process is stationary: e^-40 is below rounding errors.
 DECAY = 40.0
@@ -199,8 +203,7 @@ def sample(transfer: Transfer, spectra: SpectralMatrix, times, seed=None) -> np.
     f, H = panels.nodes.ravel(), work._values(panels)[0]
     p, m = H.shape[:2]
     H, S = H.reshape(p, m, -1), work._spectra_at(panels).reshape(m, m, -1)
-    values, vectors = np.linalg.eigh(np.moveaxis(S, 2, 0))
-    root = np.moveaxis(vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :], 0, 2)
+    root = np.moveaxis(_root(np.moveaxis(S, 2, 0)), 0, 2)
     noise = generator.standard_normal((m, len(f))) + 1j * generator.standard_normal((m, len(f)))
     amplitudes = np.einsum("aif,ijf,jf->af", H, root, noise) * np.sqrt(panels.weights.ravel())
     result, count = np.zeros((p, len(times))), max(1, CHUNK // max(len(times), 1))
@@ -214,18 +217,22 @@ def _markov_path(transfer, spectra, times, generator) -> np.ndarray:
     """Steps z -> e^{J h} z + w with the covariance of w over the step, from the stationary distribution."""
     model = MarkovModel(transfer, spectra)
     order = np.argsort(times, kind="stable")
-    rates = [-pole.value.real for pole in transfer.poles] + [
-        -value.real for value in np.linalg.eigvals(model.J[model.states :, model.states :])
-    ]
-    P = model.step(DECAY / min(rates, default=1.0))[1]
-    z = _normal(P, generator)
+    poles = np.append([pole.value for pole in transfer.poles], np.linalg.eigvals(model.J[model.states :, model.states :]))
+    slowest = -poles.real.max(initial=-np.inf)
+    if slowest <= 0:
+        raise InputError(
+            "sample: a motion without damping, which the noise does not reach, has no stationary path; leave out its outputs"
+        )
+    z = _normal(model.step(DECAY / slowest if np.isfinite(slowest) else DECAY)[1], generator)
     result, now, known = np.empty((len(model.C), len(times))), None, {}
+    last_place = EQUAL_STEPS * EPS * np.abs(times).max(initial=0.0)
     for place in order:
         h = 0.0 if now is None else times[place] - now
         if h > 0:
-            if h not in known:
-                known[h] = model.step(h)
-            E, Q = known[h]
+            key = round(h / last_place)  # steps that differ by rounding errors of the times are one
+            if key not in known:
+                known[key] = model.step(h)
+            E, Q = known[key]
             z = E @ z + _normal(Q, generator)
         now = times[place]
         result[:, place] = model.C @ z
@@ -236,5 +243,10 @@ def _normal(covariance: np.ndarray, generator) -> np.ndarray:
     """A normal vector of this covariance."""
     scale = np.sqrt(np.maximum(covariance.diagonal(), 0.0))
     safe = np.where(scale > 0, scale, 1.0)
-    values, vectors = np.linalg.eigh(covariance / safe[:, None] / safe)
-    return scale * (vectors @ (np.sqrt(np.maximum(values, 0.0)) * generator.standard_normal(len(values))))
+    return scale * (_root(covariance / safe[:, None] / safe) @ generator.standard_normal(len(scale)))
+
+
+def _root(matrices: np.ndarray) -> np.ndarray:
+    """The Hermitian square roots of semidefinite matrices: continuous, so that rounding errors do not change a path."""
+    values, vectors = np.linalg.eigh(matrices)
+    return (vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]) @ np.conj(np.swapaxes(vectors, -1, -2))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...ground.checks import counted, real_array, whole_number
+from ...ground.checks import counted, nearest, optional_package, real_array, real_number, whole_number
 from ...ground.display import Displayed, TextTable, notice_table, number_text
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
@@ -195,21 +195,26 @@ class RandomResponse(Displayed):
         >>> bool(np.isclose(np.square(parts).sum(), 1.0, rtol=1e-13))
         True
         """
-        edges = np.array(edges_hz, dtype=float) if np.ndim(edges_hz) == 1 else np.zeros(0)
-        if len(edges) < 2 or not (np.diff(edges) > 0).all() or not edges[0] >= 0:
-            raise InputError("edges_hz: expected at least two ascending frequencies from 0 Hz on; the last may be infinite")
-        finite, _ = self._integral(0)
+        edges = _edges(edges_hz)
         transfer, spectra = self._independent
         squares = np.full((len(self.outputs), len(edges) - 1), np.inf)
-        squares[finite] = spectral_integral(transfer, spectra, (0,), finite, edges).parts[:, 0].T
-        for band, (low, high) in enumerate(itertools.pairwise(edges) if self.infinite else ()):
-            part = spectra.within(low, high)
-            own = np.flatnonzero([not reason for reason in existence(transfer, part, (0,), self.units).reasons[0]])
-            squares[own, band] = spectral_integral(transfer, part, (0,), own).values[0].diagonal().real
+        whole = self._finite_within(edges[0], edges[-1])
+        part = spectra.within(edges[0], edges[-1])
+        squares[whole] = spectral_integral(transfer, part, (0,), whole, edges).parts[:, 0].T
+        for band, (low, high) in enumerate(itertools.pairwise(edges) if len(whole) < len(squares) else ()):
+            own = np.setdiff1d(self._finite_within(low, high), whole)
+            squares[own, band] = spectral_integral(transfer, spectra.within(low, high), (0,), own).values[0].diagonal().real
         return np.sqrt(np.maximum(squares, 0.0))
 
+    def _finite_within(self, low: float, high: float) -> np.ndarray:
+        """The numbers of the outputs whose variance is finite between two frequencies."""
+        transfer, spectra = self._independent
+        return np.flatnonzero(
+            [not reason for reason in existence(transfer, spectra.within(low, high), (0,), self.units).reasons[0]]
+        )
+
     def cumulative_rms(self, frequencies_hz) -> np.ndarray:
-        """RMS values of the parts of the outputs below frequencies, shape (p, F); infinite where their variance is.
+        """RMS values of the parts of the outputs below frequencies, shape (p, F); infinite where the variance up to there is.
 
         Args:
             frequencies_hz: positive, ascending, shape (F,).
@@ -231,16 +236,38 @@ class RandomResponse(Displayed):
         Args:
             frequencies_hz: shape (F,).
         """
-        response = evaluated(self.harmonic, frequencies_hz)
-        corners = np.append(self.spectra.corners, np.inf)
+        transfer, spectra = self._independent
+        response, corners = evaluated(transfer.harmonic, frequencies_hz), spectra.corners
         f, H = response.frequencies_hz, response.values
         result = np.zeros((len(H), len(H), len(f)), dtype=complex)
         for a, b in itertools.pairwise(corners):
-            own = (f >= a) & ((f < b) | (f == corners[-2]))
-            if own.any() and np.isfinite(a):
+            own = (f >= a) & ((f < b) | (b == corners[-1]) & (f == b))  # a table holds at both of its ends
+            if own.any():
                 middle = a + 1.0 if np.isinf(b) else (a + b) / 2
-                result[:, :, own] = np.einsum("aif,ijf,bjf->abf", H[..., own], self.spectra(f[own], middle), H[..., own].conj())
+                result[:, :, own] = np.einsum("aif,ijf,bjf->abf", H[..., own], spectra(f[own], middle), H[..., own].conj())
         return result
+
+    def to_xarray(self, frequencies_hz):
+        """The spectra as a ``DataArray`` with the dimensions output and frequency (Hz), RMS values and units as coordinates.
+
+        Args:
+            frequencies_hz: shape (F,).
+
+        Returns:
+            An ``xarray.DataArray``.
+
+        Raises:
+            MissingPackage: xarray is not installed.
+        """
+        xarray = optional_package("xarray", "to_xarray")
+        values = self.psd(frequencies_hz)
+        coords = {
+            "output": list(self.outputs),
+            "frequency": ("frequency", np.asarray(frequencies_hz, dtype=float), {"units": "Hz"}),
+            "unit": ("output", [f"({unit})^2/Hz" for unit in self.units]),
+            "rms": ("output", self.rms),
+        }
+        return xarray.DataArray(values, coords, ("output", "frequency"), f"spectrum of the {self.quantity}")
 
     def enclose(self, digits: int = 15) -> Enclosure:
         """The variances between proved bounds, the data taken exactly: rational numbers for white and filtered noise, certified quadrature for tables.
@@ -273,7 +300,7 @@ class RandomResponse(Displayed):
         Args:
             level: in the unit of the outputs.
         """
-        return statistics.crossing_rate(self._moments(0, 2), level)
+        return statistics.crossing_rate(self._moments(0, 2), real_number(level, "level"))
 
     @property
     def peak_rate(self) -> np.ndarray:
@@ -307,6 +334,24 @@ class RandomResponse(Displayed):
         return statistics.damage_rate(self._moments(0, 1, 2, 4), exponent, strength, method)
 
     # Functions of time.
+
+    def only(self, *names: str) -> RandomResponse:
+        """The same response with some of the outputs.
+
+        Args:
+            names: of outputs.
+
+        Returns:
+            A response.
+
+        Raises:
+            InputError: unknown names.
+        """
+        unknown = [name for name in names if name not in self.outputs]
+        if unknown:
+            raise InputError(f"outputs: there is no {unknown[0]!r}{nearest(str(unknown[0]), self.outputs)}")
+        own, at = self.harmonic, [self.outputs.index(name) for name in names]
+        return replace(self, harmonic=replace(own, outputs=own.outputs[at], output_names=names, units=own.units[at]))
 
     def covariance_over_time(self, times, initial_covariance=None, modulation=None) -> np.ndarray:
         """E[y y^T] at times after white or filtered white noise is switched on at t = 0, exactly.
@@ -355,3 +400,13 @@ class RandomResponse(Displayed):
             text = f"variances have an estimated relative error of at most {worst:.2g}"
             result.append(Notice(NoticeKind.ACCURACY, text, doubtful=bool(worst > TRUST_LIMIT)))
         return tuple(result)
+
+
+def _edges(edges_hz) -> np.ndarray:
+    """Edges of bands in Hz: finite but for the last."""
+    given = np.atleast_1d(np.asarray(edges_hz, dtype=object))
+    last = [np.inf] if len(given) and isinstance(given[-1], float) and given[-1] == np.inf else []
+    edges = np.append(real_array(given[: len(given) - len(last)].tolist(), "edges_hz", shape=(None,)), last)
+    if len(edges) < 2 or not (np.diff(edges) > 0).all() or not edges[0] >= 0:
+        raise InputError("edges_hz: expected at least two ascending frequencies from 0 Hz on; the last may be infinite")
+    return edges

@@ -149,8 +149,12 @@ def psd(frequencies_hz, values, of: str = "force", unit: str | None = None, inte
     is_cross = np.iscomplexobj(np.asarray(values))
     G = np.asarray(values, dtype=complex) if is_cross else real_array(values, "values", shape=(None,))
     count = len(f) - (interpolation == "steps")
-    if len(f) < 2 or G.shape != (count,):
-        raise InputError(f"values: found {G.size} for {len(f)} frequencies; expected {max(count, 2)}, and at least two frequencies")
+    if len(f) < 2:
+        raise InputError(f"frequencies_hz: found {len(f)}; expected at least two corner frequencies")
+    if G.shape != (count,):
+        raise InputError(
+            f"values: found {G.size} for {len(f)} frequencies; expected {count}{', one for each band' * (count < len(f))}"
+        )
     if f[0] < 0:
         raise InputError(f"frequencies_hz: found {f[0]:g} Hz; a one-sided density has frequencies >= 0")
     bad = np.flatnonzero(np.diff(f) <= 0)
@@ -312,16 +316,15 @@ def _factor(unit: str | None, of: str) -> float:
     """From a unit of a density to SI units squared per Hz, one-sided."""
     if unit is None:
         return 1.0
-    text = unit.replace("**", "^").replace("²", "^2").replace("·", " ").strip() if isinstance(unit, str) else ""
+    text = re.sub("[·*]", " ", unit.replace("**", "^").replace("²", "^2")).strip() if isinstance(unit, str) else ""
+    for pattern, rate in (
+        ("/s", "/s"),
+        ("/s\\^2/ ?Hz", "/s"),
+        ("/s\\^3", "/s^2"),
+        ("/s\\^4/ ?Hz", "/s^2"),
+    ):  # m^2/s^3 is (m/s^2)^2/Hz
+        text = re.sub(rf"^(\w+)\^2{pattern}$", rf"(\1{rate})^2/Hz", text)
     known = UNITS[of]
-    special = {
-        "m^2/s^3": ("acceleration", 1.0),
-        "rad^2/s^3": ("acceleration", 1.0),
-        "m^2/s": ("velocity", 1.0),
-        "m^2 s": ("displacement", 1.0),
-    }
-    if special.get(text, ("", 0))[0] == of:
-        return special[text][1]
     match = re.fullmatch(r"\(?([^()]*?)\)?\^2\s*(/\s*Hz|s/rad|/\s*\(rad/s\)|s)", text)
     name = match[1].strip() if match else ""
     if name not in known:

@@ -33,6 +33,9 @@ NEAR = 2.0
 #: Values of H at nodes are solved for where the estimated error of an integral by their sums exceeds this share of it.
 SOLVED = 10 * SPECTRAL_ACCURACY
 
+#: Panels whose nodes have errors of more than this share of the integral, because one is at a peak, are moved, so often at most.
+MOVED, MOVES = 10 * SOLVED, 3
+
 #: Panels are halved at most so many times: then they are as narrow as rounding errors.
 HALVINGS = 60
 
@@ -135,6 +138,17 @@ def _hermitian(matrices: np.ndarray) -> np.ndarray:
     return (matrices + np.conj(np.swapaxes(matrices, -1, -2))) / 2
 
 
+def _diagonal(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Of the products of stacks of matrices (number, p, m) and (number, m, p): shape (number, p)."""
+    return np.einsum("xai,xia->xa", left, right)
+
+
+def _product_sum(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The sum of these products over the stack, as one product."""
+    count, p, m = left.shape
+    return left.transpose(1, 0, 2).reshape(p, count * m) @ right.reshape(count * m, p)
+
+
 class _Integration:
     """The work of one call."""
 
@@ -164,15 +178,31 @@ class _Integration:
             if not bad.any():
                 break
             halves = self._resolved(panels.halves(bad))
-            new_H, new_errors = self._values(halves)
-            new = self._sums(halves, new_H), *self._near_poles(halves)
-            keep = ~bad
-            panels = panels.only(keep).joined(halves)
-            H, errors = np.concatenate([H[:, :, keep], new_H], axis=2), np.concatenate([errors[:, :, keep], new_errors], axis=2)
-            sums, near, loss, doubts = (np.concatenate([one[keep], two]) for one, two in zip((sums, near, loss, doubts), new))
+            panels, *parts = self._with(halves, bad, panels, H, errors, sums, near, loss, doubts)
+            H, errors, sums, near, loss, doubts = parts
         if p and K:
-            return self._improved(panels, H, errors, sums, near, (loss + doubts).sum(axis=0))
+            return self._improved(panels, H, errors, sums, near, loss, doubts)
         return SpectralIntegral(np.zeros((K, p, p)), np.zeros((K, p)), np.zeros((max(len(self.edges) - 1, 0), K, p)))
+
+    def _with(self, new: _Panels, bad: np.ndarray, panels: _Panels, H, errors, *parts) -> tuple:
+        """All of these with new panels in the place of some."""
+        keep, (new_H, new_errors) = ~bad, self._values(new)
+        new_parts = self._sums(new, new_H), *self._near_poles(new)
+        both = (np.concatenate([one[:, :, keep], two], axis=2) for one, two in ((H, new_H), (errors, new_errors)))
+        return panels.only(keep).joined(new), *both, *(np.concatenate([one[keep], two]) for one, two in zip(parts, new_parts))
+
+    def _centred(self, panels: _Panels, errors: np.ndarray) -> _Panels:
+        """Three panels for each, the middle one around the peak that is next to its node with the largest error: then no node is at the peak."""
+        nodes = panels.nodes[np.arange(len(errors)), errors.argmax(axis=1)]
+        peaks = np.append(self.frequencies.real, np.inf)
+        peak = peaks[np.abs(nodes[:, None] - peaks).argmin(axis=1)]
+        low, high, middle = panels.lower, panels.upper, (panels.lower + panels.upper) / 2
+        reach = np.minimum(peak - low, high - peak)
+        is_inside = reach > (high - low) * MARGIN
+        edges = np.array([low, np.where(is_inside, peak - reach, middle), np.where(is_inside, peak + reach, middle), high])
+        parts = [_Panels(one, two, panels.middle, panels.is_tail) for one, two in itertools.pairwise(edges)]
+        new = parts[0].joined(parts[1]).joined(parts[2])
+        return self._resolved(new.only(new.upper - new.lower > 8 * EPS * new.upper))
 
     # Panels.
 
@@ -266,9 +296,9 @@ class _Integration:
                 T = np.einsum("an,bn,kn->kab", one[:, i], other[:, j].conj(), S * f ** power[:, None])
                 total[x] += T + np.conj(np.swapaxes(T, 1, 2))
 
-    def _sums(self, panels: _Panels, H: np.ndarray) -> np.ndarray:
+    def _sums(self, panels: _Panels, H: np.ndarray, spectra: np.ndarray | None = None) -> np.ndarray:
         """Gauss's rule on each panel, shape (P, K, p, p)."""
-        S = self._spectra_at(panels)
+        S = self._spectra_at(panels) if spectra is None else spectra.copy()
         for i, j in self.spectra.delayed_pairs:
             S[i, j, panels.is_tail] = S[j, i, panels.is_tail] = 0.0
         left, right = np.moveaxis(H, (2, 3), (0, 1)), np.moveaxis(H.conj(), (2, 3, 1), (0, 1, 2))
@@ -295,64 +325,66 @@ class _Integration:
         logarithm = 0.5 * np.log((upper**2 + b**2) / (lower**2 + b**2))
         angle = np.sign(b) * np.arctan2((upper - lower) * np.abs(b), b**2 + upper * lower)
         starts = np.flatnonzero(np.diff(x, prepend=-1))
+        X, Y = 2 * (logarithm - first), 2 * (angle - second)
         for k, power in enumerate(self.powers):
-            X, Y, doubt = self._principal_parts(number, panels.middle[x], power)
-            part = X * (2 * (logarithm - first))[:, None, None] - Y * (2 * (angle - second))[:, None, None]
-            total[x[starts], k] = np.add.reduceat(part, starts)
-            terms = sum(
-                np.abs(one.diagonal(axis1=1, axis2=2)) * (np.abs(u) + np.abs(v))[:, None]
-                for one, u, v in ((X, logarithm, first), (Y, angle, second))
-            )
+            left, (odd, even, other), doubt = self._principal_parts(number, panels.middle[x], power)
+            right = X[:, None, None] * (odd - 1j * other) + Y[:, None, None] * (even + other)
+            for panel, own in zip(x[starts], itertools.pairwise([*starts, len(x)])):
+                total[panel, k] = _product_sum(left[slice(*own)], right[slice(*own)])
+            sizes = zip((_diagonal(left, odd - 1j * other), _diagonal(left, even + other)), ((logarithm, first), (angle, second)))
+            terms = sum(np.abs(one.real) * (np.abs(u) + np.abs(v))[:, None] for one, (u, v) in sizes)
             loss[x[starts], k] = 2 * EPS * np.add.reduceat(terms, starts)
             doubts[x[starts], k] = 2 * np.add.reduceat(doubt * np.abs(angle)[:, None], starts)
-        return total, loss, doubts
+        return _hermitian(total), loss, doubts
 
-    def _principal_parts(self, number: np.ndarray, middle: np.ndarray, power: int) -> tuple[np.ndarray, ...]:
-        """Of poles by number, at pieces of the spectra: X and Y of r = X + i Y, both Hermitian, shape (number, p, p), and errors of Y, (number, p).
+    def _principal_parts(self, number: np.ndarray, middle: np.ndarray, power: int) -> tuple[np.ndarray, tuple, np.ndarray]:
+        """Of poles by number, at pieces of the spectra: r = -i R f^k S(f) (conj R / (2 |sigma|) + rest)^T / (2 pi), and errors, (number, p).
 
-        r = -i R f^k S(f) (conj R / (2 |sigma|) + rest)^T / (2 pi) at the pole. The term with 1 / sigma belongs to Y but for the change of S from
-        the axis to the pole, which is taken by itself: far from the peak it is the small part X that counts.
+        Its Hermitian part and that of -i r are those of R (odd - i other) and -R (even + other), R of shape (number, p, m) and these of shape
+        (number, m, p). The term with 1 / sigma belongs to the arc tangent but for the change of S from the axis to the pole, which is taken by
+        itself: far from the peak it is the small part of the logarithm that counts.
         """
         S = np.zeros((len(number), *(len(self.spectra.names),) * 2), dtype=complex)
         at = self.frequencies[number]
         for piece in np.unique(middle):
             own = middle == piece
             S[own] = np.moveaxis(self.spectra(at[own], piece), 2, 0)
-        S *= (at**power)[:, None, None]
+        S *= (at**power / (2 * np.pi))[:, None, None]
         R, rest = self.residues[number], self.mirrored[number]
         conjugate = np.conj(np.swapaxes(R, 1, 2)) / (-2 * self.sigma[number])[:, None, None]
-        even, odd = R @ _hermitian(S) @ conjugate, R @ _hermitian(-1j * S) @ conjugate
-        other = R @ S @ np.swapaxes(rest, 1, 2)
-        doubt = (
-            np.einsum("xai,xij,xaj->xa", np.abs(R), np.abs(S), self.doubts[number])
-            / np.abs(2 * np.pi * self.sigma[number])[:, None]
-        )
-        return _hermitian(odd + _hermitian(-1j * other)) / (2 * np.pi), -_hermitian(even + other) / (2 * np.pi), doubt
+        doubt = np.einsum("xai,xij,xaj->xa", np.abs(R), np.abs(S), self.doubts[number]) / np.abs(self.sigma[number])[:, None]
+        return R, (_hermitian(-1j * S) @ conjugate, _hermitian(S) @ conjugate, S @ np.swapaxes(rest, 1, 2)), doubt
 
-    def _improved(self, panels, H, errors, sums, near, loss) -> SpectralIntegral:
-        """With values of H solved for where the errors of their sums count."""
+    def _improved(self, panels, H, errors, sums, near, loss, doubts) -> SpectralIntegral:
+        """With other panels and with values of H solved for where the errors of their sums count."""
+        for moves in range(MOVES + 1):
+            size = np.abs((sums + near).sum(axis=0).diagonal(axis1=1, axis2=2).real)
+            S = self._spectra_at(panels)
+            own = self._node_errors(panels, S, H, errors)
+            bad = (own.sum(axis=1) > MOVED * size).any(axis=(1, 2)) & ~panels.is_tail
+            if (moves or not bad.any()) and (own.sum(axis=(0, 1)) > SOLVED * size).any():
+                at = (own > 0.1 * SPECTRAL_ACCURACY * size / max(own.shape[0] * own.shape[1], 1)).any(axis=(2, 3))
+                solved, solved_errors = self.transfer.solved(panels.nodes[at])
+                better = solved_errors[self.outputs] < errors[:, :, at]
+                H[:, :, at] = np.where(better, solved[self.outputs], H[:, :, at])
+                errors[:, :, at] = np.where(better, solved_errors[self.outputs], errors[:, :, at])
+                sums, own = self._sums(panels, H, S), self._node_errors(panels, S, H, errors)
+                bad &= (own.sum(axis=1) > MOVED * size).any(axis=(1, 2))
+            if not bad.any() or moves == MOVES:
+                break
+            new = self._centred(panels.only(bad), own[bad].max(axis=(2, 3)))
+            panels, H, errors, sums, near, loss, doubts = self._with(new, bad, panels, H, errors, sums, near, loss, doubts)
         total = sums + near
-        S, weights = self._spectra_at(panels), panels.weights
-        powers = panels.nodes[..., None] ** np.array(self.powers)
-
-        def node_errors() -> np.ndarray:
-            """Of the diagonal, by nodes and powers, shape (P, 16, K, p)."""
-            delta = np.einsum("ijxn,ajxn->aixn", np.abs(S), errors)
-            both = ((2 * np.abs(H) + errors) * delta).sum(axis=1)
-            return (weights * both).transpose(1, 2, 0)[:, :, None, :] * powers[..., None]
-
-        size = np.abs(total.sum(axis=0).diagonal(axis1=1, axis2=2).real)
-        own = node_errors()
-        if (own.sum(axis=(0, 1)) > SOLVED * size).any():
-            at = (own > 0.1 * SPECTRAL_ACCURACY * size / max(own.shape[0] * own.shape[1], 1)).any(axis=(2, 3))
-            solved, solved_errors = self.transfer.solved(panels.nodes[at])
-            better = solved_errors[self.outputs] < errors[:, :, at]
-            H[:, :, at] = np.where(better, solved[self.outputs], H[:, :, at])
-            errors[:, :, at] = np.where(better, solved_errors[self.outputs], errors[:, :, at])
-            total, own = self._sums(panels, H) + near, node_errors()
         middle = np.where(panels.is_tail, np.inf, (panels.lower + panels.upper) / 2)
         parts = np.zeros((max(len(self.edges) - 1, 0), *size.shape))
         band = np.searchsorted(self.edges, middle) - 1
         inside = (band >= 0) & (band < len(parts))
         np.add.at(parts, band[inside], total[inside].diagonal(axis1=2, axis2=3).real)
-        return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + loss + 16 * EPS * size, parts)
+        return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + (loss + doubts).sum(axis=0) + 16 * EPS * size, parts)
+
+    def _node_errors(self, panels: _Panels, S: np.ndarray, H: np.ndarray, errors: np.ndarray) -> np.ndarray:
+        """Of the diagonal, by nodes and powers, shape (P, 16, K, p)."""
+        delta = np.einsum("ijxn,ajxn->aixn", np.abs(S), errors)
+        both = ((2 * np.abs(H) + errors) * delta).sum(axis=1)
+        powers = panels.nodes[..., None] ** np.array(self.powers)
+        return (panels.weights * both).transpose(1, 2, 0)[:, :, None, :] * powers[..., None]

@@ -187,6 +187,8 @@ def spectral_matrix(excitation: Mapping, coherence=None, delays: Mapping | None 
                 raise InputError(f"{key}: there is no input {name!r}{nearest(str(name), names)}")
         return places[key[0]], places[key[1]]
 
+    if delays is not None and not isinstance(delays, Mapping):
+        raise InputError(f"delays: found {delays!r}; expected a table by the names of inputs, such as {{{names[0]!r}: 0.1}}")
     gamma, shift, cross = np.eye(len(names)), np.zeros(len(names)), {}
     for name, value in (delays or {}).items():
         if name not in places:

@@ -15,6 +15,28 @@ from ...ground.errors import InputError
 METHODS = ("dirlik", "narrow-band")
 
 
+def octave_bands(low: float, high: float) -> np.ndarray:
+    """Edges of octaves around 1000 Hz times a power of two, as in IEC 61260-1 with base two.
+
+    Args:
+        low, high: in Hz; the bands cover what is between them.
+
+    Returns:
+        Ascending, in Hz, for ``RandomResponse.rms_in_bands``.
+
+    Raises:
+        InputError: frequencies that are not positive or do not ascend.
+
+    >>> octave_bands(20.0, 80.0).round(3)
+    array([11.049, 22.097, 44.194, 88.388])
+    """
+    low, high = (real_number(one, name, positive=True) for one, name in ((low, "low"), (high, "high")))
+    if not low < high:
+        raise InputError(f"high: found {high:g} Hz; expected more than low, {low:g} Hz")
+    first, last = (np.log2(one / 1000.0) + 0.5 for one in (low, high))
+    return 1000.0 * 2.0 ** (np.arange(np.floor(first), np.ceil(last) + 1) - 0.5)
+
+
 def crossing_rate(moments: dict[int, np.ndarray], level=0.0) -> np.ndarray:
     """Upward crossings of a level per second, sqrt(m_2 / m_0) e^{-level^2 / 2 m_0} (Rice).
 

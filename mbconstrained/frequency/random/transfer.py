@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...ground.tolerances import CLUSTER_SAFETY, EPS, LIGHT_DAMPING, UNDAMPED
+from ...ground.tolerances import CLUSTER_SAFETY, EPS, LIGHT_DAMPING, NOISE_SAFETY, UNDAMPED
 from ...linalg import precise
 from ...polynomial.structure import FiniteZero
 from ..frequency_response import NOISE
@@ -129,9 +129,26 @@ class Transfer:
         return [-mean for mean in means], [float(doubts[of == number].max()) for number in range(len(values))]
 
     @cached_property
+    def polynomial(self) -> np.ndarray:
+        """The polynomial part of H without what the transformations of the equations leave of entries that are zero, shape (K, p, m).
+
+        D_k with k < power is C T^j B in the orthogonal basis of the finite part: rows of B that are zero there are rounding errors of the whole.
+        """
+        form, D = self.harmonic.form, self.harmonic.form.polynomial.copy()
+        finite, scaling = form.pairs.form, form.pairs.form.companion.scaling
+        largest = np.abs(finite.B).max(initial=0.0) * (scaling.rows @ np.abs(form.inputs))
+        left = (np.abs(form.outputs) * scaling.columns) @ np.abs(finite.C)
+        for k in range(min(form.power, len(D)) - 1, -1, -1):
+            index = k - form.power
+            size = left @ np.linalg.matrix_power(np.abs(finite.T), -index - 1)
+            limit = NOISE_SAFETY * EPS * np.outer(size.sum(axis=1), largest) / scaling.time ** float(index)
+            D[k] = np.where(np.abs(D[k]) > limit, D[k], 0.0)
+        return D
+
+    @cached_property
     def vanishes(self) -> np.ndarray:
         """Which outputs no input moves: all residues are rounding errors and the polynomial part is zero, shape (p,)."""
-        parts = [_without_noise(pole.residues, pole.sizes) for pole in self.poles] + [self.harmonic.form.polynomial]
+        parts = [_without_noise(pole.residues, pole.sizes) for pole in self.poles] + [self.polynomial]
         return np.all([~part.any(axis=(0, 2)) for part in parts], axis=0)
 
     def of_inputs(self, chosen: list[int]) -> Transfer:

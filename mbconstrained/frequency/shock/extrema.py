@@ -71,6 +71,8 @@ def extrema(function: BohlFunction, start: float, end: float) -> Extrema:
     times = search.times.ravel()
     row = np.tile(np.arange(function.size), 2)
     maximum, minimum = function(times)[row, np.arange(len(row))].reshape(2, -1) if len(row) else np.zeros((2, 0))
+    noise = NOISE * np.maximum(np.abs(maximum), np.abs(minimum))
+    maximum, minimum = (np.where(np.abs(one) > noise, one, 0.0) for one in (maximum, minimum))
     return Extrema(maximum, minimum, *search.times)
 
 

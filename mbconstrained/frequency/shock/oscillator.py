@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from ...ground.tolerances import EPS
+from ...ground.tolerances import EPS, STEP_AGREEMENT
 from .extrema import falling_root
 
 #: Steps that differ by so many units in the last place of the last time are equal.
@@ -27,6 +27,18 @@ TOGETHER = 64
 
 #: Up to this damping ratio the conjugate roots are so far from each other that u alone has y.
 LIGHT = 0.9
+
+#: Intervals of more radians than LONG are searched at their ends: see ``_ends``. The free motion has decayed after so many time constants.
+LONG, DECAYED = 100.0, 40.0
+
+#: Steps of more radians have their exponentials in closed form, in which nothing cancels then.
+CLOSED = 20.0
+
+#: Up to this damping ratio the extrema of successive cycles are ordered.
+ORDERED = 0.35
+
+#: Most times at which the search in an interval begins.
+MOST_TIMES = 2048
 
 #: Steps shorter than this, in units of the fastest rate, take Taylor's series of so many terms: 1 / 20! is below rounding error.
 SHORT, DEGREE = 1.0, 20
@@ -92,8 +104,25 @@ class Oscillator:
         l1, l2 = self.roots
         J = np.array([[l2, 1, 0, 0], [0, l1, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]], dtype=complex)
         units = np.array([1.0, self.w, self.w**2, self.w**3])  # y w^2, u w, a, a' / w have one size
-        scaled = J * units / units[:, None]
-        return scipy.linalg.expm(np.multiply.outer(np.asarray(h), scaled)) * units[:, None] / units
+        is_long = np.asarray(h) * self.w > CLOSED
+        result = (
+            scipy.linalg.expm(np.multiply.outer(np.where(is_long, 0.0, h), J * units / units[:, None])) * units[:, None] / units
+        )
+        if is_long.any():
+            result[is_long] = self._long_steps(h[is_long])
+        return result
+
+    def _long_steps(self, h: np.ndarray) -> np.ndarray:
+        """The same in closed form; squares of exponentials would lose the phase, and SciPy's recurrence for triangles its values next to underflow."""
+        l1, l2 = self.roots
+        e1, e2, result = np.exp(l1 * h), np.exp(l2 * h), np.tile(np.eye(4, dtype=complex), (len(h), 1, 1))
+        gap = l1 - l2
+        mixed, more = ((e1 - e2) / gap, (e1 / l1 - e2 / l2) / gap) if gap else (h * e1, (h - 1 / l1) * e1 / l1)
+        result[:, 0, 0], result[:, 1, 1], result[:, 0, 1], result[:, 2, 3] = e2, e1, mixed, h
+        result[:, 1, 2], result[:, 1, 3] = (e1 - 1) / l1, (e1 - 1 - l1 * h) / l1**2
+        result[:, 0, 2] = (mixed - (e2 - 1) / l2) / l1
+        result[:, 0, 3] = (1 / (l1 * l2) + more - ((e2 - 1) / l2 - h) / l2) / l1
+        return result
 
     def states(self, times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """y and y' at the samples, from rest before the first.
@@ -221,19 +250,39 @@ class Oscillator:
             left = np.arange(len(limit))
             while len(left := left[limit[left] > best]):
                 now = left[np.argpartition(-limit[left], TOGETHER)[:TOGETHER]] if len(left) > TOGETHER else left
-                is_short = own[now] * self.w * (1 + 2 * self.zeta) < SHORT
-                for at in (now[is_short], now[~is_short]):
+                is_short, is_long = own[now] * self.w * (1 + 2 * self.zeta) < SHORT, own[now] * self.w > LONG
+                for at in (now[is_short], now[~is_short & ~is_long]):
                     if len(at):
                         best = self._highest(y0[at], v0[at], a0[at], s0[at], own[at], (sign * c0, sign * c1), best)
+                at = now[is_long]
+                for part in self._ends(y0[at], v0[at], a0[at], s0[at], own[at]) if len(at) else ():
+                    best = self._highest(*part, (sign * c0, sign * c1), best)
                 limit[now] = -np.inf
             high, low = (best, low) if sign > 0 else (high, -best)
         after = self.residual(y[-1], v[-1], output)
         return high, low, *after
 
+    def _ends(self, y, v, a, slope, h) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
+        """The parts of long intervals that have their extrema, as y, v, a, slope and length.
+
+        r = p + s tau + g, g a damped cosine. At a maximum r' = 0 >= r'', so that g >= 2 z s / w. From cycle to cycle s tau is even and a positive g
+        convex: the largest of the values a cycle apart is the first or the last. A negative g, with s < 0, is smaller than what s tau gains one
+        cycle before, while 2 z (e^{2 pi z / sqrt(1 - z^2)} - 1) < 2 pi / sqrt(1 - z^2), which holds up to z = 0.35. With more damping, only
+        the line is left after some cycles.
+        """
+        length = DECAYED / -self.roots[1].real if self.zeta > ORDERED else 2 * np.pi / self.roots[0].imag
+        length = np.minimum(length * (1 + STEP_AGREEMENT), h)
+        late = h - length
+        y_late, v_late = self.inside(y, v, a, slope, late)
+        return [(y, v, a, slope, length), (y_late, v_late, a + slope * late, slope, length)]
+
     def _highest(self, y, v, a, slope, h, output, best: float = -np.inf) -> float:
         """The largest value of c_0 y + c_1 y' inside these intervals, or one that is known where that is larger."""
-        count = int(np.ceil(EACH_RADIAN * self.w * h.max())) + 2
-        grid = np.linspace(0.0, 1.0, count) * h[:, None]
+        count = int(min(np.ceil(EACH_RADIAN * self.w * h.max()) + 2, MOST_TIMES))
+        shares = np.linspace(0.0, 1.0, count)
+        if count == MOST_TIMES:  # heavy damping: two real exponentials and a line have two extrema at most
+            shares = np.append(0.0, np.geomspace(SHORT / (-self.roots[0].real * h.max() * MOST_TIMES), 1.0, count - 1))
+        grid = shares * h[:, None]
         column = [one[:, None] for one in (y, v, a, slope)]
 
         def value(data, tau):

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...ground.checks import counted, nearest, real_array, real_number
+from ...ground.checks import counted, nearest, optional_package, real_array, real_number
 from ...ground.display import Displayed
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
@@ -29,6 +29,9 @@ QUANTITIES = {
 UNITS = dict(zip(QUANTITIES, ("m/s^2", "m", "m/s", "m/s", "m/s^2")))
 
 INTERPOLATIONS = ("linear", "band-limited")
+
+#: The spectra that a shock response spectrum has.
+PARTS = ("maximax", "positive", "negative", "primary", "residual")
 
 #: A band-limited record is resampled so that a period of the highest frequency of the spectrum has so many samples, at most so many times.
 SAMPLES_OF_PERIOD, MOST_SAMPLES = 40, 64
@@ -96,6 +99,21 @@ class ShockResponseSpectrum(Displayed):
     def maximax(self) -> np.ndarray:
         """Largest moduli at any time, shape (F,)."""
         return np.maximum(self.primary, self.residual)
+
+    def to_xarray(self):
+        """All parts as a ``DataArray`` with the dimensions part and frequency (Hz).
+
+        Returns:
+            An ``xarray.DataArray``; its attributes are the unit and the damping ratio.
+
+        Raises:
+            MissingPackage: xarray is not installed.
+        """
+        xarray = optional_package("xarray", "to_xarray")
+        coords = {"part": list(PARTS), "frequency": ("frequency", self.frequencies_hz, {"units": "Hz"})}
+        attributes = {"units": self.unit, "damping_ratio": self.damping_ratio}
+        values = [getattr(self, part) for part in PARTS]
+        return xarray.DataArray(values, coords, ("part", "frequency"), self.quantity, attributes)
 
 
 def shock_response_spectrum(

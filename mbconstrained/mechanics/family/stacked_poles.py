@@ -61,10 +61,10 @@ def stacked_poles(equations: StackedEquations, M: np.ndarray, C: np.ndarray, K: 
     Returns:
         The poles.
     """
-    parts = [_refined(_part(equations, at), M[at], C[at], K[at]) for at in _chunks(len(K))]
-    width = max(part.values.shape[1] for part in parts)
-    names = [field.name for field in fields(StackedPoles)]
-    return StackedPoles(*(np.concatenate([_padded(getattr(part, name), name, width) for part in parts]) for name in names))
+    parts = [dict(vars(_refined(_part(equations, at), M[at], C[at], K[at]))) for at in _chunks(len(K))]
+    width = max(part["values"].shape[1] for part in parts)
+    names = [field.name for field in fields(StackedPoles)]  # each leaves the parts as it is joined, so that memory holds it once
+    return StackedPoles(*(np.concatenate([_padded(part.pop(name), name, width) for part in parts]) for name in names))
 
 
 def _chunks(count: int) -> Iterator[slice]:

@@ -6,13 +6,13 @@ and of its shape, the entry j of which stays 1, are the solution of one bordered
     [L(s), L'(s) x; e_j^T, 0] [x_p; s_p] = [-L_p(s) x; 0]
 
 (Nelson 1976; Lee and Jung 1997). Of g independent shapes of a semisimple eigenvalue the derivatives are the eigenvalues of
--(Y^T L' X)^-1 Y^T L_p X (Lancaster 1964); defective ones split by fractional powers (``exact.splitting``).
+-Y^T L_p X with Y^T L' X = I (Lancaster 1964); defective ones split by fractional powers (``exact.splitting``).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -20,7 +20,7 @@ import numpy as np
 import scipy.linalg
 
 from ...exact.splitting import Branch, Splitting, splitting
-from ...ground.tolerances import EPS, REFINEMENT_STEPS, noise_of
+from ...ground.tolerances import EPS, REFINEMENT_STEPS, SPLITTING_ROUNDING, noise_of
 from ..modes import Mode
 from .parameter import Parameter
 
@@ -109,23 +109,28 @@ class Slope:
     size: int
 
     @property
+    def absolute(self) -> Slope:
+        """The same of absolute values."""
+        return replace(self, entry=np.abs(self.entry))
+
+    @property
     def matrices(self) -> np.ndarray:
         """Shape (3, n + k, n + k)."""
         result = np.zeros((3, self.size, self.size))
         result[self.power, self.row, self.column] = self.entry
         return result
 
-    def form(self, left: np.ndarray, value, right: np.ndarray) -> complex:
-        """y^T L_p(s) x.
+    def form(self, left: np.ndarray, value, right: np.ndarray) -> np.ndarray:
+        """Y^T L_p(s) X.
 
         Args:
-            left, right: y and x, shape (n + k,).
+            left, right: Y and X, shape (n + k, g).
             value: s.
 
         Returns:
-            A number.
+            Shape (g, g).
         """
-        return complex((left[self.row] * self.entry * value**self.power * right[self.column]).sum())
+        return left[self.row].T @ ((self.entry * value**self.power)[:, None] * right[self.column])
 
     def product(self, value, vector: np.ndarray) -> np.ndarray:
         """L_p(s) x.
@@ -154,65 +159,125 @@ def _value(coefficients: np.ndarray, value) -> np.ndarray:
     return coefficients[0] + value * (coefficients[1] + value * coefficients[2])
 
 
-class SimpleMode:
-    """A simple eigenvalue with the bordered system of its derivatives.
+class Eigenspace:
+    """A simple or semisimple eigenvalue with its g shapes and the bordered system of their derivatives.
+
+    Newton's method in long double: [L(s), L'(s) X; E^T, 0] [dX; D] = [-L(s) X; 0], where E^T X = I, moves s by the mean of the
+    diagonal of D (block Newton methods, Kressner 2009).
 
     Args:
         form: L(s).
-        mode: the mode, of multiplicity 1.
-        vector: (u, lambda).
+        mode: the mode, with as many shapes as its multiplicity g.
+        shapes: (u, lambda) as columns, shape (n + k, g).
 
     Attributes:
-        value, vector: s and x, refined by Newton's method in long double.
-        left: y^T with y^T L'(s) x = 1.
-        correction: the last step of the refinement, relative to s or to the scale of eigenvalues, and to x.
+        value, vectors: s and X, in the basis of the given shapes; a single one has the largest entry 1.
+        left: Y with Y^T L'(s) X = I.
+        correction: the last step relative to s and to X, which estimates their errors from above.
+        left_error: estimates of the errors of Y.
     """
 
-    def __init__(self, form: MultiplierForm, mode: Mode, vector: np.ndarray):
-        self.form, self.place = form, int(np.abs(vector[: form.size]).argmax())
-        self.value, self.vector = np.clongdouble(mode.eigenvalue), vector.astype(np.clongdouble) / vector[self.place]
+    def __init__(self, form: MultiplierForm, mode: Mode, shapes: np.ndarray):
+        self.form, count = form, shapes.shape[1]
+        self.places = scipy.linalg.qr(shapes[: form.size].T, mode="r", pivoting=True)[1][:count]
+        basis = shapes[self.places] if count > 1 else np.ones((1, 1))
+        self.value = np.clongdouble(mode.eigenvalue)
+        self.vectors = shapes.astype(np.clongdouble) @ np.linalg.inv(shapes[self.places])
         self._factor()
         for _ in range(REFINEMENT_STEPS):
-            step = self.solved(np.append(-_value(form.base, self.value) @ self.vector, 0.0))
-            self.vector, self.value = self.vector + step[:-1], self.value + step[-1]
+            step, _ = self.solved(np.pad(-_value(form.base, self.value) @ self.vectors, [(0, count), (0, 0)]))
+            self.vectors, change = self.vectors + step[:-count], step[-count:]
+            self.value = self.value + change.trace() / count
             self._factor()
-            self.correction = float(max(abs(step[-1]) / (abs(self.value) or 1.0), np.abs(step[: form.size]).max()))
+            self.correction = float(max(np.abs(change).max() / (abs(self.value) or 1.0), np.abs(step[: form.size]).max()))
             if self.correction <= EPS:
                 break
-        self.left = self.solved(np.eye(1, len(self.matrix), len(self.matrix) - 1)[0], transposed=True)[:-1]
+        solution, change = self.solved(np.eye(len(self.matrix))[:, -count:], transposed=True)
+        back = np.linalg.inv(basis).T
+        self.left, self.left_error = solution[:-count] @ back, self._left_error(solution[:-count], change[:-count]) @ np.abs(back)
+        self.vectors = self.vectors @ basis
+
+    def _left_error(self, left: np.ndarray, change: np.ndarray) -> np.ndarray:
+        """Of Y: its last refinement, and what errors of s and X leave in the matrix of its equations."""
+        moved = self.form.derivative(self.value).T @ left
+        border = np.full((left.shape[1],) * 2, (np.abs(moved) * np.abs(self.vectors).max()).sum(axis=0))
+        amplified, _ = self.solved(np.vstack([self.value * moved, border]), transposed=True)
+        return np.abs(change) + self.correction * np.abs(amplified[: -left.shape[1]])
 
     def _factor(self) -> None:
-        border = self.form.derivative(self.value) @ self.vector
-        self.matrix = np.zeros((len(border) + 1,) * 2, dtype=np.clongdouble)
-        self.matrix[:-1, :-1], self.matrix[:-1, -1] = self.form.at(self.value), border
-        self.matrix[-1, self.place] = 1.0
+        border, count = self.form.derivative(self.value) @ self.vectors, self.vectors.shape[1]
+        self.matrix = np.zeros((len(border) + count,) * 2, dtype=np.clongdouble)
+        self.matrix[:-count, :-count], self.matrix[:-count, -count:] = self.form.at(self.value), border
+        self.matrix[np.arange(-count, 0), self.places] = 1.0
         self.factors = scipy.linalg.lu_factor(self.matrix.astype(complex), check_finite=False)
 
-    def solved(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
+    def solved(self, right: np.ndarray, transposed: bool = False) -> tuple[np.ndarray, np.ndarray]:
         """The solution of the bordered system, refined to the digits of long double as far as its condition allows.
 
         Args:
-            right: its right-hand side, shape (n + k + 1,).
+            right: its right-hand sides, shape (n + k + g, m).
             transposed: whether the matrix is transposed.
 
         Returns:
-            Shape (n + k + 1,).
+            Shape (n + k + g, m), and the last correction of the same shape.
         """
         matrix = self.matrix.T if transposed else self.matrix
-        result = np.zeros(len(right), dtype=np.clongdouble)
+        result = np.zeros(right.shape, dtype=np.clongdouble)
         for _ in range(1 + REFINEMENT_STEPS):
             rest = (right - matrix @ result).astype(complex)
-            result = result + scipy.linalg.lu_solve(self.factors, rest, trans=int(transposed), check_finite=False)
-        return result
+            correction = scipy.linalg.lu_solve(self.factors, rest, trans=int(transposed), check_finite=False)
+            result = result + correction
+        return result, correction
 
-    def slope(self, slope: Slope) -> complex:
-        """ds/dp = -y^T L_p(s) x."""
-        return -slope.form(self.left, self.value, self.vector)
+    def slopes(self, slope: Slope) -> np.ndarray:
+        """ds/dp: the eigenvalues of -Y^T L_p(s) X, shape (g,)."""
+        return _eigenvalues(-slope.form(self.left, self.value, self.vectors).astype(complex), self._phase)
+
+    def error(self, slope: Slope, doubt: Slope | None) -> float:
+        """An estimate of the largest error of ds/dp (Bauer and Fike 1960).
+
+        Args:
+            slope: L_p(s).
+            doubt: errors of its entries; rounding errors where it is None.
+
+        Returns:
+            In the unit of ds/dp.
+        """
+        left, right, value = np.abs(self.left), np.abs(self.vectors), abs(self.value)
+        sizes, matrix = slope.absolute, -slope.form(self.left, self.value, self.vectors).astype(complex)
+        doubtful = EPS * right + self.correction * right.max(axis=0)
+        total = sizes.form(left, value, doubtful) + sizes.form(self.left_error, value, right)
+        if doubt is not None:
+            total += doubt.absolute.form(left, value, right)
+        return float(np.linalg.norm(total.astype(float), 2) * _condition(matrix, self._phase))
+
+    @property
+    def _phase(self) -> complex:
+        """s / |s|, by which the derivatives of undamped modes are real."""
+        return complex(self.value / abs(self.value)) if self.value else 1.0
 
     def shape_slope(self, slope: Slope) -> np.ndarray:
-        """du/dp, the largest entry of u being 1, shape (n,)."""
-        right = -slope.product(self.value, self.vector)
-        return self.solved(np.append(right, 0.0))[: self.form.size].astype(complex)
+        """du/dp of a single shape, the largest entry of u being 1, shape (n,)."""
+        right = -slope.product(self.value, self.vectors[:, 0])
+        return self.solved(np.append(right, 0.0)[:, None])[0][: self.form.size, 0].astype(complex)
+
+
+def _is_hermitian(matrix: np.ndarray) -> bool:
+    return bool((np.abs(matrix - matrix.conj().T) <= noise_of(np.abs(matrix).max(initial=0.0), len(matrix))).all())
+
+
+def _eigenvalues(matrix: np.ndarray, phase: complex) -> np.ndarray:
+    """Those of a matrix, along the phase where matrix / phase is Hermitian."""
+    if len(matrix) == 1:
+        return matrix[0]
+    turned = matrix / phase
+    values = phase * np.linalg.eigvalsh(turned) if _is_hermitian(turned) else np.linalg.eigvals(matrix)
+    return np.array(sorted(values, key=lambda z: (z.imag, z.real)))
+
+
+def _condition(matrix: np.ndarray, phase: complex) -> float:
+    """That of the eigenvectors."""
+    return 1.0 if len(matrix) == 1 or _is_hermitian(matrix / phase) else float(np.linalg.cond(np.linalg.eig(matrix)[1]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,16 +288,18 @@ class ModeDerivatives:
         mode: the mode.
         branches: for each parameter one branch for each of the multiplicity.
         splittings: of a defective eigenvalue for each parameter that moves it, by the place of the parameter.
-        correction: see ``SimpleMode``; 0 of multiple eigenvalues.
+        errors: for each parameter an estimate of the largest error of the coefficients of its branches.
     """
 
     mode: Mode
     branches: tuple[tuple[Branch, ...], ...]
     splittings: dict[int, Splitting]
-    correction: float = 0.0
+    errors: tuple[float, ...]
 
 
-def mode_derivatives(system: MechanicalSystem, mode: Mode, form: MultiplierForm, slopes: Sequence[Slope]) -> ModeDerivatives:
+def mode_derivatives(
+    system: MechanicalSystem, mode: Mode, form: MultiplierForm, slopes: Sequence[Slope], doubts: Sequence[Slope | None]
+) -> ModeDerivatives:
     """The derivatives of one mode.
 
     Args:
@@ -240,39 +307,29 @@ def mode_derivatives(system: MechanicalSystem, mode: Mode, form: MultiplierForm,
         mode: any but drift, which stays.
         form: L(s).
         slopes: L_p of each parameter.
+        doubts: errors of the entries of each; rounding errors where it is None.
 
     Returns:
         The branches of its eigenvalue.
     """
     count, shapes = mode.multiplicity, mode.shapes
     if not shapes.shape[1]:
-        return ModeDerivatives(mode, ((STAYS,) * count,) * len(slopes), {})
+        return ModeDerivatives(mode, ((STAYS,) * count,) * len(slopes), {}, (0.0,) * len(slopes))
     vectors = form.vectors(system, mode.eigenvalue, shapes)
-    if count == 1:
-        simple = SimpleMode(form, mode, vectors[:, 0])
-        branches = tuple((Branch(Fraction(1), simple.slope(slope)),) for slope in slopes)
-        return ModeDerivatives(mode, branches, {}, simple.correction)
     if count == shapes.shape[1]:
-        left = scipy.linalg.svd(form.at(mode.eigenvalue).T)[2][-count:].conj().T
-        inner = left.T @ form.derivative(mode.eigenvalue) @ vectors
-        if np.linalg.cond(inner) < 1 / EPS**0.5:
-            return ModeDerivatives(mode, tuple(_semisimple(mode, slope, left, vectors, inner) for slope in slopes), {})
-    return _defective(mode, form, slopes, vectors)
+        space = Eigenspace(form, mode, vectors)
+        if count == 1 or space.correction < EPS**0.5:
+            branches = tuple(tuple(Branch(Fraction(1), complex(value)) for value in space.slopes(slope)) for slope in slopes)
+            return ModeDerivatives(mode, branches, {}, tuple(map(space.error, slopes, doubts)))
+    return _defective(mode, form, slopes, doubts, vectors)
 
 
-def _semisimple(mode: Mode, slope: Slope, left, vectors, inner) -> tuple[Branch, ...]:
-    matrix = -np.linalg.solve(inner, left.T @ _value(slope.matrices, mode.eigenvalue) @ vectors)
-    if (np.abs(matrix - matrix.conj().T) <= noise_of(np.abs(matrix).max(initial=0.0), len(matrix))).all():
-        values = np.linalg.eigvalsh(matrix).astype(complex)
-    else:
-        values = np.linalg.eigvals(matrix)
-    return tuple(Branch(Fraction(1), complex(value)) for value in sorted(values, key=lambda z: (z.imag, z.real)))
-
-
-def _defective(mode: Mode, form: MultiplierForm, slopes, vectors) -> ModeDerivatives:
+def _defective(mode: Mode, form: MultiplierForm, slopes, doubts, vectors) -> ModeDerivatives:
     """The splitting by each parameter."""
     rate = float(np.sqrt(np.abs(form.base[0]).max() / (np.abs(form.base[2]).max() or 1.0))) or 1.0
     size, branches, splittings = np.abs(form.base).max(axis=(1, 2)) @ rate ** np.arange(3), [], {}
+    left = scipy.linalg.svd(form.at(mode.eigenvalue).T)[2][-vectors.shape[1] :].conj().T
+    errors = [0.0] * len(slopes)
     for place, slope in enumerate(each.matrices for each in slopes):
         effect = np.abs(slope).max(axis=(1, 2)) @ rate ** np.arange(3)
         still = not mode.eigenvalue and np.abs(slope[:2] @ vectors).max() <= noise_of(effect, len(slope[0]))
@@ -280,6 +337,18 @@ def _defective(mode: Mode, form: MultiplierForm, slopes, vectors) -> ModeDerivat
             branches.append((STAYS,) * mode.multiplicity)
             continue
         step = float(size / effect)
-        splittings[place] = splitting([*form.base], [*slope], mode.eigenvalue, mode.multiplicity, rate, step)
-        branches.append(splittings[place].branches)
-    return ModeDerivatives(mode, tuple(branches), splittings)
+        splittings[place] = branching = splitting([*form.base], [*slope], mode.eigenvalue, mode.multiplicity, rate, step)
+        branches.append(branching.branches)
+        doubt = _relative_doubt(slopes[place], doubts[place], mode.eigenvalue, left, vectors)
+        rounding = EPS if branching.is_exact else SPLITTING_ROUNDING
+        errors[place] = (rounding + doubt) * max(abs(branch.coefficient) for branch in branching.branches)
+    return ModeDerivatives(mode, tuple(branches), splittings, tuple(errors))
+
+
+def _relative_doubt(slope: Slope, doubt: Slope | None, value: complex, left: np.ndarray, right: np.ndarray) -> float:
+    """Errors of Y^T L_p X, on which the leading coefficients of a defective eigenvalue depend, relative to it."""
+    size = np.abs(slope.form(left, value, right)).max()
+    error = np.abs(left), abs(value), np.abs(right)
+    return (
+        float((slope.absolute.form(*error) * EPS if doubt is None else doubt.absolute.form(*error)).max() / size) if size else 0.0
+    )

@@ -10,14 +10,23 @@ import numpy as np
 
 from ...ground.checks import real_number
 from ...ground.errors import InputError
-from ...ground.tolerances import DIFFERENCE_STEP
+from ...ground.tolerances import DIFFERENCE_STEP, EPS
 from ...linalg.division import is_symmetric
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
 
+MATRICES = ("stiffness", "damping", "mass", "force")
+
 #: Factors of central differences of order 8 (Fornberg 1988): f' = sum of w_i (f(p + i h) - f(p - i h)) / h.
 CENTRAL_WEIGHTS = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+
+#: The same of order 6.
+LOWER_WEIGHTS = (3 / 4, -3 / 20, 1 / 60, 0.0)
+
+#: Factors of the eighth difference, of f(p) and of f(p + i h) + f(p - i h): what is left of a smooth function is noise, which is larger
+#: than the noise of the first derivative by 1 / 0.01 (More and Wild 2011); ten times that, because it is one sample.
+EIGHTH_DIFFERENCE, NOISE_OF_DIFFERENCE = (70.0, -56.0, 28.0, -8.0, 1.0), 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +40,7 @@ class Parameter:
         force: of the static force, shape (n,).
         rows: by the names of constraint rows the derivatives of the coefficients, shape (n,), and of the value.
         unit: of p.
+        error: estimates of the errors of these derivatives, as a parameter of the same form; None: rounding errors.
     """
 
     name: str
@@ -41,13 +51,14 @@ class Parameter:
     force: np.ndarray | float = 0.0
     rows: Mapping[str, tuple[np.ndarray, float]] = field(default_factory=dict)
     unit: str = ""
+    error: Parameter | None = None
 
     @staticmethod
     def of_function(name: str, value: float, build: Callable[[float], MechanicalSystem], unit: str = "") -> Parameter:
         """The derivatives of a function that makes a system, as of a robot whose equilibrium moves with the parameter.
 
-        Central differences of order 8 of the matrices: where these are smooth their errors are near 1e-13. Whatever is computed from
-        them is in closed form.
+        Central differences of order 8 of the matrices: where these are smooth their errors are near 1e-13. Their estimates
+        are the distance to differences of order 6 and the noise in the eighth difference. Whatever is computed from them is in closed form.
 
         Args:
             name: of the parameter.
@@ -59,7 +70,7 @@ class Parameter:
             The parameter.
 
         Raises:
-            InputError: systems of different coordinates or rows.
+            InputError: systems of different coordinates or rows; no system at a value near p.
 
         >>> from mbconstrained import MechanicalSystem
         >>> lengths = Parameter.of_function("l", 2.0, lambda l: MechanicalSystem([[3 * l**2]], stiffness=[[9.81 * l]]))
@@ -67,17 +78,20 @@ class Parameter:
         ([[12.0]], [[9.81]])
         """
         step = DIFFERENCE_STEP * abs(real_number(value, f"value of {name}")) or DIFFERENCE_STEP
-        total: dict[str, np.ndarray] = {}
-        for i, weight in enumerate(CENTRAL_WEIGHTS, 1):
-            above, below = (_parts(build(value + sign * i * step)) for sign in (1, -1))
-            if above.keys() != below.keys() or any(np.shape(above[key]) != np.shape(below[key]) for key in above):
-                raise InputError(
-                    f"{name}: coordinates or constraint rows of the system change near {value:g}; there is no derivative"
-                )
-            change = {key: weight / step * (above[key] - below[key]) for key in above}
-            total = {key: total.get(key, 0.0) + change[key] for key in change}
-        matrices = {key: total.pop(key) for key in ("stiffness", "damping", "mass", "force")}
-        return Parameter(name, float(value), **matrices, rows={key: (row[:-1], row[-1]) for key, row in total.items()}, unit=unit)
+        step, pairs = _pairs(build, float(value), step)
+        center = _parts(build(value))
+        shapes = {key: part.shape for key, part in center.items()}
+        if any({key: part.shape for key, part in one.items()} != shapes for pair in pairs for one in pair):
+            raise InputError(f"{name}: coordinates or constraint rows of the system change near {value:g}; there is no derivative")
+        slopes, errors = {}, {}
+        for key, middle in center.items():
+            odd, even = (np.array([above[key] + sign * below[key] for above, below in pairs]) for sign in (-1, 1))
+            slopes[key] = np.tensordot(CENTRAL_WEIGHTS, odd, 1) / step
+            truncation = np.abs(np.tensordot(np.subtract(CENTRAL_WEIGHTS, LOWER_WEIGHTS), odd, 1))
+            noise = EIGHTH_DIFFERENCE[0] * middle + np.tensordot(EIGHTH_DIFFERENCE[1:], even, 1)
+            rounding = EPS * np.abs(middle) * odd.any(axis=0)
+            errors[key] = (truncation + NOISE_OF_DIFFERENCE * np.abs(noise) + rounding) / step
+        return replace(_of_parts(name, float(value), slopes), unit=unit, error=_of_parts(name, float(value), errors))
 
     def matrices(self, size: int) -> np.ndarray:
         """dK/dp, dC/dp, dM/dp as one array, shape (3, n, n)."""
@@ -98,13 +112,30 @@ class Parameter:
         Returns:
             A parameter of the same name.
         """
-        return replace(self, damping=self.damping + mass * self.mass + stiffness * self.stiffness)
+        error = self.error and self.error.with_damping(abs(mass), abs(stiffness))
+        return replace(self, damping=self.damping + mass * self.mass + stiffness * self.stiffness, error=error)
+
+
+def _pairs(build: Callable[[float], MechanicalSystem], value: float, step: float, again: int = 2) -> tuple[float, list]:
+    """A step with which there is a system at all values, and the parts of those above and below p."""
+    try:
+        return step, [[_parts(build(value + sign * i * step)) for sign in (1, -1)] for i in range(1, 1 + len(CENTRAL_WEIGHTS))]
+    except InputError:  # as where a robot collapses under a tenth more mass
+        if not again:
+            raise
+        return _pairs(build, value, step / 10, again - 1)
 
 
 def _parts(system: MechanicalSystem) -> dict[str, np.ndarray]:
     """All numbers of the equations by name; each row with its value."""
     parts = {"stiffness": system.stiffness, "damping": system.damping, "mass": system.mass, "force": system.static_force}
     return parts | {row.name: np.append(row.coefficients, row.value) for row in system.rows}
+
+
+def _of_parts(name: str, value: float, parts: Mapping[str, np.ndarray]) -> Parameter:
+    """A parameter from derivatives of all numbers of the equations."""
+    K, C, M, force = (parts[key] for key in MATRICES)
+    return Parameter(name, value, K, C, M, force, {key: (row[:-1], row[-1]) for key, row in parts.items() if key not in MATRICES})
 
 
 def entry_parameters(system: MechanicalSystem) -> Iterator[Parameter]:

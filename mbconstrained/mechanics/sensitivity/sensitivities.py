@@ -14,12 +14,12 @@ from ...ground.checks import counted, nearest
 from ...ground.display import Displayed, TextTable
 from ...ground.errors import InputError
 from ...ground.threads import short_work
-from ...ground.tolerances import SHOWN_INFLUENCE, noise_of
+from ...ground.tolerances import EPS, SHOWN_INFLUENCE, noise_of
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import step
 from ..modes import Modes
 from .dual_system import derivative_names, dual_system, shifted
-from .mode_derivatives import ModeDerivatives, MultiplierForm, SimpleMode, mode_derivatives
+from .mode_derivatives import Eigenspace, ModeDerivatives, MultiplierForm, mode_derivatives
 from .parameter import Parameter
 
 if TYPE_CHECKING:
@@ -125,8 +125,9 @@ class Sensitivities(Displayed):
     def of_modes(self) -> tuple[ModeDerivatives, ...]:
         """For each mode how its eigenvalue moves with each parameter: derivatives, or exponents and coefficients."""
         slopes = [self._form.slope(self.system, parameter) for parameter in self.parameters]
+        doubts = [None if one.error is None else self._form.slope(self.system, one.error) for one in self.parameters]
         with short_work(2 * self.system.size):
-            return tuple(mode_derivatives(self.system, mode, self._form, slopes) for mode in self.modes)
+            return tuple(mode_derivatives(self.system, mode, self._form, slopes, doubts) for mode in self.modes)
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
@@ -149,9 +150,24 @@ class Sensitivities(Displayed):
         )
 
     @property
+    def errors(self) -> np.ndarray:
+        """Estimates of the absolute errors of ``eigenvalues``, shape (P, m); of the coefficients where these are infinite.
+
+        The given matrices are taken as exact; the derivatives of parameters have rounding errors, or their own ``error``.
+        """
+        columns = [each.errors for each in self.of_modes for _ in range(each.mode.multiplicity)]
+        return np.array(columns, dtype=float).reshape(-1, len(self.parameters)).T
+
+    @property
     def error_estimate(self) -> float:
-        """The last relative correction of simple eigenvalues and their shapes by Newton's method: an estimate of their errors."""
-        return max((each.correction for each in self.of_modes), default=0.0)
+        """The largest error relative to the largest derivative by the same parameter, of coefficients to them; at least EPS."""
+        columns = [[abs(branch.coefficient) for branch in branches] for each in self.of_modes for branches in zip(*each.branches)]
+        sizes = np.array(columns, dtype=float).reshape(-1, len(self.parameters)).T
+        defective = np.isinf(self.eigenvalues)
+        largest = np.max(sizes, axis=1, where=~defective, initial=0.0, keepdims=True)
+        scale = np.where(defective, sizes, largest)
+        moving = scale > self.errors  # others do not depend on the parameter
+        return float(max(EPS, (self.errors[moving] / scale[moving]).max(initial=0.0)))
 
     @cached_property
     def _oscillating(self) -> np.ndarray:
@@ -199,8 +215,8 @@ class Sensitivities(Displayed):
         for mode in self.modes.oscillating:
             if mode.multiplicity > 1:
                 raise InputError(f"the eigenvalue {_complex_text(mode.eigenvalue)} is multiple: its shapes have no derivatives")
-            vector = self._form.vectors(self.system, mode.eigenvalue, mode.shapes)[:, 0]
-            columns.append(SimpleMode(self._form, mode, vector).shape_slope(slope))
+            vectors = self._form.vectors(self.system, mode.eigenvalue, mode.shapes)
+            columns.append(Eigenspace(self._form, mode, vectors).shape_slope(slope))
         return np.array(columns).reshape(-1, self.system.size).T
 
     def table(self, names: Sequence[str] | None = None) -> TextTable:

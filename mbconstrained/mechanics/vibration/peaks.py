@@ -16,14 +16,15 @@ from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError
 from ...ground.tolerances import STEP_AGREEMENT
 from ...signals.bohl import BohlFunction
-from ..element_matrix import mass_normalized, static_response
+from ..element_matrix import mass_normalized
+from .effective_masses import EffectiveMasses, effective_masses, loads_of_rows
 
 if TYPE_CHECKING:
     from ..motion import Motion
     from ..system import MechanicalSystem
 
-#: What the peaks may be of: the displacements and their derivatives, forces of constraint rows, forces of springs and dampers.
-QUANTITIES = ("displacement", "velocity", "acceleration", "reaction", "force")
+#: What the peaks may be of: the displacements and their derivatives, forces of constraint rows, elongations and forces of springs and dampers.
+QUANTITIES = ("displacement", "velocity", "acceleration", "reaction", "elongation", "force")
 
 COMBINATIONS = ("CQC", "SRSS")
 
@@ -34,7 +35,7 @@ class Peaks(Displayed):
 
     Attributes:
         names, units: of the functions.
-        quantity: "displacement", "velocity", "acceleration", "reaction" or "force".
+        quantity: "displacement", "velocity", "acceleration", "reaction", "elongation" or "force".
         extrema: values and times.
     """
 
@@ -87,7 +88,7 @@ def peaks(motion: Motion, end: float, of: str = "displacement", combinations=Non
     Args:
         motion: of a system of arrays.
         end: in s.
-        of: "displacement", "velocity", "acceleration", "reaction", or "force" of the springs and dampers, positive in tension.
+        of: "displacement", "velocity", "acceleration", "reaction", or "elongation" or "force" of the springs and dampers, positive in tension.
         combinations: a matrix (p, r) of what is combined, such as the elongation of a spring; each coordinate, row or element by default.
         names: of the combinations.
 
@@ -122,10 +123,12 @@ def _functions(motion: Motion, of: str) -> tuple[BohlFunction, tuple[str, ...], 
         rows = system.rows
         names, units = tuple(row.name for row in rows), tuple(force_unit(row.unit) for row in rows)
         return motion.reaction_function, names, units, np.zeros(len(rows))
-    if of == "force":
+    if of in ("elongation", "force"):
         elements = list(system.elements.values())
         directions = np.array([one.elongation for one in elements]).reshape(len(elements), system.size)
         stiffness, damping, rest = (np.array([one[i] for one in elements]) for i in (2, 3, 1))
+        if of == "elongation":
+            return motion.function.mapped(directions), tuple(system.elements), tuple(one.unit for one in elements), rest
         function = motion.function.mapped(stiffness[:, None] * directions)
         if damping.any():
             function = function + motion.derivative(1).mapped(damping[:, None] * directions)
@@ -141,6 +144,7 @@ class ModalCombination(Displayed):
 
     Attributes:
         names: of the coordinates.
+        base_motion: frequencies, participation factors and effective masses.
         frequencies_hz, damping_ratios: of the modes, shape (m,).
         participation_factors: Gamma_i = u_i^T M r with u_i^T M u_i = 1, shape (m,).
         effective_masses: Gamma_i^2, shape (m,).
@@ -150,24 +154,36 @@ class ModalCombination(Displayed):
     """
 
     names: tuple[str, ...]
-    frequencies_hz: np.ndarray
+    base_motion: EffectiveMasses
     damping_ratios: np.ndarray
-    participation_factors: np.ndarray
-    effective_masses: np.ndarray
-    total_mass: float
     modal_displacements: np.ndarray
     correlation: np.ndarray
+
+    @property
+    def frequencies_hz(self) -> np.ndarray:
+        """Of the modes."""
+        return self.base_motion.frequencies_hz
+
+    @property
+    def participation_factors(self) -> np.ndarray:
+        """Of the modes."""
+        return self.base_motion.participation_factors[:, 0]
+
+    @property
+    def effective_masses(self) -> np.ndarray:
+        """Of the modes (kg)."""
+        return self.base_motion.masses[:, 0]
+
+    @property
+    def total_mass(self) -> float:
+        """Of all modes (kg)."""
+        return float(self.base_motion.totals[0])
 
     def _summary(self) -> str:
         return f"{counted(len(self.names), 'coordinate')}, {counted(len(self.frequencies_hz), 'mode')}"
 
     def _tables(self) -> tuple[TextTable, ...]:
-        share = np.cumsum(self.effective_masses) / (self.total_mass or 1.0)
-        rows = zip(self.frequencies_hz, self.effective_masses, share)
-        texts = tuple(
-            (str(i), number_text(f), number_text(mass), f"{100 * part:.4g} %") for i, (f, mass, part) in enumerate(rows, start=1)
-        )
-        return (TextTable("Effective modal masses", ("mode", "frequency (Hz)", "effective mass (kg)", "sum of all"), texts),)
+        return (self.base_motion.table(),)
 
     @property
     def displacement(self) -> np.ndarray:
@@ -210,39 +226,19 @@ def modal_combination(
     Raises:
         InputError: unknown rows, a system without rows, a spectrum that does not reach a frequency.
     """
-    rows = [row.name for row in system.rows]
-    chosen = rows if base is None else [base] if isinstance(base, str) else list(base)
-    for name in chosen:
-        if name not in rows:
-            raise InputError(f"base: there is no constraint row {name!r}{nearest(str(name), rows)}")
-    if not chosen:
-        raise InputError("base: the system has no constraint rows; expected rows that prescribe the motion of the supports")
+    together = [row.name for row in system.rows] if base is None else [base] if isinstance(base, str) else list(base)
+    loads = loads_of_rows(system, {"base": together})[2]
     if combination not in COMBINATIONS:
         raise InputError(
             f"combination: found {combination!r}; expected one of {', '.join(COMBINATIONS)}{nearest(str(combination), COMBINATIONS)}"
         )
     zeta = real_number(damping_ratio, "damping_ratio", minimum=0.0)
-    modes = system.modes(damped=False)
-    w = modes.natural_frequencies
-    U = mass_normalized(system.mass, modes.shapes.real, w)
-    influence = static_response(system.stiffness, system.constraint_matrix)[:, [rows.index(name) for name in chosen]].sum(axis=1)
-    load = system.mass @ influence
-    V = system.constrained_form().null_space
-    reduced = V.T @ load
-    total = float(reduced @ np.linalg.pinv(V.T @ system.mass @ V) @ reduced)
-    gamma = U.T @ load
-    accelerations = _spectral_accelerations(spectrum, w / (2 * np.pi))
-    displacements = U * (gamma * accelerations / w**2)
-    return ModalCombination(
-        system.names,
-        w / (2 * np.pi),
-        np.full(len(w), zeta),
-        gamma,
-        gamma**2,
-        total,
-        displacements,
-        _correlation(w, zeta, combination),
-    )
+    base_motion = effective_masses(system, ["base"], ["kg"], loads)
+    w = 2 * np.pi * base_motion.frequencies_hz
+    U = mass_normalized(system.mass, system.modes(damped=False).shapes.real, w)
+    accelerations = _spectral_accelerations(spectrum, base_motion.frequencies_hz)
+    displacements = U * (base_motion.participation_factors[:, 0] * accelerations / w**2)
+    return ModalCombination(system.names, base_motion, np.full(len(w), zeta), displacements, _correlation(w, zeta, combination))
 
 
 def _spectral_accelerations(spectrum, f: np.ndarray) -> np.ndarray:

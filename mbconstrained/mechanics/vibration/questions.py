@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ..sensitivity.parameter import Parameter
     from ..sensitivity.sensitivities import Sensitivities
     from ..system import MechanicalSystem
+    from .effective_masses import EffectiveMasses
     from .peaks import ModalCombination, Peaks
     from .root_locus import RootLocus
     from .rotating import Campbell
@@ -188,6 +189,34 @@ class SystemQuestions(NamedDirections):
 
         return modal_combination(cast("MechanicalSystem", self), spectrum, base, damping_ratio, combination)
 
+    def effective_masses(self, base=None) -> EffectiveMasses:
+        """Effective masses and participation factors of the modes without damping under a moving base.
+
+            Gamma_i = u_i^T M r with u_i^T M u_i = 1,    m_i = Gamma_i^2
+
+        with the static response r to a unit motion of the base (Chopra, Dynamics of Structures, section 13.2).
+
+        Args:
+            base: names of constraint rows, each a direction of its own, all rows by default; or by a name of your own several rows
+                that move together.
+
+        Returns:
+            ``EffectiveMasses``: ``masses``, shape (m, d), and ``totals`` of all modes, shape (d,).
+
+        Raises:
+            InputError: unknown rows, a system without rows.
+
+        >>> from mbconstrained import Constraint, MechanicalSystem
+        >>> K = [[100.0, -100.0], [-100.0, 100.0]]
+        >>> tower = MechanicalSystem([[2.0, 0.0], [0.0, 0.0]], None, K, [Constraint([0, 1], names="base")])
+        >>> tower.effective_masses().masses.round(12)
+        array([[2.]])
+        """
+        from .effective_masses import effective_masses, loads_of_rows
+
+        system = cast("MechanicalSystem", self)
+        return effective_masses(system, *loads_of_rows(system, base))
+
     def parameters(self) -> tuple[Parameter, ...]:
         """The numbers of the system with the derivatives of its equations: of a lumped model by element, otherwise the entries of M, C, K."""
         from ..sensitivity.parameter import entry_parameters
@@ -250,7 +279,7 @@ class MotionQuestions:
 
         Args:
             end: in s.
-            of: "displacement", "velocity", "acceleration", "reaction", or "force" of springs and dampers by name.
+            of: "displacement", "velocity", "acceleration", "reaction", or "elongation" or "force" of springs and dampers by name.
             combinations: a matrix (p, r) of what is combined, such as the elongation of a spring.
             names: of the combinations.
 

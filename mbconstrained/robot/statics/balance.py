@@ -225,11 +225,13 @@ class Elastic:
     """The contributions of an element with the energy U(phi) to the equations in one configuration.
 
     Attributes:
+        wrench: -dU/dphi, the force and torque on body2 in the frame on body1, shape (6,).
         force: dU/dq = J^T dU/dphi, shape (nv,).
         stiffness: d force / dq = J^T U'' J + the second derivative of phi in the direction dU/dphi, shape (nv, nv).
         damping: J^T D J, shape (nv, nv).
     """
 
+    wrench: np.ndarray
     force: np.ndarray
     stiffness: np.ndarray
     damping: np.ndarray
@@ -252,7 +254,7 @@ def elastic(element: BodySpring | Bushing, pose: RelativePose, rest_length: floa
     is_spring = isinstance(element, BodySpring)
     slope, curvature, damping = _spring(element, pose.value, rest_length) if is_spring else _bushing(element, pose.value)
     J = pose.jacobian
-    return Elastic(J.T @ slope, J.T @ curvature @ J + pose.hessian(slope), J.T @ damping @ J)
+    return Elastic(-slope, J.T @ slope, J.T @ curvature @ J + pose.hessian(slope), J.T @ damping @ J)
 
 
 def _spring(spring: BodySpring, phi: np.ndarray, rest_length: float):

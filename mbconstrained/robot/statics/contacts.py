@@ -13,7 +13,9 @@ import numpy as np
 from ...ground.coordinate_units import GROUND
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import CONE_TOLERANCE
-from ..connections import Loop
+from ..connections import Support
+from ..mechanism import Attached
+from .balance import Balance
 from .equilibrium import Equilibrium
 
 #: Sides of the pyramid inside a friction cone.
@@ -25,34 +27,34 @@ class Contact:
     """A foot at rest.
 
     Attributes:
-        loop: with friction.
-        places: of its multipliers among all.
+        support: a loop or bushing with friction.
+        places: of its multipliers among all; none of a bushing, whose force the posture determines.
         wrench: force in the directions of the ground and torque along x, y, z of the frame on body1, on the foot, for units of its
-            multipliers, shape (6, k).
+            multipliers, shape (6, k); of a bushing the force and torque at rest, shape (6, 1).
         frame: directions of the frame on body1, shape (3, 3).
     """
 
-    loop: Loop
-    places: slice
+    support: Support
+    places: slice | None
     wrench: np.ndarray
     frame: np.ndarray
 
     @property
     def normal(self) -> np.ndarray:
         """The unit normal on the foot, in the directions of the ground."""
-        return np.array(self.loop.normal) / np.linalg.norm(self.loop.normal)
+        return np.array(self.support.normal) / np.linalg.norm(self.support.normal)
 
     def rows(self) -> np.ndarray:
         """What may not be negative, for units of the multipliers: the pyramid inside the cone, and the edges of the sole."""
         across = np.linalg.svd(self.normal[None])[2][1:]
         angles = np.arange(SIDES) * 2 * np.pi / SIDES
         sides = np.column_stack([np.cos(angles), np.sin(angles)]) @ across
-        friction = (self.loop.friction or 0.0) * np.cos(np.pi / SIDES)
+        friction = (self.support.friction or 0.0) * np.cos(np.pi / SIDES)
         force, rows = self.wrench[:3], [(friction * self.normal - sides) @ self.wrench[:3], (self.normal @ self.wrench[:3])[None]]
-        if self.loop.patch is not None:
+        if self.support.patch is not None:
             # the centre of pressure is at (-T_y, T_x) / F_z of the frame, whose z is along the normal or against it
             down = self.frame[:, 2] @ self.normal < 0
-            for extent, moment in zip(self.loop.patch, (self.wrench[4], self.wrench[3])):
+            for extent, moment in zip(self.support.patch, (self.wrench[4], self.wrench[3])):
                 half = extent / 2 * (self.normal @ force)
                 rows += (
                     [(half + moment)[None], (half - moment)[None]] if not down else [(half - moment)[None], (half + moment)[None]]
@@ -70,42 +72,50 @@ def contact_notices(state: Equilibrium, free: np.ndarray) -> Iterator[Notice]:
     Yields:
         One for each foot; none where another share of the load keeps all feet in place.
     """
-    contacts = _contacts(state)
-    wrong = [notice for contact in contacts for notice in _outside(contact, state.multipliers[contact.places])]
-    if wrong and not _another_share(state, free, contacts):
+    contacts = list(_contacts(state))
+    rigid = [contact for contact in contacts if contact.places is not None]
+    wrong = [notice for contact in rigid for notice in _outside(contact, contact.wrench @ state.multipliers[contact.places])]
+    if wrong and not _another_share(state, free, rigid):
         yield from wrong
+    for contact in contacts:
+        if contact.places is None:
+            yield from _outside(contact, contact.wrench[:, 0])
 
 
-def _contacts(state: Equilibrium) -> list[Contact]:
-    balance, contacts, start = state.balance, [], 0
+def _contacts(state: Equilibrium) -> Iterator[Contact]:
+    balance, start = state.balance, 0
     for item, G in zip(balance.load.loops, balance.gradients):
-        loop, places = item.connection, slice(start, start + len(G))
-        start += len(G)
-        if loop.friction is None:
-            continue
-        frame = balance.kinematics.frame(item.first)[0]
-        on_foot = G.T * (1.0 if loop.body1 == GROUND else -1.0)
-        contacts.append(Contact(loop, places, np.vstack([frame @ on_foot[:3], on_foot[3:]]), frame))
-    return contacts
+        places, start = slice(start, start + len(G)), start + len(G)
+        if item.connection.friction is not None:
+            yield _contact(balance, item, places, G.T)
+    for item, spring in zip(balance.load.springs, balance.elastic):
+        if isinstance(item.connection, Support) and item.connection.friction is not None:
+            yield _contact(balance, item, None, spring.wrench[:, None])
 
 
-def _outside(contact: Contact, multipliers: np.ndarray) -> Iterator[Notice]:
-    loop, wrench = contact.loop, contact.wrench @ multipliers
-    force = wrench[:3]
+def _contact(balance: Balance, item: Attached, places: slice | None, wrench: np.ndarray) -> Contact:
+    """From the wrench on body2 in the frame on body1."""
+    frame = balance.kinematics.frame(item.first)[0]
+    on_foot = wrench * (1.0 if item.connection.body1 == GROUND else -1.0)
+    return Contact(item.connection, places, np.vstack([frame @ on_foot[:3], on_foot[3:]]), frame)
+
+
+def _outside(contact: Contact, wrench: np.ndarray) -> Iterator[Notice]:
+    foot, force = contact.support, wrench[:3]
     along = float(force @ contact.normal)
     across = float(np.linalg.norm(force - along * contact.normal))
     largest = np.linalg.norm(force) * CONE_TOLERANCE
     if along < -largest:
-        yield _notice(f"{loop.label}: the ground would have to pull by {-along:.4g} N; the foot lifts off")
-    elif across > loop.friction * max(along, 0.0) + largest:
-        text = f"{loop.label}: the foot slips: it needs {across:.4g} N along the ground with {along:.4g} N across it"
+        yield _notice(f"{foot.label}: the ground would have to pull by {-along:.4g} N; the foot lifts off")
+    elif across > foot.friction * max(along, 0.0) + largest:
+        text = f"{foot.label}: the foot slips: it needs {across:.4g} N along the ground with {along:.4g} N across it"
         needed = f", a coefficient of friction of {across / along:.3g}" if along > largest else ""
-        yield _notice(f"{text}{needed}; found {loop.friction:g}")
-    elif loop.patch is not None and along > largest:
-        for axis, extent, moment in zip("xy", loop.patch, (wrench[4], wrench[3])):
+        yield _notice(f"{text}{needed}; found {foot.friction:g}")
+    elif foot.patch is not None and along > largest:
+        for axis, extent, moment in zip("xy", foot.patch, (wrench[4], wrench[3])):
             if abs(moment) > (1 + CONE_TOLERANCE) * along * extent / 2:
                 place = f"{abs(moment) / along:.3g} m along {axis} from its point, and the sole ends at {extent / 2:.3g} m"
-                yield _notice(f"{loop.label}: the foot tips over: the centre of pressure would be {place}")
+                yield _notice(f"{foot.label}: the foot tips over: the centre of pressure would be {place}")
 
 
 def _notice(text: str) -> Notice:

@@ -21,7 +21,7 @@ from ..quantities.coordinates import FORCE_UNITS, Coordinates, force_value, with
 from .data_files import record_of
 
 if TYPE_CHECKING:
-    from ...robot.linearized import LinearizedRobot
+    from ...robot.linearization.linearized import LinearizedRobot
 
 
 @dataclass(frozen=True, eq=False)

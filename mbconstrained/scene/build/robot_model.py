@@ -16,7 +16,7 @@ from .robot_values import PLACE, joint_values, point_motion, posing
 
 if TYPE_CHECKING:
     from ...robot.connections import PointMotion
-    from ...robot.linearized import LinearizedRobot
+    from ...robot.linearization.linearized import LinearizedRobot
     from ...robot.posture import Posture
     from ...robot.robot import Robot
 

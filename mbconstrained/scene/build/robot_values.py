@@ -163,7 +163,7 @@ def _connection(kind: type, entry, names: UrdfNames):
     for key in ("body1", "body2"):
         with named(key):
             names.check_body(getattr(entry, key), GROUND)
-    return kind(**{"point2": None, **_given(entry)})
+    return kind(**{"point1": None, "point2": None, **_given(entry)})
 
 
 def _flexible_joint(name: str, entry, names: UrdfNames):

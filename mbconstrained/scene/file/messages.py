@@ -124,6 +124,8 @@ def at(file_name: str, where: str = "") -> Iterator[None]:
     except SceneError:
         raise
     except InputError as problem:
+        if str(problem).startswith(f"{file_name}, line "):
+            raise SceneError(str(problem)) from None
         raise SceneError(": ".join(_located(file_name, f"{where}: {problem}" if where else str(problem), problem))) from None
 
 

@@ -52,8 +52,8 @@ class ConnectionTable(Table):
     """Two frames, each fixed in a link of the URDF or in the ground."""
 
     name: Name | None = Field(None, description="A name for messages and results; by default of the bodies.")
-    body1: Text = Field(description="A link of the URDF.")
-    point1: Vector = Field(description="Where on it, in the link's frame.")
+    body1: Text = Field(description='A link of the URDF, or "ground".')
+    point1: Vector | None = Field(None, description="Where on it, in the link's frame; left out: where point2 lies at the guess.")
     body2: Text = Field(description='Another link, or "ground".')
     point2: Vector | None = Field(None, description="Where on that; left out: where point1 lies at the guess.")
 
@@ -65,7 +65,20 @@ class FramesTable(ConnectionTable):
     rotation2: Three[Angle] = Field([0.0, 0.0, 0.0], description="Roll, pitch, yaw of the frame in body2.")
 
 
-class LoopTable(FramesTable):
+class SupportTable(FramesTable):
+    """A connection that may be a foot on the ground."""
+
+    friction: Number | None = Field(
+        None, description="Coefficient of friction of a foot on the ground; its force at rest is checked."
+    )
+    normal: Three[Number] = Field([0.0, 0.0, 1.0], description="Of the contact with friction, in the directions of the ground.")
+    patch: Annotated[list[Length], Field(min_length=2, max_length=2)] | None = Field(
+        None,
+        description="Of a foot with friction that cannot turn freely: extents of its sole along x and y of the frame on body1.",
+    )
+
+
+class LoopTable(SupportTable):
     """A joint that closes a loop."""
 
     kind: Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "universal", "rod"] = Field(
@@ -76,13 +89,6 @@ class LoopTable(FramesTable):
         [1.0, 0.0, 0.0], description="Of a universal loop, in the frame on body2; axis is in that on body1."
     )
     length: Length | None = Field(None, description="Of a rod; that at the guess if it is left out.")
-    friction: Number | None = Field(
-        None, description="Coefficient of friction of a foot on the ground; its force at rest is checked."
-    )
-    normal: Three[Number] = Field([0.0, 0.0, 1.0], description="Of the contact with friction, in the directions of the ground.")
-    patch: Annotated[list[Length], Field(min_length=2, max_length=2)] | None = Field(
-        None, description="Of a rigid foot with friction: extents of its sole along x and y of the frame on body1."
-    )
 
 
 class BodySpringTable(ConnectionTable):
@@ -96,8 +102,8 @@ class BodySpringTable(ConnectionTable):
     damping: Damping = Field(0.0, description="Force by rate of extension.")
 
 
-class BushingTable(FramesTable):
-    """Springs and dampers in all directions between two frames."""
+class BushingTable(SupportTable):
+    """Springs and dampers in all directions between two frames; a foot on compliant ground: body1 = "ground" without point1."""
 
     stiffness: Three[Stiffness] = Field([0.0, 0.0, 0.0], description="Along the axes of the frame on body1.")
     turning_stiffness: Three[TorsionStiffness] = Field([0.0, 0.0, 0.0], description="About them.")

@@ -79,9 +79,23 @@ def by_processes(job: Job, chunks: Iterator[Chunk], workers: int) -> Answers:
             chunk = waiting.pop() if waiting else next(chunks, None)
             if chunk is None:
                 return
-            connection = connection or stack.enter_context(closing(_worker(listener, key, job, stack)))
-            connection.send(chunk[1])
-            busy[connection] = chunk
+            try:
+                connection = connection or stack.enter_context(closing(_worker(listener, key, job, stack)))
+                connection.send(chunk[1])
+            except OSError:  # it ended while it had nothing to do
+                lose(chunk)
+            else:
+                busy[connection] = chunk
+
+        def lose(chunk: Chunk) -> None:
+            losses[chunk[0]] = losses.get(chunk[0], 0) + 1
+            if losses[chunk[0]] >= MOST_LOSSES:
+                raise MbconstrainedError(
+                    f"the process that computed chunk {chunk[0] + 1} ended twice, perhaps for lack of memory; give fewer workers or a "
+                    "smaller chunk"
+                )
+            waiting.append(chunk)
+            give(None)
 
         for _ in range(workers):
             give(None)
@@ -91,14 +105,7 @@ def by_processes(job: Job, chunks: Iterator[Chunk], workers: int) -> Answers:
                 try:
                     answer = ready.recv()
                 except (EOFError, OSError):
-                    losses[chunk[0]] = losses.get(chunk[0], 0) + 1
-                    if losses[chunk[0]] >= MOST_LOSSES:
-                        raise MbconstrainedError(
-                            f"the process that computed chunk {chunk[0] + 1} ended twice, perhaps for lack of memory; give fewer workers or a "
-                            "smaller chunk"
-                        ) from None
-                    waiting.append(chunk)
-                    give(None)
+                    lose(chunk)
                     continue
                 if isinstance(answer, BaseException):
                     raise answer

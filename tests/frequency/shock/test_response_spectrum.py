@@ -113,6 +113,40 @@ def test_no_sample_is_above_the_extrema(values, log_frequency, log_damping):
     assert low >= min(inside.min(), 0) - 1e-3 * size
 
 
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.05, 0.34, 0.36, 0.999, 1.0, 1 + 1e-10, 1.5, 50.0])
+def test_steps_of_many_radians(damping_ratio):
+    """The exponentials of (y, u, a, a') with 60 digits, from fractions of a radian to 1e4."""
+    oscillator = Oscillator(300.0, damping_ratio)
+    h = np.array([1e-3, 0.03, 0.0657, 0.0734, 0.34, 1.4, 40.0])
+    units = 300.0 ** np.arange(4)
+    for own, step in zip(oscillator.steps(h), h):
+        with mpmath.workdps(60):
+            l1, l2 = map(mpmath.mpmathify, oscillator.roots)
+            J = mpmath.matrix([[l2, 1, 0, 0], [0, l1, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]])
+            exact = np.array(mpmath.expm(J * mpmath.mpf(step)).tolist()).astype(complex)
+        error = np.abs(own - exact) * units[:, None] / units
+        assert (error[:2].max(axis=1) <= 1e-13 * (1 + 300.0 * step) * np.abs(exact * units[:, None] / units)[:2].max(axis=1)).all()
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.05, 0.34, 0.5, 1.0, 5.0])
+def test_long_intervals_are_searched_at_their_ends(damping_ratio):
+    """A record with a thousand radians between samples has the peaks of the same polygon with samples at every tenth of a radian."""
+    times, values = np.array([0.0, 1.0, 1.7, 3.0]), np.array([0.0, 1.0, -0.5, 0.3])
+    fine = np.union1d(times, np.linspace(0.0, 3.0, 30001))
+    for quantity in QUANTITIES:
+        one = mb.shock_response_spectrum(mb.sampled(times, values[None]), [160.0], damping_ratio, quantity)
+        other = mb.shock_response_spectrum(mb.sampled(fine, np.interp(fine, times, values)[None]), [160.0], damping_ratio, quantity)
+        for part in PARTS:
+            assert np.isclose(getattr(one, part), getattr(other, part), rtol=1e-9, atol=1e-10 * other.maximax[0])
+
+
+def test_any_frequency_is_possible():
+    """A stiff oscillator follows the base; undamped it has at most twice the slope's jump over w."""
+    record = mb.sampled([0.0, 0.3, 1.0], [[0.0, 1.0, 0.0]])
+    assert np.allclose(mb.shock_response_spectrum(record, [1e7, 1e12], 0.05).maximax, 1.0, rtol=1e-6)
+    assert np.allclose(mb.shock_response_spectrum(record, [1e7, 1e12], 0.0).maximax, 1.0, rtol=1e-6)
+
+
 def test_limits():
     """A stiff oscillator follows the base, a soft one stays; an uneven record is that polygon; Q = 1 / (2 zeta)."""
     times, values = np.array([0.0, 0.3, 0.35, 1.0]), np.array([[0.0, 1.0, -2.0, 0.0]])
@@ -143,6 +177,15 @@ def test_interpolation_of_records_is_reported():
     assert "linear" in linear.notices[0].text
     assert "band-limited" in smooth.notices[0].text
     assert abs(smooth.maximax - truth.maximax)[0] < 0.2 * abs(linear.maximax - truth.maximax)[0]
+
+
+def test_table_of_xarray():
+    """All five spectra over the frequency."""
+    pytest.importorskip("xarray")
+    spectrum = mb.shock_response_spectrum(half_sine(0.011), [10.0, 100.0])
+    table = spectrum.to_xarray()
+    assert (table.sel(part="residual").values == spectrum.residual).all()
+    assert table.attrs == {"units": "m/s^2", "damping_ratio": 0.05}
 
 
 @pytest.mark.parametrize(

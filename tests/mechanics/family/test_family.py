@@ -1,5 +1,7 @@
 """Families of systems: everything that stacks of matrices give agrees with the systems one by one, which take other algorithms."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -233,3 +235,24 @@ def test_infinite_and_undamped_variances_are_those_of_each_system():
     assert responses.alone.tolist() == [1] and np.isinf(responses.rms[1]).all() and np.isfinite(responses.rms[::2]).all()
     assert np.isinf(systems.random_response({"x1": mb.white_noise(1.0)}, ["x1"], "acceleration").rms).all()
     assert responses[2].rms == pytest.approx(responses.rms[2], rel=1e-12)
+
+
+def test_memory_is_that_of_the_answer_and_of_what_is_kept():
+    """Chunks bound the rest: 2000 systems of 8 states need no more for each than 1000 do, and a motion is not held twice."""
+
+    def highest(count, question):
+        scattered = 1 + 0.05 * np.random.default_rng(0).normal(size=(count, 1, 1))
+        K = (3 * np.eye(4) - np.eye(4, k=1) - np.eye(4, k=-1)) * scattered
+        systems = mb.family(np.eye(4), 0.02 * K, K)
+        tracemalloc.start()
+        try:
+            answer = question(systems)
+            return tracemalloc.get_traced_memory()[1], answer.nbytes
+        finally:
+            tracemalloc.stop()
+
+    times = np.linspace(0.0, 5.0, 500)
+    for question in (lambda one: one.modes().eigenvalues, lambda one: one.solve(np.ones(4))(times)):
+        (small, own), (large, answer) = highest(1000, question), highest(2000, question)
+        assert large - answer <= 2.1 * (small - own)
+    assert large <= 1.5 * answer  # the last of them, a motion

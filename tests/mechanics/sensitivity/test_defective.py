@@ -104,6 +104,7 @@ def test_exponents_and_coefficients(name, seed):
             )
             best = min(left, key=lambda offset: abs(offset - expected))
             assert abs(best - expected) < 1e-10 * abs(expected)
+            assert abs(best - expected) * abs(branch.coefficient) <= 10 * each.errors[0] * abs(expected)
             left.remove(best)
         assert all(abs(offset) < 1e-10 * CHANGE for offset in left)  # what stays
 
@@ -123,6 +124,7 @@ def test_critical_damping_to_rounding_errors():
     (one,) = d.defective
     assert not one.splitting.is_exact
     np.testing.assert_allclose([branch.coefficient for branch in one.splitting.branches], [1j, -1j], atol=1e-8)
+    assert max(abs(abs(branch.coefficient) - 1) for branch in one.splitting.branches) <= 10 * d.error_estimate
 
 
 def test_a_free_body_stays_free():

@@ -73,3 +73,25 @@ def test_combination_rules():
         building().modal_combination(lambda f: 1.0, base="grund")
     with pytest.raises(mb.InputError, match="no constraint rows"):
         mb.MechanicalSystem([[1.0]], None, [[1.0]]).modal_combination(lambda f: 1.0)
+
+
+def test_elongations_of_springs():
+    """A spring let go at its elongation of 0.1 m with a mass 0.4 m away from rest: e = 0.1 cos(w t), its length at rest apart."""
+    model = mb.LumpedModel()
+    model.node("wall")
+    model.mass("body", 2.0)
+    model.spring("wall", "body", 50.0, name="spring", rest_length=0.3)
+    model.constrain({"wall": 1.0}, name="hold")
+    system = model.assemble()
+    start = [0.4 if name == "body" else 0.0 for name in system.names]
+    peaks = system.solve(start).peaks(3.0, "elongation")
+    assert peaks.names == ("spring",) and peaks.units == ("m",)
+    assert np.isclose(peaks.maximum[0], 0.1, rtol=1e-12)
+    assert np.isclose(peaks.minimum[0], -0.1, rtol=1e-12)
+
+
+def test_rounding_errors_are_no_peaks():
+    """After a half sine the acceleration of the ground is 0, and so is its smallest value."""
+    peaks = building(shock()).solve().peaks(0.3, "acceleration")
+    assert peaks.minimum[3] == 0.0
+    assert np.isclose(peaks.maximum[3], 5.0, rtol=1e-12)

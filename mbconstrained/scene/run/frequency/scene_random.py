@@ -1,4 +1,4 @@
-"""Random vibration of a scene: RMS values and statistics, spectra of the outputs, page and files."""
+"""Random vibration of a scene: RMS values and statistics, spectra and a path of the outputs, page and files."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ import numpy as np
 
 from ....frequency.features import frequencies_by_poles
 from ....frequency.random.random_response import RandomResponse
+from ....frequency.random.statistics import octave_bands
 from ....ground.display import TextTable
 from ....ground.errors import InputError
 from ....ground.notices import Notice
 from ....page.content import Curve, PageContent, Plot
+from ....page.plots.axis import Scale
 from ...file.messages import at
 from ..report.summary import notices_json, response_blocks
 from .scene_response import SceneResponse, csv_of
@@ -26,8 +28,11 @@ EACH_DECADE = 100
 #: White noise is plotted so many decades beyond the poles.
 BEYOND = 10.0
 
-#: Spectra are plotted down to this share of their largest value.
+#: Spectra are plotted where they are at least this share of their largest value.
 LEAST_SHARE = 1e-12
+
+#: Cycles of the median frequency of an output that its path on the page has, and the number of its times.
+CYCLES, PATH_TIMES = 24, 1201
 
 
 class SceneRandom(SceneResponse):
@@ -138,36 +143,62 @@ class SceneRandom(SceneResponse):
 
     @property
     def plots(self) -> tuple[Plot, ...]:
-        """The spectra, and the root of their integral up to each frequency, one plot for each unit."""
-        result, f = [], self.frequencies
-        steps = np.diff(f, prepend=f[0])
+        """Of each unit the spectra, RMS values of octaves and up to each frequency, and a path of the first output."""
+        result: list[Plot] = []
         for unit in dict.fromkeys(unit for unit, _ in self.shown):
             chosen = [i for i, (own, _) in enumerate(self.shown) if own == unit]
-            least = LEAST_SHARE * self.spectra[chosen].max()
-            if not least:
-                continue
-            curves = tuple(Curve(self.response.outputs[i], np.maximum(self.spectra[i], least), i) for i in chosen)
-            square = f"({unit})²/Hz" if any(sign in unit for sign in "/ ^") else f"{unit}²/Hz"
-            title = f"spectrum of the {self.response.quantity}"
-            result.append(
-                Plot(title, square, f, curves, across_unit="Hz", quantity="density", variable="frequency", scales=("log", "log"))
-            )
-            middle = (self.spectra[chosen] + np.roll(self.spectra[chosen], 1, axis=1)) / 2
-            sums = np.sqrt(np.cumsum(middle * steps, axis=1))
-            rising = tuple(Curve(self.response.outputs[i], row, i) for i, row in zip(chosen, sums))
-            result.append(
-                Plot(
-                    "RMS up to a frequency",
-                    unit,
-                    f,
-                    rising,
-                    across_unit="Hz",
-                    quantity="RMS",
-                    variable="frequency",
-                    scales=("log", "linear"),
-                )
-            )
+            if self.spectra[chosen].max() > 0:
+                result += [self._density(unit, chosen), *self._sums(unit, chosen), *self._path(unit, chosen)]
         return tuple(result)
+
+    def _density(self, unit: str, chosen: list[int]) -> Plot:
+        largest = self.spectra[chosen].max(axis=0)
+        least = LEAST_SHARE * largest.max()
+        visible = np.flatnonzero(largest >= least)
+        own = slice(visible[0], visible[-1] + 1)
+        square = f"({unit})²/Hz" if any(sign in unit for sign in "/ ^") else f"{unit}²/Hz"
+        title, values = f"spectrum of the {self.response.quantity}", np.maximum(self.spectra[:, own], least)
+        return self._plot(title, square, self.frequencies[own], values, chosen, "density", "log")
+
+    def _sums(self, unit: str, chosen: list[int]) -> list[Plot]:
+        """RMS values of octaves as steps, and up to each frequency, of outputs for which they are finite."""
+        edges = octave_bands(self.frequencies[0], self.frequencies[-1])
+        ends = np.array([edges[:-1], np.nextafter(edges[1:], 0.0)]).T.ravel()
+        factors = np.array([[factor] for _, factor in self.shown])
+        steps = np.repeat(factors * self.response.rms_in_bands(edges), 2, axis=1)
+        kinds = (("RMS of octaves", ends, steps), ("RMS up to a frequency", self.frequencies, factors * self._cumulative))
+        plots = []
+        for title, f, values in kinds:
+            finite = [i for i in chosen if np.isfinite(values[i]).all()]
+            plots += [self._plot(title, unit, f, values, finite, "RMS", "linear")] if finite else []
+        return plots
+
+    def _plot(self, title: str, unit: str, f, values, chosen: list[int], quantity: str, scale: Scale) -> Plot:
+        curves = tuple(Curve(self.response.outputs[i], values[i], i) for i in chosen)
+        return Plot(title, unit, f, curves, across_unit="Hz", quantity=quantity, variable="frequency", scales=("log", scale))
+
+    @cached_property
+    def _cumulative(self) -> np.ndarray:
+        """RMS values up to each frequency in SI, shape (p, F)."""
+        return self.response.cumulative_rms(self.frequencies)
+
+    def _path(self, unit: str, chosen: list[int]) -> list[Plot]:
+        """A random path of the first of these outputs that has one, over some cycles of its mean frequency, with its band of one sigma."""
+        shown = [i for i in chosen if np.isfinite(self.response.rms[i]) and self.response.rms[i] > 0]
+        if not shown:
+            return []
+        first = shown[0]
+        name, rms, factor = self.response.outputs[first], self.response.rms[first], self.shown[first][1]
+        middle = np.searchsorted(self._cumulative[first], np.sqrt(0.5) * rms)
+        times = np.linspace(0.0, CYCLES / self.frequencies[min(middle, len(self.frequencies) - 1)], PATH_TIMES)
+        try:
+            path = self.response.only(name).sample(times, seed=0)[0]
+        except InputError:  # motions that no noise reaches have no distribution
+            return []
+        band = np.full(len(times), rms)
+        rows = ((name, path, first), ("+σ", band, first + 1), ("−σ", -band, first + 1))
+        curves = tuple(Curve(label, factor * row, color) for label, row, color in rows)
+        return [Plot(f"a random path of {name}", unit, times, curves, quantity=self.response.quantity)]
 
     @property
     def content(self) -> PageContent:
@@ -189,10 +220,11 @@ class SceneRandom(SceneResponse):
 
     @property
     def arrays(self) -> dict[str, np.ndarray]:
-        """Spectra and covariance."""
+        """Spectra, RMS values up to each frequency, and covariance."""
         return {
             "frequencies_hz": self.frequencies,
             "psd": self.response.psd(self.frequencies),
+            "cumulative_rms": self._cumulative,
             "covariance": self.response.covariance,
             "outputs": np.array(self.response.outputs),
         }

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....frequency.shock.response_spectrum import ShockResponseSpectrum, shock_response_spectrum
+from ....frequency.shock.response_spectrum import PARTS, ShockResponseSpectrum, shock_response_spectrum
 from ....ground.coordinate_units import rate_unit
 from ....ground.display import TextTable, number_text
 from ....ground.errors import InputError
@@ -31,9 +31,6 @@ from .scene_response import SceneResponse, csv_of
 if TYPE_CHECKING:
     from ....mechanics.constraints import ConstraintRow
     from ..scene import Scene
-
-#: The spectra that a shock response spectrum has.
-PARTS = ("maximax", "positive", "negative", "primary", "residual")
 
 #: Natural frequencies reach from these parts of the inverse duration of the shock to these of the inverse time between its knots.
 LOWEST, HIGHEST, HIGHEST_OF_RECORD = 0.1, 100.0, 0.5
@@ -268,7 +265,7 @@ class SceneShock(SceneResponse):
             spectrum.frequencies_hz,
             curves,
             across_unit="Hz",
-            quantity=spectrum.quantity,
+            quantity=spectrum.quantity.split(" ")[-1],  # the title has the whole of it
             variable="frequency",
             scales=("log", scale),
         )

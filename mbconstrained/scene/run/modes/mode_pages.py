@@ -17,6 +17,7 @@ from ..picture.robot_drawing import RobotPicture
 from ..picture.scene_drawing import automatic_drawing, own_drawing, view_of
 from ..report.robot_report import robot_fact
 from .mode_summary import BY_COORDINATE, descending, shape_cells
+from .scene_sensitivities import influence_tables
 
 if TYPE_CHECKING:
     from ....models.elements import Element
@@ -58,6 +59,7 @@ def modes_content(modes: SceneModes) -> ModesContent:
         modes=tuple(map(picture, modes.lines)),
         notices=modes.notices,
         facts=_facts(modes),
+        tables=influence_tables(scene),
     )
 
 

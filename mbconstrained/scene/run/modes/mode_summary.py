@@ -49,7 +49,8 @@ def blocks(modes: SceneModes) -> list[str | TextTable]:
     heading = "\n".join(line for text in (scene.title, scene.table.source) for line in wrap(text, WIDTH))
     robot = scene.equations.robot_scene
     joints = posture_tables(robot)[:1] if robot else []
-    return [heading, *joints, table(modes), *_details(modes), *_notes(modes), *_notices(modes), *_files(modes)]
+    masses = [modes.effective_masses.table()] if modes.effective_masses else []
+    return [heading, *joints, table(modes), *masses, *_details(modes), *_notes(modes), *_notices(modes), *_files(modes)]
 
 
 def table(modes: SceneModes) -> TextTable:
@@ -189,6 +190,7 @@ def as_json(modes: SceneModes) -> dict:
         **(posture_json(scene.equations.robot_scene) if scene.equations.robot_scene else {}),
         "coordinates": scene.equations.coordinates.as_json(),
         "modes": [_line(line) for line in modes.lines],
+        **({"effective_masses": modes.effective_masses.as_json()} if modes.effective_masses else {}),
         "notices": notices_json(modes.notices),
         "trusted": modes.is_trusted,
         "files": [str(path) for path in modes.files],

@@ -11,7 +11,7 @@ import numpy as np
 
 from ....ground.errors import SceneError
 from ....ground.files import Replacements
-from ....ground.notices import Notice
+from ....ground.notices import Notice, NoticeKind
 from ....response.response_notices import pair_notices
 from ..plan import Plan
 from ..report.tables import eigenvalue_rows
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ....mechanics.energy import EnergyShares
     from ....mechanics.modes import Mode
     from ....mechanics.system import MechanicalSystem
+    from ....mechanics.vibration.effective_masses import EffectiveMasses
     from ..scene import Scene
 
 
@@ -103,6 +104,15 @@ class SceneModes:
             ModeLine(number, row, complex(mode.eigenvalue), mode.multiplicity, mode, place)
             for number, (row, mode, place) in enumerate(wanted, 1)
         )
+
+    @cached_property
+    def effective_masses(self) -> EffectiveMasses | None:
+        """Of a robot, under motions of its base along x, y and z; None where no mode oscillates or the modes are not orthogonal."""
+        robot = self.scene.equations.robot_scene
+        if robot is None or any(notice.kind is NoticeKind.UNSYMMETRIC for notice in robot.system.notices):
+            return None
+        masses = robot.system.effective_masses()
+        return masses if len(masses.frequencies_hz) else None
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import chain
 from textwrap import wrap
@@ -24,6 +25,10 @@ if TYPE_CHECKING:
 NO_INFLUENCE = "No oscillating mode depends on {}; --json has the derivatives of all eigenvalues."
 
 
+#: Coordinates up to which the page of the modes has these tables, within about a second, and rows above which it folds them.
+MOST_COORDINATES, MOST_ROWS = 48, 8
+
+
 class SceneSensitivities:
     """Who matters: what each per cent of a parameter or of an element changes.
 
@@ -39,13 +44,10 @@ class SceneSensitivities:
         self.scene, own = scene, scene.parameters.values
         named = tuple(scene.named_parameters())
         system = scene.equations.system
-        elements = (
-            () if scene.equations.robot or getattr(scene.table.model, "modal_damping", None) is not None else system.parameters()
-        )
+        elements = () if getattr(scene.table.model, "modal_damping", None) is not None else system.parameters()
         if not named and not elements:
             raise InputError(
-                "there is nothing to vary: name quantities of the scene in a table [parameters]; of robots and of modal damping "
-                "the elements are not varied"
+                "there is nothing to vary: name quantities of the scene in a table [parameters]; elements are not varied with modal damping"
             )
         known = {one.name: one for one in (*elements, *named)}
         for name in names:
@@ -109,6 +111,23 @@ class SceneSensitivities:
             "error_estimate": float(d.error_estimate),
             "notices": notices_json(self.notices),
         }
+
+
+def influence_tables(scene: Scene) -> tuple[TextTable, ...]:
+    """Who matters, for the page of the modes: of the elements of lumped models and of [parameters], where this takes no time.
+
+    Args:
+        scene: with a mechanical system.
+
+    Returns:
+        The tables of ``SceneSensitivities``, long ones folded; none of equations that differences would assemble again, nor of large models.
+    """
+    model, system = scene.table.model, scene.equations.system
+    elements = model.kind == "lumped" or (model.kind == "matrices" and scene.parameters.values)
+    if not elements or model.modal_damping is not None or system.is_sparse or system.size > MOST_COORDINATES:
+        return ()
+    tables = SceneSensitivities(scene).tables()
+    return tuple(replace(table, folded=len(table.rows) > MOST_ROWS) for table in tables if table.rows)
 
 
 def _note(table: TextTable, group: Sequence[Parameter]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import asin, atan2, degrees
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from ....ground.display import TextTable, number_text, with_unit
 from ....ground.notices import Notice, NoticeKind
 
 if TYPE_CHECKING:
+    from ....robot.connections import Connection
     from ...build.robot_model import RobotScene
 
 #: Loop forces below this share of the largest, and places and torques below this share of 1 in SI, are rounding and printed as 0.
@@ -20,8 +21,8 @@ ROUNDING = 1e-12
 
 
 def posture_tables(robot_scene: RobotScene) -> list[TextTable]:
-    """Joints and loop forces at rest."""
-    return [_joint_table(robot_scene), _loop_table(robot_scene)]
+    """Joints, and forces of loops and springs at rest."""
+    return [_joint_table(robot_scene), _force_table(robot_scene)]
 
 
 def posture_evidence(robot_scene: RobotScene) -> list[tuple[str, str, str]]:
@@ -47,7 +48,8 @@ def posture_json(robot_scene: RobotScene) -> dict:
         "posture": {
             "joints": {name: list(value) if isinstance(value, tuple) else value for name, value in posture.joints.items()},
             "torques": dict(posture.torques),
-            "reactions": {name: [float(entry) for entry in value] for name, value in posture.reactions.items()},
+            "reactions": {name: value.tolist() for name, value in posture.reactions.items()},
+            "ground_reactions": {name: value.tolist() for name, value in posture.ground_reactions.items()},
             "residual": posture.residual,
             "loop_error": posture.loop_error,
         },
@@ -91,19 +93,31 @@ def _cleaned(values) -> list[float]:
     return [value if abs(value) > ROUNDING * largest else 0.0 for value in values]
 
 
-def _loop_table(robot_scene: RobotScene) -> TextTable:
-    reactions = robot_scene.posture.reactions
-    largest = max((abs(entry) for value in reactions.values() for entry in value), default=0.0)
-    loops: dict[str, Any] = {loop.name: loop for loop in robot_scene.robot.loops}
-    rows = []
-    for name, value in reactions.items():
-        clean = [entry if abs(entry) > ROUNDING * largest else 0.0 for entry in value]
-        torque = "" if loops[name].kind == "point" else f"{_vector(clean[3:])} N m"
-        rows.append((name, loops[name].body2, f"{_vector(clean[:3])} N", torque))
-    note = "x, y, z of the loop's frame on its first body; reactions during the motion come on top."
-    if not any(row[3] for row in rows):
-        return TextTable("Loop forces at rest", ("loop", "on", "force"), tuple(row[:3] for row in rows), note)
-    return TextTable("Loop forces at rest", ("loop", "on", "force", "torque"), tuple(rows), note)
+def _force_table(robot_scene: RobotScene) -> TextTable:
+    """Forces of loops, springs and bushings in the frames on their first bodies, and along the axes of the ground where these differ."""
+    posture, robot = robot_scene.posture, robot_scene.robot
+    items = (*robot.loops, *robot.springs)
+    forces = np.array([[values[item.name] for item in items] for values in (posture.reactions, posture.ground_reactions)])
+    forces = forces.reshape(2, -1, 6)
+    rounding = ROUNDING * np.abs(forces).max(initial=0.0)
+    own, ground = np.where(np.abs(forces) > rounding, forces, 0.0)
+    rows = [(item.name, item.body2, *_wrench(item, own[i]), *_wrench(item, ground[i])) for i, item in enumerate(items)]
+    columns = ("loop or spring", "on", "force", "torque", "force, axes of the ground", "torque, axes of the ground")
+    same = np.abs(own - ground).max(initial=0.0) <= rounding
+    left_out = {3, 5} if not any(item.turning for item in items) else set()
+    shown = sorted({0, 1, 2, 3, *(() if same else (4, 5))} - left_out)
+    axes = "x, y, z of the ground" if same else "x, y, z of its frame on the first body, then of the ground"
+    note = f"{axes}; reactions during the motion come on top."
+    return TextTable(
+        "Forces of loops and springs at rest",
+        tuple(columns[i] for i in shown),
+        tuple(tuple(row[i] for i in shown) for row in rows),
+        note,
+    )
+
+
+def _wrench(connection: Connection, value: np.ndarray) -> tuple[str, str]:
+    return f"{_vector(value[:3])} N", f"{_vector(value[3:])} N m" if connection.turning else ""
 
 
 def _vector(values) -> str:

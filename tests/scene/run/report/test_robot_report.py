@@ -13,7 +13,10 @@ from tests.scene.scenes import scene_of
 def with_posture(found, **changes):
     """The robot's scene with numbers of its posture that are made up."""
     posture = found.posture
-    kept = {key: getattr(posture, key) for key in ("joints", "torques", "reactions", "residual", "loop_error", "balance")}
+    kept = {
+        key: getattr(posture, key)
+        for key in ("joints", "torques", "reactions", "ground_reactions", "residual", "loop_error", "balance")
+    }
     return SimpleNamespace(data=found.data, robot=found.robot, posture=SimpleNamespace(**{**kept, **changes}))
 
 

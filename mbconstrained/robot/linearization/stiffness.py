@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import EPS, SYMMETRIC_STIFFNESS, noise_of
-from .statics.equilibrium import rows_of
+from ...ground.notices import Notice, NoticeKind
+from ...ground.tolerances import EPS, SYMMETRIC_STIFFNESS, noise_of
+from ..statics.equilibrium import rows_of
 
 if TYPE_CHECKING:
-    from .posture import Posture
+    from ..posture import Posture
 
 #: Rounding of an entry that is computed through a chain of joints, relative to the largest of its kind.
 COMPUTED = 4 * EPS

@@ -4,32 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ground.checks import OF_FUNCTION, nearest, real_number
-from ..ground.errors import InputError
-from ..ground.notices import Notice
-from ..ground.tolerances import NOISE_SAFETY
-from ..mechanics.channels import ElementForce, Side, channels, chosen_by_name
-from ..mechanics.constraints import Constraint, Level, checked_level
-from ..mechanics.energy import EnergyParts
-from ..mechanics.system import MechanicalSystem
-from ..mechanics.vibration.harmonic_equations import frequency_response
-from ..signals.impulsive import ImpulsiveSmooth
-from ..signals.inputs import zero
-from .connections import PointMotion
-from .flexible_joint import FlexibleJoint
+from ...ground.checks import OF_FUNCTION, nearest, real_number
+from ...ground.errors import InputError
+from ...ground.notices import Notice
+from ...ground.tolerances import NOISE_SAFETY
+from ...mechanics.channels import ElementForce, Side, channels, chosen_by_name
+from ...mechanics.constraints import Constraint, Level, checked_level
+from ...mechanics.energy import EnergyParts
+from ...mechanics.system import MechanicalSystem
+from ...mechanics.vibration.effective_masses import EffectiveMasses, effective_masses
+from ...mechanics.vibration.harmonic_equations import frequency_response
+from ...signals.impulsive import ImpulsiveSmooth
+from ...signals.inputs import zero
+from ..connections import AXES, PointMotion
+from ..flexible_joint import FlexibleJoint
+from .inertia import body_masses, momentum
+from .robot_parameters import robot_parameters
 from .stiffness import cleaned, cleaned_rows, rounding_errors, stiffness_parts, stiffness_rounding, symmetric_stiffness
 
 if TYPE_CHECKING:
-    from ..control.state_space import StateSpace
-    from ..frequency.frequency_response import FrequencyResponse
-    from ..frequency.random.random_response import RandomResponse
-    from .flexible_joint import WithoutMotors
-    from .posture import Posture
+    from ...control.state_space import StateSpace
+    from ...frequency.frequency_response import FrequencyResponse
+    from ...frequency.random.random_response import RandomResponse
+    from ..flexible_joint import WithoutMotors
+    from ..posture import Posture
 
 
 class LinearizedRobot(MechanicalSystem):
@@ -78,6 +81,7 @@ class LinearizedRobot(MechanicalSystem):
         )
         self.inputs, self.input_units = self._directions("input", inputs)
         self.outputs, self.output_units = self._directions("output", outputs)
+        self.parameter_source = partial(robot_parameters, posture, partial(type(self), level=level, inputs={}, outputs={}))
 
     @cached_property
     def elements(self) -> Mapping[str, ElementForce]:  # type: ignore[override]
@@ -270,6 +274,39 @@ class LinearizedRobot(MechanicalSystem):
         """
         return super(LinearizedRobot, self.with_points(inputs, outputs)).to_state_space(_chosen(inputs), _chosen(outputs))
 
+    def effective_masses(self, base=("x", "y", "z")) -> EffectiveMasses:
+        """Effective masses of the modes without damping under a motion of all that stands on the ground: a fixed or moving base,
+        feet, springs to the ground.
+
+            Gamma_i = u_i^T h with u_i^T M u_i = 1,    m_i = Gamma_i^2
+
+        with the momentum h of the robot by velocity of each coordinate. Bodies that cannot move relative to the base have no part in it.
+
+        Args:
+            base: directions of its motion, "x", "y", "z" of the ground, or "rx", "ry", "rz" about its origin.
+
+        Returns:
+            ``EffectiveMasses``: ``masses`` (kg, kg m^2), shape (m, d), and ``totals``, shape (d,).
+
+        Raises:
+            InputError: another direction.
+
+        >>> from mbconstrained import Robot
+        >>> urdf = '''<robot name="pendulum"><link name="base"/><link name="rod"><inertial><mass value="2"/>
+        ...   <origin xyz="0 0 -0.5"/><inertia ixx="0.1" iyy="0.1" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        ...   <joint name="hinge" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint></robot>'''
+        >>> robot = Robot(urdf)
+        >>> robot.linearize(robot.equilibrium()).effective_masses().masses.round(12)  # (m l)^2 / (I + m l^2)
+        array([[1.66666667, 0.        , 0.        ]])
+        """
+        names = [base] if isinstance(base, str) else list(base)
+        for name in names:
+            if name not in AXES:
+                raise InputError(f"base: found {name!r}{nearest(str(name), AXES)}; expected {', '.join(AXES)}")
+        links = momentum(self.posture)[[AXES.index(name) for name in names]]
+        units = ["kg m^2" if name.startswith("r") else "kg" for name in names]
+        return effective_masses(self, names, units, np.pad(links, ((0, 0), (0, len(self._flexible)))).T)
+
     def with_points(self, inputs=None, outputs=None) -> LinearizedRobot:
         """The same robot with other inputs and outputs.
 
@@ -290,7 +327,7 @@ class LinearizedRobot(MechanicalSystem):
 
     def without_motors(self) -> WithoutMotors:
         """The same motion with the motors of flexible joints eliminated: a polynomial matrix of degree 4."""
-        from .flexible_joint import WithoutMotors
+        from ..flexible_joint import WithoutMotors
 
         return WithoutMotors(self)
 
@@ -376,20 +413,6 @@ def _by_distinct_names(parts: list[tuple[str, np.ndarray]]) -> dict[str, np.ndar
         own = (name, *(f"{name} ({number})" for number in range(2, len(parts) + 2)))
         named[next(candidate for candidate in own if candidate not in named)] = part
     return named
-
-
-def body_masses(posture: Posture) -> list[tuple[str, np.ndarray]]:
-    """The contribution S_j^T I_j S_j of each body to M, shape (nv, nv), with the name of its heaviest link."""
-    model, kinematics = posture.robot.model, posture.balance.kinematics
-    names = posture.robot.link_frames.heaviest_links()
-    masses = []
-    for joint in range(1, model.njoints):
-        inertia, R = model.inertias[joint], kinematics.rotations[joint]
-        columns = kinematics.velocity(joint)
-        centre = kinematics.origins[joint] + R @ np.array(inertia.lever)
-        v, w = kinematics.of_point(joint, centre), R.T @ columns[3:]
-        masses.append((names[joint], inertia.mass * v.T @ v + w.T @ np.array(inertia.inertia) @ w))
-    return masses
 
 
 def _chosen(channels):

@@ -1,0 +1,39 @@
+"""Masses and momenta of the bodies of a robot at a posture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ..posture import Posture
+
+
+def body_masses(posture: Posture) -> list[tuple[str, np.ndarray]]:
+    """The contribution S_j^T I_j S_j of each body to M, shape (nv, nv), with the name of its heaviest link."""
+    names, inertias = posture.robot.link_frames.heaviest_links(), posture.robot.model.inertias
+    return [
+        (names[joint], inertias[joint].mass * v.T @ v + w.T @ np.array(inertias[joint].inertia) @ w)
+        for joint, _, v, w, _ in _motions(posture)
+    ]
+
+
+def momentum(posture: Posture) -> np.ndarray:
+    """Momentum and angular momentum about the origin of the ground by velocity of each coordinate, shape (6, nv)."""
+    total = np.zeros((6, posture.robot.model.nv))
+    for joint, centre, v, w, R in _motions(posture):
+        inertia = posture.robot.model.inertias[joint]
+        total[:3] += inertia.mass * v
+        total[3:] += inertia.mass * np.cross(centre, v, axis=0) + R @ np.array(inertia.inertia) @ w
+    return total
+
+
+def _motions(posture: Posture) -> Iterator[tuple[int, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
+    """Of each body its joint, centre of mass, velocity of that (3, nv), rotation in its own axes (3, nv), and these axes."""
+    model, kinematics = posture.robot.model, posture.balance.kinematics
+    for joint in range(1, model.njoints):
+        R = kinematics.rotations[joint]
+        centre = kinematics.origins[joint] + R @ np.array(model.inertias[joint].lever)
+        yield joint, centre, kinematics.of_point(joint, centre), R.T @ kinematics.velocity(joint)[3:], R

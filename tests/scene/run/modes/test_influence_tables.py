@@ -1,0 +1,64 @@
+"""Who matters, on the page of the modes."""
+
+import re
+from itertools import pairwise
+
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.page.html import page_html
+from mbconstrained.scene.run.modes.mode_pages import modes_content
+from mbconstrained.scene.run.modes.scene_modes import SceneModes
+from mbconstrained.scene.run.modes.scene_sensitivities import MOST_ROWS, influence_tables
+from tests.scene.scenes import EXAMPLES, scene_of
+
+CHAIN = """
+[model]
+kind = "lumped"
+mass = [{masses}]
+spring = [{springs}]
+[time]
+end = 1
+"""
+
+
+def chain(count):
+    """Masses and springs in a row."""
+    masses = ", ".join(f'{{ name = "m{i}", mass = "1 kg" }}' for i in range(count))
+    ends = ["ground", *(f"m{i}" for i in range(count))]
+    springs = ", ".join(
+        f'{{ name = "k{i}", between = ["{a}", "{b}"], stiffness = "9 N/m" }}' for i, (a, b) in enumerate(pairwise(ends))
+    )
+    return CHAIN.format(masses=masses, springs=springs)
+
+
+def test_parameters_and_elements_sorted():
+    """Of the tuned mass damper the frequencies follow "natural" one to one (all stiffnesses do, and no mass)."""
+    parameters, elements = influence_tables(mb.read_scene(EXAMPLES / "tuned_mass_damper.toml"))
+    assert parameters.title == "Sensitivities to parameters"
+    assert parameters.rows[0] == ("natural", "+1.000", "+1.000", "0", "0")
+    assert elements.title == "Sensitivities to elements"
+    largest = [max(abs(float(cell)) for cell in row[1:]) for row in elements.rows]
+    assert largest == sorted(largest, reverse=True)
+
+
+def test_the_tables_are_on_the_page_and_long_ones_are_folded(tmp_path):
+    page = page_html(modes_content(SceneModes(scene_of(tmp_path, chain(2)))))
+    (section,) = re.findall(r"<section>\s*<h2>Sensitivities to elements</h2>.*?</section>", page, re.DOTALL)
+    assert section.count("<tr>") == 5  # the heading and four elements
+    assert page.index('<section class="modes">') < page.index("Sensitivities to elements")
+    (table,) = influence_tables(scene_of(tmp_path, chain(MOST_ROWS)))
+    assert table.folded
+    page = page_html(modes_content(SceneModes(scene_of(tmp_path, chain(MOST_ROWS)))))
+    assert "<details><summary><h2>Sensitivities to elements</h2></summary>" in page
+
+
+@pytest.mark.parametrize("name", ["seven_joint_arm.toml", "two_masses.toml"])
+def test_no_tables_of_robots_and_of_matrices_without_parameters(name):
+    """A robot is assembled again for each; matrices are known by their entries only."""
+    assert influence_tables(mb.read_scene(EXAMPLES / name)) == ()
+
+
+def test_no_tables_of_modal_damping_and_of_large_models(tmp_path):
+    assert influence_tables(scene_of(tmp_path, chain(2).replace("[time]", "modal_damping = 0.02\n[time]"))) == ()
+    assert influence_tables(scene_of(tmp_path, chain(60))) == ()
