@@ -39,7 +39,8 @@ def test_flutter_of_a_circulatory_pair():
 def exact_break_points(K, C, slope, low, high):
     """The real roots of the discriminant of det(s^2 + (C + p slope) s + K) whose double root in s is real, with 30 digits."""
     s, p = sympy.symbols("s p")
-    A = sympy.Matrix(K) + s * (sympy.Matrix(C) + p * sympy.Matrix(slope)) + s**2 * sympy.eye(len(K))
+    K, C, slope = (sympy.Matrix(matrix).applyfunc(lambda entry: sympy.Rational(float(entry))) for matrix in (K, C, slope))
+    A = K + s * (C + p * slope) + s**2 * sympy.eye(K.rows)
     characteristic = sympy.Poly(A.det(), s)
     roots = sympy.Poly(characteristic.discriminant(), p).nroots(n=30, maxsteps=200)
     return sorted(float(sympy.re(root)) for root in roots if abs(sympy.im(root)) < 1e-20 and low < sympy.re(root) < high)
