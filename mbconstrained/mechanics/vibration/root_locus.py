@@ -13,13 +13,16 @@ from ...ground.checks import counted, nearest, real_array
 from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError
 from ...ground.threads import short_work
-from ...ground.tolerances import NEWTON_STEP
+from ...ground.tolerances import NEWTON_STEP, noise_of
 from ...polynomial.variation.branches import Family, followed
 from ...polynomial.variation.special_points import BreakPoint, break_points, stability_limits
 from ..sensitivity.parameter import Parameter
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
+
+#: Parts of the range at which matrices are compared with linear ones, nowhere symmetric.
+INNER = (0.29, 0.53, 0.83)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -121,7 +124,19 @@ def root_locus_of(
     def derivative(p: float) -> np.ndarray:
         return np.array([V.T @ matrix @ V for matrix in slope(p).matrices(first.size)])
 
-    return locus_of(name, unit, values, Family(at, derivative, np.ones((V.shape[1],) * 2, dtype=bool)))
+    linear = _linear(at, float(values[0]), float(values[-1]))
+    return locus_of(name, unit, values, linear or Family(at, derivative, np.ones((V.shape[1],) * 2, dtype=bool)))
+
+
+def _linear(at: Callable[[float], np.ndarray], low: float, high: float) -> Family | None:
+    """The family of matrices that are linear in p as far as values between both ends show; None of others."""
+    first, last = at(low), at(high)
+    noise = noise_of(np.abs([first, last]).max(axis=(0, 2, 3), initial=0.0))[:, None, None]
+    for share in INNER:
+        if (np.abs(at(low + share * (high - low)) - (1 - share) * first - share * last) > noise).any():
+            return None
+    slope = (last - first) / (high - low)
+    return Family.linear(first - low * slope, np.where(np.abs(last - first) > noise, slope, 0.0))
 
 
 def locus_of(name: str, unit: str, values, family: Family) -> RootLocus:

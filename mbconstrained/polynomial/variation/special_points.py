@@ -12,7 +12,7 @@ Dynamical Equilibria, 2000, chapter 3). It is as well conditioned as the data, w
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -107,7 +107,8 @@ def stability_limits(family: Family, parameters: np.ndarray, values: np.ndarray)
 def break_points(family: Family, branches: Branches) -> tuple[BreakPoint, ...]:
     """The break points between the parameters of branches.
 
-    Near one (s_i - s_j)^2 is a smooth function of p that changes its sign; at a crossing of two modes it does not.
+    Near one (s_i - s_j)^2 is a smooth function of p that changes its sign; at a crossing of two modes it does not. Two chains of one
+    eigenvalue are found in parts that no matrix couples, each its own; in coupled coordinates they are not.
 
     Args:
         family: A(s; p).
@@ -116,7 +117,23 @@ def break_points(family: Family, branches: Branches) -> tuple[BreakPoint, ...]:
     Returns:
         Ascending by p; of a complex pair that above the real axis.
     """
-    values, parameters = branches.values, branches.parameters
+    points = []
+    for places in family.parts:
+        own = np.flatnonzero(branches.shapes[:, places].any(axis=(0, 1)))
+        for point in _of_part(_part(family, places), branches.parameters, branches.values[:, own]):
+            shape = np.zeros(len(family.pattern), dtype=complex)
+            shape[places] = point.shape
+            points.append(replace(point, shape=shape))
+    return tuple(sorted(points, key=lambda point: point.parameter))
+
+
+def _part(family: Family, places: np.ndarray) -> Family:
+    rows = places[:, None]
+    return Family(lambda p: family.at(p)[:, rows, places], lambda p: family.slope(p)[:, rows, places], family.pattern[rows, places])
+
+
+def _of_part(family: Family, parameters: np.ndarray, values: np.ndarray) -> list[BreakPoint]:
+    """Those of coupled coordinates."""
     points: list[BreakPoint] = []
     for i, j in zip(*np.triu_indices(values.shape[1], 1)):
         squares, middles = (values[:, i] - values[:, j]) ** 2, (values[:, i] + values[:, j]) / 2
@@ -130,7 +147,7 @@ def break_points(family: Family, branches: Branches) -> tuple[BreakPoint, ...]:
             point = _break_point(family, float(start[0].real), complex(start[1]))
             if point is not None and parameters[first] <= point.parameter <= parameters[last] and not _known(point, points):
                 points.append(point)
-    return tuple(sorted(points, key=lambda point: point.parameter))
+    return points
 
 
 def _known(point: BreakPoint, points: list[BreakPoint]) -> bool:

@@ -26,6 +26,13 @@ def test_critical_damping(grid):
     assert point.residual < 1e-14
 
 
+def test_two_equal_oscillators_have_a_break_point_each():
+    K, C, M = 4 * np.eye(2), np.eye(2), np.eye(2)
+    found = points([K, 0 * C, M], [0 * K, C, 0 * M], np.linspace(0, 10, 8))
+    assert [point.parameter for point in found] == pytest.approx([4.0, 4.0], rel=1e-14)
+    assert [np.abs(point.shape).tolist() for point in found] == [[1.0, 0.0], [0.0, 1.0]]
+
+
 def test_flutter_of_a_circulatory_pair():
     """K = [[1, p], [-p, 2]]: (w^2 - 1)(w^2 - 2) + p^2 = 0 is double at p = 1/2, w^2 = 3/2 (Ziegler, Principles of Structural Stability)."""
     (point,) = points(
