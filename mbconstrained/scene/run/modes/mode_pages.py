@@ -17,7 +17,6 @@ from ..picture.robot_drawing import RobotPicture
 from ..picture.scene_drawing import automatic_drawing, own_drawing, view_of
 from ..report.robot_report import robot_fact
 from .mode_summary import BY_COORDINATE, descending, shape_cells
-from .scene_modes import SceneModes
 from .scene_sensitivities import influence_tables
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from ....page.content import PageContent
     from ...build.robot_model import RobotScene
     from ..scene import Scene
-    from .scene_modes import ModeLine
+    from .scene_modes import ModeLine, SceneModes
 
 Facts = tuple[tuple[str, str], ...]
 
@@ -66,17 +65,17 @@ def modes_content(modes: SceneModes) -> ModesContent:
     )
 
 
-def variants_content(scenes: Sequence[tuple[str, Facts, Scene]], content: PageContent) -> ModesContent | None:
+def variants_content(variants: Sequence[tuple[str, Facts, SceneModes]], content: PageContent) -> ModesContent | None:
     """A page on which each variant of a scene moves in the shape of its lowest oscillating mode.
 
     Args:
-        scenes: names of the variants, what is listed of each, and their scenes, of the same coordinates.
+        variants: the name of each, what is listed of it, and the modes of its scene; all have the same coordinates.
         content: title, notices, figures, tables and facts of the page.
 
     Returns:
         The page; None where fewer than two variants oscillate.
     """
-    lines = [(name, facts, scene, _lowest(scene)) for name, facts, scene in scenes]
+    lines = [(name, facts, modes.scene, _lowest(modes)) for name, facts, modes in variants]
     moving = [(name, facts, scene, line) for name, facts, scene, line in lines if line is not None]
     names = moving[0][2].equations.coordinates.names if moving else ()
     if len(moving) < 2 or any(scene.equations.coordinates.names != names for _, _, scene, _ in moving):
@@ -110,9 +109,9 @@ def _robot_modes(scene: Scene) -> RobotModes | None:
     return RobotModes(robot_scene, note=table.note if table else "", view=view_of(table)) if robot_scene else None
 
 
-def _lowest(scene: Scene) -> ModeLine | None:
+def _lowest(modes: SceneModes) -> ModeLine | None:
     """The oscillating mode of the lowest frequency."""
-    lines = [line for line in SceneModes(scene).lines if line.shape is not None and line.value.imag > 0]
+    lines = [line for line in modes.lines if line.shape is not None and line.value.imag > 0]
     return min(lines, key=lambda line: abs(line.value), default=None)
 
 
