@@ -253,10 +253,10 @@ def turned(axis, angle):
     return scipy.linalg.expm(np.cross(np.eye(3), axis) * angle)
 
 
-def arm_bodies():
+def arm_bodies(angles=ARM_ANGLES):
     """Of each link: mass, inertia matrix, middle; of each joint: axis and place; where the tip of the tool is."""
     R, place, bodies, joints = np.eye(3), np.array([0, 0, 0.1]), [], []
-    for number, ((length, mass, radius), angle) in enumerate(zip(ARM, ARM_ANGLES)):
+    for number, ((length, mass, radius), angle) in enumerate(zip(ARM, angles)):
         axis = np.array([0, 0, 1] if number % 2 == 0 else [0, 1, 0])
         joints.append((R @ axis, place))
         R = R @ turned(axis, angle)
@@ -271,14 +271,21 @@ def arm_jacobian(point, joints, count):
     return np.array(columns).T
 
 
-def test_arm_is_in_equilibrium_and_moves_off_with_the_impulse():
-    result = run("seven_joint_arm")
-    bodies, joints, tip = arm_bodies()
+def arm_mass_and_weight(angles=ARM_ANGLES):
+    """M of the links, and the torques of gravity."""
+    bodies, joints, _ = arm_bodies(angles)
     M, weight = np.zeros((7, 7)), np.zeros(7)
     for count, (mass, inertia, middle) in enumerate(bodies, 1):
         J, W = arm_jacobian(middle, joints, count), np.array([axis * (i < count) for i, (axis, _) in enumerate(joints)]).T
         M += mass * J.T @ J + W.T @ inertia @ W
         weight += mass * G * J[2]
+    return M, weight
+
+
+def test_arm_is_in_equilibrium_and_moves_off_with_the_impulse():
+    result = run("seven_joint_arm")
+    _, joints, tip = arm_bodies()
+    M, weight = arm_mass_and_weight()
     posture = result.scene.equations.posture
     assert [posture.torques[f"j{i}"] for i in range(1, 8)] == pytest.approx(weight, abs=1e-10)
     push = arm_jacobian(tip, joints, 7)
@@ -287,6 +294,48 @@ def test_arm_is_in_equilibrium_and_moves_off_with_the_impulse():
     tool = result.scene.equations.robot_scene.system.output_matrix
     assert tool[:, :7] == pytest.approx(push, abs=1e-12)
     assert len(result.system.names) == 14 and max(mode.eigenvalue.real for mode in result.modes) < 0
+
+
+#: By joint: stiffness and damping of the gear, inertia of the motor after the gear, gains of its control (N m/rad, N m s/rad, kg m^2).
+DRIVES = np.array(
+    [[12000, 8, 0.4, 3000, 40]] * 2 + [[9000, 6, 0.3, 2500, 30]] * 2 + [[5000, 4, 0.2, 1200, 14]] * 2 + [[4000, 3, 0.1, 600, 5]]
+)
+
+
+def arm_frequencies(angles):
+    """Natural frequencies in Hz, ascending: links with their weight, gears, motors with their controls."""
+    M, _ = arm_mass_and_weight(angles)
+    steps, weights = np.eye(7) * 1e-2, (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+    pull = [
+        sum(
+            w * (arm_mass_and_weight(angles + i * h)[1] - arm_mass_and_weight(angles - i * h)[1]) / 1e-2
+            for i, w in enumerate(weights, 1)
+        )
+        for h in steps
+    ]
+    k, c, motor, p, d = (np.diag(column) for column in DRIVES.T)
+    zero = np.zeros((7, 7))
+    K = np.block([[k + np.array(pull), -k], [-k, k + p]])
+    C = np.block([[c + 0.2 * np.eye(7), -c], [-c, c + d]])  # 0.2 N m s/rad in each bearing
+    mass = np.block([[M, zero], [zero, motor]])
+    lower = -np.linalg.solve(mass, np.hstack([K, C]))
+    values = np.linalg.eigvals(np.vstack([np.hstack([np.zeros((14, 14)), np.eye(14)]), lower]))
+    return np.sort(np.abs(values[values.imag > 0])) / (2 * np.pi)
+
+
+def test_arm_workspace_has_the_frequencies_of_each_posture():
+    """The corners and the middle of the map; stretched, the arm is slowest, and the shoulder hardly matters."""
+    scene = read_scene(EXAMPLES / "arm_workspace.toml")
+    shoulder, elbow = np.radians([0, 45, 90]), np.radians([-135, -67.5, 0])
+    result = scene.sweep({"model.guess.j2": list(shoulder), "model.guess.j4": list(elbow)}).run()
+    first, second = (result.values(f"frequency {number}").reshape(3, 3) for number in (1, 2))
+    for i, j2 in enumerate(shoulder):
+        for j, j4 in enumerate(elbow):
+            angles = np.radians([20, 0, 15, 0, 10, 50, 0]) + np.array([0, j2, 0, j4, 0, 0, 0])
+            assert [first[i, j], second[i, j]] == pytest.approx(arm_frequencies(angles)[:2], rel=1e-9)
+    assert (first.argmin(axis=1) == 2).all()
+    assert np.ptp(first, axis=0).max() < 0.03 * np.ptp(first)
+    assert (np.diff(second[:, 2]) < 0).all()
 
 
 def test_satellite_comes_to_rest_at_another_angle():

@@ -218,6 +218,25 @@ def test_half_sine_drop():
     assert largest >= max(accelerations) * (1 - 1e-12)
 
 
+def test_the_gear_train_scatters_as_the_closed_form_of_each_specimen():
+    """J2 reduced by i^2 = (r2 / r1)^2: w^2 of three inertias on two springs are roots of a quadratic; tolerances of first order."""
+    result = read_scene(EXAMPLES / "gear_tolerances.toml").sweep(samples=400).run()
+    J1, J2, J3, k1, k2 = (result.parameter(name) for name in ("motor", "gears", "load", "fast", "slow"))
+    ratio = (result.parameter("wheel") / result.parameter("pinion")) ** 2
+    J2, J3, k2 = J2 / ratio, J3 / ratio, k2 / ratio
+    a, b, c = J1 * J2 * J3, -(k1 * J3 * (J1 + J2) + k2 * J1 * (J2 + J3)), k1 * k2 * (J1 + J2 + J3)
+    root = np.sqrt(b**2 - 4 * a * c)
+    expected = np.sqrt([2 * c / (root - b), (root - b) / (2 * a)]) / (2 * np.pi)
+    for number, frequencies in enumerate(expected, 1):
+        assert result.values(f"frequency {number}") == pytest.approx(frequencies, rel=1e-12)
+    share = (expected[0] > 14.8).mean()
+    estimate = result.exceedance("frequency 1", 14.8)
+    assert estimate.value == share and estimate.low < share < estimate.high
+    slopes = result.scene.sensitivities(["fast", "slow", "load", "motor", "gears"]).logarithmic[:, 0]
+    spread = np.sqrt((slopes**2 * np.array([0.06, 0.06, 0.03, 0.02, 0.04]) ** 2).sum())  # independent tolerances
+    assert np.std(expected[0]) / np.mean(expected[0]) == pytest.approx(spread, rel=0.15)
+
+
 def rotor_matrices():
     """m, Jd, Jp and the stiffness over z = y + i z and the tilt of rotor.toml: of a cylinder, from its parameters."""
     mass = 7810 * math.pi / 4 * 0.2**2 * 0.5

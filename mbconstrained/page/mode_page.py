@@ -13,9 +13,10 @@ from ..ground.notices import Notice
 from .animation.animation import Animation
 from .animation.figure import figure_data
 from .animation.keyframes import KeyFrames, key_frames
+from .content import Figure
 from .drawing.bodies import Drawing
 from .drawing.paths import Path
-from .sections import stage_section, table_section
+from .sections import figure_section, stage_section, table_section
 from .typeset import typeset
 
 #: Times of one cycle, both ends included: the error of cubic interpolation is less than 2e-6 of the amplitude.
@@ -35,6 +36,9 @@ _DECIMALS = 2
 
 #: Of the speed menu of pages that show cycles.
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
+
+#: The usual word for what is listed.
+MODE = "mode"
 
 Share = tuple[str, float | None, float | None]
 
@@ -101,7 +105,9 @@ class ModesContent:
         names: r coordinate names.
         modes: in the order in which they are listed.
         notices, facts: as on the page of a run.
-        tables: below the list of modes.
+        figures: before the tables, both below the list.
+        tables: of the page.
+        word: what is listed, "mode"; others, such as "variant", have a slider too.
     """
 
     title: str
@@ -112,6 +118,8 @@ class ModesContent:
     notices: tuple[Notice, ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
     tables: tuple[TextTable, ...] = ()
+    figures: tuple[Figure, ...] = ()
+    word: str = MODE
 
 
 def cycle(shape, phases: int = PHASES) -> np.ndarray:
@@ -142,14 +150,16 @@ def mode_sections(content: ModesContent) -> tuple[list[str], dict]:
     moves = [len(frames.times) > 1 for frames in cycles]
     first = moves.index(True) if any(moves) else 0
     notes = [_scale_note(content.drawing, *each) for each in zip(modes, moves)]
-    picture = stage_section(0.0, float(any(moves)), notes[first], ("part of the cycle", "cycle"), SPEEDS, 1.0, loop=False)
+    figure = figure_data(content.drawing, cycles)
+    time, slider = ("part of the cycle", "cycle"), _slider(content, first)
+    picture = stage_section(figure, 0.0, float(any(moves)), notes[first], time, SPEEDS, 1.0, loop=False, further=slider)
     if any(mode.shares or mode.shape or mode.note for mode in modes):
         # without scripts the details of all modes are visible
         visible = "<noscript><style>.details section[hidden] { display: block; }</style></noscript>"
         details = "\n".join(_details(i, mode, i == first) for i, mode in enumerate(modes))
         picture = f'<div class="picture">\n{picture}\n<div class="details">{visible}\n{details}\n</div>\n</div>'
     data = {
-        "figure": figure_data(content.drawing, cycles),
+        "figure": figure,
         "names": list(content.names),
         "modes": [
             {"name": mode.name, "period": mode.period, "note": note, "frames": frames.as_packed()}
@@ -160,7 +170,7 @@ def mode_sections(content: ModesContent) -> tuple[list[str], dict]:
         "decimals": _DECIMALS,
         "unit": "cycle",
     }
-    return [picture, _list(modes, first), *map(table_section, content.tables)], data
+    return [picture, _list(content, first), *map(figure_section, content.figures), *map(table_section, content.tables)], data
 
 
 def _scale_note(drawing: Drawing, mode: ModePicture, moves: bool) -> str:
@@ -173,8 +183,21 @@ def _scale_note(drawing: Drawing, mode: ModePicture, moves: bool) -> str:
     return "\n".join(filter(None, (drawing.note, "not to scale: " + ", ".join(factors) if moves else "does not move")))
 
 
-def _list(modes: tuple[ModePicture, ...], first: int) -> str:
+def _slider(content: ModesContent, first: int) -> str:
+    """Through the list, where it is not one of modes."""
+    if content.word == MODE or len(content.modes) < 2:
+        return ""
+    text = html.escape(content.modes[first].name)
+    return (
+        f'\n<div class="controls">\n<label for="choice">{content.word}</label>\n<input type="range" id="choice" min="0"'
+        f' max="{len(content.modes) - 1}" step="1" value="{first}" autocomplete="off" aria-valuetext="{text}">\n'
+        f'<span id="chosen">{text}</span></div>'
+    )
+
+
+def _list(content: ModesContent, first: int) -> str:
     """One row for each mode with a radio button of one group, so that the arrow keys go from mode to mode."""
+    modes, word = content.modes, content.word
     facts = [dict(mode.facts) for mode in modes]
     labels = dict.fromkeys(label for own in facts for label in own)
     columns = {label: [own.get(label, "") for own in facts] for label in labels}
@@ -187,8 +210,9 @@ def _list(modes: tuple[ModePicture, ...], first: int) -> str:
         name = f"<td><label>{button}<span>{typeset(mode.name)}</span></label></td>"
         rows.append(f'<tr data-mode="{i}"{" class=selected" * (i == first)}><td class="number">{i + 1}</td>{name}{cells}</tr>')
     return (
-        '<section class="modes">\n<h2>Modes</h2>\n<div class="scroll" role="radiogroup" aria-label="selected mode"><table>\n'
-        f'<thead><tr><th scope="col" class="number">no.</th><th scope="col">mode</th>{head}</tr></thead>\n'
+        f'<section class="modes">\n<h2>{word.capitalize()}s</h2>\n'
+        f'<div class="scroll" role="radiogroup" aria-label="selected {word}"><table>\n'
+        f'<thead><tr><th scope="col" class="number">no.</th><th scope="col">{word}</th>{head}</tr></thead>\n'
         f"<tbody>\n{chr(10).join(rows)}\n</tbody>\n</table></div>\n</section>"
     )
 

@@ -1,6 +1,8 @@
 """The commands sweep and optimise."""
 
 import json
+import socket
+import threading
 
 import pytest
 
@@ -63,3 +65,21 @@ def test_the_command_optimise(command, scene):
     assert code == 0
     assert "0.133" in text
     assert max(map(len, text.splitlines())) <= 80
+
+
+def test_an_address_where_another_program_answers(command, scene):
+    """Its greeting is no length of a message that memory must hold."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def greet():
+            connection, _ = server.accept()
+            with connection:
+                connection.sendall(b"HTTP/1.1 400 Bad Request\r\nConnection: close\r\n\r\n")
+
+        thread = threading.Thread(target=greet, daemon=True)
+        thread.start()
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        code, _, errors = command("sweep", scene, "--vary", "zeta=0.1..0.2:3", "--dask", address)
+        thread.join()
+    assert code == 1
+    assert f"no Dask cluster answers at {address}" in errors

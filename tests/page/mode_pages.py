@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from mbconstrained.ground.display import TextTable
@@ -53,6 +55,12 @@ def many_modes(count: int) -> ModesContent:
     phase = np.exp(1j * np.arange(count))
     modes = tuple(ModePicture(f"mode {i + 1}", (("Hz", f"{i}"),), values=cycle([1, p]), period=1.0) for i, p in enumerate(phase))
     return ModesContent("Many", "", two_bodies(), NAMES, modes)
+
+
+def variants(count: int) -> ModesContent:
+    """Listed as variants, with a slider."""
+    modes = tuple(replace(mode, name=f"sample {10 * (i + 1)}") for i, mode in enumerate(many_modes(count).modes))
+    return replace(many_modes(count), modes=modes, word="variant")
 
 
 def hostile_modes() -> ModesContent:

@@ -11,7 +11,7 @@ from mbconstrained.page.drawing.bodies import Drawing
 from mbconstrained.page.html import page_html, viewer_script
 from mbconstrained.page.mode_page import ModesContent
 from tests.page.contents import HOSTILE
-from tests.page.mode_pages import hostile_modes, many_modes, robot_modes, two_modes
+from tests.page.mode_pages import hostile_modes, many_modes, robot_modes, two_modes, variants
 from tests.page.test_html import Texts, data_of
 
 
@@ -43,7 +43,7 @@ def test_every_mode_has_a_row_with_its_facts_and_the_first_that_moves_is_selecte
     rows = re.findall(r'<tr data-mode="(\d)"( class=selected)?>', page)
     assert rows == [("0", " class=selected"), ("1", ""), ("2", "")]
     assert len(re.findall('type="radio" name="mode"', page)) == 3
-    assert len(re.findall(" checked>", page)) == 1
+    assert len(re.findall(r'type="radio"[^>]* checked>', page)) == 1
 
 
 def test_the_first_mode_that_moves_is_selected_not_one_that_rests():
@@ -109,3 +109,11 @@ def test_shapes_are_listed_with_their_phases_and_of_many_entries_the_first():
     page = page_html(replace(content, modes=(replace(content.modes[0], shape=entries, values=values),)))
     assert '<th scope="row">a &lt; b</th><td>0.5 m at 90 deg</td>' in page
     assert "x28</th>" in page and "x29</th>" not in page and "and 11 more with smaller amplitudes" in page
+
+
+def test_variants_have_a_slider_and_modes_have_none():
+    page = page_html(variants(5))
+    assert "<h2>Variants</h2>" in page
+    assert re.search(r'<input type="range" id="choice" min="0" max="4" step="1" value="0"[^>]* aria-valuetext="sample 10">', page)
+    for content in (many_modes(5), variants(1)):
+        assert 'id="choice"' not in page_html(content).replace(viewer_script(), "")

@@ -6,7 +6,7 @@ import pytest
 from mbconstrained.page.html import page_html
 from tests.page.browser import needs_chromium
 from tests.page.contents import HOSTILE
-from tests.page.mode_pages import hostile_modes, many_modes, robot_modes, two_modes
+from tests.page.mode_pages import hostile_modes, many_modes, robot_modes, two_modes, variants
 from tests.page.robots import CRANK, four_bar_angles
 
 pytestmark = [needs_chromium, pytest.mark.long]
@@ -171,3 +171,17 @@ def test_programs_are_told_what_cannot_be_selected(browser, page):
     assert browser.evaluate("(() => { try { mbconstrained.select(4) } catch (error) { return error.message } })()") == (
         "select: found 4; expected a number from 1 to 3"
     )
+
+
+def test_the_slider_goes_through_the_variants(browser, tmp_path):
+    browser.open(written(tmp_path, variants(5)))
+    assert text(browser, "#chosen") == "sample 10"
+    browser.evaluate(
+        "(choice => { choice.value = 3; choice.dispatchEvent(new Event('input')); })(document.querySelector('#choice'))"
+    )
+    assert text(browser, "#chosen") == "sample 40"
+    assert browser.evaluate("document.querySelector('tr.selected').dataset.mode") == "3"
+    browser.evaluate("document.querySelector('tr[data-mode=\"1\"] input').click()")
+    assert browser.evaluate("document.querySelector('#choice').value") == "1"
+    assert text(browser, "#chosen") == "sample 20"
+    assert browser.messages == []

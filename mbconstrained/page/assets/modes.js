@@ -44,6 +44,11 @@ function select(mode) {
     row.querySelector("input").checked = i === mode;
   });
   document.querySelectorAll(".details section").forEach((section, i) => (section.hidden = i !== mode));
+  if (control("choice")) {
+    control("choice").value = mode;
+    control("choice").setAttribute("aria-valuetext", data.modes[mode].name);
+    control("chosen").textContent = data.modes[mode].name;
+  }
   showNote();
   if (isStill) player.playing = false;
   show(player.time);
@@ -67,6 +72,7 @@ function selectAndPlay(mode) {
 }
 
 control("speed").addEventListener("change", showNote);
+if (control("choice")) control("choice").addEventListener("input", (event) => selectAndPlay(Number(event.target.value)));
 document.querySelectorAll("tr[data-mode]").forEach((row, i) => {
   const button = row.querySelector("input");
   button.addEventListener("change", () => selectAndPlay(i));

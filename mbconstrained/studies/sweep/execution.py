@@ -5,6 +5,7 @@ Nobody has more than one chunk, and gets the next one when the last was kept, so
 
 from __future__ import annotations
 
+import asyncio
 import os
 import subprocess
 import sys
@@ -31,6 +32,9 @@ Answers = Generator[tuple[int, dict[str, np.ndarray]], None, None]
 
 #: A cluster that does not answer for so long is given up, s.
 PATIENCE = 10.0
+
+#: Seconds in which a scheduler is to answer.
+CONNECTING = 5.0
 
 #: A chunk whose worker ends so often is not tried again.
 MOST_LOSSES = 2
@@ -231,12 +235,21 @@ def _client(distributed, address: str, stack: ExitStack):
 
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it would log is raised here
     try:
-        return stack.enter_context(distributed.Client(address, timeout=PATIENCE - 2, set_as_default=False))
-    except (OSError, TimeoutError, ValueError) as problem:
+        asyncio.run(_reach(distributed, address))  # a Client that reaches none would wait for itself when it is left
+        return stack.enter_context(distributed.Client(address, timeout=CONNECTING, set_as_default=False))
+    except (OSError, TimeoutError, ValueError, MemoryError) as problem:
         reason = (str(problem).splitlines() or [type(problem).__name__])[0][:160]
+        if isinstance(problem, MemoryError):  # other words than those of Dask, read as a length
+            reason = "another program answers there"
         raise InputError(
-            f"--dask: no Dask cluster answers at {address} within {PATIENCE:g} s ({reason}); give the address of a scheduler"
+            f"--dask: no Dask cluster answers at {address} within {CONNECTING:g} s ({reason}); give the address of a scheduler"
         ) from None
+
+
+async def _reach(distributed, address: str) -> None:
+    """Connect to a scheduler, and leave."""
+    connection = await distributed.comm.connect(address, timeout=CONNECTING)
+    await connection.close()
 
 
 def _checked_workers(client, address: str) -> int:

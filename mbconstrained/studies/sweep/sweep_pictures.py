@@ -27,6 +27,9 @@ MOST_FIGURES, MOST_PARAMETERS = 6, 4
 #: Samples that a scatter plot shows, and times or frequencies of a band.
 MOST_DOTS, MOST_PLACES = 2000, 400
 
+#: Numbers along an axis of a scatter plot, about: more would overlap.
+MOST_TICKS = 4
+
 #: Cells of a map in each direction.
 MOST_CELLS = 60
 
@@ -109,6 +112,7 @@ class SweepPictures:
                 marks = {"marker": "o", "markersize": 2.6, "linestyle": "-" if is_line else "none", "linewidth": 1.0}
                 axes.plot(column[places], values[places], color=color, **marks)
                 axes.set_xlabel(name)
+                axes.locator_params(axis="x", nbins=MOST_TICKS)
             row[0].set_ylabel(title)
 
         note = f"One in {step} of the samples is shown." if step > 1 else ""

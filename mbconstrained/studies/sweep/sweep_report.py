@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -10,8 +12,12 @@ import numpy as np
 
 from ...ground.checks import counted
 from ...ground.display import TextTable, number_text, with_unit
+from ...ground.errors import MbconstrainedError
 from ...ground.notices import Notice, NoticeKind
+from ...page.content import PageContent
+from ...page.html import Content
 from ...scene.quantities.variations import Distribution, Variation
+from ...scene.run.modes.mode_pages import variants_content
 from ..figures import Picture
 from ..study_report import StudyReport
 from ..timing import machine
@@ -23,6 +29,9 @@ if TYPE_CHECKING:
 
 #: Samples without an answer that are listed; the data has all.
 MOST_FAILURES = 20
+
+#: Variants that the page animates, and coordinates of the largest system that it animates.
+MOST_VARIANTS, MOST_COORDINATES = 25, 200
 
 #: Figures of which the parameters that matter are shown.
 MOST_MATTERING = 3
@@ -103,6 +112,24 @@ class SweepReport(StudyReport):
             title = f"Tornado plot of {figure}: rank correlations"
             pictures.append(bars(title, [names[i] for i in order], {"": values}, "rank correlation"))
         return pictures
+
+    def page_content(self, pictures: Sequence[Picture] | None = None) -> Content:
+        """The report as a page, on which variants at quantiles of the first figure move in their lowest mode."""
+        content, result = super().page_content(pictures), self.result
+        system = result.scene.equations.system
+        if not isinstance(content, PageContent) or not self.figures or system is None or system.size > MOST_COORDINATES:
+            return content
+        name, variants = self.figures[0], []
+        unit, factor = self.units[name]
+        values = result.values(name)
+        places = np.argsort(values, kind="stable")[: int(np.isfinite(values).sum())]
+        for number in np.unique(np.linspace(0, len(places) - 1, MOST_VARIANTS).round().astype(int)).tolist():
+            place = int(places[number])
+            text = with_unit(float(f"{factor * values[place]:.6g}"), unit)
+            with suppress(MbconstrainedError):
+                variants.append((f"sample {place + 1}", (*self._values(place), (name, text)), result.sample_scene(place)))
+        shown = ("animation", f"{len(variants)} samples at quantiles of {name}, each in the shape of its lowest mode")
+        return variants_content(variants, replace(content, facts=(shown, *content.facts))) or content
 
     @cached_property
     def sobol(self) -> dict[str, SobolIndices]:
@@ -209,13 +236,17 @@ class SweepReport(StudyReport):
             rows.append((name, *texts))
         return TextTable("Least and largest values", ("figure", "least", "largest"), tuple(rows))
 
-    def _place(self, sample: int) -> str:
+    def _values(self, sample: int) -> tuple[tuple[str, str], ...]:
+        """The parameters of a sample as texts."""
         shown = self.result.scene.equations.coordinates.shown
         row, texts = self.result.samples.rows(slice(sample, sample + 1))[0], []
         for name, value in row.items():
             unit, factor = shown.of(getattr(self.result.samples.variations[name], "unit", ""))
-            texts.append(f"{name} = {value if isinstance(value, str) else with_unit(float(f'{factor * value:.6g}'), unit or '1')}")
-        return ", ".join(texts)
+            texts.append((name, value if isinstance(value, str) else with_unit(float(f"{factor * value:.6g}"), unit or "1")))
+        return tuple(texts)
+
+    def _place(self, sample: int) -> str:
+        return ", ".join(f"{name} = {text}" for name, text in self._values(sample))
 
     def _limits(self) -> TextTable:
         rows = []

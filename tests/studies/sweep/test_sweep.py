@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.studies.sweep.sweep_report import MOST_VARIANTS, SweepReport
+from tests.scene.scenes import EXAMPLES
 
 SCENE = """
 title = "Two masses"
@@ -100,3 +102,22 @@ def test_samples_without_an_answer_have_their_reason(path):
 def test_wrong_parameters_are_messages(path, parameters, message):
     with pytest.raises((mb.InputError, mb.SceneError), match=message):
         mb.read_scene(path).sweep(parameters)
+
+
+def test_the_page_animates_samples_at_quantiles(tmp_path):
+    """At most 25 variants, from the least to the largest first frequency, each named with its parameters."""
+    scene = mb.read_scene(EXAMPLES / "gear_tolerances.toml")
+    result = scene.sweep(samples=60).run()
+    content = SweepReport(result).page_content([])
+    assert content.word == "variant"
+    assert len(content.modes) == MOST_VARIANTS
+    values = [float(dict(variant.facts)["frequency 1"].split()[0]) for variant in content.modes]
+    assert values == sorted(values)
+    assert [values[0], values[-1]] == pytest.approx(
+        [result.values("frequency 1").min(), result.values("frequency 1").max()], rel=1e-5
+    )
+    for variant, frequency in zip(content.modes, values):
+        assert 1 / variant.period == pytest.approx(frequency, rel=1e-5)
+    assert {name for name, _ in content.modes[0].facts} == {*result.samples.variations, "frequency 1"}
+    # one sample cannot be chosen from, and coefficients have no shapes
+    assert not hasattr(SweepReport(scene.sweep(samples=1).run()).page_content([]), "word")
