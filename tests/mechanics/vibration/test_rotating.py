@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import mpmath
 import numpy as np
 import pytest
@@ -131,3 +133,31 @@ def test_at_speed_is_the_system_with_the_matrices_of_that_speed():
 def test_what_is_wrong_is_named(call, message):
     with pytest.raises(mb.InputError, match=message):
         call()
+
+
+@pytest.fixture(scope="module")
+def large_rotor():
+    """A rotor of 42 coordinates; its critical speeds by mpmath, 40 digits, K x = w^2 (M - i G) x."""
+    with np.load(Path(__file__).parents[2] / "oracles" / "rotor_example.npz") as data:
+        return {name: data[name] for name in data.files}
+
+
+def test_the_critical_speeds_of_a_large_rotor(large_rotor):
+    M, K, G, expected = (large_rotor[name] for name in ("M", "K", "G", "critical_speeds"))
+    np.testing.assert_allclose(mb.MechanicalSystem(M, stiffness=K, gyroscopic=G).critical_speeds(), expected, rtol=1e-12)
+
+
+def test_no_mode_of_a_large_rotor_is_swapped(large_rotor):
+    """Coarse and fine speeds have the same branches; every branch that passes the line W has a critical speed; all eigenvalues are there."""
+    M, K, G, critical = (large_rotor[name] for name in ("M", "K", "G", "critical_speeds"))
+    rotor = mb.MechanicalSystem(M, stiffness=K, gyroscopic=G)
+    speeds = np.linspace(0.0, 1.1 * critical[7], 101)
+    fine, coarse = rotor.campbell(speeds), rotor.campbell(speeds[::20])
+    np.testing.assert_allclose(fine.damped_frequencies[::20], coarse.damped_frequencies, rtol=1e-9)
+    above = fine.damped_frequencies > speeds[:, None]
+    assert np.abs(np.diff(above[1:].astype(int), axis=0)).sum() == (critical < speeds[-1]).sum()
+    n, W = len(M), speeds[50]
+    first_order = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, K), -W * np.linalg.solve(M, G)]])
+    values = np.linalg.eigvals(first_order)
+    expected = np.sort(values.imag[values.imag > 1.0])  # free motions of eigenvalue 0 are none of the branches
+    np.testing.assert_allclose(np.sort(fine.damped_frequencies[50]), expected, rtol=1e-6)
