@@ -17,7 +17,7 @@ from ...ground.notices import Notice, NoticeKind
 from ...page.content import PageContent
 from ...page.html import Content
 from ...scene.quantities.variations import Distribution, Variation
-from ...scene.run.modes.mode_pages import variants_content
+from ...scene.run.modes.variant_page import variants_content
 from ..figures import Picture
 from ..study_report import StudyReport
 from ..timing import machine
