@@ -235,3 +235,52 @@ def test_the_gear_train_scatters_as_the_closed_form_of_each_specimen():
     slopes = result.scene.sensitivities(["fast", "slow", "load", "motor", "gears"]).logarithmic[:, 0]
     spread = np.sqrt((slopes**2 * np.array([0.06, 0.06, 0.03, 0.02, 0.04]) ** 2).sum())  # independent tolerances
     assert np.std(expected[0]) / np.mean(expected[0]) == pytest.approx(spread, rel=0.15)
+
+
+def rotor_matrices():
+    """m, Jd, Jp and the stiffness over z = y + i z and the tilt of rotor.toml: of a cylinder, from its parameters."""
+    mass = 7810 * math.pi / 4 * 0.2**2 * 0.5
+    stiffness = np.array([[2.3e6, 0.3e6 * 0.25], [0.3e6 * 0.25, 2.3e6 * 0.25**2]])
+    return mass, mass * (0.2**2 / 16 + 0.5**2 / 12), mass * 0.2**2 / 8, stiffness
+
+
+def test_the_rotor_has_the_critical_speeds_of_its_quadratic_equations():
+    """(kT - m W^2) (kR - (Jd -+ Jp) W^2) = kC^2 without damping (Friswell et al. 2010, section 3.5)."""
+    scene = read_scene(EXAMPLES / "rotor.toml", {"c": 1e-90})
+    mass, diametral, polar, K = rotor_matrices()
+    expected = []
+    for inertia in (diametral - polar, diametral + polar):
+        expected += np.roots([mass * inertia, -(K[0, 0] * inertia + K[1, 1] * mass), np.linalg.det(K)]).tolist()
+    critical = scene.equations.rotor.critical_speeds()
+    assert critical == pytest.approx(np.sqrt(np.sort(expected)), rel=1e-9)
+    diagram = scene.equations.rotor.campbell(np.linspace(0.0, 400.0, 5))
+    assert sorted(diagram.directions) == ["backward", "backward", "forward", "forward"]
+
+
+def test_the_unbalance_response_of_the_rotor():
+    """(K + i W (C - W G') - W^2 M) (z, tilt) = W^2 u with the forward unbalance at the end A alone."""
+    rotor = read_scene(EXAMPLES / "rotor.toml").equations.rotor
+    mass, diametral, polar, K = rotor_matrices()
+    M, C = np.diag([mass, diametral]), 600 * np.diag([2.0, 2 * 0.25**2])
+    speeds = np.linspace(0.0, 400.0, 21)
+    response = rotor.unbalance_response(speeds)
+
+    def expected(W):
+        A = K + 1j * W * C - W**2 * (M - np.diag([0.0, polar]))
+        return np.linalg.solve(A, W**2 * 2e-3 * np.array([1.0, -0.25]))
+
+    names = list(rotor.names)
+    found = response.values[:, [names.index("rotor y"), names.index("rotor y angle")]]
+    assert found == pytest.approx(np.array([expected(W) for W in speeds]), rel=1e-10, abs=1e-18)
+    for peak in response.peaks:
+        if peak.coordinate == "A y":
+            near = [abs(np.dot([1.0, -0.25], expected(peak.speed * (1 + step)))) for step in (-1e-4, 0.0, 1e-4)]
+            assert near[1] == max(near) == pytest.approx(peak.amplitude, rel=1e-12)
+    assert sum(peak.coordinate == "A y" for peak in response.peaks) == 2  # one of each forward mode
+
+
+def test_the_optimum_of_the_tuned_mass_damper_is_that_of_its_scene():
+    """tuned_mass_damper_optimum varies what tuned_mass_damper.toml has exactly (Nishihara and Asami 2002)."""
+    optimum = read_scene(EXAMPLES / "tuned_mass_damper_optimum.toml").optimise()
+    exact = read_scene(EXAMPLES / "tuned_mass_damper.toml").parameters.values
+    assert [optimum.parameters[name] for name in ("tuning", "zeta")] == pytest.approx([exact["tuning"], exact["zeta"]], abs=1e-5)

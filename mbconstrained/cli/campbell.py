@@ -1,4 +1,4 @@
-"""The command campbell: eigenvalues, critical speeds and unbalance response of a rotor over its speed."""
+"""The commands campbell and locus: eigenvalues of a rotor over its speed, and of any model over a parameter."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .answer import Json, Out, ScenePath, Settings, answer
+from .answer import Json, Out, ScenePath, Settings, answer, setting
 from .studies import published
 
 if TYPE_CHECKING:
@@ -14,8 +14,9 @@ if TYPE_CHECKING:
 
 
 def add_to(app: typer.Typer) -> None:
-    """Give the command line the command."""
+    """Give the command line the two commands."""
     app.command("campbell", short_help="Critical speeds, whirl, stability and unbalance response of a rotor.")(_campbell)
+    app.command("locus", short_help="Root locus: eigenvalues over a parameter, with break points.")(_locus)
 
 
 def _campbell(
@@ -47,5 +48,33 @@ def _campbell(
 
         table = with_options(loaded.table.campbell, "campbell", options, loaded.file_name)
         return published(lambda progress: RotorReport(loaded, table), loaded.name, "campbell", out, json)
+
+    answer(scene, json, work, settings)
+
+
+def _locus(
+    scene: ScenePath,
+    vary: Annotated[
+        str, typer.Option("--vary", metavar="NAME=VALUES", help='A parameter or an element, such as "c=1..50 N*s/m:101".')
+    ],
+    out: Out = "",
+    settings: Settings = None,
+    json: Json = False,
+) -> None:
+    """The eigenvalues over a parameter, each branch followed, with the break points where two of them coalesce.
+
+    Break points are solved for, not found on the grid of values. Writes NAME.locus.html, .png and .json."""
+    name, values = setting(vary, "--vary")
+
+    def work(loaded: Scene) -> int:
+        from ..studies.rotating.locus_report import LocusReport, locus_values
+
+        return published(
+            lambda progress: LocusReport(loaded, loaded.root_locus(name, locus_values(loaded, name, values))),
+            loaded.name,
+            "locus",
+            out,
+            json,
+        )
 
     answer(scene, json, work, settings)

@@ -96,7 +96,9 @@ def frequency_sections(content: FrequencyContent, functions: PlotFunctions) -> t
         return [plots, table_section(content.peaks), *tables], {}
     lines = [shapes.nearest(frequency) for frequency in content.peak_frequencies]
     first = (lines[0], content.peak_inputs[0]) if lines else (len(shapes.frequencies) // 2, 0)
+    figure = figure_data(shapes.drawing, _bounding(shapes, lines))
     stage = stage_section(
+        figure,
         0.0,
         1.0,
         "",
@@ -107,7 +109,7 @@ def frequency_sections(content: FrequencyContent, functions: PlotFunctions) -> t
         further=_frequency_controls(shapes, content.axis, first),
     )
     data = {
-        "figure": figure_data(shapes.drawing, _bounding(shapes, lines)),
+        "figure": figure,
         "names": list(shapes.names),
         "note": shapes.drawing.note,
         "inputs": list(shapes.inputs),

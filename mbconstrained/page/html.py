@@ -38,7 +38,19 @@ Content = PageContent | ModesContent | FrequencyContent
 VIEWER_FILE = "mbconstrained-viewer.js"
 
 _ASSETS = Path(__file__).with_name("assets")
-_ANIMATION = ("motion.js", "shapes.js", "solids.js", "links.js", "names.js", "stage.js", "player.js", "keys.js", "print.js")
+_ANIMATION = (
+    "motion.js",
+    "shapes.js",
+    "solids.js",
+    "links.js",
+    "names.js",
+    "marks.js",
+    "stage.js",
+    "record.js",
+    "player.js",
+    "keys.js",
+    "print.js",
+)
 _PLOTS = ("readings.js", "axes.js", "plots.js")
 
 
@@ -171,7 +183,7 @@ def _run_sections(content: PageContent, functions: PlotFunctions) -> tuple[list[
         data = {"figure": figure, "frames": frames.as_data(*errors), "decimals": decimals, "unit": "s"}
         usual = 1.0 if 3 <= end - start <= 90 or end <= start else 10.0 ** round(math.log10((end - start) / 15))
         speeds = [usual * factor for factor in (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)]  # 1 shows the motion in 3 to 90 s
-        stage = stage_section(start, end, _magnification(animation, frames), ("time in seconds", "s"), speeds, usual)
+        stage = stage_section(figure, start, end, _magnification(animation, frames), ("time in seconds", "s"), speeds, usual)
     frequencies = table_section(content.frequencies, "frequencies") if content.frequencies else ""
     if stage and frequencies:
         frequencies, stage = "", f'<div class="overview">\n{frequencies}\n{stage}\n</div>'

@@ -150,15 +150,16 @@ def mode_sections(content: ModesContent) -> tuple[list[str], dict]:
     moves = [len(frames.times) > 1 for frames in cycles]
     first = moves.index(True) if any(moves) else 0
     notes = [_scale_note(content.drawing, *each) for each in zip(modes, moves)]
+    figure = figure_data(content.drawing, cycles)
     time, slider = ("part of the cycle", "cycle"), _slider(content, first)
-    picture = stage_section(0.0, float(any(moves)), notes[first], time, SPEEDS, 1.0, loop=False, further=slider)
+    picture = stage_section(figure, 0.0, float(any(moves)), notes[first], time, SPEEDS, 1.0, loop=False, further=slider)
     if any(mode.shares or mode.shape or mode.note for mode in modes):
         # without scripts the details of all modes are visible
         visible = "<noscript><style>.details section[hidden] { display: block; }</style></noscript>"
         details = "\n".join(_details(i, mode, i == first) for i, mode in enumerate(modes))
         picture = f'<div class="picture">\n{picture}\n<div class="details">{visible}\n{details}\n</div>\n</div>'
     data = {
-        "figure": figure_data(content.drawing, cycles),
+        "figure": figure,
         "names": list(content.names),
         "modes": [
             {"name": mode.name, "period": mode.period, "note": note, "frames": frames.as_packed()}

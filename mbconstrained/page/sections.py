@@ -107,7 +107,28 @@ def _kind(column: tuple[str, ...]) -> str:
     return ' class="long sentence"' if longest > LONG_SENTENCE else ' class="sentence"' if longest > SENTENCE else ""
 
 
+#: What can be shown in addition to the bodies: kind, entry of a body in the figure that has it, text of its box.
+_MARKS = (
+    ("names", "label", "names"),
+    ("frames", "frame", "frames"),
+    ("masses", "ellipsoid", "centres of mass"),
+)
+
+
+def _marks(figure: dict) -> str:
+    """A box for each kind of mark that the figure has, and the button that records."""
+    offered = [(kind, text) for kind, entry, text in _MARKS if any(body[entry] for body in figure["bodies"])]
+    boxes = "".join(
+        f'<label><input type="checkbox" data-shows="{kind}"{" checked" * (kind == "names")}> {text}</label>\n'
+        for kind, text in offered
+    )
+    return f"""<div class="controls shown">
+{boxes}<button type="button" id="record" hidden>Record</button>
+</div>"""
+
+
 def stage_section(
+    figure: dict,
     start: float,
     end: float,
     text: str,
@@ -121,6 +142,7 @@ def stage_section(
     """The animation: the stage, the controls below it, and the keyboard shortcuts as a closed dialog.
 
     Args:
+        figure: from ``figure_data``.
         start, end: of the time slider.
         text: shown over the picture.
         time: name and unit of the time.
@@ -151,7 +173,8 @@ title="drag to rotate, drag with the right button to pan, turn the wheel with th
 <label>speed <select id="speed">{options}</select></label>{loop_button}
 <button type="button" id="reset">Reset view</button>
 <button type="button" id="keys" aria-label="Keyboard" title="Keyboard">?</button>
-</div>{further}
+</div>
+{_marks(figure)}{further}
 <p class="visually-hidden" id="announcement" role="status"></p>
 <dialog id="help" aria-label="Keyboard">
 <h2>Keyboard</h2>

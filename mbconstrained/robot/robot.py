@@ -381,6 +381,13 @@ class Robot(Displayed):
             return visuals_of_mjcf(self.source.model, self.source.path)
         return visuals_of(self.description, self.folder, self.package_dirs)
 
+    def inertia_ellipsoids(self) -> dict[str, np.ndarray]:
+        """Of each body, by its heaviest link: the placement (4, 4) in the link's frame that makes a unit sphere a uniform ellipsoid with
+        its mass, centre of mass and inertia, payloads included."""
+        from .linearization.inertia import inertia_ellipsoids
+
+        return inertia_ellipsoids(self)
+
     def mesh_notices(self) -> tuple[Notice, ...]:
         """A notice on the meshes that are not drawn, since their files are missing or lie outside the folders named."""
         from .description.visuals import mesh_notices

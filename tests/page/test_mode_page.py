@@ -43,7 +43,7 @@ def test_every_mode_has_a_row_with_its_facts_and_the_first_that_moves_is_selecte
     rows = re.findall(r'<tr data-mode="(\d)"( class=selected)?>', page)
     assert rows == [("0", " class=selected"), ("1", ""), ("2", "")]
     assert len(re.findall('type="radio" name="mode"', page)) == 3
-    assert len(re.findall(" checked>", page)) == 1
+    assert len(re.findall(r'type="radio"[^>]* checked>', page)) == 1
 
 
 def test_the_first_mode_that_moves_is_selected_not_one_that_rests():

@@ -48,6 +48,8 @@ def talos():
     return robot, {**guess, "base": sitting["root_joint"]}
 
 
+UNITREE = "FL_foot FR_foot RL_foot RR_foot"
+
 #: Legged robots: URDF, SRDF with a posture (None: all joints at 0), feet, and what each foot does to the ground.
 LEGGED = {
     "anymal c": (
@@ -65,6 +67,25 @@ LEGGED = {
     "go1": ("go1_description/urdf/go1.urdf", "go1_description/srdf/go1.srdf", "FL_foot FR_foot RL_foot RR_foot", "point"),
     "g1": ("g1_description/urdf/g1_29dof_rev_1_0.urdf", None, "left_ankle_roll_link right_ankle_roll_link", "rigid"),
     "romeo": ("romeo_description/urdf/romeo_small.urdf", "romeo_description/srdf/romeo_small.srdf", "l_sole r_sole", "rigid"),
+    **{
+        name: (f"{name}_description/urdf/{name}.urdf", srdf and f"{name}_description/srdf/{name}.srdf", UNITREE, "point")
+        for name, srdf in (("a1", True), ("go2", True), ("b1", True), ("laikago", None))
+    },
+    "solo12": (
+        "solo_description/robots/solo12.urdf",
+        "solo_description/srdf/solo.srdf",
+        "FL_FOOT FR_FOOT HL_FOOT HR_FOOT",
+        "point",
+    ),
+    **{
+        name: (
+            f"anymal_b_simple_description/robots/{name}.urdf",
+            f"anymal_b_simple_description/srdf/{name}.srdf",
+            "LF_FOOT RF_FOOT LH_FOOT RH_FOOT",
+            "point",
+        )
+        for name in ("anymal", "anymal-kinova")
+    },
 }
 
 

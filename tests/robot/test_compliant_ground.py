@@ -51,6 +51,14 @@ def test_stiff_ground_tends_to_feet_that_cannot_move():
     assert (errors[2] < 1.1e-4 * errors[0] + rounding).all()
 
 
+def test_springs_that_are_lost_next_to_stiffer_ones_are_reported():
+    """At 1e18 N/m float64 has no digits left for joints of 100 N m/rad; at 1e12 it has four."""
+    for k, reported in ((1e6, False), (1e12, False), (1e18, True)):
+        robot = quadruped((k, k, k))
+        notices = robot.linearize(robot.equilibrium(GUESS)).notices
+        assert [notice.doubtful for notice in notices if "spring of front left" in notice.text] == [True] * reported
+
+
 def referee(posture: mb.Posture, k, c):
     """M, C, K of the quadruped on springs along the ground's axes, whose ends lie where the guess has the feet."""
     model = pin.buildModelFromUrdf(QUADRUPED, pin.JointModelFreeFlyer())

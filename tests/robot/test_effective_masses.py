@@ -96,6 +96,8 @@ def test_free_bodies_have_no_effective_mass_and_directions_are_checked():
     assert found.totals == pytest.approx([mass_of(robot)] * 3, rel=1e-12)
     with pytest.raises(mb.InputError, match="base: found 'w'; expected x, y, z, rx, ry, rz"):
         system.effective_masses("w")
+    with pytest.raises(mb.InputError, match="base: found 3"):
+        system.effective_masses(3)
     follower = mb.MechanicalSystem(np.eye(2), None, [[2.0, 1.0], [0.0, 2.0]], [mb.Constraint([0, 1])])
     with pytest.raises(mb.InputError, match="effective masses: the stiffness matrix is not symmetric"):
         follower.effective_masses()
@@ -107,5 +109,8 @@ def test_groups_of_rows_of_other_models_move_together():
     both = beam.effective_masses({"ground": ["left", "right"]})
     assert both.directions == ("ground",) and both.masses == pytest.approx(np.array([[2.0]]))
     assert beam.effective_masses().masses == pytest.approx(np.array([[0.5, 0.5]]))
+    assert beam.effective_masses({"one": "left"}).masses == pytest.approx(np.array([[0.5]]))
     with pytest.raises(mb.InputError, match="base: there is no constraint row 'lft'"):
         beam.effective_masses("lft")
+    with pytest.raises(mb.InputError, match="base: there is no constraint row 3"):
+        beam.effective_masses(3)

@@ -185,3 +185,18 @@ def test_panda_with_a_finger_that_follows_the_other():
     assert N.shape == (9, 8)
     left, right = (system.names.index(f"panda_finger_joint{i}") for i in (1, 2))
     assert np.abs(N[left] - N[right]).max() < 1e-13
+
+
+@pytest.mark.parametrize("distance", [1e-5, 1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("name", ["anymal c", "hyq"])
+def test_loops_made_almost_dependent_are_never_trusted(name, distance):
+    """A second point of a foot on the ground, so near that its rows are left out: they would keep the foot from turning."""
+    robot, guess = example_robot_data.standing(name, 3)
+    foot = robot.loops[0].body1
+    springs = {joint: k for joint, k in zip(robot.coordinates, robot.joint_stiffness) if k}
+    loops = [*robot.loops, mb.Loop(foot, (0, 0.6 * distance, 0.8 * distance), "ground", name="extra")]
+    text = example_robot_data.file(example_robot_data.LEGGED[name][0])
+    twice = mb.Robot(text, base="free", loops=loops, joint_stiffness=springs)
+    system = twice.linearize(twice.equilibrium(guess, hold="all"))
+    assert len(system.rows) == len(robot.linearize(robot.equilibrium(guess, hold="all")).rows)
+    assert [notice for notice in system.notices if notice.doubtful]

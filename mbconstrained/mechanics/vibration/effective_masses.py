@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -114,8 +114,9 @@ def loads_of_rows(system: MechanicalSystem, base) -> tuple[tuple[str, ...], list
         InputError: unknown rows, a system without rows.
     """
     rows = [row.name for row in system.rows]
-    names = rows if base is None else [base] if isinstance(base, str) else base
+    names = rows if base is None else base if isinstance(base, Iterable) and not isinstance(base, str) else [base]
     groups = {name: [name] for name in names} if not isinstance(names, Mapping) else names
+    groups = {name: [group] if isinstance(group, str) else list(group) for name, group in groups.items()}
     for name in (name for group in groups.values() for name in group):
         if name not in rows:
             raise InputError(f"base: there is no constraint row {name!r}{nearest(str(name), rows)}")

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ..system import MechanicalSystem
     from .effective_masses import EffectiveMasses
     from .peaks import ModalCombination, Peaks
+    from .root_locus import RootLocus
     from .rotating import Campbell
     from .rotor_equations import SpeedTable
     from .unbalance_response import UnbalanceResponse
@@ -139,6 +140,32 @@ class SystemQuestions(NamedDirections):
         from .unbalance_response import unbalance_response
 
         return unbalance_response(cast("MechanicalSystem", self), speeds, unbalance, order)
+
+    def root_locus(self, parameter, values) -> RootLocus:
+        """The eigenvalues over a parameter, with the break points where two of them coalesce.
+
+        M, C and K depend linearly on the masses, dampers and springs of a model and on the entries of the matrices. At a break
+        point A(s; p) x = 0 and y^H A_s(s; p) x = 0; it is solved for by Newton's method, not found on a grid.
+
+        Args:
+            parameter: a name as of ``sensitivities``, or an ``mb.Parameter``.
+            values: p, ascending, two or more.
+
+        Returns:
+            A ``RootLocus``: ``eigenvalues``, ``break_points``, ``stability_limits``, ``damping_ratios``.
+
+        Raises:
+            InputError: an unknown name, a parameter that constraint rows depend on, sparse matrices.
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> oscillator = MechanicalSystem([[1.0]], [[1.0]], [[4.0]])
+        >>> point = oscillator.root_locus("damping[x1, x1]", [0.0, 3.0, 6.0]).break_points[0]
+        >>> round(point.parameter, 12), point.eigenvalue  # critical damping 2 sqrt(k m), s = -sqrt(k / m)
+        (4.0, (-2+0j))
+        """
+        from .root_locus import root_locus
+
+        return root_locus(cast("MechanicalSystem", self), parameter, values)
 
     def modal_combination(self, spectrum, base=None, damping_ratio: float = 0.05, combination: str = "CQC") -> ModalCombination:
         """Response spectrum analysis of a moving base: participation factors, effective masses, peaks by CQC or SRSS.

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,14 +19,12 @@ from ...ground.errors import InputError
 from ...ground.threads import short_work
 from ...ground.tolerances import EPS, NEWTON_STEP, noise_of
 from ...polynomial.variation.branches import FamilyPart, followed
+from ...polynomial.variation.special_points import located, stability_limits
 from ...polynomial.variation.spectrum import refined_values
 from .rotor_equations import check_rotor, rotor_family, speed_ranges
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
-
-#: Most steps of Newton's method to a speed.
-STEPS = 30
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -136,19 +133,7 @@ class Campbell(Displayed):
     @cached_property
     def stability_limits(self) -> tuple[float, ...]:
         """The speeds at which the real part of an eigenvalue changes its sign (rad/s), by Newton's method on its branch."""
-        part, limits, real = FamilyPart(rotor_family(self.system)[0], None, self.speeds), [], self.eigenvalues.real
-        noise = noise_of(float(np.abs(self.eigenvalues).max(initial=0.0)), self.system.size)
-        for mode, column in enumerate(real.T):
-            clear = np.flatnonzero(np.abs(column) > noise)
-            for first, last in pairwise(clear):
-                if column[first] * column[last] < 0:
-                    share = column[first] / (column[first] - column[last])
-                    start, value = (
-                        ends[first] + share * (ends[last] - ends[first]) for ends in (self.speeds, self.eigenvalues[:, mode])
-                    )
-                    located = _located(part, float(start), complex(value), lambda s, _: s.real, lambda slope: slope.real)
-                    limits += [] if located is None else [located[0]]
-        return tuple(sorted(limits))
+        return stability_limits(rotor_family(self.system)[0], self.speeds, self.eigenvalues)
 
     def table(self) -> list[dict[str, str]]:
         """A row of texts for each mode: direction of whirl, frequency in Hz at the first and last speed, least damping ratio."""
@@ -310,32 +295,13 @@ def _damped_points(coefficients, part: FamilyPart, order: float) -> list[tuple[c
     located_points: list[tuple[float, complex, np.ndarray]] = []
     noise = noise_of(float(np.abs(starts).max(initial=0.0)), n)
     for start in starts[starts.imag > noise]:
-        located = _located(
-            part, start.imag / order, start, lambda s, speed: s.imag - order * speed, lambda slope: slope.imag - order
-        )
-        if located is None or not located[0] * order > noise:
+        point = located(part, start.imag / order, start, lambda s, speed: s.imag - order * speed, lambda slope: slope.imag - order)
+        if point is None or not point[0] * order > noise:
             continue
-        speed, value, x = located
+        speed, value, x = point
         if all(
             abs(speed - other[0]) > NEWTON_STEP * speed or abs(value - other[1]) > NEWTON_STEP * abs(value)
             for other in located_points
         ):
             located_points.append((speed, complex(value.real, order * speed), x))
     return [(value, x) for _, value, x in located_points]
-
-
-def _located(part: FamilyPart, speed: float, value: complex, residual, derivative) -> tuple[float, complex, np.ndarray] | None:
-    """Speed, eigenvalue and shape where a residual of the branch is zero, by Newton's method; None where it does not converge."""
-    for _ in range(STEPS):
-        point = part.point(speed)
-        nearest = int(np.abs(point.values - value).argmin())
-        slope = point.slopes[nearest]
-        value = part.refined(point, nearest)
-        change = residual(value, speed) / derivative(slope)
-        if not np.isfinite(change):
-            return None
-        if abs(change) <= 4 * EPS * abs(speed):
-            return speed - change, value - slope * change, part.shapes(point)[:, nearest]
-        change = np.clip(change, -0.5 * abs(speed), 0.5 * abs(speed))
-        speed, value = speed - change, value - slope * change
-    return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -156,6 +156,8 @@ def _body_data(body: Body, number: int, drawing: Drawing, names: tuple[str, ...]
         "moves": [[names.index(name), *np.multiply(drawing.scale, move).tolist()] for name, move in body.moves.items()],
         "turns": [[names.index(name), *np.multiply(drawing.turn_scale, turn).tolist()] for name, turn in body.turns.items()],
         "posts": posts[body.name],
+        "frame": body.path is not None and body.shape == "solids",
+        "ellipsoid": None if body.ellipsoid is None else _rounded(body.ellipsoid),
         "solids": [_solid_data(solid, color, meshes) for solid in body.solids if solid.opacity > 0 and solid.corners.size],
     }
 
@@ -278,6 +280,11 @@ def _attachment(body: Body, offset: Vector, towards: np.ndarray, posts: dict) ->
     return (frame @ point).tolist()
 
 
+def _rounded(entries: Iterable[float]) -> list[float]:
+    """Numbers with nine digits."""
+    return [float(f"{entry:.9g}") for entry in entries]
+
+
 def _solid_data(solid: Solid, color: str, meshes: dict) -> dict:
     """A visible solid, with the colour of its body unless it has its own; a mesh is stored once, however many solids show it."""
     number = None
@@ -288,7 +295,7 @@ def _solid_data(solid: Solid, color: str, meshes: dict) -> dict:
     return {
         "kind": solid.kind,
         "size": list(solid.size),
-        "matrix": [float(f"{entry:.9g}") for entry in solid.placement.T.ravel()],
+        "matrix": _rounded(solid.placement.T.ravel()),
         "color": solid.color or color,
         "opacity": solid.opacity,
         "mesh": number,

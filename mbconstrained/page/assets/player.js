@@ -83,8 +83,10 @@ function frame(now) {
   if (player.playing) {
     const passed = Math.max(0, now - player.last) / 1000;
     const time = player.time + passed * Number(control("speed").value) * page.rate;
+    const ended = time > player.motion.end;
     player.last = now;
-    show(time > player.motion.end ? page.after(time) : time);
+    show(!ended ? time : film.recorder ? player.motion.end : page.after(time));
+    filmFrame(ended);
   } else if (player.stage) {
     player.stage.drawIfNeeded();
   }
@@ -106,6 +108,8 @@ function listen() {
   control("reset").addEventListener("click", () => player.stage && player.stage.reset());
   window.addEventListener("hashchange", () => page.follow(location.hash));
   window.addEventListener("themechange", () => player.stage && player.stage.setTheme(theme.dark));
+  if (player.stage) listenToMarks(player.stage);
+  offerFilm();
 }
 
 const viewerMissing = "The 3-D view needs the file mbconstrained-viewer.js in the folder of this page.";

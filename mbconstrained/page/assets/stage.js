@@ -4,6 +4,8 @@ class Stage {
   constructor(pane, figure) {
     this.pane = pane;
     this.figure = figure;
+    this.shows = { names: true, frames: false, masses: false };
+    this.marks = {};
     this.viewer = new window.MeshCat.Viewer(pane.querySelector(".view"), false);
     this.viewer.gui.domElement.remove();
     detail.coarse = figure.bodies.length + figure.links.length > 100;

@@ -103,6 +103,8 @@ class Body:
         teeth: number of teeth of a gear or ring.
         solids: of a body of the shape "solids", whose size is ignored.
         path: its poses at the times of the animation; rest, moves and turns are then ignored.
+        ellipsoid: placement (4, 4) of a unit sphere, column by column, that makes it a uniform ellipsoid with centre of mass and
+            inertia of the body; None where there is no mass.
 
     >>> Body("cart", rest=(1, 0, 0), moves={"x1": (1, 0, 0)}).shape
     'box'
@@ -120,6 +122,7 @@ class Body:
     teeth: int = 24
     solids: tuple[Solid, ...] = ()
     path: Path | None = None
+    ellipsoid: tuple[float, ...] | None = None
 
     def __post_init__(self):
         label = "" if self.shape in _UNNAMED else self.name

@@ -29,6 +29,7 @@ def robot_drawing(
     scale=1.0,
     fixed=True,
     note="",
+    ellipsoids: Mapping[str, np.ndarray] | None = None,
 ) -> Drawing:
     """Every link of a robot as a body with a path.
 
@@ -40,10 +41,12 @@ def robot_drawing(
         scale: magnification of the paths; the page states it.
         fixed: whether the root is fixed to the ground, drawn as a hatched plate.
         note: a sentence shown with the picture.
+        ellipsoids: of links with mass, by name, from ``Robot.inertia_ellipsoids()``.
 
     Returns:
         The drawing.
     """
+    placements = {name: tuple(matrix.T.ravel().tolist()) for name, matrix in (ellipsoids or {}).items()}
     connections = tuple(connections)
     paths = {name: Path(pose.positions, pose.quaternions) for name, pose in poses.items()}
     points = link_points(solids, paths)
@@ -54,7 +57,7 @@ def robot_drawing(
     bodies = []
     for name, path in paths.items():
         own = solids.get(name) or [ball] * (shapeless or name in connected)
-        bodies.append(Body(name, "solids", solids=tuple(own), path=path, label=None if own else ""))
+        bodies.append(Body(name, "solids", solids=tuple(own), path=path, label=None if own else "", ellipsoid=placements.get(name)))
     bodies += [_plate(points, paths, size)] if fixed else []
     ends = [_ends(row, points, _MOUNT * size) for row in connections]
     bodies += _pads(connections, ends, size)

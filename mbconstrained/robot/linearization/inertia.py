@@ -9,6 +9,11 @@ import numpy as np
 
 if TYPE_CHECKING:
     from ..posture import Posture
+    from ..robot import Robot
+
+
+#: Least semi-axis of an ellipsoid (m): a point mass is drawn, and the normals of a flat one exist.
+THINNEST = 0.001
 
 
 def body_masses(posture: Posture) -> list[tuple[str, np.ndarray]]:
@@ -28,6 +33,23 @@ def momentum(posture: Posture) -> np.ndarray:
         total[:3] += inertia.mass * v
         total[3:] += inertia.mass * np.cross(centre, v, axis=0) + R @ np.array(inertia.inertia) @ w
     return total
+
+
+def inertia_ellipsoids(robot: Robot) -> dict[str, np.ndarray]:
+    """As ``Robot.inertia_ellipsoids``: semi-axes a, b, c with m (b^2 + c^2) / 5 the moment about the first, at least THINNEST."""
+    ellipsoids = {}
+    for joint, name in robot.link_frames.heaviest_links().items():
+        inertia = robot.model.inertias[joint]
+        if joint == 0 or inertia.mass <= 0:
+            continue
+        moments, axes = np.linalg.eigh(np.array(inertia.inertia))
+        squares = 2.5 * (moments.sum() - 2 * moments) / inertia.mass
+        link, placement = robot.link_frames.link(name), np.eye(4)
+        axes[:, 0] *= np.linalg.det(axes)  # a rotation
+        placement[:3, :3] = link.rotation.T @ axes * np.maximum(np.sqrt(np.maximum(squares, 0.0)), THINNEST)
+        placement[:3, 3] = link.rotation.T @ (np.array(inertia.lever) - link.point)
+        ellipsoids[name] = placement
+    return ellipsoids
 
 
 def _motions(posture: Posture) -> Iterator[tuple[int, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:

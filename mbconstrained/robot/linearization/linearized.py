@@ -25,7 +25,15 @@ from ..connections import AXES, PointMotion
 from ..flexible_joint import FlexibleJoint
 from .inertia import body_masses, momentum
 from .robot_parameters import robot_parameters
-from .stiffness import cleaned, cleaned_rows, rounding_errors, stiffness_parts, stiffness_rounding, symmetric_stiffness
+from .stiffness import (
+    cleaned,
+    cleaned_rows,
+    lost_springs,
+    rounding_errors,
+    stiffness_parts,
+    stiffness_rounding,
+    symmetric_stiffness,
+)
 
 if TYPE_CHECKING:
     from ...control.state_space import StateSpace
@@ -56,7 +64,9 @@ class LinearizedRobot(MechanicalSystem):
         self._stiffness_parts = stiffness_parts(posture)
         self._flexible = [(robot.coordinates.index(name), joint) for name, joint in robot.flexible_joints.items()]
         K, rounding = sum(part for _, part in self._stiffness_parts), stiffness_rounding(posture)
-        link_stiffness, self._notices = symmetric_stiffness(posture, np.where(np.abs(K) > NOISE_SAFETY * rounding, K, 0.0))
+        noise = NOISE_SAFETY * rounding
+        link_stiffness, notices = symmetric_stiffness(posture, np.where(np.abs(K) > noise, K, 0.0))
+        self._notices = (*notices, *lost_springs(self._stiffness_parts[:-1], noise))
         sizes = balance.entry_sizes
         damping = np.diag(robot.joint_damping) + sum(cleaned(item.damping, sizes) for item in balance.elastic)
         motors = [joint for _, joint in self._flexible]
@@ -299,7 +309,7 @@ class LinearizedRobot(MechanicalSystem):
         >>> robot.linearize(robot.equilibrium()).effective_masses().masses.round(12)  # (m l)^2 / (I + m l^2)
         array([[1.66666667, 0.        , 0.        ]])
         """
-        names = [base] if isinstance(base, str) else list(base)
+        names = [base] if isinstance(base, str) else list(base) if isinstance(base, Iterable) else [base]
         for name in names:
             if name not in AXES:
                 raise InputError(f"base: found {name!r}{nearest(str(name), AXES)}; expected {', '.join(AXES)}")

@@ -66,6 +66,24 @@ def symmetric_stiffness(posture: Posture, K: np.ndarray) -> tuple[np.ndarray, tu
     return K, (Notice(NoticeKind.UNSYMMETRIC, f"{text}: a torque that keeps its direction has no potential"),)
 
 
+def lost_springs(parts: Sequence[tuple[str, np.ndarray]], noise: np.ndarray) -> tuple[Notice, ...]:
+    """A notice on springs that are smaller than the rounding errors of others.
+
+    Args:
+        parts: contributions to K by name.
+        noise: the rounding errors of the entries of K.
+
+    Returns:
+        The notice, none where every spring counts.
+    """
+    lost = [name for name, part in parts if part.any() and (np.abs(part) <= noise).all()]
+    if not lost:
+        return ()
+    named = f"{', '.join(lost[:3])}{f' and {len(lost) - 3} more' if len(lost) > 3 else ''}"
+    text = f"smaller than the rounding errors of the stiffest springs, so that they are lost: {named}; give less stiff springs, or loops instead"
+    return (Notice(NoticeKind.ACCURACY, text, doubtful=True),)
+
+
 def cleaned(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     """The matrix without entries that are rounding errors of the largest: a zero stiffness must be zero, or a free motion oscillates.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from ...mechanics.sensitivity.parameter import Parameter
     from ...mechanics.sensitivity.sensitivities import Sensitivities
     from ...mechanics.system import MechanicalSystem
+    from ...mechanics.vibration.root_locus import RootLocus
 
 
 @dataclass(frozen=True, repr=False)
@@ -179,6 +180,38 @@ class Scene(Studied):
         named = {one.name: one for one in self.named_parameters()}
         chosen = list(named) or None if parameters is None else parameters
         return self.equations.system.sensitivities(chosen and [named.get(name, name) for name in chosen])
+
+    def root_locus(self, name: str, values) -> RootLocus:
+        """The eigenvalues over one of the [parameters], or over an element or entry by name.
+
+        Args:
+            name: of the parameter.
+            values: in SI, ascending, two or more.
+
+        Returns:
+            See ``MechanicalSystem.root_locus``.
+
+        Raises:
+            InputError: the scene has no mechanical system, an unknown name.
+
+        >>> scene = read_scene("examples/tuned_mass_damper.toml")
+        >>> len(scene.root_locus("zeta", [0.1, 1.0, 2.0]).break_points)
+        1
+        """
+        from ...mechanics.vibration.root_locus import root_locus_of
+
+        if name not in self.parameters.values:
+            if self.equations.system is None:
+                raise InputError("a root locus needs mass, damping and stiffness: a model of kind lumped, matrices or robot")
+            return self.equations.system.root_locus(name, values)
+        before = {setting.name: setting.value for setting in self.settings}
+        with_value = lru_cache(maxsize=None)(lambda value: read_scene(self.path, {**before, name: value}))
+
+        def slope(value: float) -> Parameter:
+            return next(one for one in with_value(value).named_parameters() if one.name == name)
+
+        unit = self.parameters.units[name]
+        return root_locus_of(name, unit, values, lambda value: with_value(value).equations.system, slope)
 
     def run(self, folder: str | Path | None = None, progress=None) -> Result:
         """Solve the scene by the stages of its plan, each of which is measured.

@@ -1,4 +1,4 @@
-"""The study of a rotor over its speed: critical speeds, modes and their whirl, stability, unbalance response.
+"""Eigenvalues over a speed or a parameter: Campbell diagrams with the unbalance response of a rotor, and root loci.
 
-Read ``rotor_report`` (what is computed), then ``rotor_pictures``.
+Read ``rotor_report`` (what is computed), then ``rotor_pictures``; ``locus_report`` has root loci.
 """

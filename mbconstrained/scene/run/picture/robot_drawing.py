@@ -115,7 +115,8 @@ class RobotPicture:
         """
         points = self.scene.robot.connection_points(self.scene.posture)
         fixed = self.scene.data.table.base == "fixed"
-        return robot_drawing(self.solids, poses, points, scale=scale, fixed=fixed, note=note)
+        ellipsoids = self.scene.robot.inertia_ellipsoids()
+        return robot_drawing(self.solids, poses, points, scale=scale, fixed=fixed, note=note, ellipsoids=ellipsoids)
 
     @cached_property
     def at_rest(self) -> dict[str, Poses]:

@@ -1,0 +1,100 @@
+"""Names, frames and centres of mass that can be shown, and the film of the motion, in a browser."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.content import PageContent
+from mbconstrained.page.drawing.bodies import Body, Drawing, Solid
+from mbconstrained.page.drawing.paths import Path
+from mbconstrained.page.html import page_html, write_page
+from tests.page.browser import needs_chromium
+from tests.page.robots import turned
+
+pytestmark = [needs_chromium, pytest.mark.long]
+
+ELLIPSOID = (0.2, 0, 0, 0, 0, 0.1, 0, 0, 0, 0, 0.05, 0, 0.3, 0, 0.1, 1)  # column by column
+
+
+def swinging(**options) -> PageContent:
+    times = np.linspace(0, 1, 21)
+    path = Path(np.zeros((3, 21)), turned((0, -1, 0), 0.4 * np.sin(6 * times)))
+    bodies = (Body("arm", "solids", solids=(Solid("box", (0.6, 0.1, 0.1)),), path=path, **options), Body("wall", "ground"))
+    return PageContent("A film: of <an> arm", animation=Animation(Drawing(bodies), ("j",), times, np.sin(6 * times)[None]))
+
+
+@pytest.fixture
+def opened(browser, tmp_path):
+    return browser.open(write_page(tmp_path / "page.html", swinging(ellipsoid=ELLIPSOID)))
+
+
+def test_frames_and_centres_of_mass_are_shown_and_hidden(opened):
+    def transparent():
+        return opened.evaluate("""(() => {
+            const found = [];
+            mbconstrained.viewer.scene_tree.find(["mbconstrained", "bodies"]).object.traverseVisible((object) => {
+                if (object.isMesh && !object.material.depthTest) found.push([object.position.toArray(), object.scale.toArray()]);
+            });
+            return found;
+        })()""")
+
+    def lines():
+        return opened.evaluate("""(() => {
+            let count = 0;
+            mbconstrained.viewer.scene_tree.find(["mbconstrained", "bodies"]).object.traverseVisible((object) => {
+                if (object.isLineSegments && !object.material.depthTest) count += 1;
+            });
+            return count;
+        })()""")
+
+    assert lines() == 0 and transparent() == []
+    opened.click("input[data-shows=frames]")
+    opened.click("input[data-shows=masses]")
+    assert lines() == 1
+    (place, scale), (dot, _) = transparent()
+    assert place == pytest.approx([0.3, 0, 0.1]) and dot == pytest.approx(place) and scale == pytest.approx([0.2, 0.1, 0.05])
+    opened.click("input[data-shows=frames]")
+    opened.click("input[data-shows=masses]")
+    assert lines() == 0 and transparent() == [] and opened.messages == []
+
+
+def test_names_are_hidden(opened):
+    pictures = [opened.picture("#stage")]
+    for _ in range(2):
+        opened.click("input[data-shows=names]")
+        pictures.append(opened.picture("#stage"))
+    assert pictures[0] == pictures[2] != pictures[1]
+
+
+def test_a_film_has_the_motion_from_start_to_end(opened):
+    opened.evaluate("""void (() => {
+        const make = URL.createObjectURL;
+        window.films = [];
+        URL.createObjectURL = (blob) => (films.push(blob), make.call(URL, blob));
+        HTMLAnchorElement.prototype.click = function () { films.push(this.download); };
+    })()""")
+    assert opened.evaluate("document.getElementById('record').hidden") is False
+    opened.evaluate("mbconstrained.seek(0.7), (document.getElementById('speed').selectedIndex = 6)")  # as short as it gets
+    opened.click("#record")
+    assert opened.evaluate("document.getElementById('record').textContent") == "Stop recording"
+    assert opened.state()["time"] < 0.7
+    opened.until("window.films.length === 2")
+    kind, name, start, size = opened.evaluate("""(async () => {
+        const bytes = new Uint8Array(await films[0].arrayBuffer());
+        return [films[0].type, films[1], [...bytes.slice(0, 4)], films[0].size];
+    })()""")
+    assert size > 1000  # more than the header
+    assert (kind, name, start) == ("video/webm", "A_film_of_an_arm.webm", [0x1A, 0x45, 0xDF, 0xA3])  # EBML
+    state = opened.state()
+    assert (state["playing"], state["time"], state["errors"]) == (False, 1, []) and opened.messages == []
+    assert opened.evaluate("document.getElementById('record').textContent") == "Record"
+
+
+def test_what_a_page_does_not_have_has_no_box():
+    assert 'data-shows="masses"' not in page_html(swinging())
+    assert 'data-shows="masses"' in page_html(swinging(ellipsoid=ELLIPSOID))
+    masses = Drawing((Body("cart", moves={"x": (1, 0, 0)}),))
+    text = page_html(PageContent("t", animation=Animation(masses, ("x",), [0.0, 1.0], np.array([[0.0, 1.0]]))))
+    assert 'data-shows="names"' in text and 'data-shows="frames"' not in text
