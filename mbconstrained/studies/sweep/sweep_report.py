@@ -17,8 +17,7 @@ from ...ground.notices import Notice, NoticeKind
 from ...page.content import PageContent
 from ...page.html import Content
 from ...scene.quantities.variations import Distribution, Variation
-from ...scene.run.modes.mode_pages import variants_content
-from ...scene.run.modes.scene_modes import SceneModes
+from ...scene.run.modes.variant_page import variants_content
 from ..figures import Picture
 from ..study_report import StudyReport
 from ..timing import machine
@@ -128,9 +127,7 @@ class SweepReport(StudyReport):
             place = int(places[number])
             text = with_unit(float(f"{factor * values[place]:.6g}"), unit)
             with suppress(MbconstrainedError):
-                variants.append(
-                    (f"sample {place + 1}", (*self._values(place), (name, text)), SceneModes(result.sample_scene(place)))
-                )
+                variants.append((f"sample {place + 1}", (*self._values(place), (name, text)), result.sample_scene(place)))
         shown = ("animation", f"{len(variants)} samples at quantiles of {name}, each in the shape of its lowest mode")
         return variants_content(variants, replace(content, facts=(shown, *content.facts))) or content
 

@@ -21,18 +21,15 @@ from .scene_sensitivities import influence_tables
 
 if TYPE_CHECKING:
     from ....models.elements import Element
-    from ....page.content import PageContent
     from ...build.robot_model import RobotScene
     from ..scene import Scene
     from .scene_modes import ModeLine, SceneModes
-
-Facts = tuple[tuple[str, str], ...]
 
 
 def modes_content(modes: SceneModes) -> ModesContent:
     """A picture for each line of the list; all move the same drawing."""
     scene = modes.scene
-    coordinates, robot = scene.equations.coordinates, _robot_modes(scene)
+    coordinates, robot = scene.equations.coordinates, robot_modes(scene)
     shapes = [line.shape for line in modes.lines if line.shape is not None]
     drawing = robot.drawing if robot else mode_drawing(scene, shapes)
 
@@ -65,54 +62,17 @@ def modes_content(modes: SceneModes) -> ModesContent:
     )
 
 
-def variants_content(variants: Sequence[tuple[str, Facts, SceneModes]], content: PageContent) -> ModesContent | None:
-    """A page on which each variant of a scene moves in the shape of its lowest oscillating mode.
+def robot_modes(scene: Scene) -> RobotModes | None:
+    """The robot of a scene, if it has one.
 
     Args:
-        variants: the name of each, what is listed of it, and the modes of its scene; all have the same coordinates.
-        content: title, notices, figures, tables and facts of the page.
+        scene: with its equations and [drawing].
 
     Returns:
-        The page; None where fewer than two variants oscillate.
+        The robot in its posture, for pictures; None of other models.
     """
-    lines = [(name, facts, modes.scene, _lowest(modes)) for name, facts, modes in variants]
-    moving = [(name, facts, scene, line) for name, facts, scene, line in lines if line is not None]
-    names = moving[0][2].equations.coordinates.names if moving else ()
-    if len(moving) < 2 or any(scene.equations.coordinates.names != names for _, _, scene, _ in moving):
-        return None
-    middle = len(moving) // 2
-    robots = [_robot_modes(scene) for _, _, scene, _ in moving]
-    own = robots[middle]
-    drawing = own.drawing if own else mode_drawing(moving[middle][2], [line.shape for *_, line in moving])
-    pictures = []
-    for (name, facts, _, line), robot in zip(moving, robots):
-        factor = robot.amplitude(line.shape) if robot else amplitude(drawing, names, line.shape)
-        paths = robot.paths(line.shape, factor) if robot else {}
-        pictures.append(ModePicture(name, facts, (), cycle(line.shape), paths, 2 * np.pi / line.value.imag, factor))
-    return ModesContent(
-        content.title,
-        content.source,
-        drawing,
-        names,
-        tuple(pictures),
-        content.notices,
-        content.facts,
-        content.tables,
-        content.figures,
-        "variant",
-    )
-
-
-def _robot_modes(scene: Scene) -> RobotModes | None:
-    """The robot of a scene, if it has one."""
     robot_scene, table = scene.equations.robot_scene, scene.table.drawing
     return RobotModes(robot_scene, note=table.note if table else "", view=view_of(table)) if robot_scene else None
-
-
-def _lowest(modes: SceneModes) -> ModeLine | None:
-    """The oscillating mode of the lowest frequency."""
-    lines = [line for line in modes.lines if line.shape is not None and line.value.imag > 0]
-    return min(lines, key=lambda line: abs(line.value), default=None)
 
 
 def _note(line: ModeLine) -> str:
