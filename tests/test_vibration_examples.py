@@ -245,7 +245,7 @@ def rotor_matrices():
 
 
 def test_the_rotor_has_the_critical_speeds_of_its_quadratic_equations():
-    """(kT - m W^2) (kR - (Jd -+ Jp) W^2) = kC^2 without damping (Friswell et al. 2010, section 3.5)."""
+    """(kT - m W^2) (kR - (Jd -+ Jp) W^2) = kC^2 without damping (Friswell et al. 2010, chapter 3)."""
     scene = read_scene(EXAMPLES / "rotor.toml", {"c": 1e-90})
     mass, diametral, polar, K = rotor_matrices()
     expected = []
