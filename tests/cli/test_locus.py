@@ -22,7 +22,7 @@ def test_a_locus_has_its_break_points(command):
     assert code == 0 and max(map(len, text.splitlines())) <= 80
     assert "1 break point" in text and f"{expected:.6g}" in text
     page = Path("out/tuned_mass_damper.locus.html").read_text(encoding="utf-8")
-    assert "Root locus over absorber damper" in page and "equal damping ratios" in page
+    assert "Root locus over absorber damper" in page and "damping ratios 0.1, 0.2" in page
 
 
 def test_data(command):

@@ -26,6 +26,11 @@ if TYPE_CHECKING:
 #: Damping ratios of the lines in the picture.
 DAMPING_LINES = (0.1, 0.2, 0.3, 0.5, 0.7)
 
+_LISTED = f"{', '.join(map(str, DAMPING_LINES[:-1]))} and {DAMPING_LINES[-1]}"
+
+#: Their labels are at least this part of the width apart.
+LABEL_WIDTH = 0.04
+
 
 #: Values of a range whose number is not given.
 COUNT = 101
@@ -106,7 +111,7 @@ class LocusReport(StudyReport):
     @property
     def _note(self) -> str:
         low, high = (self._value(value) for value in self.locus.values[[0, -1]])
-        return f"Crosses: {low}; circles: {high}; diamonds: break points. Grey lines have equal damping ratios."
+        return f"Crosses: {low}; circles: {high}; diamonds: break points. Grey lines: damping ratios {_LISTED}."
 
     def _draw(self, figure) -> None:
         axes, values = figure.add_subplot(), self.locus.eigenvalues
@@ -120,12 +125,14 @@ class LocusReport(StudyReport):
             axes.plot([s.real] * 2, [s.imag, -s.imag], "D", color=INK, markersize=4.5, linestyle="none", zorder=4)
         left, right = axes.get_xlim()
         top = 1.05 * float(np.abs(values.imag).max()) or 1.0
-        for ratio in DAMPING_LINES:
+        labelled = np.inf
+        for ratio in reversed(DAMPING_LINES):
             steepness = np.sqrt(1 - ratio**2) / ratio
             x = max(left, -top / steepness)
             for sign in (1, -1):
                 axes.plot([0.0, x], [0.0, -sign * steepness * x], color=LINE, linewidth=0.8, zorder=1)
-            if x < 0:
+            if x < 0 and (labelled == np.inf or x - labelled > LABEL_WIDTH * (right - left)):
+                labelled = x
                 axes.annotate(f"{ratio:g}", (x, -steepness * x), color=MUTED, ha="right", va="bottom")
         axes.axvline(0.0, color=RED, linewidth=0.9, zorder=1)
         axes.set(xlim=(left, right), ylim=(-top, 1.06 * top), xlabel="real part in 1/s", ylabel="imaginary part in rad/s")

@@ -13,7 +13,7 @@ from ...page.content import LEAST_SHARE
 from ...page.plots.images import GREY, LINE, MUTED, RED
 from ...page.typeset import raised, shortened
 from ..figures import Picture, power_of_ten
-from .sample_statistics import QUANTILES, Estimate
+from .sample_statistics import QUANTILES, Estimate, rank_correlations
 
 if TYPE_CHECKING:
     from .sweep_result import SweepResult
@@ -64,7 +64,7 @@ class SweepPictures:
         else:
             numbers = [name for name in samples.variations if self.result.samples.column(name, slice(0, 1)).dtype.kind == "f"]
             pictures += [self._distributions(row) for row in rows if samples.random]
-            pictures += [self._scatter(numbers[:MOST_PARAMETERS], figure) for figure in self.figures if numbers]
+            pictures += [self._scatter(self._leading(numbers, figure), figure) for figure in self.figures if numbers]
         pictures += [self._band(variable) for variable in self.result.variables if variable.is_curve]
         return pictures
 
@@ -77,6 +77,12 @@ class SweepPictures:
         """The same of a parameter."""
         unit, factor = self.result.scene.equations.coordinates.shown.of(getattr(self.result.samples.variations[name], "unit", ""))
         return titled(name, unit), factor * self.result.parameter(name)
+
+    def _leading(self, names: list[str], figure: str) -> list[str]:
+        """The parameters with the largest rank correlations, as many as there is room for, in the order of the scene."""
+        correlations = rank_correlations([self.result.parameter(name) for name in names], self.result.values(figure))
+        order = np.argsort(-np.nan_to_num(np.abs(correlations)), kind="stable")[:MOST_PARAMETERS]
+        return [names[i] for i in sorted(order)]
 
     def _maps(self, names: list[str], figures: list[str]) -> Picture:
         (across, x), (up, y) = (self.column(name) for name in names)
