@@ -164,7 +164,7 @@ def _parts(content: Content) -> tuple[list[str], dict, list[str], dict[str, list
             blocks["plot-data"], names = functions.as_data(), list(_PLOTS)
     if data:
         kind = {ModesContent: "modes.js", FrequencyContent: "frequency.js"}.get(type(content), "run.js")
-        names += [*_ANIMATION, *["overlay.js"] * ("overlay" in data["figure"]), kind]
+        names += [*_ANIMATION, *[f"{name}.js" for name in ("overlay", "posing") if name in data["figure"]], kind]
         blocks["motion-data"] = data
     if names:
         names = ["theme.js", "numbers.js", *names]

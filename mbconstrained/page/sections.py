@@ -127,6 +127,28 @@ def _marks(figure: dict) -> str:
 </div>"""
 
 
+def _posing(figure: dict) -> str:
+    """A folded panel with a slider for each independent coordinate of a robot."""
+    if "posing" not in figure:
+        return ""
+    sliders = "\n".join(
+        f'<label><span>{html.escape(name)}</span><input type="range" data-joint="{k}" data-unit="{unit}" min="{-limit!r}"'
+        f' max="{limit!r}" step="any" value="0" autocomplete="off"><output>0 {unit}</output></label>'
+        for k, (name, unit, limit) in enumerate(figure["posing"]["sliders"])
+    )
+    closed = " The joints without a slider follow and close the loops to first order." * (
+        len(figure["posing"]["columns"]) > len(figure["posing"]["sliders"])
+    )
+    return f"""
+<details class="joints"><summary>Joints</summary>
+<p class="note">Small motions from the posture, not magnified.{closed}</p>
+<div class="sliders">
+{sliders}
+</div>
+<button type="button" id="posture">Reset joints</button>
+</details>"""
+
+
 def stage_section(
     figure: dict,
     start: float,
@@ -174,7 +196,7 @@ title="drag to rotate, drag with the right button to pan, turn the wheel with th
 <button type="button" id="reset">Reset view</button>
 <button type="button" id="keys" aria-label="Keyboard" title="Keyboard">?</button>
 </div>
-{_marks(figure)}{further}
+{_marks(figure)}{_posing(figure)}{further}
 <p class="visually-hidden" id="announcement" role="status"></p>
 <dialog id="help" aria-label="Keyboard">
 <h2>Keyboard</h2>

@@ -1,6 +1,6 @@
 """Places and loads of links about a posture, in link frames: the data of drawings.
 
-``link_poses`` gives the motion of the links, ``connection_points`` the ends of loops and springs, ``row_wrenches`` and
+``link_poses`` gives the motion of the links, ``joint_motions`` its independent directions, ``connection_points`` the ends of loops and springs, ``row_wrenches`` and
 ``coordinate_wrench`` the forces and moments of multipliers and generalized forces.
 """
 
@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+import scipy.linalg
 
 from ..ground.checks import real_array, real_number
 from ..ground.coordinate_units import GROUND
@@ -71,6 +72,50 @@ def link_poses(posture: Posture, displacements, scale: float = 1.0) -> dict[str,
         for body, (position, quaternion) in enumerate(frames):
             positions[body, :, k], quaternions[body, :, k] = position, quaternion
     return {name: Poses(positions[i], quaternions[i]) for i, name in enumerate(robot.bodies)}
+
+
+@dataclass(frozen=True, eq=False)
+class JointMotions:
+    """The independent motions of a robot near its posture: q = columns s, with loops closed to first order.
+
+    A link moves by the product exp(S_1 q_1) ... exp(S_n q_n) over its own coordinates; without loops this is exact.
+
+    Attributes:
+        names, units: of the r independent coordinates s.
+        columns: of all coordinates for a unit of each, shape (n, r).
+        twists: S_i of each coordinate in ground axes, the velocity at the origin above the rate of rotation, shape (6, n).
+        moving: the places of the coordinates that move each link, ascending, by its name.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    columns: np.ndarray
+    twists: np.ndarray
+    moving: dict[str, tuple[int, ...]]
+
+
+def joint_motions(posture: Posture) -> JointMotions:
+    """The motions that the loops of a robot leave, each named by the coordinate that is 1 in it while the others named are 0.
+
+    The names are those of the rows of the null space's basis that a QR decomposition with column pivoting takes first.
+
+    Args:
+        posture: the posture of the linearization.
+
+    Returns:
+        The motions.
+    """
+    robot, balance = posture.robot, posture.balance
+    lengths, columns = balance.load.lengths, np.eye(len(robot.coordinates))
+    chosen = np.arange(len(columns))
+    if balance.load.has_rows:
+        basis = rows_of(balance.scaled_jacobian).motions
+        chosen = np.sort(scipy.linalg.qr(basis.T, mode="economic", pivoting=True)[2][: basis.shape[1]])
+        columns = lengths[:, None] * np.linalg.solve(basis[chosen].T, basis.T).T / lengths[chosen]
+    moves = balance.kinematics.tree.moving
+    moving = {name: tuple(np.flatnonzero(moves[robot.link_frames.link(name).joint]).tolist()) for name in robot.bodies}
+    names, units = (tuple(texts[i] for i in chosen) for texts in (robot.coordinates, robot.units))
+    return JointMotions(names, units, columns, balance.kinematics.columns, moving)
 
 
 def _onto_loops(posture: Posture) -> Callable[[np.ndarray], np.ndarray]:

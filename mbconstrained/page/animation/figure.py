@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ...ground.errors import InputError
-from ..drawing.bodies import Body, Drawing, Link, Solid, Vector
+from ..drawing.bodies import Body, Drawing, Link, Posing, Solid, Vector
 from ..drawing.paths import Path, matrix_of, quaternions_of, rotated
 from .animation import DrawnEvent, Overlay
 from .keyframes import BodyPoses, KeyFrames, body_poses, packed
@@ -95,7 +95,23 @@ def figure_data(drawing: Drawing, takes: Sequence[KeyFrames], overlay: Overlay =
     }
     if overlay:
         data["overlay"] = overlay_entries
+    if drawing.posing and drawing.posing.names:
+        data["posing"] = _posing_data(drawing.posing, drawing)
     return data
+
+
+def _posing_data(posing: Posing, drawing: Drawing) -> dict:
+    """Sliders, and for each body the coordinates that move it and its pose at rest, or None."""
+    rest = {name: [*path.positions[:, 0], *path.quaternions[:, 0]] for name, path in posing.rest.items()}
+    return {
+        "sliders": [list(slider) for slider in zip(posing.names, posing.units, posing.limits)],
+        "columns": [_rounded(row) for row in posing.columns],
+        "twists": [_rounded(twist) for twist in posing.twists.T],
+        "bodies": [
+            {"moving": list(posing.moving[body.name]), "rest": _rounded(rest[body.name])} if body.name in rest else None
+            for body in drawing.bodies
+        ],
+    }
 
 
 def _event_frames(drawing: Drawing, frames: KeyFrames, event: DrawnEvent) -> KeyFrames:

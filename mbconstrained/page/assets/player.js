@@ -35,6 +35,7 @@ function state() {
 // Shows the state at a time; everything on the page that depends on the time is updated before it returns.
 function show(time) {
   player.time = player.motion.clamp(time);
+  if (data.figure.posing) leavePosing();
   if (player.stage) player.stage.show(player.motion, player.time);
   const text = `${player.time.toFixed(data.decimals)} ${data.unit}`;
   control("time").value = player.time;
@@ -109,6 +110,7 @@ function listen() {
   window.addEventListener("hashchange", () => page.follow(location.hash));
   window.addEventListener("themechange", () => player.stage && player.stage.setTheme(theme.dark));
   if (player.stage) listenToMarks(player.stage);
+  if (player.stage && data.figure.posing) listenToSliders();
   offerFilm();
 }
 

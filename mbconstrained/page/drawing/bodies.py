@@ -204,6 +204,27 @@ class View:
     zoom: float = 1.0
 
 
+@dataclass(frozen=True, eq=False)
+class Posing:
+    """How sliders pose a robot: by q = columns s, each link by the product exp(S_1 q_1) ... exp(S_n q_n) of its own coordinates.
+
+    Attributes:
+        names, units, limits: of the r sliders s; the limits are those of both directions.
+        columns: shape (n, r).
+        twists: S_i, velocity at the origin and rate of rotation, shape (6, n).
+        moving: by link, the places of its own coordinates.
+        rest: by link, its pose in the posture.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    limits: tuple[float, ...]
+    columns: np.ndarray
+    twists: np.ndarray
+    moving: Mapping[str, tuple[int, ...]]
+    rest: Mapping[str, Path]
+
+
 @dataclass(frozen=True)
 class Drawing:
     """Bodies and links, and the magnification of their motion.
@@ -213,6 +234,7 @@ class Drawing:
         note: a sentence shown with the picture, or an empty string.
         view: the point of view, or None for one that shows most.
         turn: rotation vector (rad) of the whole drawing, applied last.
+        posing: by sliders, of a robot, or None.
 
     Raises:
         InputError: two bodies of one name.
@@ -225,6 +247,7 @@ class Drawing:
     note: str = ""
     view: View | None = None
     turn: Vector = (0.0, 0.0, 0.0)
+    posing: Posing | None = None
 
     def __post_init__(self):
         for name, count in Counter(body.name for body in self.bodies).items():

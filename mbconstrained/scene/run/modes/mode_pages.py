@@ -177,7 +177,7 @@ class RobotModes:
 
     def __init__(self, scene: RobotScene, note: str = "", view: View | None = None):
         self.picture = RobotPicture(scene)
-        self.drawing = replace(self.picture.drawing(self.picture.at_rest, note=note), view=view)
+        self.drawing = replace(self.picture.drawing(self.picture.at_rest, note=note), view=view, posing=self.picture.posing())
 
     def amplitude(self, shape: np.ndarray) -> float:
         """The factor at which a shape, whose amplitude is free, is drawn."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,7 +38,7 @@ def variants_content(scenes: Sequence[tuple[str, Facts, Scene]], content: PageCo
     middle = len(moving) // 2
     robots = [robot_modes(scene) for _, _, scene, _ in moving]
     own = robots[middle]
-    drawing = own.drawing if own else mode_drawing(moving[middle][2], [line.shape for *_, line in moving])
+    drawing = replace(own.drawing, posing=None) if own else mode_drawing(moving[middle][2], [line.shape for *_, line in moving])
     pictures = []
     for (name, facts, _, line), robot in zip(moving, robots):
         factor = robot.amplitude(line.shape) if robot else amplitude(drawing, names, line.shape)

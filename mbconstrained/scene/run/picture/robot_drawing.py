@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....ground.tolerances import NOT_DRAWN
-from ....page.drawing.bodies import Drawing
+from ....page.drawing.bodies import Drawing, Posing
 from ....page.drawing.orientation import two_digits
 from ....page.drawing.paths import Path
 from ....page.drawing.robot_layout import link_points, robot_drawing, robot_size, solids_of
@@ -55,7 +55,7 @@ def drawing_of_robot(picture: RobotPicture, values: np.ndarray, table=None) -> D
     """
     scale = table.scale if table and "scale" in table.model_fields_set else _visible_scale(picture, values)
     drawing = picture.drawing(picture.poses(values, scale), scale, (table.note if table else "") or NOTE)
-    return replace(drawing, view=view_of(table))
+    return replace(drawing, view=view_of(table), posing=picture.posing())
 
 
 def _visible_scale(picture: RobotPicture, values: np.ndarray) -> float:
@@ -146,19 +146,39 @@ class RobotPicture:
         Args:
             values: deviations, shape (n, T); how far points move is looked at in a straight motion of their directions.
         """
+        room = self._rooms(values).min(initial=np.inf)
+        return two_digits(room) if np.isfinite(room) else 1.0
+
+    def _rooms(self, values: np.ndarray) -> np.ndarray:
+        """The same of each column, without rounding; infinite where nothing moves."""
         links = values[: len(self.scene.robot.coordinates)]
         turning = np.array([unit == "rad" for unit in self.scene.robot.units], dtype=bool)
-        angle = float(np.abs(links[turning]).max(initial=0.0))
-        limits = ((VISIBLE * self.size, self._reach(links)), (TURN, angle))
-        return two_digits(min((limit / size for limit, size in limits if size), default=1.0))
+        angles = np.abs(links[turning]).max(axis=0, initial=0.0)
+        with np.errstate(divide="ignore"):
+            return np.minimum(VISIBLE * self.size / self._reach(links), TURN / angles)
 
-    def _reach(self, links: np.ndarray) -> float:
-        """How far the point that moves furthest goes (m)."""
-        largest = np.abs(links).max(initial=0.0)
-        if not largest:
-            return 0.0
-        steps = self._of(self.poses(links / largest, SMALL)) - self._points
-        return float(np.linalg.norm(steps, axis=0).max() / SMALL * largest)
+    def _reach(self, links: np.ndarray) -> np.ndarray:
+        """How far the point that moves furthest goes in each column (m)."""
+        largest = np.abs(links).max(axis=0, initial=0.0)
+        steps = self._of(self.poses(links / np.where(largest, largest, 1.0), SMALL)) - self._points
+        return np.linalg.norm(steps, axis=0).max(axis=0) / SMALL * largest
+
+    def posing(self) -> Posing:
+        """Sliders for the independent motions, each as far as ``room`` lets it move alone."""
+        from ....robot.visualization import joint_motions
+
+        motions = joint_motions(self.scene.posture)
+        rooms = self._rooms(motions.columns)
+        shown = np.flatnonzero(np.isfinite(rooms))
+        return Posing(
+            tuple(motions.names[k] for k in shown),
+            tuple(motions.units[k] for k in shown),
+            tuple(two_digits(rooms[k]) for k in shown),
+            motions.columns[:, shown],
+            motions.twists,
+            motions.moving,
+            {name: Path(pose.positions, pose.quaternions) for name, pose in self.at_rest.items()},
+        )
 
     def _of(self, poses: dict[str, Poses]) -> np.ndarray:
         return np.hstack(list(link_points(self.solids, poses).values()))
