@@ -16,7 +16,7 @@ from ....page.mode_page import ModePicture, ModesContent, Share, cycle
 from ..picture.robot_drawing import RobotPicture
 from ..picture.scene_drawing import automatic_drawing, own_drawing, view_of
 from ..report.robot_report import robot_fact
-from .mode_summary import BY_COORDINATE, descending, shape_cells
+from .mode_summary import BY_COORDINATE, descending, mass_tables, shape_cells
 from .scene_sensitivities import influence_tables
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def modes_content(modes: SceneModes) -> ModesContent:
         modes=tuple(map(picture, modes.lines)),
         notices=modes.notices,
         facts=_facts(modes),
-        tables=influence_tables(scene),
+        tables=(*mass_tables(modes), *influence_tables(scene)),
     )
 
 

@@ -49,8 +49,12 @@ def blocks(modes: SceneModes) -> list[str | TextTable]:
     heading = "\n".join(line for text in (scene.title, scene.table.source) for line in wrap(text, WIDTH))
     robot = scene.equations.robot_scene
     joints = posture_tables(robot)[:1] if robot else []
-    masses = [modes.effective_masses.table()] if modes.effective_masses else []
-    return [heading, *joints, table(modes), *masses, *_details(modes), *_notes(modes), *_notices(modes), *_files(modes)]
+    return [heading, *joints, table(modes), *mass_tables(modes), *_details(modes), *_notes(modes), *_notices(modes), *_files(modes)]
+
+
+def mass_tables(modes: SceneModes) -> list[TextTable]:
+    """The effective modal masses of a robot; none of other models."""
+    return [modes.effective_masses.table()] if modes.effective_masses else []
 
 
 def table(modes: SceneModes) -> TextTable:

@@ -15,6 +15,7 @@ from mbconstrained.scene.quantities.coordinates import Coordinates
 from mbconstrained.scene.run.modes.mode_pages import amplitude, mode_drawing, modes_content
 from mbconstrained.scene.run.modes.mode_summary import WIDTH, as_json, blocks, shape_entries, share_entries
 from mbconstrained.scene.run.modes.scene_modes import SceneModes
+from mbconstrained.scene.run.scene import read_scene
 from tests.page.contents import positions
 from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, scene_of
 
@@ -264,3 +265,11 @@ def test_the_drawing_of_a_robot_keeps_the_note_of_its_scene(tmp_path):
     (tmp_path / "robots").symlink_to(EXAMPLES.parent / "robots")
     content = modes_content(modes_of(tmp_path, text + '\n[drawing]\nnote = "hangs in the hall"\n'))
     assert content.drawing.note == "hangs in the hall" and "rod" in [body.name for body in content.drawing.bodies]
+
+
+def test_the_page_of_a_robot_lists_its_effective_masses_as_they_are_printed():
+    modes = SceneModes(read_scene(EXAMPLES / "seven_joint_arm.toml"))
+    printed = modes.effective_masses.table()
+    assert modes_content(modes).tables[0] == printed
+    assert printed in blocks(modes)
+    assert not any(table.title == printed.title for table in modes_content(SceneModes(read_scene(EXAMPLES / "rotor.toml"))).tables)
