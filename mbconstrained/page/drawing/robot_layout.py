@@ -17,6 +17,12 @@ _PLATE, _WIDTH, _PAD, _MOUNT, _BALL = 0.012, 0.15, 0.06, 0.08, 0.014
 #: Width relative to the root of a base plate under it, and of one over it, which must not hide it.
 _MARGIN, _COVER = 1.2, 0.6
 
+#: Triangles of a mesh; one with more is drawn with fewer unless all are asked for.
+MOST_TRIANGLES = 20_000
+
+#: Cells along the longest side of a mesh that is simplified, at most, and by what their number shrinks until few triangles are left.
+_CELLS, _FEWER = 256, 0.8
+
 #: Names of further bodies begin with a blank, which no link's name does.
 BASE_PLATE, PAD = " base plate", " plate"
 
@@ -66,20 +72,50 @@ def robot_drawing(
     return Drawing(tuple(bodies), tuple(_links(connections, ends)), scale, note=note)
 
 
-def solids_of(visuals: Iterable[Any]) -> dict[str, list[Solid]]:
+def simplified(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A mesh of at most ``MOST_TRIANGLES``: the vertices in each cell of a grid become one at their mean (Rossignac and Borrel 1993).
+
+    Args:
+        vertices, faces: of the mesh, shapes (k, 3) and (f, 3).
+
+    Returns:
+        Those of the simplified mesh, no vertex further from where it was than the diagonal of a cell.
+    """
+    low, side, cells = vertices.min(axis=0), float(np.ptp(vertices, axis=0).max()), _CELLS
+    while True:
+        i, j, k = np.round((vertices - low) * (cells / side)).astype(int).T
+        _, number, count = np.unique((i * (cells + 1) + j) * (cells + 1) + k, return_inverse=True, return_counts=True)
+        a, b, c = number[faces].T
+        kept = number[faces][(a != b) & (b != c) & (c != a)]
+        if len(kept) <= MOST_TRIANGLES:
+            return np.stack([np.bincount(number, column) / count for column in vertices.T], axis=1), kept
+        cells = int(_FEWER * cells)
+
+
+def solids_of(visuals: Iterable[Any], *, full: bool = True) -> dict[str, list[Solid]]:
     """The solids of links, by name.
 
     Args:
         visuals: each with link, kind, size, placement, color (r, g, b, a from 0 to 1, or None), vertices and faces,
             from ``Robot.visuals()``.
+        full: whether meshes keep all their triangles, however many.
+
+    Returns:
+        The solids of each link that has any.
     """
     solids: dict[str, list[Solid]] = {}
+    fewer: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # by the identity of the vertices, which links may share
     for visual in visuals:
         color, opacity = None, 1.0
         if visual.color is not None:
             *parts, opacity = visual.color
             color = "#" + "".join(f"{round(255 * part):02x}" for part in parts)
-        solid = Solid(visual.kind, visual.size, visual.placement, color, opacity, visual.vertices, visual.faces)
+        vertices, faces = visual.vertices, visual.faces
+        if not full and faces is not None and len(faces) > MOST_TRIANGLES:
+            if id(vertices) not in fewer:
+                fewer[id(vertices)] = simplified(vertices, faces)
+            vertices, faces = fewer[id(vertices)]
+        solid = Solid(visual.kind, visual.size, visual.placement, color, opacity, vertices, faces)
         solids.setdefault(visual.link, []).append(solid)
     return solids
 

@@ -125,6 +125,9 @@ class DrawingTable(Table):
     scale: Number = Field(1.0, description="By how much displacements are magnified, 1 is true; of a robot all motion in a run.")
     turn_scale: Number = Field(1.0, description="By how much angles are magnified, 1 is true.")
     note: Text = Field("", description="A sentence under the drawing.")
+    full_meshes: bool = Field(
+        False, description="true: meshes of a robot with more than 20 000 triangles are drawn with all of them."
+    )
 
     @property
     def is_own(self) -> bool:

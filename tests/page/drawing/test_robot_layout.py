@@ -7,7 +7,7 @@ from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.animation.figure import figure_data
 from mbconstrained.page.animation.keyframes import key_frames
 from mbconstrained.page.drawing.paths import Path
-from mbconstrained.page.drawing.robot_layout import BASE_PLATE, PAD, robot_drawing, solids_of
+from mbconstrained.page.drawing.robot_layout import BASE_PLATE, MOST_TRIANGLES, PAD, robot_drawing, simplified, solids_of
 from tests.page.robots import Seen, Tie, four_bar, turned
 
 TIMES = np.linspace(0, 6, 121)
@@ -145,3 +145,38 @@ def test_the_foot_of_a_mount_on_the_ground_is_outside_of_the_body(height, side):
     assert link.end_point[2] * side > 0
     pad = next(body for body in drawing.bodies if body.name.startswith(PAD))
     assert pad.rest[2] + pad.size[2] / 2 == pytest.approx(link.end_point[2])
+
+
+def sphere(rings: int, radius: float = 1.0):
+    """Vertices and faces of a closed sphere, the poles as rings of coinciding points."""
+    up, around = np.meshgrid(np.linspace(0, np.pi, rings), np.arange(2 * rings) * np.pi / rings, indexing="ij")
+    places = radius * np.stack([np.sin(up) * np.cos(around), np.sin(up) * np.sin(around), np.cos(up)], axis=-1).reshape(-1, 3)
+    corner = np.arange(2 * rings * rings).reshape(rings, 2 * rings)
+    a, b = corner[:-1], corner[1:]
+    c, d = np.roll(a, -1, axis=1), np.roll(b, -1, axis=1)
+    return places, np.concatenate([np.stack(each, axis=-1).reshape(-1, 3) for each in ((a, b, c), (c, b, d))])
+
+
+def volume(vertices, faces):
+    return np.linalg.det(vertices[faces]).sum() / 6
+
+
+@pytest.mark.parametrize("shift", [0.0, 50.0])
+def test_a_large_mesh_keeps_its_shape_with_few_triangles(shift):
+    vertices, faces = sphere(180)
+    places, kept = simplified(vertices + shift, faces)
+    assert MOST_TRIANGLES / 4 < len(kept) <= MOST_TRIANGLES < len(faces)
+    assert np.abs(np.linalg.norm(places - shift, axis=1) - 1).max() < 0.02
+    assert volume(places - shift, kept) == pytest.approx(4 / 3 * np.pi, rel=0.01)
+    edges = np.sort(np.concatenate([kept[:, [0, 1]], kept[:, [1, 2]], kept[:, [2, 0]]]), axis=1)
+    assert (np.unique(edges, axis=0, return_counts=True)[1] % 2 == 0).all()  # closed
+
+
+def test_large_meshes_are_whole_on_request_and_small_ones_always():
+    (large, many), (small, few) = sphere(180), sphere(10)
+    seen = [
+        Seen(name, "mesh", (), vertices=v, faces=f) for name, v, f in (("a", large, many), ("b", large, many), ("c", small, few))
+    ]
+    counts = {full: [len(solids_of(seen, full=full)[name][0].faces) for name in "abc"] for full in (True, False)}
+    assert counts[True][0] > MOST_TRIANGLES >= counts[False][0] == counts[False][1]
+    assert counts[True][2] == counts[False][2]

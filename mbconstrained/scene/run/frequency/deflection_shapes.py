@@ -13,7 +13,7 @@ from ....frequency.frequency_response import FrequencyResponse
 from ....ground.coordinate_units import force_unit, rate_unit
 from ....ground.tolerances import noise_of
 from ....mechanics.channels import channels
-from ....page.drawing.bodies import Body, Drawing, Vector, View
+from ....page.drawing.bodies import Body, Drawing, Vector
 from ....page.drawing.orientation import two_digits
 from ....page.frequency_page import Deflections
 from ..modes.mode_pages import amplitude, mode_drawing
@@ -23,6 +23,7 @@ from ..picture.scene_drawing import view_of
 if TYPE_CHECKING:
     from ....mechanics.system import MechanicalSystem
     from ...build.robot_model import RobotScene
+    from ...schema.drawing_tables import DrawingTable
     from .scene_frequency import SceneFrequency
 
 #: Numbers of all shapes; of larger models or more inputs fewer lines have one.
@@ -55,7 +56,7 @@ def deflections_of(frequency: SceneFrequency) -> Deflections | None:
     robot_scene, table = scene.equations.robot_scene, scene.table.drawing
     names = scene.equations.coordinates.names
     if robot_scene:
-        robot = LinearRobot(robot_scene, note=table.note if table else "", view=view_of(table))
+        robot = LinearRobot(robot_scene, table)
         drawing, factors = robot.drawing, robot.factors(H)
     else:
         largest = [H[i, line] for i in range(len(H)) for line in range(len(lines))]
@@ -109,10 +110,10 @@ class LinearRobot:
         drawing: bodies that move with the coordinates, at rest.
     """
 
-    def __init__(self, scene: RobotScene, note: str = "", view: View | None = None):
+    def __init__(self, scene: RobotScene, table: DrawingTable | None = None):
         from scipy.spatial.transform import Rotation
 
-        picture = RobotPicture(scene)
+        picture = RobotPicture(scene, table)
         count, names = len(scene.robot.coordinates), scene.coordinates.names
         turning = np.array([unit == "rad" for unit in scene.robot.units], dtype=bool)
         steps = np.where(turning, STEP, STEP * picture.size)
@@ -126,7 +127,7 @@ class LinearRobot:
         self.turns = np.vstack(list(turns.values()))
         corners = picture.points_of_links
         self.moves = np.vstack([_of_points(corners[name], moves[name], turns[name]) for name in moves])
-        rest = picture.drawing(picture.at_rest, note=note or NOTE)
+        rest = picture.drawing(picture.at_rest, note=(table.note if table else "") or NOTE)
         still = np.zeros((3, count))
 
         def by_coordinate(columns: np.ndarray) -> dict[str, Vector]:
@@ -147,7 +148,7 @@ class LinearRobot:
             return replace(body, path=None, rest=(x, y, z), rest_turn=(turn[0], turn[1], turn[2]), moves=own[0], turns=own[1])
 
         bodies = tuple(map(linear, rest.bodies))
-        self.drawing = replace(rest, bodies=bodies, scale=1.0, turn_scale=1.0, view=view)
+        self.drawing = replace(rest, bodies=bodies, scale=1.0, turn_scale=1.0, view=view_of(table))
 
     def factors(self, shapes: np.ndarray) -> np.ndarray:
         """How much each shape is magnified: no link moves or turns too far to look right.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....ground.tolerances import noise_of
-from ....page.drawing.bodies import Drawing, View
+from ....page.drawing.bodies import Drawing
 from ....page.drawing.orientation import ABSOLUTE, NEIGHBOURS, WIDEST_ANGLE, two_digits
 from ....page.drawing.paths import Path
 from ....page.mode_page import ModePicture, ModesContent, Share, cycle
@@ -22,6 +22,7 @@ from .scene_sensitivities import influence_tables
 if TYPE_CHECKING:
     from ....models.elements import Element
     from ...build.robot_model import RobotScene
+    from ...schema.drawing_tables import DrawingTable
     from ..scene import Scene
     from .scene_modes import ModeLine, SceneModes
 
@@ -72,7 +73,7 @@ def robot_modes(scene: Scene) -> RobotModes | None:
         The robot in its posture, for pictures; None of other models.
     """
     robot_scene, table = scene.equations.robot_scene, scene.table.drawing
-    return RobotModes(robot_scene, note=table.note if table else "", view=view_of(table)) if robot_scene else None
+    return RobotModes(robot_scene, table) if robot_scene else None
 
 
 def _note(line: ModeLine) -> str:
@@ -175,9 +176,10 @@ class RobotModes:
         drawing: the robot at rest.
     """
 
-    def __init__(self, scene: RobotScene, note: str = "", view: View | None = None):
-        self.picture = RobotPicture(scene)
-        self.drawing = replace(self.picture.drawing(self.picture.at_rest, note=note), view=view, posing=self.picture.posing())
+    def __init__(self, scene: RobotScene, table: DrawingTable | None = None):
+        self.picture = RobotPicture(scene, table)
+        rest = self.picture.drawing(self.picture.at_rest, note=table.note if table else "")
+        self.drawing = replace(rest, view=view_of(table), posing=self.picture.posing())
 
     def amplitude(self, shape: np.ndarray) -> float:
         """The factor at which a shape, whose amplitude is free, is drawn."""

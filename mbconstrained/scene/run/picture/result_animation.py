@@ -42,7 +42,7 @@ def animation_of(result: Result) -> Animation:
         times, values, rates = frames_of(result, MOST_POSES)
         kept = np.unique(np.linspace(0, len(times) - 1, min(len(times), MOST_POSES)).round().astype(int))
         frames = times[kept], values[:, kept], rates[:, kept]
-        picture = RobotPicture(equations.robot_scene)
+        picture = RobotPicture(equations.robot_scene, table)
         drawing = drawing_of_robot(picture, frames[1], table)
         overlay = overlay_of(result, drawing, frames[0])
         overlay = replace(overlay, events=tuple(event_with_poses(event, picture, drawing.scale) for event in overlay.events))

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....ground.checks import counted
 from ....ground.tolerances import NOT_DRAWN
 from ....page.drawing.bodies import Drawing, Posing
 from ....page.drawing.orientation import two_digits
 from ....page.drawing.paths import Path
-from ....page.drawing.robot_layout import link_points, robot_drawing, robot_size, solids_of
+from ....page.drawing.robot_layout import MOST_TRIANGLES, link_points, robot_drawing, robot_size, solids_of
 from ...file.messages import at
 from .scene_drawing import view_of
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from ....page.animation.animation import DrawnEvent
     from ....robot.visualization import Poses
     from ...build.robot_model import RobotScene
+    from ...schema.drawing_tables import DrawingTable
 
 NOTE = "small motions about the equilibrium"
 
@@ -80,15 +82,21 @@ class RobotPicture:
     Attributes:
         scene: the robot with its posture and system.
         solids: of its links, by name.
+        note: on meshes that are drawn with fewer triangles, or an empty string.
 
     Raises:
         SceneError: a shape or a mesh file that cannot be drawn; names the URDF.
     """
 
-    def __init__(self, scene: RobotScene):
+    def __init__(self, scene: RobotScene, table: DrawingTable | None = None):
         self.scene = scene
+        full = table is not None and table.full_meshes
         with at(scene.data.urdf_place):
-            self.solids = solids_of(scene.robot.visuals())
+            visuals = scene.robot.visuals()
+        large = {id(item.faces): len(item.faces) for item in visuals if item.faces is not None and len(item.faces) > MOST_TRIANGLES}
+        self.note = f"{counted(len(large), 'mesh', 'meshes')} drawn with fewer triangles" if large and not full else ""
+        with at(scene.data.urdf_place):
+            self.solids = solids_of(visuals, full=full)
 
     def poses(self, values: np.ndarray, scale: float = 1.0) -> dict[str, Poses]:
         """The poses of all links.
@@ -115,6 +123,7 @@ class RobotPicture:
         """
         points = self.scene.robot.connection_points(self.scene.posture)
         fixed = self.scene.data.table.base == "fixed"
+        note = "\n".join(filter(None, (note, self.note)))
         ellipsoids = self.scene.robot.inertia_ellipsoids()
         return robot_drawing(self.solids, poses, points, scale=scale, fixed=fixed, note=note, ellipsoids=ellipsoids)
 

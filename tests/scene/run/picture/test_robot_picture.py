@@ -1,15 +1,20 @@
 """How robots are drawn in a run and on a page of modes: the same parts, the same size, no motion too far to look right."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.page.drawing.robot_layout import BASE_PLATE
+from mbconstrained.page.drawing.robot_layout import BASE_PLATE, MOST_TRIANGLES
 from mbconstrained.page.mode_page import cycle
 from mbconstrained.scene.run.modes.mode_pages import RobotModes, modes_content
 from mbconstrained.scene.run.modes.scene_modes import SceneModes
 from mbconstrained.scene.run.picture.robot_drawing import TURN, VISIBLE, RobotPicture, drawing_of_robot
 from mbconstrained.scene.run.scene import read_scene
+from mbconstrained.scene.schema.drawing_tables import DrawingTable
+from tests.page.drawing.test_robot_layout import sphere
+from tests.page.robots import Seen
 from tests.scene.robots import SCENE, TOML, URDF, press
 from tests.scene.run.picture.test_robot_drawing import path_point
 from tests.scene.scenes import EXAMPLES, scene_of
@@ -144,3 +149,14 @@ def test_a_shape_that_cannot_be_drawn_names_the_urdf(tmp_path):
         scene.run(tmp_path / "out")
     with pytest.raises(SceneError, match=r'^press/press\.urdf: .*link "crank"'):
         SceneModes(scene).write_page(tmp_path / "out")
+
+
+@pytest.mark.parametrize("full", [False, True])
+def test_large_meshes_are_drawn_with_fewer_triangles_which_is_told_unless_all_are_asked_for(full):
+    vertices, faces = sphere(180)
+    seen = [Seen(name, "mesh", (), vertices=vertices, faces=faces) for name in ("left", "right")]
+    scene = SimpleNamespace(data=SimpleNamespace(urdf_place="r.urdf"), robot=SimpleNamespace(visuals=lambda: seen))
+    picture = RobotPicture(scene, DrawingTable(full_meshes=full))
+    counts = {len(picture.solids[name][0].faces) for name in ("left", "right")}
+    assert len(counts) == 1 and (counts.pop() > MOST_TRIANGLES) is full
+    assert picture.note == ("" if full else "1 mesh drawn with fewer triangles")
