@@ -5,7 +5,7 @@ A place that the point should reach is a loop between the ground and the body: t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -40,8 +40,8 @@ STAGES = 10
 #: Modes of neighbouring points whose shapes agree by less are reported.
 TRACKED = 0.5
 
-#: Frequencies in the columns of the table.
-MOST_COLUMNS = 6
+#: Frequencies in the columns of the table, which is as wide as a terminal.
+MOST_COLUMNS = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,22 +205,30 @@ class PathModes(Displayed):
     def _summary(self) -> str:
         return f"{len(self.places)} places, {self.natural_frequencies.shape[1]} modes"
 
-    def _tables(self) -> tuple[TextTable, ...]:
+    @property
+    def table(self) -> TextTable:
+        """The places with the frequencies of the first modes (Hz)."""
         shown = self.frequencies_hz[:, :MOST_COLUMNS]
-        titles = ("place", "x (m)", "y (m)", "z (m)", *(f"mode {k + 1} (Hz)" for k in range(shown.shape[1])))
+        titles = ("place", "x (m)", "y (m)", "z (m)", *(f"mode {k + 1}" for k in range(shown.shape[1])))
         rows = [
-            (str(i + 1), *map(number_text, place), *("" if np.isnan(f) else f"{f:.4g}" for f in row))
+            (str(i + 1), *(f"{x:.4g}" for x in place), *("" if np.isnan(f) else f"{f:.4g}" for f in row))
             for i, (place, row) in enumerate(zip(self.places, shown))
         ]
-        return TextTable("Modes along the path", titles, tuple(rows)), notice_table(self.notices)
+        count = self.frequencies_hz.shape[1]
+        note = f"The first {MOST_COLUMNS} of {count} modes." if count > MOST_COLUMNS else ""
+        return TextTable("Frequencies along the path in Hz", titles, tuple(rows), note)
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        return self.table, notice_table(self.notices)
 
 
-def modes_along(robot: Robot, body: str, places, point, orientation, guess, hold) -> PathModes:
+def modes_along(robot: Robot, goal: Target, places, guess, hold, forces: Mapping) -> PathModes:
     """The modes along a path, as of ``Robot.modes_along``.
 
     Args:
         robot: the robot.
-        body, places, point, orientation, guess, hold: see there.
+        goal: of the path, anywhere on it.
+        places, guess, hold, forces: see there.
 
     Returns:
         The ``PathModes``.
@@ -228,12 +236,12 @@ def modes_along(robot: Robot, body: str, places, point, orientation, guess, hold
     places = real_array(places, "places", shape=(None, 3))
     if not len(places):
         raise InputError("places: found none; expected an array of shape (P, 3)")
-    goals = [target(body, point, place, orientation) for place in places]
+    goals = [replace(goal, place=place) for place in places]
     q, postures, distances = inverse_kinematics(robot, goals[0], guess), [], []
     for goal in goals:
         configuration, left, arrived = goal.reached(robot, q)
         q = configuration if arrived else q
-        postures.append(robot.equilibrium(q, hold=hold) if arrived else None)
+        postures.append(robot.equilibrium(q, forces, hold) if arrived else None)
         distances.append(_distance(postures[-1], goal) if arrived else float(np.linalg.norm(left)))
     systems = [None if posture is None else robot.linearize(posture) for posture in postures]
     modes = [None if system is None else system.modes(damped=False) for system in systems]
