@@ -281,7 +281,8 @@ class Robot(Displayed):
         """The values of the joints, near a guess, with which a point of a body is at a place and the loops are closed.
 
         The place is a loop between body and ground, which Gauss-Newton steps of least size close; where these get stuck, they start
-        again from places near the guess. Limits of joints are not observed.
+        again from places near the guess, then from the middle of the limits of the joints. Values within the limits are
+        preferred; where the search finds none, the notices of ``equilibrium`` name the joints that are beyond.
 
         Args:
             body: a link.
