@@ -1,4 +1,4 @@
-"""The commands campbell and locus: eigenvalues of a rotor over its speed, and of any model over a parameter."""
+"""The commands campbell, locus and path: eigenvalues of a rotor over its speed, of any model over a parameter, of a robot along a path."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ if TYPE_CHECKING:
 
 
 def add_to(app: typer.Typer) -> None:
-    """Give the command line the two commands."""
+    """Give the command line the three commands."""
     app.command("campbell", short_help="Critical speeds, whirl, stability and unbalance response of a rotor.")(_campbell)
     app.command("locus", short_help="Root locus: eigenvalues over a parameter, with break points.")(_locus)
+    app.command("path", short_help="Frequencies of a robot along a path of one of its points.")(_path)
 
 
 def _campbell(
@@ -76,5 +77,24 @@ def _locus(
             out,
             json,
         )
+
+    answer(scene, json, work, settings)
+
+
+def _path(
+    scene: ScenePath,
+    points: Annotated[int, typer.Option("--points", metavar="N", help="How many places; 21 by default.", show_default=False)] = 0,
+    out: Out = "",
+    settings: Settings = None,
+    json: Json = False,
+) -> None:
+    """Natural frequencies of a robot along the table [path], its joints kept where the path needs them, each mode followed by its shape.
+
+    Places out of reach are listed. Writes NAME.path.html, .png and .json."""
+
+    def work(loaded: Scene) -> int:
+        from ..studies.path_report import PathReport
+
+        return published(lambda progress: PathReport(loaded, points), loaded.name, "path", out, json)
 
     answer(scene, json, work, settings)

@@ -118,6 +118,14 @@ def modal_damping(mass: np.ndarray, stiffness: np.ndarray, rows: np.ndarray, mod
     return ElementMatrix(momenta[:, damped].T, 2 * (zeta * frequencies)[damped])
 
 
+def _rounding(part: ElementMatrix) -> np.ndarray:
+    """Bounds of what rounding errors of computed directions change in the entries, shape (n, n)."""
+    size = np.abs(part.directions)
+    error = noise_of(size.max(axis=1, initial=0.0), part.size)[:, None] * size.any(axis=0)
+    bound = (size.T * part.constants) @ error
+    return bound + bound.T
+
+
 def check_orthogonal(what: str, mass: np.ndarray, stiffness: np.ndarray) -> None:
     """Raise an InputError where M or K is not symmetric.
 
@@ -240,9 +248,12 @@ class DampedSystem:
         array([0.02, 0.05])
         """
         self._refuse_sparse("modal damping")
-        system = self._with_damping(
-            [modal_damping(self.mass, self.stiffness, self.constraint_matrix, self.modes(damped=False), ratios)]
-        )
+        modes = self.modes(damped=False)
+        part = modal_damping(self.mass, self.stiffness, self.constraint_matrix, modes, ratios)
+        system = self._with_damping([part])
+        if any(mode.kind in ("rigid body", "offset") for mode in modes):  # which rounding errors of M u would damp
+            K, C, M = system.uncertainty
+            system.uncertainty = (K, C + _rounding(part), M)
         system.parameter_source = _refuse_parameters
         return system
 

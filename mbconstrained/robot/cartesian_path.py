@@ -5,7 +5,7 @@ A place that the point should reach is a loop between the ground and the body: t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -17,7 +17,7 @@ from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed, TextTable, notice_table, number_text
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import LOOPS_CLOSED_AS_ROUNDED
+from ..ground.tolerances import JOINT_LIMIT, LOOPS_CLOSED_AS_ROUNDED
 from .connections import Loop, LoopKind
 from .kinematics import Kinematics
 from .posture import Posture, attached_load, guess_with_followers
@@ -27,8 +27,10 @@ if TYPE_CHECKING:
     from ..mechanics.modes import Modes
     from .linearization.linearized import LinearizedRobot
     from .robot import Robot
+    from .statics.balance import Load
 
-#: Starts of the search: the guess, then places near it, since an arm that is stretched cannot bend to first order.
+#: Starts of the search: the guess, then places near it, since an arm that is stretched cannot bend to first order; then as many near the
+#: middle of the limits.
 STARTS = 8
 
 #: How far from the guess these are, in rad or relative to the robot's size.
@@ -40,8 +42,8 @@ STAGES = 10
 #: Modes of neighbouring points whose shapes agree by less are reported.
 TRACKED = 0.5
 
-#: Frequencies in the columns of the table.
-MOST_COLUMNS = 6
+#: Frequencies in the columns of the table, which is as wide as a terminal.
+MOST_COLUMNS = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,17 +90,17 @@ class Target:
             targets.append(replace(self, place=place + share * (self.place - place), orientation=turned))
         return [*targets, self]
 
-    def reached(self, robot: Robot, start: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+    def reached(self, robot: Robot, load: Load, start: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
         """The configuration nearest to a start that reaches the target with closed loops.
 
         Args:
             robot: the robot.
+            load: with the frames of its loops.
             start: q, shape (nq,).
 
         Returns:
             The configuration, the displacement that remains (m), shape (3,), and whether target and loops are closed.
         """
-        load = attached_load(robot, start, {})
         item = robot.link_frames.attached(self.loop, Kinematics(robot.tree, start))
         load = replace(load, loops=(*load.loops, item))
         best = closed(Search(robot.tree, load, np.ones(len(robot.coordinates), bool)), start)
@@ -107,7 +109,7 @@ class Target:
 
 
 def inverse_kinematics(robot: Robot, goal: Target, guess) -> np.ndarray:
-    """The configuration near a guess that reaches a target.
+    """The configuration near a guess that reaches a target, within the limits of the joints if the search finds one there.
 
     Args:
         robot: the robot.
@@ -122,22 +124,35 @@ def inverse_kinematics(robot: Robot, goal: Target, guess) -> np.ndarray:
     """
     robot.link_frames.check(goal.body, "inverse kinematics")
     start = guess_with_followers(robot, guess)
-    lengths, rng = attached_load(robot, start, {}).lengths, np.random.default_rng(0)
-    nearest = np.full(3, np.inf)
-    for number in range(STARTS):
-        away = AWAY * lengths * rng.uniform(-1, 1, len(lengths)) if number else np.zeros(len(lengths))
-        q = robot.tree.moved(start, away)
+    load, nearest, beyond = attached_load(robot, start, {}), np.full(3, np.inf), None
+    for q in _starts(robot, start, load.lengths):
         for stage in goal.stages(robot, q):
-            q, left, arrived = stage.reached(robot, q)
-        if arrived:
+            q, left, arrived = stage.reached(robot, load, q)
+        if arrived and not robot.tangent.outside_limits(q, JOINT_LIMIT):
             return q
+        beyond = q if arrived and beyond is None else beyond
         nearest = min(nearest, left, key=np.linalg.norm)
+    if beyond is not None:
+        return beyond
     place, nearest_place = (", ".join(number_text(float(x)) for x in at) for at in (goal.place, goal.place - nearest))
     what = "" if goal.orientation is None else " with this orientation"
     raise InputError(
         f"inverse kinematics: {goal.body} does not reach ({place}) m{what} near the guess; it comes to ({nearest_place}) m, "
         f"{np.linalg.norm(nearest):.3g} m from it: give another guess, or a place within its reach"
     )
+
+
+def _starts(robot: Robot, guess: np.ndarray, lengths: np.ndarray) -> Iterator[np.ndarray]:
+    """The guess and places near it; then the same with all limited joints in the middle of their limits."""
+    rng, angles, to_middle = np.random.default_rng(0), robot.tangent.angles(guess), np.zeros(len(lengths))
+    for name, limits in robot.limits.items():
+        if np.isfinite(limits).all():
+            place = robot.coordinates.index(name)
+            to_middle[place] = np.mean(limits) - angles[place]
+    for centre in (guess, robot.tree.moved(guess, to_middle))[: 1 + to_middle.any()]:
+        yield centre
+        for _ in range(STARTS - 1):
+            yield robot.tree.moved(centre, AWAY * lengths * rng.uniform(-1, 1, len(lengths)))
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -205,22 +220,30 @@ class PathModes(Displayed):
     def _summary(self) -> str:
         return f"{len(self.places)} places, {self.natural_frequencies.shape[1]} modes"
 
-    def _tables(self) -> tuple[TextTable, ...]:
+    @property
+    def table(self) -> TextTable:
+        """The places with the frequencies of the first modes (Hz)."""
         shown = self.frequencies_hz[:, :MOST_COLUMNS]
-        titles = ("place", "x (m)", "y (m)", "z (m)", *(f"mode {k + 1} (Hz)" for k in range(shown.shape[1])))
+        titles = ("place", "x (m)", "y (m)", "z (m)", *(f"mode {k + 1}" for k in range(shown.shape[1])))
         rows = [
-            (str(i + 1), *map(number_text, place), *("" if np.isnan(f) else f"{f:.4g}" for f in row))
+            (str(i + 1), *(f"{x:.4g}" for x in place), *("" if np.isnan(f) else f"{f:.4g}" for f in row))
             for i, (place, row) in enumerate(zip(self.places, shown))
         ]
-        return TextTable("Modes along the path", titles, tuple(rows)), notice_table(self.notices)
+        count = self.frequencies_hz.shape[1]
+        note = f"The first {MOST_COLUMNS} of {count} modes." if count > MOST_COLUMNS else ""
+        return TextTable("Frequencies along the path in Hz", titles, tuple(rows), note)
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        return self.table, notice_table(self.notices)
 
 
-def modes_along(robot: Robot, body: str, places, point, orientation, guess, hold) -> PathModes:
+def modes_along(robot: Robot, goal: Target, places, guess, hold, forces: Mapping) -> PathModes:
     """The modes along a path, as of ``Robot.modes_along``.
 
     Args:
         robot: the robot.
-        body, places, point, orientation, guess, hold: see there.
+        goal: of the path, anywhere on it.
+        places, guess, hold, forces: see there.
 
     Returns:
         The ``PathModes``.
@@ -228,12 +251,13 @@ def modes_along(robot: Robot, body: str, places, point, orientation, guess, hold
     places = real_array(places, "places", shape=(None, 3))
     if not len(places):
         raise InputError("places: found none; expected an array of shape (P, 3)")
-    goals = [target(body, point, place, orientation) for place in places]
+    goals = [replace(goal, place=place) for place in places]
     q, postures, distances = inverse_kinematics(robot, goals[0], guess), [], []
+    load = attached_load(robot, q, {})
     for goal in goals:
-        configuration, left, arrived = goal.reached(robot, q)
+        configuration, left, arrived = goal.reached(robot, load, q)
         q = configuration if arrived else q
-        postures.append(robot.equilibrium(q, hold=hold) if arrived else None)
+        postures.append(robot.equilibrium(q, forces, hold) if arrived else None)
         distances.append(_distance(postures[-1], goal) if arrived else float(np.linalg.norm(left)))
     systems = [None if posture is None else robot.linearize(posture) for posture in postures]
     modes = [None if system is None else system.modes(damped=False) for system in systems]

@@ -281,7 +281,8 @@ class Robot(Displayed):
         """The values of the joints, near a guess, with which a point of a body is at a place and the loops are closed.
 
         The place is a loop between body and ground, which Gauss-Newton steps of least size close; where these get stuck, they start
-        again from places near the guess. Limits of joints are not observed.
+        again from places near the guess, then from the middle of the limits of the joints. Values within the limits are
+        preferred; where the search finds none, the notices of ``equilibrium`` name the joints that are beyond.
 
         Args:
             body: a link.
@@ -314,6 +315,7 @@ class Robot(Displayed):
         orientation=None,
         guess: Mapping | np.ndarray | str | None = None,
         hold: Sequence[str] | Literal["all"] = "all",
+        forces: Mapping[str | PointMotion, float] | None = None,
     ) -> PathModes:
         """The modes without damping where a point of a body is at each place of a path, each mode followed by its shape.
 
@@ -321,7 +323,7 @@ class Robot(Displayed):
             body, point, orientation: as of ``inverse_kinematics``.
             places: along the path (m), shape (P, 3).
             guess: near the first place, from which each posture is sought from the one before.
-            hold: as of ``equilibrium``; joints that do not keep the guess give way to their load.
+            hold, forces: as of ``equilibrium``; joints that do not keep the guess give way to their load.
 
         Returns:
             ``PathModes``: ``frequencies_hz``, shape (P, m), ``postures``, ``systems``, and ``unreachable`` places.
@@ -337,9 +339,9 @@ class Robot(Displayed):
         >>> along.frequencies_hz.shape, along.unreachable
         ((4, 2), (3,))
         """
-        from .cartesian_path import modes_along
+        from .cartesian_path import modes_along, target
 
-        return modes_along(self, body, places, point, orientation, self._guess(guess), hold)
+        return modes_along(self, target(body, point, _ORIGIN, orientation), places, self._guess(guess), hold, forces or {})
 
     def linearize(
         self,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -137,3 +139,34 @@ def test_paths_without_places_are_refused():
     for places in ([], [(0, 0)], np.zeros((0, 3)), [[np.nan, 0, 0]]):
         with pytest.raises(mb.InputError, match="places"):
             mb.Robot(ARM).modes_along("lower", places)
+
+
+LIMITED = '<joint name="elbow" type="revolute"><limit lower="{}" upper="{}" effort="1" velocity="1"/>'
+
+
+@pytest.mark.parametrize(("limits", "sign"), [((0.1, 3.0), 1), ((-3.0, -0.1), -1), ((-0.2, 0.2), 0)])
+def test_the_solution_within_the_limits_is_preferred(limits, sign):
+    """Of the two elbows of the closed form the one within the limits, whatever the guess; that of the guess where neither is."""
+    text = Path(ARM).read_text(encoding="utf-8").replace('<joint name="elbow" type="continuous">', LIMITED.format(*limits))
+    arm, (x, z) = mb.Robot(text), (0.35, -0.45)
+    expected = np.arccos((x**2 + z**2 - 0.4**2 - 0.3**2) / (2 * 0.4 * 0.3))
+    for guess in (0.8, -0.8):
+        joints = arm.inverse_kinematics("lower", (x, Y, z), TIP, guess={"elbow": guess})
+        assert joints["elbow"] == pytest.approx((sign or np.sign(guess)) * expected, abs=1e-9)
+        beyond = [notice for notice in arm.equilibrium(joints, hold="all").notices if "beyond its limits" in notice.text]
+        assert len(beyond) == (sign == 0)
+    along = arm.modes_along("lower", [(x, Y, z), (x, Y, z + 0.01)], TIP, guess={"elbow": 0.8})
+    assert ["beyond their limits" in notice.text for notice in along.notices] == [True] * (sign == 0)
+
+
+def test_loops_have_the_sizes_of_the_guess_at_all_starts():
+    """A rod without a length has that at the guess, also where the search goes on from the middle of the limits."""
+    text = Path(ARM).read_text(encoding="utf-8").replace('<joint name="elbow" type="continuous">', LIMITED.format(-3.0, -0.1))
+    centre, guess = np.array([0.5, Y, 0.0]), {"shoulder": -0.3, "elbow": 0.8}
+    arm = mb.Robot(text, loops=[mb.Loop("ground", tuple(centre), "lower", TIP, "rod")])
+    radius = place_of(arm, guess, "lower", TIP).translation - centre
+    place = centre + pin.utils.rotate("y", -0.1) @ radius
+    joints = arm.inverse_kinematics("lower", place, TIP, guess=guess)
+    assert joints["elbow"] < 0 and place_of(arm, joints, "lower", TIP).translation == pytest.approx(place, abs=1e-12)
+    with pytest.raises(mb.InputError, match="does not reach"):
+        arm.inverse_kinematics("lower", centre + 1.1 * radius, TIP, guess=guess)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,6 +29,7 @@ class RobotScene:
         data: what stands in its file.
         robot, posture, system: of the models' floor; the system knows inputs and outputs by name.
         inputs: the joint or PointMotion of each input, by its name.
+        forces: that act all the time, as of ``Robot.equilibrium``.
     """
 
     data: RobotData
@@ -36,6 +37,7 @@ class RobotScene:
     posture: Posture
     system: LinearizedRobot
     inputs: Mapping[str, str | PointMotion]
+    forces: Mapping[str | PointMotion, float] = field(default_factory=dict)
 
     @property
     def coordinates(self) -> Coordinates:
@@ -78,7 +80,7 @@ def robot_scene(model, changed: dict, folder: Path, file_name: SceneName, lap: C
     inputs, outputs = (_motions(getattr(model, key), data, f"model.{key}", file_name) for key in ("input", "output"))
     with at(file_name, "model"):
         system = robot.linearize(posture, level=model.level, inputs=inputs, outputs=outputs)
-    return RobotScene(data, robot, posture, system, inputs)
+    return RobotScene(data, robot, posture, system, inputs, arguments["forces"])
 
 
 def _posture_arguments(data: RobotData, own: dict) -> dict:

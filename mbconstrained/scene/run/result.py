@@ -131,11 +131,12 @@ class Result(Displayed):
         requested = [
             "displacement",
             *plots,
-            *(["reaction"] if output.reactions else []),
+            *(["reaction", "ground_reaction"] if output.reactions else []),
             *(["quantity"] if output.quantity else []),
         ]
         rows = self.system is not None and self.system.rows
-        available = {"reaction": rows, "output": not self.scene.equations.has_outputs_among_coordinates}
+        loops = rows and self.scene.equations.robot and self.scene.equations.robot.loops
+        available = {"reaction": rows, "ground_reaction": loops, "output": not self.scene.equations.has_outputs_among_coordinates}
         return [kind for kind in dict.fromkeys(requested) if available.get(kind, True)]
 
     @cached_property

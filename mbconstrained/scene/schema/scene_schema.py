@@ -14,6 +14,7 @@ from ..quantities.coordinates import DERIVATIVES
 from ..quantities.output_units import output_units
 from .analyses.campbell_table import CampbellTable
 from .analyses.frequency_table import FrequencyTable
+from .analyses.path_table import PathTable
 from .analyses.random_table import RandomTable
 from .analyses.shock_table import ShockTable
 from .analyses.vary_table import VaryTable
@@ -223,6 +224,7 @@ class SceneFile(Table):
     shock: ShockTable | None = Field(None, description="Peaks under a shock, by the command shock; left out: the defaults.")
     vary: VaryTable | None = Field(None, description="Parameters that the commands sweep and optimise vary; left out: named there.")
     campbell: CampbellTable | None = Field(None, description="Speeds and orders of the command campbell; left out: the defaults.")
+    path: PathTable | None = Field(None, description="Of a point of a robot, along which the command path follows its modes.")
     output: OutputTable = Field(OutputTable(), description="Which files are written, and what the page shows.")
     drawing: DrawingTable | None = Field(None, description="How the model is drawn; left out: automatically.")
 

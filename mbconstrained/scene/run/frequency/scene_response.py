@@ -12,6 +12,7 @@ from ....exchange.trajectories import write_arrays
 from ....ground.files import Replacements
 from ...schema.analyses.campbell_table import CampbellTable
 from ...schema.analyses.frequency_table import FrequencyTable
+from ...schema.analyses.path_table import PathTable
 from ...schema.analyses.shock_table import ShockTable
 from ...schema.entry_types import Table
 from ...schema.scene_schema import OutputTable
@@ -125,8 +126,8 @@ def _cell(text: str) -> str:
     return text.replace(",", ";").replace("\n", " ")
 
 
-def with_options(own: Table | None, kind: Literal["frequency", "shock", "campbell"], options: dict, file_name: str):
-    """The table [frequency], [shock] or [campbell] of a scene with other values.
+def with_options(own: Table | None, kind: Literal["frequency", "shock", "campbell", "path"], options: dict, file_name: str):
+    """The table [frequency], [shock], [campbell] or [path] of a scene with other values.
 
     Args:
         own: as read; None for the defaults.
@@ -153,3 +154,4 @@ class _Options(Table):
     frequency: FrequencyTable | None = None
     shock: ShockTable | None = None
     campbell: CampbellTable | None = None
+    path: PathTable | None = None
