@@ -10,7 +10,7 @@ import typer
 from .answer import FINE, NOT_TRUSTED, Json, Out, ScenePath, Settings, answer, leave
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from ..scene.run.scene import Scene
     from ..studies.study_report import Progress, StudyReport
@@ -100,11 +100,27 @@ def published(study: Callable[[Progress], StudyReport], name: str, kind: str, ou
         The exit code.
     """
     from ..studies.study_report import no_progress, writable
-    from .printing import show, step_progress
+    from .printing import step_progress
 
     folder = writable(Path(out or Path("results") / name))
     with step_progress() as progress:
         report = study(progress or no_progress)
-    files = report.write(folder, f"{name}.{kind}")
-    show(json, report.as_json, lambda: [*report.blocks, "\n".join(f"wrote {path}" for path in files)])
+    return printed(report, report.write(folder, f"{name}.{kind}"), json, report.as_json)
+
+
+def printed(report: StudyReport, files: Sequence[Path], json: bool, data: Callable[[], dict]) -> int:
+    """Print a report and the names of its files.
+
+    Args:
+        report: of a study.
+        files: that were written.
+        json: whether plain data is printed.
+        data: makes it.
+
+    Returns:
+        The exit code.
+    """
+    from .printing import show
+
+    show(json, data, lambda: [*report.blocks, "\n".join(f"wrote {path}" for path in files)])
     return FINE if report.is_trusted else NOT_TRUSTED

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .answer import FINE, NOT_TRUSTED, Json, Out, ScenePath, Settings, answer, setting
+from .answer import Json, Out, ScenePath, Settings, answer, setting
+from .studies import printed
 
 if TYPE_CHECKING:
     from ..scene.run.scene import Scene
+    from ..studies.study_report import StudyReport
 
 Vary = Annotated[
     list[str] | None,
@@ -76,7 +78,7 @@ def _sweep(
         from ..studies.study_report import writable
         from ..studies.sweep.sweep import StudyInterrupted, sweep
         from ..studies.sweep.sweep_report import SweepReport
-        from .printing import bar_progress, show, show_error
+        from .printing import bar_progress, show_error
 
         study = sweep(loaded, _pairs(vary or (), "--vary"), **options)
         folder = writable(Path(out or Path("results") / loaded.name))
@@ -89,10 +91,7 @@ def _sweep(
         files = report.write(folder, f"{loaded.name}.sweep")
         with Replacements() as more:
             more.temporary(folder / f"{loaded.name}.sweep.csv").write_text(result.csv(), encoding="utf-8")
-        files += more.paths
-        data = lambda: {**report.as_json(), "files": [str(path) for path in files]}  # noqa: E731
-        show(json, data, lambda: [*report.blocks, "\n".join(f"wrote {path}" for path in files)])
-        return FINE if report.is_trusted else NOT_TRUSTED
+        return _printed(report, [*files, *more.paths], json)
 
     answer(scene, json, work, settings)
 
@@ -116,23 +115,25 @@ def _optimise(
     def work(loaded: Scene) -> int:
         from ..studies.study_report import writable
         from ..studies.sweep.optimisation import OptimumReport, optimise
-        from .printing import bar_progress, show
+        from .printing import bar_progress
 
         folder = writable(Path(out or Path("results") / loaded.name))
         figures = minimise or None, maximise or None
         with bar_progress("generations") as progress:
             optimum = optimise(loaded, _pairs(vary or (), "--vary"), *figures, None if seed < 0 else seed, progress)
         report = OptimumReport(optimum)
-        files = report.write(folder, f"{loaded.name}.optimise")
-        data = lambda: {**report.as_json(), "files": [str(path) for path in files]}  # noqa: E731
-        show(json, data, lambda: [*report.blocks, "\n".join(f"wrote {path}" for path in files)])
-        return FINE
+        return _printed(report, report.write(folder, f"{loaded.name}.optimise"), json)
 
     answer(scene, json, work, settings)
 
 
 #: As shells report a process that ended by SIGINT.
 INTERRUPTED = 130
+
+
+def _printed(report: StudyReport, files: Sequence[Path], json: bool) -> int:
+    """As ``printed``, with the names of the files in the data."""
+    return printed(report, files, json, lambda: {**report.as_json(), "files": [str(path) for path in files]})
 
 
 def _pairs(texts: Sequence[str], option: str) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import math
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -171,6 +172,15 @@ def number_text(value: float) -> str:
     ('0', '0.333333')
     """
     return f"{value + 0.0:.6g}"
+
+
+def finite_or_none(value: float) -> float | None:
+    """For data that know no infinity, such as JSON: the number, None where it is infinite or NaN.
+
+    >>> finite_or_none(2.5), finite_or_none(float("nan"))
+    (2.5, None)
+    """
+    return float(value) if math.isfinite(value) else None
 
 
 def with_unit(value: float, unit: str) -> str:

@@ -130,7 +130,7 @@ class Support(Connection):
     @property
     def has_sole(self) -> bool:
         """Whether the connection has torques about all axes."""
-        raise NotImplementedError
+        return False
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..ground.checks import counted
-from ..ground.display import TextTable, number_text
+from ..ground.display import TextTable, finite_or_none, number_text
 from ..ground.errors import InputError
 from ..ground.notices import Notice
 from ..page.animation.figure import PALETTE
 from ..page.plots.images import RED
 from ..scene.run.frequency.scene_response import with_options
+from ..scene.run.report.summary import notices_json
 from .figures import Picture, power_of_ten
 from .study_report import StudyReport
 from .timing import machine
@@ -137,7 +138,7 @@ class PathReport(StudyReport):
             "assurance": _with_null(along.assurance),
             "joints": [posture and {name: _listed(value) for name, value in posture.joints.items()} for posture in along.postures],
             "unreachable": [{"place": i + 1, "distance": float(along.distances[i])} for i in along.unreachable],
-            "notices": [{"kind": notice.kind, "text": notice.text, "doubtful": notice.doubtful} for notice in self.notices],
+            "notices": notices_json(self.notices),
         }
 
 
@@ -146,4 +147,4 @@ def _listed(value) -> float | list[float]:
 
 
 def _with_null(values: np.ndarray) -> list[list[float | None]]:
-    return [[value if np.isfinite(value) else None for value in row] for row in values.tolist()]
+    return [list(map(finite_or_none, row)) for row in values.tolist()]

@@ -92,7 +92,7 @@ class LocusReport(StudyReport):
         return (f"{self.locus.name} from {low} to {high}: {points}{stability}.",)
 
     def _value(self, value: float) -> str:
-        return with_unit(float(f"{value:.10g}"), self.locus.unit or "1")
+        return with_unit(value, self.locus.unit)
 
     @property
     def tables(self) -> tuple[TextTable, ...]:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...ground.checks import counted
-from ...ground.display import TextTable, number_text, with_unit
+from ...ground.display import TextTable, finite_or_none, number_text, with_unit
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
+from ...ground.tolerances import EPS
 from ...mechanics.vibration.rotating import Campbell, CriticalSpeed, campbell, critical_points, direction
 from ...mechanics.vibration.rotor_equations import speed_ranges
 from ...mechanics.vibration.unbalance_response import UnbalancePeak, UnbalanceResponse, unbalance_response, with_resonances
@@ -94,7 +95,7 @@ class RotorReport(StudyReport):
     @property
     def is_stable(self) -> bool:
         """Whether no eigenvalue has a positive real part at any of the speeds, but for rounding errors."""
-        noise = np.sqrt(np.finfo(float).eps) * np.abs(self.diagram.eigenvalues).max(initial=0.0)
+        noise = EPS**0.5 * np.abs(self.diagram.eigenvalues).max(initial=0.0)
         return bool((self.diagram.stability_margins >= -noise).all())
 
     @property
@@ -144,7 +145,7 @@ class RotorReport(StudyReport):
         for order, response in self.responses.items():
             for peak in _largest(response, most):
                 unit, factor = shown.of(peak.unit)
-                size = with_unit(float(f"{factor * peak.amplitude:.6g}"), unit) if np.isfinite(peak.amplitude) else "unbounded"
+                size = with_unit(factor * peak.amplitude, unit) if np.isfinite(peak.amplitude) else "unbounded"
                 rows.append((f"{order:g}", peak.coordinate, number_text(peak.speed / RPM), size))
         title = "Largest peaks of the unbalance response" if most else "All peaks of the unbalance response"
         return TextTable(title, ("order", "coordinate", "rev/min", "amplitude"), tuple(rows))
@@ -205,14 +206,14 @@ class RotorReport(StudyReport):
                     "order": order,
                     "speeds": response.speeds.tolist(),
                     "amplitudes": {
-                        name: [_finite(value) for value in column]
+                        name: [finite_or_none(value) for value in column]
                         for name, column in zip(response.system.names, response.amplitudes.T.tolist())
                     },
                     "peaks": [
                         {
                             "coordinate": peak.coordinate,
                             "speed": peak.speed,
-                            "amplitude": _finite(peak.amplitude),
+                            "amplitude": finite_or_none(peak.amplitude),
                             "unit": peak.unit,
                         }
                         for peak in response.peaks
@@ -232,10 +233,6 @@ def _largest(response: UnbalanceResponse, most: int | None) -> list[UnbalancePea
         if peak.coordinate not in highest or peak.amplitude > highest[peak.coordinate].amplitude:
             highest[peak.coordinate] = peak
     return list(highest.values())[:most]
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
 
 
 def speed_range(system: MechanicalSystem, table: CampbellTable) -> tuple[float, float]:

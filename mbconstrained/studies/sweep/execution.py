@@ -194,7 +194,7 @@ def by_dask(job: Job, chunks: Iterator[Chunk], address: str, files: Mapping[str,
                     answer = future.result(timeout=PATIENCE)
                 except MbconstrainedError:
                     raise
-                except Exception as problem:
+                except Exception as problem:  # whatever a worker or the cluster raises, serialized
                     text = f"the cluster at {address} lost chunk {number + 1} ({type(problem).__name__}: {str(problem)[:200]})"
                     raise MbconstrainedError(text) from None
                 yield number, answer

@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...ground.checks import nearest
-from ...ground.display import Displayed, TextTable, number_text, with_unit
+from ...ground.display import Displayed, TextTable, finite_or_none, number_text, with_unit
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import SIMPLEX_SIZE
 from ...page.animation.figure import PALETTE
 from ...page.plots.images import MUTED
 from ...scene.quantities.variations import Distribution
+from ...scene.run.report.summary import notices_json
 from ..figures import Picture
 from ..study_report import StudyReport
 from ..timing import machine
@@ -250,7 +251,7 @@ class OptimumReport(StudyReport):
     def sentences(self) -> tuple[str, ...]:
         """The optimum in words."""
         unit, factor = self.unit
-        before, value = (with_unit(float(f"{factor * each:.9g}"), unit) for each in (self.optimum.before, self.optimum.value))
+        before, value = (with_unit(factor * each, unit) for each in (self.optimum.before, self.optimum.value))
         return (f"{self.optimum.figure.name}: {value}, instead of {before} in the file, by {self.optimum.evaluations} samples.",)
 
     @property
@@ -260,7 +261,7 @@ class OptimumReport(StudyReport):
         for name, one in self.optimum.bounds.items():
             unit, factor = shown.of(one.unit)
             values = (self.optimum.parameters[name], *one.ends)
-            rows.append((name, *(with_unit(float(f"{factor * value:.9g}"), unit or "1") for value in values)))
+            rows.append((name, *(with_unit(factor * value, unit) for value in values)))
         return (TextTable("Best values", ("parameter", "best", "from", "to"), tuple(rows)),)
 
     @property
@@ -317,11 +318,11 @@ class OptimumReport(StudyReport):
             "unit": optimum.figure.unit,
             "sense": "minimum" if optimum.sign > 0 else "maximum",
             "value": optimum.value,
-            "before": optimum.before if np.isfinite(optimum.before) else None,
+            "before": finite_or_none(optimum.before),
             "parameters": dict(optimum.parameters),
             "bounds": {name: list(one.ends) for name, one in optimum.bounds.items()},
             "at_bounds": optimum.at_bounds,
             "evaluations": optimum.evaluations,
             "history": list(optimum.history),
-            "notices": [{"kind": str(one.kind), "text": one.text, "doubtful": one.doubtful} for one in self.notices],
+            "notices": notices_json(self.notices),
         }

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...ground.checks import counted
-from ...ground.display import TextTable, number_text, with_unit
+from ...ground.display import TextTable, finite_or_none, number_text, with_unit
 from ...ground.errors import MbconstrainedError
 from ...ground.notices import Notice, NoticeKind
 from ...page.content import PageContent
 from ...page.html import Content
 from ...scene.quantities.variations import Distribution, Variation
 from ...scene.run.modes.variant_page import variants_content
+from ...scene.run.report.summary import notices_json
 from ..figures import Picture
 from ..study_report import StudyReport
 from ..timing import machine
@@ -125,7 +126,7 @@ class SweepReport(StudyReport):
         places = np.argsort(values, kind="stable")[: int(np.isfinite(values).sum())]
         for number in np.unique(np.linspace(0, len(places) - 1, MOST_VARIANTS).round().astype(int)).tolist():
             place = int(places[number])
-            text = with_unit(float(f"{factor * values[place]:.6g}"), unit)
+            text = with_unit(factor * values[place], unit)
             with suppress(MbconstrainedError):
                 variants.append((f"sample {place + 1}", (*self._values(place), (name, text)), result.sample_scene(place)))
         shown = ("animation", f"{len(variants)} samples at quantiles of {name}, each in the shape of its lowest mode")
@@ -197,13 +198,13 @@ class SweepReport(StudyReport):
                 for name, one in self.sobol.items()
             },
             "rank_correlations": {
-                name: dict(zip(samples.variations, map(_finite, ranks))) for name, ranks in self.correlations.items()
+                name: dict(zip(samples.variations, map(finite_or_none, ranks))) for name, ranks in self.correlations.items()
             },
             "failures": [
                 {"sample": place, "reason": reason, "values": samples.rows(slice(place, place + 1))[0]}
                 for place, reason in result.failures.items()
             ],
-            "notices": [{"kind": str(one.kind), "text": one.text, "doubtful": one.doubtful} for one in self.notices],
+            "notices": notices_json(self.notices),
             "trusted": self.is_trusted,
         }
 
@@ -232,7 +233,7 @@ class SweepReport(StudyReport):
             unit, factor = self.units[name]
             values = self.result.values(name)
             ends = [int(np.nanargmin(values)), int(np.nanargmax(values))]
-            texts = [f"{with_unit(float(f'{factor * values[at]:.6g}'), unit)} at {self._place(at)}" for at in ends]
+            texts = [f"{with_unit(factor * values[at], unit)} at {self._place(at)}" for at in ends]
             rows.append((name, *texts))
         return TextTable("Least and largest values", ("figure", "least", "largest"), tuple(rows))
 
@@ -242,7 +243,7 @@ class SweepReport(StudyReport):
         row, texts = self.result.samples.rows(slice(sample, sample + 1))[0], []
         for name, value in row.items():
             unit, factor = shown.of(getattr(self.result.samples.variations[name], "unit", ""))
-            texts.append((name, value if isinstance(value, str) else with_unit(float(f"{factor * value:.6g}"), unit or "1")))
+            texts.append((name, value if isinstance(value, str) else with_unit(factor * value, unit)))
         return tuple(texts)
 
     def _place(self, sample: int) -> str:
@@ -254,7 +255,7 @@ class SweepReport(StudyReport):
             unit, factor = self.units[name]
             estimate = self.result.exceedance(name, limit)
             text = f"{100 * estimate.value:.4g} % ({100 * estimate.low:.3g} to {100 * estimate.high:.3g} %)"
-            rows.append((name, with_unit(float(f"{factor * limit:.6g}"), unit), text))
+            rows.append((name, with_unit(factor * limit, unit), text))
         return TextTable("Probabilities of exceeding limits", ("figure", "limit", "probability"), tuple(rows))
 
     def _sobol_table(self) -> TextTable:
@@ -297,27 +298,21 @@ def _described(one: Variation, shown) -> str:
         ends = f", between {factor * one.low:g} and {factor * one.high:g}" if np.isfinite([one.low, one.high]).all() else ""
         words = {"uniform": "uniform from {} to {}", "normal": "normal, mean {}, standard deviation {}"}
         words["lognormal"] = "lognormal, mean {}, standard deviation {}"
-        texts = (with_unit(float(f"{factor * value:.6g}"), unit or "1") for value in (one.first, one.second))
+        texts = (with_unit(factor * value, unit) for value in (one.first, one.second))
         return words[one.kind].format(*texts) + ends
     if one.is_text or len(one.values) <= 4:
-        return ", ".join(
-            str(value) if one.is_text else with_unit(float(f"{factor * value:.6g}"), unit or "1") for value in one.values[:8]
-        )
-    low, high = (with_unit(float(f"{factor * end:.6g}"), unit or "1") for end in one.ends)
+        return ", ".join(str(value) if one.is_text else with_unit(factor * value, unit) for value in one.values[:8])
+    low, high = (with_unit(factor * end, unit) for end in one.ends)
     return f"{len(one.values)} values from {low} to {high}"
 
 
 def _summary_data(of, random: bool) -> dict:
-    data = {"count": of.count, "infinite": of.infinite, "least": _finite(of.least), "largest": _finite(of.largest)}
+    data = {"count": of.count, "infinite": of.infinite, "least": finite_or_none(of.least), "largest": finite_or_none(of.largest)}
     if not random:
         return data
     quantiles = {f"{probability:g}": _estimate_data(one) for probability, one in of.quantiles.items()}
-    return {**data, "mean": _finite(of.mean), "standard_deviation": _finite(of.deviation), "quantiles": quantiles}
+    return {**data, "mean": finite_or_none(of.mean), "standard_deviation": finite_or_none(of.deviation), "quantiles": quantiles}
 
 
 def _estimate_data(one: Estimate) -> dict:
-    return {"value": _finite(one.value), "interval": [_finite(one.low), _finite(one.high)]}
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+    return {"value": finite_or_none(one.value), "interval": [finite_or_none(one.low), finite_or_none(one.high)]}

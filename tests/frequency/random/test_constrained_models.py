@@ -78,10 +78,13 @@ def test_constrained_models_against_certified_quadrature(seed):
     corners = np.sort(rng.uniform(0.2, 8.0, 2))
     spectrum = mb.psd(corners, [1.0, (corners[1] / corners[0]) ** slope])
     output = int(rng.integers(1, 5))
+
+    def density(f):
+        return (f / acb(float(corners[0]))) ** acb(float(spectrum.pieces[0].exponent))
+
     for quantity, power in (("displacement", 0), ("acceleration", 2)):
         R = system.random_response({"x4": spectrum}, f"x{output + 1}", quantity)
         with ctx.workdps(40):
-            density = lambda f: (f / acb(float(corners[0]))) ** acb(float(spectrum.pieces[0].exponent))  # noqa: E731
             integral = certified(system, np.eye(5)[3], np.eye(5)[output], power, float(corners[0]), float(corners[1]), density)
         assert np.isclose(R.covariance.item(), integral, rtol=1e-11)
         assert abs(R.covariance.item() / integral - 1) < 10 * R.error_estimate[0]

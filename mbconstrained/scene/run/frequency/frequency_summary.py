@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....ground.checks import counted
-from ....ground.display import TextTable
+from ....ground.display import TextTable, finite_or_none
 from ..report.summary import notices_json, response_blocks
 
 if TYPE_CHECKING:
@@ -170,7 +170,7 @@ def as_json(frequency: SceneFrequency) -> dict:
                 "output": peak.output,
                 "input": peak.input,
                 "frequency_hz": peak.frequency_hz,
-                "amplitude": peak.amplitude if np.isfinite(peak.amplitude) else None,
+                "amplitude": finite_or_none(peak.amplitude),
                 "bandwidth_hz": peak.bandwidth_hz,
                 "damping_ratio": half_power_ratio(peak),
                 "phase": peak.phase,

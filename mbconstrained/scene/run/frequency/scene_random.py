@@ -10,7 +10,7 @@ import numpy as np
 from ....frequency.features import frequencies_by_poles
 from ....frequency.random.random_response import RandomResponse
 from ....frequency.random.statistics import octave_bands
-from ....ground.display import TextTable
+from ....ground.display import TextTable, finite_or_none
 from ....ground.errors import InputError
 from ....ground.notices import Notice
 from ....page.content import Curve, PageContent, Plot
@@ -244,8 +244,8 @@ class SceneRandom(SceneResponse):
             "outputs": list(response.outputs),
             "units": list(response.units),
             "rms": [float(value) if own else None for value, own in zip(response.rms, finite)],
-            "covariance": [[float(value) if np.isfinite(value) else None for value in row] for row in response.covariance],
-            "zero_crossings_hz": [float(value) if np.isfinite(value) else None for value in response.crossing_rate()],
+            "covariance": [list(map(finite_or_none, row)) for row in response.covariance],
+            "zero_crossings_hz": list(map(finite_or_none, response.crossing_rate())),
             "infinite": response.infinite,
             "error_estimate": response.error_estimate.tolist(),
             "notices": notices_json(self.notices),

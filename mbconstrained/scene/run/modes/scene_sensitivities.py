@@ -9,10 +9,8 @@ from itertools import chain
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ....ground.checks import nearest
-from ....ground.display import WIDTH, TextTable
+from ....ground.display import WIDTH, TextTable, finite_or_none
 from ....ground.errors import InputError
 from ....mechanics.sensitivity.parameter import Parameter
 from ....mechanics.sensitivity.sensitivities import Sensitivities
@@ -95,10 +93,10 @@ class SceneSensitivities:
                 "name": parameter.name,
                 "value": parameter.value,
                 "unit": parameter.unit,
-                "eigenvalues": [[_finite(value.real), _finite(value.imag)] for value in d.eigenvalues[i]],
-                "frequencies_hz": [*map(_finite, d.frequencies_hz[i])],
-                "damping_ratios": [*map(_finite, d.damping_ratios[i])],
-                "logarithmic": [*map(_finite, d.logarithmic[i])],
+                "eigenvalues": [[finite_or_none(value.real), finite_or_none(value.imag)] for value in d.eigenvalues[i]],
+                "frequencies_hz": [*map(finite_or_none, d.frequencies_hz[i])],
+                "damping_ratios": [*map(finite_or_none, d.damping_ratios[i])],
+                "logarithmic": [*map(finite_or_none, d.logarithmic[i])],
             }
             for i, parameter in enumerate(d.parameters)
         ]
@@ -132,10 +130,6 @@ def influence_tables(scene: Scene) -> tuple[TextTable, ...]:
 
 def _note(table: TextTable, group: Sequence[Parameter]) -> str:
     return table.note if table.rows else NO_INFLUENCE.format(", ".join(one.name for one in group))
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
 
 
 def _splitting_json(one) -> dict:
