@@ -125,9 +125,11 @@ def test_a_mesh_is_the_mesh_and_two_bodies_share_it(browser, tmp_path):
     })()""")
     assert found["shared"] is True
     places, normals = (np.reshape(found[key], (-1, 3, 3)) for key in ("places", "normals"))
-    assert sorted(map(tuple, np.unique(places.reshape(-1, 3), axis=0).round(6))) == sorted(map(tuple, vertices))
+    corners, code = vertices[faces], 0.4 / 65535  # stored in 16 bits
+    assert np.abs(np.sort(places.sum(axis=1), axis=0) - np.sort(corners.sum(axis=1), axis=0)).max() <= 2 * code
+    assert np.abs(places.reshape(-1, 1, 3) - vertices).max(axis=2).min(axis=1).max() <= 0.51 * code
     # faces of an octahedron are turned by 70 degrees to each other: sharp, so each corner has its face's own normal
-    assert np.allclose(normals, np.sign(places.sum(axis=1))[:, None] / 3**0.5, atol=1e-6)
+    assert np.allclose(normals, np.sign(places.sum(axis=1))[:, None] / 3**0.5, atol=1e-4)
 
 
 def test_shallow_edges_are_smooth(browser, tmp_path):
