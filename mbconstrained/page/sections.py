@@ -111,6 +111,7 @@ def _kind(column: tuple[str, ...]) -> str:
 _MARKS = (
     ("names", "label", "names"),
     ("frames", "frame", "frames"),
+    ("collision", "collision", "collision geometry"),
     ("masses", "ellipsoid", "centres of mass"),
 )
 

@@ -371,17 +371,20 @@ class Robot(Displayed):
             raise InputError("linearize: expected a posture from equilibrium() of this robot")
         return LinearizedRobot(posture, level, inputs or {}, outputs or {})
 
-    def visuals(self) -> tuple[Visual, ...]:
-        """The shapes of the links, without meshes of missing files; this reads mesh files, but never collision geometry.
+    def visuals(self, *, collision: bool = False) -> tuple[Visual, ...]:
+        """The shapes of the links, without meshes of missing files; this reads mesh files.
+
+        Args:
+            collision: whether the collision shapes are read instead; those that cannot be read are left out.
 
         Raises:
-            InputError: shapes without sense, mesh files that cannot be read.
+            InputError: visual shapes without sense, their mesh files that cannot be read.
         """
         from .description.visuals import visuals_of, visuals_of_mjcf
 
         if self.source.path is not None:
-            return visuals_of_mjcf(self.source.model, self.source.path)
-        return visuals_of(self.description, self.folder, self.package_dirs)
+            return visuals_of_mjcf(self.source.model, self.source.path, collision=collision)
+        return visuals_of(self.description, self.folder, self.package_dirs, collision=collision)
 
     def inertia_ellipsoids(self) -> dict[str, np.ndarray]:
         """Of each body, by its heaviest link: the placement (4, 4) in the link's frame that makes a unit sphere a uniform ellipsoid with

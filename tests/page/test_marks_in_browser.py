@@ -60,6 +60,25 @@ def test_frames_and_centres_of_mass_are_shown_and_hidden(opened):
     assert lines() == 0 and transparent() == [] and opened.messages == []
 
 
+def test_collision_geometry_is_shown_through_the_body_and_hidden(browser, tmp_path):
+    page = write_page(tmp_path / "page.html", swinging(collision=(Solid("sphere", (0.3,)), Solid("box", (0.7, 0.2, 0.2)))))
+    opened = browser.open(page)
+    seen = """(() => {
+        const opacities = [];
+        mbconstrained.viewer.scene_tree.find(["mbconstrained", "bodies"]).object.traverseVisible((object) => {
+            if (object.isMesh) opacities.push(object.material.opacity);
+        });
+        return opacities.sort();
+    })()"""
+    without, picture = opened.evaluate(seen), opened.picture("#stage")
+    opened.click("input[data-shows=collision]")
+    assert opened.evaluate(seen) == [0.35, 0.35, *without]
+    assert opened.picture("#stage") != picture
+    opened.click("input[data-shows=collision]")
+    assert opened.evaluate(seen) == without and opened.picture("#stage") == picture
+    assert opened.messages == []
+
+
 def test_names_are_hidden(opened):
     pictures = [opened.picture("#stage")]
     for _ in range(2):
@@ -93,7 +112,7 @@ def test_a_film_has_the_motion_from_start_to_end(opened):
 
 
 def test_what_a_page_does_not_have_has_no_box():
-    assert 'data-shows="masses"' not in page_html(swinging())
+    assert 'data-shows="masses"' not in page_html(swinging()) and 'data-shows="collision"' not in page_html(swinging())
     assert 'data-shows="masses"' in page_html(swinging(ellipsoid=ELLIPSOID))
     masses = Drawing((Body("cart", moves={"x": (1, 0, 0)}),))
     text = page_html(PageContent("t", animation=Animation(masses, ("x",), [0.0, 1.0], np.array([[0.0, 1.0]]))))

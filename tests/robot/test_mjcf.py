@@ -89,6 +89,8 @@ def test_shapes_and_states(path):
     }
     assert shapes["coupler"].placement[:3, 3] == pytest.approx([0.2, 0, 0]) and shapes["coupler"].size == (0.4, 0.04, 0.04)
     assert np.ptp(shapes["rocker"].vertices, axis=0) == pytest.approx([0.04, 0.06, 0.2])
+    collision = {shape.link: shape for shape in robot.visuals(collision=True)}  # MJCF uses the same geoms for both
+    assert collision.keys() == shapes.keys() and all(shapes[name].has_shape_of(collision[name]) for name in shapes)
 
 
 def test_a_robot_file_names_it(path):

@@ -37,7 +37,14 @@ UNIT = 1 / 8
 #: An end on the surface of its body may be outside it by the rounding error of a rotation, relative to the size.
 ROUNDING = 1e-9
 
-_COLORS = {"sphere": "#ffffff", "mark": "#3d4852", "rail": "#b8c2cc", "ground": "#d5dce2", "base": "#d5dce2"}
+_COLORS = {
+    "sphere": "#ffffff",
+    "mark": "#3d4852",
+    "rail": "#b8c2cc",
+    "ground": "#d5dce2",
+    "base": "#d5dce2",
+    "collision": "#cc79a7",
+}
 
 _UPWARDS = np.array([0.0, 0.0, 1.0])  # the direction in which a rope leaves what hangs on it
 
@@ -176,6 +183,7 @@ def _body_data(body: Body, number: int, drawing: Drawing, names: tuple[str, ...]
         "frame": body.path is not None and body.shape == "solids",
         "ellipsoid": None if body.ellipsoid is None else _rounded(body.ellipsoid),
         "solids": [_solid_data(solid, color, meshes) for solid in body.solids if solid.opacity > 0 and solid.corners.size],
+        "collision": [_solid_data(solid, _COLORS["collision"], meshes) for solid in body.collision if solid.corners.size],
     }
 
 

@@ -1,4 +1,5 @@
-// What can be shown in addition to the bodies: names, frames of links, centres of mass with ellipsoids of the same inertia.
+// What can be shown in addition to the bodies: names, frames of links, their collision geometry, centres of mass with ellipsoids of
+// the same inertia.
 
 const frameLength = 0.6; // in drawing units
 const seenThrough = { depthTest: false, depthWrite: false, transparent: true };
@@ -22,7 +23,20 @@ function massMark(matrix, unit) {
   return group(ellipsoid, dot);
 }
 
-// Shows or hides what a box on the page stands for; frames and masses are made when they are first shown.
+// The collision shapes of a body, which the body is seen through.
+function collisionMark(shapes, solids) {
+  const whole = group(...shapes.map((shape) => solids.object(Object.assign({}, shape, { opacity: 0.35 }))));
+  whole.traverse((part) => (part.castShadow = false));
+  return whole;
+}
+
+const markMakers = {
+  frames: ({ frame }, stage) => frame && frameMark(stage.figure.unit),
+  collision: ({ collision }, stage) => collision.length > 0 && collisionMark(collision, stage.solids),
+  masses: ({ ellipsoid }, stage) => ellipsoid && massMark(ellipsoid, stage.figure.unit),
+};
+
+// Shows or hides what a box on the page stands for; all but names are made when they are first shown.
 function showMarks(stage, kind, shown) {
   stage.shows[kind] = shown;
   if (kind === "names") stage.pane.querySelector(".labels").classList.toggle("off", !shown);
@@ -32,12 +46,11 @@ function showMarks(stage, kind, shown) {
 }
 
 function makeMarks(stage, kind) {
-  const { bodies, unit } = stage.figure;
-  const marked = bodies.map((body, i) => [body, stage.bodies[i]]).filter(([body]) => (kind === "frames" ? body.frame : body.ellipsoid));
-  return marked.map(([body, object]) => {
-    const mark = kind === "frames" ? frameMark(unit) : massMark(body.ellipsoid, unit);
-    object.add(mark);
-    return mark;
+  return stage.figure.bodies.flatMap((body, i) => {
+    const mark = markMakers[kind](body, stage);
+    if (!mark) return [];
+    stage.bodies[i].add(mark);
+    return [mark];
   });
 }
 

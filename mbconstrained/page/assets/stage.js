@@ -4,7 +4,7 @@ class Stage {
   constructor(pane, figure) {
     this.pane = pane;
     this.figure = figure;
-    this.shows = { names: true, frames: false, masses: false };
+    this.shows = { names: true, frames: false, collision: false, masses: false };
     this.marks = {};
     this.viewer = new window.MeshCat.Viewer(pane.querySelector(".view"), false);
     this.viewer.gui.domElement.remove();
@@ -15,8 +15,8 @@ class Stage {
     }
     // a soft light from everywhere instead of spot lights
     this.viewer.handle_command({ type: "set_property", path: "/Lights/AmbientLight/\x3cobject>", property: "intensity", value: 0.68 });
-    const solids = new Solids(figure.meshes);
-    const objects = figure.bodies.map((body) => bodyObject(body, solids, figure.unit));
+    this.solids = new Solids(figure.meshes);
+    const objects = figure.bodies.map((body) => bodyObject(body, this.solids, figure.unit));
     const boxes = objects.map((object, i) => (figure.bodies[i].shape === "solids" ? boxAround(object) : null));
     this.bodies = objects.map((object, i) => this.place(["bodies", `body ${i}`], object));
     this.turn = new THREE.Quaternion(...figure.turn);

@@ -102,6 +102,7 @@ class Body:
         rest_turn: rotation vector in rad where all coordinates are zero.
         teeth: number of teeth of a gear or ring.
         solids: of a body of the shape "solids", whose size is ignored.
+        collision: further solids that the page shows on request.
         path: its poses at the times of the animation; rest, moves and turns are then ignored.
         ellipsoid: placement (4, 4) of a unit sphere, column by column, that makes it a uniform ellipsoid with centre of mass and
             inertia of the body; None where there is no mass.
@@ -121,6 +122,7 @@ class Body:
     rest_turn: Vector = (0.0, 0.0, 0.0)
     teeth: int = 24
     solids: tuple[Solid, ...] = ()
+    collision: tuple[Solid, ...] = ()
     path: Path | None = None
     ellipsoid: tuple[float, ...] | None = None
 

@@ -36,6 +36,7 @@ def robot_drawing(
     fixed=True,
     note="",
     ellipsoids: Mapping[str, np.ndarray] | None = None,
+    collision: Mapping[str, Sequence[Solid]] | None = None,
 ) -> Drawing:
     """Every link of a robot as a body with a path.
 
@@ -48,6 +49,7 @@ def robot_drawing(
         fixed: whether the root is fixed to the ground, drawn as a hatched plate.
         note: a sentence shown with the picture.
         ellipsoids: of links with mass, by name, from ``Robot.inertia_ellipsoids()``.
+        collision: collision shapes of links, by name, shown on request.
 
     Returns:
         The drawing.
@@ -63,7 +65,8 @@ def robot_drawing(
     bodies = []
     for name, path in paths.items():
         own = solids.get(name) or [ball] * (shapeless or name in connected)
-        bodies.append(Body(name, "solids", solids=tuple(own), path=path, label=None if own else "", ellipsoid=placements.get(name)))
+        further = {"collision": tuple((collision or {}).get(name, ())), "ellipsoid": placements.get(name)}
+        bodies.append(Body(name, "solids", solids=tuple(own), path=path, label=None if own else "", **further))
     bodies += [_plate(points, paths, size)] if fixed else []
     ends = [_ends(row, points, _MOUNT * size) for row in connections]
     bodies += _pads(connections, ends, size)

@@ -1,4 +1,4 @@
-"""Visuals of the links of a URDF as data. Collision geometry is never read."""
+"""Visual and collision shapes of the links of a robot as data, for drawings: the mechanics use neither."""
 
 from __future__ import annotations
 
@@ -41,14 +41,24 @@ class Visual:
     vertices: np.ndarray | None = None
     faces: np.ndarray | None = None
 
+    def has_shape_of(self, other: Visual) -> bool:
+        """Whether the other one is the same shape at the same place."""
+        alike = (self.kind, self.size) == (other.kind, other.size) and np.array_equal(self.placement, other.placement)
+        if not alike or self.vertices is None or other.vertices is None:
+            return alike
+        return np.array_equal(self.vertices, other.vertices) and np.array_equal(self.faces, other.faces)
 
-def visuals_of(description: ElementTree.Element, folder: Path | None, package_dirs: tuple[Path, ...]) -> tuple[Visual, ...]:
+
+def visuals_of(
+    description: ElementTree.Element, folder: Path | None, package_dirs: tuple[Path, ...], *, collision: bool = False
+) -> tuple[Visual, ...]:
     """The visuals of all links, without meshes whose files are missing (``mesh_notices``).
 
     Args:
         description: the element <robot>.
         folder: of the URDF, in which its mesh files lie, or None where the URDF was given as a text.
         package_dirs: folders that hold the packages of package://NAME/...
+        collision: whether the collision shapes are read instead; those that cannot be are left out.
 
     Returns:
         The shapes of all links, in the order of the URDF.
@@ -58,24 +68,27 @@ def visuals_of(description: ElementTree.Element, folder: Path | None, package_di
     """
     colors = {m.get("name"): _color(m) for m in description.findall("material")}
     visuals, meshes = [], {}
-    for link, visual in _visual_elements(description):
-        where = f'urdf, link "{link}", visual'
+    tag = "collision" if collision else "visual"
+    for link, visual in _elements(description, tag):
+        where = f'urdf, link "{link}", {tag}'
         material = visual.find("material")
         color = None if material is None else _color(material) or colors.get(material.get("name"))
         try:
             kind, size, mesh = _shape(visual.find("geometry"), where, folder, package_dirs, meshes)
-        except MissingMesh:
-            continue
-        visuals.append(Visual(link, kind, size, _placement(visual.find("origin"), where), color, *mesh))
+            visuals.append(Visual(link, kind, size, _placement(visual.find("origin"), where), color, *mesh))
+        except InputError as problem:
+            if not collision and not isinstance(problem, MissingMesh):
+                raise
     return tuple(visuals)
 
 
-def visuals_of_mjcf(model, path: Path) -> tuple[Visual, ...]:
+def visuals_of_mjcf(model, path: Path, *, collision: bool = False) -> tuple[Visual, ...]:
     """The visuals of an MJCF file; planes are left out, and ellipsoids are meshes.
 
     Args:
         model: of pinocchio, read from the file.
         path: of the file.
+        collision: whether the collision shapes are read instead.
 
     Returns:
         The shapes of all links.
@@ -85,8 +98,9 @@ def visuals_of_mjcf(model, path: Path) -> tuple[Visual, ...]:
     """
     import pinocchio
 
+    wanted = pinocchio.GeometryType.COLLISION if collision else pinocchio.GeometryType.VISUAL
     try:
-        geometry = pinocchio.buildGeomFromMJCF(model, str(path), pinocchio.GeometryType.VISUAL)
+        geometry = pinocchio.buildGeomFromMJCF(model, str(path), wanted)
     except (ValueError, RuntimeError) as problem:
         raise InputError(f"mjcf: the shapes cannot be read ({(str(problem).splitlines() or ['unknown'])[0][:200]})") from None
     visuals = []
@@ -129,8 +143,8 @@ def _ellipsoid(radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return corners * radii, np.vstack([np.stack([first, below, below + 1], 1), np.stack([first, below + 1, first + 1], 1)])
 
 
-def _visual_elements(description: ElementTree.Element):
-    return ((str(link.get("name")), visual) for link in description.findall("link") for visual in link.findall("visual"))
+def _elements(description: ElementTree.Element, tag: str = "visual"):
+    return ((str(link.get("name")), element) for link in description.findall("link") for element in link.findall(tag))
 
 
 class MissingMesh(InputError):
@@ -147,7 +161,7 @@ def mesh_notices(description: ElementTree.Element, folder: Path | None, package_
         One notice, or none.
     """
     missing = []
-    for link, visual in _visual_elements(description):
+    for link, visual in _elements(description):
         for mesh in visual.findall("geometry/mesh"):
             try:
                 mesh_file(mesh.get("filename", ""), f'link "{link}"', folder, package_dirs)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....ground.checks import counted
 from ....ground.tolerances import NOT_DRAWN
-from ....page.drawing.bodies import Drawing, Posing
+from ....page.drawing.bodies import Drawing, Posing, Solid
 from ....page.drawing.orientation import two_digits
 from ....page.drawing.paths import Path
 from ....page.drawing.robot_layout import MOST_TRIANGLES, link_points, robot_drawing, robot_size, solids_of
@@ -19,6 +19,7 @@ from .scene_drawing import view_of
 
 if TYPE_CHECKING:
     from ....page.animation.animation import DrawnEvent
+    from ....robot.description.visuals import Visual
     from ....robot.visualization import Poses
     from ...build.robot_model import RobotScene
     from ...schema.drawing_tables import DrawingTable
@@ -81,8 +82,8 @@ class RobotPicture:
 
     Attributes:
         scene: the robot with its posture and system.
-        solids: of its links, by name.
-        note: on meshes that are drawn with fewer triangles, or an empty string.
+        solids: of its links, by name: their collision shapes where a robot has no others.
+        note: on these, and on meshes that are drawn with fewer triangles, or an empty string.
 
     Raises:
         SceneError: a shape or a mesh file that cannot be drawn; names the URDF.
@@ -90,11 +91,14 @@ class RobotPicture:
 
     def __init__(self, scene: RobotScene, table: DrawingTable | None = None):
         self.scene = scene
-        full = table is not None and table.full_meshes
+        self._full = full = table is not None and table.full_meshes
         with at(scene.data.urdf_place):
-            visuals = scene.robot.visuals()
+            own = scene.robot.visuals()
+            self._visuals = visuals = own or scene.robot.visuals(collision=True)
         large = {id(item.faces): len(item.faces) for item in visuals if item.faces is not None and len(item.faces) > MOST_TRIANGLES}
-        self.note = f"{counted(len(large), 'mesh', 'meshes')} drawn with fewer triangles" if large and not full else ""
+        notes = ["links drawn as their collision geometry"] * bool(visuals and not own)
+        notes += [f"{counted(len(large), 'mesh', 'meshes')} drawn with fewer triangles"] * bool(large and not full)
+        self.note = ", ".join(notes)
         with at(scene.data.urdf_place):
             self.solids = solids_of(visuals, full=full)
 
@@ -125,7 +129,19 @@ class RobotPicture:
         fixed = self.scene.data.table.base == "fixed"
         note = "\n".join(filter(None, (note, self.note)))
         ellipsoids = self.scene.robot.inertia_ellipsoids()
-        return robot_drawing(self.solids, poses, points, scale=scale, fixed=fixed, note=note, ellipsoids=ellipsoids)
+        collision = self._collision
+        return robot_drawing(
+            self.solids, poses, points, scale=scale, fixed=fixed, note=note, ellipsoids=ellipsoids, collision=collision
+        )
+
+    @cached_property
+    def _collision(self) -> dict[str, list[Solid]]:
+        """The collision shapes of the links that differ from all their drawn ones."""
+        drawn: dict[str, list[Visual]] = {}
+        for item in self._visuals:
+            drawn.setdefault(item.link, []).append(item)
+        shapes = self.scene.robot.visuals(collision=True)
+        return solids_of([item for item in shapes if not any(map(item.has_shape_of, drawn.get(item.link, ())))], full=self._full)
 
     @cached_property
     def at_rest(self) -> dict[str, Poses]:

@@ -160,3 +160,28 @@ def test_large_meshes_are_drawn_with_fewer_triangles_which_is_told_unless_all_ar
     counts = {len(picture.solids[name][0].faces) for name in ("left", "right")}
     assert len(counts) == 1 and (counts.pop() > MOST_TRIANGLES) is full
     assert picture.note == ("" if full else "1 mesh drawn with fewer triangles")
+
+
+def with_collision(*shapes):
+    """The URDF with collision shapes of the ram."""
+    elements = "".join(f"<collision>{shape}</collision>" for shape in shapes)
+    return URDF.replace('<link name="ram">', f'<link name="ram">{elements}')
+
+
+def test_collision_shapes_are_drawn_on_request_where_they_differ_and_can_be_read(tmp_path):
+    sphere_of_ram, same = '<geometry><sphere radius="0.05"/></geometry>', f'<origin xyz="0.1 0 0"/>{BOX}'
+    hostile = ('<geometry><mesh filename="bad.obj"/></geometry>', '<geometry><sphere radius="-1"/></geometry>', "", "<geometry/>")
+    urdf = with_collision(sphere_of_ram, *hostile).replace("</visual>\n  </link>", f"</visual><collision>{same}</collision></link>")
+    assert urdf.count("<collision>") == 6
+    (press(tmp_path, TOML, urdf) / "bad.obj").write_text("no mesh at all")
+    for drawing in both_drawings(scene_of(tmp_path, SCENE)):
+        shapes = {body.name: [solid.kind for solid in body.collision] for body in drawing.bodies if body.collision}
+        assert shapes == {"ram": ["sphere"]} and "collision" not in drawing.note
+
+
+def test_a_robot_without_visuals_is_drawn_as_its_collision_geometry(tmp_path):
+    press(tmp_path, TOML, URDF.replace("visual>", "collision>"))
+    for drawing in both_drawings(scene_of(tmp_path, SCENE)):
+        kinds = {body.name: [solid.kind for solid in body.solids] for body in drawing.bodies if body.shape == "solids"}
+        assert (kinds["base"], kinds["crank"]) == (["box"], ["box"]) and not any(body.collision for body in drawing.bodies)
+        assert "links drawn as their collision geometry" in drawing.note
