@@ -107,9 +107,10 @@ def _kind(column: tuple[str, ...]) -> str:
     return ' class="long sentence"' if longest > LONG_SENTENCE else ' class="sentence"' if longest > SENTENCE else ""
 
 
-#: What can be shown in addition to the bodies: kind, entry of a body in the figure that has it, text of its box.
+#: What can be shown: kind, entry of a body in the figure that has it, text of its box.
 _MARKS = (
     ("names", "label", "names"),
+    ("perspective", "name", "perspective"),
     ("frames", "frame", "frames"),
     ("collision", "collision", "collision geometry"),
     ("masses", "ellipsoid", "centres of mass"),

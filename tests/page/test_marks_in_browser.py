@@ -79,6 +79,28 @@ def test_collision_geometry_is_shown_through_the_body_and_hidden(browser, tmp_pa
     assert opened.messages == []
 
 
+def test_perspective_keeps_what_is_at_the_target_in_its_place_and_size_and_enlarges_what_is_nearer(opened):
+    # from the target of the view: nothing, across, upwards in the picture, and towards the eye and across
+    seen = """(() => {
+        const { camera, controls } = mbconstrained.viewer;
+        camera.updateMatrixWorld();
+        const [across, up, near] = [0, 1, 2].map((k) => new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, k).multiplyScalar(2));
+        const points = [new THREE.Vector3(), across, up, near.add(across)];
+        return points.map((point) => point.add(controls.target).project(camera).toArray().slice(0, 2));
+    })()""".replace("THREE", "MeshCat.THREE")
+    picture, flat = opened.picture("#stage"), np.array(opened.evaluate(seen))
+    opened.click("input[data-shows=perspective]")
+    deep = np.array(opened.evaluate(seen))
+    assert deep[:3] == pytest.approx(flat[:3], abs=1e-6)
+    assert deep[3, 0] - deep[0, 0] > 1.05 * (flat[3, 0] - flat[0, 0])
+    assert opened.picture("#stage") != picture
+    opened.evaluate("document.querySelector('#reset').click()")
+    assert np.array(opened.evaluate(seen)) == pytest.approx(deep, abs=1e-6)
+    opened.click("input[data-shows=perspective]")
+    assert opened.picture("#stage") == picture and np.array(opened.evaluate(seen)) == pytest.approx(flat, abs=1e-6)
+    assert opened.messages == [] and opened.state()["errors"] == []
+
+
 def test_names_are_hidden(opened):
     pictures = [opened.picture("#stage")]
     for _ in range(2):

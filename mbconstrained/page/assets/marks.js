@@ -1,4 +1,4 @@
-// What can be shown in addition to the bodies: names, frames of links, their collision geometry, centres of mass with ellipsoids of
+// What a box on the page shows: perspective, names, frames of links, their collision geometry, centres of mass with ellipsoids of
 // the same inertia.
 
 const frameLength = 0.6; // in drawing units
@@ -39,6 +39,7 @@ const markMakers = {
 // Shows or hides what a box on the page stands for; all but names are made when they are first shown.
 function showMarks(stage, kind, shown) {
   stage.shows[kind] = shown;
+  if (kind === "perspective") return stage.usePerspective(shown);
   if (kind === "names") stage.pane.querySelector(".labels").classList.toggle("off", !shown);
   else if (shown && !stage.marks[kind]) stage.marks[kind] = makeMarks(stage, kind);
   for (const mark of stage.marks[kind] || []) mark.visible = shown;

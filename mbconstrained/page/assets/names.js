@@ -36,19 +36,18 @@ class Names {
     const { shape, size, rest_turn } = this.drawn[i];
     const turn = this.stage.turn.clone().multiply(quaternionOf(rest_turn));
     const middle = this.stage.bodies[i].getWorldPosition(new THREE.Vector3()); // in axes with y up
-    const { x, y } = middle.clone().project(this.stage.camera);
-    const [width, height] = this.stage.size;
+    const [x, y] = this.stage.pixels(middle);
     const reach = (axis) => {
       const [along, back, upwards] = new THREE.Vector3(...axis).applyQuaternion(turn).toArray();
-      const end = middle.clone().add(new THREE.Vector3(along, upwards, -back)).project(this.stage.camera);
-      return [Math.abs(end.x - x), Math.abs(end.y - y)];
+      const end = this.stage.pixels(middle.clone().add(new THREE.Vector3(along, upwards, -back)));
+      return [Math.abs(end[0] - x), Math.abs(end[1] - y)];
     };
     const axes = [reach([size[0] / 2, 0, 0]), reach([0, size[1] / 2, 0]), reach([0, 0, size[2] / 2])];
     const half = [0, 1].map((k) => {
       const [across, away, up] = axes.map((axis) => axis[k]);
       return (wheels[shape] ? wheels[shape] * Math.hypot(across, up) : across + up) + away;
     });
-    return { x: ((x + 1) / 2) * width, y: ((1 - y) / 2) * height, across: (half[0] / 2) * width, up: (half[1] / 2) * height };
+    return { x: x, y: y, across: half[0], up: half[1] };
   }
 
   // The boxes in which the name of a body may be, in pixels: above it, to its right, to its left, below it.
@@ -80,18 +79,13 @@ class Names {
 
   // The links as lines in the view, in pixels.
   lineOf({ ends, drawn }) {
-    const [width, height] = this.stage.size;
-    return ends.map((end) => {
-      const { x, y } = drawn.object.parent.localToWorld(end.clone()).project(this.stage.camera);
-      return [((x + 1) / 2) * width, ((1 - y) / 2) * height];
-    });
+    return ends.map((end) => this.stage.pixels(drawn.object.parent.localToWorld(end.clone())));
   }
 
   // On the middle of the largest solid of a body, or just above it where that is flat.
   onSolid(i) {
-    const [width, height] = this.stage.size;
-    const projected = this.boxes[i].map((corner) => this.stage.bodies[i].localToWorld(corner.clone()).project(this.stage.camera));
-    const [xs, ys] = [projected.map(({ x }) => ((x + 1) / 2) * width), projected.map(({ y }) => ((1 - y) / 2) * height)];
+    const corners = this.boxes[i].map((corner) => this.stage.pixels(this.stage.bodies[i].localToWorld(corner.clone())));
+    const [xs, ys] = [0, 1].map((axis) => corners.map((corner) => corner[axis]));
     const middle = (numbers) => (Math.min(...numbers) + Math.max(...numbers)) / 2;
     return [middle(xs), Math.max(Math.min(...ys), middle(ys) - 12)];
   }

@@ -53,12 +53,10 @@ class Arrow {
 
   // Places the label at the tip of the arrow, or a line or two further on, unless it would cover another one.
   placeLabel(occupied) {
-    const { x, y } = this.head.getWorldPosition(new THREE.Vector3()).project(this.stage.camera);
-    const upwards = !this.turns && y > this.object.getWorldPosition(new THREE.Vector3()).project(this.stage.camera).y + 0.01;
-    const [width, height] = this.stage.size;
-    const left = ((x + 1) / 2) * width;
+    const [[left, level], [, foot]] = [this.head, this.object].map((part) => this.stage.pixels(part.getWorldPosition(new THREE.Vector3())));
+    const upwards = !this.turns && level < foot - 2;
     const half = 3.5 * this.label.textContent.length + 3; // an estimate: measuring it in each frame would be slow
-    const tops = labelShifts.map((shift) => ((1 - y) / 2) * height + (upwards ? -32 - shift : 12 + shift));
+    const tops = labelShifts.map((shift) => level + (upwards ? -32 - shift : 12 + shift));
     const boxes = tops.map((top) => ({ left: left - half, right: left + half, top: top, bottom: top + 15 }));
     const free = boxes.find((box) => isFree(box, occupied));
     this.label.style.visibility = free ? "visible" : "hidden";

@@ -1,10 +1,13 @@
+// How far from its target the eye is with perspective, relative to the diagonal of the figure.
+const nearness = 1.5;
+
 // The stage: the meshcat viewer with the bodies and links of the figure in its scene tree, a camera that shows the
 // whole motion, and names over the picture.
 class Stage {
   constructor(pane, figure) {
     this.pane = pane;
     this.figure = figure;
-    this.shows = { names: true, frames: false, collision: false, masses: false };
+    this.shows = { names: true, perspective: false, frames: false, collision: false, masses: false };
     this.marks = {};
     this.viewer = new window.MeshCat.Viewer(pane.querySelector(".view"), false);
     this.viewer.gui.domElement.remove();
@@ -26,8 +29,7 @@ class Stage {
     this.names = new Names(this, boxes);
     this.overlay = figure.overlay ? new Overlay(this, figure.overlay) : null; // its script is included only where needed
     this.addLight();
-    this.camera = this.addCamera();
-    this.viewer.controls.addEventListener("end", () => this.updateNames());
+    this.addCamera();
     this.viewer.set_3d_pane_size = () => this.fit(); // instead of the viewer's own, which fills the window
     this.fit();
     this.restrictWheel();
@@ -84,35 +86,76 @@ class Stage {
     this.place(["floor"], floor);
   }
 
-  // A camera without perspective, turned and raised a little. The axes of the viewer's camera have y up.
+  // A camera without perspective, and one with it for those who ask for it.
   addCamera() {
-    const camera = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.01, 1000);
-    this.viewer.controls.dispose(); // those of the camera of the viewer at first
-    this.viewer.set_camera(camera);
-    this.viewer.set_object(["Cameras", "default", "rotated"], camera);
-    this.viewer.controls.enableKeys = false;
-    this.setView(camera);
-    return camera;
+    const { low, high } = this.figure.bounds;
+    this.reach = Math.hypot(...high.map((value, axis) => value - low[axis]));
+    this.cameras = [new THREE.OrthographicCamera(), new THREE.PerspectiveCamera()];
+    this.viewer.set_object(["Cameras", "default", "rotated"], this.cameras[0]);
+    this.cameras[0].parent.add(this.cameras[1]);
+    this.useCamera(this.cameras[0]);
+    this.resetView();
   }
 
-  setView(camera) {
-    const { low, high } = this.figure.bounds;
-    const { yaw, pitch } = this.figure.view;
-    const middle = low.map((value, axis) => (value + high[axis]) / 2);
-    const distance = 4 * Math.hypot(...high.map((value, axis) => value - low[axis]));
+  useCamera(camera) {
+    this.camera = camera;
+    this.viewer.controls.dispose(); // those of the camera before
+    this.viewer.set_camera(camera);
+    this.viewer.controls.enableKeys = false;
+    this.viewer.controls.addEventListener("end", () => this.updateNames());
+    this.viewer.controls.addEventListener("change", () => this.setClipping());
+  }
+
+  // What is seen at the target of the view keeps its place and its size.
+  usePerspective(shown) {
+    const { camera, viewer } = this;
+    const target = viewer.controls.target.clone();
+    const gap = camera.position.clone().sub(target);
+    const zoom = camera.isPerspectiveCamera ? nearness * this.reach / gap.length() : camera.zoom;
+    this.useCamera(this.cameras[Number(shown)]);
+    this.look(target, gap.normalize(), zoom);
+    this.fit();
+    this.updateNames();
+  }
+
+  // Looks at a target in a direction; with perspective the distance is what the zoom is without.
+  look(target, towards, zoom) {
+    const { camera, viewer } = this;
+    const distance = camera.isPerspectiveCamera ? nearness / zoom : 4;
+    if (!camera.isPerspectiveCamera) camera.zoom = zoom;
+    camera.position.copy(target).addScaledVector(towards, distance * this.reach);
+    viewer.controls.target.copy(target);
+    viewer.controls.minDistance = this.reach / 20;
+    viewer.controls.update();
+    this.setClipping();
+  }
+
+  setClipping() {
+    const distance = this.camera.position.distanceTo(this.viewer.controls.target);
+    Object.assign(this.camera, { near: distance / 100, far: distance + 8 * this.reach });
+  }
+
+  // The view of the figure, turned and raised a little. The axes of the viewer's camera have y up.
+  resetView() {
+    const { bounds, view } = this.figure;
+    const { yaw, pitch } = view;
+    const middle = bounds.low.map((value, axis) => (value + bounds.high[axis]) / 2);
     const eye = [Math.sin(yaw) * Math.cos(pitch), -Math.cos(yaw) * Math.cos(pitch), Math.sin(pitch)];
     const upright = ([x, y, z]) => new THREE.Vector3(x, z, -y);
-    camera.far = 3 * distance;
-    camera.zoom = this.figure.view.zoom || 1;
-    camera.position.copy(upright(middle.map((value, axis) => value + distance * eye[axis])));
-    this.viewer.controls.target.copy(upright(middle));
-    this.viewer.controls.update();
+    this.look(upright(middle), upright(eye), view.zoom || 1);
   }
 
   reset() {
-    this.setView(this.camera);
+    this.resetView();
     this.fit();
     this.updateNames();
+  }
+
+  // Where a point of the scene is in the picture, in pixels; far outside for one behind the eye.
+  pixels(point) {
+    const { x, y, z } = point.clone().project(this.camera);
+    const [width, height] = this.size;
+    return z > 1 ? [-1e6, -1e6] : [((x + 1) / 2) * width, ((1 - y) / 2) * height];
   }
 
   updateNames() {
@@ -141,12 +184,18 @@ class Stage {
     this.pane.style.height = `${wanted + header}px`;
     const height = this.pane.clientHeight - header; // a style sheet may set another
     const half = Math.max(across * margin, ((up + Math.max(0.3, (70 * up) / height)) * width) / height);
-    const [top, bottom] = [(half * (height + 2 * header)) / width, (-half * height) / width];
-    Object.assign(this.camera, { left: -half, right: half, top: top, bottom: bottom });
-    this.camera.updateProjectionMatrix();
     this.size = [width, height + header];
+    this.setWindow(half, (half * this.size[1]) / width, header / 2);
     this.viewer.renderer.setSize(...this.size);
     this.viewer.set_dirty();
+  }
+
+  // What is seen at the target of the view: half its width and half its height; the middle is so many pixels lower in the picture.
+  setWindow(across, up, lower) {
+    const opening = (360 / Math.PI) * Math.atan(up / (nearness * this.reach));
+    if (this.camera.isPerspectiveCamera) Object.assign(this.camera, { fov: opening, aspect: across / up });
+    else Object.assign(this.camera, { left: -across, right: across, top: up, bottom: -up });
+    this.camera.setViewOffset(...this.size, 0, -lower, ...this.size); // which updates the projection, too
   }
 
   // The wheel scrolls the page; with the control key it zooms the picture.
