@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import base64
+from io import BytesIO
+
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.content import PageContent
@@ -17,12 +21,19 @@ pytestmark = [needs_chromium, pytest.mark.long]
 
 ELLIPSOID = (0.2, 0, 0, 0, 0, 0.1, 0, 0, 0, 0, 0.05, 0, 0.3, 0, 0.1, 1)  # column by column
 
+#: Keeps the canvas that is filmed.
+KEEP_CANVAS = """void (() => {
+    const capture = HTMLCanvasElement.prototype.captureStream;
+    HTMLCanvasElement.prototype.captureStream = function (...rate) { window.filmed = this; return capture.call(this, ...rate); };
+})()"""
 
-def swinging(**options) -> PageContent:
+
+def swinging(note: str = "", **options) -> PageContent:
     times = np.linspace(0, 1, 21)
     path = Path(np.zeros((3, 21)), turned((0, -1, 0), 0.4 * np.sin(6 * times)))
     bodies = (Body("arm", "solids", solids=(Solid("box", (0.6, 0.1, 0.1)),), path=path, **options), Body("wall", "ground"))
-    return PageContent("A film: of <an> arm", animation=Animation(Drawing(bodies), ("j",), times, np.sin(6 * times)[None]))
+    drawing = Drawing(bodies, note=note)
+    return PageContent("A film: of <an> arm", animation=Animation(drawing, ("j",), times, np.sin(6 * times)[None]))
 
 
 @pytest.fixture
@@ -131,6 +142,41 @@ def test_a_film_has_the_motion_from_start_to_end(opened):
     state = opened.state()
     assert (state["playing"], state["time"], state["errors"]) == (False, 1, []) and opened.messages == []
     assert opened.evaluate("document.getElementById('record').textContent") == "Record"
+
+
+def grey(browser, png: bytes) -> np.ndarray:
+    """A picture of the stage in the box of the text over it, from 0 to 1."""
+    left, top, width, height = np.round(np.subtract(browser.box(".magnification"), [*browser.box("#stage")[:2], 0, 0])).astype(int)
+    return imread(BytesIO(png))[top : top + height, left : left + width, :3].mean(axis=2)
+
+
+def filmed(browser) -> np.ndarray:
+    """The frame of the film that was painted last, as ``grey`` has it."""
+    return grey(browser, base64.b64decode(browser.evaluate("filmed.toDataURL().split(',')[1]")))
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_film_has_the_text_over_the_picture_as_the_page_breaks_it(browser, tmp_path, scheme):
+    note = "One  long note of many words, with\na break\n\nand " + "a-word-without-any-space" * 10 + " at the end 5 × 𝑥 é."
+    browser.prefers(color_scheme=scheme)
+    browser.size(800, 1400)
+    browser.open(write_page(tmp_path / "page.html", swinging(note)))
+    browser.evaluate(KEEP_CANVAS)
+    browser.evaluate("document.getElementById('stage').style.backgroundImage = 'none'")  # films have one colour behind
+    browser.click("#record")
+    frames = [filmed(browser)]
+    browser.until("state.time > 0.2 && state.playing")
+    browser.evaluate("mbconstrained.pause()")
+    frames.append(filmed(browser))
+    page = grey(browser, browser.picture("#stage"))
+    browser.click("#record")
+    browser.call("Emulation.clearDeviceMetricsOverride")
+    browser.prefers(color_scheme="no-preference")
+    ink = np.abs(page - np.median(page))
+    assert ink.max() > 0.2 and np.count_nonzero(ink.max(axis=1) < 0.02) > 15  # there is text, and the empty line
+    for frame in frames:  # 1 without the text, 0.17 with one line of five in the next row of pixels, 0.7 with all
+        assert np.mean(np.abs(frame - page)) < 0.4 * np.mean(ink)
+    assert browser.state()["errors"] == [] and browser.messages == []
 
 
 def test_what_a_page_does_not_have_has_no_box():

@@ -124,6 +124,26 @@ def test_a_mode_that_does_not_move_says_why_and_cannot_be_played(browser, page):
     assert browser.state()["playing"] is True
 
 
+def test_a_mode_that_does_not_move_is_not_recorded_and_ends_a_film(browser, page):
+    browser.open(page)
+    browser.evaluate("""void (() => {
+        window.saved = 0;
+        HTMLAnchorElement.prototype.click = () => { saved += 1; };
+    })()""")
+    browser.evaluate("mbconstrained.select(3)")
+    assert browser.evaluate("document.querySelector('#record').disabled") is True
+    browser.click("#record")
+    assert text(browser, "#record") == "Record"
+    browser.evaluate("mbconstrained.select(1)")
+    browser.click("#record")
+    assert text(browser, "#record") == "Stop recording"
+    browser.until("state.time > 0.1")
+    browser.evaluate("mbconstrained.select(3)")
+    assert text(browser, "#record") == "Record"
+    browser.until("saved === 1")
+    assert (browser.state()["playing"], browser.state()["errors"], browser.messages) == (False, [], [])
+
+
 def test_with_little_motion_wanted_a_mode_that_is_selected_waits(browser, page):
     browser.prefers(reduced_motion="reduce")
     browser.open(page)

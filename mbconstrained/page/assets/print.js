@@ -1,6 +1,7 @@
 // Printing: browsers do not print WebGL canvases, so a flat copy of the picture with its names replaces it.
 
-// Draws the picture with its names into a canvas; in colour: with the background and the colours of the page.
+// Draws the picture with its names into a canvas; in colour: with the background, the text over the picture and the
+// colours of the page.
 function paint(flat, inColour) {
   const { viewer, size, pane } = player.stage;
   const [width, height] = size;
@@ -17,16 +18,43 @@ function paint(flat, inColour) {
   viewer.render();
   pen.drawImage(viewer.renderer.domElement, 0, 0, ...whole);
   pen.scale(sharp, sharp);
-  pen.font = "600 13px system-ui, Arial, sans-serif";
-  pen.textAlign = "center";
-  pen.fillStyle = inColour ? getComputedStyle(pane).color : "#000000";
-  if (!player.stage.shows.names) return;
+  if (player.stage.shows.names) paintNames(pen, pane, inColour ? getComputedStyle(pane).color : "#000000");
+  if (inColour) paintText(pen, pane, pane.querySelector(".magnification"));
+}
+
+function paintNames(pen, pane, color) {
+  Object.assign(pen, { font: "600 13px system-ui, Arial, sans-serif", textAlign: "center", fillStyle: color });
   const corner = pane.getBoundingClientRect();
   for (const label of pane.querySelectorAll(".label")) {
     const box = label.getBoundingClientRect();
     if (label.style.visibility === "hidden" || !label.textContent) continue;
     pen.fillText(label.textContent.slice(0, 40), (box.left + box.right) / 2 - corner.left, box.bottom - corner.top - 4);
   }
+}
+
+// Draws a paragraph line by line where it is on the page.
+function paintText(pen, pane, paragraph) {
+  const { font, color } = getComputedStyle(paragraph);
+  Object.assign(pen, { font: font, textAlign: "left", fillStyle: color });
+  const corner = pane.getBoundingClientRect();
+  const { fontBoundingBoxDescent: descent } = pen.measureText("x");
+  for (const { text, left, bottom } of linesOf(paragraph)) pen.fillText(text, left - corner.left, bottom - corner.top - descent);
+}
+
+// The lines into which the page breaks a paragraph of plain text, and their places in the window.
+function linesOf(paragraph) {
+  const lines = [];
+  const range = document.createRange();
+  const words = paragraph.firstChild;
+  for (let i = 0; words && i < words.length; i += 1) {
+    range.setStart(words, i);
+    range.setEnd(words, i + 1);
+    const { left, bottom, width } = range.getBoundingClientRect();
+    if (!width && /\s/.test(words.data[i])) continue; // a break, or a space that is not shown
+    if (!lines.length || bottom > lines.at(-1).bottom + 1) lines.push({ text: "", left: left, bottom: bottom });
+    lines.at(-1).text += words.data[i];
+  }
+  return lines;
 }
 
 function copyForPaper() {

@@ -1,4 +1,5 @@
-// Recording: the picture with its names as a WebM film, once from the start to the end of the motion at the chosen speed.
+// Recording: the picture with its names and the text over it as a WebM film, once from the start to the end of the motion
+// at the chosen speed.
 const film = { recorder: null, flat: null };
 
 const filmFormat = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"].find(
