@@ -1,15 +1,17 @@
-"""Time from the file of a robot to its response, after imports: Talos on two feet, 38 coordinates, 12 rows of loops.
+"""Time from the file of a robot to its response and its page, after imports: Talos on two feet, 38 coordinates, 12 rows of loops.
 
     python tests/benchmarks/robot_from_file.py [repetitions]
 
 Prints the median and the best of each stage, and their share of the whole. Needs example-robot-data
-(tests/models/robot/example_robot_data.py says where it is looked for); the goal is below 1 s for the whole.
+(tests/models/robot/example_robot_data.py says where it is looked for); the goal is below 4 s for the whole, of which 1 s is for all but the page.
 """
 
 from __future__ import annotations
 
 import sys
+import tempfile
 import time
+from pathlib import Path
 
 import numpy as np
 import pinocchio  # noqa: F401  (imports are not timed)
@@ -18,7 +20,7 @@ import mbconstrained as mb
 import mbconstrained.robot
 from tests.robot import example_robot_data
 
-STAGES = ("read", "equilibrium", "linearize", "solve", "evaluate")
+STAGES = ("read", "equilibrium", "linearize", "solve", "evaluate", "page")
 TIMES = np.linspace(0, 5, 500)
 
 
@@ -35,6 +37,9 @@ def once() -> list[float]:
     clock.append(time.perf_counter())
     motion(TIMES)
     clock.append(time.perf_counter())
+    with tempfile.TemporaryDirectory() as folder:
+        motion.write_page(Path(folder) / "page.html")
+        clock.append(time.perf_counter())
     return np.diff(clock).tolist()
 
 
@@ -47,7 +52,7 @@ def main():
     for name, column in zip(STAGES, found.T):
         print(f"{name:<12} {1e3 * np.median(column):10.1f} {1e3 * column.min():10.1f} {np.median(column / whole):7.0%}")
     print(
-        f"{'all':<12} {1e3 * np.median(whole):10.1f} {1e3 * whole.min():10.1f} {1:7.0%}   goal 1000 ms; first run {1e3 * whole[0]:.1f} ms"
+        f"{'all':<12} {1e3 * np.median(whole):10.1f} {1e3 * whole.min():10.1f} {1:7.0%}   goal 4000 ms; first run {1e3 * whole[0]:.1f} ms"
     )
 
 

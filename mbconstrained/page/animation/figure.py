@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import math
 from collections.abc import Iterable, Sequence
 
@@ -12,7 +13,7 @@ from ...ground.errors import InputError
 from ..drawing.bodies import Body, Drawing, Link, Posing, Solid, Vector
 from ..drawing.paths import Path, matrix_of, quaternions_of, rotated
 from .animation import DrawnEvent, Overlay
-from .keyframes import BodyPoses, KeyFrames, body_poses, packed
+from .keyframes import BodyPoses, KeyFrames, body_poses, packed, track
 from .overlay import overlay_data
 
 #: Blue, vermilion, green, orange, purple and sky blue of Okabe and Ito: distinct with any kind of colour vision.
@@ -82,10 +83,10 @@ def figure_data(drawing: Drawing, takes: Sequence[KeyFrames], overlay: Overlay =
     low, high = _bounds(drawing, poses, corners, unit)
     turn = quaternions_of(np.array(drawing.turn)[:, None])
     reached = np.column_stack([low, high, *(rotated(turn, block)[:, :, 0] for block in arrows)])
-    meshes: dict[tuple[str, str], dict] = {}
+    meshes: dict[str, tuple[int, dict]] = {}
     data = {
         "bodies": [_body_data(body, i, drawing, takes[0].names, posts, meshes) for i, body in enumerate(drawing.bodies)],
-        "meshes": list(meshes.values()),
+        "meshes": [mesh for _, mesh in meshes.values()],
         "links": links,
         "unit": unit,
         "bounds": {"low": reached.min(axis=1).tolist(), "high": reached.max(axis=1).tolist()},
@@ -296,6 +297,13 @@ def _attachment(body: Body, offset: Vector, towards: np.ndarray, posts: dict) ->
     return (frame @ point).tolist()
 
 
+def _mesh_data(vertices: np.ndarray, faces: np.ndarray) -> dict:
+    """A mesh; its vertices have 16 bits across its extent, which is at most that of the picture, and faces as many as they need."""
+    size = 2 if len(vertices) <= np.iinfo(np.uint16).max + 1 else 4
+    places = track(vertices.T, INVISIBLE * np.ptp(vertices, axis=0))
+    return {"vertices": places, "faces": packed(faces, f"<u{size}"), "bytes": size}
+
+
 def _rounded(entries: Iterable[float]) -> list[float]:
     """Numbers with nine digits."""
     return [float(f"{entry:.9g}") for entry in entries]
@@ -305,9 +313,8 @@ def _solid_data(solid: Solid, color: str, meshes: dict) -> dict:
     """A visible solid, with the colour of its body unless it has its own; a mesh is stored once, however many solids show it."""
     number = None
     if solid.kind == "mesh":
-        mesh = {"vertices": packed(solid.vertices), "faces": packed(solid.faces, "<u4")}
-        meshes.setdefault(tuple(mesh.values()), mesh)
-        number = list(meshes).index(tuple(mesh.values()))
+        mesh = _mesh_data(solid.vertices, solid.faces)
+        number, _ = meshes.setdefault(json.dumps(mesh), (len(meshes), mesh))
     return {
         "kind": solid.kind,
         "size": list(solid.size),

@@ -104,7 +104,7 @@ class Names {
     const covered = (i, point) => {
       const projected = point.clone().project(this.stage.camera);
       caster.setFromCamera(new THREE.Vector2(projected.x, projected.y), this.stage.camera);
-      const [first] = caster.intersectObjects(solids.flat(), false);
+      const [first] = hitsOf(caster, solids.flat());
       return Boolean(first) && !own(i, first) && first.distance < caster.ray.origin.distanceTo(point);
     };
     const hidden = (i) => pointsAlong(this.boxes[i]).every((point) => covered(i, this.stage.bodies[i].localToWorld(point)));
@@ -162,6 +162,39 @@ function opaque(object) {
   const meshes = [];
   object.traverse((mesh) => mesh.isMesh && !mesh.material.transparent && meshes.push(mesh));
   return meshes;
+}
+
+// Where a ray meets meshes, the nearest first, as intersectObjects of three.js; but only the triangles of parts are tried whose
+// box the ray meets.
+function hitsOf(caster, meshes) {
+  const hits = [];
+  for (const mesh of meshes) {
+    const ray = caster.ray.clone().applyMatrix4(mesh.matrixWorld.clone().invert());
+    for (const { box, start } of partsOf(mesh.geometry)) {
+      if (!ray.intersectsBox(box)) continue;
+      mesh.geometry.setDrawRange(start, partSize);
+      mesh.raycast(caster, hits);
+    }
+    mesh.geometry.setDrawRange(0, Infinity);
+  }
+  return hits.sort((a, b) => a.distance - b.distance);
+}
+
+const partSize = 3 * 64; // corners of successive triangles, which are near to each other in most meshes
+
+// The parts of a mesh with boxes around them, computed once.
+function partsOf({ userData, index, attributes: { position } }) {
+  if (userData.parts) return userData.parts;
+  const count = (index || position).count;
+  const corner = new THREE.Vector3();
+  userData.parts = Array.from({ length: Math.ceil(count / partSize) }, (_, part) => {
+    const [box, start] = [new THREE.Box3(), part * partSize];
+    for (let i = start; i < Math.min(start + partSize, count); i++) {
+      box.expandByPoint(corner.fromBufferAttribute(position, index ? index.getX(i) : i));
+    }
+    return { box: box, start: start };
+  });
+  return userData.parts;
 }
 
 // The middle of a box given by its corners, and two points on either side of it where the box is longest.

@@ -41,8 +41,8 @@ class Solids {
 
   mesh(number) {
     if (!this.unpacked.has(number)) {
-      const { vertices, faces } = this.meshes[number];
-      this.unpacked.set(number, meshGeometry(unpack(vertices, Float32Array), unpack(faces, Uint32Array)));
+      const { vertices, faces, bytes } = this.meshes[number];
+      this.unpacked.set(number, meshGeometry(unpacked(vertices), unpack(faces, bytes === 2 ? Uint16Array : Uint32Array)));
     }
     return this.unpacked.get(number);
   }

@@ -9,7 +9,7 @@ class Stage {
     this.viewer = new window.MeshCat.Viewer(pane.querySelector(".view"), false);
     this.viewer.gui.domElement.remove();
     detail.coarse = figure.bodies.length + figure.links.length > 100;
-    this.viewer.renderer.shadowMap.enabled = !detail.coarse;
+    Object.assign(this.viewer.renderer.shadowMap, { enabled: !detail.coarse, autoUpdate: false }); // only what moves changes shadows
     for (const name of ["Grid", "Axes", "Background", "Lights/PointLightNegativeX", "Lights/PointLightPositiveX", "Lights/FillLight"]) {
       this.viewer.handle_command({ type: "set_property", path: `/${name}`, property: "visible", value: false });
     }
@@ -171,6 +171,7 @@ class Stage {
       link.ends = [from.position, to.position];
     }
     if (this.overlay) this.overlay.show(poses, coordinates, time, motion);
+    this.viewer.renderer.shadowMap.needsUpdate = true;
     this.draw();
   }
 

@@ -66,9 +66,32 @@ def test_a_mesh_is_stored_once_however_many_parts_show_it():
     solids.append(Solid("mesh", vertices=2 * TETRAHEDRON, faces=FACES))
     rows, meshes = drawn(*solids)
     assert [row["mesh"] for row in rows] == [0, 0, 0, 1]
-    vertices = np.frombuffer(base64.b64decode(meshes[1]["vertices"]), "<f4").reshape(-1, 3)
-    assert np.array_equal(np.unique(vertices, axis=0), np.unique(2 * TETRAHEDRON, axis=0))
-    assert np.frombuffer(base64.b64decode(meshes[0]["faces"]), "<u4").shape == (12,)
+    assert np.allclose(np.unique(stored_vertices(meshes[1]), axis=0), np.unique(2 * TETRAHEDRON, axis=0), rtol=4e-16, atol=0)
+    assert np.frombuffer(base64.b64decode(meshes[0]["faces"]), "<u2").shape == (12,)
+
+
+def stored_vertices(mesh):
+    """The vertices as the page reads them, shape (k, 3)."""
+    codes = np.frombuffer(base64.b64decode(mesh["vertices"]["codes"]), "<u2").reshape(-1, 3)
+    return mesh["vertices"]["low"] + mesh["vertices"]["step"] * codes
+
+
+@pytest.mark.parametrize("count, size", [(3, 2), (65536, 2), (65537, 4)])
+def test_vertices_are_off_by_less_than_is_visible_and_faces_name_all_of_them(count, size):
+    places = np.random.default_rng(count).normal(size=(count, 3)) * [1.0, 1e-3, 100.0] + [5.0, 0.0, -1000.0]
+    solid = Solid("mesh", vertices=places, faces=np.arange(count - count % 3).reshape(-1, 3))
+    vertices = solid.vertices  # in ascending order, in float32
+    _, [mesh] = drawn(solid)
+    assert mesh["bytes"] == size
+    step = np.ptp(vertices, axis=0) / 65535
+    assert (np.abs(stored_vertices(mesh) - vertices) <= step / 2 * (1 + 1e-9)).all()
+    faces = np.frombuffer(base64.b64decode(mesh["faces"]), f"<u{size}").reshape(-1, 3)
+    assert np.array_equal(faces, solid.faces)
+
+
+def test_a_flat_mesh_stays_flat():
+    _, [mesh] = drawn(Solid("mesh", vertices=np.array([[0, 0, 0.1], [1, 0, 0.1], [0, 1, 0.1]]), faces=np.array([[0, 1, 2]])))
+    assert set(stored_vertices(mesh)[:, 2]) == {float(np.float32(0.1))}
 
 
 def test_a_part_without_a_colour_has_that_of_the_body_and_one_that_is_clear_is_left_out():
