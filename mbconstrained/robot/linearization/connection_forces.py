@@ -72,29 +72,30 @@ def connection_forces(posture: Posture, size: int, rows: Sequence[str]) -> Conne
         ``ConnectionForces``.
     """
     balance, load = posture.balance, posture.balance.load
-    items, parts, start = (*load.loops, *load.springs), [], 0
+    connections = tuple(item.connection for item in (*load.loops, *load.springs))
+    parts, start = [], 0
     for item, G in zip(load.loops, balance.gradients):
         pose, own = item.pose(balance.kinematics), posture.multipliers[start : start + len(G)]
         curvature = item.connection.curvature(pose.value, own)
-        by_row = dict(zip(load.row_names[start : start + len(G)], G))
-        rates = np.array([by_row.get(name, np.zeros(6)) for name in rows]).reshape(-1, 6).T
-        parts.append((pose, G.T @ own, curvature, np.zeros((6, 6)), rates))
+        gradients = dict(zip(load.row_names[start : start + len(G)], G))
+        by_row = np.array([gradients.get(name, np.zeros(6)) for name in rows]).reshape(-1, 6).T
+        parts.append((pose, G.T @ own, curvature, np.zeros((6, 6)), by_row))
         start += len(G)
-    parts += [(one.pose, one.wrench, -one.curvature, -one.damper, np.zeros((6, len(rows)))) for one in balance.elastic]
+    parts += [(own.pose, own.wrench, -own.curvature, -own.damper, np.zeros((6, len(rows)))) for own in balance.elastic]
     blocks, places, count = [], {}, 0
-    for item, (pose, f, by_phi, by_rate, by_row) in zip(items, parts):
-        T, J, kept = pose.directions, pose.jacobian, 6 if item.connection.turning else 3
+    for one, (pose, f, by_phi, by_rate, by_row) in zip(connections, parts):
+        T, J, kept = pose.directions, pose.jacobian, 6 if one.turning else 3
         moved, damped = pose.wrench_change(f) + T @ by_phi @ J, T @ by_rate @ J
         motors = np.zeros((6, size - J.shape[1]))
         blocks.append(np.column_stack([T @ f, moved, motors, damped, motors, T @ by_row])[:kept])
-        places[item.connection.name] = slice(count, count := count + kept)
+        places[one.name] = slice(count, count := count + kept)
     rest, displacement, velocity, multipliers = np.split(
         np.vstack([np.zeros((0, 1 + 2 * size + len(rows))), *blocks]), [1, 1 + size, 1 + 2 * size], axis=1
     )
-    names = [name for item in items for name in _names(item.connection)]
-    units = ["N m" if name.startswith("torque") else "N" for name in names]
+    names = [f"{one.name} {axis}" for one in connections for _ in range(1 + one.turning) for axis in "xyz"]
+    units = [unit for one in connections for unit in ("N", "N m")[: 1 + one.turning] for _ in "xyz"]
     return ConnectionForces(
-        tuple(item.connection for item in items),
+        connections,
         places,
         tuple(names),
         tuple(units),
@@ -103,11 +104,6 @@ def connection_forces(posture: Posture, size: int, rows: Sequence[str]) -> Conne
         velocity,
         multipliers,
     )
-
-
-def _names(connection: Connection) -> list[str]:
-    words = ("force", "torque") if connection.turning else ("force",)
-    return [f"{word} of {connection.name} on {connection.body2} along {axis}" for word in words for axis in "xyz"]
 
 
 def foot_notices(posture: Posture, forces: ConnectionForces, times, values, reactions, error: float) -> Iterator[Notice]:

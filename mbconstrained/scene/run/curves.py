@@ -60,8 +60,9 @@ def curves_of(result: Result, kind: str) -> Curves:
     elif kind == "output":
         names, units = equations.outputs.names, equations.outputs.units
     elif kind == "ground_reaction":
-        forces = equations.system.connection_forces
-        return Curves(kind, forces.names, ("in ground axes",) * len(forces.names), forces.units, values)
+        forces = equations.robot_scene.system.connection_forces
+        titles = tuple(f"{'force' if unit == 'N' else 'torque'} in ground axes" for unit in forces.units)
+        return Curves(kind, forces.names, titles, forces.units, values)
     else:
         names, units = ENERGIES, ("J",) * len(ENERGIES)
     return Curves(kind, names, (kind,) * len(names), units, values)
@@ -83,7 +84,7 @@ def functions_of(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray
     if kind == "reaction":
         return motion.reaction
     if kind == "ground_reaction":
-        forces, rate = equations.system.connection_forces, motion.derivative(1)
+        forces, rate = equations.robot_scene.system.connection_forces, motion.derivative(1)
         return lambda times: forces.values(motion(times), rate(times), motion.reaction(times))
     if kind == "output":
         return lambda times: equations.output_values(times, motion(times))

@@ -9,6 +9,7 @@ import numpy as np
 from ....ground.coordinate_units import GROUND
 from ....ground.display import TextTable
 from ....ground.notices import Notice
+from ....robot.connections import Support
 from ....robot.linearization.connection_forces import foot_notices
 from ..curves import PARTS
 from ..decisions import connection_forces
@@ -24,14 +25,14 @@ def forces_json(result: Result) -> dict:
     """
     if not connection_forces(result.scene)[0]:
         return {}
-    forces, values = result.system.connection_forces, result.curves("ground_reaction").values
+    forces, values = result.scene.equations.robot_scene.system.connection_forces, result.curves("ground_reaction").values
     extremes = {}
     for connection in forces.connections:
         force = values[forces.places[connection.name]][:3]
         sizes = np.linalg.norm(force, axis=0)
         most = int(sizes.argmax())
         extremes[connection.name] = {"on": connection.body2, "largest": float(sizes[most]), "time": float(result.times[most])}
-        if getattr(connection, "friction", None) is not None:
+        if isinstance(connection, Support) and connection.friction is not None:
             normal = np.array(connection.normal) / np.linalg.norm(connection.normal)
             along = normal @ force
             across = np.linalg.norm(force - np.outer(normal, along), axis=0)
@@ -58,8 +59,8 @@ def forces_table(result: Result) -> TextTable:
 
 def forces_notices(result: Result) -> tuple[Notice, ...]:
     """Notices on feet that lift off, slip or tip over during the motion."""
-    forces = result.system.connection_forces
-    if not any(getattr(connection, "friction", None) is not None for connection in forces.connections):
+    forces = result.scene.equations.robot_scene.system.connection_forces
+    if not any(isinstance(connection, Support) and connection.friction is not None for connection in forces.connections):
         return ()
     error = max(result.error_estimates.get(part, 0.0) for part in PARTS["ground_reaction"])
     reactions = dict(zip((row.name for row in result.system.rows), result.motion.reaction(result.times)))
