@@ -386,6 +386,11 @@ class Bushing(Support):
             self._set_vector(key, minimum=0.0)
 
     @property
+    def turning(self) -> bool:
+        """Whether it has torques."""
+        return any(self.turning_stiffness) or any(self.turning_damping)
+
+    @property
     def has_sole(self) -> bool:
         """Whether there are springs about all axes."""
         return all(self.turning_stiffness)

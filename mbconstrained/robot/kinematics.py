@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ..ground.checks import nearest
 from ..ground.errors import InputError
@@ -218,25 +219,32 @@ class RelativePose:
 
     def hessian(self, factors: np.ndarray) -> np.ndarray:
         """d (J^T f) / dq at constant f, shape (nv, nv): the second derivative of f . phi, for f of shape (6,)."""
-        force, torque = self._R1 @ factors[:3], self._R2 @ inverse_right_jacobian(self.turn).T @ factors[3:]
+        force, torque = np.split(self.directions @ factors, 2)
         wrench = np.concatenate([force, np.cross(self._p2, force) + torque])
         kinematics, first, second = self._kinematics, self._first.joint, self._second.joint
         moved = kinematics.turning(second, wrench) - kinematics.turning(first, wrench)
-        return moved + self._relative.T @ self._wrench_change(factors, force, torque)
+        d_force, d_torque = np.split(self.wrench_change(factors), 2)
+        d_point = kinematics.of_point(second, self._p2)
+        arm = np.cross(d_point, force, axis=0) + np.cross(self._p2, d_force, axis=0)
+        return moved + self._relative.T @ np.vstack([d_force, arm + d_torque])
+
+    @cached_property
+    def directions(self) -> np.ndarray:
+        """From f to the wrench that does the work f . d phi: the force on the second body and the torque about its frame's origin,
+        in the directions of the ground, shape (6, 6)."""
+        return block_diag(self._R1, self._R2 @ inverse_right_jacobian(self.turn).T)
+
+    def wrench_change(self, factors: np.ndarray) -> np.ndarray:
+        """How the wrench of constant factors changes by the coordinates, shape (6, nv): the force turns with body 1."""
+        force, torque = np.split(self.directions @ factors, 2)
+        turning1, turning2 = (self._kinematics.velocity(anchor.joint)[3:] for anchor in (self._first, self._second))
+        d_torque = np.cross(turning2, torque, axis=0) + self._R2 @ self._turn_change(factors[3:])
+        return np.vstack([np.cross(turning1, force, axis=0), d_torque])
 
     @cached_property
     def _relative(self) -> np.ndarray:
         """Velocity of the second body less that of the first, by rate of each coordinate, shape (6, nv)."""
         return self._kinematics.velocity(self._second.joint) - self._kinematics.velocity(self._first.joint)
-
-    def _wrench_change(self, factors, force, torque) -> np.ndarray:
-        """How the wrench of constant factors changes: the force turns with body 1, its point moves with body 2."""
-        turning1, turning2 = (self._kinematics.velocity(anchor.joint)[3:] for anchor in (self._first, self._second))
-        d_force = np.cross(turning1, force, axis=0)
-        d_point = self._kinematics.of_point(self._second.joint, self._p2)
-        d_torque = np.cross(turning2, torque, axis=0) + self._R2 @ self._turn_change(factors[3:])
-        arm = np.cross(d_point, force, axis=0) + np.cross(self._p2, d_force, axis=0)
-        return np.vstack([d_force, arm + d_torque])
 
     def _turn_change(self, factors: np.ndarray) -> np.ndarray:
         """d(Jlog(turn)^T f) / dq at constant f, shape (3, nv)."""

@@ -75,36 +75,8 @@ class Posture(Displayed):
     @property
     def ground_reactions(self) -> dict[str, np.ndarray]:
         """The same in the directions of the ground, about the same point, shape (6,) (N, N m)."""
-        items = (*self.loops, *self.balance.load.springs)
-        turns = {item.connection.name: self.balance.kinematics.frame(item.first)[0] for item in items}
-        return {name: np.concatenate([turns[name] @ part for part in np.split(own, 2)]) for name, own in self.reactions.items()}
-
-    def ground_directions(self, rows: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarray]:
-        """Forces and torques of the loops on their second bodies, in the directions of the ground, as combinations of multipliers.
-
-        Args:
-            rows: names of constraint rows; others than those of loops contribute nothing.
-
-        Returns:
-            Names and units of the components, and the matrix from multipliers of the rows, shape (k, number of rows), with the frames
-            of the posture.
-        """
-        names, units, blocks, place = [], [], [], {name: i for i, name in enumerate(rows)}
-        start = 0
-        for item, G in zip(self.loops, self.balance.gradients):
-            own = self.balance.load.row_names[start : start + len(G)]
-            start += len(G)
-            R, connection = self.balance.kinematics.frame(item.first)[0], item.connection
-            block = np.zeros((6, len(rows)))
-            for name, row in zip(own, G):
-                if name in place:
-                    block[:, place[name]] = np.concatenate([R @ row[:3], R @ row[3:]])
-            size = 6 if connection.turning else 3
-            words = [f"{word} {axis}" for word in ("force", "torque") for axis in "xyz"]
-            names += [f"{connection.name} on {connection.body2} {word}" for word in words[:size]]
-            units += [*["N"] * 3, *["N m"] * 3][:size]
-            blocks.append(block[:size])
-        return tuple(names), tuple(units), np.vstack([np.zeros((0, len(rows))), *blocks])
+        items = {item.connection.name: item for item in (*self.loops, *self.balance.load.springs)}
+        return {name: items[name].pose(self.balance.kinematics).directions @ own for name, own in self.reactions.items()}
 
     def __getitem__(self, joint: str):
         if joint not in self.joints:

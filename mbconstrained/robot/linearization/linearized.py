@@ -23,6 +23,7 @@ from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import zero
 from ..connections import AXES, PointMotion
 from ..flexible_joint import FlexibleJoint
+from .connection_forces import ConnectionForces, connection_forces
 from .inertia import body_masses, momentum
 from .robot_parameters import robot_parameters
 from .stiffness import (
@@ -111,6 +112,11 @@ class LinearizedRobot(MechanicalSystem):
                 row[: len(robot.coordinates)] = pose.value[:3] @ pose.jacobian[:3] / (length or 1.0)
                 forces[spring.name] = ElementForce(row, length - item.rest_length, spring.stiffness, spring.damping, "m")
         return forces
+
+    @property
+    def connection_forces(self) -> ConnectionForces:
+        """Forces of loops, springs and bushings as combinations of motion and multipliers, in the directions of the ground."""
+        return connection_forces(self.posture, self.size, [row.name for row in self.rows])
 
     @property
     def flexible_joints(self) -> tuple[tuple[int, FlexibleJoint], ...]:

@@ -225,16 +225,36 @@ class Elastic:
     """The contributions of an element with the energy U(phi) to the equations in one configuration.
 
     Attributes:
-        wrench: -dU/dphi, the force and torque on body2 in the frame on body1, shape (6,).
-        force: dU/dq = J^T dU/dphi, shape (nv,).
-        stiffness: d force / dq = J^T U'' J + the second derivative of phi in the direction dU/dphi, shape (nv, nv).
-        damping: J^T D J, shape (nv, nv).
+        pose: phi with its derivatives by the coordinates.
+        slope: dU/dphi, shape (6,).
+        curvature: U'', shape (6, 6).
+        damper: D, shape (6, 6).
     """
 
-    wrench: np.ndarray
-    force: np.ndarray
-    stiffness: np.ndarray
-    damping: np.ndarray
+    pose: RelativePose
+    slope: np.ndarray
+    curvature: np.ndarray
+    damper: np.ndarray
+
+    @property
+    def wrench(self) -> np.ndarray:
+        """-dU/dphi, the force and torque on body2 in the frame on body1, shape (6,)."""
+        return -self.slope
+
+    @cached_property
+    def force(self) -> np.ndarray:
+        """dU/dq = J^T dU/dphi, shape (nv,)."""
+        return self.pose.jacobian.T @ self.slope
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """d force / dq = J^T U'' J + the second derivative of phi in the direction dU/dphi, shape (nv, nv)."""
+        return self.pose.jacobian.T @ self.curvature @ self.pose.jacobian + self.pose.hessian(self.slope)
+
+    @cached_property
+    def damping(self) -> np.ndarray:
+        """J^T D J, shape (nv, nv)."""
+        return self.pose.jacobian.T @ self.damper @ self.pose.jacobian
 
 
 def elastic(element: BodySpring | Bushing, pose: RelativePose, rest_length: float) -> Elastic:
@@ -252,9 +272,7 @@ def elastic(element: BodySpring | Bushing, pose: RelativePose, rest_length: floa
         InputError: a spring of no length, which has no direction.
     """
     is_spring = isinstance(element, BodySpring)
-    slope, curvature, damping = _spring(element, pose.value, rest_length) if is_spring else _bushing(element, pose.value)
-    J = pose.jacobian
-    return Elastic(-slope, J.T @ slope, J.T @ curvature @ J + pose.hessian(slope), J.T @ damping @ J)
+    return Elastic(pose, *(_spring(element, pose.value, rest_length) if is_spring else _bushing(element, pose.value)))
 
 
 def _spring(spring: BodySpring, phi: np.ndarray, rest_length: float):

@@ -1,11 +1,11 @@
-"""What feet on the ground can carry at rest: forces within friction cones, centres of pressure within soles.
+"""What feet on the ground can carry at rest and in motion: forces within friction cones, centres of pressure within soles.
 
 Where statics leaves open how feet share the load, it is only reported that a foot slips if no share keeps all of them in place.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,7 @@ from ...ground.tolerances import CONE_TOLERANCE
 from ..connections import Support
 from ..mechanism import Attached
 from .balance import Balance
-from .equilibrium import Equilibrium
+from .equilibrium import Equilibrium, rows_of
 
 #: Sides of the pyramid inside a friction cone.
 SIDES = 16
@@ -38,6 +38,15 @@ class Contact:
     places: slice | None
     wrench: np.ndarray
     frame: np.ndarray
+
+    def at_rest(self, multipliers: np.ndarray) -> np.ndarray:
+        """The force in the directions of the ground and the torque in those of the frame, shape (6, 1)."""
+        return self.wrench if self.places is None else (self.wrench @ multipliers[self.places])[:, None]
+
+    def of(self, wrench: np.ndarray) -> np.ndarray:
+        """The same from a wrench on body2 in the directions of the ground, both of shape (6, T)."""
+        on_foot = wrench if self.support.body1 == GROUND else -wrench
+        return np.vstack([on_foot[:3], self.frame.T @ on_foot[3:]])
 
     @property
     def normal(self) -> np.ndarray:
@@ -72,18 +81,44 @@ def contact_notices(state: Equilibrium, free: np.ndarray) -> Iterator[Notice]:
     Yields:
         One for each foot; none where another share of the load keeps all feet in place.
     """
-    contacts = list(_contacts(state))
-    rigid = [contact for contact in contacts if contact.places is not None]
-    wrong = [notice for contact in rigid for notice in _outside(contact, contact.wrench @ state.multipliers[contact.places])]
-    if wrong and not _another_share(state, free, rigid):
-        yield from wrong
-    for contact in contacts:
-        if contact.places is None:
-            yield from _outside(contact, contact.wrench[:, 0])
+    feet = [(contact, contact.at_rest(state.multipliers)) for contact in _contacts(state.balance)]
+    exceeded = _exceeded(state.balance, free, state.multipliers[:, None], feet, np.zeros(1), CONE_TOLERANCE)
+    yield from (Notice(NoticeKind.STATIC_LOAD, text) for _, text in exceeded)
 
 
-def _contacts(state: Equilibrium) -> Iterator[Contact]:
-    balance, start = state.balance, 0
+def moving_contact_notices(
+    balance: Balance,
+    free: np.ndarray,
+    multipliers: np.ndarray,
+    times: np.ndarray,
+    wrenches: Mapping[str, np.ndarray],
+    error: float,
+) -> Iterator[Notice]:
+    """The same of feet during a small motion, each with the time of the worst value; feet that leave their limits at rest are left out.
+
+    Args:
+        balance: at rest.
+        free: which coordinates are not kept in place at rest, shape (nv,).
+        multipliers: of all rows, at rest, then during the motion, shape (m, 1 + T).
+        times: shape (T,), in s.
+        wrenches: by name of a foot the force and torque on body2 in the directions of the ground, at rest, then during the
+            motion, shape (6, 1 + T).
+        error: of the forces, relative to the largest.
+
+    Yields:
+        At most one for each foot and each limit.
+    """
+    rest, motion = slice(0, 1), slice(1, None)
+    feet = [(contact, contact.of(wrenches[contact.support.name])) for contact in _contacts(balance)]
+    at_rest = _exceeded(balance, free, multipliers[:, rest], [(foot, w[:, rest]) for foot, w in feet], np.zeros(1), CONE_TOLERANCE)
+    wrong = {foot for foot, _ in at_rest}
+    moving = [(foot, w[:, motion]) for foot, w in feet if foot not in wrong]
+    for _, text in _exceeded(balance, free, multipliers[:, motion], moving, times, max(error, CONE_TOLERANCE)):
+        yield Notice(NoticeKind.LARGE_MOTION, f"{text}; the equations keep it in place")
+
+
+def _contacts(balance: Balance) -> Iterator[Contact]:
+    start = 0
     for item, G in zip(balance.load.loops, balance.gradients):
         places, start = slice(start, start + len(G)), start + len(G)
         if item.connection.friction is not None:
@@ -100,38 +135,71 @@ def _contact(balance: Balance, item: Attached, places: slice | None, wrench: np.
     return Contact(item.connection, places, np.vstack([frame @ on_foot[:3], on_foot[3:]]), frame)
 
 
-def _outside(contact: Contact, wrench: np.ndarray) -> Iterator[Notice]:
+def _exceeded(
+    balance: Balance,
+    free: np.ndarray,
+    multipliers: np.ndarray,
+    feet: Sequence[tuple[Contact, np.ndarray]],
+    times: np.ndarray,
+    tolerance: float,
+) -> list[tuple[Contact, str]]:
+    """Feet outside of their limits, but for those of loops at a time at which another share of the load keeps all of them inside."""
+    rigid = [contact for contact, _ in feet if contact.places is not None]
+    limits = [(contact, *worst) for contact, wrench in feet for worst in _outside(contact, wrench, times, tolerance)]
+    shared = {
+        place: _another_share(balance, free, multipliers[:, place], rigid)
+        for place in {place for contact, place, _ in limits if contact.places is not None}
+    }
+    return [(contact, text) for contact, place, text in limits if contact.places is None or not shared[place]]
+
+
+def _outside(contact: Contact, wrench: np.ndarray, times: np.ndarray, tolerance: float) -> Iterator[tuple[int, str]]:
+    """Where a foot pulls, slips before that, or tips over before both: the place of the worst time, and a sentence."""
     foot, force = contact.support, wrench[:3]
-    along = float(force @ contact.normal)
-    across = float(np.linalg.norm(force - along * contact.normal))
-    largest = np.linalg.norm(force) * CONE_TOLERANCE
-    if along < -largest:
-        yield _notice(f"{foot.label}: the ground would have to pull by {-along:.4g} N; the foot lifts off")
-    elif across > foot.friction * max(along, 0.0) + largest:
-        text = f"{foot.label}: the foot slips: it needs {across:.4g} N along the ground with {along:.4g} N across it"
-        needed = f", a coefficient of friction of {across / along:.3g}" if along > largest else ""
-        yield _notice(f"{text}{needed}; found {foot.friction:g}")
-    elif foot.patch is not None and along > largest:
-        for axis, extent, moment in zip("xy", foot.patch, (wrench[4], wrench[3])):
-            if abs(moment) > (1 + CONE_TOLERANCE) * along * extent / 2:
-                place = f"{abs(moment) / along:.3g} m along {axis} from its point, and the sole ends at {extent / 2:.3g} m"
-                yield _notice(f"{foot.label}: the foot tips over: the centre of pressure would be {place}")
+    along = contact.normal @ force
+    across = np.linalg.norm(force - np.outer(contact.normal, along), axis=0)
+    largest = np.linalg.norm(force, axis=0).max() * tolerance
+    left = np.arange(len(along))  # the times before the foot leaves another limit
+    worst = int(along.argmin())
+    if along[worst] < -largest:
+        when, left = _when(times, worst, along < -largest), left[: int(np.argmax(along < -largest))]
+        yield worst, f"{foot.label}: the ground would have to pull by {-along[worst]:.4g} N{when}; the foot lifts off"
+    excess = across - foot.friction * np.maximum(along, 0.0)
+    if len(left) and excess[left].max() > largest:
+        worst = int(left[excess[left].argmax()])
+        when, left = _when(times, worst, excess > largest), left[: int(np.argmax(excess[left] > largest))]
+        sizes = f"{across[worst]:.4g} N along the ground with {along[worst]:.4g} N across it{when}"
+        needed = f", a coefficient of friction of {across[worst] / along[worst]:.3g}" if along[worst] > largest else ""
+        yield worst, f"{foot.label}: the foot slips: it needs {sizes}{needed}; found {foot.friction:g}"
+    left = left[along[left] > largest]
+    for axis, extent, moment in zip("xy", foot.patch or (), (wrench[4], wrench[3])):
+        arm = np.abs(moment[left]) / along[left]
+        if len(left) and arm.max() > (1 + tolerance) * extent / 2:
+            worst = int(left[arm.argmax()])
+            when = _when(times, worst, np.abs(moment) > (1 + tolerance) * along * extent / 2)
+            place = f"{arm.max():.3g} m along {axis} from its point{when}, and the sole ends at {extent / 2:.3g} m"
+            yield worst, f"{foot.label}: the foot tips over: the centre of pressure would be {place}"
 
 
-def _notice(text: str) -> Notice:
-    return Notice(NoticeKind.STATIC_LOAD, text)
+def _when(times: np.ndarray, worst: int, outside: np.ndarray) -> str:
+    """Nothing at rest, a single time."""
+    if len(times) == 1:
+        return ""
+    first = int(np.argmax(outside))
+    since = f", and first at {times[first]:.4g} s" if first < worst else ""
+    return f" at t = {times[worst]:.4g} s{since}"
 
 
-def _another_share(state: Equilibrium, free: np.ndarray, contacts: list[Contact]) -> bool:
-    """Whether other multipliers balance the free coordinates with all feet in place, a linear program."""
-    balance, count = state.balance, len(state.multipliers)
-    if state.rows.rank == count:
+def _another_share(balance: Balance, free: np.ndarray, multipliers: np.ndarray, contacts: list[Contact]) -> bool:
+    """Whether other multipliers load the free coordinates alike with all feet in place, a linear program."""
+    count = len(multipliers)
+    J = balance.scaled_jacobian[:, free].T
+    if rows_of(J.T).rank == count:
         return False
     from scipy.optimize import linprog
 
-    lengths, scale = balance.load.lengths[free], 1 / balance.load.row_lengths
-    J = (balance.scaled_jacobian[:, free]).T
-    force = balance.force[free] * lengths
+    scale = 1 / balance.load.row_lengths
+    force = J @ (multipliers * balance.load.row_lengths)
     size = np.abs(force).max(initial=0.0) or 1.0
     kept = np.vstack([contact.rows() @ np.eye(count)[contact.places] * scale for contact in contacts])
     answer = linprog(np.zeros(count), -kept, np.zeros(len(kept)), J, force / size, bounds=(None, None))

@@ -115,6 +115,11 @@ class Equations:
         return self.robot_scene and self.robot_scene.robot
 
     @property
+    def has_connections(self) -> bool:
+        """Whether a robot has loops, springs or bushings."""
+        return self.robot is not None and bool(self.robot.loops or self.robot.springs)
+
+    @property
     def posture(self) -> Posture | None:
         """The equilibrium about which the robot moves, or None."""
         return self.robot_scene and self.robot_scene.posture

@@ -24,7 +24,7 @@ PARTS = {  # curves that are made of others
     "output": ("displacement",),
     "phase": ("displacement", "velocity"),
     "quantity": ("displacement", "velocity"),
-    "ground_reaction": ("reaction",),
+    "ground_reaction": ("displacement", "velocity", "reaction"),
 }
 
 #: Errors of trajectories, relative to the largest value of a kind, that are assumed at least and at most.
@@ -38,9 +38,9 @@ def curves_of(result: Result, kind: str) -> Curves:
 
     Args:
         result: of the scene.
-        kind: a key of ORDERS, "reaction" (forces of the constraint rows), "ground_reaction" (of the loops of a robot, in the
-            directions of the ground), "energy", "quantity", or "output" (of a robot as deviations from its
-            posture, of a transfer function or state space as they are).
+        kind: a key of ORDERS, "reaction" (forces of the constraint rows), "ground_reaction" (of loops, springs and bushings of a
+            robot with their loads at rest, in the directions of the ground), "energy", "quantity", or "output" (of a robot as
+            deviations from its posture, of a transfer function or state space as they are).
 
     Returns:
         The curves with names and units.
@@ -60,8 +60,9 @@ def curves_of(result: Result, kind: str) -> Curves:
     elif kind == "output":
         names, units = equations.outputs.names, equations.outputs.units
     elif kind == "ground_reaction":
-        names, units, _ = _ground_directions(equations)
-        return Curves(kind, names, ("in ground axes",) * len(names), units, values)
+        forces = equations.robot_scene.system.connection_forces
+        titles = tuple(f"{'force' if unit == 'N' else 'torque'} in ground axes" for unit in forces.units)
+        return Curves(kind, forces.names, titles, forces.units, values)
     else:
         names, units = ENERGIES, ("J",) * len(ENERGIES)
     return Curves(kind, names, (kind,) * len(names), units, values)
@@ -83,19 +84,14 @@ def functions_of(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray
     if kind == "reaction":
         return motion.reaction
     if kind == "ground_reaction":
-        matrix = _ground_directions(equations)[2]
-        return lambda times: matrix @ motion.reaction(times)
+        forces, rate = equations.robot_scene.system.connection_forces, motion.derivative(1)
+        return lambda times: forces.values(motion(times), rate(times), motion.reaction(times))
     if kind == "output":
         return lambda times: equations.output_values(times, motion(times))
     if kind == "quantity":
         quantities = tuple(element_quantities(result.scene.table.output.quantity, equations))
         return lambda times: np.array([each.values(motion, times) for each in quantities])
     return lambda times: np.array([getattr(motion.energy(times), name) for name in ENERGIES])
-
-
-def _ground_directions(equations):
-    """Of the loops of a robot, as ``Posture.ground_directions``."""
-    return equations.posture.ground_directions([row.name for row in equations.system.rows])
 
 
 def time_functions(result: Result, kind: str) -> TimeFunctions:

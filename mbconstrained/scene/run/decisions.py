@@ -190,6 +190,17 @@ def reactions(scene: Scene) -> Decision:
     return requested, "requested in [output]" if requested else "not requested in [output]"
 
 
+def connection_forces(scene: Scene) -> Decision:
+    """Of loops, springs and bushings of a robot in the directions of the ground."""
+    output, equations = scene.table.output, scene.equations
+    if not equations.has_connections:
+        return False, "no loops, springs or bushings"
+    if output.reactions or "ground_reaction" in output.plots:
+        return True, "requested in [output]"
+    feet = any(getattr(item, "friction", None) is not None for item in (*equations.robot.loops, *equations.robot.springs))
+    return feet, "friction and lift-off of feet are checked" if feet else "not requested in [output]"
+
+
 def outputs(scene: Scene) -> Decision:
     """Of a robot or a state space."""
     equations = scene.equations

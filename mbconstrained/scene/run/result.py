@@ -21,8 +21,9 @@ from ...ground.tolerances import TRUST_LIMIT
 from ...response.estimate import error_estimate
 from .aliasing import aliasing_notices
 from .curves import ORDERS, PARTS, Curves, curves_of, in_units, time_functions
-from .decisions import still, too_large_for_formula
+from .decisions import connection_forces, still, too_large_for_formula
 from .plan import Plan
+from .report.force_report import forces_notices
 from .report.jumps import Impulse, Jump, forces_of_rows, impulses_of, jumps_of, with_units
 from .report.robot_report import motion_notices
 from .report.tables import notices_of, tables_of
@@ -134,10 +135,13 @@ class Result(Displayed):
             *(["reaction", "ground_reaction"] if output.reactions else []),
             *(["quantity"] if output.quantity else []),
         ]
-        rows = self.system is not None and self.system.rows
-        loops = rows and self.scene.equations.robot and self.scene.equations.robot.loops
-        available = {"reaction": rows, "ground_reaction": loops, "output": not self.scene.equations.has_outputs_among_coordinates}
+        outputs = not self.scene.equations.has_outputs_among_coordinates
+        available = {"reaction": self._has_rows, "ground_reaction": self.scene.equations.has_connections, "output": outputs}
         return [kind for kind in dict.fromkeys(requested) if available.get(kind, True)]
+
+    @property
+    def _has_rows(self) -> bool:
+        return self.system is not None and bool(self.system.rows)
 
     @cached_property
     def jumps(self) -> list[Jump]:
@@ -148,10 +152,9 @@ class Result(Displayed):
     def impulses(self) -> list[Impulse]:
         """The impulses at t = 0 in the coordinates, then in the constraint forces."""
         impulses = impulses_of(self.motion.impulses, self.scene.equations.coordinates)
-        rows = self.system is not None and self.system.rows
         return impulses + (
             impulses_of(self.motion.constraint_impulses, forces_of_rows(self.system, shown=self.scene.equations.coordinates.shown))
-            if rows
+            if self._has_rows
             else []
         )
 
@@ -185,7 +188,9 @@ class Result(Displayed):
     def error_estimates(self) -> dict[str, float]:
         """The same for each requested kind of curve; energies consist of displacements and velocities, outputs of a robot of
         displacements."""
-        kinds = dict.fromkeys(part for kind in self.kinds for part in PARTS.get(kind, (kind,)))
+        watched = ["ground_reaction"] if connection_forces(self.scene)[0] else []
+        parts = (part for kind in (*self.kinds, *watched) for part in PARTS.get(kind, (kind,)))
+        kinds = [kind for kind in dict.fromkeys(parts) if kind != "reaction" or self._has_rows]
         views = {kind: methodcaller("derivative", order) for kind, order in ORDERS.items()}
         views["reaction"] = getattr(self.motion, "reaction_of", None)
         estimates = {kind: error_estimate(self.motion, self.times, views[kind]) for kind in kinds}
@@ -203,7 +208,7 @@ class Result(Displayed):
             for kind, estimate in doubts
         ]
         robot_scene = self.scene.equations.robot_scene
-        robot = motion_notices(robot_scene, self.values) if robot_scene else ()
+        robot = (*motion_notices(robot_scene, self.values), *forces_notices(self)) if robot_scene else ()
         accuracy = (Notice(NoticeKind.ACCURACY, text, doubtful=True) for text in texts)
         proved = self.certificate.notices if self.certificate else ()
         moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)

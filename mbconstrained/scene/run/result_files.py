@@ -30,6 +30,8 @@ def more_arrays(result: Result) -> dict[str, np.ndarray]:
     arrays = {}
     if "reaction" in result.kinds:
         arrays["constraints"] = np.array(result.curves("reaction").names)
+    if "ground_reaction" in result.kinds:
+        arrays["ground_reactions"] = np.array(result.curves("ground_reaction").names)
     if result.scene.equations.has_outputs_among_coordinates:
         arrays["outputs"] = np.array(result.scene.equations.control.outputs.names)
     if "quantity" in result.kinds:

@@ -398,5 +398,7 @@ def check_output(output, equations: Equations, file_name: str, modal_damping: bo
             )
         if "energy" in output.plots and system is None:
             raise InputError("energy is known only where mass, damping and stiffness are given, not for coefficients")
+        if "ground_reaction" in output.plots and not equations.has_connections:
+            raise InputError("found ground_reaction, but there is no robot with loops, springs or bushings; leave it out")
         if "reaction" in output.plots and not (system and system.rows):
             raise InputError("found reaction, but there are no constraint rows; leave it out")

@@ -54,7 +54,10 @@ ROBOT_STEPS = (
 )
 NO_ROBOT_STEPS = (Step("robot model (pinocchio)", (False, "no robot in the scene")),)
 OUTPUTS = Step("outputs", decisions.outputs, methodcaller("curves", "output"))
-ROBOT_NEXT = {"displacements": (OUTPUTS,)}  # the stage before: those of a robot that come next
+ROBOT_NEXT = {
+    "displacements": (OUTPUTS,),
+    "reactions": (Step("forces of loops and springs", decisions.connection_forces, methodcaller("curves", "ground_reaction")),),
+}  # the stage before: those of a robot that come next
 CONTROL_NEXT = {  # the same of a state space
     "assemble the model": (Step("mechanical normal form", decisions.normal_form),),
     "displacements": (OUTPUTS,),

@@ -138,7 +138,7 @@ class TimeTable(Table):
         return f"{self.start:g} to {self.end:g} s"
 
 
-Curve = Literal["displacement", "velocity", "acceleration", "reaction", "energy", "output", "phase"]
+Curve = Literal["displacement", "velocity", "acceleration", "reaction", "ground_reaction", "energy", "output", "phase"]
 
 
 def _flag_or_names(value):
@@ -180,7 +180,7 @@ class OutputTable(Table):
     plots: list[Curve] = Field(["displacement"], description="What the page plots; phase is the velocity over the displacement.")
     coordinates: list[Name] | None = Field(None, description="Only these coordinates are plotted; left out: all.")
     quantity: list[QuantityTable] = Field([], description="Forces, elongations and relative motions for plots, CSV and npz.")
-    reactions: bool = Field(False, description="Forces of the constraints in the CSV and npz files.")
+    reactions: bool = Field(False, description="Forces of constraints, and of a robot's springs, in files.")
     arrows: list[Literal["reaction"]] = Field([], description="Forces that the animation shows as arrows.")
     units: Annotated[
         tuple[str, ...], BeforeValidator(output_units), WithJsonSchema({"type": "string", "examples": ["mm, deg, rpm, kN"]})

@@ -1,13 +1,19 @@
-"""Forces of the loops of a robot during the motion along the axes of the ground, against pinocchio's placements of the links."""
+"""Forces of loops of a robot during the motion along the axes of the ground: pinocchio's placements of the links, Newton's law, feet."""
 
 from __future__ import annotations
+
+from shutil import copy
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.robot.linearization.connection_forces import connection_forces
+from mbconstrained.robot.statics.balance import Balance
 from mbconstrained.scene.run.scene import read_scene
+from tests.robot.test_wrenches import spatial_arm
+from tests.scene.robots import ROBOTS
 from tests.scene.scenes import EXAMPLES, OSCILLATOR, scene_of
 
 
@@ -33,41 +39,168 @@ def test_the_forces_of_points_are_turned_as_their_bodies_are_at_rest(name):
     for loop in posture.robot.loops:
         assert loop.kind == "point"
         in_frame = np.array([by_row.get(f"{loop.name} {axis}", np.zeros(len(result.times))) for axis in "xyz"])
-        in_ground = np.array([by_component[f"{loop.name} on {loop.body2} force {axis}"] for axis in "xyz"])
-        assert in_ground == pytest.approx(rotation(posture, loop) @ in_frame, abs=1e-12 * np.abs(own.values).max())
+        names = [f"{loop.name} {axis}" for axis in "xyz"]
+        in_ground = np.array([by_component[name] for name in names])
+        forces = result.system.connection_forces
+        own_rows = forces.places[loop.name]
+        change = forces.displacement[own_rows] @ result.curves("displacement").values  # the load at rest turns with the first body
+        at_rest = posture.ground_reactions[loop.name][:3, None]
+        size = max(np.abs(own.values).max(), np.abs(at_rest).max())
+        assert in_ground - at_rest - change == pytest.approx(rotation(posture, loop) @ in_frame, abs=1e-12 * size)
         turned = max(turned, np.abs(in_ground - in_frame).max())
     assert len(ground.names) == 3 * len(posture.robot.loops) and set(ground.units) == {"N"}
     assert turned > 0.01 * np.abs(own.values).max() or name == "quadruped"
 
 
-@pytest.mark.parametrize("name", ["four_bar", "delta"])
-def test_with_the_multipliers_at_rest_they_are_the_reactions_at_rest(name):
-    posture = read_scene(EXAMPLES / f"{name}.toml").equations.posture
-    names, _, matrix = posture.ground_directions(posture.balance.load.row_names)
-    forces = np.concatenate([posture.ground_reactions[loop.name][:3] for loop in posture.robot.loops])
-    assert matrix @ posture.multipliers == pytest.approx(forces, rel=1e-12) and len(names) == len(forces)
-
-
 def test_torques_are_turned_too():
-    """A hinge in a turned frame; six components, whose rows at rest are those of the posture."""
+    """A hinge in a turned frame; six components."""
     hinge = mb.Loop("ground", (0.3, -0.02, -0.5), "lower", (0, 0, -0.3), "hinge", axis=(0, 1, 0), rotation1=(0, 0.4, 0), name="pin")
     robot = mb.Robot("robots/double_pendulum/double_pendulum.urdf", loops=[hinge])
     posture = robot.equilibrium({"shoulder": -0.2, "elbow": 1.0}, {"elbow": 1.0})
-    names, units, matrix = posture.ground_directions(posture.balance.load.row_names)
-    multipliers = np.arange(1.0, 1.0 + matrix.shape[1])
-    (gradient,) = posture.balance.gradients
+    load, (gradient,) = posture.balance.load, posture.balance.gradients
+    forces = connection_forces(posture, 2, load.row_names)
+    multipliers = np.arange(1.0, 1.0 + len(load.row_names))
     turn, wrench = rotation(posture, hinge), gradient.T @ multipliers
-    assert matrix @ multipliers == pytest.approx(np.concatenate([turn @ wrench[:3], turn @ wrench[3:]]), abs=1e-12)
-    assert units == ("N",) * 3 + ("N m",) * 3 and names[3] == "pin on lower torque x"
+    assert forces.multipliers @ multipliers == pytest.approx(np.concatenate([turn @ wrench[:3], turn @ wrench[3:]]), abs=1e-12)
+    assert forces.units == ("N",) * 3 + ("N m",) * 3 and forces.names[3] == "pin x"
 
 
 def test_files_have_both(tmp_path):
     result = read_scene(EXAMPLES / "four_bar.toml", {"output.reactions": True}).run()
     head = result.write(tmp_path / "bar.csv").read_text(encoding="utf-8").splitlines()[0]
-    assert "coupler pin x reaction (N)" in head and "coupler pin on rocker force x in ground axes (N)" in head
+    assert "coupler pin x reaction (N)" in head and "coupler pin x force in ground axes (N)" in head
     with np.load(result.write(tmp_path / "bar.npz")) as arrays:
         assert arrays["ground_reaction"].shape == (3, len(result.times))
 
 
 def test_models_without_loops_have_none(tmp_path):
     assert "ground_reaction" not in scene_of(tmp_path, OSCILLATOR + "[output]\nreactions = true\n").run().kinds
+
+
+FEET = """title = "Quadruped on soft ground"
+urdf = "quadruped.urdf"
+base = "free"
+[joint_stiffness]
+JOINTS
+BUSHINGS
+[posture]
+guess.base = [0, 0, 0.337, 0, 0, 0]
+GUESS
+"""
+RUN = """
+[model]
+kind = "robot"
+robot = "soft"
+[[model.input]]
+name = "push"
+body = "trunk"
+along = [0, 0, 1]
+[[force]]
+coordinate = "push"
+kind = "pulse"
+value = "SIZE N"
+duration = "0.1 s"
+[time]
+end = "0.5 s"
+points = 101
+[output]
+plots = ["ground_reaction"]
+"""
+LEGS = [f"{end} {side}" for end in ("front", "rear") for side in ("left", "right")]
+
+
+def soft(folder, size: float, friction: float = 0.7):
+    """The scene of a quadruped on four springy feet under a vertical pulse."""
+    joints = "\n".join(f'"{leg} {part}" = 120' for leg in LEGS for part in ("spread", "swing", "knee"))
+    feet = "\n".join(
+        f'[[bushing]]\nname = "{leg} foot"\nbody1 = "ground"\nbody2 = "{leg} shin"\npoint2 = [0, 0, -0.22]\n'
+        f"stiffness = [3e4, 3e4, 9e4]\ndamping = [50, 50, 90]\nfriction = {friction}"
+        for leg in LEGS
+    )
+    guess = "\n".join(f'guess."{leg} {part}" = {value}' for leg in LEGS for part, value in (("swing", 0.7), ("knee", -1.4)))
+    (folder / "soft").mkdir(exist_ok=True)
+    copy(ROBOTS / "quadruped" / "quadruped.urdf", folder / "soft")
+    text = FEET.replace("JOINTS", joints).replace("BUSHINGS", feet).replace("GUESS", guess)
+    (folder / "soft" / "robot.toml").write_text(text, encoding="utf-8")
+    path = folder / "soft.toml"
+    path.write_text(RUN.replace("SIZE", str(size)), encoding="utf-8")
+    return read_scene(path).run()
+
+
+def test_the_ground_carries_weight_and_acceleration(tmp_path):
+    """Newton's law for the whole robot: forces of the feet + push + m g = m a of the centre of mass, by pinocchio's Jacobian."""
+    result = soft(tmp_path, 20.0)
+    posture, times = result.scene.equations.posture, result.times
+    model = posture.robot.model
+    data = model.createData()
+    J = pin.jacobianCenterOfMass(model, data, posture.configuration)
+    mass = pin.computeTotalMass(model)
+    curves = result.curves("ground_reaction")
+    feet = curves.values.reshape(len(LEGS), 3, -1).sum(axis=0)
+    push = np.outer([0, 0, 20.0], times < 0.1)
+    push[2, times == 0.1] = 0.0
+    expected = mass * (J @ result.motion.derivative(2)(times)) - push + np.array([[0], [0], [9.81 * mass]])
+    assert feet == pytest.approx(expected, abs=1e-9 * 9.81 * mass)
+    assert np.ptp(feet[2]) > 5.0  # the sum moves
+
+
+@pytest.mark.parametrize("size, kind", [(20.0, None), (400.0, "the foot lifts off")])
+def test_feet_that_lift_off_during_the_motion_are_reported(tmp_path, size, kind):
+    result = soft(tmp_path, size)
+    found = [notice.text for notice in result.notices if " foot" in notice.text and "the ground would have to pull" in notice.text]
+    assert len(found) == (4 if kind else 0)
+    forces = result.as_json()["forces"]
+    for leg in LEGS:
+        least = forces[f"{leg} foot"]["normal"][0]
+        assert (least < 0) == bool(kind)
+        if kind:
+            (text,) = [text for text in found if f'"{leg} foot"' in text]
+            assert f"pull by {-least:.4g} N at t = " in text and kind in text
+    assert "Forces during the motion" in result.summary()
+
+
+def test_a_foot_at_the_edge_of_its_cone_is_no_alarm(tmp_path):
+    """The friction that the motion needs, less or more by a thousandth."""
+    needed = {}
+    for change in (1.001, 0.999):
+        if not needed:
+            result = soft(tmp_path, 20.0, 5.0)
+            forces, curves = result.system.connection_forces, result.curves("ground_reaction").values
+            for leg in LEGS:
+                force = curves[forces.places[f"{leg} foot"]][:3]
+                needed[leg] = (np.hypot(*force[:2]) / force[2]).max()
+        result = soft(tmp_path, 20.0, change * max(needed.values()))
+        assert any("slips" in notice.text for notice in result.notices) == (change < 1)
+
+
+def difference(posture, direction, h=1e-4):
+    """Central difference of the nonlinear forces of springs along a direction, by the poses of the moved robot alone."""
+    balance, tree = posture.balance, posture.robot.tree
+
+    def at(step):
+        there = Balance(tree, balance.load, tree.moved(posture.configuration, step * direction))
+        return np.concatenate([one.pose.directions @ one.wrench for one in there.elastic])
+
+    return (8 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12 * h)
+
+
+def test_springs_follow_differences_of_their_nonlinear_forces():
+    """Between bodies and to the ground, turned against each other by up to 1 rad and loaded."""
+    rng = np.random.default_rng(4)
+    text = spatial_arm(rng)
+    springs = [
+        mb.Bushing(
+            "body 0", (0.1, 0, 0.2), "body 3", (0, 0.1, 0), stiffness=(900, 400, 700), turning_stiffness=(30, 20, 10),
+            rotation1=(0.3, 0.2, -0.4), rotation2=(0.1, 0.5, 0.2), name="mount",
+        ),
+        mb.Bushing("ground", (0.3, 0.1, 0.2), "body 3", (0, 0, 0.1), stiffness=(300, 500, 200), turning_stiffness=(5, 6, 7), name="foot"),
+        mb.BodySpring("body 1", (0.1, 0, 0), "ground", (0.5, 0.2, 0.9), stiffness=300.0, rest_length=0.2, name="tie"),
+    ]  # fmt: skip
+    robot = mb.Robot(text, springs=springs)
+    posture = robot.equilibrium(dict(zip(robot.joints, (0.3, -0.7, 0.2, 0.9))), hold="all")
+    forces = robot.linearize(posture).connection_forces
+    rows = [i for part in (range(12), range(12, 18)) for i in part]
+    for direction in np.eye(4):
+        expected = difference(posture, direction)[rows][: len(forces.rest)]
+        assert forces.displacement @ direction == pytest.approx(expected, abs=1e-8 * np.abs(forces.displacement).max())
+    assert forces.rest == pytest.approx(np.concatenate([*posture.ground_reactions.values()])[: len(forces.rest)], rel=1e-12)

@@ -107,7 +107,7 @@ def _force_table(robot_scene: RobotScene) -> TextTable:
     left_out = {3, 5} if not any(item.turning for item in items) else set()
     shown = sorted({0, 1, 2, 3, *(() if same else (4, 5))} - left_out)
     axes = "x, y, z of the ground" if same else "x, y, z of its frame on the first body, then of the ground"
-    note = f"{axes}; reactions during the motion come on top."
+    note = f"{axes}; forces during the motion come on top."
     return TextTable(
         "Forces of loops and springs at rest",
         tuple(columns[i] for i in shown),

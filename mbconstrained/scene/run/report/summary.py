@@ -12,6 +12,7 @@ from ....ground.checks import counted
 from ....ground.display import WIDTH, TextTable, table_text, wrapped
 from ....ground.notices import Notice
 from .control_report import control_json
+from .force_report import forces_json
 from .robot_report import posture_json
 
 if TYPE_CHECKING:
@@ -158,7 +159,7 @@ def as_json(result: Result) -> dict:
     return {
         "title": scene.title,
         "source": scene.table.source,
-        **(posture_json(robot) if robot else {}),
+        **(posture_json(robot) | {"forces": forces_json(result)} if robot else {}),
         **(control_json(control) if control else {}),
         "coordinates": scene.equations.coordinates.as_json(),
         "constraints": [

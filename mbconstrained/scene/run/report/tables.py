@@ -21,6 +21,7 @@ from ...quantities.output_units import OutputUnits
 from ..frequency.frequency_summary import peak_table
 from ..modes.mode_summary import share_entries
 from .control_report import control_tables
+from .force_report import forces_table
 from .jumps import Impulse, folded, forces_of_rows, impulses_of, jumps_of
 from .robot_report import posture_evidence, posture_tables
 
@@ -45,6 +46,7 @@ def tables_of(result: Result) -> tuple[TextTable, ...]:
         *([_output_table(control)] if control and control.form else []),
         *_at_start(result),
         *([_later_table(result)] if result.later else []),
+        *([forces_table(result)] if robot else ()),
         *([result.certificate.table] if result.certificate else []),
     ]
     details = [
