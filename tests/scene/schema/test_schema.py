@@ -10,7 +10,9 @@ from jsonschema import Draft202012Validator
 
 from mbconstrained import cli
 from mbconstrained.cli import new
+from mbconstrained.ground.errors import SceneError
 from mbconstrained.page.drawing import bodies
+from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.schema import drawing_tables, validation
 from mbconstrained.scene.schema.editors import robot_schema, scene_schema
 from mbconstrained.scene.schema.scene_schema import SceneFile
@@ -123,3 +125,35 @@ def test_the_command_prints_it(capsys, monkeypatch, arguments, schema):
     with pytest.raises(SystemExit) as left:
         cli.main()
     assert not left.value.code and json.loads(capsys.readouterr().out) == schema()
+
+
+VALUES = ("0", "-1", "1.5", '"x"', '""', "[]", "{}", "true", "nan", "inf", "1979-05-27")
+
+
+@pytest.mark.parametrize(
+    "key, table",
+    [
+        ("title", ""),
+        ("points", "time"),
+        ("end", "time"),
+        ("scale", "drawing"),
+        ("zoom", "drawing.view"),
+        ("full_meshes", "drawing"),
+    ],
+)
+def test_what_is_wrong_with_a_value_is_said_in_words_of_the_project(tmp_path, key, table):
+    model = '[model]\nkind = "lumped"\nmass = [{ name = "a", mass = 1 }]\nspring = [{ between = ["ground", "a"], stiffness = 4 }]\n'
+    own = "" if table == "time" else "[time]\nend = 1\n"
+    refused = 0
+    for value in VALUES:
+        entry = f"[{table}]\n{key} = {value}\n" if table else f"{key} = {value}\n"
+        entry += "end = 1\n" if (table, key) == ("time", "points") else ""
+        (tmp_path / "scene.toml").write_text(f"{model}{own}{entry}" if table else f"{entry}{model}{own}")
+        try:
+            read_scene(tmp_path / "scene.toml")
+        except SceneError as problem:
+            refused += 1
+            text = str(problem)
+            assert "scene.toml" in text and "nput should" not in text and "alid string" not in text, text
+            assert "found" in text or "expected" in text, text
+    assert refused >= 4
