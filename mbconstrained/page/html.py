@@ -47,6 +47,7 @@ _ANIMATION = (
     "marks.js",
     "stage.js",
     "record.js",
+    "frames.js",
     "player.js",
     "keys.js",
     "print.js",

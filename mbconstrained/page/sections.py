@@ -118,14 +118,15 @@ _MARKS = (
 
 
 def _marks(figure: dict) -> str:
-    """A box for each kind of mark that the figure has, and the button that records."""
+    """A box for each kind of mark that the figure has, and the buttons that record."""
     offered = [(kind, text) for kind, entry, text in _MARKS if any(body[entry] for body in figure["bodies"])]
     boxes = "".join(
         f'<label><input type="checkbox" data-shows="{kind}"{" checked" * (kind == "names")}> {text}</label>\n'
         for kind, text in offered
     )
     return f"""<div class="controls shown">
-{boxes}<button type="button" id="record" hidden>Record</button>
+{boxes}<button type="button" id="frames" hidden>Save frames</button>
+<button type="button" id="record" hidden>Record</button>
 </div>"""
 
 

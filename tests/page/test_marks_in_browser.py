@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import zipfile
 from io import BytesIO
 
 import numpy as np
@@ -177,6 +178,31 @@ def test_a_film_has_the_text_over_the_picture_as_the_page_breaks_it(browser, tmp
     for frame in frames:  # 1 without the text, 0.17 with one line of five in the next row of pixels, 0.7 with all
         assert np.mean(np.abs(frame - page)) < 0.4 * np.mean(ink)
     assert browser.state()["errors"] == [] and browser.messages == []
+
+
+def test_frames_are_pictures_of_the_whole_motion_in_an_archive(opened):
+    opened.evaluate("""void (() => {
+        const make = URL.createObjectURL;
+        window.saved = [];
+        URL.createObjectURL = (blob) => (saved.push(blob), make.call(URL, blob));
+        HTMLAnchorElement.prototype.click = function () { saved.push(this.download); };
+    })()""")
+    opened.evaluate("document.getElementById('speed').selectedIndex = 6")
+    speed = float(opened.evaluate("document.getElementById('speed').value"))
+    opened.click("#frames")
+    opened.until("window.saved.length === 2")
+    kind, name, text = opened.evaluate("""(async () => {
+        const bytes = new Uint8Array(await saved[0].arrayBuffer());
+        return [saved[0].type, saved[1], btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""))];
+    })()""")
+    assert (kind, name) == ("application/zip", "A_film_of_an_arm.zip")
+    with zipfile.ZipFile(BytesIO(base64.b64decode(text))) as archive:
+        assert archive.testzip() is None  # checks every CRC
+        names, frames = archive.namelist(), [archive.read(name) for name in archive.namelist()]
+    assert len(frames) == int(30 / speed + 1e-6) + 1  # 1 s at 30 a second
+    assert names[0] == "frame_0001.png" and names == sorted(names)
+    assert all(frame.startswith(b"\x89PNG\r\n\x1a\n") for frame in frames) and len(set(frames)) == len(frames)
+    assert opened.evaluate("document.getElementById('frames').textContent") == "Save frames" and opened.messages == []
 
 
 def test_what_a_page_does_not_have_has_no_box():

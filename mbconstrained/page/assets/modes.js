@@ -37,7 +37,7 @@ function select(mode) {
   page.mode = mode;
   player.motion = motionOf(mode);
   const isStill = player.motion.end === player.motion.start;
-  for (const id of ["play", "time", "record"]) control(id).disabled = isStill;
+  for (const id of ["play", "time", "record", "frames"]) control(id).disabled = isStill;
   document.querySelectorAll("tr[data-mode]").forEach((row, i) => {
     row.classList.toggle("selected", i === mode);
     row.querySelector("input").checked = i === mode;

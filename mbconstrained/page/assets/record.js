@@ -1,6 +1,6 @@
 // Recording: the picture with its names and the text over it as a WebM film, once from the start to the end of the motion
 // at the chosen speed.
-const film = { recorder: null, flat: null };
+const film = { recorder: null, flat: null, savesFrames: false };
 
 const filmFormat = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"].find(
   (format) => window.MediaRecorder && HTMLCanvasElement.prototype.captureStream && MediaRecorder.isTypeSupported(format),
@@ -15,7 +15,7 @@ function startFilm() {
   const parts = [];
   film.recorder = new MediaRecorder(film.flat.captureStream(framesPerSecond), { mimeType: filmFormat, videoBitsPerSecond: 8e6 });
   film.recorder.addEventListener("dataavailable", ({ data }) => parts.push(data));
-  film.recorder.addEventListener("stop", () => save(new Blob(parts, { type: "video/webm" })));
+  film.recorder.addEventListener("stop", () => save(new Blob(parts, { type: "video/webm" }), "webm"));
   film.recorder.start();
   control("record").textContent = "Stop recording";
   announce("recording");
@@ -40,16 +40,19 @@ function endFilm() {
   announce("recorded");
 }
 
-function save(blob) {
+function save(blob, ending) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
-  link.download = `${document.title.replace(/[^\p{L}\p{N}]+/gu, "_").slice(0, 60) || "motion"}.webm`;
+  link.download = `${document.title.replace(/[^\p{L}\p{N}]+/gu, "_").slice(0, 60) || "motion"}.${ending}`;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
 }
 
 function offerFilm() {
-  if (!filmFormat || !player.stage || player.motion.end === player.motion.start) return;
+  if (!player.stage || player.motion.end === player.motion.start) return;
+  control("frames").hidden = false;
+  control("frames").addEventListener("click", () => (film.savesFrames ? (film.savesFrames = false) : saveFrames()));
+  if (!filmFormat) return;
   control("record").hidden = false;
   control("record").addEventListener("click", () => (film.recorder ? endFilm() : startFilm()));
 }
