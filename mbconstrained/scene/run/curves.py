@@ -85,7 +85,8 @@ def functions_of(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray
         return motion.reaction
     if kind == "ground_reaction":
         forces, rate = equations.robot_scene.system.connection_forces, motion.derivative(1)
-        return lambda times: forces.values(motion(times), rate(times), motion.reaction(times))
+        reaction = motion.reaction if equations.system.rows else lambda times: np.zeros((0, len(times)))
+        return lambda times: forces.values(motion(times), rate(times), reaction(times))
     if kind == "output":
         return lambda times: equations.output_values(times, motion(times))
     if kind == "quantity":

@@ -299,6 +299,12 @@ def robot_meshes(scene: Scene) -> Decision:
     return drawn, f"{counted(len(meshes), 'mesh', 'meshes')} to draw" if drawn else "meshes are read only where they are drawn"
 
 
+def collision_geometry(scene: Scene) -> Decision:
+    """Of the links, for the page."""
+    drawn = animation(scene)[0]
+    return drawn, "the page shows it on request" if drawn else "it is read only where the robot is drawn"
+
+
 def frequency(scene: Scene) -> Decision:
     """The frequency response."""
     table = scene.table.frequency

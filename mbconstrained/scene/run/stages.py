@@ -50,7 +50,7 @@ ROBOT_STEPS = (
     Step("robot model (pinocchio)", decisions.robot_model),
     Step("equilibrium", decisions.equilibrium),
     Step("robot meshes", decisions.robot_meshes, writes=True, part_of="animation"),
-    Step("collision geometry", (False, "it is never loaded")),
+    Step("collision geometry", decisions.collision_geometry, writes=True, part_of="animation"),
 )
 NO_ROBOT_STEPS = (Step("robot model (pinocchio)", (False, "no robot in the scene")),)
 OUTPUTS = Step("outputs", decisions.outputs, methodcaller("curves", "output"))

@@ -56,8 +56,9 @@ SCENES = {
     "robot": SCENE,
     "robot with unread meshes": SCENE + "[output]\npage = false\n",
     "robot with collisions": SCENE,
+    "robot with forces": SCENE + NOTHING_WRITTEN + "reactions = true\n",
 }
-ROBOTS = {"robot": URDF, "robot with unread meshes": MESHES, "robot with collisions": COLLISIONS}
+ROBOTS = {"robot": URDF, "robot with unread meshes": MESHES, "robot with collisions": COLLISIONS, "robot with forces": URDF}
 FILES = {"robot with meshes": EXAMPLES / "seven_joint_arm.toml", "formula": EXAMPLES / "two_masses_formula.toml"}
 
 
@@ -80,7 +81,9 @@ WORK = {
     "robot model (pinocchio)": Work("robot", "lumped", "scene/build/robot_file.py:robot_of", ("pinocchio", "coal")),
     "equilibrium": Work("robot", "lumped", "robot/posture.py:find_posture", ("mbconstrained.robot",)),
     "robot meshes": Work("robot with meshes", "robot with unread meshes", "robot/description/visuals.py:_read_mesh", ("coal",)),
-    "collision geometry": Work(None, "robot with collisions", None),
+    "collision geometry": Work(
+        "robot with collisions", "robot with unread meshes", "scene/run/picture/robot_drawing.py:RobotPicture._collision"
+    ),
     "assemble the model": Work("plain", None, "scene/build/equations.py:equations_of"),
     "mechanical normal form": Work("normal form", "states", "control/normal_form/normal_form.py:mechanical_normal_form"),
     "dependent constraint rows": Work("all", "plain", "mechanics/constraints.py:_reduced"),
@@ -94,6 +97,7 @@ WORK = {
     "velocities": Work("lumped", "plain", computed("velocity")),
     "accelerations": Work("all", "lumped", computed("acceleration")),
     "reactions": Work("all", "free and held", "mechanics/motion.py:Motion.reaction"),
+    "forces of loops and springs": Work("robot with forces", "robot", computed("ground_reaction")),
     "energy": Work("all", "lumped", "mechanics/energy.py:energy_of"),
     "element quantities": Work("quantities", "lumped", computed("quantity")),
     "modes": Work("plain", "coefficients", "mechanics/mode_computation.py:modes_of"),

@@ -9,8 +9,6 @@ import numpy as np
 from ....ground.coordinate_units import GROUND
 from ....ground.display import TextTable
 from ....ground.notices import Notice
-from ....robot.connections import Support
-from ....robot.linearization.connection_forces import foot_notices
 from ..curves import PARTS
 from ..decisions import connection_forces
 
@@ -25,6 +23,8 @@ def forces_json(result: Result) -> dict:
     """
     if not connection_forces(result.scene)[0]:
         return {}
+    from ....robot.connections import Support
+
     forces, values = result.scene.equations.robot_scene.system.connection_forces, result.curves("ground_reaction").values
     extremes = {}
     for connection in forces.connections:
@@ -59,6 +59,9 @@ def forces_table(result: Result) -> TextTable:
 
 def forces_notices(result: Result) -> tuple[Notice, ...]:
     """Notices on feet that lift off, slip or tip over during the motion."""
+    from ....robot.connections import Support
+    from ....robot.linearization.connection_forces import foot_notices
+
     forces = result.scene.equations.robot_scene.system.connection_forces
     if not any(isinstance(connection, Support) and connection.friction is not None for connection in forces.connections):
         return ()
