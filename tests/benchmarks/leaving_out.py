@@ -134,17 +134,6 @@ def normal_form(result: Result) -> object:
     return mechanical_normal_form(system.A, system.B, system.C, system.D, descriptor=E)
 
 
-def collision_geometry(result: Result) -> object:
-    """As viewers do that load the whole robot."""
-    import pinocchio
-
-    data = result.scene.equations.robot_scene.data
-    text = data.names.path.read_text(encoding="utf-8")
-    folders = [str(data.names.path.parent), *map(str, data.package_dirs)]
-    model = pinocchio.buildModelFromXML(text)
-    return pinocchio.buildGeomFromUrdfString(model, text, pinocchio.GeometryType.COLLISION, package_dirs=folders)
-
-
 def images(result: Result) -> object:
     """Every curve as one PNG file, by matplotlib without a window."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -178,12 +167,13 @@ ALL_THE_SAME: dict[str, Callable[[Result], object]] = {
     "units": lambda result: import_module("mbconstrained.scene.quantities.dimensions").registry(),
     "robot model (pinocchio)": imported("pinocchio", "mbconstrained.robot"),
     "robot meshes": lambda result: result.scene.equations.robot.visuals(),
-    "collision geometry": collision_geometry,
+    "collision geometry": lambda result: result.scene.equations.robot.visuals(collision=True),
     "mechanical normal form": normal_form,
     "infinite pair": lambda result: result.infinite_pair,
     "velocities": curves("velocity"),
     "accelerations": curves("acceleration"),
     "reactions": curves("reaction"),
+    "forces of loops and springs": curves("ground_reaction"),
     "outputs": curves("output"),
     "energy": curves("energy"),
     "modes": modes,

@@ -122,7 +122,7 @@ def test_the_plan_tells_what_a_robot_needs(tmp_path):
     press(tmp_path)
     taken = stages(scene_of(tmp_path, SCENE))
     assert taken["robot model (pinocchio)"] == (True, "press/robot.toml: 3 links, 2 joints")
-    assert taken["equilibrium"][0] and taken["collision geometry"] == (False, "it is never loaded")
+    assert taken["equilibrium"][0] and taken["collision geometry"] == (True, "the page shows it on request")
     assert taken["dependent constraint rows"] == (False, "the robot has no loops: no rows are built")
     assert taken["robot meshes"] == (False, "the robot is drawn from boxes, cylinders and spheres")
     press(tmp_path, LOOP + 'hold = ["slide"]\n')
