@@ -121,22 +121,27 @@ def test_names_are_hidden(opened):
     assert pictures[0] == pictures[2] != pictures[1]
 
 
-def test_a_film_has_the_motion_from_start_to_end(opened):
+def keep_what_is_saved(opened):
+    """In window.saved: each file that the page saves, then its name."""
     opened.evaluate("""void (() => {
         const make = URL.createObjectURL;
-        window.films = [];
-        URL.createObjectURL = (blob) => (films.push(blob), make.call(URL, blob));
-        HTMLAnchorElement.prototype.click = function () { films.push(this.download); };
+        window.saved = [];
+        URL.createObjectURL = (blob) => (saved.push(blob), make.call(URL, blob));
+        HTMLAnchorElement.prototype.click = function () { saved.push(this.download); };
     })()""")
+
+
+def test_a_film_has_the_motion_from_start_to_end(opened):
+    keep_what_is_saved(opened)
     assert opened.evaluate("document.getElementById('record').hidden") is False
     opened.evaluate("mbconstrained.seek(0.7), (document.getElementById('speed').selectedIndex = 6)")  # as short as it gets
     opened.click("#record")
     assert opened.evaluate("document.getElementById('record').textContent") == "Stop recording"
     assert opened.state()["time"] < 0.7
-    opened.until("window.films.length === 2")
+    opened.until("window.saved.length === 2")
     kind, name, start, size = opened.evaluate("""(async () => {
-        const bytes = new Uint8Array(await films[0].arrayBuffer());
-        return [films[0].type, films[1], [...bytes.slice(0, 4)], films[0].size];
+        const bytes = new Uint8Array(await saved[0].arrayBuffer());
+        return [saved[0].type, saved[1], [...bytes.slice(0, 4)], saved[0].size];
     })()""")
     assert size > 1000  # more than the header
     assert (kind, name, start) == ("video/webm", "A_film_of_an_arm.webm", [0x1A, 0x45, 0xDF, 0xA3])  # EBML
@@ -181,12 +186,7 @@ def test_a_film_has_the_text_over_the_picture_as_the_page_breaks_it(browser, tmp
 
 
 def test_frames_are_pictures_of_the_whole_motion_in_an_archive(opened):
-    opened.evaluate("""void (() => {
-        const make = URL.createObjectURL;
-        window.saved = [];
-        URL.createObjectURL = (blob) => (saved.push(blob), make.call(URL, blob));
-        HTMLAnchorElement.prototype.click = function () { saved.push(this.download); };
-    })()""")
+    keep_what_is_saved(opened)
     opened.evaluate("document.getElementById('speed').selectedIndex = 6")
     speed = float(opened.evaluate("document.getElementById('speed').value"))
     opened.click("#frames")
