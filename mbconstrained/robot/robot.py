@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -384,7 +385,12 @@ class Robot(Displayed):
 
         if self.source.path is not None:
             return visuals_of_mjcf(self.source.model, self.source.path, collision=collision)
-        return visuals_of(self.description, self.folder, self.package_dirs, collision=collision)
+        return visuals_of(self.description, self.folder, self.package_dirs, self._meshes, collision=collision)
+
+    @cached_property
+    def _meshes(self) -> dict:
+        """Meshes that were read, which visual and collision shapes may share."""
+        return {}
 
     def inertia_ellipsoids(self) -> dict[str, np.ndarray]:
         """Of each body, by its heaviest link: the placement (4, 4) in the link's frame that makes a unit sphere a uniform ellipsoid with

@@ -50,7 +50,7 @@ class Visual:
 
 
 def visuals_of(
-    description: ElementTree.Element, folder: Path | None, package_dirs: tuple[Path, ...], *, collision: bool = False
+    description: ElementTree.Element, folder: Path | None, package_dirs: tuple[Path, ...], meshes: dict, *, collision: bool = False
 ) -> tuple[Visual, ...]:
     """The visuals of all links, without meshes whose files are missing (``mesh_notices``).
 
@@ -58,6 +58,7 @@ def visuals_of(
         description: the element <robot>.
         folder: of the URDF, in which its mesh files lie, or None where the URDF was given as a text.
         package_dirs: folders that hold the packages of package://NAME/...
+        meshes: those that were read already, by path and scale; others are added.
         collision: whether the collision shapes are read instead; those that cannot be are left out.
 
     Returns:
@@ -67,7 +68,7 @@ def visuals_of(
         InputError: numbers that make no sense, mesh files that cannot be read.
     """
     colors = {m.get("name"): _color(m) for m in description.findall("material")}
-    visuals, meshes = [], {}
+    visuals = []
     tag = "collision" if collision else "visual"
     for link, visual in _elements(description, tag):
         where = f'urdf, link "{link}", {tag}'

@@ -113,7 +113,7 @@ class LinearizedRobot(MechanicalSystem):
                 forces[spring.name] = ElementForce(row, length - item.rest_length, spring.stiffness, spring.damping, "m")
         return forces
 
-    @property
+    @cached_property
     def connection_forces(self) -> ConnectionForces:
         """Forces of loops, springs and bushings as combinations of motion and multipliers, in the directions of the ground."""
         return connection_forces(self.posture, self.size, [row.name for row in self.rows])
