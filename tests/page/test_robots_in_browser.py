@@ -1,11 +1,14 @@
 """Bodies of parts with paths in a browser: they stand where the paths put them, and links follow."""
 
+import io
+
 import numpy as np
 import pytest
+from PIL import Image
 
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Body, Drawing, Link, Solid
+from mbconstrained.page.drawing.bodies import Body, Drawing, Link, Solid, View
 from mbconstrained.page.drawing.paths import Path
 from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
@@ -262,4 +265,28 @@ def test_names_behind_a_mesh_of_many_triangles_are_shown_through_its_hole_and_be
     ]
     opened(browser, tmp_path, Animation(Drawing([ring, *small]), (), [0.0], np.zeros((0, 1))))
     assert set(names_shown(browser)) == {name for name, r in distances.items() if not 0.5 < r < 1.2}
+    assert complaints(browser) == []
+
+
+def test_an_image_lies_on_a_mesh_as_its_places_say_and_repeats_beyond_them(browser, tmp_path):
+    """A square in the picture's plane that shows an image one and a half times across: its quarters are red, green, blue and yellow."""
+    colors = {"top left": (255, 0, 0), "top right": (0, 160, 0), "bottom left": (0, 0, 255), "bottom right": (255, 255, 0)}
+    image = Image.fromarray(np.array(list(colors.values()), np.uint8).reshape(2, 2, 3)).resize((64, 64), Image.Resampling.NEAREST)
+    stream = io.BytesIO()
+    image.save(stream, "JPEG", quality=95)
+    corners = np.array([[-1.0, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]])
+    faces, spots = np.array([[0, 1, 2], [0, 2, 3]]), (corners[:, ::2] + 1) / 2 * [1.5, 1.0]
+    solid = Solid("mesh", vertices=corners, faces=faces, image=stream.getvalue(), places=spots[faces])
+    drawing = Drawing([still(solid, name="square", label="")], view=View())
+    opened(browser, tmp_path, Animation(drawing, (), [0.0], np.zeros((0, 1))))
+    browser.wait(0.5)  # the browser decodes the image
+    shown = np.asarray(Image.open(io.BytesIO(browser.picture("#stage"))).convert("RGB"), float)
+    rows, columns = np.nonzero(np.ptp(shown, axis=2) > 100)  # the square, since nothing else has a colour
+    square = shown[rows.min() : rows.max(), columns.min() : columns.max()]
+    height, width = square.shape[:2]
+    assert height == pytest.approx(width, rel=0.02)
+    for across, column in ((1 / 6, "left"), (3 / 6, "right"), (5 / 6, "left")):
+        for down, row in ((0.25, "top"), (0.75, "bottom")):
+            found, known = square[int(down * height), int(across * width)], np.array(colors[f"{row} {column}"], float)
+            assert found @ known > 0.97 * np.linalg.norm(found) * np.linalg.norm(known) > 5e3, (across, row, found)
     assert complaints(browser) == []

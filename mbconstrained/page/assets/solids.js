@@ -14,11 +14,13 @@ const solidGeometry = {
   },
 };
 
-// The solids of one figure; a mesh is unpacked once and shared.
+// The solids of one figure; a mesh or an image is unpacked once and shared.
 class Solids {
-  constructor(meshes) {
-    this.meshes = meshes;
+  // What is given last is called when an image has come.
+  constructor(meshes, images, changed) {
+    Object.assign(this, { meshes: meshes, images: images, changed: changed });
     this.unpacked = new Map();
+    this.textures = new Map();
   }
 
   // A solid with its edges, so that links of one colour are distinct.
@@ -26,8 +28,10 @@ class Solids {
     const geometry = mesh === null ? solidGeometry[kind](size) : this.mesh(mesh);
     const clear = opacity < 1 ? { transparent: true, opacity: opacity, depthWrite: false } : {};
     const side = mesh === null ? THREE.FrontSide : THREE.DoubleSide; // meshes may be inside out, or open
-    const whole = group(solid(geometry, color, Object.assign({ side: side, shininess: 35 }, clear)));
-    if (kind !== "sphere") whole.add(this.outline(geometry, color));
+    const image = mesh === null ? undefined : this.meshes[mesh].image;
+    const look = image === undefined ? { color: color } : { color: "#ffffff", map: this.texture(image) };
+    const whole = group(solid(geometry, color, Object.assign({ side: side, shininess: 35 }, look, clear)));
+    if (kind !== "sphere") whole.add(this.outline(geometry, image === undefined ? color : ink));
     whole.applyMatrix4(new THREE.Matrix4().fromArray(matrix));
     return whole;
   }
@@ -41,10 +45,29 @@ class Solids {
 
   mesh(number) {
     if (!this.unpacked.has(number)) {
-      const { vertices, faces, bytes } = this.meshes[number];
-      this.unpacked.set(number, meshGeometry(unpacked(vertices), unpack(faces, bytes === 2 ? Uint16Array : Uint32Array)));
+      const { vertices, faces, bytes, places } = this.meshes[number];
+      const geometry = meshGeometry(unpacked(vertices), unpack(faces, bytes === 2 ? Uint16Array : Uint32Array));
+      if (places) {
+        const down = Float32Array.from(unpacked(places), (value, i) => (i % 2 ? 1 - value : value)); // the first row of an image is on top
+        geometry.setAttribute("uv", new THREE.BufferAttribute(down, 2));
+      }
+      this.unpacked.set(number, geometry);
     }
     return this.unpacked.get(number);
+  }
+
+  // The surface is white until the browser has decoded the image.
+  texture(number) {
+    if (!this.textures.has(number)) {
+      const texture = new THREE.Texture();
+      Object.assign(texture, { wrapS: THREE.RepeatWrapping, wrapT: THREE.RepeatWrapping, flipY: false });
+      this.textures.set(number, texture);
+      createImageBitmap(new Blob([unpack(this.images[number], Uint8Array)], { type: "image/jpeg" })).then((image) => {
+        Object.assign(texture, { image: image, needsUpdate: true });
+        this.changed();
+      });
+    }
+    return this.textures.get(number);
   }
 }
 
