@@ -135,6 +135,25 @@ def test_a_mesh_is_the_mesh_and_two_bodies_share_it(browser, tmp_path):
     assert np.allclose(normals, np.sign(places.sum(axis=1))[:, None] / 3**0.5, atol=1e-4)
 
 
+def test_edges_that_are_drawn_are_those_of_three_js(browser, tmp_path):
+    """An open sheet with bends of all angles; the oracle is EdgesGeometry with the same angle."""
+    x, y = np.meshgrid(np.arange(12.0), np.arange(9.0), indexing="ij")
+    sheet = np.stack([x, y, np.random.default_rng(5).uniform(-0.6, 0.6, x.shape)], axis=-1).reshape(-1, 3)
+    first = (9 * np.arange(11)[:, None] + np.arange(8)).ravel()
+    faces = np.vstack([np.stack([first, first + 9, first + 1], 1), np.stack([first + 9, first + 10, first + 1], 1)])
+    solid = Solid("mesh", vertices=sheet, faces=faces)
+    opened(browser, tmp_path, Animation(Drawing([still(solid)]), (), [0.0], np.zeros((0, 1))))
+    drawn, known = browser.evaluate("""(() => {
+        let mesh;
+        mbconstrained.viewer.scene_tree.find(["mbconstrained", "bodies"]).object.traverse((o) => o.isMesh && (mesh = o.geometry));
+        const peer = new MeshCat.THREE.EdgesGeometry(mesh, 35);
+        return [mesh.userData.edges, peer].map((edges) => Array.from(edges.attributes.position.array));
+    })()""")
+    drawn, known = (np.sort(np.round(np.reshape(ends, (-1, 2, 3)), 4).view("f8,f8,f8")[:, :, 0], axis=1) for ends in (drawn, known))
+    assert 40 < len(known) < len(faces) * 3 / 2 - 20
+    assert sorted(map(tuple, drawn.tolist())) == sorted(map(tuple, known.tolist()))
+
+
 def test_shallow_edges_are_smooth(browser, tmp_path):
     angles = np.arange(24) * 2 * np.pi / 24
     ring = np.array([np.cos(angles), np.sin(angles), 0 * angles]).T
