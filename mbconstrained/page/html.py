@@ -48,6 +48,7 @@ _ANIMATION = (
     "stage.js",
     "record.js",
     "frames.js",
+    "gif.js",
     "player.js",
     "keys.js",
     "print.js",

@@ -126,6 +126,7 @@ def _marks(figure: dict) -> str:
     )
     return f"""<div class="controls shown">
 {boxes}<button type="button" id="frames" hidden>Save frames</button>
+<button type="button" id="gif" hidden>Save GIF</button>
 <button type="button" id="record" hidden>Record</button>
 </div>"""
 

@@ -1,6 +1,6 @@
 // Printing: browsers do not print WebGL canvases, so a flat copy of the picture with its names replaces it.
 
-// Draws the picture with its names into a canvas; in colour: with the background, the text over the picture and the
+// Draws the picture with its names into a canvas, in the task that has drawn it on the page; in colour: with the background, the text over the picture and the
 // colours of the page.
 function paint(flat, inColour) {
   const { viewer, size, pane } = player.stage;
@@ -15,7 +15,6 @@ function paint(flat, inColour) {
     pen.fillStyle = getComputedStyle(pane).backgroundColor;
     pen.fillRect(0, 0, ...whole);
   }
-  viewer.render();
   pen.drawImage(viewer.renderer.domElement, 0, 0, ...whole);
   pen.scale(sharp, sharp);
   if (player.stage.shows.names) paintNames(pen, pane, inColour ? getComputedStyle(pane).color : "#000000");
@@ -61,6 +60,7 @@ function copyForPaper() {
   const flat = document.createElement("canvas");
   flat.className = "paper";
   player.stage.setTheme(false); // paper is light
+  player.stage.draw();
   paint(flat, false);
   player.stage.pane.append(flat);
 }
