@@ -19,7 +19,7 @@ function startFilm() {
   film.recorder.addEventListener("dataavailable", ({ data }) => parts.push(data));
   film.recorder.addEventListener("stop", () => save(parts, "video/webm", "webm"));
   film.recorder.start();
-  control("record").textContent = "Stop recording";
+  control("record").textContent = "Stop";
   play();
 }
 
@@ -57,7 +57,7 @@ async function takePictures(button, times, take) {
       seek(times[i]);
       paint(flat, true);
       await take(flat, i);
-      control(button).textContent = `Stop at ${i + 1} of ${times.length}`;
+      control(button).textContent = `Stop at ${Math.round((100 * (i + 1)) / times.length)} %`;
     }
   } finally {
     setRecording(null);
