@@ -1,33 +1,31 @@
-// The film as an animated GIF that repeats for ever (GIF89a of CompuServe, 1990): one palette for all pictures, from a sample of them;
-// after the first picture only the rectangle that changes, transparent where it does not.
-const picturesPerSecond = 25; // delays are in 1/100 s
-const widest = 640; // px
-const mostSamples = 32; // of the pictures that the palette is of: all that is shown for 4 % of the film is in one
+// The film as an animated GIF that repeats for ever (GIF89a of CompuServe, 1990): one palette for all pictures, from a sample of
+// them; after the first picture only the rectangle that changes, transparent where it does not.
+const gifRate = 25; // pictures a second: delays are in 1/100 s
+const gifWidth = 640; // px, at most
+const mostSamples = 32; // pictures that the palette is of: closer together than events are shown
 const mostColors = 255; // and the number of the transparent one
+const distinct = 65536; // colours that are told apart
 
 async function saveGif() {
   const { start, end } = player.motion;
   const duration = 100 * filmDuration();
-  const count = Math.max(1, Math.min(Math.round((picturesPerSecond * duration) / 100), mostFrames));
+  const count = Math.max(1, Math.min(Math.round((gifRate * duration) / 100), mostFrames));
   const times = Array.from({ length: count }, (_, i) => start + (i / count) * (end - start));
   const sampled = times.filter((_, i) => i % Math.ceil(count / mostSamples) === 0);
   const [small, counts] = [document.createElement("canvas"), new Map()];
-  let film = null;
-  let indexOf = null;
+  let [gif, indexOf] = [null, null];
   await takePictures("gif", [...sampled, ...times], async (flat, i) => {
     const colors = shrunk(flat, small);
-    const frame = i - sampled.length;
-    if (frame < 0) countColors(colors, counts);
-    if (frame === 0) {
+    const [from, to] = [0, 1].map((k) => Math.round((duration * (i - sampled.length + k)) / count));
+    if (i === sampled.length) {
       const palette = paletteOf(counts);
-      indexOf = nearest(palette);
-      film = new Gif(small.width, small.height, palette);
+      [gif, indexOf] = [new Gif(small.width, small.height, palette), nearest(palette)];
     }
-    const [from, to] = [frame, frame + 1].map((k) => Math.round((duration * k) / count));
-    if (film) film.add(Uint8Array.from(colors, indexOf), to - from);
+    if (gif) gif.add(Uint8Array.from(colors, indexOf), to - from);
+    else countColors(colors, counts);
     await nextTask();
   });
-  if (film) save(film.parts(), "image/gif", "gif");
+  if (gif) save(gif.parts(), "image/gif", "gif");
 }
 
 // Lets the browser draw and listen; unlike a timer not slowed down in a hidden window.
@@ -39,32 +37,40 @@ function nextTask() {
   });
 }
 
-// The pixels of a picture that is drawn at most so wide: a number each, with red in its lowest byte, then green and blue. The first picture decides the size.
+// The pixels of a picture that is drawn smaller where it is wide: numbers with red in the lowest byte, then green and blue.
+// The first picture decides the size.
 function shrunk(flat, small) {
-  const scale = Math.min(1, widest / flat.width);
-  const size = [flat.width, flat.height].map((length) => Math.max(1, Math.round(scale * length)));
   if (!small.pen) {
-    Object.assign(small, { width: size[0], height: size[1], pen: small.getContext("2d", { willReadFrequently: true }) });
-    small.pen.imageSmoothingQuality = "high";
+    const scale = Math.min(1, gifWidth / flat.width);
+    Object.assign(small, { width: Math.round(scale * flat.width), height: Math.round(scale * flat.height) });
+    small.pen = Object.assign(small.getContext("2d", { willReadFrequently: true }), { imageSmoothingQuality: "high" });
   }
   small.pen.drawImage(flat, 0, 0, small.width, small.height);
   return new Uint32Array(small.pen.getImageData(0, 0, small.width, small.height).data.buffer);
 }
 
 function countColors(colors, counts) {
-  for (const color of colors) counts.set(color, (counts.get(color) || 0) + 1);
+  for (const color of colors) {
+    const key = keyOf(counts, color);
+    counts.set(key, (counts.get(key) || 0) + 1);
+  }
+}
+
+// A colour as the key of a map; in a map of many a colour near it, so that the map does not grow with the pictures.
+function keyOf(map, color) {
+  return map.size < distinct || map.has(color) ? color : (color & 0xf8f8f8) | 0x040404;
 }
 
 const channels = (color) => [color & 255, (color >> 8) & 255, (color >> 16) & 255];
 
 // Median cut (Heckbert 1982). The root of its count is the weight of a colour: the background is one of many, and the
 // few pixels of an arrow or a letter count.
-function paletteOf(counts, most = mostColors) {
+function paletteOf(counts) {
   const boxes = [boxOf(Array.from(counts, ([color, count]) => ({ rgb: channels(color), count: count, weight: Math.sqrt(count) })))];
-  while (boxes.length < most) {
-    const widest = boxes.reduce((best, box, i) => (box.size > boxes[best].size ? i : best), 0);
-    if (boxes[widest].size === 0) break;
-    boxes.push(...halves(boxes.splice(widest, 1)[0]).map(boxOf));
+  while (boxes.length < mostColors) {
+    const largest = boxes.reduce((best, box, i) => (box.size > boxes[best].size ? i : best), 0);
+    if (boxes[largest].size === 0) break;
+    boxes.push(...halves(boxes.splice(largest, 1)[0]).map(boxOf));
   }
   return boxes.map(({ colors }) => {
     const total = sum(colors, ({ count }) => count);
@@ -99,14 +105,20 @@ function nearest(palette) {
   let [last, found] = [null, 0]; // most pixels are like the one before
   return (color) => {
     if (color === last) return found;
-    if (!known.has(color)) {
-      const rgb = channels(color);
-      const distances = palette.map((entry) => sum([0, 1, 2], (k) => (entry[k] - rgb[k]) ** 2));
-      known.set(color, distances.indexOf(Math.min(...distances)));
-    }
-    [last, found] = [color, known.get(color)];
+    const key = keyOf(known, color);
+    if (!known.has(key)) known.set(key, nearestTo(channels(key), palette));
+    [last, found] = [color, known.get(key)];
     return found;
   };
+}
+
+function nearestTo([red, green, blue], palette) {
+  let [best, least] = [0, Infinity];
+  palette.forEach(([r, g, b], i) => {
+    const distance = (r - red) ** 2 + (g - green) ** 2 + (b - blue) ** 2;
+    if (distance < least) [best, least] = [i, distance];
+  });
+  return best;
 }
 
 class Gif {
@@ -155,32 +167,30 @@ const codes = new Uint16Array(4096 * 256); // LZW: of a string and the byte afte
 function compressed(indices) {
   const [clear, end] = [256, 257];
   const bytes = [];
-  let [held, bits, size, next] = [0, 0, 9, 258];
+  let [held, bits, size, next] = [0, 0, 9, 0];
   const append = (byte) => (bytes.length % 256 ? bytes.push(byte) : bytes.push(255, byte));
   const put = (code) => {
     held |= code << bits;
     for (bits += size; bits >= 8; bits -= 8, held >>>= 8) append(held & 255);
   };
   const grow = () => (size += next === 1 << size && size < 12 ? 1 : 0);
-  codes.fill(0);
-  put(clear);
+  const restart = () => {
+    put(clear);
+    codes.fill(0);
+    [size, next] = [9, 258];
+  };
+  restart();
   let string = indices[0];
-  for (let i = 1; i < indices.length; i++) {
-    const place = 256 * string + indices[i];
-    if (codes[place]) {
-      string = codes[place];
-      continue;
+  for (const index of indices.subarray(1)) {
+    const place = 256 * string + index;
+    const longer = codes[place];
+    if (!longer) {
+      put(string);
+      grow();
+      if (next < 4096) codes[place] = next++;
+      else restart();
     }
-    put(string);
-    grow();
-    if (next < 4096) {
-      codes[place] = next++;
-    } else {
-      put(clear);
-      codes.fill(0);
-      [size, next] = [9, 258];
-    }
-    string = indices[i];
+    string = longer || index;
   }
   put(string);
   grow();

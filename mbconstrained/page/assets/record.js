@@ -1,6 +1,6 @@
 // Recording: the picture with its names and the text over it as a WebM film, once from the start to the end of the motion
 // at the chosen speed; and what all recordings share.
-const film = { recorder: null, flat: null, button: null }; // button: the one that records now
+const film = { recorder: null, flat: null, button: null, stopped: false }; // button: the one that records now
 
 const filmFormat = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"].find(
   (format) => window.MediaRecorder && HTMLCanvasElement.prototype.captureStream && MediaRecorder.isTypeSupported(format),
@@ -11,7 +11,6 @@ const mostFrames = 1000; // of pictures that are saved one by one; those of a lo
 
 function startFilm() {
   film.flat = document.createElement("canvas");
-  setRecording("record");
   seek(player.motion.start);
   paint(film.flat, true);
   const parts = [];
@@ -19,6 +18,7 @@ function startFilm() {
   film.recorder.addEventListener("dataavailable", ({ data }) => parts.push(data));
   film.recorder.addEventListener("stop", () => save(parts, "video/webm", "webm"));
   film.recorder.start();
+  setRecording("record");
   control("record").textContent = "Stop";
   play();
 }
@@ -51,8 +51,9 @@ async function takePictures(button, times, take) {
   const { motion } = player;
   const [label, flat] = [control(button).textContent, document.createElement("canvas")];
   setRecording(button);
+  film.stopped = false;
   try {
-    for (let i = 0; i < times.length && film.button === button && player.motion === motion; i += 1) {
+    for (let i = 0; i < times.length && !film.stopped && player.motion === motion; i++) {
       player.playing = false;
       seek(times[i]);
       paint(flat, true);
@@ -87,7 +88,7 @@ function setRecording(button) {
 
 function offerRecordings() {
   if (!player.stage || player.motion.end === player.motion.start) return;
-  const stop = () => (film.recorder ? endFilm() : setRecording(null));
+  const stop = () => (film.recorder ? endFilm() : (film.stopped = true));
   for (const [id, start] of Object.entries(recordings)) {
     control(id).hidden = !start;
     control(id).addEventListener("click", () => (film.button === id ? stop() : start()));
