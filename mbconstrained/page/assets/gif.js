@@ -26,6 +26,7 @@ async function saveGif() {
     await nextTask();
   });
   if (gif) save(gif.parts(), "image/gif", "gif");
+  else announce("stopped before the first picture");
 }
 
 // Lets the browser draw and listen; unlike a timer not slowed down in a hidden window.
@@ -57,9 +58,7 @@ function countColors(colors, counts) {
 }
 
 // A colour as the key of a map; in a map of many a colour near it, so that the map does not grow with the pictures.
-function keyOf(map, color) {
-  return map.size < distinct || map.has(color) ? color : (color & 0xf8f8f8) | 0x040404;
-}
+const keyOf = (map, color) => (map.size < distinct || map.has(color) ? color : (color & 0xf8f8f8) | 0x040404);
 
 const channels = (color) => [color & 255, (color >> 8) & 255, (color >> 16) & 255];
 
@@ -165,8 +164,7 @@ const codes = new Uint16Array(4096 * 256); // LZW: of a string and the byte afte
 
 // LZW with codes of 9 to 12 bits (appendix F of the specification), in blocks of at most 255 bytes after their length.
 function compressed(indices) {
-  const [clear, end] = [256, 257];
-  const bytes = [];
+  const [clear, end, bytes] = [256, 257, []];
   let [held, bits, size, next] = [0, 0, 9, 0];
   const append = (byte) => (bytes.length % 256 ? bytes.push(byte) : bytes.push(255, byte));
   const put = (code) => {
