@@ -43,14 +43,14 @@ def remaining_notices(x: Response) -> tuple[Notice, ...]:
     """
     notices, doubts = x.solution.notices, x.doubts
     ranks = any(notice.doubtful and notice.kind == NoticeKind.RANK for notice in notices)
+    if (doubts or any(notice.doubtful for notice in notices)) and x.is_proved:
+        return tuple(notice for notice in notices if not notice.doubtful)
     if ranks and not doubts and (change := _change_by_ranks(x)) is not None and change <= EPS**0.5:
         evidence = f"; the other decision changes no coordinate by more than {change:.1g} of its largest value"
         notices = tuple(
             replace(one, text=one.text + evidence, doubtful=False) if one.kind == NoticeKind.RANK else one for one in notices
         )
         ranks = False
-    if (doubts or any(notice.doubtful for notice in notices)) and x.is_proved:
-        return tuple(notice for notice in notices if not notice.doubtful)
     entry = x.exact_engine().deciding_entry(x.polynomial_matrix) if ranks and not x.unproved else ""
     if entry:
         notices = tuple(replace(one, text=f"{one.text}; {entry}") if one.kind == NoticeKind.RANK else one for one in notices)
