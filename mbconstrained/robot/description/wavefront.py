@@ -28,6 +28,7 @@ def wavefront_mesh(text: str, read: ReadFile, scale=(1.0, 1.0, 1.0)) -> Mesh:
     spots: list[list[str]] = []
     polygons: dict[str, list[list[tuple[int, int]]]] = {}  # by the name of the material
     materials: dict[str, tuple[Color | None, str]] = {}
+    libraries: set[str] = set()
     own = polygons.setdefault("", [])
     for key, rest in _lines(text):
         if key == "v":
@@ -38,7 +39,8 @@ def wavefront_mesh(text: str, read: ReadFile, scale=(1.0, 1.0, 1.0)) -> Mesh:
             own.append([_corner(corner, len(vertices), len(spots)) for corner in rest.split()])
         elif key == "usemtl":
             own = polygons.setdefault(rest, [])
-        elif key == "mtllib":
+        elif key == "mtllib" and rest not in libraries:
+            libraries.add(rest)
             materials |= _materials(read(rest))
     surfaces, places = Surfaces(), _table(spots, 2)
     surfaces.add_vertices(_table(vertices, 3))
