@@ -142,10 +142,9 @@ class Robot(Displayed):
         self._add_payloads(payloads)
         self.mimic_rows = mimic_rows(mimics, self.tangent)
         given = checked_connections(loops, (Loop,), "loops", self.link_frames)
-        given = checked_connections((*source.loops, *given), (Loop,), "loops", self.link_frames)
-        support = Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
-        self.moving_base = support if base == "moving" else None
-        self.loops = given if base != "moving" else checked_connections((*given, support), (Loop,), "loops", self.link_frames)
+        self.moving_base = self._moving_base() if base == "moving" else None
+        given = (*source.loops, *given, *filter(None, [self.moving_base]))
+        self.loops = checked_connections(given, (Loop,), "loops", self.link_frames)
         self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames, self.loops)
         moving = {name for name in source.joint_stiffness if name in self.coordinates and name not in (joint_stiffness or {})}
         own, rest = ({name: values[name] for name in moving} for values in (source.joint_stiffness, source.joint_rest))
@@ -153,6 +152,9 @@ class Robot(Displayed):
         self.flexible_joints = self._by_joint(flexible_joints, FlexibleJoint, "flexible_joints")
         self.semantics = SemanticDescription() if srdf is None else read_srdf(srdf)
         self._set_motors({**self._rotors(), **self._by_joint(motors, Motor, "motors")})
+
+    def _moving_base(self) -> Loop:
+        return Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
 
     def _add_payloads(self, payloads: Sequence[Payload]) -> None:
         import pinocchio

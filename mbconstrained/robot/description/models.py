@@ -76,7 +76,7 @@ def described(model) -> Element:
             link = SubElement(robot, "link", name=str(frame.name))
             first.setdefault(int(frame.parentJoint), link)
     if not first:
-        raise InputError("model: found no body; expected a pinocchio model with frames of bodies")
+        raise InputError('model: found no body; name the bodies, model.addBodyFrame("link", joint, pinocchio.SE3.Identity(), 0)')
     for number in range(1, model.njoints):
         joint, name = model.joints[number], str(model.names[number])
         kind = joint.shortname()
