@@ -286,7 +286,7 @@ def _misfit(state: Equilibrium) -> tuple[Notice, ...]:
 
 def _beyond_limits(robot: Robot, q: np.ndarray) -> tuple[Notice, ...]:
     """A notice on joints beyond their limits, which the equations do not have."""
-    outside = robot.tangent.outside_limits(q, JOINT_LIMIT)
+    outside = robot.tangent.outside_limits(robot.tangent.values(q), JOINT_LIMIT)
     return (Notice(NoticeKind.OMITTED, f"{outside}; the equations have no limits"),) if outside else ()
 
 

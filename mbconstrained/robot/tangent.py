@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -158,19 +159,21 @@ class Tangent:
             if joint.nq == 1 and low[joint.idx_q] < high[joint.idx_q]
         }
 
-    def outside_limits(self, q: np.ndarray, tolerance: float) -> str:
+    def outside_limits(self, values: Mapping[str, Any], tolerance: float, share: float = 0.0) -> str:
         """A sentence on the joints that are beyond their limits, with the first of them; or an empty text.
 
         Args:
-            q: shape (nq,).
+            values: by joint (rad, m), as of ``values``.
             tolerance: in rad or m.
+            share: of the range of a joint, added to the tolerance.
 
         Returns:
             The sentence.
         """
-        values, outside = self.values(q), []
+        outside = []
         for name, (low, high) in self.limits.items():
-            if not low - tolerance <= values[name] <= high + tolerance:
+            allowed = tolerance + share * (high - low)
+            if not low - allowed <= values[name] <= high + allowed:
                 unit = self.units[self.coordinates.index(name)]
                 outside.append(f'"{name}" at {values[name]:.6g} {unit} (limits {low:.6g} ... {high:.6g})')
         one = len(outside) == 1

@@ -230,6 +230,8 @@ def test_loops_that_contradict_each_other():
         ((1, -1, 1), "of which one is negative", True),
         ((1, 1, 1, 3, 0, 0), "of which one is negative", True),
         ((1, -1e-8, 1), "rounded zeros below zero", False),
+        ((9e-8, -4e-8, 4e-8), "too small to matter", False),  # next to the 1 kg m^2 of the frame, as antennas of 1 mg of TIAGo
+        ((5e-20, 5e-21, 4e-20), None, False),
         ((-2e-41, -2e-41, -2e-41), "rounded zeros below zero", False),
         ((1, 0.4, 0.5), "exceeds the sum of the others", False),
         ((1, 0.4, 0.599), None, False),

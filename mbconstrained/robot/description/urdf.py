@@ -277,7 +277,7 @@ def short(text) -> str:
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 #: A negative moment of inertia below this share of the largest of its link, or a thousandth of it of the largest of all, is a
-#: rounded zero.
+#: rounded zero; below this share of the largest of all it is noted, and no reason for doubt.
 ROUNDED = 1e-6
 
 #: The triangle inequality of principal moments holds to this share, the digits that descriptions are rounded to.
@@ -413,16 +413,18 @@ def _inertia_notices(robot: Element) -> list[Notice]:
             tensor[np.triu_indices(3)] = list(_moments(inertia, "").values())
             principal[link.get("name")] = np.linalg.eigvalsh(tensor + np.triu(tensor, 1).T)
     largest = max((values[-1] for values in principal.values()), default=0.0)
-    rounded, negative, broken = [], [], []
+    smallest = 1e-3 * ROUNDED * largest
+    rounded, slight, negative, broken = [], [], [], []
     for name, values in principal.items():
         shown = f'"{short(name)}" ({", ".join(f"{value:.3g}" for value in values)} kg m^2)'
         if values[0] < 0:
-            is_rounded = values[0] >= -ROUNDED * max(abs(values[-1]), 1e-3 * largest)
-            (rounded if is_rounded else negative).append(shown)
-        elif values[2] > (1 + ROUNDED_TRIANGLE) * (values[0] + values[1]):
+            is_rounded = values[0] >= -max(ROUNDED * abs(values[-1]), smallest)
+            (rounded if is_rounded else slight if values[0] >= -ROUNDED * largest else negative).append(shown)
+        elif values[2] > max((1 + ROUNDED_TRIANGLE) * (values[0] + values[1]), smallest):
             broken.append(shown)
     texts = [
         ("moments of inertia that are rounded zeros below zero", rounded, False),
+        ("principal moments of inertia of which one is negative, which no body has, too small to matter here", slight, False),
         ("principal moments of inertia of which one is negative, which no body has", negative, True),
         ("principal moments of inertia of which one exceeds the sum of the others, which no body has", broken, False),
     ]

@@ -11,6 +11,7 @@ import numpy as np
 from ....ground.coordinate_units import force_unit
 from ....ground.display import TextTable, number_text, with_unit
 from ....ground.notices import Notice, NoticeKind
+from ....ground.tolerances import JOINT_LIMIT
 
 if TYPE_CHECKING:
     from ....robot.connections import Connection
@@ -124,6 +125,9 @@ def _vector(values) -> str:
     return f"({', '.join(number_text(value) for value in values)})"
 
 
+#: A motion passes a limit by this share of the range of its joint: a joint that rests at its limit may tremble.
+LIMIT_SHARE = 1e-3
+
 #: Angles from the posture (rad) beyond which it is said that the equations are linear: sin(x) is off by 4 % there.
 SMALL = 0.5
 
@@ -136,7 +140,7 @@ def motion_notices(robot_scene: RobotScene, values: np.ndarray) -> tuple[Notice,
         values: deviations from the posture, shape (n, T).
 
     Returns:
-        One for the largest angle, and one for each limit that is passed.
+        One for the largest angle, and one for all joints that pass their limits.
     """
     count = len(robot_scene.robot.coordinates)
     lowest, highest = values[:count].min(axis=1), values[:count].max(axis=1)
@@ -158,12 +162,11 @@ def _large(robot_scene: RobotScene, furthest: np.ndarray) -> list[Notice]:
 
 
 def _beyond_limits(robot_scene: RobotScene, lowest: np.ndarray, highest: np.ndarray) -> list[Notice]:
-    notices, robot = [], robot_scene.robot
+    robot, furthest = robot_scene.robot, {}
     for name, (low, high) in robot.limits.items():
         place, rest = robot.coordinates.index(name), robot_scene.posture.joints[name]
-        for reached in {rest + lowest[place], rest + highest[place]}:
-            if not low <= reached <= high:
-                unit = robot.units[place]
-                text = f"{name} reaches {with_unit(float(reached), unit)}, beyond its limits {low:.6g} ... {high:.6g} {unit}"
-                notices.append(Notice(NoticeKind.LARGE_MOTION, f"{text}: what happens there is not in the equations"))
-    return notices
+        ends = float(rest + lowest[place]), float(rest + highest[place])
+        furthest[name] = max(ends, key=lambda value: max(low - value, value - high))
+    outside = robot.tangent.outside_limits(furthest, JOINT_LIMIT, LIMIT_SHARE)
+    text = f"during the motion {outside}; the equations have no limits"
+    return [Notice(NoticeKind.LARGE_MOTION, text)] if outside else []
