@@ -110,9 +110,9 @@ def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str
     nearest = closed(Search(robot.tree, load, free), start)
     load = replace(load, springs=tuple(with_rest_length(item, nearest.kinematics) for item in load.springs))
     rounded = rounded_advice(robot) if robot.loops else ""
-    state = equilibrium(Search(robot.tree, load, free, rounded), nearest.configuration)
+    state = equilibrium(Search(robot.tree, load, free, rounded, robot.coordinates), nearest.configuration)
     if (here := _untwisted(load, robot, state.balance.configuration)) is not load:
-        state = equilibrium(Search(robot.tree, here, free, rounded), state.balance.configuration)
+        state = equilibrium(Search(robot.tree, here, free, rounded, robot.coordinates), state.balance.configuration)
     return _posture(robot, state, free, start, nearest, rounded)
 
 

@@ -241,9 +241,9 @@ class Robot(Displayed):
 
     @property
     def states(self) -> dict[str, dict[str, float | tuple[float, ...]]]:
-        """The guesses of the SRDF file by name: values (rad, m) of the joints that move."""
+        """The guesses of the SRDF or MJCF file by name: values (rad, m) of the joints that move."""
         base = BASE if self.base != "fixed" else None
-        own = {name: self.tangent.values(q) for name, q in self.source.states.items() if len(q) == self.model.nq}
+        own = self.source.named_states(self.tangent)
         return own | {name: self.semantics.state(name, self.joints, base) for name in self.semantics.states}
 
     def equilibrium(

@@ -248,6 +248,13 @@ def test_inertias_that_no_body_has_are_reported_for_all_links_at_once(moments, t
     ] * bool(text)
 
 
+def test_a_robot_that_nothing_carries_is_told_which_force_is_without_balance():
+    body = urdf(link("box", 4.0, (0, 0, 0), (1, 1, 1)))
+    with refused("39.24 N on base z stay without balance"):
+        mb.Robot(body, base="free").equilibrium()
+    assert not mb.Robot(body, base="free", gravity=0).equilibrium().residual
+
+
 def test_a_robot_without_masses_is_noted_in_these_words():
     (notice,) = mb.Robot('<robot name="r"><link name="a"/><link name="b"/>' + joint("j", "a", "b") + "</robot>").description_notices
     assert "no link has an <inertial>" in notice.text

@@ -41,6 +41,10 @@ class ModelFile:
     states: Mapping[str, np.ndarray] = field(default_factory=dict)
     notices: tuple[Notice, ...] = ()
 
+    def named_states(self, tangent) -> dict[str, dict]:
+        """The states as guesses: values (rad, m) by joint, of the joints of a ``Tangent``; none where joints of the file are locked."""
+        return {name: tangent.values(q) for name, q in self.states.items() if len(q) == tangent.model.nq}
+
 
 def is_model(given) -> bool:
     """Whether this is a pinocchio model; pinocchio is imported only where it may be one."""

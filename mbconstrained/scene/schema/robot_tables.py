@@ -170,7 +170,9 @@ class BodyForceTable(PointTable):
 class Posing(Table):
     """Where the robot stands: of a robot, and of a scene that has it otherwise."""
 
-    state: Text | None = Field(None, description="A group state of the SRDF file; the values of guess come on top.")
+    state: Text | None = Field(
+        None, description="A group state of the SRDF or key frame of the MJCF; the values of guess come on top."
+    )
     guess: dict[Text, Any] = Field({}, description="Joints near the equilibrium; base = [x, y, z, roll, pitch, yaw] if it is free.")
     forces: JointValues = Field({}, description="Forces and torques of joints that act all the time.")
     body_force: list[BodyForceTable] = Field([], description="Forces and torques on bodies that act all the time.")

@@ -5,7 +5,7 @@ import re
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.ground.notices import Notice
+from mbconstrained.ground.notices import Notice, NoticeKind
 from mbconstrained.scene.run.report.page_report import page_content
 from mbconstrained.scene.run.report.summary import SCREEN, overview, printed
 from mbconstrained.scene.run.report.tables import eigenvalue_table, frequency_table
@@ -42,6 +42,15 @@ def test_many_modes_and_notices_are_counted(tmp_path, monkeypatch, width):
     assert len(text.splitlines()) <= SCREEN and max(map(len, text.splitlines())) <= width
     assert "warning (rank): no clear gap" in " ".join(text.split())
     assert re.search(r"and \d+ further notices", text) and re.search(r"and \d+ more", text)
+
+
+def test_motions_that_the_equations_do_not_describe_are_reported_before_what_was_left_out(tmp_path, monkeypatch):
+    result = scene_of(tmp_path, chain(60)).run()
+    kinds = [NoticeKind.OMITTED, NoticeKind.JUMP, NoticeKind.LARGE_MOTION]
+    doubt = Notice(NoticeKind.RANK, "no clear gap", doubtful=True)
+    monkeypatch.setattr(type(result), "table_notices", (*(Notice(kind, kind.value) for kind in kinds), doubt))
+    shown = re.findall(r"(?:note|warning) \(([a-z ]+)\)", printed(overview(result, 80), 80))
+    assert shown == ["rank", "large motion", "jump", "omitted"]
 
 
 def test_frequencies_come_first_and_the_details_are_folded():
