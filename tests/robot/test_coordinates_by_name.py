@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.robot.connections import AXES
 from tests.robot.linkages import GROUND, bar, joint, urdf
 
 PLANAR = urdf(GROUND, bar("plate", 0.5, 0.2), joint("slide", "frame", "plate", kind="planar"))
@@ -114,3 +116,43 @@ def test_the_tool_of_an_arm_on_a_shaken_base():
     f = np.linspace(1.0, 40.0, 40001)
     H = arm.frequency_response(f, ["motion of base x"], tool, quantity="transmissibility").values[0, 0]
     assert R.covariance.item() == pytest.approx(np.trapezoid(np.abs(H) ** 2 * 0.02, f), rel=1e-6)
+
+
+def several(kind: str) -> tuple[mb.Robot, dict]:
+    """A heavy body on a joint with several degrees of freedom, whose springs carry it where the guess has it, and the guess."""
+    model, inertia = pin.Model(), pin.Inertia(2.0, np.array([0.1, 0.05, -0.3]), np.diag([0.03, 0.04, 0.02]))
+    number = model.addJoint(0, getattr(pin, f"JointModel{kind}")(), pin.SE3.Identity(), "mount")
+    model.appendBodyToJoint(number, inertia, pin.SE3.Identity())
+    model.addFrame(pin.Frame("body", number, 0, pin.SE3.Identity(), pin.FrameType.BODY))
+    model.gravity.linear = np.array([1.0, -2.0, -9.0])
+    name = "base" if kind == "FreeFlyer" else "mount"
+    guess = {"FreeFlyer": (0.1, 0.2, 0.3, 0.4, -0.5, 0.6), "Planar": (0.1, 0.2, 0.7), "Spherical": (0.4, -0.5, 0.6)}[kind]
+    axes = {"FreeFlyer": AXES, "Planar": ("x", "y", "rz"), "Spherical": AXES[3:]}[kind]
+    stiffness = {f"{name} {axis}": 40.0 + 9.0 * AXES.index(axis) for axis in axes}
+    return mb.Robot(model, joint_stiffness=stiffness), {name: guess}
+
+
+@pytest.mark.parametrize("kind", ["FreeFlyer", "Planar", "Spherical"])
+def test_springs_that_carry_a_load_have_the_stiffness_of_their_potential(kind):
+    """Differences of k x^2 / 2 - F x of each coordinate, the displacement along axes at rest or the rotation vector, and of the weight."""
+    robot, guess = several(kind)
+    posture = robot.equilibrium(guess)
+    system = robot.linearize(posture)
+    model, q0 = robot.model, posture.configuration
+    data, axes = model.createData(), [AXES.index(name.split()[1]) for name in robot.coordinates]
+    loads = np.array([posture.torques[name] for name in robot.coordinates])
+    pin.forwardKinematics(model, data, q0)
+    rest = data.oMi[1].copy()
+
+    def energy(step):
+        weight = pin.computePotentialEnergy(model, data, pin.integrate(model, q0, step))
+        pose = rest.actInv(data.oMi[1])
+        x = np.concatenate([pose.translation, pin.log3(pose.rotation)])[axes]
+        return weight + (robot.joint_stiffness * x**2).sum() / 2 - loads @ x
+
+    h, n = 1e-3, len(loads)
+    steps = h * np.eye(n)
+    expected = np.array([[sum(a * b * energy(a * e + b * f) for a in (1, -1) for b in (1, -1)) for f in steps] for e in steps])
+    assert np.abs(loads).max() > 1.0
+    assert system.stiffness == pytest.approx(expected / (4 * h * h), abs=1e-4 * np.abs(system.stiffness).max())
+    assert np.array_equal(system.stiffness, system.stiffness.T) and not system.notices
