@@ -87,7 +87,8 @@ class Presented(Displayed):
 
         Args:
             path: of the page.
-            options: ``title``; of a motion also ``end``, the last time in s (by default some periods of the slowest oscillation),
+            options: ``title``, and ``drawing``, entries of the table [drawing] of a scene file such as {"view": "top", "scale": 10,
+                "full_meshes": True}; of a motion also ``end``, the last time in s (by default some periods of the slowest oscillation),
                 ``points``, the number of times, and ``plots``, kinds of curves: "displacement", "velocity", "acceleration",
                 "reaction", "energy", "phase".
 
@@ -95,7 +96,7 @@ class Presented(Displayed):
             The path.
 
         Raises:
-            InputError: an unknown kind of curve, an end that is no positive number.
+            InputError: an unknown kind of curve, an end that is no positive number, wrong entries of the drawing.
         """
         return type(self).presentation().write_page(self, path, **options)
 

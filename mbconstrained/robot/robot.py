@@ -30,6 +30,7 @@ from .tangent import BASE, JointGear, Tangent, geared, locked_values, mimic_rows
 if TYPE_CHECKING:
     from ..ground.notices import Notice
     from .cartesian_path import PathModes
+    from .description.mesh_files import MeshFiles
     from .description.visuals import Visual
     from .visualization import ConnectionPoints, Poses
 
@@ -387,12 +388,14 @@ class Robot(Displayed):
 
         if self.source.path is not None:
             return visuals_of_mjcf(self.source.model, self.source.path, collision=collision)
-        return visuals_of(self.description, self.folder, self.package_dirs, self._meshes, collision=collision)
+        return visuals_of(self.description, self._mesh_files, collision=collision)
 
     @cached_property
-    def _meshes(self) -> dict:
-        """Meshes that were read, which visual and collision shapes may share."""
-        return {}
+    def _mesh_files(self) -> MeshFiles:
+        """Those that were read are kept, since visual and collision shapes may share them."""
+        from .description.mesh_files import MeshFiles
+
+        return MeshFiles(self.folder, self.package_dirs)
 
     def inertia_ellipsoids(self) -> dict[str, np.ndarray]:
         """Of each body, by its heaviest link: the placement (4, 4) in the link's frame that makes a unit sphere a uniform ellipsoid with
@@ -405,7 +408,7 @@ class Robot(Displayed):
         """A notice on the meshes that are not drawn, since their files are missing or lie outside the folders named."""
         from .description.visuals import mesh_notices
 
-        return mesh_notices(self.description, self.folder, self.package_dirs)
+        return mesh_notices(self.description, self._mesh_files)
 
     def poses(self, posture: Posture, displacements, scale: float = 1.0) -> dict[str, Poses]:
         """The places of all links for displacements (n, T) about a posture times a scale, with closed loops.

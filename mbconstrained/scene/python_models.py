@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import tempfile
 import webbrowser
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -20,13 +20,17 @@ from ..mechanics.motion import Motion
 from ..response.response import Response
 from ..signals.impulsive import ImpulsiveSmooth
 from .build.equations import Equations
+from .file.messages import SceneName
 from .quantities.coordinates import Coordinates
 from .run.modes.scene_modes import SceneModes
 from .run.result import Result
 from .run.scene import Scene, check_output
 from .run.stages import plan_of
+from .schema.drawing_tables import DrawingTable
+from .schema.entry_types import Table
 from .schema.model_tables import MatricesTable
 from .schema.scene_schema import InitialTable, OutputTable, SceneFile, TimeTable
+from .schema.validation import validated
 
 if TYPE_CHECKING:
     from ..mechanics.system import MechanicalSystem
@@ -63,7 +67,12 @@ class SolvedEquations(Equations):
 
 
 def result_of(
-    motion: Response, end: float | None = None, points: int = 401, title: str = "", plots: Sequence[str] = ("displacement",)
+    motion: Response,
+    end: float | None = None,
+    points: int = 401,
+    title: str = "",
+    plots: Sequence[str] = ("displacement",),
+    drawing: Mapping[str, Any] | None = None,
 ) -> Result:
     """The result that a scene with this motion would have.
 
@@ -73,12 +82,13 @@ def result_of(
         points: the number of times.
         title: of the page.
         plots: kinds of curves, of a Response without mechanical system "displacement" alone.
+        drawing: entries of the table [drawing] of a scene.
 
     Returns:
         The ``Result``.
 
     Raises:
-        InputError: an end that is no positive number, an unknown kind of curve.
+        InputError: an end that is no positive number, an unknown kind of curve, wrong entries of the drawing.
     """
     for kind in plots:
         if kind not in KINDS:
@@ -90,12 +100,19 @@ def result_of(
     system = motion.system if isinstance(motion, Motion) else None
     kinds: list[Any] = list(dict.fromkeys(plots))
     output = OutputTable(plots=kinds, csv=False, npz=False)
-    scene = _scene(system, motion, title, times, output)
+    scene = _scene(system, motion, title, drawing, times, output)
     check_output(output, scene.equations, "write_page")
     return Result(scene, plan_of(scene))
 
 
-def _scene(system: MechanicalSystem | None, motion: Response | None, title: str, times: TimeTable, output: OutputTable) -> Scene:
+def _scene(
+    system: MechanicalSystem | None,
+    motion: Response | None,
+    title: str,
+    drawing: Mapping[str, Any] | None,
+    times: TimeTable,
+    output: OutputTable,
+) -> Scene:
     A = motion.polynomial_matrix if motion is not None else system.polynomial_matrix()
     units = tuple(system.units.values()) if system is not None else ("1",) * A.size
     coordinates = Coordinates(tuple(A.coordinates), units)
@@ -104,8 +121,17 @@ def _scene(system: MechanicalSystem | None, motion: Response | None, title: str,
     equations = SolvedEquations(coordinates, A, initial, None, system, origin, _robot_scene(system), response=motion)
     coefficients = None if system is not None else list(A.coefficients)
     model = MatricesTable.model_construct(kind="matrices", coefficients=coefficients)
-    table = SceneFile.model_construct(title=title, model=model, time=times, output=output, initial=InitialTable())
-    return Scene(Path("motion"), table, equations, 0, {})
+    drawn = validated({} if drawing is None else {"drawing": drawing}, "write_page", _Drawn).drawing
+    table = SceneFile.model_construct(title=title, model=model, time=times, output=output, initial=InitialTable(), drawing=drawn)
+    scene = Scene(Path("motion"), table, equations, 0, {}, file_name=SceneName("write_page"))
+    scene.check_drawing()
+    return scene
+
+
+class _Drawn(Table):
+    """The part of a scene file that options of a page give."""
+
+    drawing: DrawingTable | None = None
 
 
 def _robot_scene(system: MechanicalSystem | None) -> RobotScene | None:
@@ -143,7 +169,7 @@ def write_page(answer: Response | Modes, path, **options) -> Path:
     Args:
         answer: a ``Motion``, ``Response`` or ``Modes``.
         path: of the page.
-        options: of ``result_of`` for a motion; ``title`` for modes.
+        options: of ``result_of`` for a motion; ``title`` and ``drawing`` for modes.
 
     Returns:
         The path.
@@ -159,13 +185,13 @@ def write_page(answer: Response | Modes, path, **options) -> Path:
     return path
 
 
-def _scene_modes(modes: Modes, title: str = "") -> SceneModes:
+def _scene_modes(modes: Modes, title: str = "", drawing: Mapping[str, Any] | None = None) -> SceneModes:
     if modes.system is None:
         raise InputError(
             "write_page: these modes belong to no system of arrays; call system.modes() of a MechanicalSystem of arrays"
         )
     times, output = TimeTable.model_construct(end=1.0, points=2), OutputTable()
-    return SceneModes(_scene(modes.system, None, title, times, output))
+    return SceneModes(_scene(modes.system, None, title, drawing, times, output))
 
 
 def plot(motion: Response, axes=None, quantity: str = "displacement", **options) -> Any:

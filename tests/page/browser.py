@@ -245,5 +245,7 @@ class Browser:
 
     def picture(self, selector: str) -> bytes:
         """An element as a PNG."""
-        clip = dict(zip(("x", "y", "width", "height"), self.box(selector)), scale=1)
+        left, top, width, height = self.box(selector)
+        across, down = self.evaluate("[scrollX, scrollY]")
+        clip = {"x": left + across, "y": top + down, "width": width, "height": height, "scale": 1}
         return base64.b64decode(self.call("Page.captureScreenshot", format="png", clip=clip)["data"])

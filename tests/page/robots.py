@@ -22,6 +22,12 @@ class Seen:
     color: tuple | None = None
     vertices: np.ndarray | None = None
     faces: np.ndarray | None = None
+    texture: object = None
+    note: str = ""
+
+    @property
+    def triangles(self) -> int:
+        return 0 if self.faces is None else len(self.faces)
 
 
 @dataclass(frozen=True)

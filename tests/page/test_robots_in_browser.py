@@ -1,11 +1,14 @@
 """Bodies of parts with paths in a browser: they stand where the paths put them, and links follow."""
 
+import io
+
 import numpy as np
 import pytest
+from PIL import Image
 
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Body, Drawing, Link, Solid
+from mbconstrained.page.drawing.bodies import Body, Drawing, Link, Solid, View
 from mbconstrained.page.drawing.paths import Path
 from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
@@ -130,6 +133,25 @@ def test_a_mesh_is_the_mesh_and_two_bodies_share_it(browser, tmp_path):
     assert np.abs(places.reshape(-1, 1, 3) - vertices).max(axis=2).min(axis=1).max() <= 0.51 * code
     # faces of an octahedron are turned by 70 degrees to each other: sharp, so each corner has its face's own normal
     assert np.allclose(normals, np.sign(places.sum(axis=1))[:, None] / 3**0.5, atol=1e-4)
+
+
+def test_edges_that_are_drawn_are_those_of_three_js(browser, tmp_path):
+    """An open sheet with bends of all angles; the oracle is EdgesGeometry with the same angle."""
+    x, y = np.meshgrid(np.arange(12.0), np.arange(9.0), indexing="ij")
+    sheet = np.stack([x, y, np.random.default_rng(5).uniform(-0.6, 0.6, x.shape)], axis=-1).reshape(-1, 3)
+    first = (9 * np.arange(11)[:, None] + np.arange(8)).ravel()
+    faces = np.vstack([np.stack([first, first + 9, first + 1], 1), np.stack([first + 9, first + 10, first + 1], 1)])
+    solid = Solid("mesh", vertices=sheet, faces=faces)
+    opened(browser, tmp_path, Animation(Drawing([still(solid)]), (), [0.0], np.zeros((0, 1))))
+    drawn, known = browser.evaluate("""(() => {
+        let mesh;
+        mbconstrained.viewer.scene_tree.find(["mbconstrained", "bodies"]).object.traverse((o) => o.isMesh && (mesh = o.geometry));
+        const peer = new MeshCat.THREE.EdgesGeometry(mesh, 35);
+        return [mesh.userData.edges, peer].map((edges) => Array.from(edges.attributes.position.array));
+    })()""")
+    drawn, known = (np.sort(np.round(np.reshape(ends, (-1, 2, 3)), 4).view("f8,f8,f8")[:, :, 0], axis=1) for ends in (drawn, known))
+    assert 40 < len(known) < len(faces) * 3 / 2 - 20
+    assert sorted(map(tuple, drawn.tolist())) == sorted(map(tuple, known.tolist()))
 
 
 def test_shallow_edges_are_smooth(browser, tmp_path):
@@ -262,4 +284,28 @@ def test_names_behind_a_mesh_of_many_triangles_are_shown_through_its_hole_and_be
     ]
     opened(browser, tmp_path, Animation(Drawing([ring, *small]), (), [0.0], np.zeros((0, 1))))
     assert set(names_shown(browser)) == {name for name, r in distances.items() if not 0.5 < r < 1.2}
+    assert complaints(browser) == []
+
+
+def test_an_image_lies_on_a_mesh_as_its_places_say_and_repeats_beyond_them(browser, tmp_path):
+    """A square in the picture's plane that shows an image one and a half times across: its quarters are red, green, blue and yellow."""
+    colors = {"top left": (255, 0, 0), "top right": (0, 160, 0), "bottom left": (0, 0, 255), "bottom right": (255, 255, 0)}
+    image = Image.fromarray(np.array(list(colors.values()), np.uint8).reshape(2, 2, 3)).resize((64, 64), Image.Resampling.NEAREST)
+    stream = io.BytesIO()
+    image.save(stream, "JPEG", quality=95)
+    corners = np.array([[-1.0, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]])
+    faces, spots = np.array([[0, 1, 2], [0, 2, 3]]), (corners[:, ::2] + 1) / 2 * [1.5, 1.0]
+    solid = Solid("mesh", vertices=corners, faces=faces, image=stream.getvalue(), places=spots[faces])
+    drawing = Drawing([still(solid, name="square", label="")], view=View())
+    opened(browser, tmp_path, Animation(drawing, (), [0.0], np.zeros((0, 1))))
+    browser.wait(0.5)  # the browser decodes the image
+    shown = np.asarray(Image.open(io.BytesIO(browser.picture("#stage"))).convert("RGB"), float)
+    rows, columns = np.nonzero(np.ptp(shown, axis=2) > 100)  # the square, since nothing else has a colour
+    square = shown[rows.min() : rows.max(), columns.min() : columns.max()]
+    height, width = square.shape[:2]
+    assert height == pytest.approx(width, rel=0.02)
+    for across, column in ((1 / 6, "left"), (3 / 6, "right"), (5 / 6, "left")):
+        for down, row in ((0.25, "top"), (0.75, "bottom")):
+            found, known = square[int(down * height), int(across * width)], np.array(colors[f"{row} {column}"], float)
+            assert found @ known > 0.97 * np.linalg.norm(found) * np.linalg.norm(known) > 5e3, (across, row, found)
     assert complaints(browser) == []

@@ -94,6 +94,9 @@ def test_show_opens_the_page_in_a_browser(monkeypatch):
         ({"plots": ["reaction"]}, "found reaction, but there are no constraint rows"),
         ({"end": -1}, "end: found -1"),
         ({"points": 1}, "points: found 1; expected a whole number of at least 2"),
+        ({"drawing": {"veiw": "top"}}, 'write_page: drawing: unknown key "veiw"; did you mean "view"?'),
+        ({"drawing": ["top"]}, "write_page: drawing: found"),
+        ({"drawing": {"body": [{"name": "cart", "moves": {"card": [1, 0, 0]}}]}}, 'there is no coordinate "card"'),
     ],
 )
 def test_what_is_wrong_is_reported_and_an_earlier_page_stays(tmp_path, options, text):
@@ -132,3 +135,16 @@ def test_a_robot_is_drawn_as_a_scene_draws_it(tmp_path):
     assert {"crank", "coupler", "rocker"} < set(bodies) and "<h2>Posture</h2>" in page
     modes = system.modes().write_page(tmp_path / "modes.html").read_text(encoding="utf-8")
     assert "coupler" in modes
+
+
+def test_entries_of_a_drawing_change_the_pages_of_a_motion_and_of_modes(tmp_path):
+    system, options = (
+        machine(),
+        {"view": "top", "note": "seen < from above", "scale": 3, "body": [{"name": "cart", "color": "#123456"}]},
+    )
+    drawing = result_of(system.solve([0.1, 0.0]), drawing=options).animation.drawing
+    assert (drawing.view.pitch, drawing.scale, drawing.note) == (pytest.approx(np.pi / 2), 3.0, "seen < from above")
+    assert [body.color for body in drawing.bodies if body.name == "cart"] == ["#123456"]
+    for answer in (system.solve([0.1, 0.0]), system.modes()):
+        page = answer.write_page(tmp_path / "x.html", drawing=options).read_text(encoding="utf-8")
+        assert "seen &lt; from above" in page and "#123456" in page

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import itertools
 import json
 import math
@@ -90,10 +91,11 @@ def figure_data(drawing: Drawing, takes: Sequence[KeyFrames], overlay: Overlay =
     low, high = _bounds(drawing, poses, corners, unit)
     turn = quaternions_of(np.array(drawing.turn)[:, None])
     reached = np.column_stack([low, high, *(rotated(turn, block)[:, :, 0] for block in arrows)])
-    meshes: dict[str, tuple[int, dict]] = {}
+    meshes, images = Stored(), Stored()
     data = {
-        "bodies": [_body_data(body, i, drawing, takes[0].names, posts, meshes) for i, body in enumerate(drawing.bodies)],
-        "meshes": [mesh for _, mesh in meshes.values()],
+        "bodies": [_body_data(body, i, drawing, takes[0].names, posts, meshes, images) for i, body in enumerate(drawing.bodies)],
+        "meshes": meshes.items,
+        "images": images.items,
         "links": links,
         "unit": unit,
         "bounds": {"low": reached.min(axis=1).tolist(), "high": reached.max(axis=1).tolist()},
@@ -166,7 +168,9 @@ def _unit(drawing: Drawing, corners: list[np.ndarray]) -> float:
     return UNIT * reach or 1.0
 
 
-def _body_data(body: Body, number: int, drawing: Drawing, names: tuple[str, ...], posts: dict, meshes: dict) -> dict:
+def _body_data(
+    body: Body, number: int, drawing: Drawing, names: tuple[str, ...], posts: dict, meshes: Stored, images: Stored
+) -> dict:
     color = body.color or _COLORS.get(body.shape) or _usual_color(body, number, names)
     return {
         "name": body.name,
@@ -182,8 +186,8 @@ def _body_data(body: Body, number: int, drawing: Drawing, names: tuple[str, ...]
         "posts": posts[body.name],
         "frame": body.path is not None and body.shape == "solids",
         "ellipsoid": None if body.ellipsoid is None else _rounded(body.ellipsoid),
-        "solids": [_solid_data(solid, color, meshes) for solid in body.solids if solid.opacity > 0 and solid.corners.size],
-        "collision": [_solid_data(solid, _COLORS["collision"], meshes) for solid in body.collision if solid.corners.size],
+        "solids": [_solid_data(solid, color, meshes, images) for solid in body.solids if solid.opacity > 0 and solid.corners.size],
+        "collision": [_solid_data(solid, _COLORS["collision"], meshes, images) for solid in body.collision if solid.corners.size],
     }
 
 
@@ -305,11 +309,32 @@ def _attachment(body: Body, offset: Vector, towards: np.ndarray, posts: dict) ->
     return (frame @ point).tolist()
 
 
-def _mesh_data(vertices: np.ndarray, faces: np.ndarray) -> dict:
+class Stored:
+    """Data of the page that are stored once, however often they are used."""
+
+    def __init__(self) -> None:
+        self.items: list = []
+        self._numbers: dict[str, int] = {}
+
+    def number(self, data) -> int:
+        """The place of the data among the items."""
+        key = json.dumps(data)
+        if key not in self._numbers:
+            self._numbers[key] = len(self.items)
+            self.items.append(data)
+        return self._numbers[key]
+
+
+def _mesh_data(solid: Solid, images: Stored) -> dict:
     """A mesh; its vertices have 16 bits across its extent, which is at most that of the picture, and faces as many as they need."""
+    vertices, faces = solid.vertices, solid.faces
     size = 2 if len(vertices) <= np.iinfo(np.uint16).max + 1 else 4
-    places = track(vertices.T, INVISIBLE * np.ptp(vertices, axis=0))
-    return {"vertices": places, "faces": packed(faces, f"<u{size}"), "bytes": size}
+    corners = track(vertices.T, INVISIBLE * np.ptp(vertices, axis=0))
+    data = {"vertices": corners, "faces": packed(faces, f"<u{size}"), "bytes": size}
+    if solid.image is None or solid.places is None:
+        return data
+    places = track(solid.places.reshape(-1, 2).T, np.full(2, np.inf))
+    return data | {"places": places, "image": images.number(base64.b64encode(solid.image).decode("ascii"))}
 
 
 def _rounded(entries: Iterable[float]) -> list[float]:
@@ -317,17 +342,13 @@ def _rounded(entries: Iterable[float]) -> list[float]:
     return [float(f"{entry:.9g}") for entry in entries]
 
 
-def _solid_data(solid: Solid, color: str, meshes: dict) -> dict:
-    """A visible solid, with the colour of its body unless it has its own; a mesh is stored once, however many solids show it."""
-    number = None
-    if solid.kind == "mesh":
-        mesh = _mesh_data(solid.vertices, solid.faces)
-        number, _ = meshes.setdefault(json.dumps(mesh), (len(meshes), mesh))
+def _solid_data(solid: Solid, color: str, meshes: Stored, images: Stored) -> dict:
+    """A visible solid, with the colour of its body unless it has its own."""
     return {
         "kind": solid.kind,
         "size": list(solid.size),
         "matrix": _rounded(solid.placement.T.ravel()),
         "color": solid.color or color,
         "opacity": solid.opacity,
-        "mesh": number,
+        "mesh": meshes.number(_mesh_data(solid, images)) if solid.kind == "mesh" else None,
     }

@@ -18,7 +18,7 @@ class Stage {
     }
     // a soft light from everywhere instead of spot lights
     this.viewer.handle_command({ type: "set_property", path: "/Lights/AmbientLight/\x3cobject>", property: "intensity", value: 0.68 });
-    this.solids = new Solids(figure.meshes);
+    this.solids = new Solids(figure.meshes, figure.images, () => this.viewer.set_dirty());
     const objects = figure.bodies.map((body) => bodyObject(body, this.solids, figure.unit));
     const boxes = objects.map((object, i) => (figure.bodies[i].shape === "solids" ? boxAround(object) : null));
     this.bodies = objects.map((object, i) => this.place(["bodies", `body ${i}`], object));

@@ -48,7 +48,9 @@ class Solid:
         color: "#rrggbb", or None for that of the body.
         opacity: from 0 to 1.
         vertices, faces: of a mesh, shapes (k, 3) and (f, 3); a face has the numbers of its three corners. Equal vertices are
-            merged and faces without area removed, so that the same mesh is the same numbers.
+            merged, and those without a face and faces without area removed, so that the same mesh is the same numbers.
+        image: a JPEG file that a mesh shows instead of the colour, or None.
+        places: of the corners of each face in the image, shape (f, 3, 2), from (0, 0) at its lower left to (1, 1).
 
     >>> Solid("cylinder", (0.1, 2)).corners.max(axis=1)
     array([0.1, 0.1, 1. ])
@@ -61,14 +63,19 @@ class Solid:
     opacity: float = 1.0
     vertices: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     faces: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), dtype=int))
+    image: bytes | None = None
+    places: np.ndarray | None = None
 
     def __post_init__(self):
         if self.kind == "mesh":
-            places, numbers = np.unique(self.vertices.astype(np.float32), axis=0, return_inverse=True)
-            faces = numbers.reshape(-1)[self.faces]
+            used, numbers = np.unique(self.faces, return_inverse=True)
+            vertices, merged = np.unique(self.vertices[used].astype(np.float32), axis=0, return_inverse=True)
+            faces = merged.reshape(-1)[numbers.reshape(-1, 3)]
             a, b, c = faces.T
-            object.__setattr__(self, "vertices", places.astype(float))
-            object.__setattr__(self, "faces", faces[(a != b) & (b != c) & (c != a)])
+            kept = (a != b) & (b != c) & (c != a)
+            object.__setattr__(self, "vertices", vertices.astype(float))
+            object.__setattr__(self, "faces", faces[kept])
+            object.__setattr__(self, "places", None if self.places is None else self.places[kept])
 
     @property
     def corners(self) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -75,23 +76,24 @@ def robot_drawing(
     return Drawing(tuple(bodies), tuple(_links(connections, ends)), scale, note=note)
 
 
-def simplified(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A mesh of at most ``MOST_TRIANGLES``: the vertices in each cell of a grid become one at their mean (Rossignac and Borrel 1993).
+def simplified(vertices: np.ndarray, faces: np.ndarray, most: int = MOST_TRIANGLES) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A mesh of few triangles: the vertices in each cell of a grid become one at their mean (Rossignac and Borrel 1993).
 
     Args:
         vertices, faces: of the mesh, shapes (k, 3) and (f, 3).
+        most: triangles.
 
     Returns:
-        Those of the simplified mesh, no vertex further from where it was than the diagonal of a cell.
+        Those of the simplified mesh, no vertex further from where it was than the diagonal of a cell; and which faces are kept, shape (f,).
     """
-    low, side, cells = vertices.min(axis=0), float(np.ptp(vertices, axis=0).max()), _CELLS
+    low, side, cells = vertices.min(axis=0), float(np.ptp(vertices, axis=0).max()) or 1.0, _CELLS
     while True:
         i, j, k = np.round((vertices - low) * (cells / side)).astype(int).T
         _, number, count = np.unique((i * (cells + 1) + j) * (cells + 1) + k, return_inverse=True, return_counts=True)
         a, b, c = number[faces].T
-        kept = number[faces][(a != b) & (b != c) & (c != a)]
-        if len(kept) <= MOST_TRIANGLES:
-            return np.stack([np.bincount(number, column) / count for column in vertices.T], axis=1), kept
+        kept = (a != b) & (b != c) & (c != a)
+        if np.count_nonzero(kept) <= most:
+            return np.stack([np.bincount(number, column) / count for column in vertices.T], axis=1), number[faces][kept], kept
         cells = int(_FEWER * cells)
 
 
@@ -99,28 +101,39 @@ def solids_of(visuals: Iterable[Any], *, full: bool = True) -> dict[str, list[So
     """The solids of links, by name.
 
     Args:
-        visuals: each with link, kind, size, placement, color (r, g, b, a from 0 to 1, or None), vertices and faces,
-            from ``Robot.visuals()``.
+        visuals: each with link, kind, size, placement, color (r, g, b, a from 0 to 1, or None), vertices, faces, texture and
+            triangles, from ``Robot.visuals()``.
         full: whether meshes keep all their triangles, however many.
 
     Returns:
         The solids of each link that has any.
     """
     solids: dict[str, list[Solid]] = {}
-    fewer: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # by the identity of the vertices, which links may share
+    shared: dict[int, Solid] = {}  # by the identity of the faces, which links may share
     for visual in visuals:
         color, opacity = None, 1.0
         if visual.color is not None:
             *parts, opacity = visual.color
             color = "#" + "".join(f"{round(255 * part):02x}" for part in parts)
-        vertices, faces = visual.vertices, visual.faces
-        if not full and faces is not None and len(faces) > MOST_TRIANGLES:
-            if id(vertices) not in fewer:
-                fewer[id(vertices)] = simplified(vertices, faces)
-            vertices, faces = fewer[id(vertices)]
-        solid = Solid(visual.kind, visual.size, visual.placement, color, opacity, vertices, faces)
+        own = {"placement": visual.placement, "color": color, "opacity": opacity}
+        if visual.faces is None:
+            solid = Solid(visual.kind, visual.size, **own)
+        elif id(visual.faces) in shared:
+            solid = replace(shared[id(visual.faces)], **own)
+        else:
+            solid = shared[id(visual.faces)] = Solid(visual.kind, **own, **_mesh_of(visual, full))
         solids.setdefault(visual.link, []).append(solid)
     return solids
+
+
+def _mesh_of(visual: Any, full: bool) -> dict[str, Any]:
+    """Vertices, faces and texture of a mesh or of a part of one, which has its share of the triangles that the mesh may have."""
+    vertices, faces = visual.vertices, visual.faces
+    image, places = (None, None) if visual.texture is None else (visual.texture.image, visual.texture.places)
+    if not full and visual.triangles > MOST_TRIANGLES:
+        vertices, faces, kept = simplified(vertices, faces, MOST_TRIANGLES * len(faces) // visual.triangles)
+        places = None if places is None else places[kept]
+    return {"vertices": vertices, "faces": faces, "image": image, "places": places}
 
 
 def _plate(points: Mapping[str, np.ndarray], paths: Mapping[str, Path], size: float) -> Body:

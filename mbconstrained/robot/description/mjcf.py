@@ -9,7 +9,6 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -20,7 +19,7 @@ from ...ground.notices import Notice, NoticeKind
 from ..connections import Loop, LoopKind
 from ..tangent import JointGear
 from .models import ModelFile
-from .urdf import numbers, read_urdf, short
+from .urdf import numbers, read_urdf, short, xml_element
 
 #: Files that include others, at most so deep.
 DEEPEST_INCLUDE = 5
@@ -86,12 +85,7 @@ def read_mjcf(path: str | Path, free_base: bool) -> ModelFile:
 def _expanded(path: Path, folder: Path, depth: int) -> Element:
     """The root element with the content of included files, all names of files checked to lie in the folder."""
     text, _ = read_urdf(path, "MJCF")
-    if re.search(r"<!(DOCTYPE|ENTITY)", text, re.IGNORECASE):
-        raise InputError("mjcf: found a document type or an entity; an MJCF has none, take it out")
-    try:
-        root = ElementTree.fromstring(text.encode())
-    except (ElementTree.ParseError, ValueError) as problem:
-        raise InputError(f"mjcf: not XML ({problem})") from None
+    root = xml_element(text, "mjcf")
     compiler = root.find("compiler")
     directories = ["", *([] if compiler is None else [compiler.get(key, "") for key in ("meshdir", "assetdir", "texturedir")])]
     for element in root.iterfind(".//*[@file]"):

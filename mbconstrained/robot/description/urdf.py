@@ -92,15 +92,31 @@ def parsed_xml(text: str, what: str) -> ElementTree.Element:
     Raises:
         InputError: not XML, entities, another root element.
     """
-    if re.search(r"<!(DOCTYPE|ENTITY)", text, re.IGNORECASE):
-        raise InputError(f"{what}: found a document type or an entity; a {what.upper()} has none, take it out")
-    try:
-        root = ElementTree.fromstring(text.encode(), ElementTree.XMLParser(encoding="utf-8"))  # whatever it declares
-    except (ElementTree.ParseError, ValueError) as problem:
-        raise InputError(f"{what}: not XML ({problem})") from None
+    root = xml_element(text, what)
     if root.tag != "robot":
         raise InputError(f"{what}: found <{short(root.tag)}>; expected <robot>{_OTHER_FORMATS.get(root.tag, '')}")
     return root
+
+
+def xml_element(text: str, what: str) -> ElementTree.Element:
+    """The root element of a text, which is UTF-8 whatever it declares.
+
+    Args:
+        text: of the file.
+        what: its format, for messages.
+
+    Returns:
+        The element.
+
+    Raises:
+        InputError: not XML, entities.
+    """
+    if re.search(r"<!(DOCTYPE|ENTITY)", text, re.IGNORECASE):
+        raise InputError(f"{what}: found a document type or an entity; a file {what.upper()} has none, take it out")
+    try:
+        return ElementTree.fromstring(text.encode(), ElementTree.XMLParser(encoding="utf-8"))
+    except (ElementTree.ParseError, ValueError) as problem:
+        raise InputError(f"{what}: not XML ({problem})") from None
 
 
 def root_link(root: ElementTree.Element) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from urllib.parse import unquote
 from xml.etree import ElementTree
 
 import numpy as np
@@ -12,12 +11,9 @@ import numpy as np
 from ...ground.checks import counted, nearest
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
+from .mesh_files import WITH_COLORS, MeshFiles, MissingMesh, mesh_arrays, read_mesh
+from .mesh_parts import Texture
 from .urdf import numbers
-
-#: Largest mesh file in bytes; the page embeds it.
-LARGEST_MESH = 50_000_000
-
-MESH_ENDINGS = (".stl", ".obj", ".dae", ".ply")
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +26,10 @@ class Visual:
         size: x, y, z; radius, length; radius; nothing for a mesh (m).
         placement: shape (4, 4), from the shape's frame into that of the link.
         color: red, green, blue, opacity from 0 to 1, or None.
-        vertices, faces: of a mesh: corners (k, 3) in m, and triangles (f, 3) of their numbers.
+        vertices, faces: of a mesh, or of those parts of it that look alike: corners (k, 3) in m, triangles (f, 3) of their numbers.
+        texture: of the faces, or None.
+        triangles: of the whole mesh.
+        note: on textures that are not drawn, or an empty string.
     """
 
     link: str
@@ -40,25 +39,26 @@ class Visual:
     color: tuple[float, float, float, float] | None
     vertices: np.ndarray | None = None
     faces: np.ndarray | None = None
+    texture: Texture | None = None
+    triangles: int = 0
+    note: str = ""
 
     def has_shape_of(self, other: Visual) -> bool:
-        """Whether the other one is the same shape at the same place."""
+        """Whether the other one is the same shape, or of the same mesh, at the same place."""
         alike = (self.kind, self.size) == (other.kind, other.size) and np.array_equal(self.placement, other.placement)
         if not alike or self.vertices is None or other.vertices is None:
             return alike
-        return np.array_equal(self.vertices, other.vertices) and np.array_equal(self.faces, other.faces)
+        return self.vertices is other.vertices or np.array_equal(self.vertices, other.vertices)
 
 
-def visuals_of(
-    description: ElementTree.Element, folder: Path | None, package_dirs: tuple[Path, ...], meshes: dict, *, collision: bool = False
-) -> tuple[Visual, ...]:
+def visuals_of(description: ElementTree.Element, files: MeshFiles, *, collision: bool = False) -> tuple[Visual, ...]:
     """The visuals of all links, without meshes whose files are missing (``mesh_notices``).
+
+    A mesh without a colour of its own in the URDF has those of its file, and is one visual for each of them.
 
     Args:
         description: the element <robot>.
-        folder: of the URDF, in which its mesh files lie, or None where the URDF was given as a text.
-        package_dirs: folders that hold the packages of package://NAME/...
-        meshes: those that were read already, by path and scale; others are added.
+        files: of meshes.
         collision: whether the collision shapes are read instead; those that cannot be are left out.
 
     Returns:
@@ -68,15 +68,26 @@ def visuals_of(
         InputError: numbers that make no sense, mesh files that cannot be read.
     """
     colors = {m.get("name"): _color(m) for m in description.findall("material")}
-    visuals = []
+    visuals: list[Visual] = []
     tag = "collision" if collision else "visual"
     for link, visual in _elements(description, tag):
         where = f'urdf, link "{link}", {tag}'
         material = visual.find("material")
         color = None if material is None else _color(material) or colors.get(material.get("name"))
         try:
-            kind, size, mesh = _shape(visual.find("geometry"), where, folder, package_dirs, meshes)
-            visuals.append(Visual(link, kind, size, _placement(visual.find("origin"), where), color, *mesh))
+            shape = _geometry(visual, where)
+            placement = _placement(visual.find("origin"), where)
+            if shape.tag != "mesh":
+                visuals.append(Visual(link, *_kind_and_size(shape, where), placement, color))
+                continue
+            scale = numbers(shape.get("scale", "1 1 1"), 3, f"{where}, scale")
+            mesh = files.mesh(shape.get("filename", ""), scale, where)
+            alike = collision or color is not None
+            triangles, note = len(mesh.whole.faces), "" if alike else ", ".join(mesh.notes)
+            visuals += [
+                Visual(link, "mesh", (), placement, color or part.color, mesh.vertices, part.faces, part.texture, triangles, note)
+                for part in ((mesh.whole,) if alike else mesh.parts)
+            ]
         except InputError as problem:
             if not collision and not isinstance(problem, MissingMesh):
                 raise
@@ -111,7 +122,12 @@ def visuals_of_mjcf(model, path: Path, *, collision: bool = False) -> tuple[Visu
         kind, size, vertices, faces = _coal_shape(item.geometry)
         if kind:
             color = tuple(min(1.0, max(0.0, float(part))) for part in item.meshColor)
-            visuals.append(Visual(str(frame.name), kind, size, placement.homogeneous, color, vertices, faces))
+            if Path(item.meshPath).suffix.lower() in WITH_COLORS:  # else as coal has read it
+                where = f'mjcf, body "{frame.name}"'
+                mesh = read_mesh(Path(item.meshPath), item.meshScale, (path.parent,), where)
+                vertices, faces = mesh.vertices, mesh.whole.faces
+            count = 0 if faces is None else len(faces)
+            visuals.append(Visual(str(frame.name), kind, size, placement.homogeneous, color, vertices, faces, triangles=count))
     return tuple(visuals)
 
 
@@ -127,7 +143,7 @@ def _coal_shape(shape) -> tuple[str, tuple[float, ...], np.ndarray | None, np.nd
     if name == "Ellipsoid":
         return "mesh", (), *_ellipsoid(np.array(shape.radii))
     if hasattr(shape, "tri_indices"):
-        return "mesh", (), *_mesh_arrays(shape)
+        return "mesh", (), *mesh_arrays(shape)
     return "", (), None, None
 
 
@@ -148,15 +164,11 @@ def _elements(description: ElementTree.Element, tag: str = "visual"):
     return ((str(link.get("name")), element) for link in description.findall("link") for element in link.findall(tag))
 
 
-class MissingMesh(InputError):
-    """A mesh file that is not there, or not in a folder from which files are read."""
-
-
-def mesh_notices(description: ElementTree.Element, folder: Path | None, package_dirs: tuple[Path, ...]) -> tuple[Notice, ...]:
+def mesh_notices(description: ElementTree.Element, files: MeshFiles) -> tuple[Notice, ...]:
     """A notice on the meshes that are not drawn; no file is opened.
 
     Args:
-        description, folder, package_dirs: as of ``visuals_of``.
+        description, files: as of ``visuals_of``.
 
     Returns:
         One notice, or none.
@@ -165,7 +177,7 @@ def mesh_notices(description: ElementTree.Element, folder: Path | None, package_
     for link, visual in _elements(description):
         for mesh in visual.findall("geometry/mesh"):
             try:
-                mesh_file(mesh.get("filename", ""), f'link "{link}"', folder, package_dirs)
+                files.path(mesh.get("filename", ""), f'link "{link}"')
             except MissingMesh as problem:
                 missing.append(str(problem))
     if not missing:
@@ -174,110 +186,32 @@ def mesh_notices(description: ElementTree.Element, folder: Path | None, package_
     return (Notice(NoticeKind.OMITTED, text),)
 
 
-def _shape(geometry, where: str, folder, package_dirs, meshes: dict):
-    """Kind, size, and vertices and faces of a mesh."""
+_SIZES = {
+    "box": {"size": 3},
+    "cylinder": {"radius": 1, "length": 1},
+    "sphere": {"radius": 1},
+    "capsule": {"radius": 1, "length": 1},
+}
+
+
+def _geometry(visual, where: str) -> ElementTree.Element:
+    """The element of a box, cylinder, sphere, capsule or mesh."""
+    geometry = visual.find("geometry")
     if geometry is None or len(geometry) == 0:
         raise InputError(f"{where}: found no geometry; expected a box, cylinder, sphere or mesh")
-    shape = geometry[0]
-    keys = {
-        "box": {"size": 3},
-        "cylinder": {"radius": 1, "length": 1},
-        "sphere": {"radius": 1},
-        "capsule": {"radius": 1, "length": 1},
-    }
-    if shape.tag == "mesh":
-        return "mesh", (), _mesh(shape, where, folder, package_dirs, meshes)
-    if shape.tag not in keys:
-        raise InputError(f"{where}: found <{shape.tag}>{nearest(shape.tag, (*keys, 'mesh'))}; expected {', '.join(keys)} or mesh")
-    counts = keys[shape.tag].items()
+    tag = geometry[0].tag
+    if tag not in (*_SIZES, "mesh"):
+        raise InputError(f"{where}: found <{tag}>{nearest(tag, (*_SIZES, 'mesh'))}; expected {', '.join(_SIZES)} or mesh")
+    return geometry[0]
+
+
+def _kind_and_size(shape, where: str) -> tuple[str, tuple[float, ...]]:
+    counts = _SIZES[shape.tag].items()
     size = [value for key, count in counts for value in numbers(shape.get(key), count, f"{where}, {key}", minimum=0.0)]
     if not all(size):
-        raise InputError(f"{where}: found <{shape.tag}> with a size of 0; expected {', '.join(keys[shape.tag])} greater than zero")
-    return ("cylinder" if shape.tag == "capsule" else shape.tag), tuple(size), (None, None)
-
-
-def _mesh(shape, where: str, folder, package_dirs, meshes: dict) -> tuple[np.ndarray, np.ndarray]:
-    """Corners and triangles; a file that several links share is read once for each scale."""
-    path = mesh_file(shape.get("filename", ""), where, folder, package_dirs)
-    scale = tuple(numbers(shape.get("scale", "1 1 1"), 3, f"{where}, scale"))
-    if (path, scale) not in meshes:
-        meshes[path, scale] = _read_mesh(path, scale, where)
-    return meshes[path, scale]
-
-
-def _read_mesh(path: Path, scale, where: str) -> tuple[np.ndarray, np.ndarray]:
-    import coal
-
-    try:
-        vertices, faces = _mesh_arrays(coal.MeshLoader().load(str(path), np.array(scale)))
-    except (ValueError, RuntimeError) as problem:
-        reason = (str(problem).strip().splitlines() or ["unknown"])[-1][:120]
-        raise InputError(f"{where}: the mesh file {path.name} cannot be read ({reason})") from None
-    if not np.isfinite(vertices).all():
-        raise InputError(f"{where}: the mesh file {path.name} has corners that are no finite numbers")
-    return vertices, faces
-
-
-def _mesh_arrays(mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (k, 3) and triangles (f, 3) of a mesh of coal."""
-    triangles = (mesh.tri_indices(i) for i in range(mesh.num_tris))  # which know their length, but not their end
-    faces = np.fromiter((triangle[k] for triangle in triangles for k in range(3)), int).reshape(-1, 3)
-    return np.array(mesh.vertices()).reshape(-1, 3), faces
-
-
-def mesh_file(name: str, where: str, folder: Path | None, package_dirs: tuple[Path, ...]) -> Path:
-    """The path of a mesh: in the folder of the URDF, in its package, or in a package directory.
-
-    package://NAME/... is looked for in the folder NAME of a package directory, and in the folder NAME that the URDF lies in.
-
-    Args:
-        name: as it stands in the URDF.
-        where: its place, for messages.
-        folder: of the URDF, None where it was given as a text.
-        package_dirs: folders that contain packages.
-
-    Returns:
-        The path of the file.
-
-    Raises:
-        MissingMesh: any other place, also by a symbolic link; no such file, too large, another kind of file.
-    """
-    rule = "mesh files lie in the folder of the URDF, in its package, or in package_dirs: name their folder there"
-    given, name = name, unquote(name)
-    if name.startswith("package://"):
-        package, _, name = name.removeprefix("package://").lstrip("/").partition("/")
-        roots = _packages(package, folder, package_dirs)
-        if not roots:
-            raise MissingMesh(f'{where}: found the mesh of the package "{package[:60]}", which is in none of package_dirs; {rule}')
-        allowed = roots
-    elif folder is None and not package_dirs:
-        raise MissingMesh(
-            f"{where}: found the mesh {given[:60]!a}, but the URDF was given as a text; give its path, or package_dirs"
-        )
-    else:
-        name = name.removeprefix("file://")
-        roots = allowed = (*([folder] if folder else []), *package_dirs)
-    if "://" in name or "\0" in name or not name:
-        raise MissingMesh(f"{where}: found the mesh {given[:60]!a}; {rule}")
-    paths = [(root / name).resolve() for root in roots]
-    path = next((path for path in paths if path.is_file()), paths[0])
-    if not any(path.is_relative_to(place.resolve()) for place in allowed):
-        raise MissingMesh(f"{where}: the mesh {given[:60]!a} leads out of its folder; {rule}")
-    if path.suffix.lower() not in MESH_ENDINGS:
-        raise MissingMesh(f"{where}: found the mesh {path.name[:60]!a}; expected a file that ends in {', '.join(MESH_ENDINGS)}")
-    if not path.is_file():
-        raise MissingMesh(f"{where}: there is no mesh file {given[:60]!a}")
-    if path.stat().st_size > LARGEST_MESH:
-        raise MissingMesh(f"{where}: the mesh {path.name} has {path.stat().st_size:,} bytes; at most {LARGEST_MESH:,} are read")
-    return path
-
-
-def _packages(package: str, folder: Path | None, package_dirs: tuple[Path, ...]) -> tuple[Path, ...]:
-    """The folders of a package."""
-    if package in ("", ".", ".."):
-        return ()
-    above = [place for place in (folder.resolve(), *folder.resolve().parents) if place.name == package] if folder else []
-    return (*(directory / package for directory in package_dirs if (directory / package).is_dir()), *above)
+        expected = ", ".join(_SIZES[shape.tag])
+        raise InputError(f"{where}: found <{shape.tag}> with a size of 0; expected {expected} greater than zero")
+    return ("cylinder" if shape.tag == "capsule" else shape.tag), tuple(size)
 
 
 def _placement(origin, where: str) -> np.ndarray:

@@ -181,6 +181,18 @@ class Scene(Studied):
         chosen = list(named) or None if parameters is None else parameters
         return self.equations.system.sensitivities(chosen and [named.get(name, name) for name in chosen])
 
+    def check_drawing(self) -> None:
+        """Check the names in the table [drawing].
+
+        Raises:
+            SceneError: a body or coordinate that does not exist.
+        """
+        table = self.table.drawing
+        if table and (table.body or table.link or self.equations.robot):
+            from .picture.scene_drawing import check_drawing
+
+            check_drawing(self)
+
     def root_locus(self, name: str, values) -> RootLocus:
         """The eigenvalues over one of the [parameters], or over an element or entry by name.
 
@@ -305,10 +317,7 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     path = Path(path)
     costs = Costs()
     scene = assembled(path, *read_tables(path), settings or {}, costs)
-    if scene.table.drawing and (scene.table.drawing.body or scene.table.drawing.link or scene.equations.robot):
-        from .picture.scene_drawing import check_drawing
-
-        check_drawing(scene)
+    scene.check_drawing()
     costs.lap("assemble the model")
     scene.equations.polynomial_matrix.jordan_pairs()
     costs.lap("scaling and staircase")

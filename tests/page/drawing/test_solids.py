@@ -79,7 +79,7 @@ def stored_vertices(mesh):
 @pytest.mark.parametrize("count, size", [(3, 2), (65536, 2), (65537, 4)])
 def test_vertices_are_off_by_less_than_is_visible_and_faces_name_all_of_them(count, size):
     places = np.random.default_rng(count).normal(size=(count, 3)) * [1.0, 1e-3, 100.0] + [5.0, 0.0, -1000.0]
-    solid = Solid("mesh", vertices=places, faces=np.arange(count - count % 3).reshape(-1, 3))
+    solid = Solid("mesh", vertices=places, faces=np.arange(3 * -(-count // 3)).reshape(-1, 3) % count)
     vertices = solid.vertices  # in ascending order, in float32
     _, [mesh] = drawn(solid)
     assert mesh["bytes"] == size

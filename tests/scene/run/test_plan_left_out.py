@@ -80,7 +80,7 @@ WORK = {
     "units": Work("all", "plain", "scene/quantities/units.py:registry", ("pint",)),
     "robot model (pinocchio)": Work("robot", "lumped", "scene/build/robot_file.py:robot_of", ("pinocchio", "coal")),
     "equilibrium": Work("robot", "lumped", "robot/posture.py:find_posture", ("mbconstrained.robot",)),
-    "robot meshes": Work("robot with meshes", "robot with unread meshes", "robot/description/visuals.py:_read_mesh", ("coal",)),
+    "robot meshes": Work("robot with meshes", "robot with unread meshes", "robot/description/mesh_files.py:read_mesh", ("coal",)),
     "collision geometry": Work(
         "robot with collisions", "robot with unread meshes", "scene/run/picture/robot_drawing.py:RobotPicture._collision"
     ),

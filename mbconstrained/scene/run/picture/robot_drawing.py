@@ -83,7 +83,7 @@ class RobotPicture:
     Attributes:
         scene: the robot with its posture and system.
         solids: of its links, by name: their collision shapes where a robot has no others.
-        note: on these, and on meshes that are drawn with fewer triangles, or an empty string.
+        note: on these, on meshes that are drawn with fewer triangles, and on textures that are not, or an empty string.
 
     Raises:
         SceneError: a shape or a mesh file that cannot be drawn; names the URDF.
@@ -95,9 +95,11 @@ class RobotPicture:
         with at(scene.data.urdf_place):
             own = scene.robot.visuals()
             self._visuals = visuals = own or scene.robot.visuals(collision=True)
-        large = {id(item.faces): len(item.faces) for item in visuals if item.faces is not None and len(item.faces) > MOST_TRIANGLES}
+        large = {id(item.vertices) for item in visuals if item.triangles > MOST_TRIANGLES}
+        missing = dict.fromkeys(item.note for item in visuals if item.note)
         notes = ["links drawn as their collision geometry"] * bool(visuals and not own)
         notes += [f"{counted(len(large), 'mesh', 'meshes')} drawn with fewer triangles"] * bool(large and not full)
+        notes += [f"textures not drawn: {', '.join(missing)}"] * bool(missing)
         self.note = ", ".join(notes)
         with at(scene.data.urdf_place):
             self.solids = solids_of(visuals, full=full)

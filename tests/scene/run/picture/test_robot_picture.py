@@ -125,7 +125,7 @@ def test_parts_are_made_once_for_each_visual(tmp_path, monkeypatch):
     from mbconstrained.page.drawing import robot_layout as robot
 
     made, solid = [], robot.Solid
-    monkeypatch.setattr(robot, "Solid", lambda *of: made.append(of[0]) or solid(*of))
+    monkeypatch.setattr(robot, "Solid", lambda *of, **more: made.append(of[0]) or solid(*of, **more))
     press(tmp_path)
     found = scene_of(tmp_path, SCENE).equations.robot_scene
     drawing_of_robot(RobotPicture(found), np.array([[0.0, 0.01], [0.0, 0.0]]))
