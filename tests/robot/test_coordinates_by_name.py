@@ -8,7 +8,7 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.robot.connections import AXES
-from tests.robot.linkages import GROUND, bar, joint, urdf
+from tests.robot.linkages import GROUND, bar, joint, link, urdf
 
 PLANAR = urdf(GROUND, bar("plate", 0.5, 0.2), joint("slide", "frame", "plate", kind="planar"))
 PENDULUM = "robots/pendulum/pendulum.urdf"
@@ -54,6 +54,18 @@ def test_a_scene_names_coordinates_and_joints_with_several(tmp_path):
     (tmp_path / "robot.toml").write_text('urdf = "plate.urdf"\n[posture]\nguess = { slide = [1, 2] }')
     with pytest.raises(mb.SceneError, match=r"guess: slide: found an array of 2; expected \[x, y, angle\]"):
         mb.read_robot(tmp_path)
+
+
+def test_the_table_of_a_posture_has_the_loads_of_joints_with_several(tmp_path):
+    """The weight of a body on springs, and its moment about the origin."""
+    body = urdf(GROUND, link("table", 20.0, (0.1, 0, 0.2), (0.5, 0.6, 0.9)), joint("mount", "frame", "table", kind="floating"))
+    (tmp_path / "table.urdf").write_text(body)
+    springs = "".join(f'"mount {axis}" = 1e4\n' for axis in AXES)
+    (tmp_path / "robot.toml").write_text(f'urdf = "table.urdf"\n[joint_stiffness]\n{springs}')
+    scene = '[model]\nkind = "robot"\nrobot = "."\n[initial.displacement]\n"mount z" = 0.001\n[time]\nend = 1\n'
+    (tmp_path / "scene.toml").write_text(scene)
+    text = " ".join(mb.read_scene(tmp_path / "scene.toml").run().summary().split())
+    assert f"z {20 * 9.81:.6g} N, ry {-20 * 9.81 * 0.1:.6g} N m" in text
 
 
 def test_a_state_space_of_an_arm_goes_to_control_and_back():

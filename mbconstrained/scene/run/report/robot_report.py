@@ -59,12 +59,15 @@ def posture_json(robot_scene: RobotScene) -> dict:
 
 def _joint_table(robot_scene: RobotScene) -> TextTable:
     torques = dict(zip(robot_scene.posture.torques, _cleaned(robot_scene.posture.torques.values())))
+    robot = robot_scene.robot
+    units, tangent = dict(zip(robot.coordinates, robot.units)), robot.tangent
     columns = ("joint", "rests at", "with load") if torques else ("joint", "rests at")
     rows = []
     for name, value in robot_scene.posture.joints.items():
-        unit = robot_scene.data.names.units.get(name, "")
-        torque = with_unit(torques[name], force_unit(unit)) if name in torques else ""
-        rows.append((name, _place(value, unit), torque)[: len(columns)])
+        own = [one for one in tangent.coordinates_of(name) if one in torques]
+        acting = [one for one in own if torques[one]] or own[:1]
+        loads = [f"{one[len(name) :]} {with_unit(torques[one], force_unit(units[one]))}".strip() for one in acting]
+        rows.append((name, _place(value, units.get(name, "")), ", ".join(loads))[: len(columns)])
     return TextTable("Posture", columns, tuple(rows))
 
 
