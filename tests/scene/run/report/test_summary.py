@@ -69,7 +69,9 @@ def test_a_meaning_stands_where_it_adds_something(tmp_path):
     free = '[model]\nkind = "lumped"\n[[model.mass]]\nname = "a"\nmass = 1\n[time]\nend = 1\npoints = 3\n'
     rigid = frequency_table(scene_of(tmp_path, free).run())
     assert (rigid.title, rigid.columns) == ("No natural frequencies: nothing oscillates", ("no.", "eigenvalue (1/s)", "meaning"))
-    assert rigid.rows == (("1", "0", "rigid-body motion, 2 times"),)
+    assert rigid.rows == (("1", "0", "rigid-body motion"),)
+    two = frequency_table(scene_of(tmp_path, free.replace("[time]", '[[model.mass]]\nname = "b"\nmass = 2\n[time]')).run())
+    assert two.rows == (("1–2", "0", "2 rigid-body motions"),)
     twins = free.replace('name = "a"\nmass = 1\n', 'name = "a"\nmass = 1\n[[model.mass]]\nname = "b"\nmass = 1\n') + "".join(
         f'[[model.spring]]\nbetween = ["ground", "{name}"]\nstiffness = 4\n' for name in "ab"
     )
