@@ -15,11 +15,11 @@ from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..mechanics.constraints import Level
 from .connections import BodySpring, Bushing, Loop, PointMotion
-from .description.masses import Payload, replace_masses
+from .description.masses import Payload, description_notices, replace_masses
 from .description.mjcf import is_mjcf, read_mjcf
 from .description.models import ModelFile, described, has_free_base, is_model
 from .description.srdf import SemanticDescription, read_srdf
-from .description.urdf import checked_tree, description_notices, link_masses, mimics_of, read_urdf, root_link, skeleton
+from .description.urdf import checked_tree, link_masses, mimics_of, read_urdf, root_link, skeleton
 from .flexible_joint import FlexibleJoint, Motor
 from .kinematics import Tree, built_model, finished_model
 from .linearization.linearized import LinearizedRobot
