@@ -16,8 +16,8 @@ from ..statics.equilibrium import rows_of
 if TYPE_CHECKING:
     from ..posture import Posture
 
-#: Rounding of an entry that is computed through a chain of joints, relative to the largest of its kind.
-COMPUTED = 4 * EPS
+#: Rounding of an entry that is computed through a chain of joints, a rotation at each, relative to the largest of its kind.
+COMPUTED = 16 * EPS
 
 
 def stiffness_parts(posture: Posture) -> list[tuple[str, np.ndarray]]:

@@ -8,7 +8,7 @@ import pytest
 
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.scene.run.scene import read_scene
-from tests.scene.robots import SCENE, TOML, press
+from tests.scene.robots import SCENE, TOML, URDF, press
 from tests.scene.scenes import EXAMPLES, OSCILLATOR, scene_of
 
 LOOP = TOML.replace("[[spring]]", '[[loop]]\nname = "pin"\nbody1 = "crank"\npoint1 = [0.2, 0, 0]\nbody2 = "ground"\n[[spring]]')
@@ -224,3 +224,7 @@ def test_joints_that_pass_their_limits_are_one_note(tmp_path, beyond, noted):
     assert len(found) == noted
     if noted:
         assert found[0].startswith(f'during the motion 1 joint is beyond its limits: "slide" at {highest:.6g} m (limits ')
+    limits = f'lower="{upper - 1:.17g}" upper="{upper - 0.5:.17g}"'
+    press(tmp_path, urdf=URDF.replace('lower="-1" upper="1"', limits))
+    (text,) = [notice.text for notice in scene_of(tmp_path, SCENE).run().notices if "limits" in notice.text]
+    assert text.startswith('1 joint is beyond its limits: "slide" at ')  # at rest already: once is enough

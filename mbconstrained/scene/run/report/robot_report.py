@@ -169,7 +169,8 @@ def _beyond_limits(robot_scene: RobotScene, lowest: np.ndarray, highest: np.ndar
     for name, (low, high) in robot.limits.items():
         place, rest = robot.coordinates.index(name), robot_scene.posture.joints[name]
         ends = float(rest + lowest[place]), float(rest + highest[place])
-        furthest[name] = max(ends, key=lambda value: max(low - value, value - high))
+        beyond = not low - JOINT_LIMIT <= rest <= high + JOINT_LIMIT  # which the posture reports
+        furthest[name] = low if beyond else max(ends, key=lambda value: max(low - value, value - high))
     outside = robot.tangent.outside_limits(furthest, JOINT_LIMIT, LIMIT_SHARE)
     text = f"during the motion {outside}; the equations have no limits"
     return [Notice(NoticeKind.LARGE_MOTION, text)] if outside else []
