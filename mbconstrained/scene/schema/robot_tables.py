@@ -136,7 +136,7 @@ class JointGearTable(Table):
     """A gear or rack between two joints."""
 
     joint: Text = Field(description="The joint that follows.")
-    leader: Text = Field(description="The joint that it follows.")
+    leader: Text = Field(description="The joint that it follows; in a train of gears it may follow another.")
     ratio: Quantity = Field(description="Its value for one rad (m) of the leader; the radius of the pinion of a rack.")
     offset: Quantity = Field(0.0, description="Its value where that of the leader is 0.")
 

@@ -166,8 +166,10 @@ def _large(robot_scene: RobotScene, furthest: np.ndarray) -> list[Notice]:
 
 def _beyond_limits(robot_scene: RobotScene, lowest: np.ndarray, highest: np.ndarray) -> list[Notice]:
     robot, furthest = robot_scene.robot, {}
+    rests = robot.tangent.angles(robot_scene.posture.configuration)
     for name, (low, high) in robot.limits.items():
-        place, rest = robot.coordinates.index(name), robot_scene.posture.joints[name]
+        place = robot.coordinates.index(name)
+        rest = float(rests[place])
         ends = float(rest + lowest[place]), float(rest + highest[place])
         beyond = not low - JOINT_LIMIT <= rest <= high + JOINT_LIMIT  # which the posture reports
         furthest[name] = low if beyond else max(ends, key=lambda value: max(low - value, value - high))
