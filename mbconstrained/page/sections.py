@@ -125,8 +125,11 @@ def _marks(figure: dict) -> str:
         for kind, text in offered
     )
     return f"""<div class="controls shown">
-{boxes}<button type="button" id="frames" hidden>Save frames</button>
+{boxes}<div class="recordings">
+<button type="button" id="frames" hidden>Save frames</button>
+<button type="button" id="gif" hidden>Save GIF</button>
 <button type="button" id="record" hidden>Record</button>
+</div>
 </div>"""
 
 

@@ -10,7 +10,8 @@ Of all others, and before the Taylor series of the start ends, the data of A(s),
 moved entry by entry by a unit in the last place. The largest change of the answer over a few such trials, times a safety factor, is
 the estimate: it sees the condition of the problem and the rounding errors of the algorithm at once, for the solution and for all
 that is derived from it.
-Where a rank decision was not clear, the whole solution depends on it, and the estimate is at least a tenth. Ranks of moved data
+Where a rank decision was not clear, the estimate is at least the difference from the solution with the other decision, or
+a tenth where there is none. Ranks of moved data
 are decided like those of the given ones: data that counted as zero at s = 0 enter by one more trial, with the data as they
 are written, where that makes more of a difference than a free body may. The trials are seeded: the estimate is reproducible.
 Moved data are summed up by the same rounded functions of time, so cancellation in the sum of modes enters separately, by the
@@ -121,7 +122,12 @@ def _estimate_by_trials(x: Response, times: np.ndarray, values: np.ndarray, larg
     summed = EPS * summands(function, times) / largest
     safety = PRECISE_SAFETY if x.solution.is_precise else SAFETY
     estimate = _relative_to_truth(max(safety * (change / largest), _phase(function, times, largest), summed))
-    return max(estimate, LEAST if x.solution.has_clear_ranks else UNCLEAR_ERROR)
+    if x.solution.has_clear_ranks:
+        return max(estimate, LEAST)
+    other = x.decided_otherwise
+    if other is None:
+        return max(estimate, UNCLEAR_ERROR)
+    return max(estimate, LEAST, _relative_to_truth(_largest_change(lambda: view(other)(times) - values, largest) / largest))
 
 
 def _proved_error(function: ProvedFunction, times: np.ndarray, values: np.ndarray) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from ..exchange.exported import Exported
 from ..ground.checks import counted, places_of, whole_number
 from ..ground.display import Presented, TextTable, notice_table
-from ..ground.errors import within_float64
+from ..ground.errors import MbconstrainedError, within_float64
 from ..ground.notices import Evidence, Notice
 from ..ground.threads import short_work
 from ..ground.tolerances import PROVED_RESTARTS, PROVED_STATES, noise_of
@@ -345,6 +345,20 @@ class Response(Exported, Presented):
         """The solution for the data as they are written, where some counted as zero at s = 0 (see ``response.estimate``)."""
         as_written = self.solution.as_written
         return None if as_written is None else Response.by_pairs(as_written, self.initial, self.force)
+
+    @cached_property
+    def decided_otherwise(self) -> Response | None:
+        """The solution that keeps what counted as rounding error, where a rank decision dropped entries near its bound.
+
+        None where no decision is in doubt, or a value that was kept is, or that solution is in doubt itself.
+        """
+        if self.problem.rank_tolerance is not None or not self.solution.dropped_near_bound:
+            return None
+        try:
+            other = Response.solved(replace(self.problem, rank_tolerance=0.0), Request(self.method.evaluations))
+            return None if any(notice.doubtful for notice in other.notices) else other
+        except MbconstrainedError:
+            return None
 
     @cached_property
     def evidence(self) -> tuple[Evidence, ...]:

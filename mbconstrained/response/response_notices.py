@@ -46,10 +46,30 @@ def remaining_notices(x: Response) -> tuple[Notice, ...]:
     ranks = any(notice.doubtful and notice.kind == NoticeKind.RANK for notice in notices)
     if (doubts or any(notice.doubtful for notice in notices)) and x.is_proved:
         return tuple(notice for notice in notices if not notice.doubtful)
+    if ranks and not doubts and (change := _change_by_ranks(x)) is not None and change <= EPS**0.5:
+        evidence = f"; the other decision changes no coordinate by more than {change:.1g} of its largest value"
+        notices = tuple(
+            replace(one, text=one.text + evidence, doubtful=False) if one.kind == NoticeKind.RANK else one for one in notices
+        )
+        ranks = False
     entry = x.exact_engine().deciding_entry(x.polynomial_matrix) if ranks and not x.unproved else ""
     if entry:
         notices = tuple(replace(one, text=f"{one.text}; {entry}") if one.kind == NoticeKind.RANK else one for one in notices)
     return (*notices, *doubts)
+
+
+def _change_by_ranks(x: Response) -> float | None:
+    """By how much the values with the other rank decision differ, relative to the largest of each coordinate; None where unknown."""
+    other = x.decided_otherwise
+    if other is None:
+        return None
+    times = x.solution.sums(1)[0]
+    try:
+        values, others = x(times), other(times)
+    except Overflow:
+        return None
+    change, largest = (np.abs(rows).max(axis=1, initial=0.0) for rows in (others - values, values))
+    return float(np.divide(change, largest, out=np.where(change > 0, np.inf, 0.0), where=largest > 0).max(initial=0.0))
 
 
 def pair_notices(pairs) -> tuple[Notice, ...]:

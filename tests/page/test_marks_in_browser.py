@@ -122,8 +122,9 @@ def test_names_are_hidden(opened):
 
 
 def keep_what_is_saved(opened):
-    """In window.saved: each file that the page saves, then its name."""
+    """In window.saved: each file that the page saves from now on, then its name."""
     opened.evaluate("""void (() => {
+        if (window.saved) return void (saved.length = 0);
         const make = URL.createObjectURL;
         window.saved = [];
         URL.createObjectURL = (blob) => (saved.push(blob), make.call(URL, blob));
@@ -131,20 +132,33 @@ def keep_what_is_saved(opened):
     })()""")
 
 
+def saved(opened) -> tuple[str, str, bytes]:
+    """Type, name and content of the first file, once it is saved."""
+    opened.until("window.saved.length === 2")
+    kind, name, text = opened.evaluate("""(async () => {
+        const bytes = new Uint8Array(await window.saved[0].arrayBuffer());
+        return [window.saved[0].type, window.saved[1], btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""))];
+    })()""")
+    return kind, name, base64.b64decode(text)
+
+
+def pictures_of(archive: bytes) -> dict[str, bytes]:
+    """The PNG files in a ZIP archive."""
+    with zipfile.ZipFile(BytesIO(archive)) as files:
+        assert files.testzip() is None  # checks every CRC
+        return {name: files.read(name) for name in files.namelist()}
+
+
 def test_a_film_has_the_motion_from_start_to_end(opened):
     keep_what_is_saved(opened)
     assert opened.evaluate("document.getElementById('record').hidden") is False
     opened.evaluate("mbconstrained.seek(0.7), (document.getElementById('speed').selectedIndex = 6)")  # as short as it gets
     opened.click("#record")
-    assert opened.evaluate("document.getElementById('record').textContent") == "Stop recording"
+    assert opened.evaluate("document.getElementById('record').textContent") == "Stop"
     assert opened.state()["time"] < 0.7
-    opened.until("window.saved.length === 2")
-    kind, name, start, size = opened.evaluate("""(async () => {
-        const bytes = new Uint8Array(await saved[0].arrayBuffer());
-        return [saved[0].type, saved[1], [...bytes.slice(0, 4)], saved[0].size];
-    })()""")
-    assert size > 1000  # more than the header
-    assert (kind, name, start) == ("video/webm", "A_film_of_an_arm.webm", [0x1A, 0x45, 0xDF, 0xA3])  # EBML
+    kind, name, content = saved(opened)
+    assert len(content) > 1000  # more than the header
+    assert (kind, name, content[:4]) == ("video/webm", "A_film_of_an_arm.webm", b"\x1a\x45\xdf\xa3")  # EBML
     state = opened.state()
     assert (state["playing"], state["time"], state["errors"]) == (False, 1, []) and opened.messages == []
     assert opened.evaluate("document.getElementById('record').textContent") == "Record"
@@ -190,19 +204,36 @@ def test_frames_are_pictures_of_the_whole_motion_in_an_archive(opened):
     opened.evaluate("document.getElementById('speed').selectedIndex = 6")
     speed = float(opened.evaluate("document.getElementById('speed').value"))
     opened.click("#frames")
-    opened.until("window.saved.length === 2")
-    kind, name, text = opened.evaluate("""(async () => {
-        const bytes = new Uint8Array(await saved[0].arrayBuffer());
-        return [saved[0].type, saved[1], btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""))];
-    })()""")
+    kind, name, content = saved(opened)
     assert (kind, name) == ("application/zip", "A_film_of_an_arm.zip")
-    with zipfile.ZipFile(BytesIO(base64.b64decode(text))) as archive:
-        assert archive.testzip() is None  # checks every CRC
-        names, frames = archive.namelist(), [archive.read(name) for name in archive.namelist()]
+    names, frames = map(list, zip(*pictures_of(content).items()))
     assert len(frames) == int(30 / speed + 1e-6) + 1  # 1 s at 30 a second
     assert names[0] == "frame_0001.png" and names == sorted(names)
     assert all(frame.startswith(b"\x89PNG\r\n\x1a\n") for frame in frames) and len(set(frames)) == len(frames)
     assert opened.evaluate("document.getElementById('frames').textContent") == "Save frames" and opened.messages == []
+
+
+def test_what_is_recorded_and_printed_has_the_perspective_of_the_page(opened):
+    opened.size(800, 1400)  # in which nothing scrolls
+    opened.evaluate("document.getElementById('stage').style.backgroundImage = 'none'")
+    opened.click("input[data-shows=names]")  # which have no halo there
+    seen = []
+    for _ in range(2):
+        keep_what_is_saved(opened)
+        opened.evaluate("[1, 2].forEach(() => document.getElementById('frames').click())")  # the first picture
+        recorded = imread(BytesIO(next(iter(pictures_of(saved(opened)[2]).values()))))[..., :3]
+        page = imread(BytesIO(opened.picture("#stage")))[..., :3]
+        inside = np.s_[12:-12, 12:-12]  # the corners of the section are round
+        assert np.mean(np.abs(recorded - page)[inside]) < 2e-3
+        opened.evaluate("dispatchEvent(new Event('beforeprint'))")
+        paper = imread(BytesIO(base64.b64decode(opened.evaluate("document.querySelector('.paper').toDataURL().split(',')[1]"))))
+        opened.evaluate("dispatchEvent(new Event('afterprint'))")
+        drawn = paper[..., 3] == 1
+        assert np.count_nonzero(drawn) > 1000 and np.mean(np.abs(paper[..., :3] - recorded)[drawn]) < 2e-3
+        seen.append(recorded)
+        opened.click("input[data-shows=perspective]")
+    opened.call("Emulation.clearDeviceMetricsOverride")
+    assert np.mean(np.abs(seen[0] - seen[1])) > 1e-2
 
 
 def test_what_a_page_does_not_have_has_no_box():

@@ -136,7 +136,7 @@ def test_a_mode_that_does_not_move_is_not_recorded_and_ends_a_film(browser, page
     assert text(browser, "#record") == "Record"
     browser.evaluate("mbconstrained.select(1)")
     browser.click("#record")
-    assert text(browser, "#record") == "Stop recording"
+    assert text(browser, "#record") == "Stop"
     browser.until("state.time > 0.1")
     browser.evaluate("mbconstrained.select(3)")
     assert text(browser, "#record") == "Record"

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.ground.tolerances import TRUST_LIMIT
 from mbconstrained.response.response_notices import unsatisfied
 
 
@@ -78,6 +79,21 @@ def test_a_rank_decision_near_the_rounding_is_doubtful(gap, doubtful):
     assert any(notice.doubtful for notice in x.notices) == doubtful
     if doubtful:
         assert "no clear gap" in next(notice.text for notice in x.notices if notice.kind == "rank")
+
+
+@pytest.mark.parametrize("gap, start, doubtful", [(2e-15, 3.0, False), (2e-15, 0.0, True), (-2e-15, 3.0, True)])
+def test_a_rank_decision_is_a_doubt_where_the_other_one_changes_the_answer(gap, start, doubtful):
+    """A leading coefficient that counts as singular: kept, it adds a zero at -2 / gap, which decays at once or grows beyond bounds.
+
+    From x2 = 3 x1, where both decisions begin, x1 = e^(-t / 2) in the limit of no gap; other starts jump or do not.
+    """
+    A, _ = nearly_singular(gap, parts=26)
+    x = mb.solve(A, np.tile([1.0, start], 26)[None])
+    (notice,) = (notice for notice in x.notices if notice.kind == "rank")
+    assert notice.doubtful == doubtful == ("the other decision changes no coordinate" not in notice.text)
+    assert (x.error_estimate([0.0, 1.0]) > TRUST_LIMIT) == doubtful
+    if not doubtful:
+        assert np.allclose(x(1.0), np.tile([1.0, 3.0], 26) * np.exp(-0.5), rtol=1e-14)
 
 
 @pytest.mark.parametrize("gap", [3e-14, -3e-14])

@@ -1,25 +1,14 @@
 // The pictures of a film one by one: PNG files in a ZIP archive, from the start to the end of the motion at the chosen speed.
-const mostFrames = 1000; // of a longer film they are further apart
-
 async function saveFrames() {
-  const { motion } = player;
-  const { start, end } = motion;
-  const step = Math.max((Number(control("speed").value) * page.rate) / framesPerSecond, (end - start) / (mostFrames - 1));
-  const count = Math.floor((end - start) / step + 1e-6) + 1;
-  const [flat, files] = [document.createElement("canvas"), []];
-  film.savesFrames = true;
-  while (film.savesFrames && files.length < count && player.motion === motion) {
-    player.playing = false;
-    seek(start + files.length * step);
-    paint(flat, true);
+  const { start, end } = player.motion;
+  const steps = Math.min(framesPerSecond * filmDuration(), mostFrames - 1);
+  const times = Array.from({ length: Math.floor(steps + 1e-6) + 1 }, (_, i) => start + (i / steps) * (end - start));
+  const files = [];
+  await takePictures("frames", times, async (flat, i) => {
     const blob = await new Promise((done) => flat.toBlob(done));
-    files.push({ name: `frame_${String(files.length + 1).padStart(4, "0")}.png`, bytes: new Uint8Array(await blob.arrayBuffer()) });
-    control("frames").textContent = `Stop at ${files.length} of ${count}`;
-  }
-  film.savesFrames = false;
-  control("frames").textContent = "Save frames";
-  save(new Blob(archive(files), { type: "application/zip" }), "zip");
-  announce("frames saved");
+    files.push({ name: `frame_${String(i + 1).padStart(4, "0")}.png`, bytes: new Uint8Array(await blob.arrayBuffer()) });
+  });
+  save(archive(files), "application/zip", "zip");
 }
 
 // The files as they are, one after the other, then their directory (APPNOTE.TXT of PKWARE, 4.3.7, 4.3.12 and 4.3.16).

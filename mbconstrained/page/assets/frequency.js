@@ -136,7 +136,7 @@ plots.variable = "frequency";
 plots.seek = (frequency) => selectAndPlay(nearestLine(frequency));
 plots.pointed = (frequency) => {
   const line = frequency === null ? page.line : nearestLine(frequency);
-  if (line !== page.shownLine) display(line);
+  if (line !== page.shownLine && film.button === null) display(line); // a recording keeps its motion
 };
 open(new Deflection(page.line, page.input));
 select(page.line);

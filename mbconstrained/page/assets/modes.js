@@ -37,7 +37,7 @@ function select(mode) {
   page.mode = mode;
   player.motion = motionOf(mode);
   const isStill = player.motion.end === player.motion.start;
-  for (const id of ["play", "time", "record", "frames"]) control(id).disabled = isStill;
+  for (const id of ["play", "time"]) control(id).disabled = isStill;
   document.querySelectorAll("tr[data-mode]").forEach((row, i) => {
     row.classList.toggle("selected", i === mode);
     row.querySelector("input").checked = i === mode;
@@ -51,6 +51,7 @@ function select(mode) {
   showNote();
   if (isStill) player.playing = false;
   if (isStill && film.recorder) endFilm(); // a motion that does not play has no end
+  setRecording(film.button);
   show(player.time);
 }
 

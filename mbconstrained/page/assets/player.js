@@ -111,7 +111,7 @@ function listen() {
   window.addEventListener("themechange", () => player.stage && player.stage.setTheme(theme.dark));
   if (player.stage) listenToMarks(player.stage);
   if (player.stage && data.figure.posing) listenToSliders();
-  offerFilm();
+  offerRecordings();
 }
 
 const viewerMissing = "The 3-D view needs the file mbconstrained-viewer.js in the folder of this page.";

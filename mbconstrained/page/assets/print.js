@@ -1,7 +1,7 @@
 // Printing: browsers do not print WebGL canvases, so a flat copy of the picture with its names replaces it.
 
-// Draws the picture with its names into a canvas; in colour: with the background, the text over the picture and the
-// colours of the page.
+// Draws the picture with its names into a canvas, in the task that has drawn it on the page; in colour: with the background,
+// the text over the picture and the colours of the page.
 function paint(flat, inColour) {
   const { viewer, size, pane } = player.stage;
   const [width, height] = size;
@@ -15,21 +15,22 @@ function paint(flat, inColour) {
     pen.fillStyle = getComputedStyle(pane).backgroundColor;
     pen.fillRect(0, 0, ...whole);
   }
-  viewer.render();
   pen.drawImage(viewer.renderer.domElement, 0, 0, ...whole);
   pen.scale(sharp, sharp);
-  if (player.stage.shows.names) paintNames(pen, pane, inColour ? getComputedStyle(pane).color : "#000000");
+  if (player.stage.shows.names) paintNames(pen, pane, inColour);
   if (inColour) paintText(pen, pane, pane.querySelector(".magnification"));
 }
 
-function paintNames(pen, pane, color) {
-  Object.assign(pen, { font: "600 13px system-ui, Arial, sans-serif", textAlign: "center", fillStyle: color });
+function paintNames(pen, pane, inColour) {
   const corner = pane.getBoundingClientRect();
   for (const label of pane.querySelectorAll(".label")) {
     const box = label.getBoundingClientRect();
     if (label.style.visibility === "hidden" || !label.textContent) continue;
+    const { font, color, opacity } = getComputedStyle(label);
+    Object.assign(pen, { font: font, textAlign: "center", fillStyle: inColour ? color : "#000000", globalAlpha: opacity });
     pen.fillText(label.textContent.slice(0, 40), (box.left + box.right) / 2 - corner.left, box.bottom - corner.top - 4);
   }
+  pen.globalAlpha = 1;
 }
 
 // Draws a paragraph line by line where it is on the page.
@@ -61,6 +62,7 @@ function copyForPaper() {
   const flat = document.createElement("canvas");
   flat.className = "paper";
   player.stage.setTheme(false); // paper is light
+  player.stage.draw();
   paint(flat, false);
   player.stage.pane.append(flat);
 }

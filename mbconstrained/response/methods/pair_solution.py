@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...ground.notices import Evidence, Notice
+from ...ground.tolerances import CLEAR_KEPT
 from ...linalg.blocks import block_diagonalize
 from ...polynomial.decoupling import WeierstrassForm
 from ...polynomial.jordan_pairs import JordanPairs
@@ -83,6 +84,12 @@ class PairSolution:
     def has_clear_ranks(self) -> bool:
         """Whether no rank decision was doubtful."""
         return all(decision.clear for decision in self.pairs.form.decisions)
+
+    @property
+    def dropped_near_bound(self) -> bool:
+        """Whether rank decisions are doubtful, and only since entries that they dropped are near their bounds."""
+        doubtful = [decision for decision in self.pairs.form.decisions if not decision.clear]
+        return bool(doubtful) and all(decision.smallest_kept >= CLEAR_KEPT for decision in doubtful)
 
     @property
     def as_written(self) -> JordanPairs | None:

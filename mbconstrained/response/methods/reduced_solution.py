@@ -45,7 +45,7 @@ class ReducedSolution:
     impulses: tuple[np.ndarray, ...] = ()
 
     #: Float64 throughout, no rank decided by a tolerance, and no datum taken for zero.
-    is_precise, has_clear_ranks, as_written = False, True, None
+    is_precise, has_clear_ranks, dropped_near_bound, as_written = False, True, False, None
 
     @classmethod
     def of(cls, method: Method) -> ReducedSolution:

@@ -7,16 +7,17 @@ from __future__ import annotations
 
 import asyncio
 import os
+import platform
 import subprocess
 import sys
 import time
 from collections.abc import Generator, Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 from functools import cache
 from hashlib import sha256
 from multiprocessing.connection import Client, Listener, wait
 from pathlib import Path
-from threading import Lock
+from threading import Event, Lock, Thread
 from typing import Any, cast
 
 import numpy as np
@@ -86,7 +87,7 @@ def by_processes(job: Job, chunks: Iterator[Chunk], workers: int) -> Answers:
             try:
                 connection = connection or stack.enter_context(closing(_worker(listener, key, job, stack)))
                 connection.send(chunk[1])
-            except OSError:  # it ended while it had nothing to do
+            except (EOFError, OSError):  # it ended while it had nothing to do
                 lose(chunk)
             else:
                 busy[connection] = chunk
@@ -127,11 +128,23 @@ def _worker(listener: Listener, key: bytes, job: Job, stack: ExitStack):
         env={**os.environ, **threads, "PYTHONPATH": path},
     )
     stack.callback(_end, process)
-    process.stdin.write(key)
-    process.stdin.close()
+    with suppress(BrokenPipeError):  # it has ended already
+        process.stdin.write(key)
+        process.stdin.close()
+    connected = Event()
+    Thread(target=_connect_for, args=(process, connected, listener, key), daemon=True).start()
     connection = listener.accept()
+    connected.set()
     connection.send(job)
     return connection
+
+
+def _connect_for(process: subprocess.Popen, connected: Event, listener: Listener, key: bytes) -> None:
+    """A connection, closed at once, for a process that has ended without one, so that it is not waited for."""
+    process.wait()
+    if not connected.is_set():
+        with suppress(OSError, EOFError):  # nobody listens any more
+            Client(listener.address, authkey=key).close()
 
 
 def _end(process: subprocess.Popen) -> None:
@@ -219,7 +232,7 @@ def evaluate_there(job: Job, rows: Sequence[Mapping[str, Any]], files: Mapping[s
         path = folder / name
         if not _has_content(path, known):
             raise InputError(
-                f"the worker {os.uname().nodename} has not the same file {path}; share the folder of the scene with the cluster"
+                f"the worker {platform.node()} has not the same file {path}; share the folder of the scene with the cluster"
             )
     with _ONE_CHUNK:
         return evaluate(job, rows)

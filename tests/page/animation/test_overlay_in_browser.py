@@ -164,3 +164,28 @@ def test_the_view_is_the_one_that_is_asked_for(browser, page):
     x, z, zoom = browser.open(page).evaluate(eye)
     assert abs(x) < 0.01 * z and zoom == 2  # in front, on the axis that comes towards the viewer
     assert json.loads(browser.evaluate("document.getElementById('motion-data').textContent"))["figure"]["view"]["zoom"] == 2
+
+
+def test_names_and_values_are_recorded_in_their_font_and_colour(browser, page):
+    browser.open(page)
+    browser.evaluate("""void (() => {
+        const fill = CanvasRenderingContext2D.prototype.fillText;
+        window.written = {};
+        CanvasRenderingContext2D.prototype.fillText = function (text, ...place) {
+            written[text] = [this.font, this.fillStyle];
+            fill.call(this, text, ...place);
+        };
+    })()""")
+    browser.evaluate("[1, 2].forEach(() => document.getElementById('frames').click())")  # one picture
+    browser.until("document.getElementById('frames').textContent === 'Save frames'")
+    shown = browser.evaluate("""(() => {
+        const pen = document.createElement("canvas").getContext("2d");
+        const labels = [...document.querySelectorAll(".label")].filter((label) => label.textContent && label.style.visibility !== "hidden");
+        return Object.fromEntries(labels.map((label) => {
+            const { font, color } = getComputedStyle(label);
+            Object.assign(pen, { font: font, fillStyle: color });
+            return [label.textContent, [pen.font, pen.fillStyle]];
+        }));
+    })()""")
+    assert {"cart", "5 N", "3 N s"} <= set(shown) and len({color for _, color in shown.values()}) == 3
+    assert {text: browser.evaluate("written")[text] for text in shown} == shown

@@ -2,6 +2,8 @@
 
 import pytest
 
+import mbconstrained as mb
+from mbconstrained.studies.sweep import execution
 from tests.studies.sweep.interrupted import (
     bytes_of,
     children,
@@ -141,3 +143,9 @@ def test_a_killed_scheduler_ends_the_run_with_advice(whole, tmp_path):
     assert run.returncode == 1 and "of 30 chunks are stored; the same command goes on from there" in errors, errors
     completed(scene, store)
     assert redone(store, before) == [] and bytes_of(store) == expected
+
+
+def test_workers_that_cannot_begin_are_an_error_and_not_waited_for(monkeypatch):
+    monkeypatch.setattr(execution, "_PROGRAM", "raise SystemExit(1)")
+    with pytest.raises(mb.MbconstrainedError, match="the process that computed chunk 1 ended twice"):
+        list(execution.by_processes(None, iter([(0, [])]), workers=2))
