@@ -15,7 +15,7 @@ from ..ground.checks import counted, nearest, real_array, whole_number
 from ..ground.coordinate_units import force_unit, impulse_unit, rate_unit
 from ..ground.errors import InputError, within_float64
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import noise_of
+from ..ground.tolerances import EPS, noise_of
 from ..response.choose import Request
 from ..response.estimate import error_estimate
 from ..response.events import Event
@@ -344,25 +344,30 @@ DELTAS = ("a Dirac impulse", *(f"the {order} derivative of a Dirac impulse" for 
 
 
 def _violated_rows(motion: Motion) -> Iterator[Notice]:
-    """Rows that the values at 0- violate, in the constrained derivative or in one that follows from it."""
+    """Rows that the values at 0- violate by more than half of the digits of the largest, in the constrained derivative or the next."""
+    violated, largest = [], {}
     for row in motion.system.rows:
         for order in range(row.order, 2):
             value = float(row.right_side(order)(0.0)[0])
             actual, noise = _row_value(row, motion.initial[order])
             if abs(actual - value) > noise + noise_of(abs(value)):
                 unit = rate_unit(row.unit, order)
-                if row.signal is None:
-                    text = (
-                        f'constraint "{row.name}" ({row.level} level) is violated at 0-: its {STATE_NAMES[order]} is '
-                        f"{actual:.6g} {unit} instead of {value:.6g} {unit}, off by {actual - value:.6g} {unit}; "
-                        "it is enforced at t = 0"
-                    )
-                else:
-                    text = (
-                        f'prescribed motion "{row.name}" ({row.level} level) starts with the {STATE_NAMES[order]} {value:.6g} {unit}, '
-                        f"which is {actual:.6g} {unit} at 0-: it jumps at t = 0"
-                    )
-                yield Notice(NoticeKind.JUMP, text)
+                violated.append((row, order, actual, value, unit))
+                largest[unit] = max(largest.get(unit, 0.0), abs(actual - value))
+    for row, order, actual, value, unit in violated:
+        if abs(actual - value) <= EPS**0.5 * largest[unit]:
+            continue
+        if row.signal is None:
+            text = (
+                f'constraint "{row.name}" ({row.level} level) is violated at 0-: its {STATE_NAMES[order]} is '
+                f"{actual:.6g} {unit} instead of {value:.6g} {unit}, off by {actual - value:.6g} {unit}; it is enforced at t = 0"
+            )
+        else:
+            text = (
+                f'prescribed motion "{row.name}" ({row.level} level) starts with the {STATE_NAMES[order]} {value:.6g} {unit}, '
+                f"which is {actual:.6g} {unit} at 0-: it jumps at t = 0"
+            )
+        yield Notice(NoticeKind.JUMP, text)
 
 
 def _sentences(motion: Motion, event: Event | ImpulsiveLoad) -> Iterator[Notice]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..ground.checks import counted
 from ..ground.errors import Overflow, within_float64
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, NOISE_SAFETY, PRECISE_STATES, noise_of, rounding_radius
@@ -167,7 +168,7 @@ def growth_notice(growing: np.ndarray) -> tuple[Notice, ...]:
     """The notice of eigenvalues in the right half plane, of each complex pair one."""
     if not len(growing):
         return ()
-    text = f"{len(growing)} zero(s) in the right half plane: the motion grows, fastest like e^({growing.real.max():.6g} t)"
+    text = f"{counted(len(growing), 'eigenvalue')} in the right half plane: the motion grows, fastest like e^({growing.real.max():.6g} t)"
     return (Notice(NoticeKind.UNSTABLE, text),)
 
 

@@ -128,7 +128,7 @@ def inverse_kinematics(robot: Robot, goal: Target, guess) -> np.ndarray:
     for q in _starts(robot, start, load.lengths):
         for stage in goal.stages(robot, q):
             q, left, arrived = stage.reached(robot, load, q)
-        if arrived and not robot.tangent.outside_limits(q, JOINT_LIMIT):
+        if arrived and not robot.tangent.outside_limits(robot.tangent.values(q), JOINT_LIMIT):
             return q
         beyond = q if arrived and beyond is None else beyond
         nearest = min(nearest, left, key=np.linalg.norm)
@@ -210,7 +210,7 @@ class PathModes(Displayed):
         beyond = [
             i
             for i, posture in enumerate(self.postures)
-            if posture and posture.robot.tangent.outside_limits(posture.configuration, 0.0)
+            if posture and posture.robot.tangent.outside_limits(posture.joints, JOINT_LIMIT)
         ]
         if beyond:
             yield Notice(

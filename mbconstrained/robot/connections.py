@@ -9,7 +9,6 @@ A loop constrains rows of phi to zero; springs and bushings have an energy of ph
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, get_args
@@ -20,6 +19,7 @@ from scipy.linalg import block_diag
 from ..ground.checks import nearest, real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
+from .kinematics import turned_product
 
 LoopKind = Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "universal", "rod"]
 Vector = Sequence[float]
@@ -131,6 +131,27 @@ class Support(Connection):
     def has_sole(self) -> bool:
         """Whether the connection has torques about all axes."""
         return False
+
+    @property
+    def unit_normal(self) -> np.ndarray:
+        """The normal on the foot, of length 1, shape (3,)."""
+        return np.array(self.normal) / np.linalg.norm(self.normal)
+
+    def on_foot(self, wrench: np.ndarray) -> np.ndarray:
+        """A force or wrench on the foot, from that on body2."""
+        return wrench if self.body1 == GROUND else -wrench
+
+    def parts(self, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The force along the normal, positive where the foot presses, and the size of that along the ground.
+
+        Args:
+            force: on the foot in the directions of the ground, shape (3, T).
+
+        Returns:
+            Two of shape (T,).
+        """
+        along = self.unit_normal @ force
+        return along, np.linalg.norm(force - np.outer(self.unit_normal, along), axis=0)
 
 
 @dataclass(frozen=True)
@@ -275,41 +296,6 @@ class Loop(Support):
         """The unit of each row."""
         moves, turns = self._parts
         return ("m",) * len(moves) + ("rad",) * len(turns)
-
-
-#: Terms of the series of cos x, sin(x) / x and (1 - cos x) / x^2 in x^2, exact up to an angle of pi.
-_TERMS = 18
-
-_SERIES = tuple(np.polynomial.Polynomial([(-1) ** k / math.factorial(2 * k + m) for k in range(_TERMS)]) for m in range(3))
-
-
-def turned_product(first: Vector, second: Vector, turn: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-    """a . exp([w]) b with its derivatives by w, by Rodrigues' formula.
-
-        a . exp([w]) b = cos|w| a . b + sin|w| / |w| (b x a) . w + (1 - cos|w|) / |w|^2 (a . w) (b . w)
-
-    Args:
-        first, second: a and b, shape (3,).
-        turn: w, a rotation vector (rad), shape (3,).
-
-    Returns:
-        The value, its gradient (3,), and the symmetric matrix of its second derivatives (3, 3).
-    """
-    a, b, w, eye = np.array(first), np.array(second), np.asarray(turn), np.eye(3)
-    normal, s = np.cross(b, a), float(w @ w)
-    parts = (
-        (a @ b, np.zeros(3), np.zeros((3, 3))),
-        (normal @ w, normal, np.zeros((3, 3))),
-        ((a @ w) * (b @ w), (b @ w) * a + (a @ w) * b, np.outer(a, b) + np.outer(b, a)),
-    )
-    value, gradient, second_derivative = 0.0, np.zeros(3), np.zeros((3, 3))
-    for series, (h, dh, ddh) in zip(_SERIES, parts):
-        P, dP, ddP = (float(series.deriv(order)(s)) for order in range(3))
-        value += P * h
-        gradient += P * dh + 2 * dP * h * w
-        mixed = 2 * dP * np.outer(w, dh)
-        second_derivative += P * ddh + mixed + mixed.T + h * (2 * dP * eye + 4 * ddP * np.outer(w, w))
-    return float(value), gradient, second_derivative
 
 
 @dataclass(frozen=True)

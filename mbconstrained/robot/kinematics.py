@@ -11,7 +11,7 @@ which gives all second derivatives of poses.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -301,6 +301,43 @@ def cross_matrix(vector: np.ndarray) -> np.ndarray:
     """[a] with [a] b = a x b."""
     x, y, z = vector
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+#: Terms of the series of cos x, sin(x) / x and (1 - cos x) / x^2 in x^2, exact up to an angle of pi.
+_RODRIGUES_TERMS = 18
+
+_RODRIGUES = tuple(
+    np.polynomial.Polynomial([(-1) ** k / math.factorial(2 * k + m) for k in range(_RODRIGUES_TERMS)]) for m in range(3)
+)
+
+
+def turned_product(first: Sequence[float], second: Sequence[float], turn: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+    """a . exp([w]) b with its derivatives by w, by Rodrigues' formula.
+
+        a . exp([w]) b = cos|w| a . b + sin|w| / |w| (b x a) . w + (1 - cos|w|) / |w|^2 (a . w) (b . w)
+
+    Args:
+        first, second: a and b, shape (3,).
+        turn: w, a rotation vector (rad), shape (3,).
+
+    Returns:
+        The value, its gradient (3,), and the symmetric matrix of its second derivatives (3, 3).
+    """
+    a, b, w, eye = np.array(first), np.array(second), np.asarray(turn), np.eye(3)
+    normal, s = np.cross(b, a), float(w @ w)
+    parts = (
+        (a @ b, np.zeros(3), np.zeros((3, 3))),
+        (normal @ w, normal, np.zeros((3, 3))),
+        ((a @ w) * (b @ w), (b @ w) * a + (a @ w) * b, np.outer(a, b) + np.outer(b, a)),
+    )
+    value, gradient, second_derivative = 0.0, np.zeros(3), np.zeros((3, 3))
+    for series, (h, dh, ddh) in zip(_RODRIGUES, parts):
+        P, dP, ddP = (float(series.deriv(order)(s)) for order in range(3))
+        value += P * h
+        gradient += P * dh + 2 * dP * h * w
+        mixed = 2 * dP * np.outer(w, dh)
+        second_derivative += P * ddh + mixed + mixed.T + h * (2 * dP * eye + 4 * ddP * np.outer(w, w))
+    return float(value), gradient, second_derivative
 
 
 @dataclass(frozen=True, eq=False)

@@ -110,9 +110,9 @@ def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str
     nearest = closed(Search(robot.tree, load, free), start)
     load = replace(load, springs=tuple(with_rest_length(item, nearest.kinematics) for item in load.springs))
     rounded = rounded_advice(robot) if robot.loops else ""
-    state = equilibrium(Search(robot.tree, load, free, rounded), nearest.configuration)
+    state = equilibrium(Search(robot.tree, load, free, rounded, robot.coordinates), nearest.configuration)
     if (here := _untwisted(load, robot, state.balance.configuration)) is not load:
-        state = equilibrium(Search(robot.tree, here, free, rounded), state.balance.configuration)
+        state = equilibrium(Search(robot.tree, here, free, rounded, robot.coordinates), state.balance.configuration)
     return _posture(robot, state, free, start, nearest, rounded)
 
 
@@ -286,7 +286,7 @@ def _misfit(state: Equilibrium) -> tuple[Notice, ...]:
 
 def _beyond_limits(robot: Robot, q: np.ndarray) -> tuple[Notice, ...]:
     """A notice on joints beyond their limits, which the equations do not have."""
-    outside = robot.tangent.outside_limits(q, JOINT_LIMIT)
+    outside = robot.tangent.outside_limits(robot.tangent.values(q), JOINT_LIMIT)
     return (Notice(NoticeKind.OMITTED, f"{outside}; the equations have no limits"),) if outside else ()
 
 

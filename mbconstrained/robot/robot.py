@@ -15,11 +15,11 @@ from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..mechanics.constraints import Level
 from .connections import BodySpring, Bushing, Loop, PointMotion
-from .description.masses import Payload, replace_masses
+from .description.masses import Payload, description_notices, replace_masses
 from .description.mjcf import is_mjcf, read_mjcf
 from .description.models import ModelFile, described, has_free_base, is_model
 from .description.srdf import SemanticDescription, read_srdf
-from .description.urdf import checked_tree, description_notices, link_masses, mimics_of, read_urdf, root_link, skeleton
+from .description.urdf import checked_tree, link_masses, mimics_of, read_urdf, root_link, skeleton
 from .flexible_joint import FlexibleJoint, Motor
 from .kinematics import Tree, built_model, finished_model
 from .linearization.linearized import LinearizedRobot
@@ -143,10 +143,9 @@ class Robot(Displayed):
         self._add_payloads(payloads)
         self.mimic_rows = mimic_rows(mimics, self.tangent)
         given = checked_connections(loops, (Loop,), "loops", self.link_frames)
-        given = checked_connections((*source.loops, *given), (Loop,), "loops", self.link_frames)
-        support = Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
-        self.moving_base = support if base == "moving" else None
-        self.loops = given if base != "moving" else checked_connections((*given, support), (Loop,), "loops", self.link_frames)
+        self.moving_base = self._moving_base() if base == "moving" else None
+        given = (*source.loops, *given, *filter(None, [self.moving_base]))
+        self.loops = checked_connections(given, (Loop,), "loops", self.link_frames)
         self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames, self.loops)
         moving = {name for name in source.joint_stiffness if name in self.coordinates and name not in (joint_stiffness or {})}
         own, rest = ({name: values[name] for name in moving} for values in (source.joint_stiffness, source.joint_rest))
@@ -154,6 +153,9 @@ class Robot(Displayed):
         self.flexible_joints = self._by_joint(flexible_joints, FlexibleJoint, "flexible_joints")
         self.semantics = SemanticDescription() if srdf is None else read_srdf(srdf)
         self._set_motors({**self._rotors(), **self._by_joint(motors, Motor, "motors")})
+
+    def _moving_base(self) -> Loop:
+        return Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
 
     def _add_payloads(self, payloads: Sequence[Payload]) -> None:
         import pinocchio
@@ -240,9 +242,9 @@ class Robot(Displayed):
 
     @property
     def states(self) -> dict[str, dict[str, float | tuple[float, ...]]]:
-        """The guesses of the SRDF file by name: values (rad, m) of the joints that move."""
+        """The guesses of the SRDF or MJCF file by name: values (rad, m) of the joints that move."""
         base = BASE if self.base != "fixed" else None
-        own = {name: self.tangent.values(q) for name, q in self.source.states.items() if len(q) == self.model.nq}
+        own = self.source.named_states(self.tangent)
         return own | {name: self.semantics.state(name, self.joints, base) for name in self.semantics.states}
 
     def equilibrium(

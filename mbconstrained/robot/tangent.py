@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -158,19 +159,21 @@ class Tangent:
             if joint.nq == 1 and low[joint.idx_q] < high[joint.idx_q]
         }
 
-    def outside_limits(self, q: np.ndarray, tolerance: float) -> str:
+    def outside_limits(self, values: Mapping[str, Any], tolerance: float, share: float = 0.0) -> str:
         """A sentence on the joints that are beyond their limits, with the first of them; or an empty text.
 
         Args:
-            q: shape (nq,).
+            values: by joint (rad, m), as of ``values``.
             tolerance: in rad or m.
+            share: of the range of a joint, added to the tolerance.
 
         Returns:
             The sentence.
         """
-        values, outside = self.values(q), []
+        outside = []
         for name, (low, high) in self.limits.items():
-            if not low - tolerance <= values[name] <= high + tolerance:
+            allowed = tolerance + share * (high - low)
+            if not low - allowed <= values[name] <= high + allowed:
                 unit = self.units[self.coordinates.index(name)]
                 outside.append(f'"{name}" at {values[name]:.6g} {unit} (limits {low:.6g} ... {high:.6g})')
         one = len(outside) == 1
@@ -294,7 +297,7 @@ class JointGear:
 
     Attributes:
         joint: the joint that follows.
-        leader: the joint that it follows.
+        leader: the joint that it follows, which may follow another one.
         ratio: -2 for a gear that turns twice as fast in the other direction; the radius of the pinion (m) for a rack.
         offset: the value of the joint where that of the leader is 0 (rad, m).
 
@@ -324,7 +327,7 @@ def geared(gears, mimics: tuple[Mimic, ...], joints: Mapping[str, bool]) -> tupl
         All of them.
 
     Raises:
-        InputError: no gears, an unknown joint, one that follows two, or a leader that follows.
+        InputError: no gears, an unknown joint, one that follows two joints or itself.
     """
     if isinstance(gears, JointGear) or not all(isinstance(one, JointGear) for one in gears):
         raise InputError("gears: expected a list of mb.JointGear(joint, leader, ratio)")
@@ -335,11 +338,22 @@ def geared(gears, mimics: tuple[Mimic, ...], joints: Mapping[str, bool]) -> tupl
             if not joints.get(name):
                 what = "has not one degree of freedom" if name in joints else "is no joint"
                 raise InputError(f'gears: "{name}" {what}{nearest(name, [key for key, single in joints.items() if single])}')
-        if followers.count(one.follower) > 1 or one.leader in followers:
-            raise InputError(
-                f'gears: "{one.follower}" follows "{one.leader}"; expected a joint that follows one, which follows none'
-            )
-    return (*mimics, *added)
+        if followers.count(one.follower) > 1:
+            raise InputError(f'gears: "{one.follower}" follows "{one.leader}" and another joint; expected one leader')
+    by_follower = {mimic.follower: mimic for mimic in (*mimics, *added)}
+    return (*mimics, *(_of_first_leader(one, by_follower) for one in added))
+
+
+def _of_first_leader(mimic: Mimic, by_follower: Mapping[str, Mimic]) -> Mimic:
+    """The same as a gear to the first joint of a train of gears, q = r (r' q' + o') + o."""
+    passed = {mimic.follower}
+    while (before := by_follower.get(mimic.leader)) is not None:
+        if before.follower in passed:
+            raise InputError(f'gears: "{mimic.follower}" follows itself; expected a train of gears that begins at another joint')
+        passed.add(before.follower)
+        ratio, offset = mimic.multiplier * before.multiplier, mimic.multiplier * before.offset + mimic.offset
+        mimic = Mimic(mimic.follower, before.leader, ratio, offset, before.leader_is_fixed)
+    return mimic
 
 
 def locked_values(locked, mimics: tuple[Mimic, ...]) -> dict[str, float]:

@@ -178,7 +178,7 @@ def by_phasors(found: Oscillations, coefficients, times) -> np.ndarray:
 
 @pytest.mark.parametrize("name", ["two", "even", "even from later", "a square number"])
 @pytest.mark.parametrize("growth", [0.0, -0.3, 0.2])
-@pytest.mark.parametrize("rows", [1, 5])
+@pytest.mark.parametrize("rows", [0, 1, 5])
 def test_phasors_are_turned_to_the_sums_of_cosines_and_sines(name, growth, rows):
     found, times = oscillations(growth, np.random.default_rng(1).uniform(0.1, 9.0, PAIRS)), TIMES[name]
     coefficients = rows_of(found, rows)

@@ -48,6 +48,14 @@ def test_massless_joints_that_jump():
     assert texts(motion, "impulse") == []
 
 
+def test_a_violation_that_is_nothing_next_to_another_is_not_reported():
+    """A row that an angle of rounded digits tilts by 1e-12, alone and with the row that the motion violates indeed."""
+    tilted, broken = Constraint([1, 0, 1e-12], names="tilted"), Constraint([0, 1, -0.5], names="broken")
+    for rows, reported in (([tilted], ["tilted"]), ([tilted, broken], ["broken"])):
+        motion = MechanicalSystem(np.eye(3), constraints=rows).solve(velocity=[0, 0, 0.1])
+        assert [text.split('"')[1] for text in texts(motion, "jump") if "violated" in text] == reported
+
+
 def test_an_impulse_of_a_coordinate():
     # an impulse on a massless joint on a damper moves it at once; on a spring alone it passes through
     spring = MechanicalSystem([[0.0]], stiffness=[[2.0]], names=["joint"]).solve(force=mb.impulse([3.0]))

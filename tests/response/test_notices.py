@@ -31,7 +31,7 @@ def test_slow_growth_is_told_beside_any_fast_decay(fast):
     (notice,) = x.notices
     assert notice.kind == "unstable"
     assert not notice.doubtful
-    assert "1 zero(s) in the right half plane" in notice.text and "e^(0.001 t)" in notice.text
+    assert "1 eigenvalue in the right half plane" in notice.text and "e^(0.001 t)" in notice.text
 
 
 def test_jumps_and_impulses_are_told_by_name_with_their_sizes():

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import mbconstrained as mb
-from tests.robot.linkages import GROUND, bar, joint, urdf
+from mbconstrained.robot.connections import AXES
+from tests.robot.linkages import GROUND, bar, joint, link, urdf
 
 PLANAR = urdf(GROUND, bar("plate", 0.5, 0.2), joint("slide", "frame", "plate", kind="planar"))
 PENDULUM = "robots/pendulum/pendulum.urdf"
@@ -52,6 +54,18 @@ def test_a_scene_names_coordinates_and_joints_with_several(tmp_path):
     (tmp_path / "robot.toml").write_text('urdf = "plate.urdf"\n[posture]\nguess = { slide = [1, 2] }')
     with pytest.raises(mb.SceneError, match=r"guess: slide: found an array of 2; expected \[x, y, angle\]"):
         mb.read_robot(tmp_path)
+
+
+def test_the_table_of_a_posture_has_the_loads_of_joints_with_several(tmp_path):
+    """The weight of a body on springs, and its moment about the origin."""
+    body = urdf(GROUND, link("table", 20.0, (0.1, 0, 0.2), (0.5, 0.6, 0.9)), joint("mount", "frame", "table", kind="floating"))
+    (tmp_path / "table.urdf").write_text(body)
+    springs = "".join(f'"mount {axis}" = 1e4\n' for axis in AXES)
+    (tmp_path / "robot.toml").write_text(f'urdf = "table.urdf"\n[joint_stiffness]\n{springs}')
+    scene = '[model]\nkind = "robot"\nrobot = "."\n[initial.displacement]\n"mount z" = 0.001\n[time]\nend = 1\n'
+    (tmp_path / "scene.toml").write_text(scene)
+    text = " ".join(mb.read_scene(tmp_path / "scene.toml").run().summary().split())
+    assert f"z {20 * 9.81:.6g} N, ry {-20 * 9.81 * 0.1:.6g} N m" in text
 
 
 def test_a_state_space_of_an_arm_goes_to_control_and_back():
@@ -114,3 +128,43 @@ def test_the_tool_of_an_arm_on_a_shaken_base():
     f = np.linspace(1.0, 40.0, 40001)
     H = arm.frequency_response(f, ["motion of base x"], tool, quantity="transmissibility").values[0, 0]
     assert R.covariance.item() == pytest.approx(np.trapezoid(np.abs(H) ** 2 * 0.02, f), rel=1e-6)
+
+
+def several(kind: str) -> tuple[mb.Robot, dict]:
+    """A heavy body on a joint with several degrees of freedom, whose springs carry it where the guess has it, and the guess."""
+    model, inertia = pin.Model(), pin.Inertia(2.0, np.array([0.1, 0.05, -0.3]), np.diag([0.03, 0.04, 0.02]))
+    number = model.addJoint(0, getattr(pin, f"JointModel{kind}")(), pin.SE3.Identity(), "mount")
+    model.appendBodyToJoint(number, inertia, pin.SE3.Identity())
+    model.addFrame(pin.Frame("body", number, 0, pin.SE3.Identity(), pin.FrameType.BODY))
+    model.gravity.linear = np.array([1.0, -2.0, -9.0])
+    name = "base" if kind == "FreeFlyer" else "mount"
+    guess = {"FreeFlyer": (0.1, 0.2, 0.3, 0.4, -0.5, 0.6), "Planar": (0.1, 0.2, 0.7), "Spherical": (0.4, -0.5, 0.6)}[kind]
+    axes = {"FreeFlyer": AXES, "Planar": ("x", "y", "rz"), "Spherical": AXES[3:]}[kind]
+    stiffness = {f"{name} {axis}": 40.0 + 9.0 * AXES.index(axis) for axis in axes}
+    return mb.Robot(model, joint_stiffness=stiffness), {name: guess}
+
+
+@pytest.mark.parametrize("kind", ["FreeFlyer", "Planar", "Spherical"])
+def test_springs_that_carry_a_load_have_the_stiffness_of_their_potential(kind):
+    """Differences of k x^2 / 2 - F x of each coordinate, the displacement along axes at rest or the rotation vector, and of the weight."""
+    robot, guess = several(kind)
+    posture = robot.equilibrium(guess)
+    system = robot.linearize(posture)
+    model, q0 = robot.model, posture.configuration
+    data, axes = model.createData(), [AXES.index(name.split()[1]) for name in robot.coordinates]
+    loads = np.array([posture.torques[name] for name in robot.coordinates])
+    pin.forwardKinematics(model, data, q0)
+    rest = data.oMi[1].copy()
+
+    def energy(step):
+        weight = pin.computePotentialEnergy(model, data, pin.integrate(model, q0, step))
+        pose = rest.actInv(data.oMi[1])
+        x = np.concatenate([pose.translation, pin.log3(pose.rotation)])[axes]
+        return weight + (robot.joint_stiffness * x**2).sum() / 2 - loads @ x
+
+    h, n = 1e-3, len(loads)
+    steps = h * np.eye(n)
+    expected = np.array([[sum(a * b * energy(a * e + b * f) for a in (1, -1) for b in (1, -1)) for f in steps] for e in steps])
+    assert np.abs(loads).max() > 1.0
+    assert system.stiffness == pytest.approx(expected / (4 * h * h), abs=1e-4 * np.abs(system.stiffness).max())
+    assert np.array_equal(system.stiffness, system.stiffness.T) and not system.notices

@@ -95,6 +95,30 @@ def test_legged_robots_are_trusted_where_they_are_right(name, seed):
     assert not [notice.text for notice in motion.notices if notice.doubtful]
 
 
+def test_a_head_that_is_a_point_on_three_axes_is_trusted():
+    """iCub upright: the mass matrix has a direction u without mass, which follows at once: u^T (C x' + K x) = 0 with x = Y y + u z."""
+    path = example_robot_data.file("icub_description/robots/icub.urdf")
+    names = mb.Robot(path).joints
+    robot = mb.Robot(path, joint_stiffness=dict.fromkeys(names, 300.0), joint_damping=dict.fromkeys(names, 2.0))
+    system = robot.linearize(robot.equilibrium())
+    M, C, K = system.mass, system.damping, system.stiffness
+    masses, V = np.linalg.eigh(M)
+    assert abs(masses[0]) < 1e-15 < 1e-5 < masses[1]
+    Y, u, n = V[:, 1:], V[:, 0], len(M) - 1
+    rates = np.zeros((2 * n + 1, 2 * n + 1))  # of y, z, y'
+    rates[:n, n + 1 :] = np.eye(n)
+    rates[n] = -np.concatenate([u @ K @ Y, [u @ K @ u], u @ C @ Y]) / (u @ C @ u)
+    forces = np.column_stack([Y.T @ K @ Y, Y.T @ K @ u, Y.T @ C @ Y]) + np.outer(Y.T @ C @ u, rates[n])
+    rates[n + 1 :] = -np.linalg.solve(Y.T @ M @ Y, forces)
+    start = 0.01 * np.random.default_rng(0).standard_normal(n + 1)
+    motion, times = system.solve(displacement=start), np.linspace(0.0, 1.0, 11)
+    states = [scipy.linalg.expm(rates * t) @ np.concatenate([Y.T @ start, [u @ start], np.zeros(n)]) for t in times]
+    known = np.array([Y @ state[:n] + u * state[n] for state in states]).T
+    error = np.abs(motion.displacement(times) - known).max() / np.abs(known).max()
+    assert error <= max(motion.error_estimate(times), 1e-11) <= 1e-6
+    assert not [notice.text for notice in motion.notices if notice.doubtful]
+
+
 ARMS = {
     "panda": ("panda_description/urdf/panda.urdf", 9),
     "ur5": ("ur_description/urdf/ur5_robot.urdf", 6),

@@ -76,7 +76,8 @@ def test_another_mass_changes_the_inertia_in_the_same_ratio():
         ({"motors": {"swim": mb.Motor()}}, 'motors: there is no joint "swim"'),
         ({"motors": {"swing": mb.Motor()}, "flexible_joints": {"swing": mb.FlexibleJoint(1.0)}}, "is a flexible joint"),
         ({"gears": [mb.JointGear("swing", "swim", 1.0)]}, 'gears: "swim" is no joint'),
-        ({"gears": [mb.JointGear("swing", "swing", 1.0)]}, "which follows none"),
+        ({"gears": [mb.JointGear("swing", "swing", 1.0)]}, '"swing" follows itself'),
+        ({"gears": [mb.JointGear("swing", "swing", 1.0)] * 2}, '"swing" follows "swing" and another joint'),
     ],
 )
 def test_messages(options, message):
@@ -84,7 +85,8 @@ def test_messages(options, message):
         mb.Robot(PENDULUM, **options)
 
 
-def test_a_gear_and_a_rack():
+@pytest.mark.parametrize("train", [False, True])
+def test_a_gear_and_a_rack(train):
     # a wheel of inertia I with a torsion spring k, geared by r to a second wheel, and by a pinion of radius a to a mass on a spring
     parts = [
         link("wheel", 1.0, (0, 0, 0), (1, 1, 0.4)),
@@ -97,15 +99,20 @@ def test_a_gear_and_a_rack():
         joint("rail", "frame", "slide", "prismatic", axis=(1, 0, 0)),
     ]
     r, a, k, c = -2.0, 0.05, 8.0, 700.0
+    shift = 0.3 * a / r - 0.02 if train else 0.0  # of the rack, which the second wheel drives in a train of gears
+    second = mb.JointGear("other", "turn", r, 0.3 if train else 0.0)
+    rack = mb.JointGear("rail", "other", a / r, -0.02) if train else mb.JointGear("rail", "turn", a)
     robot = mb.Robot(
         urdf(GROUND, *parts, *joints),
         gravity=PLANE,
         joint_stiffness={"turn": k, "rail": c},
         joint_rest={"turn": 0.0, "rail": 0.0},
-        gears=[mb.JointGear("other", "turn", r), mb.JointGear("rail", "turn", a)],
+        gears=[rack, second],
     )
     posture = robot.equilibrium({"turn": 0.2})
-    assert posture.joints == pytest.approx({"turn": 0.0, "other": 0.0, "rail": 0.0}, abs=1e-12)
+    turn = -c * a * shift / (k + a**2 * c)
+    rests = {"turn": turn, "other": r * turn + second.offset, "rail": a * turn + shift}
+    assert posture.joints == pytest.approx(rests, abs=1e-12)
     (frequency,) = robot.linearize(posture).modes().natural_frequencies
     assert frequency**2 == pytest.approx((k + a**2 * c) / (0.4 + r**2 * 0.1 + a**2 * 3.0), rel=1e-12)
 

@@ -49,11 +49,22 @@ def test_a_ball_joint_of_an_mjcf_swings_about_both_axes(tmp_path):
     assert tilted.torques["ball rx"] == pytest.approx(2 * 9.81 * 0.5 * np.sin(0.3), rel=1e-12)
 
 
+def test_a_model_without_a_link_on_the_ground():
+    """A physical pendulum whose only body hangs in the world: omega^2 = m g l / (I + m l^2)."""
+    model = pin.Model()
+    number = model.addJoint(0, pin.JointModelRY(), pin.SE3.Identity(), "hinge")
+    model.appendBodyToJoint(number, pin.Inertia(2.0, np.array([0, 0, -0.5]), np.diag([0.03, 0.04, 0.01])), pin.SE3.Identity())
+    model.addFrame(pin.Frame("bob", number, 0, pin.SE3.Identity(), pin.FrameType.BODY))
+    robot = mb.Robot(model)
+    (frequency,) = robot.linearize(robot.equilibrium()).modes().natural_frequencies
+    assert frequency == pytest.approx(np.sqrt(2 * 9.81 * 0.5 / (0.04 + 2 * 0.25)), rel=1e-12)
+
+
 def test_what_a_model_cannot_have():
     model = pin.Model()
     number = model.addJoint(0, pin.JointModelUniversal(np.array([1.0, 0, 0]), np.array([0, 1.0, 0])), pin.SE3.Identity(), "cross")
     model.appendBodyToJoint(number, pin.Inertia.Random(), pin.SE3.Identity())
-    with pytest.raises(mb.InputError, match="no body"):
+    with pytest.raises(mb.InputError, match=r"no body.*model.addBodyFrame"):
         mb.Robot(model)
     model.addBodyFrame("bob", number, pin.SE3.Identity(), 0)
     with pytest.raises(mb.InputError, match='the joint "cross" is a Universal'):

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.robot.connections import turned_product
+from mbconstrained.robot.kinematics import turned_product
 from tests.robot.linkages import GROUND, joint, link, null_space, urdf
 
 
@@ -144,8 +144,8 @@ def test_feet_slip_only_where_no_share_of_the_load_keeps_them_in_place():
     least_norm = table(0.3)
     pulls = [value[2] * -1 for value in least_norm.reactions.values()]
     assert min(pulls) < 0  # the share of least norm would pull, but three feet carry the box
-    assert not [notice for notice in least_norm.notices if "foot" in notice.text and "slips" in notice.text]
+    assert not [notice for notice in least_norm.notices if "slip" in notice.text or "lift" in notice.text]
     slope = table(0.3, np.arctan(0.28))
-    assert not [notice for notice in slope.notices if "slips" in notice.text or "lifts" in notice.text]
+    assert not [notice for notice in slope.notices if "slip" in notice.text or "lift" in notice.text]
     steep = table(0.3, np.arctan(0.32))
-    assert [notice for notice in steep.notices if "slips" in notice.text or "lifts" in notice.text]
+    assert [notice for notice in steep.notices if "slip" in notice.text or "lift" in notice.text]

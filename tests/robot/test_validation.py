@@ -230,6 +230,8 @@ def test_loops_that_contradict_each_other():
         ((1, -1, 1), "of which one is negative", True),
         ((1, 1, 1, 3, 0, 0), "of which one is negative", True),
         ((1, -1e-8, 1), "rounded zeros below zero", False),
+        ((9e-8, -4e-8, 4e-8), "too small to matter", False),  # next to the 1 kg m^2 of the frame, as antennas of 1 mg of TIAGo
+        ((5e-20, 5e-21, 4e-20), None, False),
         ((-2e-41, -2e-41, -2e-41), "rounded zeros below zero", False),
         ((1, 0.4, 0.5), "exceeds the sum of the others", False),
         ((1, 0.4, 0.599), None, False),
@@ -244,6 +246,13 @@ def test_inertias_that_no_body_has_are_reported_for_all_links_at_once(moments, t
     assert [(text in notice.text, "and 1 more" in notice.text, notice.doubtful) for notice in notices] == [
         (True, True, doubtful)
     ] * bool(text)
+
+
+def test_a_robot_that_nothing_carries_is_told_which_force_is_without_balance():
+    body = urdf(link("box", 4.0, (0, 0, 0), (1, 1, 1)))
+    with refused("39.24 N on base z stay without balance"):
+        mb.Robot(body, base="free").equilibrium()
+    assert not mb.Robot(body, base="free", gravity=0).equilibrium().residual
 
 
 def test_a_robot_without_masses_is_noted_in_these_words():

@@ -227,7 +227,7 @@ def of_phasors(phasors: np.ndarray, rates: np.ndarray, times: np.ndarray, step: 
     coarse = np.multiply(phasors[:, None], _exponentials(rates.conj(), times[::fine], decays), order="C")
     table = _exponentials(rates, step * np.arange(fine), decays)
     result = coarse.view(float).reshape(-1, 2 * len(rates)) @ table.view(float).T
-    return np.ascontiguousarray(result.reshape(len(phasors), -1)[:, : len(times)])
+    return np.ascontiguousarray(result.reshape(len(phasors), coarse.shape[1] * fine)[:, : len(times)])
 
 
 def _exponentials(rates: np.ndarray, times: np.ndarray, decays: bool) -> np.ndarray:

@@ -58,7 +58,7 @@ class EffectiveMasses(Displayed):
         ]
         rows.append(("all", "", *(f"{total:.4g}" for total in self.totals)))
         titles = (f"{name} ({unit})" for name, unit in zip(self.directions, self.units))
-        note = "modes without damping; all: of all motions relative to the base; in brackets: the share of the modes up to this one"
+        note = "oscillations without damping, by frequency; all: of all motions relative to the base; in brackets: the share up to here"
         return TextTable("Effective modal masses", ("mode", "Hz", *titles), tuple(rows), note)
 
     def as_json(self) -> dict:

@@ -1,4 +1,4 @@
-"""Masses of links besides those of the URDF: payloads, and other masses and inertias of links."""
+"""Masses of links: payloads, other masses and inertias than those of the URDF, and notices on those that no body has."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from ...ground.checks import nearest, real_array, real_number
+from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
+from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import noise_of
-from .urdf import number
-
-_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+from .urdf import MOMENTS, RENAMED_GROUND, ROUNDED, moments, number, short
 
 
 @dataclass(frozen=True)
@@ -90,9 +90,77 @@ def replace_masses(robot: Element, masses: Mapping[str, float], inertias: Mappin
                 f'masses: the link "{name}" has no mass in the URDF, so that its inertia has no ratio to it; give inertias, too'
             )
         element.set("value", repr(new))
-        for key in _MOMENTS:
+        for key in MOMENTS:
             moment = number(inertia.get(key), f'urdf, link "{name}", inertia, {key}')
             inertia.set(key, repr(moment * (new / old if old else 0.0)))
-    for name, moments in inertias.items():
-        for key, value in zip(_MOMENTS, _tensor(moments, f"inertias: {name}")[np.triu_indices(3)].tolist()):
+    for name, given in inertias.items():
+        for key, value in zip(MOMENTS, _tensor(given, f"inertias: {name}")[np.triu_indices(3)].tolist()):
             links[name].find("inertial/inertia").set(key, repr(value))
+
+
+#: The triangle inequality of principal moments holds to this share, the digits that descriptions are rounded to.
+ROUNDED_TRIANGLE = 1e-2
+
+#: So many links are named in a notice, the others are counted.
+MOST_NAMED_LINKS = 3
+
+
+def description_notices(robot: Element) -> tuple[Notice, ...]:
+    """What a description contains that no body has, and what of it is not used; one notice for all links or joints of a kind.
+
+    Args:
+        robot: checked.
+
+    Returns:
+        Notices on renamed links, on masses and inertias, and on joints that follow none.
+    """
+    notices = []
+    if any(link.get("name") == RENAMED_GROUND for link in robot.findall("link")):
+        text = f'the link "{GROUND}" is called "{RENAMED_GROUND}" here, since "{GROUND}" is what does not move'
+        notices.append(Notice(NoticeKind.OVERRIDE, text))
+    if robot.find("link/inertial") is None:
+        text = "no link has an <inertial>: the robot has no mass, and no motion can be computed without springs or masses"
+        notices.append(Notice(NoticeKind.OMITTED, text))
+    joints = {joint.get("name"): joint for joint in robot.findall("joint")}
+    lost = [
+        f'"{short(name)}" (of "{short(joint.find("mimic").get("joint", ""))}")'
+        for name, joint in joints.items()
+        if joint.find("mimic") is not None and joint.find("mimic").get("joint", "") not in joints
+    ]
+    if lost:
+        notices.append(
+            Notice(NoticeKind.OMITTED, f"mimic joints of which the leader does not exist move by themselves: {_first(lost)}")
+        )
+    return (*notices, *_inertia_notices(robot))
+
+
+def _inertia_notices(robot: Element) -> list[Notice]:
+    """Inertias that no body has: rounded zeros and broken triangle inequalities are noted, negative moments doubted."""
+    principal = {}
+    for link in robot.findall("link"):
+        if (inertia := link.find("inertial/inertia")) is not None:
+            tensor = np.zeros((3, 3))
+            tensor[np.triu_indices(3)] = list(moments(inertia, "").values())
+            principal[link.get("name")] = np.linalg.eigvalsh(tensor + np.triu(tensor, 1).T)
+    largest = max((values[-1] for values in principal.values()), default=0.0)
+    smallest = 1e-3 * ROUNDED * largest
+    rounded, slight, negative, broken = [], [], [], []
+    for name, values in principal.items():
+        shown = f'"{short(name)}" ({", ".join(f"{value:.3g}" for value in values)} kg m^2)'
+        if values[0] < 0:
+            is_rounded = values[0] >= -max(ROUNDED * abs(values[-1]), smallest)
+            (rounded if is_rounded else slight if values[0] >= -ROUNDED * largest else negative).append(shown)
+        elif values[2] > max((1 + ROUNDED_TRIANGLE) * (values[0] + values[1]), smallest):
+            broken.append(shown)
+    texts = [
+        ("moments of inertia that are rounded zeros below zero", rounded, False),
+        ("principal moments of inertia of which one is negative, which no body has, too small to matter here", slight, False),
+        ("principal moments of inertia of which one is negative, which no body has", negative, True),
+        ("principal moments of inertia of which one exceeds the sum of the others, which no body has", broken, False),
+    ]
+    return [Notice(NoticeKind.ACCURACY, f"{text}: {_first(links)}", doubtful) for text, links, doubtful in texts if links]
+
+
+def _first(names: list[str]) -> str:
+    more = f" and {len(names) - MOST_NAMED_LINKS} more" if len(names) > MOST_NAMED_LINKS else ""
+    return ", ".join(names[:MOST_NAMED_LINKS]) + more

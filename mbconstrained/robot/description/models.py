@@ -41,6 +41,10 @@ class ModelFile:
     states: Mapping[str, np.ndarray] = field(default_factory=dict)
     notices: tuple[Notice, ...] = ()
 
+    def named_states(self, tangent) -> dict[str, dict]:
+        """The states as guesses: values (rad, m) by joint, of the joints of a ``Tangent``; none where joints of the file are locked."""
+        return {name: tangent.values(q) for name, q in self.states.items() if len(q) == tangent.model.nq}
+
 
 def is_model(given) -> bool:
     """Whether this is a pinocchio model; pinocchio is imported only where it may be one."""
@@ -76,7 +80,7 @@ def described(model) -> Element:
             link = SubElement(robot, "link", name=str(frame.name))
             first.setdefault(int(frame.parentJoint), link)
     if not first:
-        raise InputError("model: found no body; expected a pinocchio model with frames of bodies")
+        raise InputError('model: found no body; name the bodies, model.addBodyFrame("link", joint, pinocchio.SE3.Identity(), 0)')
     for number in range(1, model.njoints):
         joint, name = model.joints[number], str(model.names[number])
         kind = joint.shortname()

@@ -12,12 +12,9 @@ from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-import numpy as np
-
 from ...ground.checks import nearest
 from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
-from ...ground.notices import Notice, NoticeKind
 
 LARGEST_URDF = 5_000_000  # bytes; the URDF of a humanoid has a few hundred thousand
 MOST_LINKS = 2_000
@@ -157,7 +154,7 @@ class Mimic:
 
 
 def mimics_of(root: ElementTree.Element) -> tuple[Mimic, ...]:
-    """The joints that follow others; one whose leader the URDF does not have moves by itself (``description_notices``).
+    """The joints that follow others; one whose leader the URDF does not have moves by itself (``masses.description_notices``).
 
     Raises:
         InputError: a leader that follows another joint; invalid numbers.
@@ -290,17 +287,11 @@ def short(text) -> str:
 # The parser of pinocchio replaces an inertia that it cannot read by none; the skeleton that it gets here contains checked
 # masses and joints alone, without shapes.
 
-_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 #: A negative moment of inertia below this share of the largest of its link, or a thousandth of it of the largest of all, is a
-#: rounded zero.
+#: rounded zero; below this share of the largest of all it is noted, and no reason for doubt.
 ROUNDED = 1e-6
-
-#: The triangle inequality of principal moments holds to this share, the digits that descriptions are rounded to.
-ROUNDED_TRIANGLE = 1e-2
-
-#: So many links are named in a notice, the others are counted.
-MOST_NAMED_LINKS = 3
 
 _UNLIMITED = ("continuous", "fixed", "floating", "planar")
 
@@ -335,12 +326,21 @@ def _copy_inertial(link: Element, inertial: Element, where: str) -> None:
     copy = SubElement(link, "inertial")
     _copy_origin(copy, inertial, where)
     SubElement(copy, "mass", value=_text([number(mass.get("value"), f"{where}, mass", minimum=0.0)]))
-    moments = _moments(inertia, where)
-    SubElement(copy, "inertia", {key: _text([value]) for key, value in moments.items()})
+    values = moments(inertia, where)
+    SubElement(copy, "inertia", {key: _text([value]) for key, value in values.items()})
 
 
-def _moments(inertia: Element, where: str) -> dict[str, float]:
-    return {key: number(inertia.get(key), f"{where}, inertia, {key}") for key in _MOMENTS}
+def moments(inertia: Element, where: str) -> dict[str, float]:
+    """The six moments of an element <inertia> by name.
+
+    Args:
+        inertia: the element.
+        where: its place, for messages.
+
+    Returns:
+        In kg m^2.
+    """
+    return {key: number(inertia.get(key), f"{where}, inertia, {key}") for key in MOMENTS}
 
 
 def _copy_joint(robot: Element, joint: Element, where: str) -> None:
@@ -389,62 +389,3 @@ def _limits(joint: Element, where: str) -> dict[str, float]:
 
 def _text(values: list[float]) -> str:
     return " ".join(map(repr, values))
-
-
-def description_notices(robot: Element) -> tuple[Notice, ...]:
-    """What a description contains that no body has, and what of it is not used; one notice for all links or joints of a kind.
-
-    Args:
-        robot: checked.
-
-    Returns:
-        Notices on renamed links, on masses and inertias, and on joints that follow none.
-    """
-    notices = []
-    if any(link.get("name") == RENAMED_GROUND for link in robot.findall("link")):
-        text = f'the link "{GROUND}" is called "{RENAMED_GROUND}" here, since "{GROUND}" is what does not move'
-        notices.append(Notice(NoticeKind.OVERRIDE, text))
-    if robot.find("link/inertial") is None:
-        text = "no link has an <inertial>: the robot has no mass, and no motion can be computed without springs or masses"
-        notices.append(Notice(NoticeKind.OMITTED, text))
-    joints = {joint.get("name"): joint for joint in robot.findall("joint")}
-    lost = [
-        f'"{short(name)}" (of "{short(joint.find("mimic").get("joint", ""))}")'
-        for name, joint in joints.items()
-        if joint.find("mimic") is not None and joint.find("mimic").get("joint", "") not in joints
-    ]
-    if lost:
-        notices.append(
-            Notice(NoticeKind.OMITTED, f"mimic joints of which the leader does not exist move by themselves: {_first(lost)}")
-        )
-    return (*notices, *_inertia_notices(robot))
-
-
-def _inertia_notices(robot: Element) -> list[Notice]:
-    """Inertias that no body has: rounded zeros and broken triangle inequalities are noted, negative moments doubted."""
-    principal = {}
-    for link in robot.findall("link"):
-        if (inertia := link.find("inertial/inertia")) is not None:
-            tensor = np.zeros((3, 3))
-            tensor[np.triu_indices(3)] = list(_moments(inertia, "").values())
-            principal[link.get("name")] = np.linalg.eigvalsh(tensor + np.triu(tensor, 1).T)
-    largest = max((values[-1] for values in principal.values()), default=0.0)
-    rounded, negative, broken = [], [], []
-    for name, values in principal.items():
-        shown = f'"{short(name)}" ({", ".join(f"{value:.3g}" for value in values)} kg m^2)'
-        if values[0] < 0:
-            is_rounded = values[0] >= -ROUNDED * max(abs(values[-1]), 1e-3 * largest)
-            (rounded if is_rounded else negative).append(shown)
-        elif values[2] > (1 + ROUNDED_TRIANGLE) * (values[0] + values[1]):
-            broken.append(shown)
-    texts = [
-        ("moments of inertia that are rounded zeros below zero", rounded, False),
-        ("principal moments of inertia of which one is negative, which no body has", negative, True),
-        ("principal moments of inertia of which one exceeds the sum of the others, which no body has", broken, False),
-    ]
-    return [Notice(NoticeKind.ACCURACY, f"{text}: {_first(links)}", doubtful) for text, links, doubtful in texts if links]
-
-
-def _first(names: list[str]) -> str:
-    more = f" and {len(names) - MOST_NAMED_LINKS} more" if len(names) > MOST_NAMED_LINKS else ""
-    return ", ".join(names[:MOST_NAMED_LINKS]) + more

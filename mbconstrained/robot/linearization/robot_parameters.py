@@ -157,6 +157,6 @@ def _with_masses(
 def _again(posture: Posture, robot: Robot, load: Load) -> Posture:
     """The equilibrium of a robot that differs a little, near the posture; the same coordinates keep their values."""
     free = ~np.isin(robot.coordinates, list(posture.torques))
-    state = equilibrium(Search(robot.tree, load, free), posture.configuration)
+    state = equilibrium(Search(robot.tree, load, free, names=robot.coordinates), posture.configuration)
     balance = state.balance
     return replace(posture, robot=robot, configuration=balance.configuration, multipliers=state.multipliers, balance=balance)

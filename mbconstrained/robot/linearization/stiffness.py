@@ -9,13 +9,15 @@ import numpy as np
 
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS, SYMMETRIC_STIFFNESS, noise_of
+from ..connections import AXES
+from ..kinematics import cross_matrix
 from ..statics.equilibrium import rows_of
 
 if TYPE_CHECKING:
     from ..posture import Posture
 
-#: Rounding of an entry that is computed through a chain of joints, relative to the largest of its kind.
-COMPUTED = 4 * EPS
+#: Rounding of an entry that is computed through a chain of joints, a rotation at each, relative to the largest of its kind.
+COMPUTED = 16 * EPS
 
 
 def stiffness_parts(posture: Posture) -> list[tuple[str, np.ndarray]]:
@@ -25,12 +27,32 @@ def stiffness_parts(posture: Posture) -> list[tuple[str, np.ndarray]]:
     springs, applied = others[: len(balance.elastic)], others[len(balance.elastic) :]
     sizes = balance.entry_sizes
     rest = np.sum([cleaned(part, sizes) for part in (gravity, *applied)], axis=0)
-    rest = rest - sum(cleaned(part, sizes) for part in balance.geometric(posture.multipliers))
+    rest = rest - sum(cleaned(part, sizes) for part in balance.geometric(posture.multipliers)) + _of_loads(posture)
     parts = [(f"spring of {name}", np.diag(row)) for name, row, k in zip(robot.coordinates, joints, robot.joint_stiffness) if k]
     gains = zip(robot.coordinates, np.diag(robot.position_gains), robot.position_gains)
     parts += [(f"control of {name}", np.diag(row)) for name, row, k in gains if k]
     parts += [(item.connection.name, cleaned(part, sizes)) for item, part in zip(balance.load.springs, springs)]
     return [*parts, ("gravity and forces", rest)]
+
+
+def _of_loads(posture: Posture) -> np.ndarray:
+    """The stiffness of the loads that keep joints with several degrees of freedom in place, which have a potential -F . p - T . theta.
+
+    A force F keeps its direction while the body turns, and T belongs to the rotation vector theta from the posture (semitangential):
+    along the axes of the body they change by F x theta and T x theta / 2.
+    """
+    robot, K = posture.robot, np.zeros((len(posture.robot.coordinates),) * 2)
+    for joint in robot.joints:
+        own = robot.tangent.coordinates_of(joint)
+        if len(own) == 1:
+            continue
+        places = [robot.coordinates.index(name) for name in own]
+        axes = [AXES.index(name.removeprefix(f"{joint} ")) for name in own]
+        wrench, change = np.zeros(6), np.zeros((6, 6))
+        wrench[axes] = [posture.torques.get(name, 0.0) for name in own]
+        change[:3, 3:], change[3:, 3:] = cross_matrix(wrench[:3]), cross_matrix(wrench[3:]) / 2
+        K[np.ix_(places, places)] = -change[np.ix_(axes, axes)]
+    return K
 
 
 def stiffness_rounding(posture: Posture) -> np.ndarray:

@@ -46,12 +46,14 @@ class Search:
         load: the loads and connections.
         free: which coordinates may move, shape (nv,).
         rounded: advice on rounded angles for loops that stay slightly open, or an empty string.
+        names: of the coordinates, for messages.
     """
 
     tree: Tree
     load: Load
     free: np.ndarray
     rounded: str = ""
+    names: tuple[str, ...] = ()
 
     def at(self, q: np.ndarray) -> Balance:
         """The balance of forces in a configuration."""
@@ -191,7 +193,7 @@ def equilibrium(search: Search, q: np.ndarray) -> Equilibrium:
     state = _followed(search, start, _newton_step)
     if state.badness > 1.0:  # near a saddle, or no stiffness where the force points
         state = _followed(search, _followed(search, start, _downhill_step), _newton_step)
-    _check(state, search.rounded)
+    _check(state, search)
     return state
 
 
@@ -259,7 +261,7 @@ def _whole(part: np.ndarray, load: Load, free: np.ndarray) -> np.ndarray:
     return step
 
 
-def _check(state: Equilibrium, rounded: str) -> None:
+def _check(state: Equilibrium, search: Search) -> None:
     singular = (
         f"; near here the rows of the loops become dependent (relative singular value {state.rows.narrowest:.1e}): the posture is "
         "singular, choose one away from it"
@@ -269,11 +271,19 @@ def _check(state: Equilibrium, rounded: str) -> None:
     if state.gap > LOOPS_CLOSED or state.misfit > LOOPS_CLOSED_AS_ROUNDED:
         row, gap, unit = state.balance.widest_gap
         nearer = "; give a guess that is nearer, or check the lengths of the links and the fixed joints"
-        advice = f"; {rounded}" if rounded and state.misfit < LOOPS_TILTED else singular or nearer
+        advice = f"; {search.rounded}" if search.rounded and state.misfit < LOOPS_TILTED else singular or nearer
         raise InputError(f"equilibrium: the loops do not close near the guess: {row} stays open by {gap:.3g} {unit}{advice}")
     if not state.residual <= BALANCED:
-        advice = singular or "; give another guess, springs, forces, or joints to hold"
+        advice = singular or "; give another guess, springs, loops, forces, or joints to hold"
         raise InputError(
-            f"equilibrium: there is none near the guess: {state.residual:.2g} of the largest force stays without balance after "
-            f"{MOST_STEPS} steps of Newton's method{advice}"
+            f"equilibrium: there is none near the guess: {_unbalanced(state, search)} stay without balance, {state.residual:.2g} of the "
+            f"largest force, after {MOST_STEPS} steps of Newton's method{advice}"
         )
+
+
+def _unbalanced(state: Equilibrium, search: Search) -> str:
+    """The coordinate with the largest force without balance, both in comparable units, and that force."""
+    left = np.where(search.free, state.balance.force - state.balance.jacobian.T @ state.multipliers, 0.0)
+    worst = int(np.abs(left * search.load.lengths).argmax())
+    unit = "N m" if search.load.units[worst] == "rad" else "N"
+    return f"{abs(left[worst]):.4g} {unit} on {search.names[worst]}"

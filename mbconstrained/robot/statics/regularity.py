@@ -13,7 +13,7 @@ motion that the linear equations allow.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from copy import copy, deepcopy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -70,11 +70,30 @@ def loop_rows(balance: Balance, nearest: Balance, rounded: str, with_all_digits:
     _check_regular(balance, rows.combinations.T / load.row_lengths, rows.motions)
     order = scipy.linalg.qr(J.T, mode="economic", pivoting=True)[2] if J.size else np.arange(len(J))
     kept = tuple(sorted(order[: rows.rank].tolist()))
-    empty = np.abs(J).max(axis=1, initial=0.0) <= LOOP_RANK
+    empty = _empty(balance)
     notices = _redundant({load.row_names[row]: bool(empty[row]) for row in range(len(J)) if row not in kept})
     here = np.abs(rows.combinations.T @ balance.scaled_gaps).max(initial=0.0)
     open_by = float(min(here, np.abs(nearest.scaled_gaps).max(initial=0.0)))
     return LoopRows(kept, (*notices, *_narrow(rows, open_by, rounded, with_all_digits)))
+
+
+def implied_rows(balance: Balance, kept: Sequence[int]) -> tuple[str, ...]:
+    """The names of the rows that were left out because others imply them, so that it is open how they share forces.
+
+    Args:
+        balance: of forces, in the posture.
+        kept: places of the others.
+
+    Returns:
+        Without those that the joints satisfy by themselves, which have no force.
+    """
+    empty, names = _empty(balance), balance.load.row_names
+    return tuple(name for row, name in enumerate(names) if row not in kept and not empty[row])
+
+
+def _empty(balance: Balance) -> np.ndarray:
+    """Which rows no coordinate enters, shape (m,)."""
+    return np.abs(balance.scaled_jacobian).max(axis=1, initial=0.0) <= LOOP_RANK
 
 
 def _narrow(rows: Rows, open_by: float, rounded: str, with_all_digits: Callable[[], Balance]) -> list[Notice]:

@@ -29,7 +29,7 @@ class RobotData:
         path: the robot.toml.
         table: its content.
         names: of the links and joints in its URDF.
-        semantics: the states of its SRDF.
+        semantics: the states of its SRDF or MJCF.
         package_dirs: folders in which package://NAME/... is looked up.
         locks: joints that the files name as locked, with their values in SI.
         locked: the same with those that follow them.
@@ -143,13 +143,13 @@ def robot_data(path: Path, data: dict, place: str, package_dirs: Sequence[str | 
         urdf = inside(folder, table.urdf, "the URDF must lie in the robot's folder", 'the name of a file, e.g. "robot.urdf"')
     with at(f"{folder.name}/{urdf.name}"):
         names = names_of_urdf(urdf, table.base != "fixed")
-    semantics = _semantics(table.srdf, folder, place)
+    semantics = _semantics(table.srdf, folder, place, names.states)
     dirs = (*_package_dirs(table.package_dirs, folder, place), *(Path(place).resolve() for place in package_dirs))
     texts = count_texts({key: value for key, value in data.items() if key not in ("title", "source", "licence", "urdf")})
     with at(place, "locked"):
         locked = joint_values(table.locked, names, PLACE)
     with at(place, "posture"):
-        posture = posing(table.posture, names, table.base == "free", semantics)
+        posture = posing(table.posture, names, table.base, semantics)
     with at(place, "the robot"):
         return RobotData(path, table, names, semantics, dirs, unit_texts=texts, place=place, _posture=posture).with_locked(locked)
 
@@ -171,14 +171,15 @@ def robot_of(data: RobotData) -> Robot:
         return Robot(data.names.path, srdf=srdf, package_dirs=data.package_dirs, name=data.name, locked=data.locked, **values)
 
 
-def _semantics(name: str | None, folder: Path, place: str) -> SemanticDescription:
-    """Of the SRDF file, empty without one."""
+def _semantics(name: str | None, folder: Path, place: str, states: Mapping[str, dict]) -> SemanticDescription:
+    """Of the SRDF file, if there is one, with states of an MJCF."""
     from ...robot.description.srdf import SemanticDescription, read_srdf
 
     with at(place, "srdf"):
         if name is None:
-            return SemanticDescription()
-        return read_srdf(inside(folder, name, "the SRDF must lie in the robot's folder", 'the name of a file, e.g. "robot.srdf"'))
+            return SemanticDescription(dict(states))
+        own = read_srdf(inside(folder, name, "the SRDF must lie in the robot's folder", 'the name of a file, e.g. "robot.srdf"'))
+        return SemanticDescription({**states, **own.states}, own.rotors)
 
 
 def _package_dirs(dirs: Sequence[str], folder: Path, place: str) -> list[Path]:

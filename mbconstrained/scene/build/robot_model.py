@@ -71,7 +71,7 @@ def robot_scene(model, changed: dict, folder: Path, file_name: SceneName, lap: C
     data = robot_data(path, changed, robot_name(file_name, f"{path.absolute().parent.name}/{path.name}"))
     with at(file_name, "model"):
         data = data.with_locked(joint_values(model.locked, data.names, PLACE))
-        arguments = _posture_arguments(data, posing(model, data.names, data.table.base == "free", data.semantics))
+        arguments = _posture_arguments(data, posing(model, data.names, data.table.base, data.semantics))
     robot = robot_of(data)
     lap("robot model (pinocchio)")
     with at(file_name, "model"):

@@ -44,6 +44,8 @@ class UrdfNames:
         several: the coordinates of joints with several degrees of freedom, by joint.
         mimics: joints that follow others.
         meshes: file names of the meshes that are drawn, as they stand in the URDF, each with its link.
+        states: values by joint, by name of a key frame of an MJCF file.
+        has_free_joint: whether the base of an MJCF file is free by itself.
     """
 
     path: Path
@@ -52,6 +54,8 @@ class UrdfNames:
     mimics: tuple[Mimic, ...]
     meshes: tuple[tuple[str, str], ...]
     several: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    states: Mapping[str, dict] = field(default_factory=dict)
+    has_free_joint: bool = False
 
     def joint_unit(self, name: str) -> str:
         """The unit of a joint.
@@ -92,25 +96,28 @@ def names_of_urdf(path: Path, free_base: bool = False) -> UrdfNames:
         InputError: it cannot be read, is too large, or is no URDF.
     """
     from ...robot.description.mjcf import is_mjcf, read_mjcf
-    from ...robot.description.models import described
+    from ...robot.description.models import described, has_free_base
     from ...robot.description.urdf import checked_tree, mimics_of, read_urdf
+    from ...robot.tangent import Tangent
 
     if not path.is_file():
         others = [other.name for other in path.parent.glob("*.urdf")] if path.parent.is_dir() else []
         raise InputError(f"there is no file {shown(path.name)}{nearest(path.name, others)}")
-    root = described(read_mjcf(path, free_base).model) if is_mjcf(path) else checked_tree(read_urdf(path)[0])
+    mjcf = read_mjcf(path, free_base) if is_mjcf(path) else None
+    has_free_joint = mjcf is not None and has_free_base(mjcf.model)
+    root = described(mjcf.model) if mjcf else checked_tree(read_urdf(path)[0])
     units = {joint.get("name").strip(): JOINT_UNITS.get(joint.get("type")) for joint in root.findall("joint")}
-    several = [(joint.get("name").strip(), COORDINATE_UNITS.get(joint.get("type"), {})) for joint in root.findall("joint")]
+    own_units = [(joint.get("name").strip(), COORDINATE_UNITS.get(joint.get("type"), {})) for joint in root.findall("joint")]
     coordinates = {}
-    for name, own in (*several, *([(BASE, COORDINATE_UNITS["floating"])] if free_base else [])):
+    for name, own in (*own_units, *([(BASE, COORDINATE_UNITS["floating"])] if free_base or has_free_joint else [])):
         units |= {f"{name} {suffix}": unit for suffix, unit in own.items()}
         coordinates[name] = tuple(f"{name} {suffix}" for suffix in own)
     links = {link.get("name").strip(): link for link in root.findall("link")}
     meshes = ((name, mesh.get("filename", "")) for name, link in links.items() for mesh in link.findall("visual/geometry/mesh"))
     known = {name: unit for name, unit in units.items() if unit}
-    return UrdfNames(
-        path, tuple(links), known, mimics_of(root), tuple(meshes), {name: own for name, own in coordinates.items() if own}
-    )
+    several = {name: own for name, own in coordinates.items() if own}
+    states = mjcf.named_states(Tangent(mjcf.model, free_base or has_free_joint)) if mjcf else {}
+    return UrdfNames(path, tuple(links), known, mimics_of(root), tuple(meshes), several, states, has_free_joint)
 
 
 def _some(names) -> str:
@@ -237,19 +244,19 @@ def _guess(values: Mapping, names: UrdfNames, free_base: bool) -> dict:
     return guess
 
 
-def posing(table, names: UrdfNames, free_base: bool, semantics: SemanticDescription) -> dict:
+def posing(table, names: UrdfNames, base: str, semantics: SemanticDescription) -> dict:
     """The posture that a robot.toml or a scene gives.
 
     Args:
         table: with guess, forces, body_force and hold.
         names: of the joints and links.
-        free_base: whether the guess has a pose of the base.
-        semantics: the states of the SRDF.
+        base: "fixed", "free" or "moving"; of a free one, or one with a free joint in an MJCF, the guess has a pose.
+        semantics: the states of the SRDF or MJCF.
 
     Returns:
         guess and forces in SI, and hold where it is given: arguments of ``Robot.equilibrium``.
     """
-    joints = (*names.units, *names.several)
+    joints, free_base = (*names.units, *names.several), base == "free" or (base == "fixed" and names.has_free_joint)
     state = {} if table.state is None else semantics.state(table.state, joints, BASE if free_base else None)
     posture: dict = {}
     with named("guess"):

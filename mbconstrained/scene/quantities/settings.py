@@ -165,7 +165,7 @@ def _key(data: dict | list, part, place: tuple):
     if isinstance(part, int) and 1 <= part <= len(data):
         return part
     known = [name for name in names if isinstance(name, str)]
-    there = ", ".join(known[:10]) if known else str(len(data))
+    there = ", ".join(known[:10]) if known else f"{len(data)}, the first is {written(place)}[1]"
     called = part if isinstance(part, int) else shown(part)
     raise InputError(f"{written(place)} has no entry {called}{nearest(part, known)}; there are {there}")
 

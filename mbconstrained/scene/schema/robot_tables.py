@@ -136,7 +136,7 @@ class JointGearTable(Table):
     """A gear or rack between two joints."""
 
     joint: Text = Field(description="The joint that follows.")
-    leader: Text = Field(description="The joint that it follows.")
+    leader: Text = Field(description="The joint that it follows; in a train of gears it may follow another.")
     ratio: Quantity = Field(description="Its value for one rad (m) of the leader; the radius of the pinion of a rack.")
     offset: Quantity = Field(0.0, description="Its value where that of the leader is 0.")
 
@@ -170,7 +170,9 @@ class BodyForceTable(PointTable):
 class Posing(Table):
     """Where the robot stands: of a robot, and of a scene that has it otherwise."""
 
-    state: Text | None = Field(None, description="A group state of the SRDF file; the values of guess come on top.")
+    state: Text | None = Field(
+        None, description="A group state of the SRDF or key frame of the MJCF; the values of guess come on top."
+    )
     guess: dict[Text, Any] = Field({}, description="Joints near the equilibrium; base = [x, y, z, roll, pitch, yaw] if it is free.")
     forces: JointValues = Field({}, description="Forces and torques of joints that act all the time.")
     body_force: list[BodyForceTable] = Field([], description="Forces and torques on bodies that act all the time.")

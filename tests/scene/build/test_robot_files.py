@@ -215,3 +215,26 @@ def test_a_urdf_that_is_not_there_is_told_with_the_nearest_name(tmp_path):
 def test_message_about_the_urdf(tmp_path, old, new, message):
     with pytest.raises(SceneError, match=message):
         read_robot(press(tmp_path, urdf=URDF.replace(old, new, 1)))
+
+
+HOPPER = """<mujoco model="hopper"><compiler angle="radian"/>
+<worldbody><body name="trunk" pos="0 0 0.5"><freejoint name="root"/><geom type="box" size="0.1 0.1 0.05" density="1000"/>
+<body name="leg" pos="0 0 -0.05"><joint name="knee" type="slide" axis="0 0 1" stiffness="2000"/>
+<geom type="sphere" size="0.02" density="1000"/></body></body></worldbody>
+<keyframe><key name="stand" qpos="0 0 0.47 1 0 0 0 0.02"/></keyframe></mujoco>"""
+
+
+@pytest.mark.parametrize("base", ["", 'base = "free"\n'])
+def test_key_frames_of_an_mjcf_are_states(tmp_path, base):
+    """The trunk of 4 kg sinks onto its leg, which is fixed to the ground where the key frame has it: m g / k."""
+    (tmp_path / "hopper.xml").write_text(HOPPER)
+    foot = '[[loop]]\nkind = "rigid"\nbody1 = "ground"\nbody2 = "leg"\npoint2 = [0, 0, 0]\n[posture]\nstate = "stand"\n'
+    (tmp_path / "robot.toml").write_text(f'{base}urdf = "hopper.xml"\n{foot}')
+    robot, data = read_robot(tmp_path)
+    posture = robot.equilibrium(**data.posture)
+    knee = 4 * 9.81 / 2000
+    assert posture["knee"] == pytest.approx(knee, rel=1e-12)
+    assert posture["base"][:3] == pytest.approx((0, 0, 0.47 + 0.02 - knee), abs=1e-12)
+    (tmp_path / "robot.toml").write_text(f'{base}urdf = "hopper.xml"\n{foot.replace("stand", "sit")}')
+    with pytest.raises(SceneError, match='there is no "sit".*there are .*stand'):
+        read_robot(tmp_path)

@@ -8,7 +8,7 @@ import pytest
 
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.scene.run.scene import read_scene
-from tests.scene.robots import SCENE, TOML, press
+from tests.scene.robots import SCENE, TOML, URDF, press
 from tests.scene.scenes import EXAMPLES, OSCILLATOR, scene_of
 
 LOOP = TOML.replace("[[spring]]", '[[loop]]\nname = "pin"\nbody1 = "crank"\npoint1 = [0.2, 0, 0]\nbody2 = "ground"\n[[spring]]')
@@ -208,3 +208,23 @@ def test_a_robot_without_an_equilibrium_is_told(tmp_path):
     text = SCENE.replace("[initial]", 'forces = { slide = "5 kN" }\n[initial]')
     with pytest.raises(SceneError, match=r"scene\.toml: model: equilibrium: "):
         scene_of(tmp_path, text)
+
+
+@pytest.mark.parametrize(("beyond", "noted"), [(2e-3, True), (5e-4, False)])
+def test_joints_that_pass_their_limits_are_one_note(tmp_path, beyond, noted):
+    """The upper limit lies below the largest displacement, and above the posture, by this share of a range of 1 cm."""
+    folder = press(tmp_path)
+    free = scene_of(tmp_path, SCENE).run()
+    assert not [notice for notice in free.notices if "limits" in notice.text]
+    highest = free.scene.equations.posture["slide"] + free.values[1].max()
+    upper = highest - 0.01 * beyond
+    limits = f'lower="{upper - 0.01:.17g}" upper="{upper:.17g}"'
+    (folder / "press.urdf").write_text((folder / "press.urdf").read_text().replace('lower="-1" upper="1"', limits))
+    found = [notice.text for notice in scene_of(tmp_path, SCENE).run().notices if "limits" in notice.text]
+    assert len(found) == noted
+    if noted:
+        assert found[0].startswith(f'during the motion 1 joint is beyond its limits: "slide" at {highest:.6g} m (limits ')
+    limits = f'lower="{upper - 1:.17g}" upper="{upper - 0.5:.17g}"'
+    press(tmp_path, urdf=URDF.replace('lower="-1" upper="1"', limits))
+    (text,) = [notice.text for notice in scene_of(tmp_path, SCENE).run().notices if "limits" in notice.text]
+    assert text.startswith('1 joint is beyond its limits: "slide" at ')  # at rest already: once is enough

@@ -56,6 +56,7 @@ def test_what_is_set_is_taken_and_told(scene, settings, stiffness, told):
         ({"output.pge": False}, '--set: output: unknown key "pge"; did you mean "page"'),
         ({"model.mass.crat.mass": 3}, 'model.mass has no entry "crat"; did you mean "cart"?; there are cart'),
         ({"model.mass[2].mass": 3}, "model.mass has no entry 2; there are cart"),
+        ({"model.spring.1.stiffness": 3}, 'model.spring has no entry "1"; there are 1, the first is model.spring[1]'),
         ({"drawing.body[1].along": [0, 0, 1]}, "--set: drawing.body[1].along: the scene has no [[drawing.body]], so no entry 1"),
         ({"k": "1e400 N/m"}, '--set: k: found "1e400 N/m"; expected a finite number'),
         ({"time[1]": 3}, "time is a table, which has no entry 1; give a key"),

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....ground.coordinate_units import GROUND
 from ....ground.display import TextTable
 from ....ground.notices import Notice
 from ..curves import PARTS
 from ..decisions import connection_forces
+from .robot_report import ROUNDING
 
 if TYPE_CHECKING:
     from ..result import Result
@@ -33,10 +33,8 @@ def forces_json(result: Result) -> dict:
         most = int(sizes.argmax())
         extremes[connection.name] = {"on": connection.body2, "largest": float(sizes[most]), "time": float(result.times[most])}
         if isinstance(connection, Support) and connection.friction is not None:
-            normal = np.array(connection.normal) / np.linalg.norm(connection.normal)
-            along = normal @ force
-            across = np.linalg.norm(force - np.outer(normal, along), axis=0)
-            ends = sorted((along if connection.body1 == GROUND else -along)[[along.argmin(), along.argmax()]].tolist())
+            along, across = connection.parts(connection.on_foot(force))
+            ends = [float(along.min()), float(along.max())]
             extremes[connection.name] |= {"normal": ends, "tangential": float(across.max())}
     return extremes
 
@@ -44,17 +42,30 @@ def forces_json(result: Result) -> dict:
 def forces_table(result: Result) -> TextTable:
     """The same for the summary and the page."""
     extremes = forces_json(result)
-    rows = []
+    rounding, rows = ROUNDING * max((one["largest"] for one in extremes.values()), default=0.0), []
     for name, one in extremes.items():
-        ends = f"{one['normal'][0]:.4g} ... {one['normal'][1]:.4g} N" if "normal" in one else ""
-        along = f"{one['tangential']:.4g} N" if "normal" in one else ""
-        rows.append((name, one["on"], f"{one['largest']:.4g} N", f"{one['time']:.4g} s", ends, along))
+        sizes = [one["largest"], *one.get("normal", ()), *([one["tangential"]] if "normal" in one else [])]
+        largest, *of_foot = [f"{size if abs(size) > rounding else 0.0:.4g}" for size in sizes]
+        ends, along = (f"{of_foot[0]} ... {of_foot[1]} N", f"{of_foot[2]} N") if of_foot else ("", "")
+        rows.append((name, one["on"], f"{largest} N", f"{one['time']:.4g} s", ends, along))
     has_feet = any("normal" in one for one in extremes.values())
     columns = ("loop or spring", "on", "largest force", "at", "normal force", "tangential force")
     count = len(columns) if has_feet else 4
     note = "At the times of the run, loads at rest included, to first order in the motion"
     note += "; a normal force is positive where the foot presses, a tangential one is the largest." if has_feet else "."
-    return TextTable("Forces during the motion", columns[:count], tuple(row[:count] for row in rows), note)
+    return TextTable("Forces during the motion", columns[:count], tuple(row[:count] for row in rows), note + _open_shares(result))
+
+
+def _open_shares(result: Result) -> str:
+    """A sentence on rows of loops that others imply; empty without them."""
+    from ....robot.statics.regularity import implied_rows
+
+    posture = result.scene.equations.posture
+    names = implied_rows(posture.balance, posture.independent_rows)
+    if not names:
+        return ""
+    named = f"{', '.join(names[:3])}{f' and {len(names) - 3} more' if len(names) > 3 else ''}"
+    return f" It is open how connections share the changes of forces: here {named} {'has' if len(names) == 1 else 'have'} no part in them."
 
 
 def forces_notices(result: Result) -> tuple[Notice, ...]:

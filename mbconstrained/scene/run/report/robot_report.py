@@ -11,6 +11,7 @@ import numpy as np
 from ....ground.coordinate_units import force_unit
 from ....ground.display import TextTable, number_text, with_unit
 from ....ground.notices import Notice, NoticeKind
+from ....ground.tolerances import JOINT_LIMIT
 
 if TYPE_CHECKING:
     from ....robot.connections import Connection
@@ -58,12 +59,15 @@ def posture_json(robot_scene: RobotScene) -> dict:
 
 def _joint_table(robot_scene: RobotScene) -> TextTable:
     torques = dict(zip(robot_scene.posture.torques, _cleaned(robot_scene.posture.torques.values())))
+    robot = robot_scene.robot
+    units, tangent = dict(zip(robot.coordinates, robot.units)), robot.tangent
     columns = ("joint", "rests at", "with load") if torques else ("joint", "rests at")
     rows = []
     for name, value in robot_scene.posture.joints.items():
-        unit = robot_scene.data.names.units.get(name, "")
-        torque = with_unit(torques[name], force_unit(unit)) if name in torques else ""
-        rows.append((name, _place(value, unit), torque)[: len(columns)])
+        own = [one for one in tangent.coordinates_of(name) if one in torques]
+        acting = [one for one in own if torques[one]] or own[:1]
+        loads = [f"{one[len(name) :]} {with_unit(torques[one], force_unit(units[one]))}".strip() for one in acting]
+        rows.append((name, _place(value, units.get(name, "")), ", ".join(loads))[: len(columns)])
     return TextTable("Posture", columns, tuple(rows))
 
 
@@ -124,6 +128,9 @@ def _vector(values) -> str:
     return f"({', '.join(number_text(value) for value in values)})"
 
 
+#: A motion passes a limit by this share of the range of its joint: a joint that rests at its limit may tremble.
+LIMIT_SHARE = 1e-3
+
 #: Angles from the posture (rad) beyond which it is said that the equations are linear: sin(x) is off by 4 % there.
 SMALL = 0.5
 
@@ -136,7 +143,7 @@ def motion_notices(robot_scene: RobotScene, values: np.ndarray) -> tuple[Notice,
         values: deviations from the posture, shape (n, T).
 
     Returns:
-        One for the largest angle, and one for each limit that is passed.
+        One for the largest angle, and one for all joints that pass their limits.
     """
     count = len(robot_scene.robot.coordinates)
     lowest, highest = values[:count].min(axis=1), values[:count].max(axis=1)
@@ -158,12 +165,14 @@ def _large(robot_scene: RobotScene, furthest: np.ndarray) -> list[Notice]:
 
 
 def _beyond_limits(robot_scene: RobotScene, lowest: np.ndarray, highest: np.ndarray) -> list[Notice]:
-    notices, robot = [], robot_scene.robot
+    robot, furthest = robot_scene.robot, {}
+    rests = robot.tangent.angles(robot_scene.posture.configuration)
     for name, (low, high) in robot.limits.items():
-        place, rest = robot.coordinates.index(name), robot_scene.posture.joints[name]
-        for reached in {rest + lowest[place], rest + highest[place]}:
-            if not low <= reached <= high:
-                unit = robot.units[place]
-                text = f"{name} reaches {with_unit(float(reached), unit)}, beyond its limits {low:.6g} ... {high:.6g} {unit}"
-                notices.append(Notice(NoticeKind.LARGE_MOTION, f"{text}: what happens there is not in the equations"))
-    return notices
+        place = robot.coordinates.index(name)
+        rest = float(rests[place])
+        ends = float(rest + lowest[place]), float(rest + highest[place])
+        beyond = not low - JOINT_LIMIT <= rest <= high + JOINT_LIMIT  # which the posture reports
+        furthest[name] = low if beyond else max(ends, key=lambda value: max(low - value, value - high))
+    outside = robot.tangent.outside_limits(furthest, JOINT_LIMIT, LIMIT_SHARE)
+    text = f"during the motion {outside}; the equations have no limits"
+    return [Notice(NoticeKind.LARGE_MOTION, text)] if outside else []

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ....ground.checks import counted
 from ....ground.display import WIDTH, TextTable, table_text, wrapped
-from ....ground.notices import Notice
+from ....ground.notices import Notice, NoticeKind
 from .control_report import control_json
 from .force_report import forces_json
 from .robot_report import posture_json
@@ -100,7 +100,7 @@ def overview(result: Result, width: int = WIDTH, lines: int = SCREEN) -> list[st
     figures = f"Error estimate {max(result.error_estimates.values()):.2g}; {result.plan.totals()}"
     end = "\n".join(wrapped(text, width) for text in (_files(result), figures, "All tables and notices: --verbose") if text)
     left = lines + 1 - _height([title, end], width)
-    notices = sorted(result.table_notices, key=lambda notice: not notice.doubtful)
+    notices = sorted(result.table_notices, key=_rank)
     notes = _some_notices(notices, width, max(left // 2, left - len(result.tables[0].rows) - 3))
     left -= _height(notes, width)
     shown = [_some_rows(result.tables[0], width, left - 1)]
@@ -108,6 +108,15 @@ def overview(result: Result, width: int = WIDTH, lines: int = SCREEN) -> list[st
         if not table.folded and _height([*shown, table], width) <= left:
             shown.append(table)
     return [title, *shown, *notes, end]
+
+
+#: Notices on motions that the equations do not describe come first, those on what does not change them come last.
+_FIRST = (NoticeKind.UNSTABLE, NoticeKind.LARGE_MOTION, NoticeKind.DISTANT_POSTURE)
+_LAST = (NoticeKind.REDUNDANT, NoticeKind.OMITTED, NoticeKind.OVERRIDE)
+
+
+def _rank(notice: Notice) -> int:
+    return 0 if notice.doubtful else 1 if notice.kind in _FIRST else 3 if notice.kind in _LAST else 2
 
 
 def _height(parts: Sequence[str | TextTable], width: int) -> int:

@@ -98,7 +98,9 @@ def frequency_table(result: Result) -> TextTable:
         title, columns = "Natural frequencies", {"frequency (Hz)": "Hz", "damping ratio": "damping ratio"}
     else:
         title, columns = "No natural frequencies: nothing oscillates", {"eigenvalue (1/s)": f"{_root_name(result)} (1/s)"}
-    cells = [(number, *(row[column] for column in columns), _remark(row)) for number, row in zip(_numbers(result), rows)]
+    counts = _shape_counts(result)
+    remarks = [_remark(row, count) for row, count in zip(rows, counts)]
+    cells = [(number, *(row[column] for column in columns), remark) for number, row, remark in zip(_numbers(counts), rows, remarks)]
     width = len(columns) + 1 + any(row[-1] for row in cells)
     return TextTable(title, ("no.", *columns.values(), "meaning")[:width], tuple(row[:width] for row in cells))
 
@@ -108,7 +110,10 @@ def _root_name(result: Result) -> str:
     return "eigenvalue" if result.system else "zero" if result.scene.equations.control is None else "pole"
 
 
-def _remark(row: dict[str, str]) -> str:
+def _remark(row: dict[str, str], count: int) -> str:
+    """Of an eigenvalue with so many shapes: each rigid-body motion is a double eigenvalue 0."""
+    if row["kind"] == "rigid body" and row["multiplicity"] == str(2 * count):
+        return REMARKS[row["kind"]] if count == 1 else f"{count} rigid-body motions"
     remark = REMARKS.get(row["kind"], row["meaning"])
     if row["kind"] == "growth" and not row["frequency (Hz)"]:
         remark = row["meaning"]
@@ -116,9 +121,13 @@ def _remark(row: dict[str, str]) -> str:
     return ", ".join(filter(None, (remark, times)))
 
 
-def _numbers(result: Result) -> list[str]:
+def _shape_counts(result: Result) -> list[int]:
+    """The number of shapes of each eigenvalue, 1 where there are none."""
+    return [max(1, mode.shapes.shape[1]) for mode in result.modes] if result.system else [1] * len(result.finite_pair.zeros)
+
+
+def _numbers(counts: list[int]) -> list[str]:
     """The numbers that the list of modes gives to the shapes of each eigenvalue."""
-    counts = [max(1, mode.shapes.shape[1]) for mode in result.modes] if result.system else [1] * len(result.finite_pair.zeros)
     ends = np.cumsum(counts)
     return [str(end) if count == 1 else f"{end - count + 1}–{end}" for count, end in zip(counts, ends)]
 
@@ -139,7 +148,7 @@ def eigenvalue_table(result: Result) -> TextTable:
             row["multiplicity"],
             row["kind"] if row["frequency (Hz)"] else row["meaning"],
         )
-        for number, row in zip(_numbers(result), eigenvalue_rows(result))
+        for number, row in zip(_numbers(_shape_counts(result)), eigenvalue_rows(result))
     ]
     if result.system:
         columns += ["kinetic energy", "strain energy"]

@@ -5,7 +5,7 @@ import re
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.ground.notices import Notice
+from mbconstrained.ground.notices import Notice, NoticeKind
 from mbconstrained.scene.run.report.page_report import page_content
 from mbconstrained.scene.run.report.summary import SCREEN, overview, printed
 from mbconstrained.scene.run.report.tables import eigenvalue_table, frequency_table
@@ -44,6 +44,15 @@ def test_many_modes_and_notices_are_counted(tmp_path, monkeypatch, width):
     assert re.search(r"and \d+ further notices", text) and re.search(r"and \d+ more", text)
 
 
+def test_motions_that_the_equations_do_not_describe_are_reported_before_what_was_left_out(tmp_path, monkeypatch):
+    result = scene_of(tmp_path, chain(60)).run()
+    kinds = [NoticeKind.OMITTED, NoticeKind.JUMP, NoticeKind.LARGE_MOTION]
+    doubt = Notice(NoticeKind.RANK, "no clear gap", doubtful=True)
+    monkeypatch.setattr(type(result), "table_notices", (*(Notice(kind, kind.value) for kind in kinds), doubt))
+    shown = re.findall(r"(?:note|warning) \(([a-z ]+)\)", printed(overview(result, 80), 80))
+    assert shown == ["rank", "large motion", "jump", "omitted"]
+
+
 def test_frequencies_come_first_and_the_details_are_folded():
     content = page_content(mb.read_scene(EXAMPLES / "pitch_and_bounce.toml").run())
     assert content.frequencies.columns == ("no.", "Hz", "damping ratio") and len(content.frequencies.rows) == 2
@@ -60,7 +69,9 @@ def test_a_meaning_stands_where_it_adds_something(tmp_path):
     free = '[model]\nkind = "lumped"\n[[model.mass]]\nname = "a"\nmass = 1\n[time]\nend = 1\npoints = 3\n'
     rigid = frequency_table(scene_of(tmp_path, free).run())
     assert (rigid.title, rigid.columns) == ("No natural frequencies: nothing oscillates", ("no.", "eigenvalue (1/s)", "meaning"))
-    assert rigid.rows == (("1", "0", "rigid-body motion, 2 times"),)
+    assert rigid.rows == (("1", "0", "rigid-body motion"),)
+    two = frequency_table(scene_of(tmp_path, free.replace("[time]", '[[model.mass]]\nname = "b"\nmass = 2\n[time]')).run())
+    assert two.rows == (("1–2", "0", "2 rigid-body motions"),)
     twins = free.replace('name = "a"\nmass = 1\n', 'name = "a"\nmass = 1\n[[model.mass]]\nname = "b"\nmass = 1\n') + "".join(
         f'[[model.spring]]\nbetween = ["ground", "{name}"]\nstiffness = 4\n' for name in "ab"
     )
