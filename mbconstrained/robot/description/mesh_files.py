@@ -44,14 +44,16 @@ class MeshFiles:
     def __init__(self, folder: Path | None, package_dirs: tuple[Path, ...]):
         self.folder, self.package_dirs = folder, package_dirs
         self._meshes: dict[tuple, Mesh] = {}
+        self._with_images: dict[tuple, Mesh] = {}
 
-    def mesh(self, name: str, scale, where: str) -> Mesh:
+    def mesh(self, name: str, scale, where: str, *, images: bool = False) -> Mesh:
         """The mesh of a file.
 
         Args:
             name: as it stands in the URDF.
             scale: of the corners along x, y, z.
             where: its place, for messages.
+            images: whether the images of its textures are read; else they have their names.
 
         Returns:
             The mesh.
@@ -60,10 +62,30 @@ class MeshFiles:
             MissingMesh: as of ``path``.
             InputError: the file cannot be read.
         """
-        path = self.path(name, where)
+        path, roots = self._file(name, where)
+        mesh = self.read(path, scale, roots, where)
+        if not images:
+            return mesh
+        key = (path, tuple(scale))
+        if key not in self._with_images:
+            self._with_images[key] = _with_images(mesh, path, roots)
+        return self._with_images[key]
+
+    def read(self, path: Path, scale, roots: tuple[Path, ...], where: str) -> Mesh:
+        """The mesh of a file by its path.
+
+        Args:
+            path, scale, roots, where: as of ``read_mesh``.
+
+        Returns:
+            The mesh; its textures have names of image files.
+
+        Raises:
+            InputError: the file cannot be read.
+        """
         key = (path, tuple(scale))
         if key not in self._meshes:
-            self._meshes[key] = read_mesh(path, scale, self._roots(name, where)[0], where)
+            self._meshes[key] = read_mesh(path, scale, roots, where)
         return self._meshes[key]
 
     def path(self, name: str, where: str) -> Path:
@@ -81,6 +103,10 @@ class MeshFiles:
         Raises:
             MissingMesh: any other place, also by a symbolic link; no such file, too large, another kind of file.
         """
+        return self._file(name, where)[0]
+
+    def _file(self, name: str, where: str) -> tuple[Path, tuple[Path, ...]]:
+        """The path of a mesh, and the folders from which it and what it names may be read."""
         (roots, rest), given = self._roots(name, where), name
         paths = [(root / rest).resolve() for root in roots]
         path = next((path for path in paths if path.is_file()), paths[0])
@@ -92,7 +118,7 @@ class MeshFiles:
             raise MissingMesh(f"{where}: there is no mesh file {given[:60]!a}")
         if path.stat().st_size > LARGEST_MESH:
             raise MissingMesh(f"{where}: the mesh {path.name} has {path.stat().st_size:,} bytes; at most {LARGEST_MESH:,} are read")
-        return path
+        return path, roots
 
     def _roots(self, name: str, where: str) -> tuple[tuple[Path, ...], str]:
         """The folders from which a mesh may be read, and its path in them."""
@@ -136,7 +162,7 @@ def read_mesh(path: Path, scale, roots: tuple[Path, ...], where: str) -> Mesh:
         where: its place, for messages.
 
     Returns:
-        The mesh.
+        The mesh; its textures have names of image files.
 
     Raises:
         InputError: the file cannot be read.
@@ -144,14 +170,12 @@ def read_mesh(path: Path, scale, roots: tuple[Path, ...], where: str) -> Mesh:
     kind = path.suffix.lower()
     try:
         if kind == ".dae":
-            mesh = collada_mesh(_text(path), scale)
-        elif kind == ".obj":
-            mesh = wavefront_mesh(_text(path), lambda name: _material_file(path, name, roots), scale)
-        else:
-            return _read_by_coal(path, scale, where)
+            return collada_mesh(_text(path), scale)
+        if kind == ".obj":
+            return wavefront_mesh(_text(path), lambda name: _material_file(path, name, roots), scale)
     except (UnreadableMesh, InputError):
-        return _read_by_coal(path, scale, where)
-    return _with_images(mesh, path, roots)
+        return _read_by_coal(path, scale, where)  # which may know more of the format, or names what is wrong
+    return _read_by_coal(path, scale, where)
 
 
 def _lies_in(path: Path, roots: tuple[Path, ...]) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from ...ground.checks import counted, nearest
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
-from .mesh_files import WITH_COLORS, MeshFiles, MissingMesh, mesh_arrays, read_mesh
+from .mesh_files import WITH_COLORS, MeshFiles, MissingMesh, mesh_arrays
 from .mesh_parts import Texture
 from .urdf import numbers
 
@@ -81,11 +81,11 @@ def visuals_of(description: ElementTree.Element, files: MeshFiles, *, collision:
                 visuals.append(Visual(link, *_kind_and_size(shape, where), placement, color))
                 continue
             scale = numbers(shape.get("scale", "1 1 1"), 3, f"{where}, scale")
-            mesh = files.mesh(shape.get("filename", ""), scale, where)
             alike = collision or color is not None
-            triangles, note = len(mesh.whole.faces), "" if alike else ", ".join(mesh.notes)
+            mesh = files.mesh(shape.get("filename", ""), scale, where, images=not alike)
+            more = {"triangles": sum(len(part.faces) for part in mesh.parts), "note": ", ".join(mesh.notes)}
             visuals += [
-                Visual(link, "mesh", (), placement, color or part.color, mesh.vertices, part.faces, part.texture, triangles, note)
+                Visual(link, "mesh", (), placement, color or part.color, mesh.vertices, part.faces, part.texture, **more)
                 for part in ((mesh.whole,) if alike else mesh.parts)
             ]
         except InputError as problem:
@@ -94,12 +94,13 @@ def visuals_of(description: ElementTree.Element, files: MeshFiles, *, collision:
     return tuple(visuals)
 
 
-def visuals_of_mjcf(model, path: Path, *, collision: bool = False) -> tuple[Visual, ...]:
+def visuals_of_mjcf(model, path: Path, files: MeshFiles, *, collision: bool = False) -> tuple[Visual, ...]:
     """The visuals of an MJCF file; planes are left out, and ellipsoids are meshes.
 
     Args:
         model: of pinocchio, read from the file.
         path: of the file.
+        files: of meshes.
         collision: whether the collision shapes are read instead.
 
     Returns:
@@ -124,7 +125,7 @@ def visuals_of_mjcf(model, path: Path, *, collision: bool = False) -> tuple[Visu
             color = tuple(min(1.0, max(0.0, float(part))) for part in item.meshColor)
             if Path(item.meshPath).suffix.lower() in WITH_COLORS:  # else as coal has read it
                 where = f'mjcf, body "{frame.name}"'
-                mesh = read_mesh(Path(item.meshPath), item.meshScale, (path.parent,), where)
+                mesh = files.read(Path(item.meshPath), item.meshScale, (path.parent,), where)
                 vertices, faces = mesh.vertices, mesh.whole.faces
             count = 0 if faces is None else len(faces)
             visuals.append(Visual(str(frame.name), kind, size, placement.homogeneous, color, vertices, faces, triangles=count))

@@ -118,7 +118,7 @@ def foot_notices(posture: Posture, forces: ConnectionForces, times, values, reac
         error: of the forces, relative to the largest.
 
     Yields:
-        One for each foot and limit.
+        At most one for each limit, with the worst foot.
     """
     balance, robot = posture.balance, posture.robot
     multipliers = np.tile(posture.multipliers[:, None], 1 + len(times))
