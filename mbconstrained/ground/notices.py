@@ -39,7 +39,7 @@ class NoticeKind(StrEnum):
     DISTANT_POSTURE = "distant posture", "an equilibrium of a robot far from the guess"
     LARGE_MOTION = "large motion", "a motion beyond the range in which the linear equations represent the model"
     OVERRIDE = "override", "a value of the scene file that the command line replaced"
-    DAMPING = "damping", "which velocity damping in proportion to the mass acts on"
+    DAMPING = "damping", "which velocity mass-proportional damping acts on"
     AT_REST = "at rest", "nothing moves in the given time"
     ALIASING = "aliasing", "the fastest motion is too fast for the times of the output"
 

@@ -190,3 +190,67 @@ def remainders(matrix: np.ndarray) -> np.ndarray:
     residues = np.empty(np.shape(matrix), dtype=object)
     residues.flat = [numerator * inverses[denominator] % PRIME for numerator, denominator in ratios]
     return residues
+
+
+#: Up to these sizes the degrees of transfer functions are decided modulo a prime, with a leading coefficient that is regular and with another one.
+MOST_REGULAR_ROWS, MOST_SINGULAR_ROWS = 400, 48
+
+#: Of transfer functions that fall faster than s to minus this degree, it is not known how much faster.
+HIGHEST_DEGREE = 16
+
+
+def relative_degrees(coefficients: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray | None:
+    """The d of C A(s)^-1 B ~ s^-d towards infinity, decided by the data modulo a prime and not by sums that cancel.
+
+    Where A_q is regular modulo the prime, C A^-1 B = s^-q (C X_0 B + C X_1 B / s + ...), A_q X_k = -(A_(q-1) X_(k-1) + ... + A_0 X_(k-q)), X_0 = A_q^-1.
+    Else the degrees of det A(s) and of C adj A(s) B follow from their values at as many points as det A(s) can have roots. Each decision is wrong with the
+    chance of about 1e-17.
+
+    Args:
+        coefficients: A_0, A_1, ..., A_q, shape (q + 1, r, r); complex ones count as generic.
+        inputs, outputs: B and C, shapes (r, m) and (p, r).
+
+    Returns:
+        Shape (p, m), infinite where C A(s)^-1 B is zero or falls faster than ``HIGHEST_DEGREE``; None of equations that are too large.
+    """
+    from flint import nmod_mat
+
+    def modular(matrix: np.ndarray) -> nmod_mat:
+        real = nmod_mat(*matrix.shape, remainders(matrix.real).ravel().tolist(), PRIME)
+        return real + pow(3, PRIME // 5, PRIME) * modular(matrix.imag) if np.iscomplexobj(matrix) else real
+
+    r, (p, m) = len(inputs), (len(outputs), inputs.shape[1])
+    if r > MOST_REGULAR_ROWS:
+        return None
+    parts, B, C = [modular(A) for A in coefficients], modular(inputs), modular(outputs)
+    result = np.full((p, m), np.inf)
+    if parts[-1].rank() == r:
+        inverse, terms = parts[-1].inv(), []
+        for degree in range(len(parts) - 1, HIGHEST_DEGREE + 1):
+            right = B if not terms else sum((part * X for part, X in zip(parts[-2::-1], terms[::-1])), nmod_mat(r, m, PRIME)) * (PRIME - 1)
+            terms.append(inverse * right)
+            values = np.array([int(entry) != 0 for entry in (C * terms[-1]).entries()]).reshape(p, m)
+            result[values & np.isinf(result)] = degree
+            if np.isfinite(result).all():
+                break
+        return result
+    if r > MOST_SINGULAR_ROWS:
+        return None
+    most = int(sum(max((k for k, A in enumerate(coefficients) if A[i].any()), default=0) for i in range(r)))
+    points, values, step = [], [], pow(5, PRIME // 7, PRIME)
+    point = step
+    while len(points) <= most:
+        point = point * step % PRIME
+        matrix = parts[-1]
+        for part in parts[-2::-1]:
+            matrix = point * matrix + part
+        if determinant := int(matrix.det()):
+            points.append(point)
+            numerators = C * matrix.solve(B) * determinant
+            values += [determinant, *map(int, numerators.entries())]
+    powers = [pow(point, k, PRIME) for point in points for k in range(most + 1)]
+    size = most + 1
+    found = nmod_mat(size, size, powers, PRIME).solve(nmod_mat(size, 1 + p * m, values, PRIME)).entries()
+    nonzero = np.array([int(entry) != 0 for entry in found]).reshape(size, -1)
+    degrees = np.where(nonzero.any(axis=0), size - 1 - nonzero[::-1].argmax(axis=0), -np.inf)
+    return (degrees[0] - degrees[1:]).reshape(p, m)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...ground.display import number_text
 from ...ground.tolerances import CLUSTER_SAFETY, EPS, NOISE_SAFETY
+from ...linalg.precise import relative_degrees
 from .spectral_matrix import SpectralMatrix
 from .transfer import RefinedPole, Transfer
 
@@ -121,9 +122,7 @@ def _growth(transfer: Transfer, spectra: SpectralMatrix, middle: float) -> tuple
     for output in range(p):
         for entry, slope in enumerate(slopes):
             if np.isfinite(slope):
-                orders = [k for k in range(len(D)) if D[k, output, entry]]
-                order = max(orders) if orders else -decays[output, entry]
-                exponents[output] = max(exponents[output], slope + 2 * order)
+                exponents[output] = max(exponents[output], slope - 2 * decays[output, entry])
         if exponents[output] == 0:
             flat = [entry for entry, slope in enumerate(slopes) if slope == 0]
             if len(D) and flat:
@@ -135,7 +134,19 @@ def _growth(transfer: Transfer, spectra: SpectralMatrix, middle: float) -> tuple
 
 
 def _decays(transfer: Transfer) -> np.ndarray:
-    """The relative degrees: H ~ s^-decay towards infinity, shape (p, m), infinite where H is zero or a polynomial."""
+    """The relative degrees: H ~ s^-decay towards infinity, shape (p, m), infinite where H is zero."""
+    harmonic = transfer.harmonic
+    degrees = relative_degrees(harmonic.coefficients, harmonic.inputs, harmonic.outputs)
+    if degrees is not None:
+        return degrees - harmonic.power
+    decays, D = _numerical_decays(transfer), transfer.polynomial
+    for k in range(len(D)):
+        decays[D[k] != 0] = -k
+    return decays
+
+
+def _numerical_decays(transfer: Transfer) -> np.ndarray:
+    """The same of large models, from C J^k B without rounding errors."""
     form = transfer.harmonic.form
     C, B = np.abs(form.outputs @ form.pairs.finite.C), np.abs(form.pairs.finite.B @ form.inputs)
     right, right_size = form.pairs.finite.B @ form.inputs, B

@@ -23,7 +23,7 @@ from ...ground.errors import Overflow
 from ...ground.tolerances import EPS, FORM_ROUNDING, SPECTRAL_ACCURACY
 from ...ground.tolerances import STEP_AGREEMENT as MARGIN
 from .spectral_matrix import SpectralMatrix
-from .transfer import Transfer
+from .transfer import RefinedPole, Transfer
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 
@@ -149,6 +149,18 @@ def _product_sum(left: np.ndarray, right: np.ndarray) -> np.ndarray:
     return left.transpose(1, 0, 2).reshape(p, count * m) @ right.reshape(count * m, p)
 
 
+def _residue_errors(poles: list[RefinedPole], sizes: np.ndarray) -> np.ndarray:
+    """Errors of the residues by rounding errors of the modes, shape (number, p, m).
+
+    An error e of the equations mixes the modes j into mode i by e |p_i| / |p_i - p_j|: modes of close poles have fewer digits than others.
+    """
+    values = np.array([pole.value for pole in poles], dtype=complex)
+    gaps = np.maximum(np.abs(values[:, None] - values), EPS * np.abs(values)[:, None])
+    mixed = np.abs(values)[:, None] / np.where(gaps > 0, gaps, 1.0) * (1.0 - np.eye(len(values)))
+    roots = np.sqrt(sizes)
+    return FORM_ROUNDING * EPS * (sizes + roots * np.tensordot(mixed, roots, 1))
+
+
 class _Integration:
     """The work of one call."""
 
@@ -162,7 +174,7 @@ class _Integration:
         self.sigma = np.array([pole.value.real for pole in simple])
         shape = (len(simple), len(self.outputs), len(spectra.names))
         self.residues = np.array([pole.residues[0, self.outputs] for pole in simple]).reshape(shape)
-        self.doubts = FORM_ROUNDING * EPS * np.array([pole.sizes[0, self.outputs] for pole in simple]).reshape(shape)
+        self.doubts = _residue_errors(simple, np.array([pole.sizes[0, self.outputs] for pole in simple]).reshape(shape))
         self.mirrored = transfer.mirrored(simple)[:, self.outputs]
         self.others = np.array([pole.frequency for pole in self.poles if pole.order > 1 or pole.on_axis], dtype=complex)
 
