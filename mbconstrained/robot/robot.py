@@ -105,7 +105,12 @@ class Robot(Displayed):
         package_dirs: Sequence[str | Path] = (),
         name: str | None = None,
     ):
-        source = read_mjcf(urdf, base != "fixed") if is_mjcf(urdf) else None
+        if isinstance(package_dirs, str) or not all(isinstance(folder, (str, Path)) for folder in package_dirs):
+            raise InputError(f"package_dirs: found {package_dirs!r}; expected a list of folders")
+        self.package_dirs = tuple(Path(folder) for folder in package_dirs)
+        source = urdf if isinstance(urdf, ModelFile) else None
+        if is_mjcf(urdf):
+            source = read_mjcf(urdf, base != "fixed", self.package_dirs)
         if is_model(urdf):
             model: Any = urdf
             source = ModelFile(model, model.gravity.linear.tolist())
@@ -121,9 +126,6 @@ class Robot(Displayed):
         if given_model is not None and base != "moving":
             base = "free" if has_free_base(given_model) else "fixed"
         self.base = base
-        if isinstance(package_dirs, str) or not all(isinstance(folder, (str, Path)) for folder in package_dirs):
-            raise InputError(f"package_dirs: found {package_dirs!r}; expected a list of folders")
-        self.package_dirs = tuple(Path(folder) for folder in package_dirs)
         replace_masses(self.description, masses or {}, inertias or {})
         single = {
             j.get("name", ""): j.get("type") in ("revolute", "continuous", "prismatic") for j in self.description.findall("joint")
@@ -146,16 +148,28 @@ class Robot(Displayed):
         self.moving_base = self._moving_base() if base == "moving" else None
         given = (*source.loops, *given, *filter(None, [self.moving_base]))
         self.loops = checked_connections(given, (Loop,), "loops", self.link_frames)
-        self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames, self.loops)
+        springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
+        self.springs = checked_connections(
+            (*source.springs, *springs), (BodySpring, Bushing), "springs", self.link_frames, self.loops
+        )
+        self.lift = self._lift()
         moving = {name for name in source.joint_stiffness if name in self.coordinates and name not in (joint_stiffness or {})}
         own, rest = ({name: values[name] for name in moving} for values in (source.joint_stiffness, source.joint_rest))
         self._set_joints({**own, **(joint_stiffness or {})}, {**rest, **(joint_rest or {})}, joint_damping)
         self.flexible_joints = self._by_joint(flexible_joints, FlexibleJoint, "flexible_joints")
         self.semantics = SemanticDescription() if srdf is None else read_srdf(srdf)
-        self._set_motors({**self._rotors(), **self._by_joint(motors, Motor, "motors")})
+        own_motors = {name: motor for name, motor in source.motors.items() if name in self.coordinates and name not in self.flexible_joints}
+        self._set_motors({**self._rotors(), **own_motors, **self._by_joint(motors, Motor, "motors")})
 
     def _moving_base(self) -> Loop:
         return Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
+
+    def _lift(self) -> dict[PointMotion, float]:
+        """The forces that compensate the weight of bodies, by the file that the robot is read from (N)."""
+        gravity = np.array(self.model.gravity.linear)
+        if not (size := float(np.linalg.norm(gravity))):
+            return {}
+        return {PointMotion(body, point, along=-gravity): mass * size for body, (point, mass) in self.source.lift.items()}
 
     def _add_payloads(self, payloads: Sequence[Payload]) -> None:
         import pinocchio

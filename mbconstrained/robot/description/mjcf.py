@@ -1,30 +1,69 @@
-"""MJCF files, which pinocchio reads: its equality constraints as loops and gears, its springs, gravity and key frames.
+"""MJCF files, compiled by MuJoCo: the pinocchio model, loops, gears, springs, motors, states and shapes of the compiled arrays.
 
-Pinocchio reads bodies, joints, masses and ``connect`` and ``weld``; joint springs, couplings of joints and gravity come from the XML.
+The XML is only checked and put together: included files, places of files, missing meshes. MuJoCo compiles it in a process of its own,
+since it has no limits of time and memory. Bodies, joints, forces and equalities are then those of ``MjModel``; ``mujoco_check`` compares
+masses, stiffness, damping and loops with MuJoCo's own at a posture.
 """
 
 from __future__ import annotations
 
-import math
+import json
 import re
+import subprocess
+import sys
+import tempfile
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
+from ...ground.checks import counted
 from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
-from ..connections import Loop, LoopKind
+from ..connections import Bushing, Loop
+from ..flexible_joint import Motor
 from ..tangent import JointGear
+from ..tendons import Segment, Tendon
 from .models import ModelFile
-from .urdf import numbers, read_urdf, short, xml_element
+from .urdf import RENAMED_GROUND, read_urdf, short, xml_element
 
-#: Files that include others, at most so deep.
-DEEPEST_INCLUDE = 5
+#: Files that include others, elements in elements, and models in models, at most so deep.
+DEEPEST_INCLUDE, DEEPEST_ELEMENT, DEEPEST_MODEL = 5, 300, 5
 
-_POLYNOMIAL = 5  # coefficients of the coupling of two joints
+#: Time (s) and memory (bytes) that MuJoCo may take to compile a model, and degrees of freedom that are read.
+LONGEST_COMPILATION, LARGEST_MEMORY, MOST_COORDINATES = 60, 8 * 2**30, 2000
+
+#: Most names in a notice.
+MOST_NAMED = 4
+
+#: Size of the tetrahedra that stand for missing meshes; what depends on them shows in two compilations.
+_PLACEHOLDERS = (1.0, 2.0)
+
+#: The child process: reads files, compiles "main.xml", runs it once, and saves the model. Its texts never reach the terminal.
+_COMPILATION = """
+import json, sys
+try:
+    import resource
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+except (ImportError, ValueError, OSError):
+    pass
+for name, text in json.load(sys.stdin).items():
+    open(name, "w", encoding="utf-8").write(text)
+import mujoco
+try:
+    model = mujoco.MjModel.from_xml_path("main.xml")
+    if model.nv <= MOST:
+        mujoco.mj_fwdPosition(model, mujoco.MjData(model))
+    mujoco.mj_saveModel(model, "model.mjb", None)
+except Exception as problem:
+    open("problem.txt", "w", encoding="utf-8").write(str(problem))
+"""
 
 
 def is_mjcf(source) -> bool:
@@ -34,166 +73,645 @@ def is_mjcf(source) -> bool:
     return re.search(r"<mujoco\b", read_urdf(source, "MJCF")[0]) is not None
 
 
-def read_mjcf(path: str | Path, free_base: bool) -> ModelFile:
+def read_mjcf(path: str | Path, free_base: bool, package_dirs: tuple[str | Path, ...] = ()) -> ModelFile:
     """The content of an MJCF file.
 
     Args:
         path: of the file.
         free_base: whether a base without a free joint gets one.
+        package_dirs: folders from which files may be read besides that of the MJCF and the one above it.
 
     Returns:
-        Model, loops, gears, springs of joints, gravity and key frames.
+        Model, loops, gears, springs, motors, gravity and key frames.
 
     Raises:
-        InputError: pinocchio cannot read it, or reads only a part; files outside of its folder.
+        InputError: MuJoCo is not installed or cannot read it, files outside of its folders, masses of missing meshes.
     """
-    import pinocchio
-
     path = Path(path)
-    root = _expanded(path, path.parent.resolve(), 0)
-    if len(bodies := root.findall("worldbody/body")) > 1:
-        names = ", ".join(f'"{short(body.get("name"))}"' for body in bodies)
-        raise InputError(f"mjcf: <worldbody> has {len(bodies)} bodies ({names}), of which one is read: put them into one <body>")
-    floating = bool(bodies) and (bodies[0].find("freejoint") is not None or bodies[0].find("joint[@type='free']") is not None)
-    joint = (pinocchio.JointModelFreeFlyer(),) if free_base and not floating else ()
-    try:
-        model, points, frames = pinocchio.buildModelAndConstraintsFromMJCF(str(path), *joint)
-    except (ValueError, RuntimeError, IndexError) as problem:
-        reason = (str(problem).splitlines() or ["unknown"])[0][:200]
-        advice = (
-            "; key frames do not fit a base with a joint that the file does not have"
-            if joint and root.find("keyframe") is not None
-            else ""
-        )
-        raise InputError(f"mjcf: pinocchio cannot read {path.name} as a robot ({reason}){advice}") from None
-    loops = [*(_loop(model, item, "point") for item in points), *(_loop(model, item, "rigid") for item in frames)]
-    springs = dict(_springs(root, {str(name) for name in model.names}))
-    gravity = root.find("option[@gravity]")
-    return ModelFile(
-        model=model,
-        path=path,
-        gravity=numbers("0 0 -9.81" if gravity is None else gravity.get("gravity"), 3, "mjcf, option, gravity"),
-        loops=tuple(loops),
-        gears=tuple(_gears(root)),
-        joint_stiffness={name: stiffness for name, (stiffness, _) in springs.items()},
-        joint_rest={name: rest for name, (_, rest) in springs.items()},
-        states={entry.key(): np.array(entry.data()) for entry in model.referenceConfigurations},
-        notices=tuple(_left_out(root)),
-    )
-
-
-def _expanded(path: Path, folder: Path, depth: int) -> Element:
-    """The root element with the content of included files, all names of files checked to lie in the folder."""
-    text, _ = read_urdf(path, "MJCF")
-    root = xml_element(text, "mjcf")
-    compiler = root.find("compiler")
-    directories = ["", *([] if compiler is None else [compiler.get(key, "") for key in ("meshdir", "assetdir", "texturedir")])]
-    for element in root.iterfind(".//*[@file]"):
-        places = [(folder / directory / element.get("file", "")).resolve() for directory in directories]
-        if not all(place.is_relative_to(folder) for place in places):
+    files = _Files(path, tuple(Path(folder).resolve() for folder in package_dirs))
+    compiled, *more = (_compiled(*files.texts(size)) for size in (_PLACEHOLDERS if files.missing else _PLACEHOLDERS[:1]))
+    undrawn: frozenset[int] = frozenset()
+    if more:
+        (other,) = more
+        changed = [
+            name
+            for body, name in enumerate(_names(compiled, "body", compiled.nbody))
+            for own in ("body_mass", "body_inertia", "body_ipos")
+            if not np.array_equal(getattr(compiled, own)[body], getattr(other, own)[body])
+        ]
+        if changed:
             raise InputError(
-                f"mjcf: the file {short(element.get('file'))!a} of <{element.tag}> lies outside of the folder of the MJCF"
+                f'mjcf: the mass of the body "{short(changed[0])}" is that of a mesh whose file is missing ({files.missing[0]}); give '
+                "the file, or an <inertial> of the body"
             )
-    for parent in list(root.iter()):
-        for child in parent.findall("include"):
-            if depth >= DEEPEST_INCLUDE:
-                raise InputError(f"mjcf: files include each other more than {DEEPEST_INCLUDE} deep")
-            parent.extend(_expanded(folder / child.get("file", ""), folder, depth + 1))
-            parent.remove(child)
-    return root
+        undrawn = frozenset(np.flatnonzero((compiled.geom_size != other.geom_size).any(axis=1)).tolist())
+    return _Reader(compiled, free_base).model_file(path, files.missing, undrawn)
 
 
-def _loop(model, constraint, kind: LoopKind) -> Loop:
-    """A loop of the frames of a constraint, each in a link of its joint."""
-    ends = []
-    for joint, placement in (
-        (constraint.joint1_id, constraint.joint1_placement),
-        (constraint.joint2_id, constraint.joint2_placement),
-    ):
-        frame = next((frame for frame in model.frames if "BODY" in str(frame.type) and frame.parentJoint == joint), None)
-        own = placement if frame is None or not joint else frame.placement.inverse() * placement
-        ends.append((GROUND if frame is None or not joint else str(frame.name), own))
-    (body1, first), (body2, second) = ends
-    return Loop(
-        body1,
-        first.translation.tolist(),
-        body2,
-        second.translation.tolist(),
-        kind=kind,
-        rotation1=_angles(first),
-        rotation2=_angles(second),
-        name=str(constraint.name) or None,
-    )
+class _Files:
+    """The texts of an MJCF file with its includes, all names of files checked; ``missing`` names meshes that are not there."""
+
+    def __init__(self, path: Path, package_dirs: tuple[Path, ...]):
+        folder = path.parent.resolve()
+        above = () if folder.parent in (Path.home(), Path(folder.anchor)) else (folder.parent,)
+        self._roots = (folder, *above, *package_dirs)
+        self.missing: list[str] = []
+        self._read: dict[str, int] = {}
+        self._models: dict[str, Element] = {}
+        self._meshes: list[Element] = []
+        self._main = self._checked(path, 0)
+
+    def texts(self, size: float) -> tuple[str, tuple]:
+        """The files of MuJoCo as JSON with placeholders of a size for missing meshes, and the times of the files read."""
+        for mesh in self._meshes:
+            mesh.set("vertex", f"0 0 0 {size} 0 0 0 {size} 0 0 0 {size}")
+        elements = {"main.xml": self._main, **self._models}
+        return json.dumps({name: ElementTree.tostring(root, "unicode") for name, root in elements.items()}), tuple(
+            self._read.items()
+        )
+
+    def _checked(self, path: Path, depth: int) -> Element:
+        """A model whose files have absolute paths; textures and skins, which are not drawn, are taken out."""
+        if depth > DEEPEST_MODEL:
+            raise InputError(f"mjcf: models contain each other more than {DEEPEST_MODEL} deep")
+        folder = path.parent.resolve()
+        root = self._expanded(path, folder, 0)
+        compiler: dict[str, str] = {}
+        for element in root.findall("compiler"):
+            compiler |= element.attrib
+            for key in ("meshdir", "assetdir", "texturedir", "strippath"):
+                element.attrib.pop(key, None)
+        meshes = Path(compiler.get("meshdir", compiler.get("assetdir", "")))
+        for parent in list(root.iter()):
+            parent.attrib.pop("texture", None)
+            for child in list(parent):
+                if child.tag in ("texture", "layer", "skin"):
+                    self._place(child, [folder], child.get("file", "")) if child.get("file") else None
+                    parent.remove(child)
+                elif (name := child.get("file")) is not None and child.tag == "model":
+                    own = f"model{len(self._models)}.xml"
+                    self._models[own] = Element("mujoco")
+                    place = self._place(child, [folder], name)
+                    if not place.is_file():
+                        raise InputError(f"mjcf: there is no model file {short(name)!a}")
+                    child.set("name", child.get("name", place.stem))
+                    self._models[own] = self._checked(place, depth + 1)
+                    child.set("file", own)
+                elif name is not None:
+                    name = re.split(r"[/\\]", name)[-1] if compiler.get("strippath") == "true" else name
+                    place = self._place(child, [folder / meshes], name)
+                    if place.is_file():
+                        child.set("file", str(place))
+                        self._read[str(place)] = place.stat().st_mtime_ns
+                    elif child.tag == "mesh":
+                        self.missing.append(name)
+                        kept = child.get("name", Path(name.replace("\\", "/")).stem)
+                        child.clear()
+                        child.set("name", kept)
+                        self._meshes.append(child)
+        return root
+
+    def _expanded(self, path: Path, folder: Path, depth: int) -> Element:
+        """The root element with the content of included files."""
+        root = xml_element(read_urdf(path, "MJCF")[0], "mjcf")
+        level: list[Element] = [root]
+        for _ in range(DEEPEST_ELEMENT):
+            level = [child for element in level for child in element]
+        if level:
+            raise InputError(f"mjcf: {path.name}: elements contain each other more than {DEEPEST_ELEMENT} deep")
+        for parent in list(root.iter()):
+            for child in parent.findall("include"):
+                if depth >= DEEPEST_INCLUDE:
+                    raise InputError(f"mjcf: files include each other more than {DEEPEST_INCLUDE} deep")
+                place = self._place(child, [folder, path.parent.resolve()], child.get("file", ""))
+                at = list(parent).index(child)
+                parent[at : at + 1] = list(self._expanded(place, folder, depth + 1))
+        return root
+
+    def _place(self, element: Element, folders: list[Path], name: str) -> Path:
+        """The path of a file, the first one that exists."""
+        if "\0" in name:
+            raise InputError(f"mjcf: found the file name {short(name)!a} of <{element.tag}>")
+        places = [(folder / name.replace("\\", "/")).resolve() for folder in folders]
+        place = next((place for place in places if place.is_file()), places[0])
+        if not any(place.is_relative_to(root) for root in self._roots):
+            raise InputError(
+                f"mjcf: the file {short(name)!a} of <{element.tag}> lies outside of the folder of the MJCF and the one above it; name "
+                "its folder in package_dirs"
+            )
+        return place
 
 
-def _angles(placement) -> list[float]:
+@lru_cache(maxsize=8)
+def _compiled(texts: str, _times: tuple):
+    """The ``MjModel`` of files."""
+    try:
+        import mujoco
+    except ImportError:
+        raise InputError("mjcf: MJCF files are compiled by MuJoCo, which is not installed: pip install 'mbconstrained[mjcf]'") from None
+    script = f"MEMORY, MOST = {LARGEST_MEMORY}, {MOST_COORDINATES}\n{_COMPILATION}"
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        try:
+            done = subprocess.run(
+                [sys.executable, "-c", script], input=texts.encode(), cwd=folder, capture_output=True, timeout=LONGEST_COMPILATION
+            )
+        except subprocess.TimeoutExpired:
+            raise InputError(f"mjcf: MuJoCo does not compile this model within {LONGEST_COMPILATION} s") from None
+        model, problem = Path(folder) / "model.mjb", Path(folder) / "problem.txt"
+        if problem.is_file():
+            text = problem.read_text("utf-8", errors="replace").replace("problem.txt", "")
+            raise InputError(f"mjcf: MuJoCo cannot read it ({_reason(text)})")
+        if not model.is_file():
+            raise InputError(f"mjcf: MuJoCo ends on this model with code {done.returncode}, without a reason or for want of memory")
+        compiled = mujoco.MjModel.from_binary_path(str(model))
+    if compiled.nv > MOST_COORDINATES:
+        raise InputError(f"mjcf: found {compiled.nv:,} degrees of freedom; at most {MOST_COORDINATES:,} are read")
+    return compiled
+
+
+def _reason(text: str) -> str:
+    """A message of MuJoCo on one line, without places in the text that it was given."""
+    lines = [re.sub(r",? ?(id \d+, )?line \d+", "", line).strip() for line in text.splitlines()]
+    return "; ".join(line for line in lines if line)[:300] or "unknown"
+
+
+def _names(model, kind: str, count: int) -> list[str]:
+    """Names of bodies, joints, ..., empty where there are none."""
+    starts = getattr(model, f"name_{kind}adr")[:count]
+    return [model.names[start : model.names.index(b"\0", start)].decode("utf-8", "replace") for start in starts]
+
+
+def _flag(model, name: str) -> bool:
+    """Whether a flag of <option> disables something; MuJoCo before 3.5 had one for springs and dampers."""
+    import mujoco
+
+    flags = mujoco.mjtDisableBit
+    bit = getattr(flags, f"mjDSBL_{name}", None)
+    if bit is None and name in ("SPRING", "DAMPER"):
+        bit = flags.mjDSBL_PASSIVE
+    return bit is not None and bool(model.opt.disableflags & bit)
+
+
+def _rows(model, name: str, count: int) -> np.ndarray:
+    """An array with one row for each element, shape (count, k); zeros where a version of MuJoCo does not have it."""
+    values = np.array(getattr(model, name, np.zeros(count)), dtype=float)
+    return values.reshape(count, values.size // count if count else 1)
+
+
+def _polynomials(model, name: str, count: int) -> np.ndarray:
+    """Coefficients of the first and of higher powers, which stand in one array or in two."""
+    return np.hstack([_rows(model, name, count), _rows(model, f"{name}poly", count)])
+
+
+@dataclass
+class _Reader:
+    """The arrays of a compiled model, read in their order.
+
+    Attributes:
+        mj: the ``MjModel``.
+        free_base: whether a base without a free joint gets one.
+        places: by body the number of its joint, and its placement there.
+        left_out: constructs that act on the motion and are not read.
+    """
+
+    mj: Any
+    free_base: bool
+    places: list = field(default_factory=list)
+    left_out: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def model_file(self, path: Path, missing: list[str], undrawn: frozenset[int]) -> ModelFile:
+        """All that is read."""
+        mj = self.mj
+        self._name_all()
+        model = self._tree()
+        stiffness, rest, bushings = self._joint_springs()
+        self.gears: list[JointGear] = []
+        loops = list(self._equalities())
+        motors = self._actuators()
+        tendons = [*self._tendons(), *self.control]
+        self._others()
+        gravity = np.zeros(3) if _flag(mj, "GRAVITY") else np.array(mj.opt.gravity)
+        lift = {self.bodies[i]: (mj.body_ipos[i].tolist(), float(mj.body_gravcomp[i] * mj.body_mass[i])) for i in self._lifted()}
+        notices = [Notice(NoticeKind.OMITTED, f"mjcf: not read: {text}", doubtful=True) for text in self.left_out]
+        if missing:
+            meshes = counted(len(missing), "mesh", "meshes")
+            self.notes.append(f"{meshes} not drawn: there is no file {short(missing[0])!a}")
+        notices += [Notice(NoticeKind.OMITTED, f"mjcf: {text}") for text in self.notes]
+        return ModelFile(
+            model=model,
+            path=path,
+            gravity=gravity.tolist(),
+            loops=tuple(loops),
+            gears=tuple(self.gears),
+            joint_stiffness=stiffness,
+            joint_rest=rest,
+            states=dict(self._states()),
+            notices=tuple(notices),
+            springs=tuple(bushings),
+            tendons=tuple(tendons),
+            motors=motors,
+            lift=lift,
+            compiled=mj,
+            links=tuple(self.bodies),
+            undrawn=undrawn,
+        )
+
+    def _name_all(self) -> None:
+        """Names of bodies and joints that are distinct, also where the file has none."""
+        mj = self.mj
+        self.bodies, used = [], {GROUND, "universe"}
+        for number, name in enumerate(_names(mj, "body", mj.nbody)):
+            name = RENAMED_GROUND if name == GROUND else name or f"body {number}"
+            self.bodies.append(_distinct(name, used))
+        self.joints, used = [], {"universe", "root_joint"}
+        given = _names(mj, "jnt", mj.njnt)
+        used |= set(given)
+        for number, name in enumerate(given):
+            self.joints.append(name or _distinct(f"{self.bodies[mj.jnt_bodyid[number]]} joint", used))
+
+    def _tree(self):
+        """The pinocchio model; joints are at the values of MuJoCo, so that one with a ref is turned back by it."""
+        import pinocchio
+
+        mj, kinds = self.mj, _kinds("mjtJoint", "mjJNT_")
+        model = pinocchio.Model()
+        model.name = mj.names[: mj.names.index(b"\0")].decode("utf-8", "replace") or "robot"
+        root = 0
+        if self.free_base and not (mj.njnt and kinds[mj.jnt_type[0]] == "FREE" and mj.jnt_bodyid[0] == 1):
+            root = model.addJoint(0, pinocchio.JointModelFreeFlyer(), pinocchio.SE3.Identity(), "root_joint")
+            model.addJointFrame(root, 0)
+        self.added_base = bool(root)
+        self.places = [(root, pinocchio.SE3.Identity())]
+        self.behind: list[str] = []  # the links of the joints, of which only the last of a body has that body
+        damping = _rows(mj, "dof_damping", mj.nv)[:, 0] * (not _flag(mj, "DAMPER"))
+        if root or any(self._drawn_in_world()):
+            _add_link(model, self.bodies[0], root, pinocchio.SE3.Identity())
+        for body in range(1, mj.nbody):
+            joint, place = self.places[mj.body_parentid[body]]
+            place = place * _pose(mj.body_pos[body], mj.body_quat[body])
+            first = int(mj.body_jntadr[body])
+            for number in range(first, first + int(mj.body_jntnum[body])):
+                kind, axis = kinds[mj.jnt_type[number]], np.array(mj.jnt_axis[number])
+                anchor = pinocchio.SE3(np.eye(3), np.array(mj.jnt_pos[number]))
+                before = pinocchio.SE3.Identity()
+                if kind == "FREE":
+                    joint, place, anchor, new = 0, pinocchio.SE3.Identity(), before, pinocchio.JointModelFreeFlyer()
+                elif kind == "BALL":
+                    new = pinocchio.JointModelSpherical()
+                elif kind == "HINGE":
+                    new = pinocchio.JointModelRevoluteUnaligned(axis)
+                    before = pinocchio.SE3(pinocchio.exp3(-mj.qpos0[mj.jnt_qposadr[number]] * axis), np.zeros(3))
+                else:
+                    new = pinocchio.JointModelPrismaticUnaligned(axis)
+                    before = pinocchio.SE3(np.eye(3), -mj.qpos0[mj.jnt_qposadr[number]] * axis)
+                joint = model.addJoint(joint, new, place * anchor * before, self.joints[number])
+                model.addJointFrame(joint, 0)
+                place = anchor.inverse()
+                added, at = model.joints[joint], int(mj.jnt_dofadr[number])
+                dofs = slice(added.idx_v, added.idx_v + added.nv), slice(at, at + added.nv)
+                for own, theirs in (("armature", mj.dof_armature), ("friction", mj.dof_frictionloss), ("damping", damping)):
+                    values = np.array(getattr(model, own))
+                    values[dofs[0]] = theirs[dofs[1]]
+                    setattr(model, own, values)
+                if added.nv == 1:
+                    limits = mj.jnt_range[number] * bool(mj.jnt_limited[number])
+                    for own, value in (("lowerPositionLimit", limits[0]), ("upperPositionLimit", limits[1])):
+                        values = np.array(getattr(model, own))
+                        values[added.idx_q] = value
+                        setattr(model, own, values)
+                last = number == first + mj.body_jntnum[body] - 1
+                name = self.bodies[body] if last else f"{self.bodies[body]} ({self.joints[number]})"
+                self.behind.append(name)
+                if not last:
+                    _add_link(model, name, joint, place)
+            self.places.append((joint, place))
+            moments = pinocchio.SE3(_rotation(mj.body_iquat[body]), np.array(mj.body_ipos[body]))
+            inertia = pinocchio.Inertia(float(mj.body_mass[body]), np.zeros(3), np.diag(mj.body_inertia[body]))
+            model.appendBodyToJoint(joint, place.act(moments.act(inertia)), pinocchio.SE3.Identity())
+            _add_link(model, self.bodies[body], joint, place)
+        return model
+
+    def _drawn_in_world(self) -> Iterator[bool]:
+        kinds = _kinds("mjtGeom", "mjGEOM_")
+        return (not body and kinds[kind] not in _UNDRAWN for body, kind in zip(self.mj.geom_bodyid, self.mj.geom_type))
+
+    def _each_joint(self) -> Iterator[tuple[int, str, str]]:
+        kinds = _kinds("mjtJoint", "mjJNT_")
+        return ((number, kinds[self.mj.jnt_type[number]], name) for number, name in enumerate(self.joints))
+
+    def _joint_springs(self) -> tuple[dict[str, float], dict[str, float], list[Bushing]]:
+        """Stiffness and rest by joint with one degree of freedom, and bushings of ball and free joints; polynomials are tendons."""
+        mj, stiffness, rest, bushings = self.mj, {}, {}, []
+        self.control: list[Tendon] = []
+        constants = _polynomials(mj, "jnt_stiffness", mj.njnt)
+        if _flag(mj, "SPRING"):
+            return {}, {}, []
+        for number, kind, name in self._each_joint():
+            k, at = float(constants[number, 0]), int(mj.jnt_qposadr[number])
+            reference = np.array(mj.qpos_spring[at : at + 7])
+            if kind in ("HINGE", "SLIDE"):
+                if constants[number, 1:].any():
+                    powers = tuple(constants[number].tolist())
+                    self.control.append(Tendon(f"spring of {name}", {name: 1.0}, stiffness=powers, rest=(reference[0],) * 2))
+                elif k:
+                    stiffness[name], rest[name] = k, float(reference[0])
+                continue
+            if constants[number, 1:].any():
+                self.left_out.append(f'the stiffness polynomial of the joint "{name}"')
+            if k:
+                bushings.append(self._bushing(number, kind, name, k, reference))
+        return stiffness, rest, bushings
+
+    def _bushing(self, number: int, kind: str, name: str, k: float, reference: np.ndarray) -> Bushing:
+        """The spring of a ball joint, U = k |log R|^2 / 2, and of a free one, between the links before and behind it."""
+        mj = self.mj
+        body = int(mj.jnt_bodyid[number])
+        same = number > mj.body_jntadr[body]
+        anchor = np.array(mj.jnt_pos[number]) * (kind == "BALL")
+        quaternion = reference[3:7] if kind == "FREE" else reference[:4]
+        if kind == "FREE":
+            before, pose = 0, _pose(reference[:3], quaternion)
+        else:
+            own = _pose(anchor, quaternion)
+            before = int(mj.body_parentid[body])
+            pose = own if same else _pose(mj.body_pos[body], mj.body_quat[body]) * own
+        first = self.behind[number - 1] if same else self._body(before)
+        turning = (k,) * 3
+        along = turning if kind == "FREE" else (0.0,) * 3
+        ends = (first, pose.translation.tolist(), self.behind[number], anchor.tolist())
+        return Bushing(*ends, rotation1=_angles(pose.rotation), turning_stiffness=turning, stiffness=along, name=f"spring of {name}")
+
+    def _body(self, number: int) -> str:
+        return self.bodies[number] if number or self.added_base else GROUND
+
+    def _equalities(self) -> Iterator[Loop]:
+        """Loops of connect and weld; couplings of joints and tendons are gears."""
+        mj, kinds = self.mj, _kinds("mjtEq", "mjEQ_")
+        if _flag(mj, "EQUALITY") or _flag(mj, "CONSTRAINT"):
+            return
+        for number, name in enumerate(_names(mj, "eq", mj.neq)):
+            kind, data = kinds[mj.eq_type[number]], np.array(mj.eq_data[number])
+            first, second = int(mj.eq_obj1id[number]), int(mj.eq_obj2id[number])
+            if not mj.eq_active0[number]:
+                continue
+            if kind in ("CONNECT", "WELD"):
+                yield from self._loop(number, kind, data, first, second, name)
+            elif kind == "JOINT":
+                row = {self.joints[first]: 1.0}
+                if second >= 0:
+                    row[self.joints[second]] = -data[1]
+                zero = self._value0(first) - (data[1] * self._value0(second) if second >= 0 else 0.0)
+                self._gear(row, zero + data[0], data[2:5] * (second >= 0), f'the coupling of the joint "{self.joints[first]}"')
+            elif kind == "TENDON":
+                self._tendon_coupling(first, second, data, name)
+            else:
+                self.left_out.append(f'<equality> {kind.lower()} "{name}"')
+
+    def _value0(self, joint: int) -> float:
+        return float(self.mj.qpos0[self.mj.jnt_qposadr[joint]])
+
+    def _loop(self, number: int, kind: str, data: np.ndarray, first: int, second: int, name: str) -> Iterator[Loop]:
+        """The anchors are where MuJoCo has computed them, in body1 and body2."""
+        import mujoco
+
+        mj = self.mj
+        turn, points = np.eye(3), (data[:3], data[3:6])
+        frames = (np.eye(3), np.eye(3))
+        if mj.eq_objtype[number] == mujoco.mjtObj.mjOBJ_SITE:
+            points = tuple(np.array(mj.site_pos[site]) for site in (first, second))
+            frames = tuple(_rotation(mj.site_quat[site]) for site in (first, second))
+            first, second = (int(mj.site_bodyid[site]) for site in (first, second))
+        elif kind == "WELD":
+            points, frames = (data[3:6], data[:3]), (_rotation(data[6:10]), turn)
+        if self.places[first][0] == self.places[second][0]:
+            return
+        rigid = kind == "WELD" and data[10]
+        ends = (self._body(first), points[0].tolist(), self._body(second), points[1].tolist())
+        if not rigid:
+            yield Loop(*ends, kind="point", name=name or None)
+        else:
+            angles = (_angles(frame) for frame in frames)
+            yield Loop(*ends, kind="rigid", rotation1=next(angles), rotation2=next(angles), name=name or None)
+
+    def _gear(self, row: Mapping[str, float], value: float, higher, what: str) -> None:
+        """The row sum(c q) = value as a gear between two joints; a joint that keeps its value is one with a ratio of 0."""
+        joints = [joint for joint, factor in row.items() if factor]
+        followers = {gear.joint for gear in self.gears}
+        if np.any(higher):
+            self.left_out.append(f"{what}, which is not linear")
+            return
+        if len(joints) == 1:
+            single = {name for _, kind, name in self._each_joint() if kind in ("HINGE", "SLIDE")}
+            others = [name for name in self.joints if name in single - {joints[0]} - followers]
+            if others and joints[0] not in followers:
+                self.gears.append(JointGear(joints[0], others[0], 0.0, value / row[joints[0]]))
+                return
+        if len(joints) == 2:
+            for a, b in (joints, joints[::-1]):
+                if a not in followers:
+                    self.gears.append(JointGear(a, b, -row[b] / row[a], value / row[a]))
+                    return
+        self.left_out.append(what)
+
+    def _tendon_coupling(self, first: int, second: int, data: np.ndarray, name: str) -> None:
+        mj, row = self.mj, {}
+        value = data[0] + mj.tendon_length0[first] - (data[1] * mj.tendon_length0[second] if second >= 0 else 0.0)
+        what = f'<equality> tendon "{name}"'
+        for tendon, factor in ((first, 1.0), (second, -data[1])):
+            if tendon >= 0:
+                own = self._path(tendon)
+                if own is None or own[1]:
+                    self.left_out.append(f"{what} of a spatial tendon")
+                    return
+                for joint, coefficient in own[0].items():
+                    row[joint] = row.get(joint, 0.0) + factor * coefficient
+        self._gear(row, value, data[2:5] * (second >= 0), f"{what} of {len(row)} joints")
+
+    def _path(self, tendon: int) -> tuple[dict[str, float], tuple[Segment, ...]] | None:
+        """Coefficients of joints, or segments between sites with one over the divisor of their pulley; None around a geom."""
+        mj, kinds = self.mj, _kinds("mjtWrap", "mjWRAP_")
+        joints, segments, before, factor = {}, [], None, 1.0
+        for at in range(int(mj.tendon_adr[tendon]), int(mj.tendon_adr[tendon] + mj.tendon_num[tendon])):
+            kind, number = kinds[mj.wrap_type[at]], int(mj.wrap_objid[at])
+            if kind == "JOINT":
+                joints[self.joints[number]] = float(mj.wrap_prm[at])
+            elif kind == "PULLEY":
+                before, factor = None, 1.0 / float(mj.wrap_prm[at])
+            elif kind == "SITE":
+                end = (self._body(int(mj.site_bodyid[number])), tuple(mj.site_pos[number].tolist()))
+                if before is not None:
+                    segments.append(Segment(*before, *end, factor))
+                before = end
+            else:
+                return None
+        return joints, tuple(segments)
+
+    def _tendons(self) -> Iterator[Tendon]:
+        """Springs, dampers and inertias along tendons."""
+        mj = self.mj
+        constants = _polynomials(mj, "tendon_stiffness", mj.ntendon) * (not _flag(mj, "SPRING"))
+        damping, armature = (_rows(mj, f"tendon_{part}", mj.ntendon) for part in ("damping", "armature"))
+        for number, name in enumerate(self._tendon_names()):
+            c = float(damping[number, 0]) * (not _flag(mj, "DAMPER"))
+            if mj.tendon_frictionloss[number]:
+                self.notes.append(f'dry friction of the tendon "{name}" is left out: it is not linear')
+            if not (constants[number].any() or c or armature[number, 0]):
+                continue
+            path = self._path(number)
+            if path is None:
+                raise InputError(
+                    f'mjcf: the tendon "{short(name)}" with stiffness, damping or inertia is wrapped around a geom, which is not read; '
+                    "let it pass through sites alone"
+                )
+            low, high = mj.tendon_lengthspring[number].tolist()
+            yield Tendon(name, *path, stiffness=tuple(constants[number].tolist()), rest=(low, high), damping=c, inertia=float(armature[number, 0]))
+
+    def _tendon_names(self) -> list[str]:
+        return [name or f"tendon {number}" for number, name in enumerate(_names(self.mj, "tendon", self.mj.ntendon))]
+
+    def _actuators(self) -> dict[str, Motor]:
+        """Gains of position and velocity by joint, those of tendons as tendons that rest at the guess; others carry no stiffness."""
+        mj, gains = self.mj, {}
+        if _flag(mj, "ACTUATION"):
+            return {}
+        kinds = {key: _kinds(f"mjt{key}", f"mj{key.upper()}_") for key in ("Gain", "Bias", "Trn", "Dyn")}
+        count = len(mj.actuator_trntype)
+        for number, name in enumerate(_names(mj, "actuator", count)):
+            name, group = name or f"actuator {number}", int(mj.actuator_group[number])
+            if 0 <= group < 31 and mj.opt.disableactuator >> group & 1:
+                continue
+            bias, target = kinds["Bias"][mj.actuator_biastype[number]], kinds["Trn"][mj.actuator_trntype[number]]
+            gain = kinds["Gain"][mj.actuator_gaintype[number]]
+            p, d = -mj.actuator_biasprm[number][1:3]
+            if bias not in ("NONE", "AFFINE") or gain not in ("FIXED", "AFFINE"):
+                self.left_out.append(f'the {bias.lower() if bias not in ("NONE", "AFFINE") else gain.lower()} actuator "{name}"')
+                continue
+            if mj.actuator_plugin[number] >= 0:
+                self.left_out.append(f'the plugin of the actuator "{name}"')
+                continue
+            if gain == "AFFINE" and mj.actuator_gainprm[number][1:3].any():
+                self.notes.append(f'the gain of the actuator "{name}" depends on its motion: without effect where its control is 0')
+            if bias == "NONE" or not (p or d):
+                continue
+            at = int(mj.actuator_outadr[number]) if hasattr(mj, "actuator_outadr") else number
+            ratio, to = float(mj.actuator_gear[at][0]), int(mj.actuator_trnid[number][0])
+            if target in ("JOINT", "JOINTINPARENT") and _kinds("mjtJoint", "mjJNT_")[mj.jnt_type[to]] in ("HINGE", "SLIDE"):
+                old = gains.get(self.joints[to], (0.0, 0.0))
+                gains[self.joints[to]] = (old[0] + p * ratio**2, old[1] + d * ratio**2)
+            elif target == "TENDON" and (path := self._path(to)) is not None:
+                self.control.append(Tendon(name, *path, stiffness=(p * ratio**2,), rest=None, damping=d * ratio**2))
+            else:
+                self.left_out.append(f'the gains of the actuator "{name}"')
+        motors = {}
+        for joint, (p, d) in gains.items():
+            if min(p, d) < 0:  # feedback that pushes away
+                self.control.append(Tendon(f"control of {joint}", {joint: 1.0}, stiffness=(p,), rest=None, damping=d))
+            else:
+                motors[joint] = Motor(position_gain=p, velocity_gain=d)
+        return motors
+
+    def _lifted(self) -> list[int]:
+        """Bodies whose weight is compensated."""
+        off = _flag(self.mj, "GRAVITY") or (_flag(self.mj, "SPRING") and _flag(self.mj, "DAMPER"))
+        moving = (joint for joint, _ in self.places)
+        return [] if off else [i for i, joint in enumerate(moving) if joint and self.mj.body_gravcomp[i] * self.mj.body_mass[i]]
+
+    def _states(self) -> Iterator[tuple[str, np.ndarray]]:
+        """Key frames, and the configuration of the file as "reference", without the coordinates of a base that was added."""
+        mj = self.mj
+        yield "reference", self.configuration(mj.qpos0)
+        for number, name in enumerate(_names(mj, "key", mj.nkey)):
+            yield name or f"key {number}", self.configuration(mj.key_qpos[number])
+
+    def configuration(self, qpos: np.ndarray) -> np.ndarray:
+        """q of pinocchio, whose quaternions are x, y, z, w."""
+        q = [np.array([0, 0, 0, 0, 0, 0, 1.0])] if self.added_base else []
+        return np.concatenate([*q, np.array(qpos)[quaternion_places(self.mj)]])
+
+    def _others(self) -> None:
+        """Notices on the rest of the model that has stiffness, mass or coupling."""
+        mj, left, notes = self.mj, self.left_out, self.notes
+        for kind, count in (("flex", mj.nflex),) if hasattr(mj, "nflex") else ():
+            left += [f"the elasticity of <{kind}> {_some(_names(mj, kind, count))}"] * bool(count)
+        plugins = np.array(getattr(mj, "body_plugin", ())) >= 0
+        left += [f"the plugin of the bodies {_some([self.bodies[i] for i in np.flatnonzero(plugins)])}"] * bool(plugins.any())
+        fluid = _rows(mj, "geom_fluid", mj.ngeom)
+        if mj.opt.viscosity and not (_flag(mj, "SPRING") and _flag(mj, "DAMPER")):
+            left.append(f"viscosity of the medium, {mj.opt.viscosity:g} Pa s, which damps")
+        if mj.opt.density and not (_flag(mj, "SPRING") and _flag(mj, "DAMPER")):
+            (left if fluid[:, :1].any() else notes).append(
+                f"density of the medium, {mj.opt.density:g} kg/m^3: " + ("added mass" if fluid[:, :1].any() else "drag is not linear")
+            )
+        if mj.nmocap:
+            notes.append(f"{mj.nmocap} mocap {'bodies rest' if mj.nmocap > 1 else 'body rests'} where the file has them")
+        yields = [name for name, limit in zip(self.joints, _rows(mj, "jnt_springyield", mj.njnt)) if limit]
+        yields += [n for n, limit in zip(self._tendon_names(), _rows(mj, "tendon_springyield", mj.ntendon)) if limit]
+        if yields:
+            notes.append(f"springs that yield are linear here: {_some(yields)}")
+        limited = [name for name, limit in zip(self._tendon_names(), mj.tendon_limited) if limit]
+        if limited:
+            notes.append(f"limits of tendons are not in the equations: {_some(limited)}")
+        curved = _polynomials(mj, "dof_damping", mj.nv)[:, 1:].any(axis=1)
+        curved = sorted({self.joints[mj.dof_jntid[dof]] for dof in np.flatnonzero(curved)})
+        if curved:
+            notes.append(f"of polynomial damping the linear part is read: {_some(curved)}")
+
+
+#: Geoms that are not drawn: planes without end and height fields.
+_UNDRAWN = ("PLANE", "HFIELD")
+
+
+def quaternion_places(mj) -> np.ndarray:
+    """The places in qpos, which has quaternions w, x, y, z, of the numbers of pinocchio's q."""
+    places, kinds = np.arange(mj.nq), _kinds("mjtJoint", "mjJNT_")
+    for number, at in enumerate(mj.jnt_qposadr):
+        if kinds[mj.jnt_type[number]] in ("FREE", "BALL"):
+            start = at + 3 * (kinds[mj.jnt_type[number]] == "FREE")
+            places[start : start + 4] = start + np.array([1, 2, 3, 0])
+    return places
+
+
+def _kinds(enum: str, prefix: str) -> dict[int, str]:
+    """Names of the members of an enumeration of MuJoCo by number."""
+    import mujoco
+
+    return {int(member): name.removeprefix(prefix) for name, member in getattr(mujoco, enum).__members__.items()}
+
+
+def _distinct(name: str, used: set[str]) -> str:
+    """The name, with a number where it is used already."""
+    candidates = (name, *(f"{name} {number}" for number in range(2, len(used) + 3)))
+    chosen = next(candidate for candidate in candidates if candidate not in used)
+    used.add(chosen)
+    return chosen
+
+
+def _some(names) -> str:
+    names = [short(name) for name in names]
+    return ", ".join(names[:MOST_NAMED]) + (f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else "")
+
+
+def _add_link(model, name: str, joint: int, place) -> None:
     import pinocchio
 
-    return pinocchio.rpy.matrixToRpy(placement.rotation).tolist()
+    model.addFrame(pinocchio.Frame(name, joint, 0, place, pinocchio.FrameType.BODY), False)
 
 
-def _gears(root: Element) -> Iterator[JointGear]:
-    """Joints that follow others linearly."""
-    for element in _joint_equalities(root):
-        offset, ratio, *higher = _polynomial(element)
-        if element.get("joint2") and not any(higher):
-            yield JointGear(element.get("joint1", ""), element.get("joint2", ""), ratio, offset)
+def _rotation(quaternion) -> np.ndarray:
+    import pinocchio
+
+    w, x, y, z = (float(part) for part in quaternion)
+    return pinocchio.Quaternion(w, x, y, z).normalized().toRotationMatrix()
 
 
-def _joint_equalities(root: Element) -> Iterator[Element]:
-    return (element for element in root.iterfind("equality/joint") if element.get("active", "true") != "false")
+def _pose(position, quaternion):
+    import pinocchio
+
+    return pinocchio.SE3(_rotation(quaternion), np.array(position, dtype=float))
 
 
-def _polynomial(element: Element) -> list[float]:
-    text = element.get("polycoef", "0 1")
-    given = numbers(text, len(text.split()), "mjcf, equality, polycoef")
-    return [*given, *np.zeros(_POLYNOMIAL - len(given)).tolist()] if len(given) < _POLYNOMIAL else given
+def _angles(rotation: np.ndarray) -> list[float]:
+    import pinocchio
 
-
-def _springs(root: Element, joints: set[str]) -> Iterator[tuple[str, tuple[float, float]]]:
-    """Stiffness and rest (rad, m) by joint, of those that have a stiffness, the classes of defaults looked up."""
-    defaults: dict[str, Mapping[str, str]] = {}
-    for default in root.findall("default"):
-        _collect(default, {}, defaults)
-    compiler = root.find("compiler")
-    unit = 1.0 if compiler is not None and compiler.get("angle") == "radian" else math.pi / 180
-    for joint, child_class in _joints(root.findall("worldbody"), "main"):
-        values = {**defaults.get(joint.get("class", child_class), {}), **joint.attrib}
-        where = f'mjcf, joint "{short(joint.get("name"))}"'
-        (stiffness,) = numbers(values.get("stiffness", "0"), 1, f"{where}, stiffness")
-        if stiffness and joint.get("name") in joints:
-            (rest,) = numbers(values.get("springref", "0"), 1, f"{where}, springref")
-            yield str(joint.get("name")), (stiffness, rest * (1.0 if values.get("type") == "slide" else unit))
-
-
-def _collect(default: Element, inherited: Mapping[str, str], into: dict[str, Mapping[str, str]]) -> None:
-    """The attributes of joints by class of defaults."""
-    own = default.find("joint")
-    values = {**inherited, **({} if own is None else own.attrib)}
-    into[default.get("class", "main")] = values
-    for nested in default.findall("default"):
-        _collect(nested, values, into)
-
-
-def _joints(bodies: list[Element], child_class: str) -> Iterator[tuple[Element, str]]:
-    """All joints with the class of their bodies."""
-    for body in bodies:
-        own = body.get("childclass", child_class)
-        yield from ((joint, own) for joint in body.findall("joint"))
-        yield from _joints(body.findall("body"), own)
-
-
-def _left_out(root: Element) -> Iterator[Notice]:
-    """Notices on what acts on the motion in MuJoCo and is not read."""
-    nonlinear = [
-        element.get("joint1", "")
-        for element in _joint_equalities(root)
-        if any(_polynomial(element)[2:]) or not element.get("joint2")
-    ]
-    kinds = [child.tag for child in root.iterfind("equality/*") if child.tag not in ("connect", "weld", "joint")]
-    parts = [f"the coupling of joint {short(name)}" for name in nonlinear]
-    parts += [f"<equality> {kind}" for kind in dict.fromkeys(kinds)]
-    parts += [f"<{tag}>" for tag in ("tendon", "actuator") if root.find(f"{tag}/*") is not None]
-    if parts:
-        text = f"{', '.join(parts)} of the MJCF: not read; where it acts on the motion, give loops, springs, gears or motors"
-        yield Notice(NoticeKind.OMITTED, text, doubtful=bool(nonlinear or kinds))
+    return pinocchio.rpy.matrixToRpy(rotation).tolist()
