@@ -152,7 +152,7 @@ class Robot(Displayed):
         self.springs = checked_connections(
             (*source.springs, *springs), (BodySpring, Bushing), "springs", self.link_frames, self.loops
         )
-        self.lift = self._lift()
+        self.lift, self._is_compared = self._lift(), False
         moving = {name for name in source.joint_stiffness if name in self.coordinates and name not in (joint_stiffness or {})}
         own, rest = ({name: values[name] for name in moving} for values in (source.joint_stiffness, source.joint_rest))
         self._set_joints({**own, **(joint_stiffness or {})}, {**rest, **(joint_rest or {})}, joint_damping)
@@ -387,7 +387,13 @@ class Robot(Displayed):
         """
         if not isinstance(posture, Posture) or posture.robot is not self:
             raise InputError("linearize: expected a posture from equilibrium() of this robot")
-        return LinearizedRobot(posture, level, inputs or {}, outputs or {})
+        linearized = LinearizedRobot(posture, level, inputs or {}, outputs or {})
+        if self.source.compiled is not None and not self._is_compared:
+            from .description.mujoco_check import compared_with_mujoco
+
+            linearized._notices += compared_with_mujoco(self, posture)
+            self._is_compared = True
+        return linearized
 
     def visuals(self, *, collision: bool = False) -> tuple[Visual, ...]:
         """The shapes of the links, without meshes of missing files; this reads mesh files.

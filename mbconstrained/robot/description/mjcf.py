@@ -7,12 +7,14 @@ masses, stiffness, damping and loops with MuJoCo's own at a posture.
 
 from __future__ import annotations
 
+import copy
 import json
 import re
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -38,6 +40,9 @@ DEEPEST_INCLUDE, DEEPEST_ELEMENT, DEEPEST_MODEL = 5, 300, 5
 
 #: Time (s) and memory (bytes) that MuJoCo may take to compile a model, and degrees of freedom that are read.
 LONGEST_COMPILATION, LARGEST_MEMORY, MOST_COORDINATES = 60, 8 * 2**30, 2000
+
+#: Groups of actuators that can be disabled.
+_GROUPS = 31
 
 #: Most names in a notice.
 MOST_NAMED = 4
@@ -105,7 +110,7 @@ def read_mjcf(path: str | Path, free_base: bool, package_dirs: tuple[str | Path,
                 "the file, or an <inertial> of the body"
             )
         undrawn = frozenset(np.flatnonzero((compiled.geom_size != other.geom_size).any(axis=1)).tolist())
-    return _Reader(compiled, free_base).model_file(path, files.missing, undrawn)
+    return _Reader(copy.copy(compiled), free_base).model_file(path, files.missing, undrawn)
 
 
 class _Files:
@@ -229,6 +234,19 @@ def _compiled(texts: str, _times: tuple):
     return compiled
 
 
+@contextmanager
+def quiet():
+    """Warnings of MuJoCo, which goes to the terminal and a file with them, are dropped."""
+    import mujoco
+
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda text: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)
+
+
 def _reason(text: str) -> str:
     """A message of MuJoCo on one line, without places in the text that it was given."""
     lines = [re.sub(r",? ?(id \d+, )?line \d+", "", line).strip() for line in text.splitlines()]
@@ -268,7 +286,7 @@ class _Reader:
     """The arrays of a compiled model, read in their order.
 
     Attributes:
-        mj: the ``MjModel``.
+        mj: the ``MjModel``, in which what is left out with a warning is switched off.
         free_base: whether a base without a free joint gets one.
         places: by body the number of its joint, and its placement there.
         left_out: constructs that act on the motion and are not read.
@@ -279,6 +297,7 @@ class _Reader:
     places: list = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    comparable: bool = True
 
     def model_file(self, path: Path, missing: list[str], undrawn: frozenset[int]) -> ModelFile:
         """All that is read."""
@@ -312,7 +331,8 @@ class _Reader:
             tendons=tuple(tendons),
             motors=motors,
             lift=lift,
-            compiled=mj,
+            compiled=mj if self.comparable else None,
+            drawn=mj,
             links=tuple(self.bodies),
             undrawn=undrawn,
         )
@@ -419,6 +439,7 @@ class _Reader:
                 continue
             if constants[number, 1:].any():
                 self.left_out.append(f'the stiffness polynomial of the joint "{name}"')
+                self.comparable = False
             if k:
                 bushings.append(self._bushing(number, kind, name, k, reference))
         return stiffness, rest, bushings
@@ -455,6 +476,7 @@ class _Reader:
             first, second = int(mj.eq_obj1id[number]), int(mj.eq_obj2id[number])
             if not mj.eq_active0[number]:
                 continue
+            count = len(self.left_out)
             if kind in ("CONNECT", "WELD"):
                 yield from self._loop(number, kind, data, first, second, name)
             elif kind == "JOINT":
@@ -467,6 +489,8 @@ class _Reader:
                 self._tendon_coupling(first, second, data, name)
             else:
                 self.left_out.append(f'<equality> {kind.lower()} "{name}"')
+            if len(self.left_out) > count:
+                mj.eq_active0[number] = False
 
     def _value0(self, joint: int) -> float:
         return float(self.mj.qpos0[self.mj.jnt_qposadr[joint]])
@@ -571,45 +595,60 @@ class _Reader:
         return [name or f"tendon {number}" for number, name in enumerate(_names(self.mj, "tendon", self.mj.ntendon))]
 
     def _actuators(self) -> dict[str, Motor]:
-        """Gains of position and velocity by joint, those of tendons as tendons that rest at the guess; others carry no stiffness."""
+        """Gains of position and velocity by joint; those along tendons, and those below zero, are tendons that rest at the guess."""
         mj, gains = self.mj, {}
         if _flag(mj, "ACTUATION"):
             return {}
-        kinds = {key: _kinds(f"mjt{key}", f"mj{key.upper()}_") for key in ("Gain", "Bias", "Trn", "Dyn")}
-        count = len(mj.actuator_trntype)
-        for number, name in enumerate(_names(mj, "actuator", count)):
+        for number, name in enumerate(_names(mj, "actuator", len(mj.actuator_trntype))):
             name, group = name or f"actuator {number}", int(mj.actuator_group[number])
-            if 0 <= group < 31 and mj.opt.disableactuator >> group & 1:
+            if 0 <= group < _GROUPS and mj.opt.disableactuator >> group & 1:
                 continue
-            bias, target = kinds["Bias"][mj.actuator_biastype[number]], kinds["Trn"][mj.actuator_trntype[number]]
-            gain = kinds["Gain"][mj.actuator_gaintype[number]]
-            p, d = -mj.actuator_biasprm[number][1:3]
-            if bias not in ("NONE", "AFFINE") or gain not in ("FIXED", "AFFINE"):
-                self.left_out.append(f'the {bias.lower() if bias not in ("NONE", "AFFINE") else gain.lower()} actuator "{name}"')
-                continue
-            if mj.actuator_plugin[number] >= 0:
-                self.left_out.append(f'the plugin of the actuator "{name}"')
-                continue
-            if gain == "AFFINE" and mj.actuator_gainprm[number][1:3].any():
-                self.notes.append(f'the gain of the actuator "{name}" depends on its motion: without effect where its control is 0')
-            if bias == "NONE" or not (p or d):
+            if reason := self._strange_actuator(number):
+                self.left_out.append(f'{reason} of the actuator "{name}"')
+                mj.actuator_biasprm[number], mj.actuator_gainprm[number] = 0.0, 0.0
+                mj.actuator_biastype[number] = mj.actuator_gaintype[number] = 0
                 continue
             at = int(mj.actuator_outadr[number]) if hasattr(mj, "actuator_outadr") else number
-            ratio, to = float(mj.actuator_gear[at][0]), int(mj.actuator_trnid[number][0])
-            if target in ("JOINT", "JOINTINPARENT") and _kinds("mjtJoint", "mjJNT_")[mj.jnt_type[to]] in ("HINGE", "SLIDE"):
-                old = gains.get(self.joints[to], (0.0, 0.0))
-                gains[self.joints[to]] = (old[0] + p * ratio**2, old[1] + d * ratio**2)
-            elif target == "TENDON" and (path := self._path(to)) is not None:
-                self.control.append(Tendon(name, *path, stiffness=(p * ratio**2,), rest=None, damping=d * ratio**2))
+            p, d = (float(value * mj.actuator_gear[at][0] ** 2) for value in self._feedback(number))
+            if not (p or d):
+                continue
+            to = int(mj.actuator_trnid[number][0])
+            if self._target(number) != "TENDON":
+                before = gains.get(self.joints[to], (0.0, 0.0))
+                gains[self.joints[to]] = (before[0] + p, before[1] + d)
             else:
-                self.left_out.append(f'the gains of the actuator "{name}"')
-        motors = {}
+                self.control.append(Tendon(name, *self._path(to), stiffness=(p,), rest=None, damping=d))
         for joint, (p, d) in gains.items():
-            if min(p, d) < 0:  # feedback that pushes away
+            if min(p, d) < 0:
                 self.control.append(Tendon(f"control of {joint}", {joint: 1.0}, stiffness=(p,), rest=None, damping=d))
-            else:
-                motors[joint] = Motor(position_gain=p, velocity_gain=d)
-        return motors
+        return {joint: Motor(position_gain=p, velocity_gain=d) for joint, (p, d) in gains.items() if min(p, d) >= 0}
+
+    def _target(self, number: int) -> str:
+        return _kinds("mjtTrn", "mjTRN_")[self.mj.actuator_trntype[number]]
+
+    def _feedback(self, number: int) -> np.ndarray:
+        """Gains of position and velocity at the actuator."""
+        is_affine = _kinds("mjtBias", "mjBIAS_")[self.mj.actuator_biastype[number]] == "AFFINE"
+        return -self.mj.actuator_biasprm[number][1:3] * is_affine
+
+    def _strange_actuator(self, number: int) -> str:
+        """What is not read of an actuator with stiffness or damping; an empty text where all is."""
+        mj = self.mj
+        bias = _kinds("mjtBias", "mjBIAS_")[mj.actuator_biastype[number]]
+        gain = _kinds("mjtGain", "mjGAIN_")[mj.actuator_gaintype[number]]
+        if mj.actuator_plugin[number] >= 0:
+            return "the plugin"
+        if bias not in ("NONE", "AFFINE") or gain not in ("FIXED", "AFFINE"):
+            return f"the kind {(gain if gain not in ('FIXED', 'AFFINE') else bias).lower()}"
+        if not self._feedback(number).any():
+            return ""
+        target, to = self._target(number), int(mj.actuator_trnid[number][0])
+        if target in ("JOINT", "JOINTINPARENT"):
+            kind = _kinds("mjtJoint", "mjJNT_")[mj.jnt_type[to]]
+            return "" if kind in ("HINGE", "SLIDE") else f"the gains at a {kind.lower()} joint"
+        if target == "TENDON":
+            return "" if self._path(to) is not None else "the gains along a tendon around a geom"
+        return f"the gains by {target.lower()}"
 
     def _lifted(self) -> list[int]:
         """Bodies whose weight is compensated."""
@@ -632,17 +671,18 @@ class _Reader:
     def _others(self) -> None:
         """Notices on the rest of the model that has stiffness, mass or coupling."""
         mj, left, notes = self.mj, self.left_out, self.notes
-        for kind, count in (("flex", mj.nflex),) if hasattr(mj, "nflex") else ():
-            left += [f"the elasticity of <{kind}> {_some(_names(mj, kind, count))}"] * bool(count)
-        plugins = np.array(getattr(mj, "body_plugin", ())) >= 0
-        left += [f"the plugin of the bodies {_some([self.bodies[i] for i in np.flatnonzero(plugins)])}"] * bool(plugins.any())
-        fluid = _rows(mj, "geom_fluid", mj.ngeom)
-        if mj.opt.viscosity and not (_flag(mj, "SPRING") and _flag(mj, "DAMPER")):
-            left.append(f"viscosity of the medium, {mj.opt.viscosity:g} Pa s, which damps")
-        if mj.opt.density and not (_flag(mj, "SPRING") and _flag(mj, "DAMPER")):
-            (left if fluid[:, :1].any() else notes).append(
-                f"density of the medium, {mj.opt.density:g} kg/m^3: " + ("added mass" if fluid[:, :1].any() else "drag is not linear")
-            )
+        plugins = np.flatnonzero(np.array(mj.body_plugin) >= 0)
+        left += [f"the plugin of {_some([self.bodies[body] for body in plugins])}"] * bool(len(plugins))
+        left += [f"the elasticity of the flex {_some(_names(mj, 'flex', mj.nflex))}"] * bool(mj.nflex)
+        self.comparable &= not (len(plugins) or mj.nflex)
+        passive = not (_flag(mj, "SPRING") and _flag(mj, "DAMPER"))
+        if mj.opt.viscosity and passive:
+            left.append(f"the viscosity {mj.opt.viscosity:g} Pa s of the medium, which damps")
+        if mj.opt.density and passive:
+            adds_mass = bool(_rows(mj, "geom_fluid", mj.ngeom)[:, 0].any())
+            effect = "added masses" if adds_mass else "its drag is not linear"
+            (left if adds_mass else notes).append(f"the density {mj.opt.density:g} kg/m^3 of the medium: {effect}")
+        mj.opt.density = mj.opt.viscosity = 0.0
         if mj.nmocap:
             notes.append(f"{mj.nmocap} mocap {'bodies rest' if mj.nmocap > 1 else 'body rests'} where the file has them")
         yields = [name for name, limit in zip(self.joints, _rows(mj, "jnt_springyield", mj.njnt)) if limit]

@@ -31,7 +31,8 @@ class ModelFile:
         notices: on what was left out.
         springs, tendons, motors: ``Bushing``, ``Tendon``, and ``Motor`` by joint.
         lift: by body a point (m) at which a force compensates the weight of a mass (kg).
-        compiled: the ``MjModel`` of an MJCF file.
+        compiled: the ``MjModel`` of an MJCF file, to compare with; None where it has elastic parts that are not read.
+        drawn: the same, with shapes.
         links: of its bodies, by number.
         undrawn: geoms whose mesh is missing.
     """
@@ -50,6 +51,7 @@ class ModelFile:
     motors: Mapping[str, Any] = field(default_factory=dict)
     lift: Mapping[str, tuple[Sequence[float], float]] = field(default_factory=dict)
     compiled: Any = None
+    drawn: Any = None
     links: tuple[str, ...] = ()
     undrawn: frozenset[int] = frozenset()
 
