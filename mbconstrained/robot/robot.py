@@ -407,7 +407,7 @@ class Robot(Displayed):
         from .description.visuals import visuals_of, visuals_of_mjcf
 
         if self.source.path is not None:
-            return visuals_of_mjcf(self.source.model, self.source.path, self._mesh_files, collision=collision)
+            return visuals_of_mjcf(self.source, collision=collision)
         return visuals_of(self.description, self._mesh_files, collision=collision)
 
     @cached_property

@@ -297,6 +297,7 @@ class _Reader:
     places: list = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    doubts: list[str] = field(default_factory=list)
     comparable: bool = True
 
     def model_file(self, path: Path, missing: list[str], undrawn: frozenset[int]) -> ModelFile:
@@ -312,7 +313,12 @@ class _Reader:
         self._others()
         gravity = np.zeros(3) if _flag(mj, "GRAVITY") else np.array(mj.opt.gravity)
         lift = {self.bodies[i]: (mj.body_ipos[i].tolist(), float(mj.body_gravcomp[i] * mj.body_mass[i])) for i in self._lifted()}
-        notices = [Notice(NoticeKind.OMITTED, f"mjcf: not read: {text}", doubtful=True) for text in self.left_out]
+        for tendon in tendons:
+            if tendon.inertia and not _on_one_branch(model, tendon):
+                text = f'the inertia of the tendon "{short(tendon.name)}" couples branches of the tree; MuJoCo leaves this out of its mass matrix'
+                self.doubts.append(text)
+        notices = [Notice(NoticeKind.OMITTED, f"mjcf: {text}", doubtful=True) for text in self.doubts]
+        notices += [Notice(NoticeKind.OMITTED, f"mjcf: not read: {text}", doubtful=True) for text in self.left_out]
         if missing:
             meshes = counted(len(missing), "mesh", "meshes")
             self.notes.append(f"{meshes} not drawn: there is no file {short(missing[0])!a}")
@@ -369,7 +375,7 @@ class _Reader:
             _add_link(model, self.bodies[0], root, pinocchio.SE3.Identity())
         for body in range(1, mj.nbody):
             joint, place = self.places[mj.body_parentid[body]]
-            place = place * _pose(mj.body_pos[body], mj.body_quat[body])
+            place = place * pose(mj.body_pos[body], mj.body_quat[body])
             first = int(mj.body_jntadr[body])
             for number in range(first, first + int(mj.body_jntnum[body])):
                 kind, axis = kinds[mj.jnt_type[number]], np.array(mj.jnt_axis[number])
@@ -413,8 +419,7 @@ class _Reader:
         return model
 
     def _drawn_in_world(self) -> Iterator[bool]:
-        kinds = _kinds("mjtGeom", "mjGEOM_")
-        return (not body and kinds[kind] not in _UNDRAWN for body, kind in zip(self.mj.geom_bodyid, self.mj.geom_type))
+        return (geom_kind(self.mj, geom) not in _UNDRAWN for geom in np.flatnonzero(self.mj.geom_bodyid == 0))
 
     def _each_joint(self) -> Iterator[tuple[int, str, str]]:
         kinds = _kinds("mjtJoint", "mjJNT_")
@@ -452,16 +457,16 @@ class _Reader:
         anchor = np.array(mj.jnt_pos[number]) * (kind == "BALL")
         quaternion = reference[3:7] if kind == "FREE" else reference[:4]
         if kind == "FREE":
-            before, pose = 0, _pose(reference[:3], quaternion)
+            before, placement = 0, pose(reference[:3], quaternion)
         else:
-            own = _pose(anchor, quaternion)
+            own = pose(anchor, quaternion)
             before = int(mj.body_parentid[body])
-            pose = own if same else _pose(mj.body_pos[body], mj.body_quat[body]) * own
+            placement = own if same else pose(mj.body_pos[body], mj.body_quat[body]) * own
         first = self.behind[number - 1] if same else self._body(before)
         turning = (k,) * 3
         along = turning if kind == "FREE" else (0.0,) * 3
-        ends = (first, pose.translation.tolist(), self.behind[number], anchor.tolist())
-        return Bushing(*ends, rotation1=_angles(pose.rotation), turning_stiffness=turning, stiffness=along, name=f"spring of {name}")
+        ends = (first, placement.translation.tolist(), self.behind[number], anchor.tolist())
+        return Bushing(*ends, rotation1=_angles(placement.rotation), turning_stiffness=turning, stiffness=along, name=f"spring of {name}")
 
     def _body(self, number: int) -> str:
         return self.bodies[number] if number or self.added_base else GROUND
@@ -702,6 +707,21 @@ class _Reader:
 _UNDRAWN = ("PLANE", "HFIELD")
 
 
+def _on_one_branch(model, tendon: Tendon) -> bool:
+    """Whether all joints that change the length of a tendon move the same body."""
+    frames = {str(frame.name): int(frame.parentJoint) for frame in model.frames}
+    moving = {int(model.getJointId(name)) for name in tendon.joints}
+    for line in tendon.segments:
+        ends = [set(model.supports[frames.get(body, 0)]) for body in (line.body1, line.body2)]
+        moving |= ends[0] ^ ends[1]
+    return any(moving <= set(support) for support in model.supports)
+
+
+def geom_kind(mj, geom: int) -> str:
+    """BOX, SPHERE, ..., PLANE."""
+    return _kinds("mjtGeom", "mjGEOM_")[mj.geom_type[geom]]
+
+
 def quaternion_places(mj) -> np.ndarray:
     """The places in qpos, which has quaternions w, x, y, z, of the numbers of pinocchio's q."""
     places, kinds = np.arange(mj.nq), _kinds("mjtJoint", "mjJNT_")
@@ -712,6 +732,7 @@ def quaternion_places(mj) -> np.ndarray:
     return places
 
 
+@lru_cache
 def _kinds(enum: str, prefix: str) -> dict[int, str]:
     """Names of the members of an enumeration of MuJoCo by number."""
     import mujoco
@@ -745,7 +766,8 @@ def _rotation(quaternion) -> np.ndarray:
     return pinocchio.Quaternion(w, x, y, z).normalized().toRotationMatrix()
 
 
-def _pose(position, quaternion):
+def pose(position, quaternion):
+    """The placement of a position and a quaternion w, x, y, z."""
     import pinocchio
 
     return pinocchio.SE3(_rotation(quaternion), np.array(position, dtype=float))

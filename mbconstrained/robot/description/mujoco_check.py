@@ -49,9 +49,10 @@ def compared_with_mujoco(robot: Robot, posture: Posture) -> tuple[Notice, ...]:
     ours = Balance(bare.tree, attached_load(bare, q, {}), q)
     twin = _Twin(bare, q)
     scale = EPS * max(float(np.abs(part).max(initial=0.0)) for part in ours.forces)
+    branches = bare.tree.moves_axis | bare.tree.moves_axis.T  # elsewhere MuJoCo has no masses, also not of tendons
     dampers = (item.damping for item in (*ours.elastic, *ours.tendons))
     for what, own, other, tolerance, noise in (
-        ("mass", ours.mass, twin.mass(), SAME_AS_MUJOCO, 0.0),
+        ("mass", ours.mass * branches, twin.mass() * branches, SAME_AS_MUJOCO, 0.0),
         ("force", ours.force[:, None], twin.force(q)[:, None], SAME_AS_MUJOCO, scale),
         ("stiffness", np.sum(ours.stiffnesses, axis=0) + np.diag(bare.position_gains), twin.stiffness(), DIFFERENCED, scale / _STEP),
         ("damping", np.diag(bare.joint_damping) + sum(dampers, 0.0 * ours.mass), twin.damping(), DIFFERENCED, scale / _RATE),
