@@ -38,6 +38,9 @@ from .urdf import RENAMED_GROUND, read_urdf, short, xml_element
 #: Files that include others, elements in elements, and models in models, at most so deep.
 DEEPEST_INCLUDE, DEEPEST_ELEMENT, DEEPEST_MODEL = 5, 300, 5
 
+#: Files that make a folder a package, looked for so many folders up.
+_PACKAGE_FILES, DEEPEST_PACKAGE = ("package.xml", "__init__.py", "pyproject.toml", ".git"), 6
+
 #: Time (s) and memory (bytes) that MuJoCo may take to compile a model, and degrees of freedom that are read.
 LONGEST_COMPILATION, LARGEST_MEMORY, MOST_COORDINATES = 60, 8 * 2**30, 2000
 
@@ -84,7 +87,7 @@ def read_mjcf(path: str | Path, free_base: bool, package_dirs: tuple[str | Path,
     Args:
         path: of the file.
         free_base: whether a base without a free joint gets one.
-        package_dirs: folders from which files may be read besides that of the MJCF and the one above it.
+        package_dirs: folders from which files may be read besides the package of the MJCF and the folder above its own.
 
     Returns:
         Model, loops, gears, springs, motors, gravity and key frames.
@@ -113,13 +116,26 @@ def read_mjcf(path: str | Path, free_base: bool, package_dirs: tuple[str | Path,
     return _Reader(copy.copy(compiled), free_base).model_file(path, files.missing, undrawn)
 
 
+def _package(folder: Path) -> Path:
+    """The folder from which a file may name others: the package that it lies in, else the folder above its own.
+
+    A home directory or the root of a file system is none, and neither is what lies above it.
+    """
+    above = [folder, *folder.parents][: DEEPEST_PACKAGE + 1]
+    inside = above[: next((n for n, one in enumerate(above) if one in (Path.home(), Path(one.anchor))), len(above))]
+    if not inside:
+        return folder
+    package = next((one for one in inside if any((one / name).exists() for name in _PACKAGE_FILES)), inside[:2][-1])
+    while package.parent in inside and (package.parent / "__init__.py").exists():
+        package = package.parent
+    return package
+
+
 class _Files:
     """The texts of an MJCF file with its includes, all names of files checked; ``missing`` names meshes that are not there."""
 
     def __init__(self, path: Path, package_dirs: tuple[Path, ...]):
-        folder = path.parent.resolve()
-        above = () if folder.parent in (Path.home(), Path(folder.anchor)) else (folder.parent,)
-        self._roots = (folder, *above, *package_dirs)
+        self._roots = (_package(path.parent.resolve()), *package_dirs)
         self.missing: list[str] = []
         self._read: dict[str, int] = {}
         self._models: dict[str, Element] = {}
@@ -131,6 +147,8 @@ class _Files:
         for mesh in self._meshes:
             mesh.set("vertex", f"0 0 0 {size} 0 0 0 {size} 0 0 0 {size}")
         elements = {"main.xml": self._main, **self._models}
+        for root in elements.values():
+            ElementTree.indent(root)  # an element on each line, which messages of MuJoCo number
         return json.dumps({name: ElementTree.tostring(root, "unicode") for name, root in elements.items()}), tuple(
             self._read.items()
         )
@@ -201,8 +219,8 @@ class _Files:
         place = next((place for place in places if place.is_file()), places[0])
         if not any(place.is_relative_to(root) for root in self._roots):
             raise InputError(
-                f"mjcf: the file {short(name)!a} of <{element.tag}> lies outside of the folder of the MJCF and the one above it; name "
-                "its folder in package_dirs"
+                f"mjcf: the file {short(name)!a} of <{element.tag}> lies outside of the folder of the MJCF, the one above it "
+                "and its package; name its folder in package_dirs"
             )
         return place
 
@@ -224,8 +242,8 @@ def _compiled(texts: str, _times: tuple):
             raise InputError(f"mjcf: MuJoCo does not compile this model within {LONGEST_COMPILATION} s") from None
         model, problem = Path(folder) / "model.mjb", Path(folder) / "problem.txt"
         if problem.is_file():
-            text = problem.read_text("utf-8", errors="replace").replace("problem.txt", "")
-            raise InputError(f"mjcf: MuJoCo cannot read it ({_reason(text)})")
+            text = problem.read_text("utf-8", errors="replace")
+            raise InputError(f"mjcf: MuJoCo {mujoco.__version__} cannot read it ({_reason(text, json.loads(texts))})")
         if not model.is_file():
             raise InputError(f"mjcf: MuJoCo ends on this model with code {done.returncode}, without a reason or for want of memory")
         compiled = mujoco.MjModel.from_binary_path(str(model))
@@ -247,10 +265,14 @@ def quiet():
         mujoco.set_mju_user_warning(before)
 
 
-def _reason(text: str) -> str:
-    """A message of MuJoCo on one line, without places in the text that it was given."""
-    lines = [re.sub(r",? ?(id \d+, )?line \d+", "", line).strip() for line in text.splitlines()]
-    return "; ".join(line for line in lines if line)[:300] or "unknown"
+def _reason(text: str, files: Mapping[str, str]) -> str:
+    """A message of MuJoCo on one line, with the element instead of its line in the text that MuJoCo was given."""
+    place = re.search(r",? ?(?:id \d+, )?line (\d+)", text)
+    if place is None:
+        return " ".join(text.split())[:300] or "unknown"
+    lines, number = files["main.xml"].splitlines(), int(place[1])
+    element = f" at {short(lines[number - 1].strip())}" if len(files) == 1 and 0 < number <= len(lines) else ""
+    return " ".join(text.replace(place[0], "").split())[:300] + element
 
 
 def _names(model, kind: str, count: int) -> list[str]:
@@ -303,6 +325,9 @@ class _Reader:
     def model_file(self, path: Path, missing: list[str], undrawn: frozenset[int]) -> ModelFile:
         """All that is read."""
         mj = self.mj
+        if mj.nbody == 1 or not (mj.nv or self.free_base):
+            what = "body" if mj.nbody == 1 else "joint that moves"
+            raise InputError(f"mjcf: found no {what} in {path.name}; expected a model of bodies with joints")
         self._name_all()
         model = self._tree()
         stiffness, rest, bushings = self._joint_springs()
@@ -601,7 +626,7 @@ class _Reader:
 
     def _actuators(self) -> dict[str, Motor]:
         """Gains of position and velocity by joint; those along tendons, and those below zero, are tendons that rest at the guess."""
-        mj, gains = self.mj, {}
+        mj, gains, idle = self.mj, {}, []
         if _flag(mj, "ACTUATION"):
             return {}
         for number, name in enumerate(_names(mj, "actuator", len(mj.actuator_trntype))):
@@ -616,6 +641,7 @@ class _Reader:
             at = int(mj.actuator_outadr[number]) if hasattr(mj, "actuator_outadr") else number
             p, d = (float(value * mj.actuator_gear[at][0] ** 2) for value in self._feedback(number))
             if not (p or d):
+                idle.append(name)
                 continue
             to = int(mj.actuator_trnid[number][0])
             if self._target(number) != "TENDON":
@@ -623,6 +649,8 @@ class _Reader:
                 gains[self.joints[to]] = (before[0] + p, before[1] + d)
             else:
                 self.control.append(Tendon(name, *self._path(to), stiffness=(p,), rest=None, damping=d))
+        if idle:
+            self.notes.append(f"actuators without feedback exert no force: {_some(idle)}")
         for joint, (p, d) in gains.items():
             if min(p, d) < 0:
                 self.control.append(Tendon(f"control of {joint}", {joint: 1.0}, stiffness=(p,), rest=None, damping=d))

@@ -49,12 +49,13 @@ def compared_with_mujoco(robot: Robot, posture: Posture) -> tuple[Notice, ...]:
     ours = Balance(bare.tree, attached_load(bare, q, {}), q)
     twin = _Twin(bare, q)
     scale = EPS * max(float(np.abs(part).max(initial=0.0)) for part in ours.forces)
+    own_stiffness = np.sum(ours.stiffnesses, axis=0) + np.diag(bare.position_gains)
     branches = bare.tree.moves_axis | bare.tree.moves_axis.T  # elsewhere MuJoCo has no masses, also not of tendons
     dampers = (item.damping for item in (*ours.elastic, *ours.tendons))
     for what, own, other, tolerance, noise in (
         ("mass", ours.mass * branches, twin.mass() * branches, SAME_AS_MUJOCO, 0.0),
-        ("force", ours.force[:, None], twin.force(q)[:, None], SAME_AS_MUJOCO, scale),
-        ("stiffness", np.sum(ours.stiffnesses, axis=0) + np.diag(bare.position_gains), twin.stiffness(), DIFFERENCED, scale / _STEP),
+        ("force", ours.force[:, None], twin.force(q)[:, None], SAME_AS_MUJOCO, scale + EPS * np.abs(own_stiffness).max()),
+        ("stiffness", own_stiffness, twin.stiffness(), DIFFERENCED, scale / _STEP),
         ("damping", np.diag(bare.joint_damping) + sum(dampers, 0.0 * ours.mass), twin.damping(), DIFFERENCED, scale / _RATE),
     ):
         _agree(what, own, other, bare.coordinates, tolerance, NOISE_SAFETY * noise)
@@ -144,7 +145,7 @@ class _Twin:
         theirs = self.data.efc_J.reshape(-1, self.model.nv)[: self.data.ne] @ rates * lengths
         for what, rows, others in (("here", theirs, ours.scaled_jacobian), ("in MuJoCo", ours.scaled_jacobian, theirs)):
             left = rows - rows @ np.linalg.pinv(others, rcond=EPS * max(1, len(others))) @ others if len(others) else rows
-            if np.abs(left).max(initial=0.0) > DIFFERENCED * np.abs(rows).max(initial=0.0):
+            if np.abs(left).max(initial=0.0) > DIFFERENCED * max(np.abs(rows).max(initial=0.0), DIFFERENCED * ours.load.size):
                 name = self.robot.coordinates[int(np.unravel_index(np.abs(left).argmax(), left.shape)[1])]
                 raise InputError(f'mjcf: equalities leave another motion of "{name}" {what}{_ADVICE}')
         gap, own = np.abs(self.data.efc_pos[: self.data.ne]).max(initial=0.0), np.abs(ours.gaps).max(initial=0.0)
