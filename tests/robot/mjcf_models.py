@@ -269,9 +269,6 @@ class Oracle:
         columns = [(8 * (force(u) - force(-u)) - (force(2 * u) - force(-2 * u))) / (12 * h) for u in np.eye(self.model.nv) * h]
         return np.array(columns).T
 
-    def stiffness(self, qpos) -> np.ndarray:
-        return self.derivative(lambda u: self.force(self.moved(qpos, u)), 5e-4)
-
     def damping(self, qpos) -> np.ndarray:
         coarse, fine = (self.derivative(lambda v: self.force(qpos, v), h) for h in (2e-5, 1e-5))
         return 2 * fine - coarse

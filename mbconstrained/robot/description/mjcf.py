@@ -33,7 +33,7 @@ from ..flexible_joint import Motor
 from ..tangent import JointGear
 from ..tendons import Segment, Tendon
 from .models import ModelFile
-from .urdf import RENAMED_GROUND, read_urdf, short, xml_element
+from .urdf import LARGEST, RENAMED_GROUND, read_urdf, short, xml_element
 
 #: Files that include others, elements in elements, and models in models, at most so deep.
 DEEPEST_INCLUDE, DEEPEST_ELEMENT, DEEPEST_MODEL = 5, 300, 5
@@ -42,7 +42,9 @@ DEEPEST_INCLUDE, DEEPEST_ELEMENT, DEEPEST_MODEL = 5, 300, 5
 _PACKAGE_FILES, DEEPEST_PACKAGE = ("package.xml", "__init__.py", "pyproject.toml", ".git"), 6
 
 #: Time (s) and memory (bytes) that MuJoCo may take to compile a model, and degrees of freedom that are read.
-LONGEST_COMPILATION, LARGEST_MEMORY, MOST_COORDINATES = 60, 8 * 2**30, 2000
+LONGEST_COMPILATION, LARGEST_MEMORY, MOST_COORDINATES = 30, 4 * 2**30, 2000
+
+_NO_MEMORY = f"it needs more than {LARGEST_MEMORY / 2**30:g} GB of memory, or is damaged"
 
 #: Groups of actuators that can be disabled.
 _GROUPS = 31
@@ -242,10 +244,10 @@ def _compiled(texts: str, _times: tuple):
             raise InputError(f"mjcf: MuJoCo does not compile this model within {LONGEST_COMPILATION} s") from None
         model, problem = Path(folder) / "model.mjb", Path(folder) / "problem.txt"
         if problem.is_file():
-            text = problem.read_text("utf-8", errors="replace")
+            text = problem.read_text("utf-8", errors="replace").replace("Caught an unknown exception!", _NO_MEMORY)
             raise InputError(f"mjcf: MuJoCo {mujoco.__version__} cannot read it ({_reason(text, json.loads(texts))})")
         if not model.is_file():
-            raise InputError(f"mjcf: MuJoCo ends on this model with code {done.returncode}, without a reason or for want of memory")
+            raise InputError(f"mjcf: MuJoCo ends on this model with code {done.returncode}: {_NO_MEMORY}")
         compiled = mujoco.MjModel.from_binary_path(str(model))
     if compiled.nv > MOST_COORDINATES:
         raise InputError(f"mjcf: found {compiled.nv:,} degrees of freedom; at most {MOST_COORDINATES:,} are read")
@@ -329,6 +331,7 @@ class _Reader:
             what = "body" if mj.nbody == 1 else "joint that moves"
             raise InputError(f"mjcf: found no {what} in {path.name}; expected a model of bodies with joints")
         self._name_all()
+        self._check_numbers()
         model = self._tree()
         stiffness, rest, bushings = self._joint_springs()
         self.gears: list[JointGear] = []
@@ -380,6 +383,20 @@ class _Reader:
         used |= set(given)
         for number, name in enumerate(given):
             self.joints.append(name or _distinct(f"{self.bodies[mj.jnt_bodyid[number]]} joint", used))
+
+    def _check_numbers(self) -> None:
+        """Raise an InputError where numbers of the mechanics are not finite, or their squares may not be."""
+        mj, counts = self.mj, {"body": self.bodies, "jnt": self.joints, "tendon": [], "actuator": [], "site": [], "eq": [], "dof": []}
+        arrays = [name for name in dir(mj) if name.split("_")[0] in counts and not name.endswith(("_user", "invweight0", "acc0"))]
+        for name in (*arrays, "qpos0", "qpos_spring", "key_qpos"):
+            values = getattr(mj, name)
+            if not isinstance(values, np.ndarray) or values.dtype != float:
+                continue
+            if (wrong := ~(np.abs(values) <= LARGEST)).any():
+                place = np.argwhere(wrong)[0]
+                known = counts.get(name.split("_")[0], [])
+                of = f' of "{short(known[place[0]])}"' if place[0] < len(known) else ""
+                raise InputError(f"mjcf: {name}{of}: found {values[tuple(place)]:g}; expected a number of a size below {LARGEST:g}")
 
     def _tree(self):
         """The pinocchio model; joints are at the values of MuJoCo, so that one with a ref is turned back by it."""

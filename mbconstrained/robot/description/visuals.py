@@ -118,9 +118,11 @@ def visuals_of_mjcf(source: ModelFile, *, collision: bool = False) -> tuple[Visu
             own = material < 0 or not np.allclose(mj.geom_rgba[geom], _USUAL_COLOR)
             color = tuple(np.clip(mj.geom_rgba[geom] if own else mj.mat_rgba[material], 0.0, 1.0).tolist())
             count = 0 if faces is None else len(faces)
-            placement = pose(mj.geom_pos[geom], mj.geom_quat[geom]).homogeneous
-            link = source.links[mj.geom_bodyid[geom]]
-            visuals.append(Visual(link, kind, size, placement, color, vertices, faces, triangles=count))
+            placement, link = pose(mj.geom_pos[geom], mj.geom_quat[geom]), source.links[mj.geom_bodyid[geom]]
+            if (mesh := int(mj.geom_dataid[geom])) >= 0 and kind == "mesh":  # MuJoCo moves meshes into their principal axes
+                moved = pose(mj.mesh_pos[mesh], mj.mesh_quat[mesh])
+                placement, vertices = placement * moved.inverse(), vertices @ moved.rotation.T + moved.translation
+            visuals.append(Visual(link, kind, size, placement.homogeneous, color, vertices, faces, triangles=count))
     return tuple(visuals)
 
 
