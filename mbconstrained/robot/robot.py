@@ -148,9 +148,9 @@ class Robot(Displayed):
         self.moving_base = self._moving_base() if base == "moving" else None
         given = (*source.loops, *given, *filter(None, [self.moving_base]))
         self.loops = checked_connections(given, (Loop,), "loops", self.link_frames)
-        springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
+        own_springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
         self.springs = checked_connections(
-            (*source.springs, *springs), (BodySpring, Bushing), "springs", self.link_frames, self.loops
+            (*source.springs, *own_springs), (BodySpring, Bushing), "springs", self.link_frames, self.loops
         )
         self.lift, self._is_compared = self._lift(), False
         moving = {name for name in source.joint_stiffness if name in self.coordinates and name not in (joint_stiffness or {})}
@@ -158,7 +158,9 @@ class Robot(Displayed):
         self._set_joints({**own, **(joint_stiffness or {})}, {**rest, **(joint_rest or {})}, joint_damping)
         self.flexible_joints = self._by_joint(flexible_joints, FlexibleJoint, "flexible_joints")
         self.semantics = SemanticDescription() if srdf is None else read_srdf(srdf)
-        own_motors = {name: motor for name, motor in source.motors.items() if name in self.coordinates and name not in self.flexible_joints}
+        own_motors = {
+            name: motor for name, motor in source.motors.items() if name in self.coordinates and name not in self.flexible_joints
+        }
         self._set_motors({**self._rotors(), **own_motors, **self._by_joint(motors, Motor, "motors")})
 
     def _moving_base(self) -> Loop:
@@ -169,7 +171,9 @@ class Robot(Displayed):
         gravity = np.array(self.model.gravity.linear)
         if not (size := float(np.linalg.norm(gravity))):
             return {}
-        return {PointMotion(body, point, along=-gravity): mass * size for body, (point, mass) in self.source.lift.items()}
+        return {
+            PointMotion(body, point, along=(-gravity).tolist()): mass * size for body, (point, mass) in self.source.lift.items()
+        }
 
     def _add_payloads(self, payloads: Sequence[Payload]) -> None:
         import pinocchio

@@ -51,7 +51,8 @@ class Tendon:
 
     def attached(self, robot: Robot, guess: Kinematics) -> AttachedTendon:
         """The tendon of a robot; locked joints and lines within a body have a constant part of the length."""
-        row, offset, lines = np.zeros(robot.model.nv), 0.0, []
+        row, offset = np.zeros(robot.model.nv), 0.0
+        lines: list[tuple[Anchor, Anchor, float]] = []
         for name, coefficient in self.joints.items():
             if name in robot.locked:
                 offset += coefficient * robot.locked[name]
@@ -65,7 +66,7 @@ class Tendon:
             if ends[0].joint == ends[1].joint:
                 offset += item.factor * float(np.linalg.norm(ends[0].point - ends[1].point))
             else:
-                lines.append((*ends, item.factor))
+                lines.append((ends[0], ends[1], item.factor))
         attached = AttachedTendon(self, row, offset, tuple(lines), self.rest or (0.0, 0.0))
         if self.rest is None:
             length = StretchedTendon(attached, guess).length
@@ -91,7 +92,9 @@ class StretchedTendon:
         self.attached, self._kinematics = attached, kinematics
         self._poses = [(RelativePose(kinematics, first, second, False), factor) for first, second, factor in attached.lines]
         if any(not np.any(pose.value[:3]) for pose, _ in self._poses):
-            raise InputError(f'tendon "{attached.tendon.name}": two of its points are at the same place, so that it has no direction')
+            raise InputError(
+                f'tendon "{attached.tendon.name}": two of its points are at the same place, so that it has no direction'
+            )
 
     @cached_property
     def length(self) -> float:
@@ -112,7 +115,8 @@ class StretchedTendon:
     def gradient(self) -> np.ndarray:
         """dL/dq, shape (nv,)."""
         return self.attached.row + sum(
-            (factor * u @ pose.jacobian for u, (pose, factor) in zip(self._directions, self._poses)), np.zeros(len(self.attached.row))
+            (factor * u @ pose.jacobian for u, (pose, factor) in zip(self._directions, self._poses)),
+            np.zeros(len(self.attached.row)),
         )
 
     @cached_property

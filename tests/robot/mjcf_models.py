@@ -108,7 +108,11 @@ class Generator:
         self.bodies.append(name)
         content = ""
         if depth == 0 and self.chance(0.15):
-            content += f'<freejoint name="f{number}"/>' if self.chance(0.5) else f'<joint name="f{number}" type="free" stiffness="30" damping="2" armature="0.1"/>'
+            content += (
+                f'<freejoint name="f{number}"/>'
+                if self.chance(0.5)
+                else f'<joint name="f{number}" type="free" stiffness="30" damping="2" armature="0.1"/>'
+            )
         elif self.chance(0.15):
             content += self.joint(f"j{number}_ball", True)
         else:
@@ -201,11 +205,19 @@ class Generator:
         if not any(tag in world for tag in ("<joint", "<freejoint")):
             world += '<body name="last"><joint name="last" axis="0 1 0"/><geom size="0.1" pos="0 0 -0.3"/></body>'
         sequence = rng.choice(["", 'eulerseq="XYZ"', 'eulerseq="zyx"', 'eulerseq="ZxY"'])
-        others = rng.choice(["", 'inertiafromgeom="true"', 'settotalmass="7"', 'balanceinertia="true"', 'autolimits="false"'], p=[0.6, 0.1, 0.1, 0.1, 0.1])
+        others = rng.choice(
+            ["", 'inertiafromgeom="true"', 'settotalmass="7"', 'balanceinertia="true"', 'autolimits="false"'],
+            p=[0.6, 0.1, 0.1, 0.1, 0.1],
+        )
         if "false" in others and "range=" in world:
             others = ""
         compiler = f'<compiler angle="{"degree" if self.degrees else "radian"}" {sequence} {others}/>'
-        flag = str(rng.choice(["", 'spring="disable"', 'damper="disable"', 'gravity="disable"', 'actuation="disable"'], p=[0.8, 0.05, 0.05, 0.05, 0.05]))
+        flag = str(
+            rng.choice(
+                ["", 'spring="disable"', 'damper="disable"', 'gravity="disable"', 'actuation="disable"'],
+                p=[0.8, 0.05, 0.05, 0.05, 0.05],
+            )
+        )
         option = f'<option gravity="{text(*rng.normal(size=3) * 5)}"><flag {flag}/></option>'
         classes = (
             '<default><geom density="700"/><default class="soft"><joint stiffness="11" damping="0.3"/></default>'
@@ -223,7 +235,9 @@ def compiled_here(texts: str, _times=()):
     import mujoco
 
     files = {name: content.encode() for name, content in json.loads(texts).items()}
-    return mujoco.MjModel.from_xml_string(files["main.xml"].decode(), {name: own for name, own in files.items() if name != "main.xml"})
+    return mujoco.MjModel.from_xml_string(
+        files["main.xml"].decode(), {name: own for name, own in files.items() if name != "main.xml"}
+    )
 
 
 class Oracle:

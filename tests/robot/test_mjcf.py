@@ -8,7 +8,7 @@ import pytest
 import mbconstrained as mb
 from tests.robot.linkages import null_space
 
-mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (pip install mujoco-core)")
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (pip install 'mbconstrained[mjcf]')")
 
 MJCF = """<mujoco model="four-bar with a gear"><option gravity="0.3 0 -5"/>
 <default><joint damping="0.3"/><default class="soft"><joint stiffness="20" springref="10"/></default></default>
@@ -108,13 +108,21 @@ def test_a_robot_file_names_it(path):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('<body name="frame">', '<body name="other"><joint/></body><body name="frame">', "mass and inertia of moving bodies must be"),
+        (
+            '<body name="frame">',
+            '<body name="other"><joint/></body><body name="frame">',
+            "mass and inertia of moving bodies must be",
+        ),
         ("<mujoco", "<!DOCTYPE x><mujoco", "mjcf: found a document type"),
         ("</mujoco>", "", "mjcf: not XML"),
         ("<equality>", '<asset><mesh name="m" file="../../m.stl"/></asset><equality>', "lies outside of the folder of the MJCF"),
         ("<equality>", '<include file="nothing.xml"/><equality>', "there is no such MJCF file"),
         ("<equality>", '<include file="linkage.xml"/><equality>', "include each other more than 5 deep"),
-        ('stiffness="3"', 'stiffness="soft"', r"cannot read it \(XML Error: bad format in attribute 'stiffness' .* at <joint name=\"j4\""),
+        (
+            'stiffness="3"',
+            'stiffness="soft"',
+            r"cannot read it \(XML Error: bad format in attribute 'stiffness' .* at <joint name=\"j4\"",
+        ),
         ('axis="0 1 0" stiffness', 'type="wheel" stiffness', "cannot read it .*invalid keyword: 'wheel'"),
     ],
 )

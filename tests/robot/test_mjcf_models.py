@@ -44,10 +44,17 @@ def here(monkeypatch):
     monkeypatch.setattr(mjcf, "_compiled", compiled_here)
 
 
-EXTRA = body("extra", hinge("c", 'stiffness="7"'), place='pos="0.2 0 0"', inertial='<inertial mass="1" pos="0 0 -0.1" diaginertia="0.01 0.02 0.03"/>')
+EXTRA = body(
+    "extra",
+    hinge("c", 'stiffness="7"'),
+    place='pos="0.2 0 0"',
+    inertial='<inertial mass="1" pos="0 0 -0.1" diaginertia="0.01 0.02 0.03"/>',
+)
 LINK = '<inertial mass="1" pos="0.05 0 -0.1" diaginertia="0.01 0.011 0.012"/>'
 MESHED = '<mujoco>{}<asset><mesh class="mm" name="c" file="{}"/></asset><worldbody>{}</worldbody></mujoco>'
-MESH_BODY = body("a", hinge("j"), '<geom type="mesh" mesh="c"/>', inertial='<inertial mass="1" pos="0 0 -0.3" diaginertia="0.01 0.01 0.01"/>')
+MESH_BODY = body(
+    "a", hinge("j"), '<geom type="mesh" mesh="c"/>', inertial='<inertial mass="1" pos="0 0 -0.3" diaginertia="0.01 0.01 0.01"/>'
+)
 CUBE = "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 
 
@@ -73,7 +80,9 @@ def frequencies(robot: mb.Robot, **options) -> np.ndarray:
         (chain(place='axisangle="1 2 3 40"'), 1.538),
         (chain('<default><default class="c"><joint pos="0 0 0.1"/></default></default>', a='class="c"'), 2.04),
         (
-            chain('<compiler inertiafromgeom="true"/>').replace("0.04\"/></body>", '0.04"/><geom type="box" size="0.1 0.2 0.3" pos="0.1 0 -0.3" mass="2.5"/></body>'),
+            chain('<compiler inertiafromgeom="true"/>').replace(
+                '0.04"/></body>', '0.04"/><geom type="box" size="0.1 0.2 0.3" pos="0.1 0 -0.3" mass="2.5"/></body>'
+            ),
             1.9383,
         ),
     ],
@@ -89,7 +98,17 @@ def test_masses(tmp_path, here, text, first):
     [
         (chain('<compiler eulerseq="ZYX"/>', place='euler="20 30 40"'), [0.6199, 0.8762]),
         (linkage("c", "", 'pos="0.02 0 0.05"'), [3.7037]),
-        (linkage("e", body("e", place='pos="0.1 0 0.1" euler="0 20 0"', inertial='<inertial mass="0.1" pos="0 0 0" diaginertia="0.01 0.01 0.01"/>')), [2.4197]),
+        (
+            linkage(
+                "e",
+                body(
+                    "e",
+                    place='pos="0.1 0 0.1" euler="0 20 0"',
+                    inertial='<inertial mass="0.1" pos="0 0 0" diaginertia="0.01 0.01 0.01"/>',
+                ),
+            ),
+            [2.4197],
+        ),
     ],
     ids=["capitals of eulerseq", "connect next to pos of a joint", "connect on a fixed body"],
 )
@@ -102,7 +121,12 @@ def test_frequencies(tmp_path, here, text, wanted):
 def test_a_base_that_is_turned_turns_gravity(tmp_path, here):
     """A palm upside down with one finger on a spring: w^2 = (k + m g l) / J. A hinge about the axis of a tilted base:
     w^2 = m g l cos(30 deg) / J."""
-    finger = body("finger", hinge("j", 'stiffness="0.2"'), place='pos="0 0 0.02"', inertial='<inertial pos="0 0 0.05" mass="0.05" diaginertia="2e-5 2e-5 1e-6"/>')
+    finger = body(
+        "finger",
+        hinge("j", 'stiffness="0.2"'),
+        place='pos="0 0 0.02"',
+        inertial='<inertial pos="0 0 0.05" mass="0.05" diaginertia="2e-5 2e-5 1e-6"/>',
+    )
     palm = body("palm", "", finger, 'pos="0 0 0.1" quat="0 1 0 0"')
     robot = read(tmp_path, f"<mujoco><worldbody>{palm}</worldbody></mujoco>")
     moment = 0.05 * 0.05**2 + 2e-5
@@ -156,9 +180,16 @@ def test_the_linear_coefficient_of_polynomial_damping(tmp_path, here):
         chain('<compiler settotalmass="10"/>'),
         chain().replace('<joint name="a" axis="0 1 0" />', '<joint name="a" axis="0 1 0"/><joint name="a2" axis="1 0 0"/>'),
         chain().replace("</worldbody>", '</worldbody><worldbody><light pos="0 0 3"/></worldbody>'),
-        chain(after='<tendon><fixed name="t" stiffness="100" damping="2"><joint joint="a" coef="1"/><joint joint="b" coef="-2"/></fixed></tendon>'),
-        chain().replace("</worldbody>", '<body name="other" pos="1 0 0"><joint name="o" axis="1 0 0" stiffness="3"/><geom size="0.1" pos="0 0.2 0"/></body></worldbody>'),
-        chain().replace('<joint name="a" axis="0 1 0" />', '<joint name="a" type="ball" stiffness="40" damping="2" armature="0.1"/>'),
+        chain(
+            after='<tendon><fixed name="t" stiffness="100" damping="2"><joint joint="a" coef="1"/><joint joint="b" coef="-2"/></fixed></tendon>'
+        ),
+        chain().replace(
+            "</worldbody>",
+            '<body name="other" pos="1 0 0"><joint name="o" axis="1 0 0" stiffness="3"/><geom size="0.1" pos="0 0.2 0"/></body></worldbody>',
+        ),
+        chain().replace(
+            '<joint name="a" axis="0 1 0" />', '<joint name="a" type="ball" stiffness="40" damping="2" armature="0.1"/>'
+        ),
     ],
     ids="frame replicate unnamed springdamper flags gravcomp settotalmass two-joints two-worlds tendon two-bodies ball".split(),
 )
@@ -264,8 +295,12 @@ def test_loops_of_random_models(tmp_path, here, seed):
 
 def test_a_planar_base(tmp_path, here):
     """Slides and a hinge in one body, as of hopper and cheetah: w^2 = k / m, k / J."""
-    joints = '<joint name="x" type="slide" axis="1 0 0" stiffness="400"/><joint name="z" type="slide" axis="0 0 1" stiffness="900"/>'
-    torso = body("torso", joints + hinge("turn", 'stiffness="25"'), inertial='<inertial pos="0 0 0" mass="4" diaginertia="0.1 0.2 0.3"/>')
+    joints = (
+        '<joint name="x" type="slide" axis="1 0 0" stiffness="400"/><joint name="z" type="slide" axis="0 0 1" stiffness="900"/>'
+    )
+    torso = body(
+        "torso", joints + hinge("turn", 'stiffness="25"'), inertial='<inertial pos="0 0 0" mass="4" diaginertia="0.1 0.2 0.3"/>'
+    )
     robot = read(tmp_path, f'<mujoco><option gravity="0 0 0"/><worldbody>{torso}</worldbody></mujoco>')
     assert robot.bodies == ("torso (x)", "torso (z)", "torso")
     assert 2 * np.pi * frequencies(robot) == pytest.approx(sorted([10.0, 15.0, np.sqrt(25 / 0.2)]), rel=1e-12)
@@ -284,7 +319,9 @@ def test_gears_of_tendons(tmp_path, here):
 
 
 def test_gains_of_actuators_are_motors(tmp_path, here):
-    text = chain(after='<actuator><position joint="a" kp="50" kv="3" gear="2"/><velocity joint="b" kv="4"/><motor name="idle" joint="b"/></actuator>')
+    text = chain(
+        after='<actuator><position joint="a" kp="50" kv="3" gear="2"/><velocity joint="b" kv="4"/><motor name="idle" joint="b"/></actuator>'
+    )
     robot = read(tmp_path, text)
     assert robot.motors == {"a": mb.Motor(position_gain=200.0, velocity_gain=12.0), "b": mb.Motor(velocity_gain=4.0)}
     posture = robot.equilibrium({"a": 0.4}, hold=["b"])
@@ -294,7 +331,11 @@ def test_gains_of_actuators_are_motors(tmp_path, here):
 
 def test_a_tendon_along_straight_lines_stretches_as_a_spring_between_bodies(tmp_path, here):
     sites = '<site name="s1" pos="0.2 0 1"/>'
-    text = chain().replace('<body name="base">', f'{sites}<body name="base">').replace('diaginertia="0.02 0.03 0.04"/></body>', 'diaginertia="0.02 0.03 0.04"/><site name="s2" pos="0.1 0 -0.4"/></body>')
+    text = (
+        chain()
+        .replace('<body name="base">', f'{sites}<body name="base">')
+        .replace('diaginertia="0.02 0.03 0.04"/></body>', 'diaginertia="0.02 0.03 0.04"/><site name="s2" pos="0.1 0 -0.4"/></body>')
+    )
     tendon = '<tendon><spatial name="t" stiffness="300" damping="5" springlength="0.5"><site site="s1"/><site site="s2"/></spatial></tendon>'
     robot = read(tmp_path, text.replace("</mujoco>", tendon + "</mujoco>"))
     spring = mb.BodySpring("ground", (0.2, 0, 1), "link2", (0.1, 0, -0.4), stiffness=300.0, rest_length=0.5, damping=5.0)
@@ -311,7 +352,10 @@ def test_a_tendon_along_straight_lines_stretches_as_a_spring_between_bodies(tmp_
     ("more", "message"),
     [
         ('<option viscosity="0.1"/>', "the viscosity 0.1 Pa s of the medium"),
-        ('<equality><joint joint1="b" joint2="a" polycoef="0 1 0.5"/></equality>', 'coupling of the joint "b", which is not linear'),
+        (
+            '<equality><joint joint1="b" joint2="a" polycoef="0 1 0.5"/></equality>',
+            'coupling of the joint "b", which is not linear',
+        ),
         ('<actuator><muscle joint="a" lengthrange="0.1 1"/></actuator>', 'the kind muscle of the actuator "actuator 0"'),
         ('<actuator><adhesion body="link2" name="glue" ctrlrange="0 1"/></actuator>', ""),
         (
@@ -366,9 +410,13 @@ def test_the_scale_of_a_mesh_by_class(tmp_path, here):
 def test_included_files_and_those_next_to_the_folder(tmp_path, here):
     for folder in ("robots/arm", "robots/common", "other"):
         (tmp_path / folder).mkdir(parents=True)
-    (tmp_path / "robots/common/defaults.xml").write_text('<mujoco><default><joint armature="0.5" damping="2"/><geom density="100"/></default></mujoco>')
+    (tmp_path / "robots/common/defaults.xml").write_text(
+        '<mujoco><default><joint armature="0.5" damping="2"/><geom density="100"/></default></mujoco>'
+    )
     arm = '<body name="a"><joint name="j1" axis="0 1 0"/><geom type="box" size="0.05 0.05 0.5" pos="0 0 -0.5"/></body>'
-    (tmp_path / "robots/arm/arm.xml").write_text(f'<mujoco><include file="../common/defaults.xml"/><worldbody>{arm}</worldbody></mujoco>')
+    (tmp_path / "robots/arm/arm.xml").write_text(
+        f'<mujoco><include file="../common/defaults.xml"/><worldbody>{arm}</worldbody></mujoco>'
+    )
     scene = '<mujoco><include file="arm.xml"/><worldbody><light pos="0 0 3"/><geom type="plane" size="1 1 .1" pos="0 0 -3"/></worldbody></mujoco>'
     robot = read(tmp_path / "robots/arm", scene, "scene.xml")
     system = robot.linearize(robot.equilibrium())
@@ -439,7 +487,9 @@ def test_without_mujoco_a_file_asks_for_it(tmp_path):
         "import sys; sys.modules['mujoco'] = None\nimport mbconstrained as mb\n"
         f"try:\n    mb.Robot({str(tmp_path / 'm.xml')!r})\nexcept mb.InputError as problem:\n    print(problem)"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=Path(mb.__file__).parents[1])
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=Path(mb.__file__).parents[1]
+    )
     assert "MuJoCo, which is not installed: pip install 'mbconstrained[mjcf]'" in done.stdout
 
 

@@ -233,7 +233,9 @@ def _compiled(texts: str, _times: tuple):
     try:
         import mujoco
     except ImportError:
-        raise InputError("mjcf: MJCF files are compiled by MuJoCo, which is not installed: pip install 'mbconstrained[mjcf]'") from None
+        raise InputError(
+            "mjcf: MJCF files are compiled by MuJoCo, which is not installed: pip install 'mbconstrained[mjcf]'"
+        ) from None
     script = f"MEMORY, MOST = {LARGEST_MEMORY}, {MOST_COORDINATES}\n{_COMPILATION}"
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         try:
@@ -386,7 +388,10 @@ class _Reader:
 
     def _check_numbers(self) -> None:
         """Raise an InputError where numbers of the mechanics are not finite, or their squares may not be."""
-        mj, counts = self.mj, {"body": self.bodies, "jnt": self.joints, "tendon": [], "actuator": [], "site": [], "eq": [], "dof": []}
+        mj, counts = (
+            self.mj,
+            {"body": self.bodies, "jnt": self.joints, "tendon": [], "actuator": [], "site": [], "eq": [], "dof": []},
+        )
         arrays = [name for name in dir(mj) if name.split("_")[0] in counts and not name.endswith(("_user", "invweight0", "acc0"))]
         for name in (*arrays, "qpos0", "qpos_spring", "key_qpos"):
             values = getattr(mj, name)
@@ -410,9 +415,15 @@ class _Reader:
             root = model.addJoint(0, pinocchio.JointModelFreeFlyer(), pinocchio.SE3.Identity(), "root_joint")
             model.addJointFrame(root, 0)
         self.added_base = bool(root)
+        friction = mj.dof_frictionloss * (not (_flag(mj, "FRICTIONLOSS") or _flag(mj, "CONSTRAINT")))
+        limited = mj.jnt_limited * (not (_flag(mj, "LIMIT") or _flag(mj, "CONSTRAINT")))
         self.places = [(root, pinocchio.SE3.Identity())]
         self.behind: list[str] = []  # the links of the joints, of which only the last of a body has that body
-        damping = _rows(mj, "dof_damping", mj.nv)[:, 0] * (not _flag(mj, "DAMPER"))
+        damping, armature = _rows(mj, "dof_damping", mj.nv)[:, 0].copy(), np.array(mj.dof_armature)
+        own_armature, own_damping = self._of_actuators("jnt", mj.njnt)
+        np.add.at(armature, mj.jnt_dofadr, own_armature)
+        np.add.at(damping, mj.jnt_dofadr, own_damping)
+        damping = damping * (not _flag(mj, "DAMPER"))
         if root or any(self._drawn_in_world()):
             _add_link(model, self.bodies[0], root, pinocchio.SE3.Identity())
         for body in range(1, mj.nbody):
@@ -438,12 +449,12 @@ class _Reader:
                 place = anchor.inverse()
                 added, at = model.joints[joint], int(mj.jnt_dofadr[number])
                 dofs = slice(added.idx_v, added.idx_v + added.nv), slice(at, at + added.nv)
-                for own, theirs in (("armature", mj.dof_armature), ("friction", mj.dof_frictionloss), ("damping", damping)):
+                for own, theirs in (("armature", armature), ("friction", friction), ("damping", damping)):
                     values = np.array(getattr(model, own))
                     values[dofs[0]] = theirs[dofs[1]]
                     setattr(model, own, values)
                 if added.nv == 1:
-                    limits = mj.jnt_range[number] * bool(mj.jnt_limited[number])
+                    limits = mj.jnt_range[number] * bool(limited[number])
                     for own, value in (("lowerPositionLimit", limits[0]), ("upperPositionLimit", limits[1])):
                         values = np.array(getattr(model, own))
                         values[added.idx_q] = value
@@ -460,8 +471,17 @@ class _Reader:
             _add_link(model, self.bodies[body], joint, place)
         return model
 
+    def _of_actuators(self, kind: str, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Inertias and dampings of actuators at joints or tendons, behind their gears."""
+        mj, values = self.mj, np.zeros((2, count))
+        for place, actuator in enumerate(getattr(mj, f"{kind}_actuatorid", ())):
+            if actuator >= 0:
+                square = mj.actuator_gear[mj.actuator_outadr[actuator]][0] ** 2
+                values[:, place] = square * mj.actuator_armature[actuator], square * _rows(mj, "actuator_damping", len(mj.actuator_trntype))[actuator, 0]
+        return values[0], values[1]
+
     def _drawn_in_world(self) -> Iterator[bool]:
-        return (geom_kind(self.mj, geom) not in _UNDRAWN for geom in np.flatnonzero(self.mj.geom_bodyid == 0))
+        return (geom_kind(self.mj, int(geom)) not in _UNDRAWN for geom in np.flatnonzero(self.mj.geom_bodyid == 0))
 
     def _each_joint(self) -> Iterator[tuple[int, str, str]]:
         kinds = _kinds("mjtJoint", "mjJNT_")
@@ -508,7 +528,9 @@ class _Reader:
         turning = (k,) * 3
         along = turning if kind == "FREE" else (0.0,) * 3
         ends = (first, placement.translation.tolist(), self.behind[number], anchor.tolist())
-        return Bushing(*ends, rotation1=_angles(placement.rotation), turning_stiffness=turning, stiffness=along, name=f"spring of {name}")
+        return Bushing(
+            *ends, rotation1=_angles(placement.rotation), turning_stiffness=turning, stiffness=along, name=f"spring of {name}"
+        )
 
     def _body(self, number: int) -> str:
         return self.bodies[number] if number or self.added_base else GROUND
@@ -547,14 +569,13 @@ class _Reader:
         import mujoco
 
         mj = self.mj
-        turn, points = np.eye(3), (data[:3], data[3:6])
-        frames = (np.eye(3), np.eye(3))
+        points, frames = [data[:3], data[3:6]], [np.eye(3), np.eye(3)]
         if mj.eq_objtype[number] == mujoco.mjtObj.mjOBJ_SITE:
-            points = tuple(np.array(mj.site_pos[site]) for site in (first, second))
-            frames = tuple(_rotation(mj.site_quat[site]) for site in (first, second))
+            points = [np.array(mj.site_pos[site]) for site in (first, second)]
+            frames = [_rotation(mj.site_quat[site]) for site in (first, second)]
             first, second = (int(mj.site_bodyid[site]) for site in (first, second))
         elif kind == "WELD":
-            points, frames = (data[3:6], data[:3]), (_rotation(data[6:10]), turn)
+            points, frames = [data[3:6], data[:3]], [_rotation(data[6:10]), np.eye(3)]
         if self.places[first][0] == self.places[second][0]:
             return
         rigid = kind == "WELD" and data[10]
@@ -622,12 +643,13 @@ class _Reader:
         """Springs, dampers and inertias along tendons."""
         mj = self.mj
         constants = _polynomials(mj, "tendon_stiffness", mj.ntendon) * (not _flag(mj, "SPRING"))
-        damping, armature = (_rows(mj, f"tendon_{part}", mj.ntendon) for part in ("damping", "armature"))
+        own = self._of_actuators("tendon", mj.ntendon)
+        armature, damping = (_rows(mj, f"tendon_{key}", mj.ntendon)[:, 0] + more for key, more in zip(("armature", "damping"), own))
         for number, name in enumerate(self._tendon_names()):
-            c = float(damping[number, 0]) * (not _flag(mj, "DAMPER"))
+            c = float(damping[number]) * (not _flag(mj, "DAMPER"))
             if mj.tendon_frictionloss[number]:
                 self.notes.append(f'dry friction of the tendon "{name}" is left out: it is not linear')
-            if not (constants[number].any() or c or armature[number, 0]):
+            if not (constants[number].any() or c or armature[number]):
                 continue
             path = self._path(number)
             if path is None:
@@ -636,7 +658,14 @@ class _Reader:
                     "let it pass through sites alone"
                 )
             low, high = mj.tendon_lengthspring[number].tolist()
-            yield Tendon(name, *path, stiffness=tuple(constants[number].tolist()), rest=(low, high), damping=c, inertia=float(armature[number, 0]))
+            yield Tendon(
+                name,
+                *path,
+                stiffness=tuple(constants[number].tolist()),
+                rest=(low, high),
+                damping=c,
+                inertia=float(armature[number]),
+            )
 
     def _tendon_names(self) -> list[str]:
         return [name or f"tendon {number}" for number, name in enumerate(_names(self.mj, "tendon", self.mj.ntendon))]
@@ -702,6 +731,10 @@ class _Reader:
 
     def _lifted(self) -> list[int]:
         """Bodies whose weight is compensated."""
+        compensated = np.any(self.mj.body_gravcomp) and np.any(getattr(self.mj, "jnt_actgravcomp", False))
+        if compensated and (_flag(self.mj, "ACTUATION") or not len(self.mj.actuator_trntype)):
+            self.left_out.append("compensation of gravity by actuators that are not there or disabled")
+            self.comparable = False
         off = _flag(self.mj, "GRAVITY") or (_flag(self.mj, "SPRING") and _flag(self.mj, "DAMPER"))
         moving = (joint for joint, _ in self.places)
         return [] if off else [i for i, joint in enumerate(moving) if joint and self.mj.body_gravcomp[i] * self.mj.body_mass[i]]
@@ -730,8 +763,9 @@ class _Reader:
             left.append(f"the viscosity {mj.opt.viscosity:g} Pa s of the medium, which damps")
         if mj.opt.density and passive:
             adds_mass = bool(_rows(mj, "geom_fluid", mj.ngeom)[:, 0].any())
-            effect = "added masses" if adds_mass else "its drag is not linear"
-            (left if adds_mass else notes).append(f"the density {mj.opt.density:g} kg/m^3 of the medium: {effect}")
+            effect = "added masses" if adds_mass else "the drag of its wind" if np.any(mj.opt.wind) else "its drag is not linear"
+            doubtful = adds_mass or np.any(mj.opt.wind)
+            (left if doubtful else notes).append(f"the density {mj.opt.density:g} kg/m^3 of the medium: {effect}")
         mj.opt.density = mj.opt.viscosity = 0.0
         if mj.nmocap:
             notes.append(f"{mj.nmocap} mocap {'bodies rest' if mj.nmocap > 1 else 'body rests'} where the file has them")
@@ -742,10 +776,11 @@ class _Reader:
         limited = [name for name, limit in zip(self._tendon_names(), mj.tendon_limited) if limit]
         if limited:
             notes.append(f"limits of tendons are not in the equations: {_some(limited)}")
-        curved = _polynomials(mj, "dof_damping", mj.nv)[:, 1:].any(axis=1)
-        curved = sorted({self.joints[mj.dof_jntid[dof]] for dof in np.flatnonzero(curved)})
-        if curved:
-            notes.append(f"of polynomial damping the linear part is read: {_some(curved)}")
+        curved = np.flatnonzero(_polynomials(mj, "dof_damping", mj.nv)[:, 1:].any(axis=1))
+        if len(curved):
+            notes.append(
+                f"of polynomial damping the linear part is read: {_some(dict.fromkeys(self.joints[mj.dof_jntid[dof]] for dof in curved))}"
+            )
 
 
 #: Geoms that are not drawn: planes without end and height fields.

@@ -51,7 +51,7 @@ def compared_with_mujoco(robot: Robot, posture: Posture) -> tuple[Notice, ...]:
     scale = EPS * max(float(np.abs(part).max(initial=0.0)) for part in ours.forces)
     own_stiffness = np.sum(ours.stiffnesses, axis=0) + np.diag(bare.position_gains)
     branches = bare.tree.moves_axis | bare.tree.moves_axis.T  # elsewhere MuJoCo has no masses, also not of tendons
-    dampers = (item.damping for item in (*ours.elastic, *ours.tendons))
+    dampers = [*(item.damping for item in ours.elastic), *(item.damping for item in ours.tendons)]
     for what, own, other, tolerance, noise in (
         ("mass", ours.mass * branches, twin.mass() * branches, SAME_AS_MUJOCO, 0.0),
         ("force", ours.force[:, None], twin.force(q)[:, None], SAME_AS_MUJOCO, scale + EPS * np.abs(own_stiffness).max()),

@@ -90,7 +90,7 @@ class Balance:
     @cached_property
     def forces(self) -> tuple[np.ndarray, ...]:
         """The terms of the left side, each of shape (nv,)."""
-        springs = [element.force for element in (*self.elastic, *self.tendons)]
+        springs = [*(element.force for element in self.elastic), *(tendon.force for tendon in self.tendons)]
         applied = [-value * row for row, value in self._rows]
         return (self.gravity, self.load.joint_stiffness * self.joint_stretch, *springs, -self.load.joint_force, *applied)
 
