@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -464,6 +465,52 @@ def test_a_model_in_a_model(tmp_path, here):
 def test_hostile_files(tmp_path, here, text, message):
     with pytest.raises(mb.InputError, match=message):
         read(tmp_path, text)
+
+
+#: Elements whose attributes are listed one by one.
+LISTED = {
+    "option": "option",
+    "option/flag": "flag",
+    "equality/connect": "connect",
+    "equality/weld": "weld",
+    "equality/joint": "equality joint",
+    "equality/tendon": "equality tendon",
+    "tendon/fixed": "fixed",
+    "tendon/spatial": "spatial",
+    "actuator/general": "general",
+}
+
+
+def test_every_element_of_mujoco_has_a_verdict():
+    """The schema of the installed MuJoCo, element by element, against the table of the reference."""
+    page = (Path(mb.__file__).parent / "docs/reference/mjcf.md").read_text()
+    rows = [line.split("|")[1] for line in page.splitlines() if line.startswith("| ") and "`" in line]
+    words = {word.strip() for row in rows for name in re.findall("`([^`]+)`", row) for word in [name, *name.split()]}
+    path: list[str] = []
+    elements: dict[str, list[str]] = {}
+    for line in mujoco.mj_printSchema(False, False).splitlines():
+        if found := re.match(r"( *)(\w+) \(.\)(.*)", line):
+            path = [*path[: len(found[1]) // 3], found[2]]
+            elements["/".join(path[1:])] = found[3].split()
+        else:
+            elements["/".join(path[1:])] += line.split()
+    assert len(elements) > 100
+    missing = [name for name in elements if name and not name.startswith("sensor/") and name.split("/")[-1] not in words]
+    for name, row in LISTED.items():
+        known = {
+            word
+            for text in rows
+            if f"`{row}`" in text or ("equalities" in text and "equality" in name)
+            for word in re.findall("`([^`]+)`", text)
+        }
+        missing += [f"{name} {attribute}" for attribute in elements[name] if attribute not in known]
+    joint = {word for text in rows if "`joint`" in text for word in re.findall("`([^`]+)`", text)}
+    missing += [
+        f"joint {attribute}"
+        for attribute in elements.get("asset/joint", elements.get("worldbody/joint", []))
+        if attribute not in joint
+    ]
+    assert missing == []
 
 
 def test_a_process_of_its_own(tmp_path, monkeypatch, capfd):

@@ -477,7 +477,10 @@ class _Reader:
         for place, actuator in enumerate(getattr(mj, f"{kind}_actuatorid", ())):
             if actuator >= 0:
                 square = mj.actuator_gear[mj.actuator_outadr[actuator]][0] ** 2
-                values[:, place] = square * mj.actuator_armature[actuator], square * _rows(mj, "actuator_damping", len(mj.actuator_trntype))[actuator, 0]
+                values[:, place] = (
+                    square * mj.actuator_armature[actuator],
+                    square * _rows(mj, "actuator_damping", len(mj.actuator_trntype))[actuator, 0],
+                )
         return values[0], values[1]
 
     def _drawn_in_world(self) -> Iterator[bool]:
