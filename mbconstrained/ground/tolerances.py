@@ -457,3 +457,7 @@ SAME_AS_MUJOCO = 1e-9
 #: The same of derivatives of MuJoCo's forces by differences of fourth order with steps of 0.2 mm and 0.2 mrad: tendons of a few
 #: millimetres have large higher derivatives.
 DIFFERENCED = 1e-6
+
+#: Steps of these differences of coordinates (m, rad) and of rates (m/s, rad/s): of the force of a tendon of a centimetre neither truncation
+#: nor rounding takes more than eight digits.
+DIFFERENCE_STEP, DIFFERENCE_RATE = 2e-4, 1e-5

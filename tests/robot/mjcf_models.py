@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from mbconstrained.robot.description.mjcf import quiet
+
 
 def text(*values) -> str:
     return " ".join(f"{value:.6g}" for value in values)
@@ -235,9 +237,10 @@ def compiled_here(texts: str, _times=()):
     import mujoco
 
     files = {name: content.encode() for name, content in json.loads(texts).items()}
-    return mujoco.MjModel.from_xml_string(
-        files["main.xml"].decode(), {name: own for name, own in files.items() if name != "main.xml"}
-    )
+    with quiet():
+        return mujoco.MjModel.from_xml_string(
+            files["main.xml"].decode(), {name: own for name, own in files.items() if name != "main.xml"}
+        )
 
 
 class Oracle:
@@ -247,7 +250,8 @@ class Oracle:
         import mujoco
 
         self.mujoco = mujoco
-        self.model = mujoco.MjModel.from_xml_path(str(path))
+        with quiet():
+            self.model = mujoco.MjModel.from_xml_path(str(path))
         off = mujoco.mjtDisableBit
         self.model.opt.disableflags |= int(off.mjDSBL_CONTACT | off.mjDSBL_LIMIT | off.mjDSBL_FRICTIONLOSS)
         self.model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE

@@ -4,23 +4,27 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
-from ...ground.tolerances import DIFFERENCED, EPS, LOOPS_CLOSED_AS_ROUNDED, NOISE_SAFETY, SAME_AS_MUJOCO
+from ...ground.tolerances import (
+    DIFFERENCE_RATE,
+    DIFFERENCE_STEP,
+    DIFFERENCED,
+    EPS,
+    LOOPS_CLOSED_AS_ROUNDED,
+    NOISE_SAFETY,
+    SAME_AS_MUJOCO,
+)
 from .mjcf import MOST_NAMED, quaternion_places, quiet, read_mjcf
 
 if TYPE_CHECKING:
     from ..posture import Posture
     from ..robot import Robot
     from ..statics.balance import Balance
-
-#: Steps of differences of coordinates and of rates (SI).
-_STEP, _RATE = 2e-4, 1e-5
 
 
 def compared_with_mujoco(robot: Robot, posture: Posture) -> tuple[Notice, ...]:
@@ -37,13 +41,12 @@ def compared_with_mujoco(robot: Robot, posture: Posture) -> tuple[Notice, ...]:
         InputError: a difference, with the joint.
     """
     from ..posture import attached_load
-    from ..robot import Robot
     from ..statics.balance import Balance
 
     source = read_mjcf(robot.source.path, False, robot.package_dirs)
     if source.compiled is None or not source.model.nv:
         return ()
-    bare = Robot(replace(source, lift=source.lift))
+    bare = type(robot)(source)
     values = {**posture.joints, **robot.locked}
     q = bare.tangent.configuration({name: values[name] for name in bare.joints if name in values})
     ours = Balance(bare.tree, attached_load(bare, q, {}), q)
@@ -55,8 +58,14 @@ def compared_with_mujoco(robot: Robot, posture: Posture) -> tuple[Notice, ...]:
     for what, own, other, tolerance, noise in (
         ("mass", ours.mass * branches, twin.mass() * branches, SAME_AS_MUJOCO, 0.0),
         ("force", ours.force[:, None], twin.force(q)[:, None], SAME_AS_MUJOCO, scale + EPS * np.abs(own_stiffness).max()),
-        ("stiffness", own_stiffness, twin.stiffness(), DIFFERENCED, scale / _STEP),
-        ("damping", np.diag(bare.joint_damping) + sum(dampers, 0.0 * ours.mass), twin.damping(), DIFFERENCED, scale / _RATE),
+        ("stiffness", own_stiffness, twin.stiffness(), DIFFERENCED, scale / DIFFERENCE_STEP),
+        (
+            "damping",
+            np.diag(bare.joint_damping) + sum(dampers, 0.0 * ours.mass),
+            twin.damping(),
+            DIFFERENCED,
+            scale / DIFFERENCE_RATE,
+        ),
     ):
         _agree(what, own, other, bare.coordinates, tolerance, NOISE_SAFETY * noise)
     twin.compare_loops(ours)
@@ -126,11 +135,13 @@ class _Twin:
 
     def stiffness(self) -> np.ndarray:
         """K, shape (nv, nv)."""
-        return self._differenced(lambda step: self.force(self.robot.tree.moved(self.q, step)), _STEP)
+        return self._differenced(lambda step: self.force(self.robot.tree.moved(self.q, step)), DIFFERENCE_STEP)
 
     def damping(self) -> np.ndarray:
         """C, shape (nv, nv); the part c v |v| of polynomials is odd, its slope of first order in the step."""
-        coarse, fine = (self._differenced(lambda rate: self.force(self.q, rate), step) for step in (_RATE, _RATE / 2))
+        coarse, fine = (
+            self._differenced(lambda rate: self.force(self.q, rate), step) for step in (DIFFERENCE_RATE, DIFFERENCE_RATE / 2)
+        )
         return 2 * fine - coarse
 
     def _differenced(self, force: Callable[[np.ndarray], np.ndarray], h: float) -> np.ndarray:
