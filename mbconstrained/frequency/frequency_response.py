@@ -190,7 +190,7 @@ class FrequencyResponse(Displayed):
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """Poles on lines, inputs that reach nothing, values that are not accurate."""
-        result = [_pole_notice(one, self) for one in self.poles_on_lines]
+        result = [*self.harmonic.notices, *(_pole_notice(one, self) for one in self.poles_on_lines)]
         for name, column in zip(self.inputs, np.moveaxis(self.values, 1, 0)):
             if len(self.frequencies_hz) and not column.any() and not self.poles_on_lines:
                 result.append(Notice(NoticeKind.OMITTED, f'the input "{name}" reaches none of the outputs: its responses are zero'))

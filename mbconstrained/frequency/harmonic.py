@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..ground.errors import InputError
+from ..ground.notices import Notice
 from ..ground.tolerances import LARGEST_POWER
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .pole_residue_form import PoleResidueForm
@@ -42,6 +43,7 @@ class Harmonic:
         units: of the entries of H, shape (p, m), "" where unknown.
         quantity: its name.
         left_out: of a model of which these matrices are a reduction; None where they are the model itself.
+        notices: on the model.
     """
 
     A: PolynomialMatrix
@@ -55,6 +57,7 @@ class Harmonic:
     units: np.ndarray = field(default_factory=lambda: np.array([[""]]))
     quantity: str = "response"
     left_out: LeftOut | None = None
+    notices: tuple[Notice, ...] = ()
 
     @property
     def coefficients(self) -> np.ndarray:

@@ -25,6 +25,7 @@ class NoticeKind(StrEnum):
         return member
 
     JUMP = "jump", "a value differs just before and just after a time, because the values at 0- are inconsistent or a load jumps"
+    KINK = "kink", "the excitation is continuous but its slope is not, so that rates that follow it jump"
     IMPULSE = "impulse", "a value or a reaction contains Dirac's delta or one of its derivatives"
     REDUNDANT = "redundant", "a constraint row follows from others; the equations leave it out"
     DRIFT = "drift", "a constraint at velocity or acceleration level, of which no equation corrects the position"
@@ -38,6 +39,7 @@ class NoticeKind(StrEnum):
     DISTANT_POSTURE = "distant posture", "an equilibrium of a robot far from the guess"
     LARGE_MOTION = "large motion", "a motion beyond the range in which the linear equations represent the model"
     OVERRIDE = "override", "a value of the scene file that the command line replaced"
+    DAMPING = "damping", "which velocity damping in proportion to the mass acts on"
     AT_REST = "at rest", "nothing moves in the given time"
     ALIASING = "aliasing", "the fastest motion is too fast for the times of the output"
 

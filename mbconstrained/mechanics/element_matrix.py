@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
 from operator import add
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 
 from ..ground.checks import counted, real_array, real_number
 from ..ground.errors import InputError
+from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import noise_of
 from ..polynomial.polynomial_matrix import Factors
 
@@ -154,6 +155,15 @@ def static_response(stiffness: np.ndarray, rows: np.ndarray) -> np.ndarray:
     return np.linalg.lstsq(saddle, np.vstack([np.zeros((size, count)), np.eye(count)]), rcond=None)[0][:size]
 
 
+def relative_mass(mass: ElementMatrix | np.ndarray, stiffness: np.ndarray, rows: np.ndarray) -> ElementMatrix | np.ndarray:
+    """(I - R A)^T M (I - R A): the mass matrix of the motion relative to the static response R b of moving supports A x = b."""
+    relative = np.eye(rows.shape[1]) - static_response(stiffness, rows) @ rows
+    relative[np.abs(relative) <= noise_of(1.0, len(relative))] = 0.0  # the supports themselves do not move relative to their motion
+    if isinstance(mass, ElementMatrix):
+        return ElementMatrix(mass.directions @ relative, mass.constants)
+    return relative.T @ mass @ relative
+
+
 def mass_normalized(mass: np.ndarray, shapes: np.ndarray, frequencies: np.ndarray) -> np.ndarray:
     """The shapes with U^T M U = I, by Gram-Schmidt twice: modes of one frequency are orthogonal only after it.
 
@@ -182,7 +192,10 @@ class DampedSystem:
     Attributes:
         loss_factors: eta of structural damping by the name of a spring, for harmonic motion only.
         parameter_source: the parameters of a model that knows them; None for entries of the matrices.
+        mass_damping: whether mass-proportional damping acts on the "absolute" velocity or on that "relative" to moving supports; None without.
     """
+
+    mass_damping: Literal["absolute", "relative"] | None = None
 
     loss_factors: Mapping[str, float] = MappingProxyType({})
     parameter_source: Callable[[], Iterable[Parameter]] | None = None
@@ -194,6 +207,7 @@ class DampedSystem:
     _refuse_sparse: Callable[[str], None]
     damping: Any
     uncertainty: tuple
+    rows: tuple
     is_sparse: bool
     parameters: Callable[[], Any]
     _matrix: Callable[..., Any]
@@ -208,15 +222,32 @@ class DampedSystem:
                 "before the motion that causes it); use frequency_response or steady_state, or give it a damper or modal damping"
             )
 
-    def with_rayleigh_damping(self, mass: float = 0.0, stiffness: float = 0.0) -> Self:
+    def damping_notices(self, moving: bool | None = None) -> tuple[Notice, ...]:
+        """Which velocity mass-proportional damping acts on, where supports move; by default those with a prescribed motion."""
+        moving = not self.is_sparse and any(row.signal is not None for row in self.rows) if moving is None else moving
+        if self.mass_damping is None or not moving:
+            return ()
+        text = {
+            "absolute": "absolute velocities: it resists the motion of the supports, too; relative = true makes it act on the relative ones",
+            "relative": "velocities relative to the static response to the motion of the supports",
+        }[self.mass_damping]
+        return (Notice(NoticeKind.DAMPING, f"the mass-proportional part of the Rayleigh damping acts on {text}"),)
+
+    def with_rayleigh_damping(self, mass: float = 0.0, stiffness: float = 0.0, relative: bool = False) -> Self:
         """The same system with C + a M + b K for C, proportional (Rayleigh) damping: each mode has zeta = a / (2 w) + b w / 2.
 
         The part a M acts on absolute velocities, as dampers between every mass and the ground at rest would: where a support
-        moves it resists the motion of the whole system with it. Damping of the relative motion alone is b K, or modal damping.
+        moves it resists the motion of the whole system with it. With ``relative`` it acts on the velocities relative to the static
+        response R b to the motion b of the supports, as seismic codes have it:
+
+            C + a (I - R A)^T M (I - R A) + b K,  K R + A^T L = 0,  A R = I
+
+        which is the same where no support moves. Source: Clough and Penzien, Dynamics of Structures (2003), section 26.
 
         Args:
             mass: a, at least 0, in 1/s.
             stiffness: b, at least 0, in s.
+            relative: whether the part a M acts on velocities relative to moving supports; not of sparse matrices.
 
         Returns:
             A new system.
@@ -227,7 +258,15 @@ class DampedSystem:
         """
         factors = (real_number(stiffness, "stiffness", minimum=0.0), real_number(mass, "mass", minimum=0.0))
         parts = [factor * self.given[place] for factor, place in zip(factors, (0, 2)) if factor]
-        return self._with_damping(parts, factors)
+        if relative and factors[1]:
+            self._refuse_sparse("relative damping")
+            parts[-1] = factors[1] * relative_mass(self.given[2], self.stiffness, self.constraint_matrix)
+        system = self._with_damping(parts, factors)
+        if factors[1]:
+            system.mass_damping = "relative" if relative else "absolute"
+        if relative and factors[1]:
+            system.parameter_source = partial(_refuse_parameters, "relative damping follows the static response to moving supports, which")
+        return system
 
     def with_modal_damping(self, ratios) -> Self:
         """The same system with the damping ratios zeta of its undamped modes, in addition to C.
@@ -254,7 +293,7 @@ class DampedSystem:
         if any(mode.kind in ("rigid body", "offset") for mode in modes):  # which rounding errors of M u would damp
             K, C, M = system.uncertainty
             system.uncertainty = (K, C + _rounding(part), M)
-        system.parameter_source = _refuse_parameters
+        system.parameter_source = partial(_refuse_parameters, "modal damping follows the modes, which")
         return system
 
     def _with_damping(self, parts: Sequence, factors: tuple[float, float] = (0.0, 0.0)) -> Self:
@@ -277,8 +316,8 @@ class DampedSystem:
         return system
 
 
-def _refuse_parameters() -> Iterable[Parameter]:
+def _refuse_parameters(reason: str) -> Iterable[Parameter]:
     raise InputError(
-        "sensitivities: modal damping follows the modes, which change with every parameter; give the parameters as "
+        f"sensitivities: {reason} change with every parameter; give the parameters as "
         "Parameter.of_function(name, value, build), which assembles the system for each value"
     )

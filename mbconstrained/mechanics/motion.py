@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -22,7 +22,7 @@ from ..response.events import Event
 from ..response.methods.proved import ProvedFunction, proved_event
 from ..response.problem import Problem
 from ..response.response import Response
-from ..response.response_notices import first_and_count, remaining_notices, sides
+from ..response.response_notices import first_and_count, kink_notices, remaining_notices, sides, without_kinks
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .channels import reference
@@ -309,7 +309,9 @@ class Motion(MotionQuestions, SystemMotion, Response):
             *self._notices_of_system,
             *_violated_rows(self),
             *(notice for event in at_start for notice in _sentences(self, event)),
-            *first_and_count(lambda event: _sentences(self, event), self.events, self.later_constraint_impulses),
+            *first_and_count(lambda event: _sentences(self, event), without_kinks(self), self.later_constraint_impulses),
+            *kink_notices(self, partial(_kink_text, self.system)),
+            *self.system.damping_notices(),
             *self.force.notices,
             *_drift(self),
             *_static_offsets(self.system),
@@ -392,6 +394,11 @@ def _sentences(motion: Motion, event: Event | ImpulsiveLoad) -> Iterator[Notice]
             subject, what, unit = subjects[i]
             size = f"{sizes[i]:.6g} {impulse_unit(unit, order)}"
             yield Notice(NoticeKind.IMPULSE, f"{subject} {what} contains {delta} of {size} at {when}")
+
+
+def _kink_text(system: MechanicalSystem, number: int, order: int, size: float) -> str:
+    name, unit = list(system.units.items())[number]
+    return f"{STATE_NAMES[order]} of {name} by {size:.6g} {rate_unit(unit, order)}"
 
 
 def _drift(motion: Motion) -> Iterator[Notice]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
@@ -16,8 +16,9 @@ from ..ground.checks import constant_zeros, counted, is_table, names_of, nearest
 from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
-from ..ground.notices import Notice
+from ..ground.notices import Notice, NoticeKind
 from ..ground.threads import short_work
+from ..ground.tolerances import noise_of
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.choose import Evaluations, Request
 from ..signals.inputs import ImpulsiveSmooth, step, zero
@@ -203,8 +204,18 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem)
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """One notice for each constraint row that others imply, or that is kept by a narrow margin."""
-        return self.pencil.notices if self.is_sparse else self._independent.notices
+        """An unsymmetric mass matrix, and each constraint row that others imply, or that is kept by a narrow margin."""
+        rows = self.pencil.notices if self.is_sparse else self._independent.notices
+        return rows if self.is_sparse else (*self.unsymmetric("mass"), *rows)  # sparse matrices are symmetric
+
+    def unsymmetric(self, name: str) -> Iterator[Notice]:
+        """A notice where M or K differs from its transpose by more than rounding errors."""
+        matrix = getattr(self, name)
+        skew = abs(matrix - matrix.T)
+        if skew.max() > noise_of(abs(matrix).max(), self.size):
+            i, j = np.unravel_index(int(skew.argmax()), skew.shape)
+            entries = f"entry [{i + 1}][{j + 1}] is {matrix[i, j]:g}, entry [{j + 1}][{i + 1}] is {matrix[j, i]:g}"
+            yield Notice(NoticeKind.UNSYMMETRIC, f"the {name} matrix is not symmetric: {entries}; no elastic or inertial force is so")
 
     def constrained_form(self) -> ConstrainedForm:
         """[V^T (M s^2 + C s + K); A s^level] with every row at its level.

@@ -15,7 +15,7 @@ import numpy as np
 from ..ground.coordinate_units import GROUND
 from ..ground.tolerances import COMPLEX_STEP
 from ..mechanics.sensitivity.parameter import Parameter
-from .elements import Body, Damper, Element, Link, Mass, PrescribedMotion, Tie, TorsionDamper
+from .elements import Body, Damper, Element, Link, PrescribedMotion, Tie, TorsionDamper
 from .rigid_bar import with_parts
 
 if TYPE_CHECKING:
@@ -78,7 +78,6 @@ def complex_parameter(
     for one in with_parts(elements):
         if isinstance(one, Body):
             M[place[one.name], place[one.name]] += one.constant
-            force[place[one.name]] += pull * one.mass if isinstance(one, Mass) else 0.0
         elif isinstance(one, Link):
             row = _row({one.start: -1.0, one.end: 1.0}, place).real
             if isinstance(one, (Damper, TorsionDamper)):
@@ -88,6 +87,9 @@ def complex_parameter(
                 force += row * one.constant * one.rest
         elif isinstance(one, Tie) and not isinstance(one, PrescribedMotion):
             rows[one.name] = (_row(one.row, place).imag / step, complex(one.row_value).imag / step)
+    for element in elements:
+        for coordinate, mass in element.weighing.items():
+            force[place[coordinate]] += pull * mass
     slopes: list[Any] = [matrix.imag / step if matrix.imag.any() else 0.0 for matrix in (K, C, M, force)]
     moving = {key: row for key, row in rows.items() if row[0].any() or row[1]}
     K, C, M, force = slopes

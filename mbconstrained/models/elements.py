@@ -77,6 +77,11 @@ class Element:
         return ()
 
     @property
+    def weighing(self) -> dict[str, float]:
+        """The masses (kg) that gravity acts on, by the coordinate along it."""
+        return {}
+
+    @property
     def default_names(self) -> Iterator[str]:
         """Names for an element without one, the first that is not in use to be taken."""
         base = f"{self.kind} {'-'.join(str(body) for body, _ in self._joined[:2])}"
@@ -120,6 +125,8 @@ class Mass(Body):
 
     positive: ClassVar[tuple[str, ...]] = ("mass",)
     real = ("position",)
+
+    weighing = property(lambda self: {self.name: self.mass})
 
 
 @dataclass(frozen=True)

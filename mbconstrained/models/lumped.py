@@ -132,7 +132,7 @@ class LumpedModel(Displayed):
     prescribe = _adds(PrescribedMotion)
 
     def gravity(self, acceleration: float) -> None:
-        """A force m g along the axis on every mass; negative where the axis points upwards (m/s^2)."""
+        """A force m g along the axis on every mass, on a rotor along z; negative where the axis points upwards (m/s^2)."""
         self.gravity_along = real_number(acceleration, "gravity")
 
     def force(self, name: str, signal: ImpulsiveSmooth) -> None:
@@ -168,7 +168,7 @@ class LumpedModel(Displayed):
         if not units:
             raise InputError("the model has no body; add a mass, an inertia or a node")
         factors, ties = self.incidence(), [element for element in with_parts(self.elements) if isinstance(element, Tie)]
-        weights = {element.name: self.gravity_along * element.mass for element in self.elements if isinstance(element, Mass)}
+        weights = {name: self.gravity_along * mass for element in self.elements for name, mass in element.weighing.items()}
         signals = [signal.mapped(coordinate_row({name: 1.0}, names)[:, None]) for name, signal in self._forces.items()]
         turning = rotor_terms(self.elements, names)
         system = MechanicalSystem(

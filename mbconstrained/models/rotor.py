@@ -45,7 +45,7 @@ class Rotor(Element):
         J_d a'' + W J_p b' = sum of moments,  J_d b'' - W J_p a' = sum of moments.
 
     Its coordinates are "NAME y" and "NAME z" and, where it has moments of inertia, "NAME y angle" and "NAME z angle" and those of its
-    points, "POINT y" and "POINT z" (``RigidBar``).
+    points, "POINT y" and "POINT z" (``RigidBar``). Gravity acts along z.
 
     Args:
         mass: m > 0, in kg.
@@ -88,6 +88,11 @@ class Rotor(Element):
             raise InputError(f'{self.label}: points: expected distances by name, such as {{"left": -0.2, "right": 0.3}}')
         distances = {point: real_number(value, f'{self.label}: distance of "{point}"') for point, value in self.points.items()}
         object.__setattr__(self, "points", MappingProxyType(distances))
+
+    @property
+    def weighing(self) -> dict[str, float]:
+        """Its mass, along z."""
+        return {in_planes(self.name)[1]: self.mass}
 
     @property
     def parts(self) -> tuple[Element, ...]:

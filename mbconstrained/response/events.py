@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..ground.errors import Overflow
+from ..ground.tolerances import noise_of
 from ..linalg.rounding import Noisy, stacked
 from ..polynomial.decoupling import WeierstrassForm
 from ..signals.impulsive import ImpulsiveSmooth
@@ -27,6 +28,17 @@ class Event:
     time: float
     jump: np.ndarray
     impulses: tuple[np.ndarray, ...]
+
+
+def kinks_of(events: Sequence[Event], force: ImpulsiveSmooth) -> tuple[Event, ...]:
+    """The events without a jump of x and without impulses, at which the value of the force does not jump."""
+    candidates = [event for event in events if not event.impulses and not event.jump[:1].any()]
+    if not candidates:
+        return ()
+    C, restarts = force.smooth.coefficients, force.smooth.restarts
+    jumps = np.abs(C @ restarts.jumps) > noise_of(np.abs(C) @ np.abs(restarts.jumps))
+    steps = set(restarts.knots[jumps.any(axis=0)].tolist()) | {load.time for load in force.later}
+    return tuple(event for event in candidates if event.time not in steps)
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,7 @@ from ..signals.bohl import BohlFunction, Piece
 from ..signals.impulsive import ImpulsiveSmooth
 from .choose import PAIRS, Method, Request, choose, unproved
 from .estimate import TRIALS, error_estimate
-from .events import Event
+from .events import Event, kinks_of
 from .methods.defect import Defect, Rounding
 from .methods.pair_solution import PairSolution
 from .methods.proved import ProvedFunction, proved_event
@@ -139,6 +139,11 @@ class Response(Exported, Presented):
         """That at t = 0, whether there are jumps or not, and the later ones."""
         events = Event(0.0, self.solution.jump, self.solution.impulses), *self.solution.events
         return tuple(proved_event(self.exact, event, self.initial) for event in events) if self.is_decided_exactly else events
+
+    @cached_property
+    def kinks(self) -> tuple[Event, ...]:
+        """The events at which the excitation is continuous and only its slope jumps, as between the samples of a record."""
+        return kinks_of(self.events, self.force)
 
     @cached_property
     def is_proved(self) -> bool:

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 #: So many jumps and impulses after t = 0 are reported in a sentence each; the others are counted.
 MOST_LATER = 6
 
+#: So many coordinates that follow the kinks of an excitation are named.
+MOST_KINK_NAMES = 3
+
 #: How many singular values a notice about a rank decision lists, the smallest ones.
 LISTED_SINGULAR_VALUES = 4
 
@@ -84,7 +87,7 @@ def _jumps(x: Response):
 
 def _jump_sentences(x: Response, order, jump, before, after, when):
     names = x.polynomial_matrix.coordinates
-    what = DERIVATIVE_NAMES[order] if order < len(DERIVATIVE_NAMES) else f"derivative {order}"
+    what = derivative_word(order)
     for i in np.flatnonzero(jump):
         yield Notice(NoticeKind.JUMP, f"{names[i]}: its {what} jumps at {when} from {before[i]:.6g} to {after[i]:.6g}")
 
@@ -98,7 +101,38 @@ def _impulses(x: Response, impulses=None, when: str = "t = 0"):
 
 
 def _later(x: Response):
-    yield from first_and_count(lambda event: _event_sentences(x, event), x.events)
+    yield from first_and_count(lambda event: _event_sentences(x, event), without_kinks(x))
+    yield from kink_notices(x, lambda i, order, size: f"{derivative_word(order)} of {x.polynomial_matrix.coordinates[i]} by {size:.6g}")
+
+
+def without_kinks(x: Response) -> list[Event]:
+    """The events after t = 0 that are no kinks of the excitation."""
+    kinks = {event.time for event in x.kinks}
+    return [event for event in x.events if event.time not in kinks]
+
+
+def kink_notices(x: Response, jump_text: Callable[[int, int, float], str]) -> Iterator[Notice]:
+    """One sentence on all kinks of the excitation after t = 0, with the largest jump of each rate that follows it.
+
+    Args:
+        x: the response.
+        jump_text: the text of a jump, of a coordinate's number, the order of the derivative, and the size.
+    """
+    if x.kinks:
+        largest = np.abs([event.jump for event in x.kinks]).max(axis=0)
+        order = next(k for k, row in enumerate(largest) if row.any())
+        ranked = sorted(np.flatnonzero(largest[order]), key=lambda i: -largest[order, i])
+        texts = [jump_text(i, order, largest[order, i]) for i in ranked[:MOST_KINK_NAMES]]
+        more = f" and {len(ranked) - len(texts)} others by less" if len(ranked) > len(texts) else ""
+        times = f"at {len(x.kinks)} times from t = {x.kinks[0].time:.6g} s to t = {x.kinks[-1].time:.6g} s"
+        when = times if len(x.kinks) > 1 else f"at t = {x.kinks[0].time:.6g} s"
+        most = "at most " if len(x.kinks) > 1 else ""
+        yield Notice(NoticeKind.KINK, f"{when} the slope of the excitation jumps, its value does not: {most}the {', the '.join(texts)}{more}")
+
+
+def derivative_word(order: int) -> str:
+    """The name of a derivative of a quantity without unit."""
+    return DERIVATIVE_NAMES[order] if order < len(DERIVATIVE_NAMES) else f"derivative {order}"
 
 
 def _event_sentences(x: Response, event: Event):

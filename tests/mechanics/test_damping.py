@@ -95,3 +95,54 @@ def test_sparse_matrices_have_rayleigh_damping():
 def test_what_is_no_modal_damping_is_refused(stiffness, ratios, message):
     with pytest.raises(mb.InputError, match=message):
         mb.MechanicalSystem(np.eye(2), stiffness=stiffness).with_modal_damping(ratios)
+
+
+def building(relative, supports=("base",)):
+    """Two storeys on supports that move by records; a M acts on absolute or on relative velocities."""
+    model = mb.LumpedModel()
+    for name in supports:
+        model.node(name)
+    model.mass("first", 2.0)
+    model.mass("second", 1.0)
+    model.spring("first", "second", 300.0)
+    times = np.linspace(0.0, 2.0, 21)
+    for k, name in enumerate(supports):
+        model.spring(name, "first", 200.0 + 100.0 * k)
+        model.prescribe(name, mb.sampled(times, [(k + 1) * np.sin(3 * times) * times]))
+    return model.assemble().with_rayleigh_damping(0.7, 0.01, relative)
+
+
+@pytest.mark.parametrize("supports", [("base",), ("left", "right")])
+def test_relative_damping_acts_on_the_motion_relative_to_the_static_response(supports):
+    """M y'' + (a M + b K) y' + K y = -M R u'', x = y + R u: solved by SciPy in the relative coordinates y; R = -K_ff^-1 K_fs."""
+    from scipy.integrate import solve_ivp
+
+    system = building(True, supports)
+    s = len(supports)
+    K, M = system.stiffness, system.mass[s:, s:]
+    R = -np.linalg.solve(K[s:, s:], K[s:, :s])
+    C = 0.7 * M + 0.01 * K[s:, s:]
+    knots = np.linspace(0.0, 2.0, 21)
+    records = np.array([(k + 1) * np.sin(3 * knots) * knots for k in range(s)])
+    slopes = np.diff(records) / np.diff(knots)
+    y, v, last = np.zeros(2), np.zeros(2), np.zeros(s)
+    for k in range(20):  # u'' is an impulse at each kink: y' jumps by -R times the jump of u'
+        v, last = v - R @ (slopes[:, k] - last), slopes[:, k]
+        done = solve_ivp(
+            lambda _, z: [*z[2:], *np.linalg.solve(M, -C @ z[2:] - K[s:, s:] @ z[:2])], knots[k : k + 2], [*y, *v], "DOP853", rtol=1e-12, atol=1e-14
+        )
+        y, v = done.y[:2, -1], done.y[2:, -1]
+    motion = system.solve()
+    assert np.allclose(motion(2.0 - 1e-12)[s:], y + R @ records[:, -1], rtol=1e-9, atol=1e-10)
+
+
+def test_which_velocity_is_damped_is_reported():
+    texts = [str(notice) for relative in (False, True) for notice in building(relative).solve().notices if notice.kind == "damping"]
+    assert "absolute velocities" in texts[0] and "relative to the static response" in texts[1] and len(texts) == 2
+
+
+def test_relative_damping_is_the_same_where_nothing_moves():
+    """A fixed base: (I - R A)^T M (I - R A) is M on all motions with A x = 0."""
+    system = mb.MechanicalSystem(np.diag([2.0, 1.0, 0.0]), None, [[5, -2, -3], [-2, 2, 0], [-3, 0, 3]], [mb.Constraint([0, 0, 1])])
+    modes = [system.with_rayleigh_damping(0.2, 0.01, relative).modes() for relative in (False, True)]
+    assert np.allclose(modes[0].eigenvalues, modes[1].eigenvalues, rtol=1e-12)

@@ -1,6 +1,7 @@
 """What a motion says about itself: names, amounts, units."""
 
 import numpy as np
+import pytest
 
 import mbconstrained as mb
 from mbconstrained.mechanics.constraints import Constraint
@@ -94,3 +95,12 @@ def test_redundant_rows_and_static_offsets():
 
 def test_growth_is_told():
     assert texts(MechanicalSystem([[1.0]], stiffness=[[-4.0]]).solve([1.0]), "unstable")
+
+
+@pytest.mark.parametrize("skew", [0.0, 1e-17, 0.5])
+def test_an_unsymmetric_mass_matrix_is_reported_by_every_answer(skew):
+    """Rounding errors are none."""
+    system = mb.MechanicalSystem([[2.0, 0.1 + skew], [0.1, 1.0]], np.eye(2), np.diag([4.0, 9.0]))
+    answers = system, system.solve([1.0, 0.0]), system.frequency_response([0.1]), system.random_response({"x1": mb.white_noise(1.0)})
+    for answer in answers:
+        assert [notice.kind for notice in answer.notices].count("unsymmetric") == (skew == 0.5)

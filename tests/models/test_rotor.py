@@ -150,3 +150,17 @@ def test_unbalance_turns_from_y_to_z():
 def test_what_is_wrong_is_named(add, message):
     with pytest.raises(mb.InputError, match=message):
         add(rigid_rotor())
+
+
+@pytest.mark.parametrize("points", [{}, {"left": -0.4, "right": 0.4}])
+def test_a_rotor_hangs_in_its_bearings_by_its_weight(points):
+    """Along z alone: m g / k."""
+    model = mb.LumpedModel()
+    model.gravity(-9.81)
+    inertias = {"diametral_inertia": 1.0, "polar_inertia": 0.5, "points": points} if points else {}
+    model.rotor("disc", 20.0, **inertias)
+    for point in points or ("disc",):
+        model.bearing("ground", point, stiffness=4e6 / len(points or "1"), damping=1e4)
+    system = model.assemble()
+    sag = dict(zip(system.names, system.solve()(100.0)))
+    assert sag["disc z"] == pytest.approx(-20.0 * 9.81 / 4e6, rel=1e-9) and sag["disc y"] == 0.0

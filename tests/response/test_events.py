@@ -251,3 +251,27 @@ def test_a_delayed_force_gives_the_delayed_response(coefficients, delay):
     phase = 3.0 * np.finfo(float).eps * times
     assert (np.abs(late(times) - known) <= (1e-11 + 2 * phase) * np.abs(known).max()).all()
     assert np.abs(late(times[:3]) - known[:, :3]).max() <= 1e-12 * max(np.abs(known[:, :3]).max(), 1e-3 * np.abs(known).max())
+
+
+def test_kinks_of_a_record_are_one_sentence():
+    """A prescribed displacement that is linear between its samples: its slope changes 5 times, its value jumps once, at the end."""
+    model = mb.LumpedModel()
+    model.node("road")
+    model.mass("car", 1.0)
+    model.spring("road", "car", 10.0)
+    model.prescribe("road", mb.sampled(np.arange(11.0), [np.append(0.0, np.arange(10.0) % 3 + 1)]))
+    motion = model.assemble().solve()
+    kinds = [notice.kind for notice in motion.notices]
+    assert [event.time for event in motion.events] == [3.0, 4.0, 6.0, 7.0, 9.0, 10.0] and len(motion.kinks) == 5
+    assert kinds.count("kink") == 1 and all("t = 10 s" in n.text or "t = 0" in n.text for n in motion.notices if n.kind == "jump")
+    (kink,) = (notice.text for notice in motion.notices if notice.kind == "kink")
+    assert "at 5 times from t = 3 s to t = 9 s" in kink and "velocity of road by 3 m/s" in kink
+
+
+def test_steps_and_impulses_are_no_kinks():
+    """Of a rod, x = f: a ramp that begins at 1 s is continuous, and its slope is not."""
+    f = mb.ramp([1.0]).delayed(1.0) + mb.step([1.0]).delayed(2.0) + mb.impulse([1.0]).delayed(3.0)
+    model = mb.LumpedModel()
+    model.node("rod")
+    model.prescribe("rod", f)
+    assert [event.time for event in model.assemble().solve().kinks] == [1.0]

@@ -390,7 +390,8 @@ class RandomResponse(Displayed):
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """Outputs of infinite variance, inputs without spectra, values that are not accurate."""
-        result = [
+        result = list(self.harmonic.notices)
+        result += [
             Notice(NoticeKind.ACCURACY, f'"{name}" has infinite variance: {reason}') for name, reason in self.infinite.items()
         ]
         silent = [name for name, spectrum in zip(self.inputs, self.spectra.spectra) if not spectrum.pieces]

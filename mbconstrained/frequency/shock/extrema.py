@@ -27,7 +27,7 @@ CHUNK = 1 << 18
 #: Panels are not halved beyond this share of the time at which they are.
 NARROWEST = 8 * EPS
 
-#: Rounding errors of a value, relative to the largest of its function.
+#: Rounding errors of a value, relative to the largest of its function, and to the terms that it is the sum of.
 NOISE = 16 * EPS
 
 
@@ -92,7 +92,8 @@ class _Search:
             growth.append(np.linalg.eigvalsh((balanced + balanced.T) / 2)[-1])
         self.scale, self.growth = np.concatenate(scales), np.maximum(np.array(growth), 0.0)
         self.states = BohlFunction(np.eye(len(self.scale)) / self.scale[:, None], J, function.start)
-        self.bounds = tuple(self._row_norms(function.derivative(order).coefficients) for order in (2, 3))
+        own = BohlFunction(function.coefficients, J, function.start)  # derivatives of a response may have other states
+        self.bounds = tuple(self._row_norms(own.derivative(order).coefficients) for order in (0, 2, 3))
         self.best = np.full((2, function.size), -np.inf)
         self.times = np.full((2, function.size), float(start))
 
@@ -153,10 +154,10 @@ class _Search:
         self._note(middle, f)
         with np.errstate(over="ignore", invalid="ignore"):
             grown = sizes * np.exp(np.minimum(np.multiply.outer(self.growth, h), 700.0))
-            second, third = (bound @ grown for bound in self.bounds)
+            second, third = (bound @ grown for bound in self.bounds[1:])
             second = np.minimum(np.nan_to_num(second, nan=np.inf), np.abs(bend) + np.nan_to_num(third, nan=np.inf) * h / 2)
             reach, is_bent = second * h**2 / 8, np.abs(bend) > third * h / 2
-        noise = NOISE * np.maximum(self.best[0], self.best[1])[:, None]
+        noise = NOISE * np.maximum(self.best.max(axis=0)[:, None], self.bounds[0] @ sizes)  # terms that cancel have rounding errors of their own size
         open_ = np.zeros(f.shape, dtype=bool)
         for side, sign in enumerate((1.0, -1.0)):
             hope = np.maximum(sign * panels["fa"], sign * panels["fb"]) + reach > self.best[side][:, None] + noise

@@ -8,7 +8,7 @@ or not, so that reactions have their own elimination and no difference of large 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -108,7 +108,7 @@ def frequency_response(
     (True, '1')
     """
     harmonic = harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count)
-    return evaluated(harmonic, frequencies_hz)
+    return evaluated(replace(harmonic, notices=system.notices), frequencies_hz)
 
 
 def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to=None, count=None) -> Harmonic:

@@ -94,7 +94,10 @@ def random_response(
     coefficients, imaginary, sizes = equations
     unknowns = [f"x {name}" for name in system.names] + [f"reaction {row.name}" for row in system.rows]
     A = PolynomialMatrix(coefficients, [*unknowns, *(f"force {name}" for name in names)][: len(B)])
-    return RandomResponse(Harmonic(A, B, C, order or 0, imaginary, sizes, spectra.names, names, np.array(units), quantity), spectra)
+    harmonic = Harmonic(
+        A, B, C, order or 0, imaginary, sizes, spectra.names, names, np.array(units), quantity, notices=system.notices
+    )
+    return RandomResponse(harmonic, spectra)
 
 
 def _element_forces(system: MechanicalSystem, outputs, equations, loss_factor):

@@ -45,12 +45,13 @@ WIDEST_ANGLE = 2 * VISIBLE_ANGLE
 SMALLEST_MOTION = 1e-290
 
 
-def turn_to(along: Sequence[float] | None, about: Sequence[float] | None) -> Vector:
+def turn_to(along: Sequence[float] | None, about: Sequence[float] | None, own: Sequence[float] = (1.0, 0.0, 0.0)) -> Vector:
     """The orientation of a layout with these two perpendicular directions.
 
     Args:
         along: of positive displacements; None for the usual direction, made perpendicular to the other.
         about: of the axis about which positive angles turn counter-clockwise; None likewise.
+        own: the direction of positive displacements in the layout.
 
     Returns:
         The rotation vector (rad).
@@ -59,8 +60,11 @@ def turn_to(along: Sequence[float] | None, about: Sequence[float] | None) -> Vec
     (0.0, -1.5707963267948966, 0.0)
     >>> turn_to(None, None)
     (0.0, 0.0, 0.0)
+    >>> turn_to([0, 0, 1], None, own=[0, 0, 1])  # a car, which moves upwards as it is drawn
+    (0.0, 0.0, 0.0)
     """
-    return _tuple(vector_of(_frame(along, about)))
+    frame = _frame(along, about)
+    return _tuple(vector_of(frame @ _frame(own, None).T if along is not None else frame))
 
 
 def turned_piece(piece: Piece, directions: Mapping[str, Sequence[float]], gears=()) -> Piece:

@@ -267,7 +267,7 @@ def _mechanical(table, system, coordinates, folder, file_name, model=None, robot
             if robot_scene:  # a moving base is at rest where nothing else is prescribed
                 system = system.without_rows(f"motion of {name}" for motion in table.motion for name, _ in motion.rows.values())
             system = system.with_constraints(*prescribed)
-    system = _damped(table.model, system, file_name)  # of the modes with the supports at rest
+    system = _damped(table, system, file_name)  # of the modes with the supports at rest
     system, rotor = _turning(getattr(table.model, "speed", None), system, file_name)
     robot_scene = robot_scene and replace(robot_scene, system=system)
     with at(file_name, "model"):
@@ -294,15 +294,24 @@ def _turning(speed: float | None, system: MechanicalSystem, file_name: str) -> t
         return system.at_speed(speed or 0.0), system
 
 
-def _damped(model, system: MechanicalSystem, file_name: str) -> MechanicalSystem:
-    """The system with the damping that the model has as a whole."""
-    if model.rayleigh_damping is not None:
+def _damped(table, system: MechanicalSystem, file_name: str) -> MechanicalSystem:
+    """The system with the damping that the model has as a whole; damping of base excitation is that of the relative motion."""
+    model = table.model
+    if (rayleigh := model.rayleigh_damping) is not None:
+        relative = rayleigh.relative
+        if relative is None:
+            relative = not system.is_sparse and (_is_shaken(table.random) or any(motion.kind == "sampled" for motion in table.motion))
         with at(file_name, "model.rayleigh_damping"):
-            system = system.with_rayleigh_damping(model.rayleigh_damping.mass, model.rayleigh_damping.stiffness)
+            system = system.with_rayleigh_damping(rayleigh.mass, rayleigh.stiffness, relative)
     if model.modal_damping is not None:
         with at(file_name, "model.modal_damping"):
             system = system.with_modal_damping(model.modal_damping)
     return system
+
+
+def _is_shaken(random) -> bool:
+    """Whether supports have random motions."""
+    return random is not None and any(entry.of != "force" for entry in random.input)
 
 
 def _coefficients(table, folder: Path, file_name: str) -> Equations:

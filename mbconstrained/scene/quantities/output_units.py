@@ -7,21 +7,31 @@ from dataclasses import dataclass
 from ...ground.display import with_unit
 from ...ground.errors import InputError
 from ..file.messages import shown
-from .dimensions import dimension, unit_named
+from .dimensions import dimension, meant, unit_named
 from .quantities import unit_name
 from .units import registry
+
+
+ACCELERATION = "m/s^2"
+
+#: Units that are shown by another name than that of the registry.
+_SHOWN = {"gn": "g"}
 
 
 @dataclass(frozen=True)
 class OutputUnits:
     """Units that stand for those of SI of the same kind; derivatives and products follow, so that mm brings mm/s and kN brings kN m.
 
+    Accelerations remain in m/s^2 unless they have a unit of their own, such as mm/s^2 or g.
+
     Attributes:
         units: each of another kind; none for SI.
 
     >>> units = OutputUnits(("mm", "deg", "rpm", "kN"))
-    >>> units.of("m/s^2"), units.of("N m"), units.of("rad/s")[0], units.of("J")
-    (('mm/s^2', 1000.0), ('kN m', 0.001), 'rpm', ('J', 1.0))
+    >>> units.of("m/s"), units.of("N m"), units.of("rad/s")[0], units.of("J")
+    (('mm/s', 1000.0), ('kN m', 0.001), 'rpm', ('J', 1.0))
+    >>> units.of("m/s^2"), OutputUnits(("mm", "mm/s^2")).of("m/s^2")
+    (('m/s^2', 1.0), ('mm/s^2', 1000.0))
     """
 
     units: tuple[str, ...] = ()
@@ -37,7 +47,9 @@ class OutputUnits:
         """
         for each in self.units if unit != "1" else ():
             if _alike(each, unit):
-                return each, _factor(unit, each)
+                return _SHOWN.get(each, each), _factor(unit, each)
+        if unit == ACCELERATION:
+            return unit, 1.0
         head, slash, below = unit.partition("/")
         first, blank, further = head.partition(" ")
         for each in self.units if first != "1" and (blank or slash) else ():
@@ -72,7 +84,7 @@ class OutputUnits:
 
 
 def output_units(value) -> tuple[str, ...]:
-    """The units of a text such as "mm, deg, rpm, kN", or of a list.
+    """The units of a text such as "mm, deg, rpm, kN", or of a list; g is the standard acceleration of gravity.
 
     Raises:
         InputError: no unit, or two of one kind.
@@ -80,7 +92,7 @@ def output_units(value) -> tuple[str, ...]:
     if not isinstance(value, (str, list)):
         raise InputError(f'found {shown(value)}; expected units, e.g. "mm, deg, rpm, kN"')
     names = tuple(
-        unit_name(name.strip() if isinstance(name, str) else name)
+        meant(unit_name(name.strip() if isinstance(name, str) else name), ACCELERATION)
         for name in (value.split(",") if isinstance(value, str) else value)
     )
     for number, name in enumerate(names):

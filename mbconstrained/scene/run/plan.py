@@ -9,7 +9,7 @@ from ...ground.checks import counted
 from ...ground.display import TextTable
 from .stage_costs import Cost, memory_note
 
-#: The stage that lists what the others took.
+#: The stage that lists the others.
 PAGE = "page"
 
 #: Instead of a number that is not known.
@@ -122,15 +122,13 @@ class Plan:
         return TextTable("Taken", columns, tuple(rows), memory_note()), TextTable("Left out", ("stage", "reason"), left_out)
 
     def page_table(self) -> TextTable:
-        """The plan on the page, which is a stage itself and cannot list its own cost."""
+        """The plan on the page, without times and memory: the same scene gives the same page."""
         needed = [stage for stage in self.needed if stage.name != PAGE]
         left_out = [stage for stage in self.left_out if stage.name != PAGE]
-        cells = [("taken", stage.name, *_cells(stage.cost), _reason(stage)) for stage in needed]
-        cells.append(("taken", PAGE, NOTHING, NOTHING, "this page"))
-        title = f"Plan: {counted(len(cells), 'stage')} taken, {len(left_out)} left out"
-        cells += [("left out", stage.name, "", "", stage.reason) for stage in left_out]
-        columns = ("", "stage", "time (ms)", "memory (MB)", "reason")
-        return TextTable(title, columns, tuple(cells), memory_note(), folded=True)
+        rows = [*(("taken", stage.name, _reason(stage)) for stage in needed), ("taken", PAGE, "this page")]
+        title = f"Plan: {counted(len(rows), 'stage')} taken, {len(left_out)} left out"
+        rows += [("left out", stage.name, stage.reason) for stage in left_out]
+        return TextTable(title, ("", "stage", "reason"), tuple(rows), folded=True)
 
 
 def _reason(stage: Stage) -> str:

@@ -19,6 +19,7 @@ from ...ground.files import Replacements
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import TRUST_LIMIT
 from ...response.estimate import error_estimate
+from ...response.response_notices import without_kinks
 from .aliasing import aliasing_notices
 from .curves import ORDERS, PARTS, Curves, curves_of, in_units, time_functions
 from .decisions import connection_forces, still, too_large_for_formula
@@ -160,8 +161,8 @@ class Result(Displayed):
 
     @cached_property
     def later(self) -> list[Event | ImpulsiveLoad]:
-        """The events of the motion and the impulses of its constraint forces after t = 0, by time."""
-        events = [*self.motion.events, *getattr(self.motion, "later_constraint_impulses", ())]
+        """The events of the motion that are no kinks, and the impulses of its constraint forces after t = 0, by time."""
+        events = [*without_kinks(self.motion), *getattr(self.motion, "later_constraint_impulses", ())]
         return sorted(events, key=lambda event: event.time)
 
     @cached_property

@@ -275,14 +275,7 @@ def _matrix_notices(table, system: MechanicalSystem | None) -> Iterator[Notice]:
     """What the matrices of a scene are that those of springs and masses never are: unsymmetric, or M with a negative eigenvalue."""
     if table.model.kind != "matrices" or system is None or system.is_sparse:
         return
-    for name, matrix in (("mass", system.mass), ("stiffness", system.stiffness)):
-        skew = np.abs(matrix - matrix.T)
-        if skew.max() > noise_of(np.abs(matrix).max(), len(matrix)):
-            i, j = np.unravel_index(int(skew.argmax()), skew.shape)
-            entries = f"entry [{i + 1}][{j + 1}] is {matrix[i, j]:g}, entry [{j + 1}][{i + 1}] is {matrix[j, i]:g}"
-            yield Notice(
-                NoticeKind.UNSYMMETRIC, f"the {name} matrix is not symmetric: {entries}; no elastic or inertial force is so"
-            )
+    yield from system.unsymmetric("stiffness")
     M = (system.mass + system.mass.T) / 2
     sizes = np.sqrt(np.abs(np.diag(M)))
     scaled = M / np.outer(np.where(sizes > 0, sizes, 1.0), np.where(sizes > 0, sizes, 1.0))

@@ -125,6 +125,10 @@ class RayleighTable(Table):
     stiffness: Time = Field(  # type: ignore[valid-type]
         0.0, ge=0, description='The factor b of the stiffness matrix, e.g. "2 ms".'
     )
+    relative: bool | None = Field(
+        None,
+        description="Whether the part a M acts on velocities relative to moving supports; by default where a record or a random motion moves one.",
+    )
 
 
 def ratios(value):

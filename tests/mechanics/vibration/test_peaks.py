@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -95,3 +97,14 @@ def test_rounding_errors_are_no_peaks():
     peaks = building(shock()).solve().peaks(0.3, "acceleration")
     assert peaks.minimum[3] == 0.0
     assert np.isclose(peaks.maximum[3], 5.0, rtol=1e-12)
+
+
+@pytest.mark.parametrize("of", ["displacement", "velocity", "acceleration", "reaction"])
+def test_reactions_whose_terms_cancel(of):
+    """A parallel robot: reactions in redundant directions are sums of terms that cancel, and have fewer states than the motion."""
+    scene = mb.read_scene(Path(__file__).parents[3] / "examples" / "delta.toml")
+    motion = scene.run().motion
+    peaks, times = motion.peaks(1.0, of), np.linspace(0.0, 1.0, 2001)
+    values = getattr(motion, of)(times)
+    assert np.all(peaks.maximum >= values.max(axis=1) - 1e-12 * np.abs(values).max())
+    assert np.all(peaks.maximum <= values.max(axis=1) + 1e-3 * np.abs(values).max())

@@ -155,13 +155,18 @@ def test_the_curves_have_the_right_limits_at_events(tmp_path):
     assert [float(entry) for entry in lines[2].split(",")] == [0.25, 2.0, 0.0]
 
 
-def test_of_thousands_the_first_are_listed(tmp_path):
-    times = np.linspace(0, 1, 2001)
-    np.savetxt(tmp_path / "record.csv", np.column_stack([times, np.random.default_rng(0).normal(size=2001)]), delimiter=",")
+@pytest.mark.parametrize("steps", [True, False])
+def test_of_thousands_the_first_are_listed_and_kinks_are_counted(tmp_path, steps):
+    """A coordinate without mass follows a record: with steps it jumps 2000 times; else its rate does, and its value at the end alone."""
+    times, values = np.linspace(0, 1, 2001), np.random.default_rng(0).normal(size=2001)
+    if steps:  # each value lasts until the next time
+        times, values = np.repeat(times, 2)[1:], np.repeat(values, 2)[:-1]
+    np.savetxt(tmp_path / "record.csv", np.column_stack([times, values]), delimiter=",")
     result = scene_of(tmp_path, MASSLESS.replace("[time]", TABLE.format('kind = "sampled"\nfile = "record.csv"'))).run()
     summary = result.summary()
     assert len(summary.splitlines()) < 80
-    assert "The first 20 of 2001 are shown." in summary
+    assert ("The first 20 of" in summary) == steps
+    assert ("at 1999 times" in " ".join(summary.split())) == (not steps)
     assert len(result.as_json()["events"]) == len(result.motion.events) == 2000
     assert result.is_trusted
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.scene.quantities.output_units import OutputUnits
+from mbconstrained.scene.quantities.output_units import OutputUnits, output_units
 from mbconstrained.scene.run.report.page_report import plots_of
 from tests.scene.scenes import OSCILLATOR, scene_of
 
@@ -31,7 +31,7 @@ def test_readings_of_the_page_have_the_units_of_the_curves(tmp_path):
     quantity = '\n[[output.quantity]]\nbetween = ["ground", "cart"]\nquantity = "acceleration"\n'
     result = scene_of(tmp_path, OSCILLATOR + OUTPUT.format("mm, kJ") + quantity).run()
     plots = plots_of(result)
-    assert [plot.unit for plot in plots] == ["mm", "mm/s", "kJ", "mm/s", "mm/s^2"]
+    assert [plot.unit for plot in plots] == ["mm", "mm/s", "kJ", "mm/s", "m/s^2"]
     for curve in (curve for plot in plots for curve in (*plot.curves, plot.across) if curve):
         functions, row = curve.function
         assert functions.at(result.times)[row] == pytest.approx(curve.values, rel=1e-12)
@@ -49,13 +49,21 @@ def test_jumps_impulses_and_constraints_have_the_units(tmp_path):
 @pytest.mark.parametrize(
     ("unit", "name", "factor"),
     [
-        ("m", "mm", 1e3), ("m/s^2", "mm/s^2", 1e3), ("rad", "deg", 180 / np.pi), ("rad/s", "rpm", 30 / np.pi),
+        ("m", "mm", 1e3), ("m/s", "mm/s", 1e3), ("m/s^2", "m/s^2", 1), ("rad", "deg", 180 / np.pi), ("rad/s", "rpm", 30 / np.pi),
         ("rad/s^2", "deg/s^2", 180 / np.pi), ("N", "kN", 1e-3), ("N m", "kN m", 1e-3), ("N s^2", "kN s^2", 1e-3),
         ("J", "J", 1), ("1", "1", 1), ("1/s", "1/s", 1), ("V", "V", 1),
     ],
 )  # fmt: skip
 def test_derivatives_and_products_follow(unit, name, factor):
     assert OutputUnits(("mm", "deg", "rpm", "kN")).of(unit) == (name, pytest.approx(factor, rel=1e-14))
+
+
+@pytest.mark.parametrize(("units", "shown"), [("mm, g", ("g", 1 / 9.80665)), ("mm, mm/s^2", ("mm/s^2", 1e3)), ("mm", ("m/s^2", 1.0))])
+def test_accelerations_have_the_unit_that_is_meant_for_them(units, shown):
+    """1 g = 9.80665 m/s^2 (3rd General Conference on Weights and Measures, 1901); a gram is no unit of any result of a motion."""
+    chosen = OutputUnits(output_units(units))
+    assert chosen.of("m/s^2") == (shown[0], pytest.approx(shown[1], rel=1e-15)) and chosen.of("m")[0] == "mm"
+    assert chosen.of("kg") == ("kg", 1.0)
 
 
 @pytest.mark.parametrize(

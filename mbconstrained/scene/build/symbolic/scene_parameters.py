@@ -83,7 +83,8 @@ def scene_parameters(scene: Scene, assembled: Callable[[Scene, str, float], Scen
     model, values = scene.table.model, scene.parameters.values
     for name, value in values.items():
         unit = scene.parameters.units[name]
-        if model.kind not in ("lumped", "matrices") or model.modal_damping is not None or scene.equations.rotor:
+        follows = model.modal_damping is not None or getattr(scene.equations.system, "mass_damping", None) == "relative"
+        if model.kind not in ("lumped", "matrices") or follows or scene.equations.rotor:
             yield Parameter.of_function(name, value, partial(_system, scene, assembled, name), unit)
             continue
         step = COMPLEX_STEP * (abs(value) or 1.0)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ....ground.errors import InputError
 from ....mechanics.constraints import LEVELS
-from ....models.elements import Element, Mass, Tie
+from ....models.elements import Element, Tie
 from ....models.lumped import coordinate_row, incidence_of
 from ....models.rigid_bar import with_parts
 from ...file.messages import at
@@ -248,7 +248,7 @@ def _exact_lumped(scene: Scene, symbols: Symbols) -> tuple[list[np.ndarray], lis
     factors = incidence_of(elements)
     K, C = (_integers(b.incidence).T @ (b.constants[:, None] * _integers(b.incidence)) for b in (factors.springs, factors.dampers))
     gravity = symbols.of(0 if table.gravity is None else table.gravity)  # 0 may be the default of a parameter
-    weights = {element.name: gravity * element.mass for element in elements if isinstance(element, Mass)}
+    weights = {name: gravity * mass for element in elements for name, mass in element.weighing.items()}
     rest = _integers(factors.springs.incidence).T @ (factors.springs.constants * factors.springs.rest)
     static = rest + coordinate_row({name: weights.get(name, 0) for name in coordinates.names}, coordinates.names)
     rows = [

@@ -226,7 +226,7 @@ class SceneFrequency(SceneResponse):
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """What is worth knowing, and what makes the values doubtful."""
-        own = self.system.notices if self.system is not None else ()
+        own = self.system.damping_notices() if self.system is not None else ()
         return (*self.scene.notices, *self.scene.equations.form_notices, *own, *self.response.notices)
 
     @property

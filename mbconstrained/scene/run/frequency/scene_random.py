@@ -86,7 +86,9 @@ class SceneRandom(SceneResponse):
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """What is worth knowing, and what makes the values doubtful."""
-        return (*self.scene.notices, *self.scene.equations.form_notices, *self.response.notices)
+        system, table = self.scene.equations.system, self.scene.table.random
+        damping = system.damping_notices(any(entry.of != "force" for entry in table.input)) if system is not None else ()
+        return (*self.scene.notices, *self.scene.equations.form_notices, *damping, *self.response.notices)
 
     @cached_property
     def shown(self) -> list[tuple[str, float]]:

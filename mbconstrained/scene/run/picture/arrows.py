@@ -11,7 +11,7 @@ from ....ground.coordinate_units import force_unit, impulse_unit
 from ....ground.display import number_text, with_unit
 from ....page.animation.animation import Arrow, DrawnEvent, ForceArrows, ImpulseArrow, Overlay, arrow_at
 from ....page.drawing.bodies import Drawing
-from ....response.response_notices import sides
+from ....response.response_notices import sides, without_kinks
 from ..report.jumps import Jump, forces_of_rows, impulses_of, jumps_of
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def _events(result: Result, drawing: Drawing) -> Iterator[DrawnEvent]:
     lines = _lines(0.0, result.jumps, _impulses(result, motion.impulses, 0.0))
     if lines:
         yield DrawnEvent(0.0, lines, motion.initial[0], motion.start[0], impulse_arrows)
-    events = {event.time: event for event in motion.events}
+    events = {event.time: event for event in without_kinks(motion)}
     impulse_times = {load.time for loads in _later_impulsive_loads(result) for load in loads}
     end = float(result.times[-1])
     for time in sorted({*events, *impulse_times})[:MOST_EVENTS]:

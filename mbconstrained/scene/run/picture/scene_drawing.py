@@ -12,7 +12,7 @@ import numpy as np
 from ....ground.checks import nearest
 from ....ground.errors import InputError
 from ....page.drawing.bodies import Body, Drawing, Link, Vector, View
-from ....page.drawing.orientation import turn_to
+from ....page.drawing.orientation import ALONG, turn_to
 from ....page.drawing.paths import matrix_of
 from ...file.messages import at
 
@@ -78,10 +78,17 @@ def automatic_drawing(scene: Scene, elements, values, **scales: float) -> Drawin
     drawing = laid_out()
     if table is None:
         return replace(drawing, turn=_upright(scene, drawing))
-    turn = turn_to(table.along, table.about) if table.along or table.about else _upright(scene, drawing)
+    turn = turn_to(table.along, table.about, _own_direction(drawing)) if table.along or table.about else _upright(scene, drawing)
     if directions := _directions(scene, drawing, turn):
         drawing = laid_out(directions=directions)
     return _changed(scene, replace(drawing, turn=turn))
+
+
+def _own_direction(drawing: Drawing) -> np.ndarray:
+    """The direction in which all bodies of a drawing are displaced; the usual one where there are several."""
+    moves = [np.array(move) / np.linalg.norm(move) for body in drawing.bodies for move in body.moves.values() if any(move)]
+    alike = bool(moves) and np.allclose(moves, moves[0])
+    return moves[0] if alike else ALONG
 
 
 def _upright(scene: Scene, drawing: Drawing) -> Vector:

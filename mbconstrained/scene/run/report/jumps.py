@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ....ground.coordinate_units import derivative_name, force_unit, impulse_unit, rate_unit
@@ -12,7 +13,7 @@ from ....ground.notices import Notice, NoticeKind
 from ....mechanics.motion import DELTAS
 from ....response.admissible import admissible
 from ....response.events import Event
-from ....response.response_notices import first_and_count, sides
+from ....response.response_notices import first_and_count, kink_notices, sides, without_kinks
 from ...quantities.coordinates import Coordinates, beyond_noise
 from ...quantities.output_units import OutputUnits
 
@@ -115,9 +116,17 @@ def with_units(response: Response, coordinates: Coordinates) -> tuple[Notice, ..
     Returns:
         Its notices, those of jumps and impulses first.
     """
-    others = [notice for notice in response.notices if notice.kind not in (NoticeKind.JUMP, NoticeKind.IMPULSE)]
-    later = first_and_count(lambda event: _sentences(response, coordinates, event), response.events)
-    return (*_sentences(response, coordinates), *later, *others)
+    own = (NoticeKind.JUMP, NoticeKind.IMPULSE, NoticeKind.KINK)
+    others = [notice for notice in response.notices if notice.kind not in own]
+    later = first_and_count(lambda event: _sentences(response, coordinates, event), without_kinks(response))
+    kinks = kink_notices(response, partial(_kink_text, coordinates))
+    return (*_sentences(response, coordinates), *later, *kinks, *others)
+
+
+def _kink_text(coordinates: Coordinates, number: int, order: int, size: float) -> str:
+    unit = coordinates.units[number]
+    size_text = coordinates.shown.text(size, rate_unit(unit, order))
+    return f"{derivative_name(unit, order)} of {coordinates.names[number]} by {size_text}"
 
 
 def _sentences(motion: Response, coordinates: Coordinates, event: Event | None = None) -> list[Notice]:

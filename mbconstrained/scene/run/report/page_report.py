@@ -23,15 +23,14 @@ if TYPE_CHECKING:
 
 def page_content(result: Result) -> PageContent:
     """Animation, plots, tables, notices and facts of a result."""
-    scene = result.scene  # a page written after a run without a folder is a stage of its plan nevertheless
-    plan = result.plan if result.folder else scene.plan().with_costs(result.plan.costs)
+    scene = result.scene
     return PageContent(
         title=scene.title,
         source=scene.table.source,
         animation=result.animation if is_animated(scene) else None,
         plots=plots_of(result),
         frequencies=result.tables[0],
-        tables=(*result.tables[1:], plan.page_table()),
+        tables=(*result.tables[1:], scene.plan().page_table()),
         notices=result.table_notices,
         formulas=result.formulas,
         facts=_facts(result),
