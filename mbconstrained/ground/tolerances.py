@@ -448,3 +448,16 @@ CONSISTENT_ROWS = 1e-9
 #: The size of a simplex in a box of unit size, and relative difference of values in it, at which an optimum is found: kinks, where two
 #: peaks are equal, are found to this size, smooth minima to its square root.
 SIMPLEX_SIZE = 1e-11
+
+# Robots from MJCF files against MuJoCo.
+
+#: Largest relative difference of masses and forces, which are computed by two algorithms through chains of joints.
+SAME_AS_MUJOCO = 1e-9
+
+#: The same of derivatives of MuJoCo's forces by differences of fourth order with steps of 0.2 mm and 0.2 mrad: tendons of a few
+#: millimetres have large higher derivatives.
+DIFFERENCED = 1e-6
+
+#: Steps of these differences of coordinates (m, rad) and of rates (m/s, rad/s): of the force of a tendon of a centimetre neither truncation
+#: nor rounding takes more than eight digits.
+DIFFERENCE_STEP, DIFFERENCE_RATE = 2e-4, 1e-5

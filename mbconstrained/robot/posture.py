@@ -164,6 +164,7 @@ def attached_load(robot: Robot, start: np.ndarray, forces) -> Load:
     """
     if not isinstance(forces, Mapping):
         raise InputError(f'forces: found {type(forces).__name__}; expected numbers by joint, such as {{"j1": 2.0}}')
+    forces = {**robot.lift, **forces}
     at_guess, bodies = Kinematics(robot.tree, start), robot.link_frames
     points = {key: value for key, value in forces.items() if isinstance(key, PointMotion)}
     loops = tuple(with_rest_length(bodies.attached(loop, at_guess), at_guess) for loop in robot.loops)
@@ -180,6 +181,7 @@ def attached_load(robot: Robot, start: np.ndarray, forces) -> Load:
         },
         units=robot.units,
         size=_size(robot, (*loops, *springs)),
+        tendons=tuple(tendon.attached(robot, at_guess) for tendon in robot.source.tendons),
     )
 
 

@@ -45,8 +45,8 @@ class Robot(Displayed):
     """A tree of joints from a URDF, with loops, springs and flexible joints.
 
     Args:
-        urdf: the path of a .urdf file, or the XML text itself; the path of an MJCF file, whose ``connect`` and ``weld`` are loops,
-            whose key frames are states, and whose free joint makes the base free; or a pinocchio model, which has its own base
+        urdf: the path of a .urdf file, or the XML text itself; the path of an MJCF file, compiled by MuJoCo (extra ``mjcf``), whose
+            ``connect`` and ``weld`` are loops, whose key frames are states, and whose free joint makes the base free; or a pinocchio model, which has its own base
             and is not drawn. Collision geometry is never read.
         loops: joints that close loops, ``Loop``.
         springs: connections between bodies, ``BodySpring`` and ``Bushing``.
@@ -105,7 +105,12 @@ class Robot(Displayed):
         package_dirs: Sequence[str | Path] = (),
         name: str | None = None,
     ):
-        source = read_mjcf(urdf, base != "fixed") if is_mjcf(urdf) else None
+        if isinstance(package_dirs, str) or not all(isinstance(folder, (str, Path)) for folder in package_dirs):
+            raise InputError(f"package_dirs: found {package_dirs!r}; expected a list of folders")
+        self.package_dirs = tuple(Path(folder) for folder in package_dirs)
+        source = urdf if isinstance(urdf, ModelFile) else None
+        if is_mjcf(urdf):
+            source = read_mjcf(urdf, base != "fixed", self.package_dirs)
         if is_model(urdf):
             model: Any = urdf
             source = ModelFile(model, model.gravity.linear.tolist())
@@ -121,9 +126,6 @@ class Robot(Displayed):
         if given_model is not None and base != "moving":
             base = "free" if has_free_base(given_model) else "fixed"
         self.base = base
-        if isinstance(package_dirs, str) or not all(isinstance(folder, (str, Path)) for folder in package_dirs):
-            raise InputError(f"package_dirs: found {package_dirs!r}; expected a list of folders")
-        self.package_dirs = tuple(Path(folder) for folder in package_dirs)
         replace_masses(self.description, masses or {}, inertias or {})
         single = {
             j.get("name", ""): j.get("type") in ("revolute", "continuous", "prismatic") for j in self.description.findall("joint")
@@ -146,16 +148,32 @@ class Robot(Displayed):
         self.moving_base = self._moving_base() if base == "moving" else None
         given = (*source.loops, *given, *filter(None, [self.moving_base]))
         self.loops = checked_connections(given, (Loop,), "loops", self.link_frames)
-        self.springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames, self.loops)
+        own_springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
+        self.springs = checked_connections(
+            (*source.springs, *own_springs), (BodySpring, Bushing), "springs", self.link_frames, self.loops
+        )
+        self.lift, self._is_compared = self._lift(), False
         moving = {name for name in source.joint_stiffness if name in self.coordinates and name not in (joint_stiffness or {})}
         own, rest = ({name: values[name] for name in moving} for values in (source.joint_stiffness, source.joint_rest))
         self._set_joints({**own, **(joint_stiffness or {})}, {**rest, **(joint_rest or {})}, joint_damping)
         self.flexible_joints = self._by_joint(flexible_joints, FlexibleJoint, "flexible_joints")
         self.semantics = SemanticDescription() if srdf is None else read_srdf(srdf)
-        self._set_motors({**self._rotors(), **self._by_joint(motors, Motor, "motors")})
+        own_motors = {
+            name: motor for name, motor in source.motors.items() if name in self.coordinates and name not in self.flexible_joints
+        }
+        self._set_motors({**self._rotors(), **own_motors, **self._by_joint(motors, Motor, "motors")})
 
     def _moving_base(self) -> Loop:
         return Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
+
+    def _lift(self) -> dict[PointMotion, float]:
+        """The forces that compensate the weight of bodies, by the file that the robot is read from (N)."""
+        gravity = np.array(self.model.gravity.linear)
+        if not (size := float(np.linalg.norm(gravity))):
+            return {}
+        return {
+            PointMotion(body, point, along=(-gravity).tolist()): mass * size for body, (point, mass) in self.source.lift.items()
+        }
 
     def _add_payloads(self, payloads: Sequence[Payload]) -> None:
         import pinocchio
@@ -373,7 +391,13 @@ class Robot(Displayed):
         """
         if not isinstance(posture, Posture) or posture.robot is not self:
             raise InputError("linearize: expected a posture from equilibrium() of this robot")
-        return LinearizedRobot(posture, level, inputs or {}, outputs or {})
+        linearized = LinearizedRobot(posture, level, inputs or {}, outputs or {})
+        if self.source.compiled is not None and not self._is_compared:
+            from .description.mujoco_check import compared_with_mujoco
+
+            linearized._notices += compared_with_mujoco(self, posture)
+            self._is_compared = True
+        return linearized
 
     def visuals(self, *, collision: bool = False) -> tuple[Visual, ...]:
         """The shapes of the links, without meshes of missing files; this reads mesh files.
@@ -387,7 +411,7 @@ class Robot(Displayed):
         from .description.visuals import visuals_of, visuals_of_mjcf
 
         if self.source.path is not None:
-            return visuals_of_mjcf(self.source.model, self.source.path, self._mesh_files, collision=collision)
+            return visuals_of_mjcf(self.source, collision=collision)
         return visuals_of(self.description, self._mesh_files, collision=collision)
 
     @cached_property

@@ -18,6 +18,7 @@ LAYER = {name: number for number, name in enumerate(LAYERS)}
 HEAVY = {
     "pinocchio": {"robot"},
     "coal": {"robot"},
+    "mujoco": {"robot"},
     "meshcat": {"page"},
     "sympy": {"exact", "papers"},
     "flint": {"exact", "papers", "linalg"},

@@ -14,6 +14,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 HEAVY = [
     "pinocchio",
     "coal",
+    "mujoco",
     "meshcat",
     "sympy",
     "flint",

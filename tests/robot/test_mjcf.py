@@ -8,7 +8,7 @@ import pytest
 import mbconstrained as mb
 from tests.robot.linkages import null_space
 
-mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (pip install mujoco-core)")
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (pip install 'mbconstrained[mjcf]')")
 
 MJCF = """<mujoco model="four-bar with a gear"><option gravity="0.3 0 -5"/>
 <default><joint damping="0.3"/><default class="soft"><joint stiffness="20" springref="10"/></default></default>
@@ -110,16 +110,20 @@ def test_a_robot_file_names_it(path):
     [
         (
             '<body name="frame">',
-            '<body name="other"/><body name="frame">',
-            r'has 2 bodies \("other", "frame"\), of which one is read',
+            '<body name="other"><joint/></body><body name="frame">',
+            "mass and inertia of moving bodies must be",
         ),
         ("<mujoco", "<!DOCTYPE x><mujoco", "mjcf: found a document type"),
         ("</mujoco>", "", "mjcf: not XML"),
         ("<equality>", '<asset><mesh name="m" file="../../m.stl"/></asset><equality>', "lies outside of the folder of the MJCF"),
         ("<equality>", '<include file="nothing.xml"/><equality>', "there is no such MJCF file"),
         ("<equality>", '<include file="linkage.xml"/><equality>', "include each other more than 5 deep"),
-        ('stiffness="3"', 'stiffness="soft"', "joint \"j4\", stiffness: found 'soft'"),
-        ('axis="0 1 0" stiffness', 'type="wheel" stiffness', "pinocchio cannot read linkage.xml as a robot"),
+        (
+            'stiffness="3"',
+            'stiffness="soft"',
+            r"cannot read it \(XML Error: bad format in attribute 'stiffness' .* at <joint name=\"j4\"",
+        ),
+        ('axis="0 1 0" stiffness', 'type="wheel" stiffness', "cannot read it .*invalid keyword: 'wheel'"),
     ],
 )
 def test_what_cannot_be_read_is_named(path, old, new, message):
@@ -132,8 +136,9 @@ def test_what_is_left_out_is_reported(path):
     path.write_text(
         MJCF.replace("0.1 -2 0 0 0", "0.1 -2 0.5 0 0").replace("</equality>", "</equality><actuator><motor joint='j1'/></actuator>")
     )
-    (notice,) = [notice for notice in mb.Robot(path).description_notices if "MJCF" in notice.text]
-    assert notice.doubtful and "the coupling of joint j4, <actuator> of the MJCF: not read" in notice.text
+    coupling, actuator = [notice for notice in mb.Robot(path).description_notices if "mjcf" in notice.text]
+    assert coupling.doubtful and 'not read: the coupling of the joint "j4", which is not linear' in coupling.text
+    assert not actuator.doubtful and "actuators without feedback exert no force: actuator 0" in actuator.text
 
 
 def test_sdf_and_xacro_get_advice(tmp_path):

@@ -9,7 +9,7 @@ import mbconstrained as mb
 from tests.robot import linkages
 from tests.robot.linkages import PLANE, given, joint, known_frequencies, link, null_space, urdf
 
-mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (pip install mujoco-core)")
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (pip install 'mbconstrained[mjcf]')")
 
 # MuJoCo leaves out links without inertia and joins links without joints; every link here has both
 AXES = [(0, 0, 1), (1, 0, 0.4), (0.2, 1, 0), (0, 1, 0), (1, 1, 1), (0, 0.3, 1)]

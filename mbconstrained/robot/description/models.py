@@ -29,6 +29,12 @@ class ModelFile:
         joint_stiffness, joint_rest: by joint.
         states: configurations q by name.
         notices: on what was left out.
+        springs, tendons, motors: ``Bushing``, ``Tendon``, and ``Motor`` by joint.
+        lift: by body a point (m) at which a force compensates the weight of a mass (kg).
+        compiled: the ``MjModel`` of an MJCF file, to compare with; None where it has elastic parts that are not read.
+        drawn: the same, with shapes.
+        links: of its bodies, by number.
+        undrawn: geoms whose mesh is missing.
     """
 
     model: Any
@@ -40,6 +46,14 @@ class ModelFile:
     joint_rest: Mapping[str, float] = field(default_factory=dict)
     states: Mapping[str, np.ndarray] = field(default_factory=dict)
     notices: tuple[Notice, ...] = ()
+    springs: tuple[Any, ...] = ()
+    tendons: tuple[Any, ...] = ()
+    motors: Mapping[str, Any] = field(default_factory=dict)
+    lift: Mapping[str, tuple[Sequence[float], float]] = field(default_factory=dict)
+    compiled: Any = None
+    drawn: Any = None
+    links: tuple[str, ...] = ()
+    undrawn: frozenset[int] = frozenset()
 
     def named_states(self, tangent) -> dict[str, dict]:
         """The states as guesses: values (rad, m) by joint, of the joints of a ``Tangent``; none where joints of the file are locked."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -11,8 +10,10 @@ import numpy as np
 from ...ground.checks import counted, nearest
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
-from .mesh_files import WITH_COLORS, MeshFiles, MissingMesh, mesh_arrays
+from .mesh_files import MeshFiles, MissingMesh
 from .mesh_parts import Texture
+from .mjcf import geom_kind, pose
+from .models import ModelFile
 from .urdf import numbers
 
 
@@ -94,58 +95,62 @@ def visuals_of(description: ElementTree.Element, files: MeshFiles, *, collision:
     return tuple(visuals)
 
 
-def visuals_of_mjcf(model, path: Path, files: MeshFiles, *, collision: bool = False) -> tuple[Visual, ...]:
-    """The visuals of an MJCF file; planes are left out, and ellipsoids are meshes.
+def visuals_of_mjcf(source: ModelFile, *, collision: bool = False) -> tuple[Visual, ...]:
+    """The geoms of a compiled MJCF file; planes and height fields are left out, ellipsoids are meshes, and capsules have no round ends.
+
+    Geoms that touch nothing are visual shapes alone, those of group 3 collision shapes alone, and all others are both.
 
     Args:
-        model: of pinocchio, read from the file.
-        path: of the file.
-        files: of meshes.
+        source: of the file.
         collision: whether the collision shapes are read instead.
 
     Returns:
         The shapes of all links.
-
-    Raises:
-        InputError: a mesh that cannot be read.
     """
-    import pinocchio
-
-    wanted = pinocchio.GeometryType.COLLISION if collision else pinocchio.GeometryType.VISUAL
-    try:
-        geometry = pinocchio.buildGeomFromMJCF(model, str(path), wanted)
-    except (ValueError, RuntimeError) as problem:
-        raise InputError(f"mjcf: the shapes cannot be read ({(str(problem).splitlines() or ['unknown'])[0][:200]})") from None
-    visuals = []
-    for item in geometry.geometryObjects:
-        frame = model.frames[item.parentFrame]
-        placement = frame.placement.inverse() * item.placement  # those of shapes are relative to the joint
-        kind, size, vertices, faces = _coal_shape(item.geometry)
+    mj, visuals = source.drawn, []
+    for geom in range(mj.ngeom):
+        touches = mj.geom_contype[geom] or mj.geom_conaffinity[geom]
+        if geom in source.undrawn or (not touches if collision else touches and mj.geom_group[geom] == _COLLISION_GROUP):
+            continue
+        kind, size, vertices, faces = _compiled_shape(mj, geom)
         if kind:
-            color = tuple(min(1.0, max(0.0, float(part))) for part in item.meshColor)
-            if Path(item.meshPath).suffix.lower() in WITH_COLORS:  # else as coal has read it
-                where = f'mjcf, body "{frame.name}"'
-                mesh = files.read(Path(item.meshPath), item.meshScale, (path.parent,), where)
-                vertices, faces = mesh.vertices, mesh.whole.faces
+            material = int(mj.geom_matid[geom])
+            own = material < 0 or not np.allclose(mj.geom_rgba[geom], _USUAL_COLOR)
+            color = tuple(np.clip(mj.geom_rgba[geom] if own else mj.mat_rgba[material], 0.0, 1.0).tolist())
             count = 0 if faces is None else len(faces)
-            visuals.append(Visual(str(frame.name), kind, size, placement.homogeneous, color, vertices, faces, triangles=count))
+            placement, link = pose(mj.geom_pos[geom], mj.geom_quat[geom]), source.links[mj.geom_bodyid[geom]]
+            if (mesh := int(mj.geom_dataid[geom])) >= 0 and kind == "mesh":  # MuJoCo moves meshes into their principal axes
+                moved = pose(mj.mesh_pos[mesh], mj.mesh_quat[mesh])
+                placement, vertices = placement * moved.inverse(), vertices @ moved.rotation.T + moved.translation
+            visuals.append(Visual(link, kind, size, placement.homogeneous, color, vertices, faces, triangles=count))
     return tuple(visuals)
 
 
-def _coal_shape(shape) -> tuple[str, tuple[float, ...], np.ndarray | None, np.ndarray | None]:
-    """Kind, size, vertices and faces of a shape of coal; an empty kind for what is not drawn."""
-    name = type(shape).__name__
-    if name == "Box":
-        return "box", tuple((2 * shape.halfSide).tolist()), None, None
-    if name in ("Cylinder", "Capsule"):
-        return "cylinder", (float(shape.radius), 2 * float(shape.halfLength)), None, None
-    if name == "Sphere":
-        return "sphere", (float(shape.radius),), None, None
-    if name == "Ellipsoid":
-        return "mesh", (), *_ellipsoid(np.array(shape.radii))
-    if hasattr(shape, "tri_indices"):
-        return "mesh", (), *mesh_arrays(shape)
+#: The colour of a geom that gives none, and the group of geoms that are not drawn.
+_USUAL_COLOR, _COLLISION_GROUP = (0.5, 0.5, 0.5, 1.0), 3
+
+
+def _compiled_shape(mj, geom: int) -> tuple[str, tuple[float, ...], np.ndarray | None, np.ndarray | None]:
+    """Kind, size, vertices and faces of a geom; an empty kind for what is not drawn."""
+    kind, size = geom_kind(mj, geom), mj.geom_size[geom]
+    if kind == "BOX":
+        return "box", tuple((2 * size).tolist()), None, None
+    if kind in ("CYLINDER", "CAPSULE"):
+        return "cylinder", (float(size[0]), 2 * float(size[1])), None, None
+    if kind == "SPHERE":
+        return "sphere", (float(size[0]),), None, None
+    if kind == "ELLIPSOID":
+        return "mesh", (), *_ellipsoid(np.array(size))
+    if kind in ("MESH", "SDF") and (mesh := int(mj.geom_dataid[geom])) >= 0:
+        corners, triangles = (slice(start, start + count) for start, count in _mesh_places(mj, mesh))
+        return "mesh", (), np.array(mj.mesh_vert[corners], dtype=float), np.array(mj.mesh_face[triangles], dtype=int)
     return "", (), None, None
+
+
+def _mesh_places(mj, mesh: int) -> tuple[tuple[int, int], tuple[int, int]]:
+    """First place and number of the corners and triangles of a mesh."""
+    vertices, faces = (mj.mesh_vertadr[mesh], mj.mesh_vertnum[mesh]), (mj.mesh_faceadr[mesh], mj.mesh_facenum[mesh])
+    return vertices, faces
 
 
 #: Rows and columns of the mesh of an ellipsoid.

@@ -69,7 +69,8 @@ class LinearizedRobot(MechanicalSystem):
         link_stiffness, notices = symmetric_stiffness(posture, np.where(np.abs(K) > noise, K, 0.0))
         self._notices = (*notices, *lost_springs(self._stiffness_parts[:-1], noise))
         sizes = balance.entry_sizes
-        damping = np.diag(robot.joint_damping) + sum(cleaned(item.damping, sizes) for item in balance.elastic)
+        dampers = [*(item.damping for item in balance.elastic), *(item.damping for item in balance.tendons)]
+        damping = np.diag(robot.joint_damping) + sum(cleaned(part, sizes) for part in dampers)
         motors = [joint for _, joint in self._flexible]
         names = (*robot.coordinates, *(f"{robot.coordinates[i]} motor" for i, _ in self._flexible))
         super().__init__(
@@ -86,7 +87,7 @@ class LinearizedRobot(MechanicalSystem):
             energy_parts=self._energy_parts(),
             uncertainty={
                 "mass": self._with_motors(rounding_errors(balance.mass, sizes)),
-                "damping": self._with_motors(sum((rounding_errors(item.damping, sizes) for item in balance.elastic), 0.0 * sizes)),
+                "damping": self._with_motors(sum((rounding_errors(part, sizes) for part in dampers), 0.0 * sizes)),
                 "stiffness": self._with_motors(rounding),
             },
         )
@@ -410,6 +411,9 @@ class LinearizedRobot(MechanicalSystem):
         armature = np.array(robot.model.armature)
         rotors = [
             (f"rotor of {name}", np.diag(row)) for name, row, value in zip(robot.coordinates, np.diag(armature), armature) if value
+        ]
+        rotors += [
+            (item.attached.tendon.name, item.inertia) for item in self.posture.balance.tendons if item.attached.tendon.inertia
         ]
         kinetic += [(name, self._with_motors(part)) for name, part in rotors]
         strain = [(name, self._with_motors(part)) for name, part in self._stiffness_parts]

@@ -24,7 +24,8 @@ def stiffness_parts(posture: Posture) -> list[tuple[str, np.ndarray]]:
     """The contributions to K: springs of joints, springs between bodies, gravity and forces."""
     robot, balance = posture.robot, posture.balance
     gravity, joints, *others = balance.stiffnesses
-    springs, applied = others[: len(balance.elastic)], others[len(balance.elastic) :]
+    first, last = len(balance.elastic), len(others) - len(balance.tendons)
+    springs, applied, tendons = others[:first], others[first:last], others[last:]
     sizes = balance.entry_sizes
     rest = np.sum([cleaned(part, sizes) for part in (gravity, *applied)], axis=0)
     rest = rest - sum(cleaned(part, sizes) for part in balance.geometric(posture.multipliers)) + _of_loads(posture)
@@ -32,6 +33,7 @@ def stiffness_parts(posture: Posture) -> list[tuple[str, np.ndarray]]:
     gains = zip(robot.coordinates, np.diag(robot.position_gains), robot.position_gains)
     parts += [(f"control of {name}", np.diag(row)) for name, row, k in gains if k]
     parts += [(item.connection.name, cleaned(part, sizes)) for item, part in zip(balance.load.springs, springs)]
+    parts += [(item.tendon.name, cleaned(part, sizes)) for item, part in zip(balance.load.tendons, tendons)]
     return [*parts, ("gravity and forces", rest)]
 
 

@@ -19,6 +19,7 @@ from ..connections import BodySpring, Bushing, PointMotion
 from ..kinematics import Anchor, Kinematics, RelativePose, Tree
 from ..mechanism import Attached
 from ..tangent import MimicRow, joint_displacement
+from ..tendons import AttachedTendon, StretchedTendon
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +34,7 @@ class Load:
         point_forces: motions of points, with the force or torque along each.
         units: "m" or "rad" for each coordinate.
         size: a characteristic length of the robot (m).
+        tendons: attached tendons.
     """
 
     loops: tuple[Attached, ...]
@@ -44,6 +46,7 @@ class Load:
     point_forces: Mapping[PointMotion, tuple[Anchor, float]]
     units: tuple[str, ...]
     size: float
+    tendons: tuple[AttachedTendon, ...] = ()
 
     @cached_property
     def lengths(self) -> np.ndarray:
@@ -87,7 +90,7 @@ class Balance:
     @cached_property
     def forces(self) -> tuple[np.ndarray, ...]:
         """The terms of the left side, each of shape (nv,)."""
-        springs = [element.force for element in self.elastic]
+        springs = [*(element.force for element in self.elastic), *(tendon.force for tendon in self.tendons)]
         applied = [-value * row for row, value in self._rows]
         return (self.gravity, self.load.joint_stiffness * self.joint_stretch, *springs, -self.load.joint_force, *applied)
 
@@ -102,12 +105,18 @@ class Balance:
         springs = [element.stiffness for element in self.elastic]
         applied = [-value * self._row_change(motion, anchor) for motion, (anchor, value) in self.load.point_forces.items()]
         gravity = self.tree.gravity_stiffness(self.configuration)
-        return (gravity, np.diag(self.load.joint_stiffness), *springs, *applied)
+        tendons = [tendon.stiffness for tendon in self.tendons]
+        return (gravity, np.diag(self.load.joint_stiffness), *springs, *applied, *tendons)
 
     @cached_property
     def elastic(self) -> list[Elastic]:
         """Of the springs and bushings."""
         return [elastic(item.connection, item.pose(self.kinematics), item.rest_length) for item in self.load.springs]
+
+    @cached_property
+    def tendons(self) -> list[StretchedTendon]:
+        """Of the tendons."""
+        return [StretchedTendon(item, self.kinematics) for item in self.load.tendons]
 
     @cached_property
     def _poses(self):
@@ -169,7 +178,7 @@ class Balance:
     @cached_property
     def mass(self) -> np.ndarray:
         """M, shape (nv, nv), rotors not included."""
-        return self.tree.mass(self.configuration)
+        return sum((tendon.inertia for tendon in self.tendons), self.tree.mass(self.configuration))
 
     @cached_property
     def sizes(self) -> np.ndarray:

@@ -82,12 +82,13 @@ class UrdfNames:
             raise InputError(f"there is no body {shown(name)}{nearest(name, known)}; the bodies are {_some(known)}")
 
 
-def names_of_urdf(path: Path, free_base: bool = False) -> UrdfNames:
-    """Look through a URDF, or an MJCF file, which pinocchio reads. Collision geometry is not looked at.
+def names_of_urdf(path: Path, free_base: bool = False, package_dirs: Sequence[Path] = ()) -> UrdfNames:
+    """Look through a URDF, or an MJCF file, which MuJoCo compiles. Collision geometry is not looked at.
 
     Args:
         path: the file.
         free_base: whether the base has coordinates.
+        package_dirs: folders from which an MJCF may read files.
 
     Returns:
         The names.
@@ -103,7 +104,7 @@ def names_of_urdf(path: Path, free_base: bool = False) -> UrdfNames:
     if not path.is_file():
         others = [other.name for other in path.parent.glob("*.urdf")] if path.parent.is_dir() else []
         raise InputError(f"there is no file {shown(path.name)}{nearest(path.name, others)}")
-    mjcf = read_mjcf(path, free_base) if is_mjcf(path) else None
+    mjcf = read_mjcf(path, free_base, tuple(package_dirs)) if is_mjcf(path) else None
     has_free_joint = mjcf is not None and has_free_base(mjcf.model)
     root = described(mjcf.model) if mjcf else checked_tree(read_urdf(path)[0])
     units = {joint.get("name").strip(): JOINT_UNITS.get(joint.get("type")) for joint in root.findall("joint")}

@@ -1,0 +1,559 @@
+"""MJCF files are what MuJoCo compiles: constructs with known values, random models against MuJoCo, files, hostile files."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.robot.description import mjcf
+from tests.robot.linkages import null_space
+from tests.robot.mjcf_models import Generator, Oracle, compiled_here
+
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (pip install 'mbconstrained[mjcf]')")
+
+
+def body(name: str, joint: str = "", inside: str = "", place: str = "", inertial: str = "") -> str:
+    mass = inertial or '<inertial mass="2" pos="0.1 0.02 -0.3" diaginertia="0.02 0.03 0.04"/>'
+    return f'<body name="{name}" {place}>{joint}{mass}{inside}</body>'
+
+
+def hinge(name: str, more: str = "") -> str:
+    return f'<joint name="{name}" axis="0 1 0" {more}/>'
+
+
+def chain(before: str = "", a: str = "", b: str = "", place: str = "", inside: str = "", after: str = "") -> str:
+    """Two links of 2 kg on a base: the second at ``place``, ``inside`` next to it in the first."""
+    second = body("link2", hinge("b", b), place=f'pos="0 0 -0.5" {place}')
+    first = body("link1", hinge("a", a), inside + second, 'pos="0.1 0 1"')
+    return f'<mujoco>{before}<worldbody><body name="base">{first}</body></worldbody>{after}</mujoco>'
+
+
+def read(tmp_path: Path, text: str, name: str = "m.xml", **options) -> mb.Robot:
+    (tmp_path / name).write_text(text)
+    return mb.Robot(tmp_path / name, **options)
+
+
+@pytest.fixture
+def here(monkeypatch):
+    """Compiled in this process; ``test_a_process_of_its_own`` has the other."""
+    monkeypatch.setattr(mjcf, "_compiled", compiled_here)
+
+
+EXTRA = body(
+    "extra",
+    hinge("c", 'stiffness="7"'),
+    place='pos="0.2 0 0"',
+    inertial='<inertial mass="1" pos="0 0 -0.1" diaginertia="0.01 0.02 0.03"/>',
+)
+LINK = '<inertial mass="1" pos="0.05 0 -0.1" diaginertia="0.01 0.011 0.012"/>'
+MESHED = '<mujoco>{}<asset><mesh class="mm" name="c" file="{}"/></asset><worldbody>{}</worldbody></mujoco>'
+MESH_BODY = body(
+    "a", hinge("j"), '<geom type="mesh" mesh="c"/>', inertial='<inertial mass="1" pos="0 0 -0.3" diaginertia="0.01 0.01 0.01"/>'
+)
+CUBE = "v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+
+
+def linkage(second: str, inside: str, joint2: str = "") -> str:
+    """The four-bar of two files of a client of the first kind: a ``connect`` of ``second`` to the body d."""
+    c = body("c", hinge("j2", joint2), inside, 'pos="0.05 0 -0.3"', LINK)
+    a = body("a", hinge("j1", 'stiffness="20"'), c, 'pos="0 0 1"', LINK)
+    d = body("d", hinge("j3", 'stiffness="5"'), "", 'pos="0.5 0 1.1"', LINK)
+    equality = f'<equality><connect name="k" body1="{second}" body2="d" anchor="0.1 0 -0.1"/></equality>'
+    return f'<mujoco><option gravity="0 0 -9.81"/><worldbody><body name="base">{a}{d}</body></worldbody>{equality}</mujoco>'
+
+
+def frequencies(robot: mb.Robot, **options) -> np.ndarray:
+    return robot.linearize(robot.equilibrium(**options)).modes().frequencies_hz
+
+
+# Values of MuJoCo 4.0: mass matrix and derivative of the forces at the posture, loops by null space.
+
+
+@pytest.mark.parametrize(
+    ("text", "first"),
+    [
+        (chain(place='axisangle="1 2 3 40"'), 1.538),
+        (chain('<default><default class="c"><joint pos="0 0 0.1"/></default></default>', a='class="c"'), 2.04),
+        (
+            chain('<compiler inertiafromgeom="true"/>').replace(
+                '0.04"/></body>', '0.04"/><geom type="box" size="0.1 0.2 0.3" pos="0.1 0 -0.3" mass="2.5"/></body>'
+            ),
+            1.9383,
+        ),
+    ],
+    ids=["axisangle in degrees", "pos of a joint by class", "inertiafromgeom"],
+)
+def test_masses(tmp_path, here, text, first):
+    robot = read(tmp_path, text)
+    assert robot.linearize(robot.equilibrium(hold="all")).mass[0, 0] == pytest.approx(first, rel=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        (chain('<compiler eulerseq="ZYX"/>', place='euler="20 30 40"'), [0.6199, 0.8762]),
+        (linkage("c", "", 'pos="0.02 0 0.05"'), [3.7037]),
+        (
+            linkage(
+                "e",
+                body(
+                    "e",
+                    place='pos="0.1 0 0.1" euler="0 20 0"',
+                    inertial='<inertial mass="0.1" pos="0 0 0" diaginertia="0.01 0.01 0.01"/>',
+                ),
+            ),
+            [2.4197],
+        ),
+    ],
+    ids=["capitals of eulerseq", "connect next to pos of a joint", "connect on a fixed body"],
+)
+def test_frequencies(tmp_path, here, text, wanted):
+    robot = read(tmp_path, text)
+    options = {} if "connect" in text else {"hold": "all"}
+    assert frequencies(robot, **options) == pytest.approx(wanted, abs=6e-5)
+
+
+def test_a_base_that_is_turned_turns_gravity(tmp_path, here):
+    """A palm upside down with one finger on a spring: w^2 = (k + m g l) / J. A hinge about the axis of a tilted base:
+    w^2 = m g l cos(30 deg) / J."""
+    finger = body(
+        "finger",
+        hinge("j", 'stiffness="0.2"'),
+        place='pos="0 0 0.02"',
+        inertial='<inertial pos="0 0 0.05" mass="0.05" diaginertia="2e-5 2e-5 1e-6"/>',
+    )
+    palm = body("palm", "", finger, 'pos="0 0 0.1" quat="0 1 0 0"')
+    robot = read(tmp_path, f"<mujoco><worldbody>{palm}</worldbody></mujoco>")
+    moment = 0.05 * 0.05**2 + 2e-5
+    assert frequencies(robot) == pytest.approx([np.sqrt((0.2 + 0.05 * 9.81 * 0.05) / moment) / (2 * np.pi)], rel=1e-12)
+    assert frequencies(robot) == pytest.approx([6.2628], rel=1e-5)
+    arm = body("arm", '<joint name="j" axis="1 0 0"/>', inertial='<inertial pos="0 0 -0.5" mass="1" diaginertia="0.01 0.01 0.01"/>')
+    tilted = body("base", "", arm, 'euler="0 30 0" pos="0 0 2"')
+    robot = read(tmp_path, f"<mujoco><worldbody>{tilted}</worldbody></mujoco>", "n.xml")
+    assert frequencies(robot) * 2 * np.pi == pytest.approx([np.sqrt(9.81 * 0.5 * np.cos(np.pi / 6) / 0.26)], rel=1e-12)
+
+
+def test_equalities_that_are_not_active(tmp_path, here):
+    bodies = ""
+    for name, place in (("link3", "-0.3 0 -0.4"), ("link2", "0.3 0 -0.5"), ("link1", "0 0 1")):
+        mass = '<inertial mass="2" pos="0.1 0 -0.3" diaginertia="0.02 0.03 0.04"/>'
+        bodies = body(name, hinge(name, 'stiffness="30"'), bodies, f'pos="{place}"', mass)
+    off = '<equality><connect name="k" body1="link3" anchor="0.1 0 -0.4" active="false"/><weld body1="link3" body2="link1" active="false"/></equality>'
+    robot = read(tmp_path, f'<mujoco><worldbody><body name="base">{bodies}</body></worldbody>{off}</mujoco>')
+    assert frequencies(robot, hold="all") == pytest.approx([0.60355, 2.17957, 3.04345], rel=1e-5)
+
+
+def test_a_coupling_is_relative_to_the_references(tmp_path, here):
+    """b - b0 = 0.1 - 2 (a - a0) with a0 = 30 deg and b0 = -20 deg."""
+    equality = '<equality><joint joint1="b" joint2="a" polycoef="0.1 -2 0 0 0"/></equality>'
+    posture = read(tmp_path, chain(a='ref="30"', b='ref="-20"', after=equality)).equilibrium({"a": 0.0}, hold=["a"])
+    assert posture["b"] == pytest.approx(np.radians(-20) + 0.1 + 2 * np.radians(30), abs=1e-12) == pytest.approx(0.7981, abs=5e-5)
+
+
+def test_a_joint_that_an_equality_keeps_at_a_value(tmp_path, here):
+    robot = read(tmp_path, chain(b='ref="10"', after='<equality><joint joint1="b" polycoef="0.2"/></equality>'))
+    posture = robot.equilibrium({"a": 0.3}, hold=["a"])
+    assert posture["b"] == pytest.approx(np.radians(10) + 0.2, abs=1e-12)
+    assert len(robot.linearize(posture).modes().frequencies_hz) == 1
+
+
+def test_the_linear_coefficient_of_polynomial_damping(tmp_path, here):
+    robot = read(tmp_path, chain(a='damping="0.5 0.1"'))
+    assert robot.linearize(robot.equilibrium()).damping[0, 0] == 0.5
+    assert any("of polynomial damping the linear part is read: a" in notice.text for notice in robot.description_notices)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        chain(inside=f'<frame pos="0 0 -0.1" euler="0 30 0">{EXTRA}</frame>'),
+        chain(inside=f'<replicate count="3" euler="0 0 30">{EXTRA}</replicate>'),
+        chain().replace('name="a" ', 'stiffness="20" ', 1),
+        chain(a='springdamper="0.1 0.5"'),
+        chain('<option><flag spring="disable" damper="disable"/></option>', a='stiffness="50" damping="3"'),
+        chain().replace('name="link2"', 'name="link2" gravcomp="1"'),
+        chain('<compiler settotalmass="10"/>'),
+        chain().replace('<joint name="a" axis="0 1 0" />', '<joint name="a" axis="0 1 0"/><joint name="a2" axis="1 0 0"/>'),
+        chain().replace("</worldbody>", '</worldbody><worldbody><light pos="0 0 3"/></worldbody>'),
+        chain(
+            after='<tendon><fixed name="t" stiffness="100" damping="2"><joint joint="a" coef="1"/><joint joint="b" coef="-2"/></fixed></tendon>'
+        ),
+        chain().replace(
+            "</worldbody>",
+            '<body name="other" pos="1 0 0"><joint name="o" axis="1 0 0" stiffness="3"/><geom size="0.1" pos="0 0.2 0"/></body></worldbody>',
+        ),
+        chain().replace(
+            '<joint name="a" axis="0 1 0" />', '<joint name="a" type="ball" stiffness="40" damping="2" armature="0.1"/>'
+        ),
+    ],
+    ids="frame replicate unnamed springdamper flags gravcomp settotalmass two-joints two-worlds tendon two-bodies ball".split(),
+)
+def test_mass_stiffness_and_damping_are_those_of_mujoco(tmp_path, here, text):
+    robot = read(tmp_path, text)
+    expect_of_mujoco(robot, tmp_path / "m.xml")
+
+
+def expect_of_mujoco(robot: mb.Robot, path: Path, seed: int = 0) -> None:
+    """M, C and the derivatives of all forces without loops, about a random posture, entry by entry, in MuJoCo's own coordinates."""
+    rng, oracle = np.random.default_rng(seed), Oracle(path)
+    qpos = oracle.moved(oracle.model.qpos0, rng.uniform(-0.6, 0.6, oracle.model.nv))
+    oracle.without_forces_at(qpos)
+    values = robot.tangent.values(_configuration(oracle.model, qpos))
+    posture = robot.equilibrium(values, hold=robot.coordinates)
+    system, balance = robot.linearize(posture), posture.balance
+    turn = _rates(oracle.model, qpos)
+
+    def force(step):
+        moved = oracle.moved(qpos, turn @ step)
+        return _rates(oracle.model, moved).T @ oracle.force(moved)
+
+    one_branch = robot.tree.moves_axis | robot.tree.moves_axis.T  # MuJoCo's M has no other entries
+    K = np.sum(balance.stiffnesses, axis=0) + np.diag(robot.position_gains)
+    for ours, theirs, tolerance in (
+        (system.mass * one_branch, turn.T @ oracle.mass(qpos) @ turn * one_branch, 1e-10),
+        (system.damping, turn.T @ oracle.damping(qpos) @ turn, 1e-7),
+        (K, oracle.derivative(force, 5e-4), 2e-7),
+    ):
+        scale = max(np.abs(theirs).max(), np.abs(balance.force).max() * 1e-3)
+        assert np.abs(ours - theirs).max() <= tolerance * scale, path.read_text()
+    left = balance.force - turn.T @ oracle.force(qpos)
+    assert np.abs(left).max() <= 1e-10 * max(np.abs(part).max() for part in balance.forces) + 1e-12
+
+
+def _configuration(model, qpos) -> np.ndarray:
+    """Quaternions w, x, y, z become x, y, z, w."""
+    q = np.array(qpos)
+    for kind, at in zip(model.jnt_type, model.jnt_qposadr):
+        if kind in (0, 1):
+            start = at + 3 * (kind == 0)
+            q[start : start + 4] = np.roll(q[start : start + 4], -1)
+    return q
+
+
+def _rates(model, qpos) -> np.ndarray:
+    """The origin of a free body moves along its own axes here, and along those of the ground in MuJoCo."""
+    turn = np.eye(model.nv)
+    for kind, at, dof in zip(model.jnt_type, model.jnt_qposadr, model.jnt_dofadr):
+        if kind == 0:
+            R = np.empty(9)
+            mujoco.mju_quat2Mat(R, qpos[at + 3 : at + 7])
+            turn[dof : dof + 3, dof : dof + 3] = R.reshape(3, 3)
+    return turn
+
+
+def without_equalities(text: str) -> str:
+    return text.split("<equality>")[0] + ("" if "<equality>" not in text else "</mujoco>")
+
+
+@pytest.mark.parametrize("seed", [*range(12), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(12, 260))])
+def test_random_models(tmp_path, here, seed):
+    text = without_equalities(Generator(seed).model())
+    (tmp_path / "m.xml").write_text(text)
+    try:
+        robot = mb.Robot(tmp_path / "m.xml")
+    except mb.InputError as problem:
+        pytest.fail(f"{problem}\n{text}")
+    expect_of_mujoco(robot, tmp_path / "m.xml", seed)
+
+
+@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(4, 120))])
+def test_loops_of_random_models(tmp_path, here, seed):
+    """Equalities are closed where MuJoCo has computed their anchors, at the references: the same motions are left, which have the
+    same stiffness N^T (K - d(J^T lambda)/dq) N under loop forces of the same effect."""
+    generator = Generator(seed)
+    generator.loops = True
+    (tmp_path / "m.xml").write_text(generator.model())
+    robot, oracle = mb.Robot(tmp_path / "m.xml"), Oracle(tmp_path / "m.xml")
+    qpos = oracle.model.qpos0.copy()
+    posture = robot.equilibrium(robot.tangent.values(_configuration(oracle.model, qpos)), hold=robot.coordinates)
+    robot.linearize(posture)
+    turn, J = _rates(oracle.model, qpos), oracle.rows(qpos)
+    ours = posture.balance.jacobian
+    N = null_space(J @ turn) if len(J) else np.eye(oracle.model.nv)
+    assert np.linalg.matrix_rank(ours, tol=1e-9) == np.linalg.matrix_rank(J, tol=1e-9)
+    assert np.abs(ours @ N).max(initial=0.0) < 1e-9
+    if not len(J):
+        return
+    theirs = np.random.default_rng(seed).normal(size=len(J)) * 3
+    loads, *_ = np.linalg.lstsq(ours.T, turn.T @ J.T @ theirs, rcond=None)
+    assert np.abs(ours.T @ loads - turn.T @ J.T @ theirs).max() < 1e-8
+
+    def loop_force(step):
+        moved = oracle.moved(qpos, turn @ step)
+        return _rates(oracle.model, moved).T @ oracle.rows(moved).T @ theirs
+
+    changed = oracle.derivative(loop_force, 1e-3)
+    geometric = np.sum(posture.balance.geometric(loads), axis=0) if robot.loops else np.zeros_like(changed)
+    own, other = (N.T @ part @ N for part in (geometric, changed))
+    assert np.abs((own + own.T) / 2 - (other + other.T) / 2).max(initial=0.0) <= 1e-6 * (np.abs(other).max(initial=0.0) + 1.0)
+
+
+def test_a_planar_base(tmp_path, here):
+    """Slides and a hinge in one body, as of hopper and cheetah: w^2 = k / m, k / J."""
+    joints = (
+        '<joint name="x" type="slide" axis="1 0 0" stiffness="400"/><joint name="z" type="slide" axis="0 0 1" stiffness="900"/>'
+    )
+    torso = body(
+        "torso", joints + hinge("turn", 'stiffness="25"'), inertial='<inertial pos="0 0 0" mass="4" diaginertia="0.1 0.2 0.3"/>'
+    )
+    robot = read(tmp_path, f'<mujoco><option gravity="0 0 0"/><worldbody>{torso}</worldbody></mujoco>')
+    assert robot.bodies == ("torso (x)", "torso (z)", "torso")
+    assert 2 * np.pi * frequencies(robot) == pytest.approx(sorted([10.0, 15.0, np.sqrt(25 / 0.2)]), rel=1e-12)
+    (tmp_path / "robot.toml").write_text('urdf = "m.xml"\n[joint_stiffness]\nx = "1600 N/m"')
+    with_more, _ = mb.read_robot(tmp_path)
+    assert 2 * np.pi * frequencies(with_more)[-1] == pytest.approx(20.0, rel=1e-12)
+
+
+def test_gears_of_tendons(tmp_path, here):
+    """c1 a + c2 b keeps its value: b follows a with -c1 / c2; three joints are named."""
+    tendon = '<tendon><fixed name="t"><joint joint="a" coef="1"/><joint joint="b" coef="-2"/></fixed></tendon>'
+    robot = read(tmp_path, chain(after=f'{tendon}<equality><tendon tendon1="t"/></equality>'))
+    system = robot.linearize(robot.equilibrium({"a": 0.2}, hold=["a"]))
+    (row,) = system.constraint_matrix
+    assert row[0] / row[1] == pytest.approx(-0.5, rel=1e-12)
+
+
+def test_gains_of_actuators_are_motors(tmp_path, here):
+    text = chain(
+        after='<actuator><position joint="a" kp="50" kv="3" gear="2"/><velocity joint="b" kv="4"/><motor name="idle" joint="b"/></actuator>'
+    )
+    robot = read(tmp_path, text)
+    assert robot.motors == {"a": mb.Motor(position_gain=200.0, velocity_gain=12.0), "b": mb.Motor(velocity_gain=4.0)}
+    posture = robot.equilibrium({"a": 0.4}, hold=["b"])
+    assert posture["a"] == pytest.approx(0.4, abs=1e-15)  # its control carries the load
+    assert any("actuators without feedback exert no force: idle" in notice.text for notice in robot.description_notices)
+
+
+def test_a_tendon_along_straight_lines_stretches_as_a_spring_between_bodies(tmp_path, here):
+    sites = '<site name="s1" pos="0.2 0 1"/>'
+    text = (
+        chain()
+        .replace('<body name="base">', f'{sites}<body name="base">')
+        .replace('diaginertia="0.02 0.03 0.04"/></body>', 'diaginertia="0.02 0.03 0.04"/><site name="s2" pos="0.1 0 -0.4"/></body>')
+    )
+    tendon = '<tendon><spatial name="t" stiffness="300" damping="5" springlength="0.5"><site site="s1"/><site site="s2"/></spatial></tendon>'
+    robot = read(tmp_path, text.replace("</mujoco>", tendon + "</mujoco>"))
+    spring = mb.BodySpring("ground", (0.2, 0, 1), "link2", (0.1, 0, -0.4), stiffness=300.0, rest_length=0.5, damping=5.0)
+    other = read(tmp_path, text, "other.xml", springs=[spring])
+    guess = {"a": 0.3, "b": -0.2}
+    systems = [one.linearize(one.equilibrium(guess, hold="all")) for one in (robot, other)]
+    for matrix in ("mass", "damping", "stiffness"):
+        own, wanted = (getattr(system, matrix) for system in systems)
+        assert np.abs(own - wanted).max() <= 1e-12 * np.abs(wanted).max()
+    assert frequencies(robot, guess=guess) == pytest.approx(frequencies(other, guess=guess), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ('<option viscosity="0.1"/>', "the viscosity 0.1 Pa s of the medium"),
+        (
+            '<equality><joint joint1="b" joint2="a" polycoef="0 1 0.5"/></equality>',
+            'coupling of the joint "b", which is not linear',
+        ),
+        ('<actuator><muscle joint="a" lengthrange="0.1 1"/></actuator>', 'the kind muscle of the actuator "actuator 0"'),
+        ('<actuator><adhesion body="link2" name="glue" ctrlrange="0 1"/></actuator>', ""),
+        (
+            '<tendon><fixed name="t"><joint joint="a" coef="1"/><joint joint="b" coef="1"/><joint joint="c" coef="1"/></fixed></tendon>'
+            '<equality><tendon name="e" tendon1="t"/></equality>',
+            '<equality> tendon "e" of 3 joints',
+        ),
+    ],
+    ids="viscosity coupling muscle adhesion three-joints".split(),
+)
+def test_what_is_not_read_is_named(tmp_path, here, more, message):
+    robot = read(tmp_path, chain(inside=EXTRA, after=more))
+    doubts = [notice.text for notice in robot.description_notices if notice.doubtful]
+    assert [message in text for text in doubts] == [True] * bool(message)
+    robot.linearize(robot.equilibrium(hold="all"))  # the rest is MuJoCo's
+
+
+def test_a_tendon_around_a_geom_is_refused(tmp_path, here):
+    geom = '<geom name="roller" type="cylinder" size="0.05 0.1"/><site name="s1" pos="0.3 0 0"/>'
+    text = chain(inside=geom + EXTRA.replace("<inertial", '<site name="s2"/><inertial'))
+    tendon = '<tendon><spatial name="belt" stiffness="5"><site site="s1"/><geom geom="roller"/><site site="s2"/></spatial></tendon>'
+    with pytest.raises(mb.InputError, match='the tendon "belt" with stiffness, damping or inertia is wrapped around a geom'):
+        read(tmp_path, text.replace("</mujoco>", tendon + "</mujoco>"))
+
+
+# Files.
+
+
+def test_a_missing_mesh_is_a_note_and_the_rest_is_drawn(tmp_path, here):
+    text = MESHED.format("", "missing.obj", MESH_BODY.replace("</body>", '<geom type="box" size="0.1 0.1 0.1" mass="0"/></body>'))
+    robot = read(tmp_path, text)
+    assert [visual.kind for visual in robot.visuals()] == ["box"]
+    (notice,) = robot.description_notices
+    assert not notice.doubtful and "1 mesh not drawn: there is no file 'missing.obj'" in notice.text
+
+
+def test_a_missing_mesh_that_carries_mass_is_refused(tmp_path, here):
+    text = MESHED.format("", "missing.obj", '<body name="a"><joint/><geom type="mesh" mesh="c"/></body>')
+    with pytest.raises(mb.InputError, match=r'mass of the body "a" is that of a mesh whose file is missing \(missing.obj\)'):
+        read(tmp_path, text)
+
+
+def test_the_scale_of_a_mesh_by_class(tmp_path, here):
+    (tmp_path / "cube.obj").write_text(CUBE)
+    scale = '<default><default class="mm"><mesh scale="0.001 0.001 0.001"/><geom rgba="1 0 0 0.5"/></default></default>'
+    (visual,) = read(tmp_path, MESHED.format(scale, "cube.obj", MESH_BODY.replace("<geom", '<geom class="mm"'))).visuals()
+    assert np.ptp(visual.vertices, axis=0) == pytest.approx([0.1] * 3, rel=1e-6) and visual.color == (1.0, 0.0, 0.0, 0.5)
+    corners = visual.vertices @ visual.placement[:3, :3].T + visual.placement[:3, 3]
+    assert corners.min(axis=0) == pytest.approx(np.zeros(3), abs=1e-7)  # where the file has them
+
+
+def test_included_files_and_those_next_to_the_folder(tmp_path, here):
+    for folder in ("robots/arm", "robots/common", "other"):
+        (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "robots/common/defaults.xml").write_text(
+        '<mujoco><default><joint armature="0.5" damping="2"/><geom density="100"/></default></mujoco>'
+    )
+    arm = '<body name="a"><joint name="j1" axis="0 1 0"/><geom type="box" size="0.05 0.05 0.5" pos="0 0 -0.5"/></body>'
+    (tmp_path / "robots/arm/arm.xml").write_text(
+        f'<mujoco><include file="../common/defaults.xml"/><worldbody>{arm}</worldbody></mujoco>'
+    )
+    scene = '<mujoco><include file="arm.xml"/><worldbody><light pos="0 0 3"/><geom type="plane" size="1 1 .1" pos="0 0 -3"/></worldbody></mujoco>'
+    robot = read(tmp_path / "robots/arm", scene, "scene.xml")
+    system = robot.linearize(robot.equilibrium())
+    mass = 100 * 0.1 * 0.1 * 1.0
+    assert system.mass[0, 0] == pytest.approx(0.5 + mass * (0.25 + (1.0 + 0.01) / 12), rel=1e-12) and system.damping[0, 0] == 2.0
+    (tmp_path / "other/defaults.xml").write_text("<mujoco/>")
+    text = scene.replace("arm.xml", "../../other/defaults.xml").replace("<light", f"{arm}<light")
+    with pytest.raises(mb.InputError, match="lies outside of the folder of the MJCF, the one above it and its package"):
+        read(tmp_path / "robots/arm", text, "outside.xml")
+    assert read(tmp_path / "robots/arm", text, "outside.xml", package_dirs=[tmp_path / "other"]).coordinates == ("j1",)
+    (tmp_path / "package.xml").write_text("<package/>")
+    assert read(tmp_path / "robots/arm", text, "outside.xml").coordinates == ("j1",)
+
+
+def test_a_model_in_a_model(tmp_path, here):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub/cube.obj").write_text(CUBE)
+    elbow = hinge("e", 'stiffness="3"')
+    link = f'<body name="link" pos="0 0 -1">{elbow}<geom type="mesh" mesh="c" density="1"/></body>'
+    asset = '<asset><mesh name="c" file="cube.obj" scale="0.001 0.001 0.001"/></asset>'
+    (tmp_path / "sub/arm.xml").write_text(f"<mujoco>{asset}<worldbody>{link}</worldbody></mujoco>")
+    attached = '<attach model="arm" body="link" prefix="{}"/>'
+    text = (
+        f'<mujoco><asset><model name="arm" file="sub/arm.xml"/></asset><worldbody><body name="base">{hinge("j")}<geom size="0.1" pos="0 0 -0.2"/>'
+        f'{attached.format("left ")}</body><frame pos="1 0 0">{attached.format("right ")}</frame></worldbody></mujoco>'
+    )
+    robot = read(tmp_path, text)
+    assert robot.coordinates == ("j", "left e", "right e") and robot.joint_stiffness.tolist() == [0, 3, 3]
+    robot.linearize(robot.equilibrium(hold="all"))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("<mujoco><default>" + "<default>" * 40_000 + "</default>" * 40_000 + "</default></mujoco>", "more than 300 deep"),
+        ('<mujoco><asset><mesh file="/etc/hosts"/></asset></mujoco>', "lies outside"),
+        ('<mujoco><include file="/etc/hosts"/></mujoco>', "lies outside"),
+        (chain(place='pos="nan 0 0"').replace('pos="0 0 -0.5" ', ""), 'body_pos of "link2": found nan'),
+        (chain(a='damping="1e308"'), "dof_damping: found 1e[+]308"),
+        ("<mujoco><worldbody/></mujoco>", "found no body in m.xml"),
+        ("<mujoco><worldbody><body/></worldbody></mujoco>", "found no joint that moves in m.xml"),
+    ],
+    ids="nested outside include nan large empty rigid".split(),
+)
+def test_hostile_files(tmp_path, here, text, message):
+    with pytest.raises(mb.InputError, match=message):
+        read(tmp_path, text)
+
+
+#: Elements whose attributes are listed one by one.
+LISTED = {
+    "option": "option",
+    "option/flag": "flag",
+    "equality/connect": "connect",
+    "equality/weld": "weld",
+    "equality/joint": "equality joint",
+    "equality/tendon": "equality tendon",
+    "tendon/fixed": "fixed",
+    "tendon/spatial": "spatial",
+    "actuator/general": "general",
+}
+
+
+def test_every_element_of_mujoco_has_a_verdict():
+    """The schema of the installed MuJoCo, element by element, against the table of the reference."""
+    page = (Path(mb.__file__).parent / "docs/reference/mjcf.md").read_text()
+    rows = [line.split("|")[1] for line in page.splitlines() if line.startswith("| ") and "`" in line]
+    words = {word.strip() for row in rows for name in re.findall("`([^`]+)`", row) for word in [name, *name.split()]}
+    path: list[str] = []
+    elements: dict[str, list[str]] = {}
+    for line in mujoco.mj_printSchema(False, False).splitlines():
+        if found := re.match(r"( *)(\w+) \(.\)(.*)", line):
+            path = [*path[: len(found[1]) // 3], found[2]]
+            elements["/".join(path[1:])] = found[3].split()
+        else:
+            elements["/".join(path[1:])] += line.split()
+    assert len(elements) > 100
+    missing = [name for name in elements if name and not name.startswith("sensor/") and name.split("/")[-1] not in words]
+    for name, row in LISTED.items():
+        known = {
+            word
+            for text in rows
+            if f"`{row}`" in text or ("equalities" in text and "equality" in name)
+            for word in re.findall("`([^`]+)`", text)
+        }
+        missing += [f"{name} {attribute}" for attribute in elements[name] if attribute not in known]
+    joint = {word for text in rows if "`joint`" in text for word in re.findall("`([^`]+)`", text)}
+    missing += [
+        f"joint {attribute}"
+        for attribute in elements.get("asset/joint", elements.get("worldbody/joint", []))
+        if attribute not in joint
+    ]
+    assert missing == []
+
+
+def test_a_process_of_its_own(tmp_path, monkeypatch, capfd):
+    """MuJoCo has no limits of memory and time, and its warnings go to the terminal and to a file."""
+    mjcf._compiled.cache_clear()
+    monkeypatch.chdir(tmp_path)
+    robot = read(tmp_path, chain('<compiler settotalmass="10"/>'))  # MuJoCo warns of it
+    robot.linearize(robot.equilibrium(hold="all"))
+    large = '<mujoco><asset><hfield name="h" nrow="100000" ncol="100000" size="1 1 1 1"/></asset></mujoco>'
+    with pytest.raises(mb.InputError, match="it needs more than 4 GB of memory, or is damaged"):
+        read(tmp_path, large, "large.xml")
+    monkeypatch.setattr(mjcf, "LONGEST_COMPILATION", 0.01)
+    with pytest.raises(mb.InputError, match="does not compile this model within 0.01 s"):
+        read(tmp_path, chain(a='armature="1"'), "other.xml")
+    assert capfd.readouterr() == ("", "") and {path.suffix for path in tmp_path.iterdir()} == {".xml"}
+
+
+def test_without_mujoco_a_file_asks_for_it(tmp_path):
+    (tmp_path / "m.xml").write_text(chain())
+    script = (
+        "import sys; sys.modules['mujoco'] = None\nimport mbconstrained as mb\n"
+        f"try:\n    mb.Robot({str(tmp_path / 'm.xml')!r})\nexcept mb.InputError as problem:\n    print(problem)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=Path(mb.__file__).parents[1]
+    )
+    assert "MuJoCo, which is not installed: pip install 'mbconstrained[mjcf]'" in done.stdout
+
+
+def test_a_difference_from_mujoco_is_an_error(tmp_path, here):
+    robot = read(tmp_path, chain(a='stiffness="20"'))
+    source = mjcf.read_mjcf(tmp_path / "m.xml", False)
+    source.compiled.dof_damping[1] = 0.3  # as a construct that is not read
+    from mbconstrained.robot.description import mujoco_check
+
+    twin = mujoco_check._Twin(robot, robot.tangent.configuration({}))
+    twin.model.dof_damping[1] = 0.3
+    with pytest.raises(mb.InputError, match='the damping of "b" is 0 here and 0.3 in MuJoCo'):
+        mujoco_check._agree("damping", np.zeros((2, 2)), twin.damping(), robot.coordinates, 1e-6, 0.0)
+
+
+def test_bodies_that_touch_are_noted(tmp_path, here):
+    ball = f'<body name="ball">{hinge("j")}<geom name="g" size="0.1" pos="0 0 -0.2"/></body><geom name="floor" type="plane" size="1 1 1" pos="0 0 -0.25"/>'
+    robot = read(tmp_path, f"<mujoco><worldbody>{ball}</worldbody></mujoco>")
+    (text,) = [notice.text for notice in robot.linearize(robot.equilibrium()).notices if "contacts" in notice.text]
+    assert "world and ball touch" in text or "ball and world touch" in text
