@@ -227,7 +227,11 @@ def relative_degrees(coefficients: np.ndarray, inputs: np.ndarray, outputs: np.n
     if parts[-1].rank() == r:
         inverse, terms = parts[-1].inv(), []
         for degree in range(len(parts) - 1, HIGHEST_DEGREE + 1):
-            right = B if not terms else sum((part * X for part, X in zip(parts[-2::-1], terms[::-1])), nmod_mat(r, m, PRIME)) * (PRIME - 1)
+            right = (
+                B
+                if not terms
+                else sum((part * X for part, X in zip(parts[-2::-1], terms[::-1])), nmod_mat(r, m, PRIME)) * (PRIME - 1)
+            )
             terms.append(inverse * right)
             values = np.array([int(entry) != 0 for entry in (C * terms[-1]).entries()]).reshape(p, m)
             result[values & np.isinf(result)] = degree
@@ -250,7 +254,7 @@ def relative_degrees(coefficients: np.ndarray, inputs: np.ndarray, outputs: np.n
             values += [determinant, *map(int, numerators.entries())]
     powers = [pow(point, k, PRIME) for point in points for k in range(most + 1)]
     size = most + 1
-    found = nmod_mat(size, size, powers, PRIME).solve(nmod_mat(size, 1 + p * m, values, PRIME)).entries()
-    nonzero = np.array([int(entry) != 0 for entry in found]).reshape(size, -1)
+    solution = nmod_mat(size, size, powers, PRIME).solve(nmod_mat(size, 1 + p * m, values, PRIME)).entries()
+    nonzero = np.array([int(entry) != 0 for entry in solution]).reshape(size, -1)
     degrees = np.where(nonzero.any(axis=0), size - 1 - nonzero[::-1].argmax(axis=0), -np.inf)
     return (degrees[0] - degrees[1:]).reshape(p, m)

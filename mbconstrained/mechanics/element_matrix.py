@@ -13,7 +13,6 @@ import numpy as np
 
 from ..ground.checks import counted, real_array, real_number
 from ..ground.errors import InputError
-from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import noise_of
 from ..polynomial.polynomial_matrix import Factors
 
@@ -207,7 +206,6 @@ class DampedSystem:
     _refuse_sparse: Callable[[str], None]
     damping: Any
     uncertainty: tuple
-    rows: tuple
     is_sparse: bool
     parameters: Callable[[], Any]
     _matrix: Callable[..., Any]
@@ -221,17 +219,6 @@ class DampedSystem:
                 f'solve: the spring "{name}" has a loss factor, which exists for harmonic motion only (in time its force would come '
                 "before the motion that causes it); use frequency_response or steady_state, or give it a damper or modal damping"
             )
-
-    def damping_notices(self, moving: bool | None = None) -> tuple[Notice, ...]:
-        """Which velocity mass-proportional damping acts on, where supports move; by default those with a prescribed motion."""
-        moving = not self.is_sparse and any(row.signal is not None for row in self.rows) if moving is None else moving
-        if self.mass_damping is None or not moving:
-            return ()
-        text = {
-            "absolute": "absolute velocities: it resists the motion of the supports, too; relative = true makes it act on the relative ones",
-            "relative": "velocities relative to the static response to the motion of the supports",
-        }[self.mass_damping]
-        return (Notice(NoticeKind.DAMPING, f"the mass-proportional part of the Rayleigh damping acts on {text}"),)
 
     def with_rayleigh_damping(self, mass: float = 0.0, stiffness: float = 0.0, relative: bool = False) -> Self:
         """The same system with C + a M + b K for C, proportional (Rayleigh) damping: each mode has zeta = a / (2 w) + b w / 2.
@@ -265,7 +252,9 @@ class DampedSystem:
         if factors[1]:
             system.mass_damping = "relative" if relative else "absolute"
         if relative and factors[1]:
-            system.parameter_source = partial(_refuse_parameters, "relative damping follows the static response to moving supports, which")
+            system.parameter_source = partial(
+                _refuse_parameters, "relative damping follows the static response to moving supports, which"
+            )
         return system
 
     def with_modal_damping(self, ratios) -> Self:

@@ -215,7 +215,20 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem)
         if skew.max() > noise_of(abs(matrix).max(), self.size):
             i, j = np.unravel_index(int(skew.argmax()), skew.shape)
             entries = f"entry [{i + 1}][{j + 1}] is {matrix[i, j]:g}, entry [{j + 1}][{i + 1}] is {matrix[j, i]:g}"
-            yield Notice(NoticeKind.UNSYMMETRIC, f"the {name} matrix is not symmetric: {entries}; no elastic or inertial force is so")
+            yield Notice(
+                NoticeKind.UNSYMMETRIC, f"the {name} matrix is not symmetric: {entries}; no elastic or inertial force is so"
+            )
+
+    def damping_notices(self, moving: bool | None = None) -> tuple[Notice, ...]:
+        """Which velocity mass-proportional damping acts on, where supports move; by default those with a prescribed motion."""
+        moving = not self.is_sparse and any(row.signal is not None for row in self.rows) if moving is None else moving
+        if self.mass_damping is None or not moving:
+            return ()
+        text = {
+            "absolute": "absolute velocities: it resists the motion of the supports, too; relative = true makes it act on the relative ones",
+            "relative": "velocities relative to the static response to the motion of the supports",
+        }[self.mass_damping]
+        return (Notice(NoticeKind.DAMPING, f"the mass-proportional part of the Rayleigh damping acts on {text}"),)
 
     def constrained_form(self) -> ConstrainedForm:
         """[V^T (M s^2 + C s + K); A s^level] with every row at its level.

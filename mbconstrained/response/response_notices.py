@@ -102,7 +102,9 @@ def _impulses(x: Response, impulses=None, when: str = "t = 0"):
 
 def _later(x: Response):
     yield from first_and_count(lambda event: _event_sentences(x, event), without_kinks(x))
-    yield from kink_notices(x, lambda i, order, size: f"{derivative_word(order)} of {x.polynomial_matrix.coordinates[i]} by {size:.6g}")
+    yield from kink_notices(
+        x, lambda i, order, size: f"{derivative_word(order)} of {x.polynomial_matrix.coordinates[i]} by {size:.6g}"
+    )
 
 
 def without_kinks(x: Response) -> list[Event]:
@@ -127,7 +129,9 @@ def kink_notices(x: Response, jump_text: Callable[[int, int, float], str]) -> It
         times = f"at {len(x.kinks)} times from t = {x.kinks[0].time:.6g} s to t = {x.kinks[-1].time:.6g} s"
         when = times if len(x.kinks) > 1 else f"at t = {x.kinks[0].time:.6g} s"
         most = "at most " if len(x.kinks) > 1 else ""
-        yield Notice(NoticeKind.KINK, f"{when} the slope of the excitation jumps, its value does not: {most}the {', the '.join(texts)}{more}")
+        yield Notice(
+            NoticeKind.KINK, f"{when} the slope of the excitation jumps, its value does not: {most}the {', the '.join(texts)}{more}"
+        )
 
 
 def derivative_word(order: int) -> str:

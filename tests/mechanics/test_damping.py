@@ -129,7 +129,12 @@ def test_relative_damping_acts_on_the_motion_relative_to_the_static_response(sup
     for k in range(20):  # u'' is an impulse at each kink: y' jumps by -R times the jump of u'
         v, last = v - R @ (slopes[:, k] - last), slopes[:, k]
         done = solve_ivp(
-            lambda _, z: [*z[2:], *np.linalg.solve(M, -C @ z[2:] - K[s:, s:] @ z[:2])], knots[k : k + 2], [*y, *v], "DOP853", rtol=1e-12, atol=1e-14
+            lambda _, z: [*z[2:], *np.linalg.solve(M, -C @ z[2:] - K[s:, s:] @ z[:2])],
+            knots[k : k + 2],
+            [*y, *v],
+            "DOP853",
+            rtol=1e-12,
+            atol=1e-14,
         )
         y, v = done.y[:2, -1], done.y[2:, -1]
     motion = system.solve()

@@ -101,6 +101,11 @@ def test_growth_is_told():
 def test_an_unsymmetric_mass_matrix_is_reported_by_every_answer(skew):
     """Rounding errors are none."""
     system = mb.MechanicalSystem([[2.0, 0.1 + skew], [0.1, 1.0]], np.eye(2), np.diag([4.0, 9.0]))
-    answers = system, system.solve([1.0, 0.0]), system.frequency_response([0.1]), system.random_response({"x1": mb.white_noise(1.0)})
+    answers = (
+        system,
+        system.solve([1.0, 0.0]),
+        system.frequency_response([0.1]),
+        system.random_response({"x1": mb.white_noise(1.0)}),
+    )
     for answer in answers:
         assert [notice.kind for notice in answer.notices].count("unsymmetric") == (skew == 0.5)

@@ -157,7 +157,9 @@ class _Search:
             second, third = (bound @ grown for bound in self.bounds[1:])
             second = np.minimum(np.nan_to_num(second, nan=np.inf), np.abs(bend) + np.nan_to_num(third, nan=np.inf) * h / 2)
             reach, is_bent = second * h**2 / 8, np.abs(bend) > third * h / 2
-        noise = NOISE * np.maximum(self.best.max(axis=0)[:, None], self.bounds[0] @ sizes)  # terms that cancel have rounding errors of their own size
+        noise = NOISE * np.maximum(
+            self.best.max(axis=0)[:, None], self.bounds[0] @ sizes
+        )  # terms that cancel have rounding errors of their own size
         open_ = np.zeros(f.shape, dtype=bool)
         for side, sign in enumerate((1.0, -1.0)):
             hope = np.maximum(sign * panels["fa"], sign * panels["fb"]) + reach > self.best[side][:, None] + noise

@@ -300,7 +300,9 @@ def _damped(table, system: MechanicalSystem, file_name: str) -> MechanicalSystem
     if (rayleigh := model.rayleigh_damping) is not None:
         relative = rayleigh.relative
         if relative is None:
-            relative = not system.is_sparse and (_is_shaken(table.random) or any(motion.kind == "sampled" for motion in table.motion))
+            relative = not system.is_sparse and (
+                _is_shaken(table.random) or any(motion.kind == "sampled" for motion in table.motion)
+            )
         with at(file_name, "model.rayleigh_damping"):
             system = system.with_rayleigh_damping(rayleigh.mass, rayleigh.stiffness, relative)
     if model.modal_damping is not None:

@@ -11,7 +11,6 @@ from .dimensions import dimension, meant, unit_named
 from .quantities import unit_name
 from .units import registry
 
-
 ACCELERATION = "m/s^2"
 
 #: Units that are shown by another name than that of the registry.

@@ -184,7 +184,10 @@ class OutputTable(Table):
     arrows: list[Literal["reaction"]] = Field([], description="Forces that the animation shows as arrows.")
     units: Annotated[
         tuple[str, ...], BeforeValidator(output_units), WithJsonSchema({"type": "string", "examples": ["mm, deg, rpm, kN"]})
-    ] = Field((), description='Units of page, tables and CSV, e.g. "mm, deg, rpm, kN"; accelerations in m/s^2, or g or mm/s^2 given here; SI when left out, and in the npz file.')
+    ] = Field(
+        (),
+        description='Units of page, tables and CSV, e.g. "mm, deg, rpm, kN"; accelerations in m/s^2, or g or mm/s^2 given here; SI when left out, and in the npz file.',
+    )
     plot_images: bool = Field(False, description="The plots as pictures too, SVG and PNG, for reports.")
     still: Time | None = Field(None, description="A picture of the model at this time as PNG, taken by an installed Chromium.")
     csv: bool = Field(True, description="The trajectories as CSV.")

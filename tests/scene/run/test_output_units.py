@@ -58,7 +58,9 @@ def test_derivatives_and_products_follow(unit, name, factor):
     assert OutputUnits(("mm", "deg", "rpm", "kN")).of(unit) == (name, pytest.approx(factor, rel=1e-14))
 
 
-@pytest.mark.parametrize(("units", "shown"), [("mm, g", ("g", 1 / 9.80665)), ("mm, mm/s^2", ("mm/s^2", 1e3)), ("mm", ("m/s^2", 1.0))])
+@pytest.mark.parametrize(
+    ("units", "shown"), [("mm, g", ("g", 1 / 9.80665)), ("mm, mm/s^2", ("mm/s^2", 1e3)), ("mm", ("m/s^2", 1.0))]
+)
 def test_accelerations_have_the_unit_that_is_meant_for_them(units, shown):
     """1 g = 9.80665 m/s^2 (3rd General Conference on Weights and Measures, 1901); a gram is no unit of any result of a motion."""
     chosen = OutputUnits(output_units(units))
