@@ -151,12 +151,13 @@ class Tangent:
 
     @cached_property
     def limits(self) -> dict[str, tuple[float, float]]:
-        """Lower and upper limit by joint, of those that have any."""
-        low, high = self.model.lowerPositionLimit, self.model.upperPositionLimit
+        """Lower and upper limit by joint, of those that have any; the largest float64 number stands for none in pinocchio."""
+        ends = np.array([self.model.lowerPositionLimit, self.model.upperPositionLimit])
+        low, high = np.where(np.abs(ends) < np.finfo(float).max, ends, np.copysign(np.inf, ends))
         return {
             name: (float(low[joint.idx_q]), float(high[joint.idx_q]))
             for name, joint in self._each()
-            if joint.nq == 1 and low[joint.idx_q] < high[joint.idx_q]
+            if joint.nq == 1 and low[joint.idx_q] < high[joint.idx_q] and np.isfinite([low[joint.idx_q], high[joint.idx_q]]).any()
         }
 
     def outside_limits(self, values: Mapping[str, Any], tolerance: float, share: float = 0.0) -> str:
@@ -172,7 +173,7 @@ class Tangent:
         """
         outside = []
         for name, (low, high) in self.limits.items():
-            allowed = tolerance + share * (high - low)
+            allowed = tolerance + (share * (high - low) if np.isfinite(high - low) else 0.0)
             if not low - allowed <= values[name] <= high + allowed:
                 unit = self.units[self.coordinates.index(name)]
                 outside.append(f'"{name}" at {values[name]:.6g} {unit} (limits {low:.6g} ... {high:.6g})')

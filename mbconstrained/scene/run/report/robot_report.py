@@ -67,16 +67,24 @@ def _joint_table(robot_scene: RobotScene) -> TextTable:
         own = [one for one in tangent.coordinates_of(name) if one in torques]
         acting = [one for one in own if torques[one]] or own[:1]
         loads = [f"{one[len(name) :]} {with_unit(torques[one], force_unit(units[one]))}".strip() for one in acting]
-        rows.append((name, _place(value, units.get(name, "")), ", ".join(loads))[: len(columns)])
+        rows.append((name, _place(value, [units[one] for one in tangent.coordinates_of(name)]), ", ".join(loads))[: len(columns)])
     return TextTable("Posture", columns, tuple(rows))
 
 
-def _place(value, unit: str) -> str:
-    if not isinstance(value, Sequence):
-        return _single(value, unit)
-    if len(value) == 3:  # of a planar joint
-        return f"{_vector(_cleaned(value[:2]))} m, {_single(value[2], 'rad')}"
-    return f"{_vector(_cleaned(value[:3]))} m, roll, pitch, yaw {_vector(_cleaned(_angles(value[3:])))} rad"
+def _place(value, units: Sequence[str]) -> str:
+    """The place of a joint: displacements, then an angle, several, or a quaternion as roll, pitch and yaw."""
+    values, moving = np.atleast_1d(value).tolist(), units.count("m")
+    if len(values) == 1:
+        return _single(values[0], units[0] if units else "")
+    moved, turned = _cleaned(values[:moving]), values[moving:]
+    texts = [f"{_vector(moved)} m"] if moving else []
+    if len(turned) == 1:
+        texts.append(_single(turned[0], "rad"))
+    elif len(turned) == 4:
+        texts.append(f"roll, pitch, yaw {_vector(_cleaned(_angles(turned)))} rad")
+    elif turned:
+        texts.append(f"{_vector(_cleaned(turned))} rad")
+    return ", ".join(texts)
 
 
 def _single(value: float, unit: str) -> str:
