@@ -34,6 +34,9 @@ LONG, DECAYED = 100.0, 40.0
 #: Steps of more radians have their exponentials in closed form, in which nothing cancels then.
 CLOSED = 20.0
 
+#: Roots that are closer, in units of w, are treated as those of critical damping.
+CLOSE = 0.1
+
 #: Up to this damping ratio the extrema of successive cycles are ordered.
 ORDERED = 0.35
 
@@ -105,9 +108,15 @@ class Oscillator:
         J = np.array([[l2, 1, 0, 0], [0, l1, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]], dtype=complex)
         units = np.array([1.0, self.w, self.w**2, self.w**3])  # y w^2, u w, a, a' / w have one size
         is_long = np.asarray(h) * self.w > CLOSED
-        result = (
+        change = np.eye(4, dtype=complex)
+        if abs(l1 - l2) < CLOSE * self.w:  # SciPy takes differences of the diagonal of a triangle: (y, y', a, a') has none
+            change[1, 0] = -l2
+            J = np.array([[0, 1, 0, 0], [-(self.w**2), -2 * self.zeta * self.w, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]], dtype=float)
+        inverse = 2 * np.eye(4) - change
+        result = change @ (
             scipy.linalg.expm(np.multiply.outer(np.where(is_long, 0.0, h), J * units / units[:, None])) * units[:, None] / units
-        )
+        ) @ inverse
+        result[:, 1, 0] = 0.0
         if is_long.any():
             result[is_long] = self._long_steps(h[is_long])
         return result
@@ -117,7 +126,10 @@ class Oscillator:
         l1, l2 = self.roots
         e1, e2, result = np.exp(l1 * h), np.exp(l2 * h), np.tile(np.eye(4, dtype=complex), (len(h), 1, 1))
         gap = l1 - l2
-        mixed, more = ((e1 - e2) / gap, (e1 / l1 - e2 / l2) / gap) if gap else (h * e1, (h - 1 / l1) * e1 / l1)
+        x = gap * h / 2  # (e^(l1 h) - e^(l2 h)) / (l1 - l2) = h e^((l1 + l2) h / 2) sinh(x) / x
+        series = 1 + x**2 / 6 * (1 + x**2 / 20 * (1 + x**2 / 42 * (1 + x**2 / 72)))
+        mixed = h * np.exp((l1 + l2) / 2 * h) * series if abs(gap) * np.max(h) < CLOSE else (e1 - e2) / gap if gap else h * e1
+        more = (mixed - e1 / l1) / l2  # (e1 / l1 - e2 / l2) / (l1 - l2)
         result[:, 0, 0], result[:, 1, 1], result[:, 0, 1], result[:, 2, 3] = e2, e1, mixed, h
         result[:, 1, 2], result[:, 1, 3] = (e1 - 1) / l1, (e1 - 1 - l1 * h) / l1**2
         result[:, 0, 2] = (mixed - (e2 - 1) / l2) / l1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -247,6 +247,11 @@ def _spectral_accelerations(spectrum, f: np.ndarray) -> np.ndarray:
         if spectrum.quantity not in ("absolute acceleration", "pseudo-acceleration"):
             raise InputError(f'spectrum: found one of "{spectrum.quantity}"; expected pseudo-acceleration or absolute acceleration')
         spectrum = spectrum.frequencies_hz, spectrum.maximax
+    if isinstance(spectrum, Mapping):
+        raise InputError(
+            "spectrum: found several; expected one. Compute each support by itself, with base = [its rows]: the peaks of supports that "
+            "move independently add as sqrt(sum of squares), those of correlated ones as a sum"
+        )
     if callable(spectrum):
         return np.array([real_number(spectrum(float(one)), "spectrum") for one in f])
     table, values = (real_array(one, "spectrum", shape=(None,)) for one in spectrum)

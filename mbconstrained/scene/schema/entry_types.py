@@ -26,12 +26,18 @@ MEANT = {  # what people write: what a scene calls it
 }  # fmt: skip
 
 
+#: Elements that no linear model has.
+UNILATERAL = ("contact", "gap", "backlash", "friction", "unilateral", "restitution")
+
+
 class UnknownKey(EntryError):
     """A key that a table does not have."""
 
     def __init__(self, key: str, known: Iterable[str], hint: str = ""):
         known = list(known)
         hint = hint or nearest(key, known) or (f'; did you mean "{MEANT[key]}"?' if MEANT.get(key) in known else "")
+        if key in UNILATERAL:
+            hint = "; contact, gaps and friction are not linear and are not solved: end the run where they begin, and start another there"
         if key in ABOVE:
             hint = f"; {key} = … stands at the top of the file, above the first [table]"
         super().__init__(f"unknown key {shown(key)}{hint}; known here are {', '.join(known)}", key)

@@ -149,6 +149,11 @@ def _figure(name: str, middle: Scene, usual) -> Figure:
         try:
             figures |= figures_of(variables_of([name], middle))
         except InputError:
+            if isinstance(name, str) and any(sign in name for sign in "^*+("):
+                raise InputError(
+                    f'found "{name}"; expected the name of one figure, no formula. To fit measured values, sweep the parameters with '
+                    "keep = frequencies, or minimise your own sum with scipy.optimize.least_squares over scenes of read_scene(path, settings)"
+                ) from None
             hint = nearest(name, figures)
             raise InputError(
                 f'there is no figure "{name}"{hint}; there are {", ".join(list(figures)[:20])}, or "largest x", "x at 2 s" …'

@@ -204,3 +204,20 @@ def test_bad_input(arguments, message):
     """Each mistake has a message with what to do."""
     with pytest.raises(mb.InputError, match=message):
         mb.shock_response_spectrum(*arguments)
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e-15, -1e-12, 1e-9, -1e-6, 1e-3, 0.004])
+@pytest.mark.parametrize("w", [6.56751166056137, 8.815185692875364, 7.338787152316622])
+def test_exponentials_next_to_critical_damping(w, offset):
+    """SciPy's expm of a triangle whose diagonal differs by one unit in the last place is 4 % off; with 60 digits."""
+    oscillator = Oscillator(w, 1.0 + offset)
+    for step in (1e-4, 0.05, 0.1077, 0.7763, 1.9):
+        with mpmath.workdps(60):
+            z = mpmath.mpf(1.0 + offset)
+            J = mpmath.matrix([[0, 1, 0, 0], [-mpmath.mpf(w) ** 2, -2 * z * mpmath.mpf(w), 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]])
+            exact = np.array(mpmath.expm(J * mpmath.mpf(step)).tolist()).astype(float)
+        change = np.eye(4, dtype=complex)
+        change[1, 0] = -oscillator.roots[1]
+        own = (2 * np.eye(4) - change) @ oscillator.steps(np.array([step]))[0] @ change
+        units = w ** np.arange(4.0)
+        assert np.abs((own - exact) / units[:, None] * units).max() <= 1e-13 * (1 + w * step)

@@ -14,7 +14,7 @@ from ....frequency.frequency_response import FrequencyResponse, frequency_respon
 from ....frequency.plots import AXIS_FACTORS
 from ....frequency.response_files import arrays_of, csv_text
 from ....ground.errors import InputError
-from ....ground.notices import Notice
+from ....ground.notices import Notice, NoticeKind
 from ....mechanics.channels import channels
 from ...file.messages import at
 from ...schema.analyses.frequency_table import FrequencyTable
@@ -227,6 +227,10 @@ class SceneFrequency(SceneResponse):
     def notices(self) -> tuple[Notice, ...]:
         """What is worth knowing, and what makes the values doubtful."""
         own = self.system.damping_notices() if self.system is not None else ()
+        loaded = {load.coordinate for load in self.scene.table.force}
+        if len(loaded) > 1 and self.table.inputs is None and self.system is not None:
+            text = f"{', '.join(self.response.inputs)} are inputs one by one; the response to loads at once is the sum by their amplitudes"
+            own = (Notice(NoticeKind.OMITTED, text), *own)
         return (*self.scene.notices, *self.scene.equations.form_notices, *own, *self.response.notices)
 
     @property
