@@ -11,9 +11,11 @@ which gives all second derivatives of poses.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from xml.sax.saxutils import unescape
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -137,11 +139,36 @@ def built_model(text: str, free_base: bool, locked: Mapping[str, float], gravity
     """
     import pinocchio
 
+    balls = {unescape(name, {"&quot;": '"'}) for name in re.findall(r'<joint name="([^"]*)" type="ball"', text)}
     try:
-        model = pinocchio.buildModelFromXML(text, *([pinocchio.JointModelFreeFlyer()] if free_base else []))
+        model = pinocchio.buildModelFromXML(
+            text.replace(' type="ball">', ' type="floating">'), *([pinocchio.JointModelFreeFlyer()] if free_base else [])
+        )
     except (ValueError, RuntimeError) as problem:
         raise InputError(f"urdf: pinocchio cannot read it as a robot ({str(problem).splitlines()[0]})") from None
-    return finished_model(model, locked, gravity)
+    return finished_model(_with_balls(model, balls) if balls else model, locked, gravity)
+
+
+def _with_balls(model, balls: set[str]):
+    """The model with these free joints as ball joints, which the format of URDF does not have."""
+    import pinocchio
+
+    result = pinocchio.Model()
+    result.name = model.name
+    for number in range(1, model.njoints):
+        joint, name = model.joints[number], model.names[number]
+        is_ball = name in balls
+        kind = pinocchio.JointModelSpherical() if is_ball else joint
+        own = result.joints[result.addJoint(model.parents[number], kind, model.jointPlacements[number], name)]
+        result.inertias[number] = model.inertias[number]
+        for key in ("lowerPositionLimit", "upperPositionLimit") if not is_ball else ():
+            getattr(result, key)[own.idx_q : own.idx_q + own.nq] = getattr(model, key)[joint.idx_q : joint.idx_q + joint.nq]
+        if not is_ball:
+            result.damping[own.idx_v : own.idx_v + own.nv] = model.damping[joint.idx_v : joint.idx_v + joint.nv]
+            result.friction[own.idx_v : own.idx_v + own.nv] = model.friction[joint.idx_v : joint.idx_v + joint.nv]
+    for frame in list(model.frames)[1:]:
+        result.addFrame(frame, False)
+    return result
 
 
 def finished_model(model, locked: Mapping[str, float], gravity: np.ndarray):

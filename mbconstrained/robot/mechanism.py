@@ -12,6 +12,7 @@ from ..ground.checks import nearest
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
 from .connections import BodySpring, Connection, Loop, PointMotion
+from .description.urdf import HIDDEN
 from .kinematics import Anchor, Kinematics, RelativePose
 
 
@@ -41,8 +42,9 @@ class LinkFrames:
     def __init__(self, model, masses: Mapping[str, float]):
         import pinocchio
 
-        self._masses = masses
+        self._masses, self._supports = masses, [list(support) for support in model.supports]
         frames = [(number, frame) for number, frame in enumerate(model.frames) if frame.type == pinocchio.FrameType.BODY]
+        frames = [(number, frame) for number, frame in frames if not str(frame.name).startswith(HIDDEN)]
         self._frames = {str(frame.name): frame for _, frame in frames}
         self._numbers = {str(frame.name): number for number, frame in frames}
 
@@ -63,6 +65,11 @@ class LinkFrames:
             if joint not in heaviest or self._masses.get(body, 0.0) > self._masses.get(heaviest[joint], 0.0):
                 heaviest[joint] = body
         return heaviest
+
+    def link_behind(self, joint: int) -> str:
+        """The heaviest link that moves with a joint, or the first one behind it where none does, as between the axes of a universal joint."""
+        heaviest = self.heaviest_links()
+        return heaviest.get(joint) or next(body for number, body in heaviest.items() if joint in self._supports[number])
 
     def link(self, body: str) -> Anchor:
         """The frame of a link, or of the ground, in the joint that carries it."""

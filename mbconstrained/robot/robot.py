@@ -18,8 +18,9 @@ from .connections import BodySpring, Bushing, Loop, PointMotion
 from .description.masses import Payload, description_notices, replace_masses
 from .description.mjcf import is_mjcf, read_mjcf
 from .description.models import ModelFile, described, has_free_base, is_model
+from .description.sdf import read_description
 from .description.srdf import SemanticDescription, read_srdf
-from .description.urdf import checked_tree, link_masses, mimics_of, read_urdf, root_link, skeleton
+from .description.urdf import link_masses, mimics_of, root_link, skeleton
 from .flexible_joint import FlexibleJoint, Motor
 from .kinematics import Tree, built_model, finished_model
 from .linearization.linearized import LinearizedRobot
@@ -36,9 +37,6 @@ if TYPE_CHECKING:
 
 
 _ORIGIN = (0.0, 0.0, 0.0)
-
-
-_DOWNWARDS = (0.0, 0.0, -9.81)
 
 
 class Robot(Displayed):
@@ -114,12 +112,12 @@ class Robot(Displayed):
         if is_model(urdf):
             model: Any = urdf
             source = ModelFile(model, model.gravity.linear.tolist())
-        given_model: Any = source and source.model
-        text, self.folder = read_urdf(urdf) if given_model is None else ("", None)
-        self.description = checked_tree(text) if given_model is None else described(given_model)
+        self.source = source = source or read_description(urdf, base, self.package_dirs)
+        given_model: Any = source.model
+        self.folder = source.folder
+        self.description = source.description if source.description is not None else described(given_model)
         if given_model is not None and (masses or inertias):
             raise InputError("masses, inertias: found them with a pinocchio model; change model.inertias, or add an mb.Payload")
-        self.source = source = source or ModelFile(None, _DOWNWARDS)
         self.name = str(name or self.description.get("name") or "robot")
         if base not in (bases := ("fixed", "free", "moving")):
             raise InputError(f'base: found {base!r}{nearest(str(base), bases)}; expected "fixed", "free" or "moving"')
@@ -133,7 +131,7 @@ class Robot(Displayed):
         mimics = geared([*source.gears, *gears] if isinstance(gears, Sequence) else gears, mimics_of(self.description), single)
         self.locked = locked_values(locked, mimics)
         if given_model is None:
-            model = built_model(skeleton(self.description), base != "fixed", self.locked, _gravity(gravity, _DOWNWARDS))
+            model = built_model(skeleton(self.description), base != "fixed", self.locked, _gravity(gravity, source.gravity))
         else:
             if base == "moving" and not has_free_base(given_model):
                 raise InputError('base: found "moving" with a pinocchio model; give it a JointModelFreeFlyer as its first joint')

@@ -17,7 +17,7 @@ import numpy as np
 from ..ground.checks import counted, nearest, real_array, real_number
 from ..ground.errors import InputError
 from ..ground.tolerances import SAME_JOINT_VALUE
-from .description.urdf import Mimic
+from .description.urdf import Mimic, of_first_leader
 
 BASE = "base"
 
@@ -342,19 +342,7 @@ def geared(gears, mimics: tuple[Mimic, ...], joints: Mapping[str, bool]) -> tupl
         if followers.count(one.follower) > 1:
             raise InputError(f'gears: "{one.follower}" follows "{one.leader}" and another joint; expected one leader')
     by_follower = {mimic.follower: mimic for mimic in (*mimics, *added)}
-    return (*mimics, *(_of_first_leader(one, by_follower) for one in added))
-
-
-def _of_first_leader(mimic: Mimic, by_follower: Mapping[str, Mimic]) -> Mimic:
-    """The same as a gear to the first joint of a train of gears, q = r (r' q' + o') + o."""
-    passed = {mimic.follower}
-    while (before := by_follower.get(mimic.leader)) is not None:
-        if before.follower in passed:
-            raise InputError(f'gears: "{mimic.follower}" follows itself; expected a train of gears that begins at another joint')
-        passed.add(before.follower)
-        ratio, offset = mimic.multiplier * before.multiplier, mimic.multiplier * before.offset + mimic.offset
-        mimic = Mimic(mimic.follower, before.leader, ratio, offset, before.leader_is_fixed)
-    return mimic
+    return (*mimics, *(of_first_leader(one, by_follower) for one in added))
 
 
 def locked_values(locked, mimics: tuple[Mimic, ...]) -> dict[str, float]:

@@ -259,9 +259,9 @@ def coordinate_wrench(posture: Posture, place: int) -> Wrench:
     """
     robot, kinematics = posture.robot, posture.balance.kinematics
     joint = next(number for number, joint in enumerate(robot.model.joints) if number and 0 <= place - joint.idx_v < joint.nv)
-    body = robot.link_frames.heaviest_links()[joint]
+    body = robot.link_frames.link_behind(joint)
     link = robot.link_frames.link(body)
-    turn = (kinematics.rotations[joint] @ link.rotation).T
+    turn = (kinematics.rotations[link.joint] @ link.rotation).T
     velocity, rate = turn @ kinematics.columns[:3, [place]], turn @ kinematics.columns[3:, [place]]
     none, turns = np.zeros((3, 1)), bool(robot.units[place] == "rad")
     return Wrench(

@@ -14,7 +14,9 @@ def swinging(joint, name="j"):
     """A rod on one joint, as a pinocchio model."""
     model = pinocchio.Model()
     number = model.addJoint(0, joint, pinocchio.SE3.Identity(), name)
-    model.appendBodyToJoint(number, pinocchio.Inertia(1.0, np.array([0, 0, -0.5]), np.diag([0.01, 0.02, 0.03])), pinocchio.SE3.Identity())
+    model.appendBodyToJoint(
+        number, pinocchio.Inertia(1.0, np.array([0, 0, -0.5]), np.diag([0.01, 0.02, 0.03])), pinocchio.SE3.Identity()
+    )
     model.addBodyFrame("rod", number, pinocchio.SE3.Identity(), 0)
     return model
 
@@ -53,4 +55,6 @@ def test_joints_without_limits_are_not_beyond_them(limits):
     robot = mb.Robot(model)
     assert not [notice for notice in robot.equilibrium().notices if "limits" in notice.text]
     assert (robot.limits == {}) == (limits in (None, (-np.inf, np.inf)))
-    assert robot.tangent.outside_limits({"j": 2.0}, 1e-9, 0.1) == ("" if limits != (-np.inf, 1.0) else robot.tangent.outside_limits({"j": 2.0}, 0.0))
+    assert robot.tangent.outside_limits({"j": 2.0}, 1e-9, 0.1) == (
+        "" if limits != (-np.inf, 1.0) else robot.tangent.outside_limits({"j": 2.0}, 0.0)
+    )

@@ -30,7 +30,7 @@ def refused(text: str):
 
 BODIES = {
     "not XML": ('<robot name="x"><link', "not XML"),
-    "something else": ("<sdf/>", "sdf.*<robot>"),
+    "something else": ("<sdf/>", "sdf.*no <link>"),
     "no links": ('<robot name="x"/>', "(no <link>|0 links)"),
     "no joints": ('<robot name="x"><link name="a"/></robot>', "no joint that moves"),
     "only fixed joints": (swing(kind="fixed"), "no joint that moves"),
@@ -270,7 +270,7 @@ def test_a_mimic_joint_without_its_leader_moves_by_itself():
     ("text", "advice"),
     [
         ("<mujoco/>", "give the path of the file, which ends in .xml"),
-        ("<sdf/>", "convert it to a URDF"),
+        ("<sdf/>", "no <link>"),
         (
             '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="a"/><link name="a"/></robot>',
             "xacro robot.xacro > robot.urdf",

@@ -113,9 +113,11 @@ class Oscillator:
             change[1, 0] = -l2
             J = np.array([[0, 1, 0, 0], [-(self.w**2), -2 * self.zeta * self.w, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]], dtype=float)
         inverse = 2 * np.eye(4) - change
-        result = change @ (
-            scipy.linalg.expm(np.multiply.outer(np.where(is_long, 0.0, h), J * units / units[:, None])) * units[:, None] / units
-        ) @ inverse
+        result = (
+            change
+            @ (scipy.linalg.expm(np.multiply.outer(np.where(is_long, 0.0, h), J * units / units[:, None])) * units[:, None] / units)
+            @ inverse
+        )
         result[:, 1, 0] = 0.0
         if is_long.any():
             result[is_long] = self._long_steps(h[is_long])

@@ -123,12 +123,16 @@ class MeshFiles:
     def _roots(self, name: str, where: str) -> tuple[tuple[Path, ...], str]:
         """The folders from which a mesh may be read, and its path in them."""
         given, name = name, unquote(name)
-        if name.startswith("package://"):
-            package, _, name = name.removeprefix("package://").lstrip("/").partition("/")
+        kind, _, rest = name.partition("://")
+        if kind in ("package", "model") and (rest.startswith("/") or "/" not in rest):  # no package: next to the file
+            name = rest.lstrip("/")
+            kind = ""
+        if kind in ("package", "model"):
+            package, _, name = rest.partition("/")
             roots = self._packages(package)
             if not roots:
                 raise MissingMesh(
-                    f'{where}: found the mesh of the package "{package[:60]}", which is in none of package_dirs; {_RULE}'
+                    f'{where}: found the mesh of the {kind} "{package[:60]}", which is in none of package_dirs; {_RULE}'
                 )
         elif self.folder is None and not self.package_dirs:
             raise MissingMesh(

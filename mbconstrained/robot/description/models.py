@@ -17,6 +17,10 @@ from ...ground.notices import Notice
 SEVERAL = ("JointModelPlanar", "JointModelFreeFlyer", "JointModelSpherical", "JointModelTranslation")
 
 
+#: The acceleration of free fall where a file gives none (m/s^2).
+DOWNWARDS = (0.0, 0.0, -9.81)
+
+
 @dataclass(frozen=True, eq=False)
 class ModelFile:
     """A pinocchio model with what the file that it was read from gives besides.
@@ -35,6 +39,7 @@ class ModelFile:
         drawn: the same, with shapes.
         links: of its bodies, by number.
         undrawn: geoms whose mesh is missing.
+        description, folder: the element <robot> of a URDF or an SDF, and the folder of the file.
     """
 
     model: Any
@@ -54,6 +59,8 @@ class ModelFile:
     drawn: Any = None
     links: tuple[str, ...] = ()
     undrawn: frozenset[int] = frozenset()
+    description: Element | None = None
+    folder: Path | None = None
 
     def named_states(self, tangent) -> dict[str, dict]:
         """The states as guesses: values (rad, m) by joint, of the joints of a ``Tangent``; none where joints of the file are locked."""

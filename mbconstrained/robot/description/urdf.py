@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -55,13 +56,12 @@ def read_urdf(source: str | Path, kind: str = "URDF") -> tuple[str, Path | None]
         raise InputError(f"{kind.lower()}: the file cannot be read ({getattr(problem, 'strerror', None) or problem})") from None
 
 
-def checked_tree(text: str) -> ElementTree.Element:
+def checked_tree(root: ElementTree.Element) -> ElementTree.Element:
     """The element <robot> with checked names, joint types and tree; ``skeleton`` checks the numbers.
 
     Raises:
-        InputError: not XML, entities, no robot, names used twice, unknown links, loops, kinds of joints that do not exist.
+        InputError: names used twice, unknown links, loops, kinds of joints that do not exist.
     """
-    root = parsed_xml(text, "urdf")
     if any(element.tag.startswith("{") and "xacro" in element.tag for element in root.iter()):
         raise InputError("urdf: found xacro macros; expand them first: xacro robot.xacro > robot.urdf")
     if not root.findall("link"):
@@ -125,9 +125,11 @@ def root_link(root: ElementTree.Element) -> str:
 #: Advice where another format than URDF is found, by the name of the root element.
 _OTHER_FORMATS = {
     "mujoco": ": this is MJCF; give the path of the file, which ends in .xml",
-    "sdf": ": this is SDF, which pinocchio's packages do not read; convert it to a URDF and give its loops as mb.Loop(...), or give the "
-    "model of a pinocchio with SDFormat, mb.Robot(model)",
+    "sdf": ": this is SDF; give the path of the file, which ends in .sdf or .world",
 }
+
+#: The beginning of the names of links without mass that carry a joint whose frame is not that of its link; they are not shown.
+HIDDEN = "frame of joint "
 
 #: The name of a link "ground", which here names the body that does not move.
 RENAMED_GROUND = f"{GROUND} link"
@@ -157,7 +159,7 @@ def mimics_of(root: ElementTree.Element) -> tuple[Mimic, ...]:
     """The joints that follow others; one whose leader the URDF does not have moves by itself (``masses.description_notices``).
 
     Raises:
-        InputError: a leader that follows another joint; invalid numbers.
+        InputError: joints that follow each other in a circle; invalid numbers.
     """
     joints, mimics = {joint.get("name"): joint for joint in root.findall("joint")}, []
     for name, joint in joints.items():
@@ -166,14 +168,37 @@ def mimics_of(root: ElementTree.Element) -> tuple[Mimic, ...]:
         where, leader = f'urdf, joint "{short(name)}", mimic', mimic.get("joint", "")
         if leader not in joints:
             continue
-        if joints[leader].find("mimic") is not None:
-            raise InputError(f'{where}: found "{short(leader)}"{nearest(leader, joints)}; expected a joint that follows no other')
         kinds = joint.get("type"), joints[leader].get("type")
         if several := [kind for kind in kinds if kind in ("planar", "floating")]:
             raise InputError(f"{where}: found a {several[0]} joint; only joints with one degree of freedom can follow or lead")
         numbers = [number(mimic.get(key, usual), f"{where}, {key}") for key, usual in (("multiplier", "1"), ("offset", "0"))]
         mimics.append(Mimic(str(name), leader, *numbers, leader_is_fixed=kinds[1] == "fixed"))
-    return tuple(mimics)
+    by_follower = {mimic.follower: mimic for mimic in mimics}
+    return tuple(of_first_leader(mimic, by_follower) for mimic in mimics)
+
+
+def of_first_leader(mimic: Mimic, by_follower: Mapping[str, Mimic]) -> Mimic:
+    """The same as a gear to the first joint of a train of gears, q = r (r' q' + o') + o.
+
+    Args:
+        mimic: a joint that follows another, which may follow one itself.
+        by_follower: all of them.
+
+    Returns:
+        The joint that follows the first leader.
+
+    Raises:
+        InputError: the joints follow each other in a circle.
+    """
+    passed = [mimic.follower]
+    while (before := by_follower.get(mimic.leader)) is not None:
+        if before.follower in passed:
+            circle = " -> ".join(f'"{short(name)}"' for name in (*passed[passed.index(before.follower) :], before.follower))
+            raise InputError(f'"{short(mimic.follower)}" follows itself by mimic joints or gears ({circle}); one of them must lead')
+        passed.append(before.follower)
+        ratio, offset = mimic.multiplier * before.multiplier, mimic.multiplier * before.offset + mimic.offset
+        mimic = Mimic(mimic.follower, before.leader, ratio, offset, before.leader_is_fixed)
+    return mimic
 
 
 def _names(root, tag: str) -> list[str]:
@@ -225,12 +250,13 @@ def _check_tree(ends: list[tuple[str, str]], links: list[str]) -> None:
         raise InputError(f"urdf: the joints of {names} go round in a circle; a URDF is a tree: close loops with mb.Loop")
 
 
-#: Range of the numbers of a URDF in SI units: their squares stay within the range of float64.
+#: Range of the numbers of a URDF in SI units, of which the squares stay within that of float64; smaller ones are 0, the noise of the
+#: programs that write them.
 LEAST, LARGEST = 1e-100, 1e100
 
 
 def number(text, where: str, minimum: float | None = None) -> float:
-    """One number, 0 or of a size from LEAST to LARGEST.
+    """One number of a size of at most LARGEST, 0 below LEAST.
 
     Args:
         text: of the attribute.
@@ -244,7 +270,7 @@ def number(text, where: str, minimum: float | None = None) -> float:
     2.5
 
     Raises:
-        InputError: not a number, too large, too small or below the minimum.
+        InputError: not a number, too large or below the minimum.
     """
     return numbers(text, 1, where, minimum)[0]
 
@@ -270,9 +296,10 @@ def numbers(text, count: int, where: str, minimum: float | None = None) -> list[
         values = []
     if len(values) != count:
         raise InputError(f"{where}: found {short(text)!a}; expected {f'{count} numbers' if count > 1 else 'a number'}")
+    values = [0.0 if abs(value) < LEAST else value for value in values]
     for value in values:
-        if value and not LEAST <= abs(value) <= LARGEST:  # false for what is not finite, too
-            raise InputError(f"{where}: found {value:g}; expected 0 or a size between {LEAST:g} and {LARGEST:g}")
+        if not abs(value) <= LARGEST:  # false for what is not finite, too
+            raise InputError(f"{where}: found {value:g}; expected a size of at most {LARGEST:g}")
         if minimum is not None and value < minimum:
             raise InputError(f"{where}: found {value:g}; expected at least {minimum:g}")
     return values
@@ -293,7 +320,7 @@ MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 #: rounded zero; below this share of the largest of all it is noted, and no reason for doubt.
 ROUNDED = 1e-6
 
-_UNLIMITED = ("continuous", "fixed", "floating", "planar")
+_UNLIMITED = ("continuous", "fixed", "floating", "planar", "ball")
 
 
 def skeleton(robot: Element) -> str:
@@ -349,8 +376,8 @@ def _copy_joint(robot: Element, joint: Element, where: str) -> None:
     for tag in ("parent", "child"):
         SubElement(copy, tag, link=joint.find(tag).get("link"))
     _copy_origin(copy, joint, where)
-    if kind not in ("fixed", "floating"):
-        SubElement(copy, "axis", xyz=_text(_axis(joint, where)))
+    if kind not in ("fixed", "floating", "ball"):
+        SubElement(copy, "axis", xyz=_text(axis_of(joint, where)))
     if kind not in _UNLIMITED:
         SubElement(copy, "limit", {key: _text([value]) for key, value in _limits(joint, where).items()})
     if (dynamics := joint.find("dynamics")) is not None:
@@ -365,8 +392,8 @@ def _copy_origin(parent: Element, element: Element, where: str) -> None:
         )
 
 
-def _axis(joint: Element, where: str) -> list[float]:
-    """The axis, x where none is given."""
+def axis_of(joint: Element, where: str) -> list[float]:
+    """The axis of a joint, x where none is given."""
     axis = joint.find("axis")
     direction = numbers("1 0 0" if axis is None else axis.get("xyz", ""), 3, f"{where}, axis")
     if not any(direction):

@@ -20,7 +20,10 @@ def body_masses(posture: Posture) -> list[tuple[str, np.ndarray]]:
     """The contribution S_j^T I_j S_j of each body to M, shape (nv, nv), with the name of its heaviest link."""
     names, inertias = posture.robot.link_frames.heaviest_links(), posture.robot.model.inertias
     return [
-        (names[joint], inertias[joint].mass * v.T @ v + w.T @ np.array(inertias[joint].inertia) @ w)
+        (
+            names.get(joint, str(posture.robot.model.names[joint])),
+            inertias[joint].mass * v.T @ v + w.T @ np.array(inertias[joint].inertia) @ w,
+        )
         for joint, _, v, w, _ in _motions(posture)
     ]
 

@@ -143,7 +143,7 @@ def robot_data(path: Path, data: dict, place: str, package_dirs: Sequence[str | 
         urdf = inside(folder, table.urdf, "the URDF must lie in the robot's folder", 'the name of a file, e.g. "robot.urdf"')
     dirs = (*_package_dirs(table.package_dirs, folder, place), *(Path(place).resolve() for place in package_dirs))
     with at(f"{folder.name}/{urdf.name}"):
-        names = names_of_urdf(urdf, table.base != "fixed", dirs)
+        names = names_of_urdf(urdf, table.base, dirs)
     semantics = _semantics(table.srdf, folder, place, names.states)
     texts = count_texts({key: value for key, value in data.items() if key not in ("title", "source", "licence", "urdf")})
     with at(place, "locked"):

@@ -29,6 +29,7 @@ POSE_UNITS = ("m", "m", "m", "rad", "rad", "rad")
 COORDINATE_UNITS = {
     "planar": {"x": "m", "y": "m", "rz": "rad"},
     "floating": dict.fromkeys("xyz", "m") | {f"r{axis}": "rad" for axis in "xyz"},
+    "ball": {f"r{axis}": "rad" for axis in "xyz"},
 }
 JOINT_UNITS = {"revolute": "rad", "continuous": "rad", "prismatic": "m"}
 
@@ -45,7 +46,7 @@ class UrdfNames:
         mimics: joints that follow others.
         meshes: file names of the meshes that are drawn, as they stand in the URDF, each with its link.
         states: values by joint, by name of a key frame of an MJCF file.
-        has_free_joint: whether the base of an MJCF file is free by itself.
+        has_free_joint: whether the base of an MJCF or SDF file is free by itself.
     """
 
     path: Path
@@ -82,13 +83,13 @@ class UrdfNames:
             raise InputError(f"there is no body {shown(name)}{nearest(name, known)}; the bodies are {_some(known)}")
 
 
-def names_of_urdf(path: Path, free_base: bool = False, package_dirs: Sequence[Path] = ()) -> UrdfNames:
-    """Look through a URDF, or an MJCF file, which MuJoCo compiles. Collision geometry is not looked at.
+def names_of_urdf(path: Path, base: str = "fixed", package_dirs: Sequence[Path] = ()) -> UrdfNames:
+    """Look through a URDF, an SDF, or an MJCF file, which MuJoCo compiles. Collision geometry is not looked at.
 
     Args:
         path: the file.
-        free_base: whether the base has coordinates.
-        package_dirs: folders from which an MJCF may read files.
+        base: "fixed", "free" or "moving".
+        package_dirs: folders from which the file may read others.
 
     Returns:
         The names.
@@ -98,22 +99,25 @@ def names_of_urdf(path: Path, free_base: bool = False, package_dirs: Sequence[Pa
     """
     from ...robot.description.mjcf import is_mjcf, read_mjcf
     from ...robot.description.models import described, has_free_base
-    from ...robot.description.urdf import checked_tree, mimics_of, read_urdf
+    from ...robot.description.sdf import read_description
+    from ...robot.description.urdf import HIDDEN, mimics_of
     from ...robot.tangent import Tangent
 
     if not path.is_file():
         others = [other.name for other in path.parent.glob("*.urdf")] if path.parent.is_dir() else []
         raise InputError(f"there is no file {shown(path.name)}{nearest(path.name, others)}")
+    free_base = base != "fixed"
     mjcf = read_mjcf(path, free_base, tuple(package_dirs)) if is_mjcf(path) else None
-    has_free_joint = mjcf is not None and has_free_base(mjcf.model)
-    root = described(mjcf.model) if mjcf else checked_tree(read_urdf(path)[0])
+    source = mjcf or read_description(path, base, tuple(package_dirs))
+    root = described(mjcf.model) if mjcf else source.description
+    has_free_joint = has_free_base(mjcf.model) if mjcf else root.find(f"joint[@name='{BASE}'][@type='floating']") is not None
     units = {joint.get("name").strip(): JOINT_UNITS.get(joint.get("type")) for joint in root.findall("joint")}
     own_units = [(joint.get("name").strip(), COORDINATE_UNITS.get(joint.get("type"), {})) for joint in root.findall("joint")]
     coordinates = {}
     for name, own in (*own_units, *([(BASE, COORDINATE_UNITS["floating"])] if free_base or has_free_joint else [])):
         units |= {f"{name} {suffix}": unit for suffix, unit in own.items()}
         coordinates[name] = tuple(f"{name} {suffix}" for suffix in own)
-    links = {link.get("name").strip(): link for link in root.findall("link")}
+    links = {link.get("name").strip(): link for link in root.findall("link") if not link.get("name").startswith(HIDDEN)}
     meshes = ((name, mesh.get("filename", "")) for name, link in links.items() for mesh in link.findall("visual/geometry/mesh"))
     known = {name: unit for name, unit in units.items() if unit}
     several = {name: own for name, own in coordinates.items() if own}
@@ -154,10 +158,10 @@ def _pose(value) -> tuple[float, ...]:
     return tuple(quantity(entry, unit) for entry, unit in zip(value, units))
 
 
-def _planar(value) -> tuple[float, ...]:
+def _triple(value, of_ball: bool) -> tuple[float, ...]:
     if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 3:
-        raise InputError(f"found {shown(value)}; expected [x, y, angle]")
-    return tuple(quantity(entry, unit) for entry, unit in zip(value, ("m", "m", "rad")))
+        raise InputError(f"found {shown(value)}; expected {'[roll, pitch, yaw]' if of_ball else '[x, y, angle]'}")
+    return tuple(quantity(entry, unit) for entry, unit in zip(value, ("rad" if of_ball else "m",) * 2 + ("rad",)))
 
 
 def _given(entry, *left_out: str) -> dict:
@@ -241,7 +245,8 @@ def _guess(values: Mapping, names: UrdfNames, free_base: bool) -> dict:
     guess = joint_values({name: value for name, value in values.items() if name not in several}, names, PLACE)
     for name, value in several.items():
         with named(name):
-            guess[name] = _pose(value) if len(names.several[name]) == len(POSE_UNITS) else _planar(value)
+            of_ball = names.several[name] == tuple(f"{name} {suffix}" for suffix in COORDINATE_UNITS["ball"])
+            guess[name] = _pose(value) if len(names.several[name]) == len(POSE_UNITS) else _triple(value, of_ball)
     return guess
 
 

@@ -214,7 +214,7 @@ def test_exponentials_next_to_critical_damping(w, offset):
     for step in (1e-4, 0.05, 0.1077, 0.7763, 1.9):
         with mpmath.workdps(60):
             z = mpmath.mpf(1.0 + offset)
-            J = mpmath.matrix([[0, 1, 0, 0], [-mpmath.mpf(w) ** 2, -2 * z * mpmath.mpf(w), 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]])
+            J = mpmath.matrix([[0, 1, 0, 0], [-(mpmath.mpf(w) ** 2), -2 * z * mpmath.mpf(w), 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]])
             exact = np.array(mpmath.expm(J * mpmath.mpf(step)).tolist()).astype(float)
         change = np.eye(4, dtype=complex)
         change[1, 0] = -oscillator.roots[1]
