@@ -41,6 +41,12 @@ FIRST_PANELS = 256
 #: Numbers that are computed at most, about a second: panels times states and rows.
 MOST_WORK = 1 << 23
 
+#: Samples in a radian of the fastest part of a function that is sampled, and the most of all; refinements of the best one.
+SAMPLES, MOST_SAMPLES, ZOOMS = 6, 200_000, 9
+
+#: Parts of a function below this share of its largest amplitude do not decide how finely it is sampled.
+VISIBLE_PART = 1e-6
+
 #: The smallest normal number: the size of a function that is zero.
 TINY = float(np.finfo(float).tiny)
 
@@ -104,6 +110,46 @@ def extrema(function: BohlFunction, start: float, end: float) -> Extrema:
     search.run()
     found = Extrema(*search.best * [[1.0], [-1.0]], *search.times, search.margin)
     return found.with_values(function)
+
+
+def fastest_rate(function: BohlFunction) -> float:
+    """The largest modulus in 1/s of an eigenvalue of a block whose part of a row counts next to the largest amplitude of the row."""
+    search = _Search(function, 0.0, 0.0)
+    sizes = search.bounds[0] * search._norms(function.restarts.states / search.scale[:, None]).max(axis=1, initial=0.0)
+    counts = (sizes > VISIBLE_PART * sizes.max(axis=1, initial=0.0)[:, None]).any(axis=0)
+    return float(np.sqrt(search.curvature[counts, 0]).max(initial=0.0))
+
+
+def sampled_extrema(at: Callable[[np.ndarray], np.ndarray], breaks: np.ndarray, rate: float, start: float, end: float) -> Extrema:
+    """Extrema of functions that are no sums of exponentials, such as energies: of samples, refined by parabolas.
+
+    Args:
+        at: the functions, shape (r, T) of times (T,).
+        breaks: times at which they may jump or bend.
+        rate: of the fastest part, 1/s.
+        start, end: in s.
+
+    Returns:
+        Values and times; the margin is infinite where the motion has too many periods for the samples.
+    """
+    wanted = int(min(max(FIRST_PANELS, SAMPLES * rate * (end - start)), MOST_SAMPLES))
+    inside = breaks[(breaks > start) & (breaks < end)]
+    times = np.unique([*np.linspace(start, end, wanted + 1), *inside, *np.nextafter(inside, start)])
+    values = at(times)
+    rows, sides = np.repeat(np.arange(len(values)), 2), np.tile([1.0, -1.0], len(values))
+    place = (sides[:, None] * values[rows]).argmax(axis=1)
+    best, when = values[rows, place], times[place]
+    low, high = times[np.maximum(place - 1, 0)], times[np.minimum(place + 1, len(times) - 1)]
+    for _ in range(ZOOMS if len(values) else 0):  # eight times finer each, about the best one
+        grid = np.linspace(low, high, 17)
+        fine, back = np.unique(grid, return_inverse=True)
+        own = sides * at(fine)[rows[None, :], back.reshape(grid.shape)]
+        place, column = own.argmax(axis=0), np.arange(len(rows))
+        better = own[place, column] > sides * best
+        best, when = np.where(better, sides * own[place, column], best), np.where(better, grid[place, column], when)
+        low, high = grid[np.maximum(place - 1, 0), column], grid[np.minimum(place + 1, 16), column]
+    margin = np.full(len(values), np.inf if wanted == MOST_SAMPLES else 0.0)
+    return Extrema(best[::2], best[1::2], when[::2], when[1::2], margin)
 
 
 class _Search:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...frequency.shock.extrema import Extrema, extrema
-from ...ground.checks import counted, evaluation_times, places_of
+from ...ground.checks import counted, evaluation_times, places_of, real_array
 from ...ground.display import Displayed
 from ...ground.errors import MbconstrainedError, Overflow
 from ...ground.tolerances import EPS, FORM_ROUNDING, LOCATED, MOVED_DATA, PROVED_ACCURACY, noise_of
@@ -116,14 +116,15 @@ class FamilyMotion(Displayed):
         given = values if np.array_equal(own, times) else values[:, :, np.searchsorted(own, times)]
         return given, errors, alone
 
-    def extrema(self, end: float, order: int = 0) -> list[Extrema]:
-        """The largest and the smallest values on [0, end] of each system, none missed (``frequency.shock.extrema``).
+    def extrema(self, span: tuple[float, float], order: int = 0, combinations: np.ndarray | None = None) -> list[Extrema]:
+        """The largest and the smallest values of each system over a span of time, none missed (``frequency.shock.extrema``).
 
         Each system's flow is decoupled; where its values are not those of the family at some times, the system is solved by itself.
 
         Args:
-            end: in s.
+            span: first and last time in s.
             order: 0 for x, 1 for x', 2 for x''.
+            combinations: of the coordinates, shape (p, n); by default each one.
 
         Returns:
             One for each system.
@@ -133,33 +134,33 @@ class FamilyMotion(Displayed):
 
         >>> from mbconstrained import family
         >>> motions = family([[1.0]], None, [[[4.0]], [[9.0]]]).solve(velocity=[6.0])
-        >>> [float(one.maximum[0].round(12)) for one in motions.extrema(2.0)]
+        >>> [float(one.maximum[0].round(12)) for one in motions.extrema((0.0, 2.0))]
         [3.0, 2.0]
         """
         count, served = len(self), self._served
-        places = list(range(self.family.base.size)) if self.outputs is None else list(self.outputs)
+        own = np.eye(self.family.base.size) if self.outputs is None else np.eye(self.family.base.size)[list(self.outputs)]
+        matrix = own if combinations is None else real_array(combinations, "combinations", shape=(None, self.family.base.size))
         result: list[Extrema | None] = [None] * count
-        some = np.linspace(0.0, end, TRIAL_TIMES)
+        some = np.linspace(*span, TRIAL_TIMES)
         for begin in range(0, count if served is not None else 0, TOGETHER):
             at = slice(begin, begin + TOGETHER)
             with np.errstate(all="ignore"):
-                flow, moved = (self._flow(at, units).derivative(order) for units in (0.0, MOVED_DATA))
+                flow, moved = (self._flow(at, units).derivative(order).mapped(matrix) for units in (0.0, MOVED_DATA))
                 change = np.abs(moved(some) - (values := flow(some))).max(axis=(1, 2))
             size = np.abs(values).max(axis=(1, 2))
             close = served[at] & (FORM_ROUNDING * (change + EPS * size) <= PROVED_ACCURACY * size)
             for place in np.flatnonzero(close).tolist():
                 own = flow.of(place)
                 try:
-                    function = own.function().rows(places)
-                    if np.abs(function(some) - values[place, places]).max() <= LOCATED * size[place]:
-                        found = extrema(function, 0.0, end)
-                        result[begin + place] = found.with_values(lambda times, own=own: own(times)[0, places])
+                    function = own.function()
+                    if np.abs(function(some) - values[place]).max() <= LOCATED * size[place]:
+                        result[begin + place] = extrema(function, *span).with_values(lambda times, own=own: own(times)[0])
                 except MbconstrainedError:
                     continue  # solved by itself, which has its own reasons
         for place in [place for place, own in enumerate(result) if own is None]:
             motion = self[place]
             function = motion.derivative(order) if order else motion.function
-            result[place] = extrema(function.rows(places), 0.0, end)
+            result[place] = extrema(function.mapped(matrix), *span)
         return result
 
     @cached_property

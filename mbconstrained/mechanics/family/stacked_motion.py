@@ -49,6 +49,10 @@ class StackedFlow:
             output = output @ self.generator
         return StackedFlow(self.generator, output, self.start, self.states, self.knots)
 
+    def mapped(self, matrix: np.ndarray) -> StackedFlow:
+        """matrix @ x."""
+        return StackedFlow(self.generator, matrix @ self.output, self.start, self.states, self.knots)
+
     def of(self, place: int) -> StackedFlow:
         """The flow of one model."""
         one = slice(place, place + 1)

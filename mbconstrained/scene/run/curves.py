@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...exchange.trajectories import Curves
+from ...frequency.shock.extrema import Extrema, extrema, fastest_rate, sampled_extrema
 from ...ground.coordinate_units import derivative_name, force_unit, rate_unit
 from ...ground.tolerances import NOT_DRAWN
 from ..quantities.output_units import OutputUnits
@@ -16,6 +17,7 @@ from .report.element_quantities import element_quantities
 
 if TYPE_CHECKING:
     from ...page.content import TimeFunctions
+    from ...signals.bohl import BohlFunction
     from .result import Result
 
 ORDERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
@@ -68,6 +70,53 @@ def curves_of(result: Result, kind: str) -> Curves:
     return Curves(kind, names, (kind,) * len(names), units, values)
 
 
+def extrema_of(result: Result, kind: str, rows: Sequence[int] | None = None) -> Extrema:
+    """The largest and the smallest values of a kind from the first to the last time, of the closed form: none is missed between times.
+
+    Args:
+        result: of the scene.
+        kind: as of ``curves_of``.
+        rows: some of the curves; None for all.
+
+    Returns:
+        In SI.
+    """
+    start, end = float(result.times[0]), float(result.times[-1])
+    at, (linear, constants) = functions_of(result, kind), _linear(result, kind)
+    if linear is not None:
+        chosen = list(range(linear.size) if rows is None else rows)
+        found = extrema(linear.rows(chosen), start, end)
+        return found.with_values(lambda times: at(times)[chosen]) if constants is None else found.shifted(constants[chosen])
+    chosen = slice(None) if rows is None else list(rows)
+    breaks, rate = _breaks(result), 2 * fastest_rate(result.motion.function)  # an energy has the squares of the motion
+    return sampled_extrema(lambda times: at(times)[chosen], breaks, rate, start, end)
+
+
+def _linear(result: Result, kind: str) -> tuple[BohlFunction | None, np.ndarray | None]:
+    """A kind of curves in closed form, without constants, and the constants; None for energies."""
+    equations, motion = result.scene.equations, result.motion
+    if kind in ORDERS:
+        return (motion.derivative(ORDERS[kind]) if ORDERS[kind] else motion.function), None
+    if kind == "reaction":
+        return motion.reaction_function, None
+    if kind == "output" and equations.control is not None:
+        control = equations.control
+        count = len(control.outputs.names)
+        function = control.response.output_function if control.form is not None else motion.function
+        return function.rows(range(function.size - count, function.size)), None
+    if kind == "output":
+        return motion.function.mapped(equations.robot_scene.system.output_matrix), None
+    if kind == "quantity":
+        quantities = tuple(element_quantities(result.scene.table.output.quantity, equations))
+        matrices = np.array([each.rows for each in quantities]).transpose(1, 0, 2)
+        return motion.function.differential(*matrices), np.array([each.constant for each in quantities])
+    if kind == "ground_reaction":
+        forces = equations.robot_scene.system.connection_forces
+        function = motion.function.differential(forces.displacement, forces.velocity)
+        return function + motion.reaction_function.mapped(forces.multipliers) if equations.system.rows else function, forces.rest
+    return None, None
+
+
 def functions_of(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray]:
     """The same trajectories as functions of time.
 
@@ -108,13 +157,17 @@ def time_functions(result: Result, kind: str) -> TimeFunctions:
     """
     from ...page.content import TimeFunctions
 
-    motion, parts = result.motion, PARTS.get(kind, (kind,))
-    breaks = np.unique([*motion.force.knots, *(event.time for event in motion.events)])
+    parts, breaks = PARTS.get(kind, (kind,)), _breaks(result)
     estimates = [result.error_estimates.get(part, 0.0) for part in (kind, *parts)]
     noise = min(max(LEAST_NOISE, *estimates), MOST_NOISE)
     values, shown = functions_of(result, kind), result.scene.equations.coordinates.shown
     factors = np.array([[shown.of(unit)[1]] for unit in result.curves(kind).units])
     return TimeFunctions(lambda times: factors * values(times), breaks, noise, result.record_response)
+
+
+def _breaks(result: Result) -> np.ndarray:
+    """Times at which the motion or a derivative of it may jump."""
+    return np.unique([*result.motion.force.knots, *(event.time for event in result.motion.events)])
 
 
 def in_units(curves: Curves, units: OutputUnits) -> Curves:

@@ -20,7 +20,7 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import TRUST_LIMIT
 from ...response.estimate import error_estimate
 from .aliasing import aliasing_notices
-from .curves import ORDERS, PARTS, Curves, curves_of, in_units, time_functions
+from .curves import ORDERS, PARTS, Curves, curves_of, extrema_of, in_units, time_functions
 from .decisions import connection_forces, still, too_large_for_formula
 from .plan import Plan
 from .report.force_report import forces_notices
@@ -32,6 +32,7 @@ from .result_files import arrays_of_result, more_arrays
 if TYPE_CHECKING:
     from ...exact.formulas.closed_form import ClosedForm
     from ...exchange.universal import Geometry
+    from ...frequency.shock.extrema import Extrema
     from ...mechanics.modes import Modes
     from ...mechanics.motion import Motion
     from ...mechanics.system import MechanicalSystem
@@ -69,6 +70,7 @@ class Result(Displayed):
         self._together: Replacements | None = None
         self.formula_problem = ""
         self._curves: dict[str, Curves] = {}
+        self._extrema: dict[str, Extrema] = {}
         self._functions: dict[str, TimeFunctions] = {}
 
     def _summary(self) -> str:
@@ -103,6 +105,12 @@ class Result(Displayed):
         if kind not in self._curves:
             self._curves[kind] = curves_of(self, kind)
         return self._curves[kind]
+
+    def extrema(self, kind: str) -> Extrema:
+        """The largest and the smallest values of a kind of curves with their times, exact ones between the times of the scene, too."""
+        if kind not in self._extrema:
+            self._extrema[kind] = extrema_of(self, kind)
+        return self._extrema[kind]
 
     def shown_curves(self, kind: str) -> Curves:
         """The same in the units of [output], for page and CSV."""
