@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +31,9 @@ PARTS = {  # curves that are made of others
 
 #: Errors of trajectories, relative to the largest value of a kind, that are assumed at least and at most.
 LEAST_NOISE, MOST_NOISE = 1e-13, 0.1
+
+#: Curves of each kind whose largest values are listed.
+MOST_LARGEST = 40
 
 ENERGIES = ("kinetic", "strain", "static", "total")
 
@@ -88,8 +91,46 @@ def extrema_of(result: Result, kind: str, rows: Sequence[int] | None = None) -> 
         found = extrema(linear.rows(chosen), start, end)
         return found.with_values(lambda times: at(times)[chosen]) if constants is None else found.shifted(constants[chosen])
     chosen = slice(None) if rows is None else list(rows)
-    breaks, rate = _breaks(result), 2 * fastest_rate(result.motion.function)  # an energy has the squares of the motion
-    return sampled_extrema(lambda times: at(times)[chosen], breaks, rate, start, end)
+    return sampled_extrema_of(result, lambda times: at(times)[chosen])
+
+
+@dataclass(frozen=True)
+class Largest:
+    """The largest modulus of a curve between the first and the last time, of the closed form.
+
+    Attributes:
+        name, title, unit: of the curve, in SI.
+        value: with its sign.
+        time: in s.
+        margin: how far a larger one may lie beyond it; 0 but for motions of very many periods.
+    """
+
+    name: str
+    title: str
+    unit: str
+    value: float
+    time: float
+    margin: float
+
+
+def largest_values(result: Result) -> list[Largest]:
+    """Of the requested curves, of each kind the first ``MOST_LARGEST``."""
+    values: list[Largest] = []
+    wanted = result.scene.table.output.coordinates
+    for kind in (kind for kind in result.kinds if kind != "phase"):
+        own = result.curves(kind)
+        rows = [i for i, name in enumerate(own.names) if kind not in ORDERS or wanted is None or name in wanted][:MOST_LARGEST]
+        found = extrema_of(result, kind, rows) if len(rows) < len(own.names) else result.extrema(kind)
+        signs = np.where(found.maximum >= -found.minimum, 1.0, -1.0)
+        for row, *ends in zip(rows, signs * found.largest, found.largest_time, found.margin):
+            values.append(Largest(own.names[row], own.titles[row], own.units[row], *map(float, ends)))
+    return values
+
+
+def sampled_extrema_of(result: Result, at: Callable[[np.ndarray], np.ndarray]) -> Extrema:
+    """Those of functions that have squares of the motion, such as energies, as of ``sampled_extrema``."""
+    rate = 2 * fastest_rate(result.motion.function)
+    return sampled_extrema(at, _breaks(result), rate, float(result.times[0]), float(result.times[-1]))
 
 
 def _linear(result: Result, kind: str) -> tuple[BohlFunction | None, np.ndarray | None]:

@@ -216,7 +216,10 @@ class Result(Displayed):
             for kind, estimate in doubts
         ]
         robot_scene = self.scene.equations.robot_scene
-        robot = (*motion_notices(robot_scene, self.values), *forces_notices(self)) if robot_scene else ()
+        robot = ()
+        if robot_scene:
+            ends = self.extrema("displacement")
+            robot = (*motion_notices(robot_scene, np.column_stack([ends.minimum, ends.maximum])), *forces_notices(self))
         accuracy = (Notice(NoticeKind.ACCURACY, text, doubtful=True) for text in texts)
         proved = self.certificate.notices if self.certificate else ()
         moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
