@@ -75,7 +75,7 @@ def largest_table(result: Result) -> TextTable:
         is_open = one.margin > SHOWN_MARGIN * abs(one.value)
         open_ += is_open
         rows.append((one.name, one.title, f"{'≥ ' * is_open}{with_unit(factor * one.value, unit)}", f"{number_text(one.time)} s"))
-    note = f"Of the closed form, none between the times is missed{'; ≥: of too many periods to search them all' if open_ else ''}."
+    note = f"Largest moduli with their signs, of the closed form: none between the times is missed{'; ≥: of too many periods to search them all' if open_ else ''}."
     return TextTable("Largest values", ("of", "quantity", "largest", "at"), tuple(rows), note)
 
 
