@@ -19,7 +19,7 @@ from ...ground.files import Replacements
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import TRUST_LIMIT
 from ...response.estimate import error_estimate
-from .aliasing import aliasing_notices
+from .aliasing import aliasing_notices, following_times
 from .curves import ORDERS, PARTS, Curves, curves_of, extrema_of, in_units, time_functions
 from .decisions import connection_forces, still, too_large_for_formula
 from .plan import Plan
@@ -62,7 +62,6 @@ class Result(Displayed):
     def __init__(self, scene: Scene, plan: Plan, folder: Path | None = None):
         self.scene = scene
         self.system: MechanicalSystem | None = scene.equations.system
-        self.times: np.ndarray = scene.times
         self.plan = plan
         self.folder = folder
         self.files: list[Path] = []
@@ -89,6 +88,11 @@ class Result(Displayed):
     def infinite_pair(self) -> InfinitePair:
         """(C, J, B) of the zeros at infinity."""
         return self.scene.equations.polynomial_matrix.jordan_pairs().infinite
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """Those of the scene; where it gives no number of them, as many as the fastest visible motion needs."""
+        return following_times(self) if self.scene.table.time.is_automatic else self.scene.times
 
     @cached_property
     def motion(self) -> Motion | Any:

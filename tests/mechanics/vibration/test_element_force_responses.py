@@ -34,7 +34,7 @@ def test_forces_follow_from_the_motion(loss, hertz):
     noise = np.finfo(float).eps * np.linalg.cond(K - w**2 * M + 1j * w * C)
     size = np.array([abs(one.stiffness + 1j * w * one.damping) * np.abs(x).max() for one in system.elements.values()])
     assert (np.abs(values - right) <= 2 * errors * np.abs(values) + noise * size).all()
-    assert (errors <= 1e3 * np.finfo(float).eps * 2e6 / 12e3).all()  # elongations of a stiff crank cancel: the ratio of the stiffnesses
+    assert (errors <= 1e4 * np.finfo(float).eps * 2e6 / 12e3).all()  # elongations of a stiff crank cancel: the ratio of the stiffnesses
 
 
 def test_mixed_outputs_and_units():

@@ -51,7 +51,7 @@ def _facts(result: Result) -> tuple[tuple[str, str], ...]:
         (scene.equations.coordinates_called, coordinates.listed),
         ("degree of the equations", str(scene.equations.polynomial_matrix.degree)),
         ("eigenvalues" if result.system else "zeros", str(sum(zero.count for zero in result.finite_pair.zeros))),
-        ("time", f"{time.text}, {time.points} points, in closed form"),
+        ("time", f"{time.text}, {len(result.times)} points, in closed form"),
     )
 
 
