@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 #: Fewer times in a period than the first cannot represent it; the second show it smoothly.
 FEWEST, SMOOTH = 3, 20
 
+#: Rounding errors of a number of points.
+COUNT_NOISE = 1e-12
+
 #: Points in a period of times that follow the motion, and the most of these times.
 FOLLOWED, MOST_TIMES = 12, 20_001
 
@@ -50,7 +53,7 @@ def following_times(result: Result) -> np.ndarray:
     fastest = _fastest_visible(result, 2 * math.pi / (FOLLOWED * time.spacing))
     if fastest is None:
         return time.times
-    points = math.ceil((time.end - time.start) * FOLLOWED * fastest[0] / (2 * math.pi)) + 1
+    points = math.ceil((1 - COUNT_NOISE) * (time.end - time.start) * FOLLOWED * fastest[0] / (2 * math.pi)) + 1
     return np.linspace(time.start, time.end, min(points, MOST_TIMES))
 
 
