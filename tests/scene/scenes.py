@@ -82,6 +82,7 @@ def scene_of(folder: Path, text: str, name: str = "scene.toml") -> Scene:
     path.write_text(text, encoding="utf-8")
     return read_scene(path)
 
+
 #: An engine at 1500 rpm with a torque of 62.5 Hz on a damped chain of wheels: 125 periods, 3.2 of 401 even times in each.
 DRIVELINE = """
 title = "Marine driveline: engine, soft coupling, gear, propeller"

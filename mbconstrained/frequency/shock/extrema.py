@@ -156,6 +156,7 @@ class _Search:
     """The work of one call. Signs: all is done for f and for -f."""
 
     def __init__(self, function: BohlFunction, start: float, end: float):
+        function = BohlFunction(function.coefficients, function.blocks, function.start)  # one set of states for all derivatives
         knots = function.restarts.knots
         self.edges = np.unique([start, *knots[(knots > start) & (knots < end)], end])
         slices, J = block_slices(function.blocks), function.blocks
@@ -215,7 +216,9 @@ class _Search:
                 excess = self._excess(panels)
                 order = np.argsort(-excess, kind="stable")
                 order = order[: np.count_nonzero(excess > ACCURACY)]
-                waiting += [(excess[part[0]], _part(panels, part)) for part in np.split(order, range(most, len(order), most)) if len(part)]
+                waiting += [
+                    (excess[part[0]], _part(panels, part)) for part in np.split(order, range(most, len(order), most)) if len(part)
+                ]
 
     def _excess(self, panels: dict[str, np.ndarray]) -> np.ndarray:
         """By how much panels may exceed the best values, relative to them, the most of all rows; of those too narrow to halve 0."""

@@ -230,7 +230,9 @@ def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Channel])
     if quantity == "reaction" and motions:
         raise InputError(f"reaction: found the coordinate {motions[0]!r}; expected constraint rows")
     if quantity == "force" and no_forces:
-        raise InputError(f'force: "{no_forces[0]}" is no spring or damper; a coordinate has a receptance, a constraint row a reaction')
+        raise InputError(
+            f'force: "{no_forces[0]}" is no spring or damper; a coordinate has a receptance, a constraint row a reaction'
+        )
     if forces and quantity not in ("force", "receptance", "transmissibility"):
         raise InputError(f'{quantity}: the output "{forces[0]}" is a spring or damper; its force is the quantity "force"')
     if quantity != "reaction" and reactions:

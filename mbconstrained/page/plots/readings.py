@@ -181,7 +181,9 @@ def drawn_times(functions: TimeFunctions, start: float, end: float, units: Seque
         a, b = values[:, waiting, None], values[:, waiting + 1, None]
         ends = [(min(values[rows].min(), new[rows].min()), max(values[rows].max(), new[rows].max())) for rows in groups]
         height = np.array([[[high - low]] for low, high in ends])
-        bent = (np.abs(new - a - (b - a) * INNER) > FOLLOWED * height).any(axis=(0, 2)) & (inner[:, 0] > left) & (inner[:, -1] < right)
+        bent = (
+            (np.abs(new - a - (b - a) * INNER) > FOLLOWED * height).any(axis=(0, 2)) & (inner[:, 0] > left) & (inner[:, -1] < right)
+        )
         places = np.repeat(waiting[bent] + 1, len(INNER))
         first = waiting[bent] + len(INNER) * np.arange(bent.sum())
         times = np.insert(times, places, inner[bent].ravel())

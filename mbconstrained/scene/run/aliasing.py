@@ -10,7 +10,6 @@ import numpy as np
 
 from ...ground.notices import Notice, NoticeKind
 from ...linalg.blocks import block_slices, zeros_of
-
 from .curves import visible
 
 if TYPE_CHECKING:

@@ -216,7 +216,11 @@ class _Chunk:
             self._store(chosen, group, values, len(scene.times), late)
         for kind, chosen in _by_kind(one for one in own if one.statistic in EXTREMA):
             rows = sorted({one.curve[1] for one in chosen})
-            matrix = np.eye(len(scene.equations.coordinates.names)) if kind != "output" else scene.equations.robot_scene.system.output_matrix
+            matrix = (
+                np.eye(len(scene.equations.coordinates.names))
+                if kind != "output"
+                else scene.equations.robot_scene.system.output_matrix
+            )
             found = motions.extrema((float(scene.times[0]), float(scene.times[-1])), ORDERS.get(kind, 0), matrix[rows])
             for place, own_extrema in zip(group, found):
                 self._store_extrema(chosen, place, rows, own_extrema)
@@ -237,7 +241,9 @@ class _Chunk:
         for one in variables:
             row = rows.index(one.curve[1])
             if found.margin[row] > KEPT_MARGIN * found.largest[row]:
-                raise InputError(f'"{one.name}": the motion has too many periods to search them all; choose an earlier end in [time]')
+                raise InputError(
+                    f'"{one.name}": the motion has too many periods to search them all; choose an earlier end in [time]'
+                )
             self.values[one.name][place] = getattr(found, EXTREMA[one.statistic])[row]
 
     def _store(self, variables: list[Variable], group: list[int], values: np.ndarray, count: int, late) -> None:

@@ -94,7 +94,10 @@ def test_beats_against_stationary_points(ratio):
     for sign, value in ((1, found.maximum[0]), (-1, -found.minimum[0])):
         y = sign * f(t)
         tops = [i for i in np.flatnonzero((y[1:-1] >= y[:-2]) & (y[1:-1] >= y[2:])) + 1 if y[i] > y.max() - 1e-3]
-        refined = [-minimize_scalar(lambda x: -sign * f(x), bounds=(t[i - 1], t[i + 1]), method="bounded", options={"xatol": 1e-12}).fun for i in tops]
+        refined = [
+            -minimize_scalar(lambda x: -sign * f(x), bounds=(t[i - 1], t[i + 1]), method="bounded", options={"xatol": 1e-12}).fun
+            for i in tops
+        ]
         assert value == pytest.approx(max([*refined, y[0], y[-1]]), abs=1e-11)
 
 
@@ -104,7 +107,9 @@ def test_motions_of_a_million_periods_keep_an_honest_margin():
     found = extrema(wave, 0.0, 10.0)
     assert 1.99 < found.maximum[0] <= 2 <= found.maximum[0] + found.margin[0] + 1e-9
     assert found.margin[0] < 0.01
-    single = extrema(mb.harmonic([3.0], angular_frequency=1e6).smooth, 0.0, 10.0)  # the sum of its amplitudes is reached: nothing is open
+    single = extrema(
+        mb.harmonic([3.0], angular_frequency=1e6).smooth, 0.0, 10.0
+    )  # the sum of its amplitudes is reached: nothing is open
     assert single.largest[0] == pytest.approx(3.0, rel=1e-12) and single.margin[0] <= 1e-12 * 3
 
 
@@ -115,7 +120,12 @@ def test_motions_of_a_million_periods_keep_an_honest_margin():
         (lambda: mb.step([-2.0]), 5.0, -2.0, -2.0),
         (lambda: mb.term([1.0], rate=2.0), 3.0, np.exp(6.0), 1.0),  # the last value of what grows
         (lambda: mb.step([1.0]).delayed(5.0), 5.0, 1.0, 0.0),  # a jump at the very end, right limit
-        (lambda: mb.ramp([1.0]) - mb.ramp([1.0]).delayed(2.0) - mb.step([2.0]).delayed(2.0), 4.0, 2.0, 0.0),  # the limit before a jump
+        (
+            lambda: mb.ramp([1.0]) - mb.ramp([1.0]).delayed(2.0) - mb.step([2.0]).delayed(2.0),
+            4.0,
+            2.0,
+            0.0,
+        ),  # the limit before a jump
         (lambda: mb.term([1.0], power=2, rate=-1e5), 10.0, 4e-10 * np.exp(-2.0), 0.0),  # over after 1e-4 of 10 s
     ],
 )

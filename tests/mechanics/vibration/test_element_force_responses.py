@@ -27,14 +27,19 @@ def test_forces_follow_from_the_motion(loss, hertz):
     for name, one in system.elements.items():
         K = K + 1j * etas[name] * one.stiffness * np.outer(one.elongation, one.elongation)
     x = np.linalg.solve(K - w**2 * M + 1j * w * C, np.eye(3)[0])
-    right = [(one.stiffness * (1 + 1j * etas[name]) + 1j * w * one.damping) * (one.elongation @ x) for name, one in system.elements.items()]
+    right = [
+        (one.stiffness * (1 + 1j * etas[name]) + 1j * w * one.damping) * (one.elongation @ x)
+        for name, one in system.elements.items()
+    ]
     values, errors = H.values[:, 0, 0], H.error_estimate[:, 0, 0]
     assert H.outputs == tuple(system.elements)
     # NumPy's own x is right to its condition times eps; a stiff crank's elongation is a small difference of two angles
     noise = np.finfo(float).eps * np.linalg.cond(K - w**2 * M + 1j * w * C)
     size = np.array([abs(one.stiffness + 1j * w * one.damping) * np.abs(x).max() for one in system.elements.values()])
     assert (np.abs(values - right) <= 2 * errors * np.abs(values) + noise * size).all()
-    assert (errors <= 1e4 * np.finfo(float).eps * 2e6 / 12e3).all()  # elongations of a stiff crank cancel: the ratio of the stiffnesses
+    assert (
+        errors <= 1e4 * np.finfo(float).eps * 2e6 / 12e3
+    ).all()  # elongations of a stiff crank cancel: the ratio of the stiffnesses
 
 
 def test_mixed_outputs_and_units():

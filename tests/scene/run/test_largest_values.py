@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.scene.run.plan import Plan
 from mbconstrained.scene.run.report.page_report import plots_of
 from mbconstrained.scene.run.result import Result
-from mbconstrained.scene.run.plan import Plan
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.browser import needs_chromium
 from tests.page.conftest import browser  # noqa: F401
@@ -31,7 +31,11 @@ def driveline(tmp_path):
 def test_sweeps_and_runs_have_the_largest_values_of_the_closed_form(driveline):
     scene = driveline()
     names = list(LARGEST)
-    keep = [f"largest velocity of {name}" for name in names] + ["largest coupling", "largest reaction of gear", "peak velocity of engine"]
+    keep = [f"largest velocity of {name}" for name in names] + [
+        "largest coupling",
+        "largest reaction of gear",
+        "peak velocity of engine",
+    ]
     study = scene.sweep({"coupling": mb.linspace("12 kN*m/rad", "14 kN*m/rad", 3)}, keep=keep).run()
     assert [study.values(name)[0] for name in keep[:3]] == pytest.approx(list(LARGEST.values()), rel=1e-8)
     data = {(one["name"], one["of"]): one for one in scene.run().as_json()["largest"]}

@@ -190,7 +190,15 @@ def as_json(result: Result) -> dict:
             for load in getattr(motion, "later_constraint_impulses", ())
         ],
         "largest": [
-            {"name": one.name, "of": one.title, "unit": one.unit, "largest": abs(one.value), "value": one.value, "time": one.time, "margin": _finite(one.margin)}
+            {
+                "name": one.name,
+                "of": one.title,
+                "unit": one.unit,
+                "largest": abs(one.value),
+                "value": one.value,
+                "time": one.time,
+                "margin": _finite(one.margin),
+            }
             for one in largest_values(result)
         ],
         "final": result.values[:, -1].tolist(),
