@@ -108,7 +108,7 @@ def extrema(function: BohlFunction, start: float, end: float) -> Extrema:
     """
     search = _Search(getattr(function, "rough", function), start, end)
     search.run()
-    found = Extrema(*search.best * [[1.0], [-1.0]], *search.times, search.margin)
+    found = Extrema(search.best[0], -search.best[1], search.times[0], search.times[1], search.margin)
     return found.with_values(function)
 
 

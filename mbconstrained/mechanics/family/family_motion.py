@@ -150,11 +150,11 @@ class FamilyMotion(Displayed):
             size = np.abs(values).max(axis=(1, 2))
             close = served[at] & (FORM_ROUNDING * (change + EPS * size) <= PROVED_ACCURACY * size)
             for place in np.flatnonzero(close).tolist():
-                own = flow.of(place)
+                one = flow.of(place)
                 try:
-                    function = own.function()
+                    function = one.function()
                     if np.abs(function(some) - values[place]).max() <= LOCATED * size[place]:
-                        result[begin + place] = extrema(function, *span).with_values(lambda times, own=own: own(times)[0])
+                        result[begin + place] = extrema(function, *span).with_values(lambda times, one=one: one(times)[0])
                 except MbconstrainedError:
                     continue  # solved by itself, which has its own reasons
         for place in [place for place, own in enumerate(result) if own is None]:

@@ -145,10 +145,10 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     C[:, system.size :] *= -1.0  # the unknowns are -lambda
     if forces := [one for one in known_outputs if one.element is not None]:
         coefficients, imaginary, sizes = _with_forces(system, forces, coefficients, imaginary, sizes, loss_factor)
-        wide = len(coefficients[0])
-        B, C = np.pad(B, ((0, wide - len(B)), (0, 0))), np.pad(C, ((0, 0), (0, wide - C.shape[1])))
-        for place, one in enumerate(forces, wide - len(forces)):
-            C[known_outputs.index(one)] = np.eye(1, wide, place)
+        whole = len(coefficients[0])
+        B, C = np.pad(B, ((0, len(forces)), (0, 0))), np.pad(C, ((0, 0), (0, len(forces))))
+        for place, one in enumerate(forces, whole - len(forces)):
+            C[[other is one for other in known_outputs]] = np.eye(1, whole, place)
     if relative_to is not None:
         other = reference(system, relative_to)
         moving = [one.row is None and one.element is None and one.unit == other.unit for one in known_outputs]

@@ -90,8 +90,7 @@ def extrema_of(result: Result, kind: str, rows: Sequence[int] | None = None) -> 
         chosen = list(range(linear.size) if rows is None else rows)
         found = extrema(linear.rows(chosen), start, end)
         return found.with_values(lambda times: at(times)[chosen]) if constants is None else found.shifted(constants[chosen])
-    chosen = slice(None) if rows is None else list(rows)
-    return sampled_extrema_of(result, lambda times: at(times)[chosen])
+    return sampled_extrema_of(result, at if rows is None else lambda times: at(times)[list(rows)])
 
 
 @dataclass(frozen=True)

@@ -220,16 +220,19 @@ class Result(Displayed):
             for kind, estimate in doubts
         ]
         robot_scene = self.scene.equations.robot_scene
-        robot = ()
-        if robot_scene:
-            ends = self.extrema("displacement")
-            robot = (*motion_notices(robot_scene, np.column_stack([ends.minimum, ends.maximum])), *forces_notices(self))
+        robot = (*motion_notices(robot_scene, self._furthest), *forces_notices(self)) if robot_scene else ()
         accuracy = (Notice(NoticeKind.ACCURACY, text, doubtful=True) for text in texts)
         proved = self.certificate.notices if self.certificate else ()
         moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
         first = (*self.scene.notices, *self._omissions(), *proved, *(self.frequency.response.notices if self.frequency else ()))
         of_motion = (*(() if moves else (Notice(NoticeKind.AT_REST, NOTHING_MOVES),)), *aliasing_notices(self))
         return (*first, *self.scene.equations.form_notices, *notices, *of_motion, *robot, *accuracy)
+
+    @property
+    def _furthest(self) -> np.ndarray:
+        """The smallest and the largest displacement of each coordinate, shape (r, 2)."""
+        ends = self.extrema("displacement")
+        return np.column_stack([ends.minimum, ends.maximum])
 
     def _omissions(self) -> list[Notice]:
         """The reasons why the page lacks a requested formula, and why a requested still picture is missing."""

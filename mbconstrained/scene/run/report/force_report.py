@@ -26,15 +26,15 @@ def forces_json(result: Result) -> dict:
     from ....robot.connections import Support
 
     forces, at = result.scene.equations.robot_scene.system.connection_forces, functions_of(result, "ground_reaction")
-    feet = {one.name for one in forces.connections if isinstance(one, Support) and one.friction is not None}
+    feet = {one.name: one for one in forces.connections if isinstance(one, Support) and one.friction is not None}
 
     def sizes(times: np.ndarray) -> np.ndarray:
         """The size of each force, and of a foot the parts along and across the ground's normal."""
         rows, values = [], at(times)
         for connection in forces.connections:
             force = values[forces.places[connection.name]][:3]
-            parts = connection.parts(connection.on_foot(force)) if connection.name in feet else ()
-            rows += [np.linalg.norm(force, axis=0), *parts]
+            foot = feet.get(connection.name)
+            rows += [np.linalg.norm(force, axis=0), *(foot.parts(foot.on_foot(force)) if foot else ())]
         return np.array(rows)
 
     found = sampled_extrema_of(result, sizes)
