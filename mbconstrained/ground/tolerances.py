@@ -243,6 +243,10 @@ FORM_ROUNDING = 4.0
 #: Entries of M, C and K are moved by so many units of EPS to see how far their rounding errors move a motion.
 MOVED_DATA = 1.0
 
+#: Extrema of a system of a family are located by its decoupled flow where that is this near to the flow, relative to its largest value: of
+#: peaks that differ by less than twice as much either may be taken, their values are those of the flow.
+LOCATED = 1e-11
+
 #: Sums of modes are estimated to be wrong by this many times the largest difference from solutions at some lines.
 SUM_SAFETY = 8.0
 

@@ -61,12 +61,14 @@ class Channel(NamedTuple):
         direction: the combination a of a x, shape (n,); of a constraint row its coefficients.
         unit: of a x, "m", "rad" or "1".
         row: the place of the constraint row; None of other channels.
+        element: the spring or damper whose force is meant; None of other channels.
     """
 
     name: str
     direction: np.ndarray
     unit: str
     row: int | None = None
+    element: ElementForce | None = None
 
     def unknowns(self, system: MechanicalSystem) -> np.ndarray:
         """Its place among the coordinates and the multipliers of all rows, shape (n + k,)."""

@@ -81,3 +81,77 @@ def scene_of(folder: Path, text: str, name: str = "scene.toml") -> Scene:
     path = folder / name
     path.write_text(text, encoding="utf-8")
     return read_scene(path)
+
+
+#: An engine at 1500 rpm with a torque of 62.5 Hz on a damped chain of wheels: 125 periods, 3.2 of 401 even times in each.
+DRIVELINE = """
+title = "Marine driveline: engine, soft coupling, gear, propeller"
+[parameters]
+speed = "1500 rpm"
+coupling = "12 kN*m/rad"
+[model]
+kind = "lumped"
+[[model.inertia]]
+name = "damper wheel"
+inertia = "0.8 kg*m^2"
+[[model.inertia]]
+name = "engine"
+inertia = "2.5 kg*m^2"
+[[model.inertia]]
+name = "flywheel"
+inertia = "6 kg*m^2"
+[[model.inertia]]
+name = "pinion"
+inertia = "0.4 kg*m^2"
+[[model.inertia]]
+name = "wheel"
+inertia = "3 kg*m^2"
+[[model.inertia]]
+name = "propeller"
+inertia = "20 kg*m^2"
+[[model.torsion_spring]]
+between = ["damper wheel", "engine"]
+stiffness = "300 kN*m/rad"
+[[model.torsion_damper]]
+between = ["damper wheel", "engine"]
+damping = "200 N*m*s/rad"
+[[model.torsion_spring]]
+between = ["engine", "flywheel"]
+stiffness = "2 MN*m/rad"
+[[model.torsion_spring]]
+name = "coupling"
+between = ["flywheel", "pinion"]
+stiffness = "=coupling"
+[[model.torsion_damper]]
+between = ["flywheel", "pinion"]
+damping = "60 N*m*s/rad"
+[[model.gear]]
+name = "gear"
+between = ["pinion", "wheel"]
+teeth = [21, 63]
+[[model.torsion_spring]]
+name = "shaft"
+between = ["wheel", "propeller"]
+stiffness = "500 kN*m/rad"
+[[model.torsion_damper]]
+between = ["ground", "propeller"]
+damping = "40 N*m*s/rad"
+[[force]]
+coordinate = "engine"
+kind = "harmonic"
+value = "300 N*m"
+angular_frequency = "=2.5*speed"
+[time]
+end = "2 s"
+[frequency]
+inputs = ["engine"]
+from = "0.5 Hz"
+to = "200 Hz"
+[output]
+units = "mrad, kN"
+plots = ["velocity", "reaction"]
+reactions = true
+[[output.quantity]]
+of = "coupling"
+quantity = "force"
+"""

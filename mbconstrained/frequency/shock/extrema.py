@@ -1,15 +1,17 @@
 """Maxima and minima of functions of time in closed form, by branch and bound: none is missed, each is as accurate as the function.
 
 On a panel of width h the third derivative of f = C e^{J t} v is at most B_3 = sum over blocks |c J^3| |v(t_0)| e^{max(mu, 0) h}, mu the
-logarithmic norm of the block. A panel is left out where no value on it exceeds the best one known, f <= max(f_0, f_1) + B_2 h^2 / 8; it has at
-most one extremum, which is refined, where f'' keeps its sign, |f''| at the middle > B_3 h / 2; all others are halved. Sources: logarithmic norm,
-Dahlquist, Trans. Royal Inst. of Technology Stockholm 130 (1959); branch and bound, Piyavskii, USSR Comput. Math. 12 (1972).
+logarithmic norm of the block. A panel is left out where no value on it exceeds the best one known: f <= max(f_0, f_1) + B_2 h^2 / 8, where the
+curvature of a block counts no more than twice its amplitude, and f is at most the sum of all amplitudes. A panel has at most one extremum, which
+is refined, where f'' keeps its sign, |f''| at the middle > B_3 h / 2; all others are halved, those that promise most first. A motion of so many
+periods that the work exceeds ``MOST_WORK`` keeps a margin: how far a value that was not searched may lie beyond the best one. Sources:
+logarithmic norm, Dahlquist, Trans. Royal Inst. of Technology Stockholm 130 (1959); branch and bound, Piyavskii, USSR Comput. Math. 12 (1972).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
@@ -27,8 +29,26 @@ CHUNK = 1 << 18
 #: Panels are not halved beyond this share of the time at which they are.
 NARROWEST = 8 * EPS
 
-#: Rounding errors of a value, relative to the largest of its function, and to the terms that it is the sum of.
+#: Rounding errors of a value, relative to the largest of its function.
 NOISE = 16 * EPS
+
+#: Values that exceed the best one by less than this part of it are not searched for.
+ACCURACY = 1e-12
+
+#: Panels at the start, so that a good value is known early.
+FIRST_PANELS = 256
+
+#: Numbers that are computed at most, about a second: panels times states and rows.
+MOST_WORK = 1 << 23
+
+#: Samples in a radian of the fastest part of a function that is sampled, and the most of all; refinements of the best one.
+SAMPLES, MOST_SAMPLES, ZOOMS = 6, 200_000, 9
+
+#: Parts of a function below this share of its largest amplitude do not decide how finely it is sampled.
+VISIBLE_PART = 1e-6
+
+#: The smallest normal number: the size of a function that is zero.
+TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,17 +58,37 @@ class Extrema:
     Attributes:
         maximum, minimum: shape (r,).
         maximum_time, minimum_time: in s, shape (r,); that of a limit from the left is the last float64 number before the jump.
+        margin: how far the extrema may lie beyond these values, shape (r,); 0 but for motions of very many periods.
     """
 
     maximum: np.ndarray
     minimum: np.ndarray
     maximum_time: np.ndarray
     minimum_time: np.ndarray
+    margin: np.ndarray
 
     @property
     def largest(self) -> np.ndarray:
         """max |f|, shape (r,)."""
         return np.maximum(self.maximum, -self.minimum)
+
+    @property
+    def largest_time(self) -> np.ndarray:
+        """When it occurs, in s, shape (r,)."""
+        return np.where(self.maximum >= -self.minimum, self.maximum_time, self.minimum_time)
+
+    def with_values(self, function: Callable[[np.ndarray], np.ndarray]) -> Extrema:
+        """At the same times those of another function: the same one, evaluated more accurately."""
+        count = len(self.maximum)
+        times, place = np.unique([*self.maximum_time, *self.minimum_time], return_inverse=True)
+        maximum, minimum = function(times)[np.tile(np.arange(count), 2), place].reshape(2, -1) if count else np.zeros((2, 0))
+        noise = NOISE * np.maximum(np.abs(maximum), np.abs(minimum))
+        maximum, minimum = (np.where(np.abs(one) > noise, one, 0.0) for one in (maximum, minimum))
+        return replace(self, maximum=maximum, minimum=minimum)
+
+    def shifted(self, constants: np.ndarray) -> Extrema:
+        """Those of f + constants."""
+        return replace(self, maximum=self.maximum + constants, minimum=self.minimum + constants)
 
 
 def extrema(function: BohlFunction, start: float, end: float) -> Extrema:
@@ -68,69 +108,125 @@ def extrema(function: BohlFunction, start: float, end: float) -> Extrema:
     """
     search = _Search(getattr(function, "rough", function), start, end)
     search.run()
-    times = search.times.ravel()
-    row = np.tile(np.arange(function.size), 2)
-    maximum, minimum = function(times)[row, np.arange(len(row))].reshape(2, -1) if len(row) else np.zeros((2, 0))
-    noise = NOISE * np.maximum(np.abs(maximum), np.abs(minimum))
-    maximum, minimum = (np.where(np.abs(one) > noise, one, 0.0) for one in (maximum, minimum))
-    return Extrema(maximum, minimum, *search.times)
+    found = Extrema(search.best[0], -search.best[1], search.times[0], search.times[1], search.margin)
+    return found.with_values(function)
+
+
+def fastest_rate(function: BohlFunction) -> float:
+    """The largest modulus in 1/s of an eigenvalue of a block whose part of a row counts next to the largest amplitude of the row."""
+    search = _Search(function, 0.0, 0.0)
+    sizes = search.bounds[0] * search._norms(function.restarts.states / search.scale[:, None]).max(axis=1, initial=0.0)
+    counts = (sizes > VISIBLE_PART * sizes.max(axis=1, initial=0.0)[:, None]).any(axis=0)
+    return float(np.sqrt(search.curvature[counts, 0]).max(initial=0.0))
+
+
+def sampled_extrema(at: Callable[[np.ndarray], np.ndarray], breaks: np.ndarray, rate: float, start: float, end: float) -> Extrema:
+    """Extrema of functions that are no sums of exponentials, such as energies: of samples, refined by parabolas.
+
+    Args:
+        at: the functions, shape (r, T) of times (T,).
+        breaks: times at which they may jump or bend.
+        rate: of the fastest part, 1/s.
+        start, end: in s.
+
+    Returns:
+        Values and times; the margin is infinite where the motion has too many periods for the samples.
+    """
+    wanted = int(min(max(FIRST_PANELS, SAMPLES * rate * (end - start)), MOST_SAMPLES))
+    inside = breaks[(breaks > start) & (breaks < end)]
+    times = np.unique([*np.linspace(start, end, wanted + 1), *inside, *np.nextafter(inside, start)])
+    values = at(times)
+    rows, sides = np.repeat(np.arange(len(values)), 2), np.tile([1.0, -1.0], len(values))
+    place = (sides[:, None] * values[rows]).argmax(axis=1)
+    best, when = values[rows, place], times[place]
+    low, high = times[np.maximum(place - 1, 0)], times[np.minimum(place + 1, len(times) - 1)]
+    for _ in range(ZOOMS if len(values) else 0):  # eight times finer each, about the best one
+        grid = np.linspace(low, high, 17)
+        fine, back = np.unique(grid, return_inverse=True)
+        own = sides * at(fine)[rows[None, :], back.reshape(grid.shape)]
+        place, column = own.argmax(axis=0), np.arange(len(rows))
+        better = own[place, column] > sides * best
+        best, when = np.where(better, sides * own[place, column], best), np.where(better, grid[place, column], when)
+        low, high = grid[np.maximum(place - 1, 0), column], grid[np.minimum(place + 1, 16), column]
+    margin = np.full(len(values), np.inf if wanted == MOST_SAMPLES else 0.0)
+    return Extrema(best[::2], best[1::2], when[::2], when[1::2], margin)
 
 
 class _Search:
     """The work of one call. Signs: all is done for f and for -f."""
 
     def __init__(self, function: BohlFunction, start: float, end: float):
-        self.functions = (function, function.derivative(1), function.derivative(2))
+        function = BohlFunction(function.coefficients, function.blocks, function.start)  # one set of states for all derivatives
         knots = function.restarts.knots
         self.edges = np.unique([start, *knots[(knots > start) & (knots < end)], end])
         slices, J = block_slices(function.blocks), function.blocks
         self.first = np.array([at.start for at in slices], dtype=int)
-        scales, growth = [np.ones(0)], []
-        for block in J:
+        scales, growth, self.curvature = [np.ones(0)], [], np.zeros((len(J), 1))
+        for number, block in enumerate(J):
             balanced, (scale, _) = scipy.linalg.matrix_balance(block, permute=False, separate=True)
             scales.append(scale)
             growth.append(np.linalg.eigvalsh((balanced + balanced.T) / 2)[-1])
+            with np.errstate(over="ignore", invalid="ignore"):
+                self.curvature[number] = np.nan_to_num(np.linalg.norm(balanced @ balanced, 2), nan=np.inf)
         self.scale, self.growth = np.concatenate(scales), np.maximum(np.array(growth), 0.0)
         self.states = BohlFunction(np.eye(len(self.scale)) / self.scale[:, None], J, function.start)
-        own = BohlFunction(function.coefficients, J, function.start)  # derivatives of a response may have other states
-        self.bounds = tuple(self._row_norms(own.derivative(order).coefficients) for order in (0, 2, 3))
+        self.tables = [function.derivative(order).coefficients * self.scale for order in range(4)]
+        self.bounds = [self._norms(table.T).T for table in self.tables]
         self.best = np.full((2, function.size), -np.inf)
         self.times = np.full((2, function.size), float(start))
+        self.margin = np.zeros(function.size)
 
-    def _row_norms(self, coefficients: np.ndarray) -> np.ndarray:
-        """|c D| of each block, shape (r, number of blocks)."""
-        squares = np.square(coefficients * self.scale)
-        return np.sqrt(np.add.reduceat(squares, self.first, axis=1)) if len(self.first) else np.zeros((len(squares), 0))
+    def _norms(self, columns: np.ndarray) -> np.ndarray:
+        """The Euclidean norm over the states of each block, shape (number of blocks, P)."""
+        return np.sqrt(np.add.reduceat(np.square(columns), self.first, axis=0)) if len(self.first) else columns
 
-    def _sizes(self, times: np.ndarray) -> np.ndarray:
-        """|D^-1 v| of each block, shape (number of blocks, P)."""
-        squares = np.square(self.states(times))
-        return np.sqrt(np.add.reduceat(squares, self.first, axis=0)) if len(self.first) else np.zeros((0, len(times)))
+    def _at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """f, f' and f'' at times, and the sizes of the blocks."""
+        states = self.states(times)
+        f, slope, bend = (table @ states for table in self.tables[:3])
+        return f, slope, bend, self._norms(states)
 
     def run(self) -> None:
-        """Search all panels."""
-        a = self.edges[:-1]
-        b = np.nextafter(self.edges[1:], a)  # the limits from the left
+        """Search all panels, those that promise most first."""
+        count = len(self.scale) + 4 * len(self.margin)
+        most, work = max(1, CHUNK // max(count, 1)), max(MOST_WORK // max(count, 1), 16 * len(self.edges))
+        a, b = self.edges[:-1], np.nextafter(self.edges[1:], self.edges[:-1])  # the limits from the left
         b[-1:] = self.edges[-1]
-        panels = self._panels(a, b, *self._ends(a), *self._ends(b), self._sizes(a))
-        for times, values in ((panels["a"], panels["fa"]), (panels["b"], panels["fb"])):
-            self._note(times, values)
+        inner = np.linspace(self.edges[0], self.edges[-1], FIRST_PANELS + 1)[1:-1]
+        inner = inner[~np.isin(inner, self.edges)] if len(a) <= FIRST_PANELS else inner[:0]
+        a, b = np.sort(np.append(a, inner)), np.sort(np.append(b, inner))
         if not len(a):
-            self._note(self.edges, self.functions[0](self.edges))
-        waiting, most = [panels], max(1, CHUNK // max(len(self.scale) + 4 * self.best.shape[1], 1))
+            self._note(self.edges, self._at(self.edges)[0])
+            return
+        fa, da, _, sizes = self._at(a)
+        fb, db, *_ = self._at(b)
+        for times, values in ((a, fa), (b, fb)):
+            self._note(times, values)
+        panels = {"a": a, "b": b, "fa": fa, "da": da, "fb": fb, "db": db, "sizes": sizes, "hope": np.full((2, *fa.shape), np.inf)}
+        waiting = [(np.inf, _part(panels, part)) for part in np.split(np.arange(len(a)), range(most, len(a), most))]
         while waiting:
-            panels = waiting.pop()
-            if panels["a"].shape[-1] > most:
-                waiting += [_part(panels, slice(most, None)), _part(panels, slice(0, most))]
-            elif panels["a"].shape[-1]:
-                waiting.append(self._halved(panels))
+            _, panels = waiting.pop(max(range(len(waiting)), key=lambda i: waiting[i][0]))
+            panels = _part(panels, self._excess(panels) > ACCURACY)
+            if (work := work - panels["a"].shape[-1]) < 0:
+                for each in (panels, *(each for _, each in waiting)):
+                    self.margin = np.maximum(self.margin, (each["hope"].max(axis=-1) - self.best).max(axis=0, initial=0.0))
+                return
+            if panels["a"].shape[-1]:
+                panels = self._halved(panels)
+                excess = self._excess(panels)
+                order = np.argsort(-excess, kind="stable")
+                order = order[: np.count_nonzero(excess > ACCURACY)]
+                waiting += [
+                    (excess[part[0]], _part(panels, part)) for part in np.split(order, range(most, len(order), most)) if len(part)
+                ]
 
-    @staticmethod
-    def _panels(a, b, fa, da, fb, db, sizes) -> dict[str, np.ndarray]:
-        return {"a": a, "b": b, "fa": fa, "da": da, "fb": fb, "db": db, "sizes": sizes}
-
-    def _ends(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return self.functions[0](times), self.functions[1](times)
+    def _excess(self, panels: dict[str, np.ndarray]) -> np.ndarray:
+        """By how much panels may exceed the best values, relative to them, the most of all rows; of those too narrow to halve 0."""
+        size = np.abs(self.best).max(axis=0)
+        with np.errstate(invalid="ignore"):
+            excess = (panels["hope"] - self.best[:, :, None]) / np.where(size > 0, size, TINY)[:, None]
+        wide = panels["b"] - panels["a"] > NARROWEST * np.abs(panels["b"])
+        return np.where(wide, np.nan_to_num(excess, nan=np.inf).max(axis=(0, 1), initial=0.0), 0.0)
 
     def _note(self, times: np.ndarray, values: np.ndarray, rows: np.ndarray | None = None) -> None:
         """Keep values (r, P) at times (P,), or values (P,) of single rows, where they are better."""
@@ -147,38 +243,41 @@ class _Search:
             self.best[side, own[better]], self.times[side, own[better]] = candidates[better], at[better]
 
     def _halved(self, panels: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Halves of the panels that may have a better value."""
+        """Halves of the panels, with the values that they may have at most."""
         a, b, sizes = panels["a"], panels["b"], panels["sizes"]
         h, middle = b - a, a + (b - a) / 2
-        f, slope, bend = (function(middle) for function in self.functions)
+        f, slope, bend, new = self._at(middle)
         self._note(middle, f)
         with np.errstate(over="ignore", invalid="ignore"):
             grown = sizes * np.exp(np.minimum(np.multiply.outer(self.growth, h), 700.0))
-            second, third = (bound @ grown for bound in self.bounds[1:])
-            second = np.minimum(np.nan_to_num(second, nan=np.inf), np.abs(bend) + np.nan_to_num(third, nan=np.inf) * h / 2)
-            reach, is_bent = second * h**2 / 8, np.abs(bend) > third * h / 2
-        noise = NOISE * np.maximum(
-            self.best.max(axis=0)[:, None], self.bounds[0] @ sizes
-        )  # terms that cancel have rounding errors of their own size
-        open_ = np.zeros(f.shape, dtype=bool)
+            largest, _, second, third = (np.nan_to_num(bound @ grown, nan=np.inf) for bound in self.bounds)
+            parts = np.nan_to_num(self.bounds[0] @ (grown * np.minimum(self.curvature * h**2 / 8, 2.0)), nan=np.inf)
+            reach = np.minimum(np.minimum(second, np.abs(bend) + third * h / 2) * h**2 / 8, parts)
+            is_bent = np.abs(bend) > third * h / 2
+        hope = np.empty_like(panels["hope"])
         for side, sign in enumerate((1.0, -1.0)):
-            hope = np.maximum(sign * panels["fa"], sign * panels["fb"]) + reach > self.best[side][:, None] + noise
-            row, place = np.nonzero(hope & is_bent & (sign * panels["da"] > 0) & (sign * panels["db"] < 0))
+            top = np.minimum(np.maximum(sign * panels["fa"], sign * panels["fb"]) + reach, largest)
+            open_ = top > self.best[side][:, None] + ACCURACY * np.abs(self.best).max(axis=0)[:, None]
+            row, place = np.nonzero(open_ & is_bent & (sign * panels["da"] > 0) & (sign * panels["db"] < 0))
             if len(row):
                 self._refine(row, a[place], b[place], panels["da"][row, place], panels["db"][row, place])
-            open_ |= hope & ~is_bent
-        kept = open_.any(axis=0) & (h > NARROWEST * np.abs(b))
-        left = _part(panels, kept)
-        middle, own = middle[kept], (f[:, kept], slope[:, kept])
-        first = left | {"b": middle, "fb": own[0], "db": own[1]}
-        other = left | {"a": middle, "fa": own[0], "da": own[1], "sizes": self._sizes(middle)}
+            hope[side] = np.where(is_bent, -np.inf, top)
+        first = panels | {"b": middle, "fb": f, "db": slope, "hope": hope}
+        other = panels | {"a": middle, "fa": f, "da": slope, "sizes": new, "hope": hope}
         return {name: np.concatenate([first[name], other[name]], axis=-1) for name in first}
 
     def _refine(self, row, low, high, above, below) -> None:
         """The extrema between these times, one each."""
-        at = np.arange(len(row))
-        times = falling_root(lambda t: np.sign(above) * self.functions[1](t)[row, at], low, high, np.abs(above), -np.abs(below))
-        self._note(times, self.functions[0](times)[row, at], row)
+        slopes, size = self.tables[1][row], np.abs(self.best).max(axis=0)[row]
+
+        def rate(times):
+            return np.sign(above) * np.einsum("ps,sp->p", slopes, self.states(times))
+
+        def is_enough(now, width):
+            return (np.abs(now) * width <= NOISE * size).all()
+
+        times = falling_root(rate, low, high, np.abs(above), -np.abs(below), is_enough)
+        self._note(times, np.einsum("ps,sp->p", self.tables[0][row], self.states(times)), row)
 
 
 def _part(panels: dict[str, np.ndarray], chosen) -> dict[str, np.ndarray]:

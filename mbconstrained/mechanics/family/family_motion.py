@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...ground.checks import counted, evaluation_times, places_of
+from ...frequency.shock.extrema import Extrema, extrema
+from ...ground.checks import counted, evaluation_times, places_of, real_array
 from ...ground.display import Displayed
-from ...ground.errors import Overflow
-from ...ground.tolerances import EPS, FORM_ROUNDING, MOVED_DATA, PROVED_ACCURACY, noise_of
+from ...ground.errors import MbconstrainedError, Overflow
+from ...ground.tolerances import EPS, FORM_ROUNDING, LOCATED, MOVED_DATA, PROVED_ACCURACY, noise_of
 from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import step
 from ..constraints import right_sides
 from ..motion import Motion
 from .stacked_equations import stacked_equations
-from .stacked_motion import stacked_flow
+from .stacked_motion import StackedFlow, stacked_flow
 from .stacked_poles import TOGETHER
 
 if TYPE_CHECKING:
@@ -115,6 +116,53 @@ class FamilyMotion(Displayed):
         given = values if np.array_equal(own, times) else values[:, :, np.searchsorted(own, times)]
         return given, errors, alone
 
+    def extrema(self, span: tuple[float, float], order: int = 0, combinations: np.ndarray | None = None) -> list[Extrema]:
+        """The largest and the smallest values of each system over a span of time, none missed (``frequency.shock.extrema``).
+
+        Each system's flow is decoupled; where its values are not those of the family at some times, the system is solved by itself.
+
+        Args:
+            span: first and last time in s.
+            order: 0 for x, 1 for x', 2 for x''.
+            combinations: of the coordinates, shape (p, n); by default each one.
+
+        Returns:
+            One for each system.
+
+        Raises:
+            Overflow: a value leaves the range of float64.
+
+        >>> from mbconstrained import family
+        >>> motions = family([[1.0]], None, [[[4.0]], [[9.0]]]).solve(velocity=[6.0])
+        >>> [float(one.maximum[0].round(12)) for one in motions.extrema((0.0, 2.0))]
+        [3.0, 2.0]
+        """
+        count, served = len(self), self._served
+        own = np.eye(self.family.base.size) if self.outputs is None else np.eye(self.family.base.size)[list(self.outputs)]
+        matrix = own if combinations is None else real_array(combinations, "combinations", shape=(None, self.family.base.size))
+        result: list[Extrema | None] = [None] * count
+        some = np.linspace(*span, TRIAL_TIMES)
+        for begin in range(0, count if served is not None else 0, TOGETHER):
+            at = slice(begin, begin + TOGETHER)
+            with np.errstate(all="ignore"):
+                flow, moved = (self._flow(at, units).derivative(order).mapped(matrix) for units in (0.0, MOVED_DATA))
+                change = np.abs(moved(some) - (values := flow(some))).max(axis=(1, 2))
+            size = np.abs(values).max(axis=(1, 2))
+            close = served[at] & (FORM_ROUNDING * (change + EPS * size) <= PROVED_ACCURACY * size)
+            for place in np.flatnonzero(close).tolist():
+                one = flow.of(place)
+                try:
+                    function = one.function()
+                    if np.abs(function(some) - values[place]).max() <= LOCATED * size[place]:
+                        result[begin + place] = extrema(function, *span).with_values(lambda times, one=one: one(times)[0])
+                except MbconstrainedError:
+                    continue  # solved by itself, which has its own reasons
+        for place in [place for place, own in enumerate(result) if own is None]:
+            motion = self[place]
+            function = motion.derivative(order) if order else motion.function
+            result[place] = extrema(function.mapped(matrix), *span)
+        return result
+
     @cached_property
     def _signal(self) -> BohlFunction:
         """The common force, then b of the constraint rows."""
@@ -143,7 +191,10 @@ class FamilyMotion(Displayed):
         return equations.serve & (gap <= noise_of(size, n)).all(axis=(1, 2))
 
     def _values(self, at: slice, times: np.ndarray, order: int, moved: float) -> np.ndarray:
-        """x or x' of some systems; of systems with moved entries where a factor is given."""
+        return self._flow(at, moved).derivative(order)(times)
+
+    def _flow(self, at: slice, moved: float) -> StackedFlow:
+        """The flow of some systems; of systems with moved entries where a factor is given."""
         base = self.family.base
         matrices = self.family.matrices(at)
         equations: Any = self.family.equations
@@ -152,10 +203,8 @@ class FamilyMotion(Displayed):
             M, C, K = (_moved(matrix, moved) for matrix in matrices)
             matrices, changed = (M, C, K), stacked_equations(M, C, K, V)
             own = own if changed is None else changed
-        flow = stacked_flow(
-            own, matrices, self._starts[at][:, :, own.free], self._signal, self.family.static_force[at], base.multiplier_map.T
-        )
-        return (flow.derivative() if order else flow)(times)
+        starts, multipliers = self._starts[at][:, :, own.free], base.multiplier_map.T
+        return stacked_flow(own, matrices, starts, self._signal, self.family.static_force[at], multipliers)
 
     @cached_property
     def _starts(self) -> np.ndarray:

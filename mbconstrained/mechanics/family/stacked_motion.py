@@ -11,10 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
+from ...linalg.eigen import decoupled
+from ...linalg.exponential.block_exponential import block_states
 from ...linalg.exponential.oscillations import even_step
 from ...linalg.exponential.recursion import shared_gaps
 from ...linalg.scaling import balancing_units
 from ...signals.bohl import BohlFunction
+from ...signals.restarts import FreeRestarts
 from .stacked_equations import StackedEquations
 
 #: So many times are computed together on an even grid.
@@ -39,9 +42,34 @@ class StackedFlow:
     states: np.ndarray
     knots: np.ndarray
 
-    def derivative(self) -> StackedFlow:
-        """x' = P G z."""
-        return StackedFlow(self.generator, self.output @ self.generator, self.start, self.states, self.knots)
+    def derivative(self, order: int = 1) -> StackedFlow:
+        """P G^order z."""
+        output = self.output
+        for _ in range(order):
+            output = output @ self.generator
+        return StackedFlow(self.generator, output, self.start, self.states, self.knots)
+
+    def mapped(self, matrix: np.ndarray) -> StackedFlow:
+        """matrix @ x."""
+        return StackedFlow(self.generator, matrix @ self.output, self.start, self.states, self.knots)
+
+    def of(self, place: int) -> StackedFlow:
+        """The flow of one model."""
+        one = slice(place, place + 1)
+        return StackedFlow(self.generator[one], self.output[one], self.start[one], self.states, self.knots)
+
+    def function(self) -> BohlFunction:
+        """x of the first model, its states decoupled."""
+        modes = decoupled(self.generator[0])
+        states = np.empty((len(modes.basis), len(self.knots)))
+        states[:, 0] = z = modes.coordinates(self.start[0])
+        force = slice(len(z) - len(self.states), None)
+        for knot, gap in enumerate(np.diff(self.knots), 1):
+            z = modes.basis @ block_states(modes.blocks, z[:, None], np.array([gap]))[:, 0]
+            z[force] = self.states[:, knot]
+            states[:, knot] = z = modes.coordinates(z)
+        start = states[:, 0] if len(self.knots) == 1 else FreeRestarts(self.knots, states, 0.0, modes.blocks)
+        return BohlFunction(modes.modal_output(self.output[0]), modes.blocks, start)
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
         """x at ascending times, shape (S, n, T)."""

@@ -1,7 +1,7 @@
 """The equations of a mechanical system under harmonic loads and prescribed motions, [P(s), A^T; A s^level, 0] (x, -lambda) = (f, b).
 
 P(s) = M s^2 + C s + K, with structural damping K + i H for w > 0. Coordinates and reactions are unknowns of one regular matrix, M singular
-or not, so that reactions have their own elimination and no difference of large forces. Quantities with a prescribed motion for a load
+or not, so that reactions have their own elimination and no difference of large forces. So are forces F of springs and dampers, F - (k + c s) a x = 0. Quantities with a prescribed motion for a load
 (dynamic stiffness, ...) are responses of [A(s), -B; C, 0]: the forces that move the outputs by one unit each.
 """
 
@@ -58,6 +58,7 @@ QUANTITIES = {
     "apparent mass": Quantity(2, inverse=True),
     "transmissibility": Quantity(0),
     "reaction": Quantity(0),
+    "force": Quantity(0),
 }
 
 
@@ -79,11 +80,12 @@ def frequency_response(
         frequencies_hz: shape (F,); "auto" places them by the poles, so that no peak is missed.
         inputs: names of coordinates, each a force on it (N, N m), or of constraint rows, each its prescribed motion b at the
             level of the row; all coordinates by default.
-        outputs: names of coordinates, of constraint rows for reactions; all by default.
+        outputs: names of coordinates, of constraint rows for reactions, of springs and dampers for their forces, positive in tension (with
+            receptances and transmissibilities, too); all by default.
         quantity: "receptance" x/f, "mobility" x'/f, "accelerance" x''/f; their inverses "dynamic stiffness", "impedance" and
             "apparent mass", the forces at the inputs for a unit motion of one output, the other outputs at rest and all other
             coordinates free (shape (inputs, outputs, F)); "transmissibility" x by a prescribed motion of a row, both
-            displacements; "reaction" of constraint rows.
+            displacements; "reaction" of constraint rows; "force" of springs and dampers.
         modal_damping: damping ratios in addition to C: one for all modes, or one for each, ascending by frequency.
         loss_factor: eta of structural damping, K (1 + i eta), of the whole model or by name of the springs, in place of those that
             the springs of a lumped model have. It exists for harmonic motion only: in time it would answer before the load.
@@ -129,20 +131,31 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     if count is not None:
         raise InputError("count: the response of a system given by arrays has all its modes; leave count out")
     chosen, rows = QUANTITIES[quantity], system.rows
-    default = row_channels(system) if quantity == "reaction" else coordinate_channels(system)
+    elements = {name: Channel(name, one.elongation, one.unit, element=one) for name, one in system.elements.items()}
+    default = {"reaction": row_channels(system), "force": list(elements.values())}.get(quantity, coordinate_channels(system))
     known_inputs = chosen_by_name("inputs", inputs, channels(system, "inputs"), coordinate_channels(system))
-    known_outputs = chosen_by_name("outputs", outputs, channels(system, "outputs"), default)
+    known = channels(system, "outputs")
+    known = known | elements if quantity == "force" else elements | known
+    known_outputs = chosen_by_name("outputs", outputs, known, default)
     _check(quantity, known_inputs, known_outputs)
     levels = [0 if quantity == "transmissibility" else row.order for row in rows]
     coefficients, imaginary, sizes = saddle_point(system, levels, modal_damping, loss_factor)
     B = np.array([channel.unknowns(system) for channel in known_inputs]).T
     C = np.array([channel.unknowns(system) for channel in known_outputs])
     C[:, system.size :] *= -1.0  # the unknowns are -lambda
+    if forces := [one for one in known_outputs if one.element is not None]:
+        coefficients, imaginary, sizes = _with_forces(system, forces, coefficients, imaginary, sizes, loss_factor)
+        whole = len(coefficients[0])
+        B, C = np.pad(B, ((0, len(forces)), (0, 0))), np.pad(C, ((0, 0), (0, len(forces))))
+        for place, one in enumerate(forces, whole - len(forces)):
+            C[[other is one for other in known_outputs]] = np.eye(1, whole, place)
     if relative_to is not None:
         other = reference(system, relative_to)
-        C[:, : system.size] -= np.outer([one.row is None and one.unit == other.unit for one in known_outputs], other.direction)
-    names = (*system.names, *(row.name for row in rows))
+        moving = [one.row is None and one.element is None and one.unit == other.unit for one in known_outputs]
+        C[:, : system.size] -= np.outer(moving, other.direction)
+    names = (*system.names, *(row.name for row in rows), *(f"force of {one.name}" for one in forces))
     equations = [f"motion of {name}" for name in system.names] + [f"constraint {row.name}" for row in rows]
+    equations += [f"force of {one.name}" for one in forces]
     input_names, output_names = (tuple(channel.name for channel in own) for own in (known_inputs, known_outputs))
     table = np.array([[_unit(output, input, chosen, levels) for input in known_inputs] for output in known_outputs])
     if not chosen.inverse:
@@ -160,12 +173,33 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     return Harmonic(A, select.T, select, 0, imaginary, sizes, output_names, input_names, table.T, quantity)
 
 
+def _with_forces(system, forces: Sequence[Channel], coefficients, imaginary, sizes, loss_factor):
+    """The coefficients, their imaginary part and their sizes with a row F - (k (1 + i eta) + c s) a x = 0 for each of the forces."""
+    n, size, count = system.size, len(coefficients[0]), len(forces)
+    pad = ((0, count), (0, count))
+    wide = [np.pad(matrix, pad) for matrix in coefficients]
+    wide[0][size:, size:] = np.eye(count)
+    for place, one in enumerate(forces, size):
+        wide[0][place, :n] = -one.element.stiffness * one.direction
+        wide[1][place, :n] = -one.element.damping * one.direction
+    if imaginary is not None:
+        imaginary = np.pad(imaginary, pad)
+        common = None if loss_factor is None or isinstance(loss_factor, Mapping) else float(loss_factor)
+        factors = system.loss_factors if common is not None else {**system.loss_factors, **(loss_factor or {})}
+        for place, one in enumerate(forces, size):
+            eta = factors.get(one.name, 0.0) if common is None else common
+            imaginary[place, :n] = -float(eta) * one.element.stiffness * one.direction
+    if sizes is not None:
+        sizes = np.array([np.maximum(np.pad(own, pad), np.abs(matrix)) for own, matrix in zip(sizes, wide)])
+    return wide, imaginary, sizes
+
+
 def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count) -> Harmonic:
     """Of sparse matrices."""
     from ..sparse.sparse_response import sparse_harmonic
 
     chosen = QUANTITIES[quantity]
-    if chosen.inverse or quantity in ("transmissibility", "reaction"):
+    if chosen.inverse or quantity in ("transmissibility", "reaction", "force"):
         raise InputError(
             f"{quantity}: not available for sparse matrices, which have receptance, mobility and accelerance; give arrays, as mass.toarray()"
         )
@@ -181,9 +215,12 @@ def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, rel
 def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Channel]) -> None:
     """Quantities that do not fit their inputs or outputs."""
     if not inputs or not outputs:
-        raise InputError(f"{quantity}: this system has no constraint rows")
+        missing = "springs and dampers with names" if quantity == "force" else "constraint rows"
+        raise InputError(f"{quantity}: this system has no {missing}")
     loads = [channel.name for channel in inputs if channel.row is None]
     motions = [channel.name for channel in outputs if channel.row is None]
+    forces = [channel.name for channel in outputs if channel.element is not None]
+    no_forces = [channel.name for channel in outputs if channel.element is None]
     reactions = [channel.name for channel in outputs if channel.row is not None]
     chosen = QUANTITIES[quantity]
     if quantity == "transmissibility" and loads:
@@ -192,6 +229,12 @@ def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Channel])
         )
     if quantity == "reaction" and motions:
         raise InputError(f"reaction: found the coordinate {motions[0]!r}; expected constraint rows")
+    if quantity == "force" and no_forces:
+        raise InputError(
+            f'force: "{no_forces[0]}" is no spring or damper; a coordinate has a receptance, a constraint row a reaction'
+        )
+    if forces and quantity not in ("force", "receptance", "transmissibility"):
+        raise InputError(f'{quantity}: the output "{forces[0]}" is a spring or damper; its force is the quantity "force"')
     if quantity != "reaction" and reactions:
         raise InputError(f'{quantity}: the output "{reactions[0]}" is a constraint row; its force is the quantity "reaction"')
     if chosen.inverse and (len(loads) < len(inputs) or len(inputs) != len(outputs)):
@@ -202,7 +245,8 @@ def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Channel])
 
 def _unit(output: Channel, input: Channel, quantity: Quantity, levels: Sequence[int]) -> str:
     """The unit of an output, or its derivative, by an input."""
-    above = rate_unit(output.unit, quantity.order) if output.row is None else force_unit(output.unit)
+    is_motion = output.row is None and output.element is None
+    above = rate_unit(output.unit, quantity.order) if is_motion else force_unit(output.unit)
     below = force_unit(input.unit) if input.row is None else rate_unit(input.unit, levels[input.row])
     return ratio_unit(below, above) if quantity.inverse else ratio_unit(above, below)
 

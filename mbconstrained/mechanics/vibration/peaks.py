@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -112,8 +112,7 @@ def peaks(motion: Motion, end: float, of: str = "displacement", combinations=Non
         function, constant = function.mapped(matrix), matrix @ constant
         units = tuple(" or ".join(sorted({units[i] for i in np.flatnonzero(row)})) or "1" for row in matrix)
         own = tuple(names or (f"combination {i + 1}" for i in range(len(matrix))))
-    extreme = extrema(function, 0.0, end)
-    return Peaks(own, units, of, replace(extreme, maximum=extreme.maximum + constant, minimum=extreme.minimum + constant))
+    return Peaks(own, units, of, extrema(function, 0.0, end).shifted(constant))
 
 
 def _functions(motion: Motion, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:

@@ -52,6 +52,10 @@ SMALLEST_SHARE = 1e-60
 #: Panels that are evaluated at once.
 AT_ONCE = 8_000
 
+#: Drawn times of a curve: at first, and the most; the share of the height by which a line between two of them may leave the curve, half a
+#: pixel; where in an interval that is tried; the golden ratio, whose multiples spread evenly.
+FIRST_DRAWN, MOST_DRAWN, FOLLOWED, INNER, GOLDEN = 241, 20_001, 1 / 400, np.array([0.382, 0.71]), (5**0.5 - 1) / 2
+
 #: How far the first and last point of a panel are inside it, as a share of its length: a function may jump at its ends.
 INSIDE = 1e-9
 
@@ -138,6 +142,54 @@ def readings_of(functions: TimeFunctions, start: float, end: float, largest: flo
         if fineness == finest and readings.codes.size > most:
             fineness, readings = next_one, _resolved(functions, start, end, inside, next_one, largest)
     return readings
+
+
+def drawn_times(functions: TimeFunctions, start: float, end: float, units: Sequence[str]) -> np.ndarray:
+    """Times between which straight lines follow the curves, so that their fastest visible part is seen.
+
+    An interval is divided where a curve leaves the straight line between its ends by more than ``FOLLOWED`` of the height of its plot, at two
+    places inside it that are no multiples of each other. Of a motion of too many periods they are spread, each at another phase: the extremes
+    of many of them, pixel by pixel, are its envelope.
+
+    Args:
+        functions: r of them.
+        start, end: in s.
+        units: of the functions: those of one unit share a plot.
+
+    Returns:
+        Shape (T,), ascending.
+
+    >>> wave = TimeFunctions(lambda times: np.array([np.sin(50 * times)]), np.array([]))
+    >>> times = drawn_times(wave, 0.0, 10.0, ["m"])  # 80 periods
+    >>> bool(np.interp(3.3, times, np.sin(50 * times)).round(2) == np.sin(165.0).round(2))
+    True
+    """
+    inside = functions.breaks[(functions.breaks > start) & (functions.breaks < end)]
+    inside = inside if 2 * len(inside) < MOST_DRAWN else inside[:0]
+    times = np.unique([*np.linspace(start, end, FIRST_DRAWN), *inside, *np.nextafter(inside, start)])
+    values = functions.at(times)
+    groups = [np.flatnonzero([unit == other for other in units]) for unit in units]
+    waiting = np.arange(len(times) - 1)
+    while len(waiting):
+        if len(times) + len(INNER) * len(waiting) > MOST_DRAWN:
+            number = np.arange(MOST_DRAWN - 2)
+            spread = (number + number * GOLDEN % 1) / MOST_DRAWN
+            return np.unique([start, *(start + (end - start) * spread), end])
+        left, right = times[waiting], times[waiting + 1]
+        inner = (left + np.multiply.outer(INNER, right - left)).T
+        new = functions.at(inner.ravel()).reshape(len(values), *inner.shape)
+        a, b = values[:, waiting, None], values[:, waiting + 1, None]
+        ends = [(min(values[rows].min(), new[rows].min()), max(values[rows].max(), new[rows].max())) for rows in groups]
+        height = np.array([[[high - low]] for low, high in ends])
+        bent = (
+            (np.abs(new - a - (b - a) * INNER) > FOLLOWED * height).any(axis=(0, 2)) & (inner[:, 0] > left) & (inner[:, -1] < right)
+        )
+        places = np.repeat(waiting[bent] + 1, len(INNER))
+        first = waiting[bent] + len(INNER) * np.arange(bent.sum())
+        times = np.insert(times, places, inner[bent].ravel())
+        values = np.insert(values, places, new[:, bent].reshape(len(values), -1), axis=1)
+        waiting = (first[:, None] + np.arange(len(INNER) + 1)).ravel()
+    return times
 
 
 def _resolved(functions: TimeFunctions, start: float, end: float, breaks: np.ndarray, fineness: float, largest: float) -> Readings:

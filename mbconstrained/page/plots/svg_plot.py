@@ -335,6 +335,6 @@ def _sparse(x: np.ndarray) -> np.ndarray:
 def _kept(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     if len(x) <= MOST_POINTS:
         return np.arange(len(x))
-    edges = np.linspace(0, len(x), MOST_POINTS // 2 + 1).astype(int)
+    edges = np.unique(np.searchsorted(x, np.linspace(x[0], x[-1], MOST_POINTS // 2 + 1)[:-1]).tolist() + [len(x)])
     extremes = [(a + y[a:b].argmin(), a + y[a:b].argmax()) for a, b in pairwise(edges)]
     return np.unique(np.concatenate([[0, len(x) - 1], np.ravel(extremes)]))

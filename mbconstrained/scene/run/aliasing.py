@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...ground.notices import Notice, NoticeKind
+from ...linalg.blocks import block_slices, zeros_of
 from .curves import visible
 
 if TYPE_CHECKING:
@@ -16,6 +17,12 @@ if TYPE_CHECKING:
 
 #: Fewer times in a period than the first cannot represent it; the second show it smoothly.
 FEWEST, SMOOTH = 3, 20
+
+#: Rounding errors of a number of points.
+COUNT_NOISE = 1e-12
+
+#: Points in a period of times that follow the motion, and the most of these times.
+FOLLOWED, MOST_TIMES = 12, 20_001
 
 #: Components below this share of the motion are invisible in a plot.
 VISIBLE = 0.01
@@ -39,32 +46,44 @@ SLOWER, NEAR = 0.01, 1.1
 ALIKE = 1e-3
 
 
+def following_times(result: Result) -> np.ndarray:
+    """Equidistant times, as many as the fastest visible motion needs, from the default number to ``MOST_TIMES``."""
+    time = result.scene.table.time
+    fastest = _fastest_visible(result, 2 * math.pi / (FOLLOWED * time.spacing))
+    if fastest is None:
+        return time.times
+    points = math.ceil((1 - COUNT_NOISE) * (time.end - time.start) * FOLLOWED * fastest[0] / (2 * math.pi)) + 1
+    return np.linspace(time.start, time.end, min(points, MOST_TIMES))
+
+
 def aliasing_notices(result: Result) -> tuple[Notice, ...]:
     """A notice where the times are too coarse for the fastest visible motion, with the entry to write instead."""
     time = result.scene.table.time
-    spacing = time.spacing
-    angular = _fastest_visible(result, 2 * math.pi / (FEWEST * spacing))
-    if angular is None:
+    spacing = (time.end - time.start) / (len(result.times) - 1)
+    fastest = _fastest_visible(result, 2 * math.pi / (FEWEST * spacing))
+    if fastest is None:
         return ()
+    angular, name, amplitude = fastest
     period = 2 * math.pi / angular
     points = math.ceil((time.end - time.start) * SMOOTH / period) + 1
-    end = f'end = "{time.start + period * (time.points - 1) / SMOOTH:.2g} s"'  # which shows only the first of the motion
+    end = f'end = "{time.start + period * (len(result.times) - 1) / SMOOTH:.2g} s"'  # which shows only the first of the motion
     few = f"points = {points}" if time.step is None else f'step = "{period / SMOOTH:.2g} s"'
     instead = few if points <= time.MOST_POINTS else end
     text = (
-        f"the times are {spacing:.3g} s apart, but the fastest visible motion has a period of {period:.3g} s: curves through "
-        "these times show a slower motion that does not exist (aliasing), while the values at the times are right; "
-        f"to see the true one, write {instead} below [time]"
+        f"the times are {spacing:.3g} s apart, but the fastest visible motion has a period of {period:.3g} s ({1 / period:.4g} Hz, with "
+        f"{amplitude} in {name}): a table of these times, and lines between its values, show a slower motion that does not exist "
+        "(aliasing), while the values at the times are right and the plots of page and images follow the motion; "
+        f"for a table that shows it, write {instead} below [time]"
     )
     return (Notice(NoticeKind.ALIASING, text),)
 
 
-def _fastest_visible(result: Result, slowest: float) -> float | None:
-    """The highest angular frequency above ``slowest`` of a visible component that does not decay at once."""
+def _fastest_visible(result: Result, slowest: float) -> tuple[float, str, str] | None:
+    """The highest angular frequency above ``slowest`` of a visible component that does not decay at once, a coordinate, its amplitude."""
     frequencies = _angular_frequencies(result)
     for highest in _octaves([each for each in frequencies if each > slowest]):
         frequency = _visible_frequency(result, [each for each in frequencies if SLOWER * highest <= each <= highest])
-        if frequency and frequency > slowest:
+        if frequency and frequency[0] > slowest:
             return frequency
     return None
 
@@ -72,7 +91,9 @@ def _fastest_visible(result: Result, slowest: float) -> float | None:
 def _angular_frequencies(result: Result) -> list[float]:
     """Of the zeros and the forces, the highest first."""
     zeros = {abs(zero.value.imag) for zero in result.finite_pair.zeros}
-    forces = {abs(table.omega) for table in result.scene.table.force if table.kind in ("harmonic", "term")}
+    smooth = result.motion.force.smooth  # prescribed motions, too
+    used = [np.abs(smooth.coefficients[:, at]).any() for at in block_slices(smooth.blocks)]
+    forces = {abs(value.imag) for value in zeros_of([block for block, one in zip(smooth.blocks, used) if one])}
     return sorted(zeros | forces, reverse=True)
 
 
@@ -85,19 +106,23 @@ def _octaves(descending: Iterable[float]) -> Iterator[float]:
             yield each
 
 
-def _visible_frequency(result: Result, descending: list[float]) -> float | None:
+def _visible_frequency(result: Result, descending: list[float]) -> tuple[float, str, str] | None:
     """The highest of these angular frequencies, or of the octave below the first, that is visible in the motion."""
     kept = list(_distinct(descending))
-    units = result.scene.equations.coordinates.units
+    coordinates = result.scene.equations.coordinates
+    some = result.motion(result.scene.times)
     for begin, length in _stretches(result, 2 * math.pi / kept[0]):
         local = np.linspace(0.0, length, LOOKS)
         both = [result.motion(begin + local), result.motion(begin + length + local)]
-        scale = visible(np.hstack([result.values, *both]), units)
+        scale = visible(np.hstack([some, *both]), coordinates.units)
         parts = _parts(np.array(kept), local / length, length)
         amplitudes = np.minimum(*(_amplitudes(parts, values) for values in both))  # a jump or a kink is in one of the two
         visible_parts = (amplitudes > VISIBLE * scale.T).any(axis=1)
         if visible_parts.any():
-            return kept[int(np.argmax(visible_parts))]
+            fastest = int(np.argmax(visible_parts))
+            place = int(np.argmax(amplitudes[fastest] / scale[:, 0]))
+            text = coordinates.shown.text(float(f"{amplitudes[fastest, place]:.3g}"), coordinates.units[place])
+            return kept[fastest], coordinates.names[place], text
     return None
 
 

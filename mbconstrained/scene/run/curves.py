@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...exchange.trajectories import Curves
+from ...frequency.shock.extrema import Extrema, extrema, fastest_rate, sampled_extrema
 from ...ground.coordinate_units import derivative_name, force_unit, rate_unit
 from ...ground.tolerances import NOT_DRAWN
 from ..quantities.output_units import OutputUnits
@@ -16,6 +17,7 @@ from .report.element_quantities import element_quantities
 
 if TYPE_CHECKING:
     from ...page.content import TimeFunctions
+    from ...signals.bohl import BohlFunction
     from .result import Result
 
 ORDERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
@@ -29,6 +31,9 @@ PARTS = {  # curves that are made of others
 
 #: Errors of trajectories, relative to the largest value of a kind, that are assumed at least and at most.
 LEAST_NOISE, MOST_NOISE = 1e-13, 0.1
+
+#: Curves of each kind whose largest values are listed.
+MOST_LARGEST = 40
 
 ENERGIES = ("kinetic", "strain", "static", "total")
 
@@ -66,6 +71,90 @@ def curves_of(result: Result, kind: str) -> Curves:
     else:
         names, units = ENERGIES, ("J",) * len(ENERGIES)
     return Curves(kind, names, (kind,) * len(names), units, values)
+
+
+def extrema_of(result: Result, kind: str, rows: Sequence[int] | None = None) -> Extrema:
+    """The largest and the smallest values of a kind from the first to the last time, of the closed form: none is missed between times.
+
+    Args:
+        result: of the scene.
+        kind: as of ``curves_of``.
+        rows: some of the curves; None for all.
+
+    Returns:
+        In SI.
+    """
+    start, end = float(result.times[0]), float(result.times[-1])
+    at, (linear, constants) = functions_of(result, kind), _linear(result, kind)
+    if linear is not None:
+        chosen = list(range(linear.size) if rows is None else rows)
+        found = extrema(linear.rows(chosen), start, end)
+        return found.with_values(lambda times: at(times)[chosen]) if constants is None else found.shifted(constants[chosen])
+    return sampled_extrema_of(result, at if rows is None else lambda times: at(times)[list(rows)])
+
+
+@dataclass(frozen=True)
+class Largest:
+    """The largest modulus of a curve between the first and the last time, of the closed form.
+
+    Attributes:
+        name, title, unit: of the curve, in SI.
+        value: with its sign.
+        time: in s.
+        margin: how far a larger one may lie beyond it; 0 but for motions of very many periods.
+    """
+
+    name: str
+    title: str
+    unit: str
+    value: float
+    time: float
+    margin: float
+
+
+def largest_values(result: Result) -> list[Largest]:
+    """Of the requested curves, of each kind the first ``MOST_LARGEST``."""
+    values: list[Largest] = []
+    wanted = result.scene.table.output.coordinates
+    for kind in (kind for kind in result.kinds if kind != "phase"):
+        own = result.curves(kind)
+        rows = [i for i, name in enumerate(own.names) if kind not in ORDERS or wanted is None or name in wanted][:MOST_LARGEST]
+        found = extrema_of(result, kind, rows) if len(rows) < len(own.names) else result.extrema(kind)
+        signs = np.where(found.maximum >= -found.minimum, 1.0, -1.0)
+        for row, *ends in zip(rows, signs * found.largest, found.largest_time, found.margin):
+            values.append(Largest(own.names[row], own.titles[row], own.units[row], *map(float, ends)))
+    return values
+
+
+def sampled_extrema_of(result: Result, at: Callable[[np.ndarray], np.ndarray]) -> Extrema:
+    """Those of functions that have squares of the motion, such as energies, as of ``sampled_extrema``."""
+    rate = 2 * fastest_rate(result.motion.function)
+    return sampled_extrema(at, _breaks(result), rate, float(result.times[0]), float(result.times[-1]))
+
+
+def _linear(result: Result, kind: str) -> tuple[BohlFunction | None, np.ndarray | None]:
+    """A kind of curves in closed form, without constants, and the constants; None for energies."""
+    equations, motion = result.scene.equations, result.motion
+    if kind in ORDERS:
+        return (motion.derivative(ORDERS[kind]) if ORDERS[kind] else motion.function), None
+    if kind == "reaction":
+        return motion.reaction_function, None
+    if kind == "output" and equations.control is not None:
+        control = equations.control
+        count = len(control.outputs.names)
+        function = control.response.output_function if control.form is not None else motion.function
+        return function.rows(range(function.size - count, function.size)), None
+    if kind == "output":
+        return motion.function.mapped(equations.robot_scene.system.output_matrix), None
+    if kind == "quantity":
+        quantities = tuple(element_quantities(result.scene.table.output.quantity, equations))
+        matrices = np.array([each.rows for each in quantities]).transpose(1, 0, 2)
+        return motion.function.differential(*matrices), np.array([each.constant for each in quantities])
+    if kind == "ground_reaction":
+        forces = equations.robot_scene.system.connection_forces
+        function = motion.function.differential(forces.displacement, forces.velocity)
+        return function + motion.reaction_function.mapped(forces.multipliers) if equations.system.rows else function, forces.rest
+    return None, None
 
 
 def functions_of(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray]:
@@ -108,13 +197,28 @@ def time_functions(result: Result, kind: str) -> TimeFunctions:
     """
     from ...page.content import TimeFunctions
 
-    motion, parts = result.motion, PARTS.get(kind, (kind,))
-    breaks = np.unique([*motion.force.knots, *(event.time for event in motion.events)])
+    parts, breaks = PARTS.get(kind, (kind,)), _breaks(result)
     estimates = [result.error_estimates.get(part, 0.0) for part in (kind, *parts)]
     noise = min(max(LEAST_NOISE, *estimates), MOST_NOISE)
-    values, shown = functions_of(result, kind), result.scene.equations.coordinates.shown
+    values, shown = _drawn(result, kind), result.scene.equations.coordinates.shown
     factors = np.array([[shown.of(unit)[1]] for unit in result.curves(kind).units])
     return TimeFunctions(lambda times: factors * values(times), breaks, noise, result.record_response)
+
+
+def _drawn(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray]:
+    """The functions without proof of their values where those at the times of the scene differ by nothing that is visible: it takes long."""
+    linear, constants = _linear(result, kind)
+    if linear is None:
+        return functions_of(result, kind)
+    rough, proved = getattr(linear, "rough", linear), result.curves(kind).values
+    added = 0.0 if constants is None else constants[:, None]
+    near = np.abs(rough(result.times) + added - proved).max(axis=1) <= NOT_DRAWN * np.abs(proved).max(axis=1)
+    return (lambda times: rough(times) + added) if near.all() else functions_of(result, kind)
+
+
+def _breaks(result: Result) -> np.ndarray:
+    """Times at which the motion or a derivative of it may jump."""
+    return np.unique([*result.motion.force.knots, *(event.time for event in result.motion.events)])
 
 
 def in_units(curves: Curves, units: OutputUnits) -> Curves:

@@ -20,8 +20,8 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import TRUST_LIMIT
 from ...response.estimate import error_estimate
 from ...response.response_notices import without_kinks
-from .aliasing import aliasing_notices
-from .curves import ORDERS, PARTS, Curves, curves_of, in_units, time_functions
+from .aliasing import aliasing_notices, following_times
+from .curves import ORDERS, PARTS, Curves, curves_of, extrema_of, in_units, time_functions
 from .decisions import connection_forces, still, too_large_for_formula
 from .plan import Plan
 from .report.force_report import forces_notices
@@ -33,6 +33,7 @@ from .result_files import arrays_of_result, more_arrays
 if TYPE_CHECKING:
     from ...exact.formulas.closed_form import ClosedForm
     from ...exchange.universal import Geometry
+    from ...frequency.shock.extrema import Extrema
     from ...mechanics.modes import Modes
     from ...mechanics.motion import Motion
     from ...mechanics.system import MechanicalSystem
@@ -62,7 +63,6 @@ class Result(Displayed):
     def __init__(self, scene: Scene, plan: Plan, folder: Path | None = None):
         self.scene = scene
         self.system: MechanicalSystem | None = scene.equations.system
-        self.times: np.ndarray = scene.times
         self.plan = plan
         self.folder = folder
         self.files: list[Path] = []
@@ -70,6 +70,7 @@ class Result(Displayed):
         self._together: Replacements | None = None
         self.formula_problem = ""
         self._curves: dict[str, Curves] = {}
+        self._extrema: dict[str, Extrema] = {}
         self._functions: dict[str, TimeFunctions] = {}
 
     def _summary(self) -> str:
@@ -90,6 +91,11 @@ class Result(Displayed):
         return self.scene.equations.polynomial_matrix.jordan_pairs().infinite
 
     @cached_property
+    def times(self) -> np.ndarray:
+        """Those of the scene; where it gives no number of them, as many as the fastest visible motion needs."""
+        return following_times(self) if self.scene.table.time.is_automatic else self.scene.times
+
+    @cached_property
     def motion(self) -> Motion | Any:
         """x as a function of time, with jumps and impulses; a Motion where there is a mechanical system."""
         return self.scene.equations.solve()
@@ -104,6 +110,12 @@ class Result(Displayed):
         if kind not in self._curves:
             self._curves[kind] = curves_of(self, kind)
         return self._curves[kind]
+
+    def extrema(self, kind: str) -> Extrema:
+        """The largest and the smallest values of a kind of curves with their times, exact ones between the times of the scene, too."""
+        if kind not in self._extrema:
+            self._extrema[kind] = extrema_of(self, kind)
+        return self._extrema[kind]
 
     def shown_curves(self, kind: str) -> Curves:
         """The same in the units of [output], for page and CSV."""
@@ -209,13 +221,19 @@ class Result(Displayed):
             for kind, estimate in doubts
         ]
         robot_scene = self.scene.equations.robot_scene
-        robot = (*motion_notices(robot_scene, self.values), *forces_notices(self)) if robot_scene else ()
+        robot = (*motion_notices(robot_scene, self._furthest), *forces_notices(self)) if robot_scene else ()
         accuracy = (Notice(NoticeKind.ACCURACY, text, doubtful=True) for text in texts)
         proved = self.certificate.notices if self.certificate else ()
         moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
         first = (*self.scene.notices, *self._omissions(), *proved, *(self.frequency.response.notices if self.frequency else ()))
         of_motion = (*(() if moves else (Notice(NoticeKind.AT_REST, NOTHING_MOVES),)), *aliasing_notices(self))
         return (*first, *self.scene.equations.form_notices, *notices, *of_motion, *robot, *accuracy)
+
+    @property
+    def _furthest(self) -> np.ndarray:
+        """The smallest and the largest displacement of each coordinate, shape (r, 2)."""
+        ends = self.extrema("displacement")
+        return np.column_stack([ends.minimum, ends.maximum])
 
     def _omissions(self) -> list[Notice]:
         """The reasons why the page lacks a requested formula, and why a requested still picture is missing."""

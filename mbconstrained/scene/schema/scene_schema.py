@@ -94,7 +94,10 @@ class TimeTable(Table):
 
     end: Time = Field(description="The last time.")
     start: Time = Field(0.0, description="The first time of the answer; the values of [initial] are those at 0 all the same.")
-    points: int = Field(401, ge=FEWEST_POINTS, le=MOST_POINTS, description="How many times, start and end included.")
+    points: int = Field(
+        401, ge=FEWEST_POINTS, le=MOST_POINTS,
+        description="How many times, start and end included; left out: 401, or as many as the fastest visible motion needs, at most 20001."
+    )  # fmt: skip
     step: Time | None = Field(None, description="Instead of points: from one time to the next; the last time is at most end.")
 
     @model_validator(mode="after")
@@ -119,6 +122,11 @@ class TimeTable(Table):
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "end", self.start + self.step * (points - 1))
         return self
+
+    @property
+    def is_automatic(self) -> bool:
+        """Whether neither points nor step are given."""
+        return not {"points", "step"} & self.model_fields_set
 
     @property
     def times(self) -> np.ndarray:

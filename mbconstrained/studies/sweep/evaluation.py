@@ -6,19 +6,20 @@ The same chunk always has the same bits, whoever computes it: on one thread, fro
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...ground.errors import MbconstrainedError
+from ...frequency.shock.extrema import Extrema
+from ...ground.errors import InputError, MbconstrainedError
 from ...ground.threads import SMALL, one_thread
 from ...mechanics.family.family import Family
 from ...mechanics.system import MechanicalSystem
 from ...scene.file.messages import SceneName
-from ...scene.run.curves import functions_of
+from ...scene.run.curves import ORDERS, extrema_of, functions_of
 from ...scene.run.frequency.scene_frequency import SceneFrequency
 from ...scene.run.frequency.scene_random import SceneRandom
 from ...scene.run.plan import Plan
@@ -198,7 +199,7 @@ class _Chunk:
         self.values["random RMS"][group] = family.random_response(*excitation, **options).rms
 
     def _motion(self, variables: list[Variable], group: list[int]) -> None:
-        own = [one for one in variables if one.curve[0] in ("displacement", "velocity", "output") and one.statistic != "peak"]
+        own = [one for one in variables if one.curve[0] in (*ORDERS, "output")]
         if len(group) == 1 or not own:
             for place in group:
                 self._single_motion(variables, place)
@@ -208,11 +209,21 @@ class _Chunk:
         motions = SampleFamily.of(self._systems(group)).solve(start[:, 0], start[:, 1], scene.equations.force)
         late = np.array([one.time for one in own if one.statistic == "at"])
         times = np.concatenate([scene.times, late])
-        for kind in dict.fromkeys(one.curve[0] for one in own):
-            values = motions(times) if kind != "velocity" else motions.velocity(times)
+        for kind, chosen in _by_kind(one for one in own if one.statistic not in EXTREMA):
+            values = motions.evaluate(times, ORDERS.get(kind, 0))[0]
             if kind == "output":
                 values = np.array([scene.equations.output_values(times, each) for each in values])
-            self._store(own, group, kind, values, len(scene.times), late)
+            self._store(chosen, group, values, len(scene.times), late)
+        for kind, chosen in _by_kind(one for one in own if one.statistic in EXTREMA):
+            rows = sorted({one.curve[1] for one in chosen})
+            matrix = (
+                np.eye(len(scene.equations.coordinates.names))
+                if kind != "output"
+                else scene.equations.robot_scene.system.output_matrix
+            )
+            found = motions.extrema((float(scene.times[0]), float(scene.times[-1])), ORDERS.get(kind, 0), matrix[rows])
+            for place, own_extrema in zip(group, found):
+                self._store_extrema(chosen, place, rows, own_extrema)
         for place in group if len(own) < len(variables) else ():
             self._single_motion([one for one in variables if one not in own], place)
 
@@ -220,19 +231,24 @@ class _Chunk:
         result = Result(self.scenes[place], Plan(()))
         late = np.array([one.time for one in variables if one.statistic == "at"])
         times = np.concatenate([result.times, late])
-        sampled = [one for one in variables if one.statistic != "peak"]
-        for kind in dict.fromkeys(one.curve[0] for one in sampled):
-            values = functions_of(result, kind)(times)[None]
-            self._store(sampled, [place], kind, values, len(result.times), late)
-        for kind in dict.fromkeys(one.curve[0] for one in variables if one.statistic == "peak"):
-            peaks = result.motion.peaks(float(result.times[-1]), kind)
-            for one in variables:
-                if one.statistic == "peak" and one.curve[0] == kind:
-                    self.values[one.name][place] = peaks.largest[one.curve[1]]
+        for kind, chosen in _by_kind(one for one in variables if one.statistic not in EXTREMA):
+            self._store(chosen, [place], functions_of(result, kind)(times)[None], len(result.times), late)
+        for kind, chosen in _by_kind(one for one in variables if one.statistic in EXTREMA):
+            rows = sorted({one.curve[1] for one in chosen})
+            self._store_extrema(chosen, place, rows, extrema_of(result, kind, rows))
 
-    def _store(self, variables: list[Variable], group: list[int], kind: str, values: np.ndarray, count: int, late) -> None:
+    def _store_extrema(self, variables: list[Variable], place: int, rows: list[int], found: Extrema) -> None:
+        for one in variables:
+            row = rows.index(one.curve[1])
+            if found.margin[row] > KEPT_MARGIN * found.largest[row]:
+                raise InputError(
+                    f'"{one.name}": the motion has too many periods to search them all; choose an earlier end in [time]'
+                )
+            self.values[one.name][place] = getattr(found, EXTREMA[one.statistic])[row]
+
+    def _store(self, variables: list[Variable], group: list[int], values: np.ndarray, count: int, late) -> None:
         """Statistics of curves, shape (S, rows, T): the first of the times are those of the scene, the others late ones."""
-        for one in (one for one in variables if one.curve[0] == kind):
+        for one in variables:
             row = values[:, one.curve[1]]
             if one.statistic == "at":
                 self.values[one.name][group] = row[:, count + int(np.flatnonzero(late == one.time)[0])]
@@ -243,13 +259,23 @@ class _Chunk:
         return [self.scenes[place].equations.system for place in group]
 
 
+#: Extrema are those of the closed form, none between the times is missed; "peak" is an older word for largest.
+EXTREMA = {"largest": "largest", "maximum": "maximum", "minimum": "minimum", "peak": "largest"}
+
+#: A sample of a motion of so many periods that its extremum may be wrong by this part has no answer.
+KEPT_MARGIN = 1e-6
+
 _STATISTICS = {
-    "largest": lambda rows: np.abs(rows).max(axis=1),
-    "maximum": lambda rows: rows.max(axis=1),
-    "minimum": lambda rows: rows.min(axis=1),
     "RMS": lambda rows: np.sqrt(np.mean(rows**2, axis=1)),
     "curve": lambda rows: rows,
 }
+
+
+def _by_kind(variables: Iterable[Variable]) -> Iterator[tuple[str, list[Variable]]]:
+    """The variables of each kind of curve."""
+    chosen = list(variables)
+    for kind in dict.fromkeys(one.curve[0] for one in chosen):
+        yield kind, [one for one in chosen if one.curve[0] == kind]
 
 
 def _alike(one: Scene, other: Scene) -> bool:

@@ -36,7 +36,8 @@ STATISTICS = ("largest", "maximum", "minimum", "RMS", "curve", "peak")
 #: What can be kept, for messages.
 FORMS = (
     '"frequencies", "response peaks", "response curves", "random RMS", or of a motion "largest x", "maximum x", "minimum x", "RMS x", '
-    '"peak x" (none missed between the times), "curve x", "x at 2 s", with x a coordinate, "velocity of x", "reaction of x" …'
+    '"curve x", "x at 2 s", with x a coordinate, "velocity of x", "reaction of x", "quantity of x" …; largest, maximum and minimum '
+    "are those of the closed form, none between the times is missed"
 )
 
 
@@ -226,8 +227,6 @@ def _of_motion(text: str, scene: Scene, curves: _Curves) -> Variable:
     timed = re.fullmatch(r"(.*) at (.+)", text)
     if statistic in STATISTICS and rest:
         (kind, row), unit = curves.place(rest.strip(), text)
-        if statistic == "peak" and kind not in (*ORDERS, "reaction"):
-            raise InputError(f'keep: found "{text}"; peaks are those of coordinates and reactions; keep "largest {rest}"')
         axis, labels = ("time (s)", tuple(scene.times.tolist())) if statistic == "curve" else ("", ())
         return Variable(text, unit, axis, labels, statistic=statistic, curve=(kind, row))
     if timed:

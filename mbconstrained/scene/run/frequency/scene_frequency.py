@@ -174,11 +174,18 @@ class SceneFrequency(SceneResponse):
             if not self.system.rows:
                 raise InputError("quantity: reaction is the force of a constraint row, and there are none")
             return [row.name for row in self.system.rows]
+        elements = self.system.elements
+        if self.table.quantity == "force":
+            return list(elements)
         if self.is_inverse:
             return self._inputs()
         if self.system.named_directions("outputs"):  # of a robot
             return list(self.system.named_directions("outputs"))
-        return [name for name in self.system.names if name not in self._prescribed] or list(self.system.names)
+        moving = [name for name in self.system.names if name not in self._prescribed] or list(self.system.names)
+        if self.table.quantity not in ("receptance", "transmissibility"):
+            return moving
+        shown = [one.of for one in self.scene.table.output.quantity if one.of in elements and one.quantity in (None, "force")]
+        return [*moving, *(name for name in dict.fromkeys(shown) if name not in self.system.names)]
 
     def _lines(self, empty: FrequencyResponse) -> np.ndarray:
         table = self.table

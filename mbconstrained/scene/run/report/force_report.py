@@ -8,7 +8,7 @@ import numpy as np
 
 from ....ground.display import TextTable
 from ....ground.notices import Notice
-from ..curves import PARTS
+from ..curves import PARTS, functions_of, sampled_extrema_of
 from ..decisions import connection_forces
 from .robot_report import ROUNDING
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def forces_json(result: Result) -> dict:
-    """By loop, spring and bushing the extremes of its force at the times of the run (N, s); empty where they are not computed.
+    """By loop, spring and bushing the extremes of its force during the run (N, s); empty where they are not computed.
 
     Of a foot with friction those across the ground, on the foot, and the largest along it, too.
     """
@@ -25,17 +25,27 @@ def forces_json(result: Result) -> dict:
         return {}
     from ....robot.connections import Support
 
-    forces, values = result.scene.equations.robot_scene.system.connection_forces, result.curves("ground_reaction").values
-    extremes = {}
+    forces, at = result.scene.equations.robot_scene.system.connection_forces, functions_of(result, "ground_reaction")
+    feet = {one.name: one for one in forces.connections if isinstance(one, Support) and one.friction is not None}
+
+    def sizes(times: np.ndarray) -> np.ndarray:
+        """The size of each force, and of a foot the parts along and across the ground's normal."""
+        rows, values = [], at(times)
+        for connection in forces.connections:
+            force = values[forces.places[connection.name]][:3]
+            foot = feet.get(connection.name)
+            rows += [np.linalg.norm(force, axis=0), *(foot.parts(foot.on_foot(force)) if foot else ())]
+        return np.array(rows)
+
+    found = sampled_extrema_of(result, sizes)
+    extremes, row = {}, 0
     for connection in forces.connections:
-        force = values[forces.places[connection.name]][:3]
-        sizes = np.linalg.norm(force, axis=0)
-        most = int(sizes.argmax())
-        extremes[connection.name] = {"on": connection.body2, "largest": float(sizes[most]), "time": float(result.times[most])}
-        if isinstance(connection, Support) and connection.friction is not None:
-            along, across = connection.parts(connection.on_foot(force))
-            ends = [float(along.min()), float(along.max())]
-            extremes[connection.name] |= {"normal": ends, "tangential": float(across.max())}
+        largest, time = float(found.maximum[row]), float(found.maximum_time[row])
+        extremes[connection.name] = {"on": connection.body2, "largest": largest, "time": time}
+        if connection.name in feet:
+            ends = [float(found.minimum[row + 1]), float(found.maximum[row + 1])]
+            extremes[connection.name] |= {"normal": ends, "tangential": float(found.maximum[row + 2])}
+        row += 3 if connection.name in feet else 1
     return extremes
 
 
@@ -51,7 +61,7 @@ def forces_table(result: Result) -> TextTable:
     has_feet = any("normal" in one for one in extremes.values())
     columns = ("loop or spring", "on", "largest force", "at", "normal force", "tangential force")
     count = len(columns) if has_feet else 4
-    note = "At the times of the run, loads at rest included, to first order in the motion"
+    note = "During the run, loads at rest included, to first order in the motion"
     note += "; a normal force is positive where the foot presses, a tangential one is the largest." if has_feet else "."
     return TextTable("Forces during the motion", columns[:count], tuple(row[:count] for row in rows), note + _open_shares(result))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from ....ground.tolerances import NOT_DRAWN
 from ....page.content import Curve, PageContent, Plot
+from ....page.plots.readings import drawn_times
 from ....page.typeset import raised, shortened
 from ..curves import ORDERS
 from ..decisions import is_animated
@@ -17,6 +19,7 @@ from .control_report import control_facts
 from .robot_report import robot_fact
 
 if TYPE_CHECKING:
+    from ....page.content import TimeFunctions
     from ..curves import Curves
     from ..result import Result
 
@@ -47,7 +50,7 @@ def _facts(result: Result) -> tuple[tuple[str, str], ...]:
         (scene.equations.coordinates_called, coordinates.listed),
         ("degree of the equations", str(scene.equations.polynomial_matrix.degree)),
         ("eigenvalues" if result.system else "zeros", str(sum(zero.count for zero in result.finite_pair.zeros))),
-        ("time", f"{time.text}, {time.points} points, in closed form"),
+        ("time", f"{time.text}, {len(result.times)} points, in closed form"),
     )
 
 
@@ -76,10 +79,16 @@ def _plots(result: Result, curves: Curves) -> list[Plot]:
     """One plot for each unit: curves in m and in rad share no axis."""
     groups: dict[tuple[str, str], list[Curve]] = {}
     functions = result.time_functions(curves.kind)
+    times = _drawn_times(result, functions, curves.units)
+    values = functions.at(times)
     for i in _wanted(result, curves):
-        curve = Curve(curves.names[i], curves.values[i], i, (functions, i))
+        curve = Curve(curves.names[i], values[i], i, (functions, i))
         groups.setdefault((curves.titles[i], curves.units[i]), []).append(curve)
-    return [Plot(title, _shown(unit), result.times, tuple(drawn)) for (title, unit), drawn in groups.items()]
+    return [Plot(title, _shown(unit), times, tuple(drawn)) for (title, unit), drawn in groups.items()]
+
+
+def _drawn_times(result: Result, functions: TimeFunctions, units: Sequence[str]) -> np.ndarray:
+    return drawn_times(functions, float(result.times[0]), float(result.times[-1]), units)
 
 
 def _wanted(result: Result, curves: Curves) -> list[int]:
@@ -91,14 +100,16 @@ def _phase_planes(result: Result) -> list[Plot]:
     """The velocity over the displacement of each coordinate that moves."""
     places, rates = result.shown_curves("displacement"), result.shown_curves("velocity")
     functions = [result.time_functions(curves.kind) for curves in (places, rates)]
+    times = np.union1d(*(_drawn_times(result, each, own.units) for each, own in zip(functions, (places, rates))))
+    along, up = (each.at(times) for each in functions)
     moving = [i for i in _wanted(result, places) if np.ptp(places.values[i]) > NOT_DRAWN * np.abs(places.values[i]).max()]
     return [
         Plot(
             f"phase plane of {places.names[i]}",
             _shown(rates.units[i]),
-            result.times,
-            (Curve(places.names[i], rates.values[i], i, (functions[1], i)),),
-            across=Curve(places.titles[i], places.values[i], function=(functions[0], i)),
+            times,
+            (Curve(places.names[i], up[i], i, (functions[1], i)),),
+            across=Curve(places.titles[i], along[i], function=(functions[0], i)),
             across_unit=_shown(places.units[i]),
             quantity=rates.titles[i],
         )

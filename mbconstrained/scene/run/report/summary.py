@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from ....ground.checks import counted
 from ....ground.display import WIDTH, TextTable, table_text, wrapped
 from ....ground.notices import Notice, NoticeKind
+from ..curves import largest_values
 from .control_report import control_json
 from .force_report import forces_json
 from .robot_report import posture_json
@@ -187,6 +188,18 @@ def as_json(result: Result) -> dict:
         "later_constraint_impulses": [
             {"time": load.time, "impulses": [impulse.tolist() for impulse in load.impulses]}
             for load in getattr(motion, "later_constraint_impulses", ())
+        ],
+        "largest": [
+            {
+                "name": one.name,
+                "of": one.title,
+                "unit": one.unit,
+                "largest": abs(one.value),
+                "value": one.value,
+                "time": one.time,
+                "margin": _finite(one.margin),
+            }
+            for one in largest_values(result)
         ],
         "final": result.values[:, -1].tolist(),
         "error_estimate": _finite(result.error_estimate),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....ground.coordinate_units import rate_unit
-from ....ground.display import TextTable, number_text
+from ....ground.display import TextTable, number_text, with_unit
 from ....ground.notices import Notice
 from ....mechanics.mode_computation import Conservation, cleaned
 from ....mechanics.modes import Kind, Mode, Modes
@@ -18,6 +18,7 @@ from ....response.response_notices import counts
 from ....signals.impulsive import ImpulsiveLoad
 from ...quantities.coordinates import Coordinates
 from ...quantities.output_units import OutputUnits
+from ..curves import largest_values
 from ..frequency.frequency_summary import peak_table
 from ..modes.mode_summary import share_entries
 from .control_report import control_tables
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
     from ....mechanics.system import MechanicalSystem
     from ...build.control_model import ControlScene
     from ..result import Result
+
+#: Margins below this part of a largest value are not shown: it has as many digits.
+SHOWN_MARGIN = 1e-4
 
 MOST_LATER_ROWS = 20  # of the jumps and impulses after t = 0 that are listed; JSON and npz have all
 
@@ -46,6 +50,7 @@ def tables_of(result: Result) -> tuple[TextTable, ...]:
         *([_output_table(control)] if control and control.form else []),
         *_at_start(result),
         *([_later_table(result)] if result.later else []),
+        largest_table(result),
         *([forces_table(result)] if robot else ()),
         *([result.certificate.table] if result.certificate else []),
     ]
@@ -60,6 +65,18 @@ def tables_of(result: Result) -> tuple[TextTable, ...]:
         *(table for table in answers if table.rows),
         *(replace(each, folded=True) for each in details if each.rows),
     )
+
+
+def largest_table(result: Result) -> TextTable:
+    """The largest value of each requested curve for summary and page, in the units of [output]."""
+    shown, rows, open_ = result.scene.equations.coordinates.shown, [], 0
+    for one in largest_values(result):
+        unit, factor = shown.of(one.unit)
+        is_open = one.margin > SHOWN_MARGIN * abs(one.value)
+        open_ += is_open
+        rows.append((one.name, one.title, f"{'≥ ' * is_open}{with_unit(factor * one.value, unit)}", f"{number_text(one.time)} s"))
+    note = f"Largest moduli with their signs, of the closed form: none between the times is missed{'; ≥: of too many periods to search them all' if open_ else ''}."
+    return TextTable("Largest values", ("of", "quantity", "largest", "at"), tuple(rows), note)
 
 
 def notices_of(result: Result) -> tuple[Notice, ...]:

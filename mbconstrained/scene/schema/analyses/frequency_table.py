@@ -22,6 +22,7 @@ ResponseQuantity = Literal[
     "apparent mass",
     "transmissibility",
     "reaction",
+    "force",
 ]
 ResponsePlot = Literal["bode", "parts", "nyquist"]
 
@@ -69,7 +70,10 @@ class FrequencyTable(Table):
         None, description="Coordinates, each a force on it, or names of [[motion]] tables and constraint rows; by default all motions, "
         "or else the loaded coordinates."
     )  # fmt: skip
-    outputs: list[Text] | None = Field(None, description="Coordinates, of reactions constraint rows; left out: all.")
+    outputs: list[Text] | None = Field(
+        None, description="Coordinates, of reactions constraint rows, of forces springs and dampers; left out: all, and the springs and "
+        "dampers of [[output.quantity]]."
+    )  # fmt: skip
     quantity: ResponseQuantity = Field("receptance", description="What is given by what: displacement by force, …")
     relative_to: Text | None = Field(
         None, description="A coordinate or prescribed motion, subtracted from the outputs of its unit."

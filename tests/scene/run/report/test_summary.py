@@ -57,6 +57,7 @@ def test_frequencies_come_first_and_the_details_are_folded():
     content = page_content(mb.read_scene(EXAMPLES / "pitch_and_bounce.toml").run())
     assert content.frequencies.columns == ("no.", "Hz", "damping ratio") and len(content.frequencies.rows) == 2
     assert {table.title.split(":")[0]: table.folded for table in content.tables} == {
+        "Largest values": False,
         "Constraints": True,
         "Eigenvalues": True,
         "Evidence": True,
