@@ -9,6 +9,7 @@ draws 500 new examples for each property and prints how to repeat one that fails
 
 import os
 import sys
+from collections import defaultdict
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -20,6 +21,23 @@ SLOW = [HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_
 settings.register_profile("same", derandomize=True, database=None, max_examples=24, deadline=None, suppress_health_check=SLOW)
 settings.register_profile("search", max_examples=500, deadline=None, print_blob=True, suppress_health_check=SLOW)
 settings.load_profile("same")
+
+
+#: Of a test with more cases than this the default run takes so many, spread over all of them; the others are long.
+CASES = 6
+
+
+def pytest_collection_modifyitems(items):
+    """A property that holds for hundreds of cases is tested with some of them first: ``-m "long or not long"`` tests all."""
+    cases = defaultdict(list)
+    for item in items:
+        if not any(item.iter_markers("long")):
+            cases[item.nodeid.partition("[")[0]].append(item)
+    for group in cases.values():
+        chosen = {round(k * (len(group) - 1) / (CASES - 1)) for k in range(CASES)}
+        for number, item in enumerate(group):
+            if number not in chosen:
+                item.add_marker("long")
 
 
 @pytest.fixture

@@ -323,6 +323,7 @@ def arm_frequencies(angles):
     return np.sort(np.abs(values[values.imag > 0])) / (2 * np.pi)
 
 
+@pytest.mark.long
 def test_arm_workspace_has_the_frequencies_of_each_posture():
     """The corners and the middle of the map; stretched, the arm is slowest, and the shoulder hardly matters."""
     scene = read_scene(EXAMPLES / "arm_workspace.toml")

@@ -218,6 +218,7 @@ def test_half_sine_drop():
     assert largest >= max(accelerations) * (1 - 1e-12)
 
 
+@pytest.mark.long
 def test_the_gear_train_scatters_as_the_closed_form_of_each_specimen():
     """J2 reduced by i^2 = (r2 / r1)^2: w^2 of three inertias on two springs are roots of a quadratic; tolerances of first order."""
     result = read_scene(EXAMPLES / "gear_tolerances.toml").sweep(samples=400).run()
@@ -279,6 +280,7 @@ def test_the_unbalance_response_of_the_rotor():
     assert sum(peak.coordinate == "A y" for peak in response.peaks) == 2  # one of each forward mode
 
 
+@pytest.mark.long
 def test_the_optimum_of_the_tuned_mass_damper_is_that_of_its_scene():
     """tuned_mass_damper_optimum varies what tuned_mass_damper.toml has exactly (Nishihara and Asami 2002)."""
     optimum = read_scene(EXAMPLES / "tuned_mass_damper_optimum.toml").optimise()

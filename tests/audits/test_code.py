@@ -6,6 +6,8 @@ import ast
 import re
 import subprocess
 
+import pytest
+
 from tests.audits.source import FILES, ROOT, expect_none, imports, room, tree
 
 NUMERICAL_ROOMS = {
@@ -34,6 +36,7 @@ OWN_CONSTANTS = {
 }
 
 
+@pytest.mark.long
 def test_nothing_is_evaluated_as_code():
     offenders = []
     for file in FILES:

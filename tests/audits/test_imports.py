@@ -67,6 +67,7 @@ def test_importing_has_no_side_effect_on_numpy():
     subprocess.run([sys.executable, "-c", script], check=True, capture_output=True)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("command", "scene", "needed"),
     [

@@ -7,6 +7,8 @@ import re
 import tokenize
 from collections import defaultdict
 
+import pytest
+
 from tests.audits.source import FILES, expect_none, text
 
 #: Standard term: (words of docstrings, comments and messages that it replaces, words between underscores in identifiers).
@@ -55,6 +57,7 @@ def occurrences(file):
                 yield NAMES[part], token.start[0], token.string
 
 
+@pytest.mark.long
 def test_texts_and_names_use_the_vocabulary():
     lines = defaultdict(list)
     for file in FILES:

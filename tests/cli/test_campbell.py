@@ -39,6 +39,7 @@ def test_the_data_of_a_disc(campbell, tmp_path):
     assert {"rotor.campbell.html", "rotor.campbell.png", "rotor.campbell.json"} <= files
 
 
+@pytest.mark.long
 def test_the_text_fits_80_columns_and_names_the_limit_of_stability(campbell, tmp_path):
     """2 z'' + (20 - 0.4 i W) z' + (2e4 - 5 i W) z = 0: the limit is where i w is a root, 20 w = 5 W and 2 w^2 - 0.4 w W ... = k."""
     code, output, _ = campbell(MATRICES, "--to", "10000 rpm")
@@ -51,6 +52,7 @@ def test_the_text_fits_80_columns_and_names_the_limit_of_stability(campbell, tmp
     assert "unstable" in page
 
 
+@pytest.mark.long
 def test_a_table_of_speeds_bounds_the_range(campbell, tmp_path):
     code, output, _ = campbell(ELEMENTS, "--points", "11")
     assert code == 0 and "from 1000 to 5000 rev/min" in output

@@ -72,6 +72,7 @@ def test_out_names_another_folder(command, tmp_path):
     assert (tmp_path / "some" / "where" / "two_masses.html").exists() and "some/where/two_masses.html" in out
 
 
+@pytest.mark.long
 def test_json_is_data_and_nothing_else(command, tmp_path):
     code, out, err = command("run", TWO_MASSES, "--json")
     data = json.loads(out)
@@ -141,6 +142,7 @@ def test_plan_lists_reasons_and_writes_nothing(command, tmp_path):
     assert re.search(r"left out +robot model \(pinocchio\) +no robot in the scene", out)
 
 
+@pytest.mark.long
 def test_plan_with_run_tells_what_each_stage_took_and_leaves_nothing(command, tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     code, out, _ = command("plan", TWO_MASSES, "--run")
@@ -157,6 +159,7 @@ def test_plan_with_run_tells_what_each_stage_took_and_leaves_nothing(command, tm
     assert stages["page"]["seconds"] > 0 and stages["energy"]["seconds"] is None
 
 
+@pytest.mark.long
 def test_plan_with_run_says_why_an_answer_is_not_trusted(command, monkeypatch):
     doubt = Notice("rank", "a rank decision has no clear gap", doubtful=True)
     monkeypatch.setattr(Result, "notices", (doubt,))
@@ -180,6 +183,7 @@ def test_one_coordinate_is_not_several(command, tmp_path):
     assert code == 0 and "\n1 coordinate (a), " in out
 
 
+@pytest.mark.long
 def test_help_has_examples_and_exit_codes(command):
     code, out, _ = command("--help")
     assert code == 0
@@ -210,6 +214,7 @@ def test_a_wrong_command_line_is_two(command, arguments, words):
     assert (code, out) == (2, "") and words in err
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("place", ["taken", "taken/deeper", "x" * 300])
 def test_results_that_cannot_be_written_are_two(command, tmp_path, place):
     (tmp_path / "taken").write_text("a file, not a folder")
@@ -239,6 +244,7 @@ def test_what_the_system_says_while_reading_is_no_writing_error(command, monkeyp
     assert code == 1 and err.startswith("two_masses.toml: the scene or a file of it cannot be read: ")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("ending", ["html", "csv", "npz"])
 def test_results_are_replaced_together_or_not_at_all(command, tmp_path, ending):
     folder = tmp_path / "out"
@@ -274,6 +280,7 @@ BAD = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", BAD)
 def test_a_bad_scene_is_one_message_and_one_and_leaves_earlier_output(command, tmp_path, case):
     path = tmp_path / "two_masses.toml"
@@ -291,6 +298,7 @@ def test_a_bad_scene_is_one_message_and_one_and_leaves_earlier_output(command, t
     assert list(page.parent.iterdir()) == [page] and page.read_text() == "earlier"
 
 
+@pytest.mark.long
 def test_an_answer_that_cannot_be_trusted_is_written_and_is_three(command, monkeypatch, tmp_path):
     doubt = Notice("accuracy", "the data do not determine the answer", doubtful=True)
     monkeypatch.setattr(Result, "notices", (doubt,))
@@ -300,6 +308,7 @@ def test_an_answer_that_cannot_be_trusted_is_written_and_is_three(command, monke
     assert (tmp_path / "results" / "two_masses" / "two_masses.html").exists()
 
 
+@pytest.mark.long
 def test_interruption_is_130_without_traceback(command, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
@@ -309,6 +318,7 @@ def test_interruption_is_130_without_traceback(command, monkeypatch):
     assert code == 130 and "Traceback" not in err
 
 
+@pytest.mark.long
 def test_interrupted_process_leaves_no_half_file(tmp_path):
     path = tmp_path / "long.toml"
     path.write_text(Path(TWO_MASSES).read_text("utf-8").replace("points = 1001", "points = 200000"))
@@ -325,6 +335,7 @@ def test_interrupted_process_leaves_no_half_file(tmp_path):
     assert all(file.name.startswith("long.") for file in (tmp_path / "out").iterdir())
 
 
+@pytest.mark.long
 def test_closed_pipe_is_no_error(tmp_path):
     reading, writing = os.pipe()
     os.close(reading)
@@ -334,6 +345,7 @@ def test_closed_pipe_is_no_error(tmp_path):
     assert (tmp_path / "two_masses.html").exists()
 
 
+@pytest.mark.long
 def test_output_fits_a_terminal_without_greek(tmp_path):
     done = process(
         "run", EXAMPLES / "rigid_link.toml", "--verbose", "--out", tmp_path, env={**ENVIRONMENT, "PYTHONIOENCODING": "ascii"}
@@ -341,6 +353,7 @@ def test_output_fits_a_terminal_without_greek(tmp_path):
     assert done.returncode == 0 and "-0.5 N s^2" in done.stdout
 
 
+@pytest.mark.long
 def test_a_terminal_gets_tables_and_no_markup_is_interpreted(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(Path(TWO_MASSES).read_text("utf-8").replace('title = "Two masses', 'title = "[red]Two[/] masses'))
@@ -353,6 +366,7 @@ def test_a_terminal_gets_tables_and_no_markup_is_interpreted(tmp_path):
     assert "[red]Two[/] masses" in shown and "  taken     constrained form" in shown and max(map(len, shown.splitlines())) <= 80
 
 
+@pytest.mark.long
 def test_hostile_scene_in_a_process_of_its_own(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text('x = "' + "9**" * 300_000 + '"')
@@ -365,12 +379,14 @@ def test_hostile_scene_in_a_process_of_its_own(tmp_path):
 FORMULA = str(EXAMPLES / "two_masses_formula.toml")
 
 
+@pytest.mark.long
 def test_formula_prints_text(command):
     code, out, err = command("formula", FORMULA)
     assert (code, err) == (0, "")
     assert "x1(t) = (2/5 + 12 sqrt(5)/25) cos(w1 t)" in out and "Default values: m = 10 kg, k = 2 N/m." in out
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "says"),
     [("latex", r"\begin{align*}"), ("python", "def x(t, m=10.0, k=2.0):"), ("c", "#include <math.h>"), ("json", '"parameters": {')],
@@ -380,12 +396,14 @@ def test_formula_prints_other_forms(command, kind, says):
     assert (code, err) == (0, "") and says in out and "q1" not in out.replace("of q1", "")
 
 
+@pytest.mark.long
 def test_formula_with_numbers_and_into_a_file(command, tmp_path):
     code, out, err = command("formula", FORMULA, "--numbers", "--digits", "4", "--out", "folder/x.txt")
     assert (code, out, err) == (0, "", "")
     assert "cos(0.2764 t)" in (tmp_path / "folder" / "x.txt").read_text("utf-8")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("arguments", "code", "says"),
     [
@@ -400,11 +418,13 @@ def test_formula_says_what_is_wrong(command, arguments, code, says):
     assert found == code and says in err
 
 
+@pytest.mark.long
 def test_formula_with_an_error_as_json(command):
     code, out, _ = command("formula", str(EXAMPLES / "pendulum.toml"), "--json")
     assert code == 1 and "robot" in json.loads(out)["error"]
 
 
+@pytest.mark.long
 def test_a_formula_does_not_take_the_place_of_its_scene(command, tmp_path):
     scene = tmp_path / "own.toml"
     scene.write_text((EXAMPLES / "two_masses_formula.toml").read_text(encoding="utf-8"), encoding="utf-8")
@@ -416,6 +436,7 @@ def test_a_formula_does_not_take_the_place_of_its_scene(command, tmp_path):
     assert "[parameters]" in scene.read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 def test_a_formula_follows_links_and_leaves_devices(command, tmp_path):
     target, link = tmp_path / "target.txt", tmp_path / "link.txt"
     target.write_text("before")
@@ -426,11 +447,13 @@ def test_a_formula_follows_links_and_leaves_devices(command, tmp_path):
     assert Path(os.devnull).is_char_device()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seconds", ["inf", "1e300", "nan", "0"])
 def test_a_limit_of_time_is_a_number_of_seconds(command, seconds):
     assert command("formula", str(EXAMPLES / "two_masses_formula.toml"), "--seconds", seconds)[0] == 2
 
 
+@pytest.mark.long
 def test_digits_are_of_decimals(command):
     code, _, problem = command("formula", str(EXAMPLES / "two_masses_formula.toml"), "--digits", "4")
     assert code == 1 and "add --numbers" in problem

@@ -17,6 +17,7 @@ def carts(tmp_path):
     return tmp_path
 
 
+@pytest.mark.long
 def test_two_scenes_have_folders_and_common_plots(command, carts):
     code, out, problem = command("compare", "soft.toml", "stiff.toml")
     assert (code, problem) == (0, "")
@@ -27,6 +28,7 @@ def test_two_scenes_have_folders_and_common_plots(command, carts):
     assert "cart: displacement" in page and ">soft<" in page and ">stiff<" in page
 
 
+@pytest.mark.long
 def test_several_values_make_a_run_each(command, carts):
     code, out, _ = command("compare", "soft.toml", "--set", "model.spring[1].stiffness=8 N/m, 18 N/m", "--out", "both", "--json")
     data = json.loads(out)
@@ -36,12 +38,14 @@ def test_several_values_make_a_run_each(command, carts):
     assert all((carts / "both" / label / "soft.npz").exists() for label in data["runs"])
 
 
+@pytest.mark.long
 def test_runs_are_compared_at_the_times_of_the_first(command, carts):
     assert command("compare", "soft.toml", "--set", "time.end=1,2")[0] == 0
     one, two = ((carts / "results" / "compare" / f"time.end={end}" / "soft.csv").read_text() for end in (1, 2))
     assert one == two
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
@@ -56,6 +60,7 @@ def test_what_cannot_be_compared_is_refused(command, carts, arguments, code, mes
     assert left == code and message in problem
 
 
+@pytest.mark.long
 def test_the_readings_of_common_plots_are_those_of_the_solver(command, carts):
     assert command("compare", "soft.toml", "stiff.toml", "--set", "time.points=5")[0] == 0
     page = (carts / "results" / "compare" / "compare.html").read_text(encoding="utf-8")
@@ -66,6 +71,7 @@ def test_the_readings_of_common_plots_are_those_of_the_solver(command, carts):
             assert abs(value - 0.1 * np.cos(rate * time)) <= error < 1e-6
 
 
+@pytest.mark.long
 def test_several_values_of_a_run_lead_to_compare(command, carts):
     code, _, problem = command("run", "soft.toml", "--set", "model.spring[1].stiffness=8 N/m,18 N/m")
     assert code == 2

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pytest
 
 SCENE = """
 [model]
@@ -21,6 +22,7 @@ def scene(folder):
     return str(path)
 
 
+@pytest.mark.long
 def test_it_prints_peaks_on_80_columns_and_writes_page_csv_and_npz(command, tmp_path):
     code, out, err = command("frequency", scene(tmp_path), "--plots")
     assert (code, err) == (0, "") and max(map(len, out.splitlines())) <= 80
@@ -35,6 +37,7 @@ def test_it_prints_peaks_on_80_columns_and_writes_page_csv_and_npz(command, tmp_
     assert f"{f:.5g}" in out and f"{1 / (4 * np.sqrt(100 - 1)):.4g} m/N" in out
 
 
+@pytest.mark.long
 def test_options_replace_what_the_table_has(command, tmp_path):
     path = scene(tmp_path)
     code, out, _ = command("frequency", path, "--quantity", "accelerance", "--from", "1", "--to", "600 rpm", "--json")

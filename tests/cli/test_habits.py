@@ -32,12 +32,14 @@ def scene(tmp_path):
     return path
 
 
+@pytest.mark.long
 def test_the_version_is_that_of_the_installed_package(command):
     code, out, _ = command("--version")
     assert (code, out) == (0, f"mbconstrained {mb.__version__}\n")
     assert "__version__" in dir(mb)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("arguments", [["-h"], ["run", "-h"], ["modes", "-h"]])
 def test_h_is_help(command, arguments):
     assert command(*arguments) == command(*arguments[:-1], "--help")
@@ -48,16 +50,19 @@ def test_the_module_runs_as_a_command():
     assert done.stdout.startswith("mbconstrained ")
 
 
+@pytest.mark.long
 def test_there_is_completion_for_the_shell(command):
     _, out, _ = command("-h")
     assert "--install-completion" in out and "--show-completion" in out
 
 
+@pytest.mark.long
 def test_a_setting_given_twice_is_refused(command, scene):
     code, _, problem = command("check", scene, "--set", "time.end=2", "--set", "time.end=3")
     assert code == 2 and '"time.end" is set twice; give it one value' in problem
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("first", [True, False])
 def test_single_and_double_brackets_of_one_table(command, scene, first):
     single = '[model.mass]\nname = "b"\nmass = 1\n'
@@ -67,6 +72,7 @@ def test_single_and_double_brackets_of_one_table(command, scene, first):
     assert code == 1 and "[model.mass] and [[model.mass]] stand in one file; write double brackets, [[model.mass]]" in problem
 
 
+@pytest.mark.long
 def test_a_wrong_parameter_is_reported_once(command, scene):
     text = '[parameters]\nk = "3 N/mn"\n' + CART.replace("= 8", '= "=k"').replace("mass = 2", 'mass = "=k"')
     scene.write_text(text, encoding="utf-8")

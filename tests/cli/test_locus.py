@@ -13,6 +13,7 @@ from tests.scene.scenes import EXAMPLES
 SCENE = EXAMPLES / "tuned_mass_damper.toml"
 
 
+@pytest.mark.long
 def test_a_locus_has_its_break_points(command):
     """The root of the discriminant with 30 digits."""
     system = mb.read_scene(SCENE).equations.system
@@ -25,6 +26,7 @@ def test_a_locus_has_its_break_points(command):
     assert "Root locus over absorber damper" in page and "damping ratios 0.1, 0.2" in page
 
 
+@pytest.mark.long
 def test_data(command):
     code, text, _ = command("locus", SCENE, "--vary", "zeta=0.5..1.5", "--out", "out", "--json")
     data = json.loads(text)
@@ -33,6 +35,7 @@ def test_data(command):
     assert point["residual"] < 1e-14 and point["eigenvalue"][1] == 0 and 0.98 < point["value"] < 0.99
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("scene", "vary", "message"),
     [

@@ -33,6 +33,7 @@ def test_each_is_right_and_runs(tmp_path, name):
     assert (result.values.max(axis=1) - result.values.min(axis=1) > 0).all()  # everything moves
 
 
+@pytest.mark.long
 def test_the_name_of_the_file_chooses_and_nothing_is_overwritten(command, tmp_path):
     code, out, err = command("new", "transfer_function")
     assert (code, err) == (0, "") and "transfer_function.toml is written from the template transfer-function. Next:" in out
@@ -44,6 +45,7 @@ def test_the_name_of_the_file_chooses_and_nothing_is_overwritten(command, tmp_pa
     assert (tmp_path / "bridge.toml").read_text() == before
 
 
+@pytest.mark.long
 def test_a_robot_comes_with_its_files_or_not_at_all(command, tmp_path):
     (tmp_path / "arm.urdf").write_text("mine")
     assert command("new", "arm.toml", "--template", "robot")[0] == 2
@@ -53,11 +55,13 @@ def test_a_robot_comes_with_its_files_or_not_at_all(command, tmp_path):
     assert len(COMPANIONS["robot"]) == 2 and command("check", "my arm.toml")[0] == 0
 
 
+@pytest.mark.long
 def test_list_has_a_sentence_for_each(command):
     code, out, _ = command("new", "--list")
     assert code == 0 and all(re.search(rf"^  {name} +\w", out, re.MULTILINE) for name in WANTED)
 
 
+@pytest.mark.long
 def test_what_is_wrong_is_told(command):
     assert command("new")[0] == 2
     code, _, err = command("new", "a.toml", "--template", "gaers")
@@ -68,6 +72,7 @@ def test_what_is_wrong_is_told(command):
         write_template(_folder() / 'a"b.toml')
 
 
+@pytest.mark.long
 def test_scenes_beside_a_schema_point_to_it(command, tmp_path):
     assert "#:schema ./mbconstrained.schema.json" in command("schema", "--out", "mbconstrained.schema.json")[1]
     command("new", "gears")

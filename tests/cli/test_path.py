@@ -72,6 +72,7 @@ def frequencies(folder, place) -> np.ndarray:
     return np.sqrt(eigh(K, M, eigvals_only=True)) / (2 * np.pi)
 
 
+@pytest.mark.long
 def test_frequencies_are_those_of_the_postures(path, tmp_path):
     """Places equally far apart over the corner, under the force of the posture."""
     code, output, _ = path(SCENE, "--json")
@@ -84,6 +85,7 @@ def test_frequencies_are_those_of_the_postures(path, tmp_path):
     assert {file.name for file in (tmp_path / "out").iterdir()} == {"arm.path.html", "arm.path.png", "arm.path.json"}
 
 
+@pytest.mark.long
 def test_the_text_fits_80_columns_and_lists_places_out_of_reach(path, tmp_path):
     code, output, _ = path(SCENE.replace("-0.45]", "-0.9]"), "--points", "6")
     assert code == 0 and max(map(len, output.splitlines())) <= 80
@@ -95,6 +97,7 @@ def test_the_text_fits_80_columns_and_lists_places_out_of_reach(path, tmp_path):
     assert data["joints"][4] is None and data["unreachable"][2]["distance"] == pytest.approx(np.hypot(0.3, 0.9) - 0.7, rel=0.2)
 
 
+@pytest.mark.long
 def test_a_robot_without_oscillation_has_a_page_without_a_picture(path, tmp_path):
     """A weightless pendulum without springs: nothing oscillates."""
     text = SCENE.replace("joint_stiffness = { shoulder = 900, elbow = 300 }", "gravity = 0").replace(
@@ -104,6 +107,7 @@ def test_a_robot_without_oscillation_has_a_page_without_a_picture(path, tmp_path
     assert code == 0 and "nothing oscillates" in output and not list((tmp_path / "out").glob("*.png"))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [

@@ -27,6 +27,7 @@ def scene(folder, random=WHITE):
     return str(path)
 
 
+@pytest.mark.long
 def test_it_prints_rms_values_and_writes_page_csv_and_npz(command, tmp_path):
     """E[x^2] = G / (4 c k)."""
     code, out, err = command("random", scene(tmp_path))
@@ -39,6 +40,7 @@ def test_it_prints_rms_values_and_writes_page_csv_and_npz(command, tmp_path):
         assert np.isclose(data["psd"][0, 0], 3 / 200**2, rtol=1e-2)
 
 
+@pytest.mark.long
 def test_infinite_variances_are_texts_and_null(command, tmp_path):
     """The acceleration follows white noise directly."""
     path = scene(tmp_path, '[random]\nquantity = "acceleration"\n' + WHITE)
@@ -61,6 +63,7 @@ def test_plots_of_the_page(tmp_path):
     assert [plot.title for plot in rough.plots] == ["spectrum of the acceleration", "RMS of octaves", "RMS up to a frequency"]
 
 
+@pytest.mark.long
 def test_what_is_wrong_is_named_with_its_place(command, tmp_path):
     """One message each, no traceback."""
     cases = [

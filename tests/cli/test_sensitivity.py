@@ -32,6 +32,7 @@ def scene(tmp_path):
     return path
 
 
+@pytest.mark.long
 def test_frequency_and_damping_of_one_mass(command, scene):
     """f = sqrt(k / m) / 2 pi and zeta = c / 2 sqrt(k m): half a per cent per per cent, and half of zeta = 0.05."""
     code, text, _ = command("sensitivity", scene)
@@ -46,18 +47,21 @@ def test_frequency_and_damping_of_one_mass(command, scene):
     assert max(map(len, text.splitlines())) <= 80
 
 
+@pytest.mark.long
 def test_json_and_chosen_names(command, scene):
     code, text, _ = command("sensitivity", scene, "--to", "k", "--json")
     assert code == 0
     assert "k" in json.dumps(json.loads(text)) and '"m"' not in json.dumps(json.loads(text))
 
 
+@pytest.mark.long
 def test_an_unknown_name_is_a_message(command, scene):
     code, _, errors = command("sensitivity", scene, "--to", "kk")
     assert code == 1
     assert "kk" in errors and "Traceback" not in errors
 
 
+@pytest.mark.long
 def test_real_eigenvalues_are_no_oscillating_modes(command, scene):
     """Overdamped, s = -c/2m +- root: all eigenvalues depend on k, but no natural frequency of the table does."""
     scene.write_text(SCENE.replace("0.2 N s/m", "20 N s/m"))
@@ -69,6 +73,7 @@ def test_real_eigenvalues_are_no_oscillating_modes(command, scene):
     assert sorted(value for value, _ in slopes) == pytest.approx([-0.5 / root, 0.5 / root], rel=1e-12)
 
 
+@pytest.mark.long
 def test_state_spaces_with_a_normal_form_have_their_entries(command):
     """The system of a state space in normal form is varied by the entries of its matrices."""
     code, text, errors = command("sensitivity", Path(__file__).parents[2] / "examples" / "unseen_mass.toml")
@@ -76,6 +81,7 @@ def test_state_spaces_with_a_normal_form_have_their_entries(command):
     assert "stiffness[" in text
 
 
+@pytest.mark.long
 def test_robots_without_parameters(command):
     """The spring that carries the four-bar matters most; a heavier coupler lowers its frequency."""
     code, text, _ = command("sensitivity", Path(__file__).parents[2] / "examples" / "four_bar.toml", "--json")

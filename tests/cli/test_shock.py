@@ -32,6 +32,7 @@ def scene(folder, shock="", text=SCENE):
     return str(path)
 
 
+@pytest.mark.long
 def test_peaks_of_every_coordinate_reaction_and_element_and_the_spectrum(command, tmp_path):
     """A step of the base acceleration a doubles: the spring carries 2 m a at t = pi / w (Inman, section 3.2)."""
     code, out, err = command("shock", scene(tmp_path, "[shock]\ndamping_ratio = 0\ntripartite = true\nend = '50 ms'\n"), "--plots")
@@ -55,6 +56,7 @@ def test_peaks_of_every_coordinate_reaction_and_element_and_the_spectrum(command
     )
 
 
+@pytest.mark.long
 def test_a_record_has_its_spectrum_in_the_unit_of_its_header(command, tmp_path):
     (tmp_path / "record.csv").write_text(RECORD, encoding="utf-8")
     code, out, _ = command("shock", "record.csv", "--quality", "10", "--from", "5", "--to", "50", "--json")
@@ -65,6 +67,7 @@ def test_a_record_has_its_spectrum_in_the_unit_of_its_header(command, tmp_path):
     assert np.allclose(in_g["spectrum"]["maximax"], 9.80665 * np.array(spectrum["maximax"]), rtol=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("shock", "words"),
     [
@@ -83,6 +86,7 @@ def test_wrong_entries_name_their_place(command, tmp_path, shock, words):
     assert (code, out) == (1, "") and words in err and err.startswith("drop.toml: shock")
 
 
+@pytest.mark.long
 def test_a_motion_without_end_has_peaks_but_no_spectrum(command, tmp_path):
     harmonic = SCENE.replace('"pulse"', '"harmonic"').replace('duration = "5 s"', 'frequency = "3 Hz"')
     code, out, _ = command("shock", scene(tmp_path, text=harmonic))
@@ -91,6 +95,7 @@ def test_a_motion_without_end_has_peaks_but_no_spectrum(command, tmp_path):
     assert code == 1 and "does not end" in err
 
 
+@pytest.mark.long
 def test_wrong_records_and_options(command, tmp_path):
     def error(*options, text=RECORD):
         (tmp_path / "record.csv").write_text(text, encoding="utf-8")
@@ -108,6 +113,7 @@ def test_wrong_records_and_options(command, tmp_path):
     assert command("shock", scene(tmp_path), "--unit", "g")[0] == 2
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("record", "message"),
     [

@@ -16,6 +16,7 @@ def scene():
     return Path(__file__).parents[2] / SCENE
 
 
+@pytest.mark.long
 def test_a_grid_is_tabulated(command, scene):
     code, text, _ = command("sweep", scene, "--vary", "zeta=0.1..0.2:3", "--out", "out")
     assert code == 0
@@ -23,6 +24,7 @@ def test_a_grid_is_tabulated(command, scene):
     assert max(map(len, text.splitlines())) <= 80
 
 
+@pytest.mark.long
 def test_json_has_statistics_and_probabilities(command, scene):
     arguments = (
         "--vary",
@@ -41,6 +43,7 @@ def test_json_has_statistics_and_probabilities(command, scene):
     assert "frequency 1" in json.dumps(data) and "0.05" in json.dumps(data)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -58,6 +61,7 @@ def test_what_is_wrong_is_named(command, scene, arguments, message):
     assert message in " ".join(errors.split()) and "Traceback" not in errors
 
 
+@pytest.mark.long
 def test_the_command_optimise(command, scene):
     code, text, _ = command(
         "optimise", scene, "--vary", "zeta=0.1..0.2", "--minimise", "response peak machine by machine", "--out", "out"
@@ -67,6 +71,7 @@ def test_the_command_optimise(command, scene):
     assert max(map(len, text.splitlines())) <= 80
 
 
+@pytest.mark.long
 def test_an_address_where_another_program_answers(command, scene):
     """Its greeting is no length of a message that memory must hold."""
     with socket.create_server(("127.0.0.1", 0)) as server:

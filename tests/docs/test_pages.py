@@ -50,6 +50,7 @@ def check_toml(text: str, folder: Path) -> None:
         mb.read_scene(folder / title)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(DOCS).as_posix())
 def test_the_blocks_of_a_page_run_in_order(page, folder, command, monkeypatch):
     monkeypatch.chdir(folder)

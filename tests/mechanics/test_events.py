@@ -67,6 +67,7 @@ def test_notices_have_names_units_and_times():
     assert 'constraint "rod": its force contains a Dirac impulse of -3 N s at t = 1 s' in texts
 
 
+@pytest.mark.long
 def test_thousands_of_events_are_a_few_lines():
     loads = sum(mb.impulse([1.0, 1.0]).delayed(0.5 * k) for k in range(1, 1001))
     motion = ROD.solve(force=loads)

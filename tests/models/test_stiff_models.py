@@ -203,6 +203,7 @@ def test_a_stiff_chain_of_more_than_sixty_masses_keeps_its_digits():
     assert np.abs(values - rigid).max() < 1e-11
 
 
+@pytest.mark.long
 def test_larger_stiff_models_report_that_they_were_assembled():
     count = PRECISE_STATES // 2 + 1
     notices = stiff_chain(count).solve(np.ones(count)).notices

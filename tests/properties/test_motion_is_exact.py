@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 
 from tests.properties.problems import Problem, problems, scale_of
@@ -40,6 +41,7 @@ def test_motion_is_its_taylor_series(problem: Problem):
     assert np.abs(problem.answer(TIMES) - known).max() <= BAR * scale_of(known)
 
 
+@pytest.mark.long
 @given(problems())
 def test_derivatives_at_zero_are_the_laurent_coefficients(problem: Problem):
     for order in range(problem.sample.degree + 2):

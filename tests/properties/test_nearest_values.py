@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
+import pytest
 from hypothesis import given
 
 import mbconstrained as mb
@@ -57,6 +58,7 @@ def test_nearest_values_are_those_of_least_squares_on_exact_conditions(problem: 
         assert np.abs(matrix @ values.ravel() - right).max() <= BAR * size * scale_of(matrix)
 
 
+@pytest.mark.long
 @given(problems(largest_size=3, with_impulses=False))
 def test_dimensions_of_the_sets_are_those_of_the_exact_conditions(problem: Problem):
     q, r = problem.sample.degree, problem.sample.size

@@ -225,6 +225,7 @@ def graded_models(draw, largest: int = 3) -> Model:
 times_of = st.lists(st.sampled_from([0.0, 1e-3, 0.1, 0.7, 3.0, 10.0, 40.0, 100.0, 300.0]), min_size=1, max_size=3, unique=True)
 
 
+@pytest.mark.long
 @settings(deadline=None, max_examples=25)
 @given(graded_models(), times_of)
 def test_graded_models(model, times):

@@ -91,6 +91,7 @@ def test_motion_is_the_sum_of_the_delayed_motions(late: Late):
     assert np.abs(late.answer(TIMES) - late.known).max() <= BAR * scale_of(late.known)
 
 
+@pytest.mark.long
 @given(late_problems())
 def test_events_are_where_something_happens_and_nowhere_else(late: Late):
     happens = [d for d in DELAYS if late.jumps[d].any() or len(late.impulses[d])]

@@ -187,6 +187,7 @@ def test_what_are_no_times_is_told(times, text):
     assert text in str(told.value)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("make", [lambda: TIED, lambda: chain()], ids=["small", "large"])
 def test_all_need_little_more_memory_than_their_values(make, monkeypatch):
     A = make()

@@ -59,6 +59,7 @@ def test_modes_of_a_chain_and_without_damping_take_less_than_three_matrices(reac
     assert max(matrices for matrices, _ in found) <= 2.5
 
 
+@pytest.mark.long
 def test_powers_take_eight_matrices_and_modes_three():
     """Eight for SciPy's exponential; vectors and their inverse, with what makes the rows of them."""
     (powers, by_modes), (modes, _) = peaks((1, 7), True)

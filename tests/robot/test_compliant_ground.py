@@ -31,6 +31,7 @@ def quadruped(stiffness=None, damping=(0.0, 0.0, 0.0), **options) -> mb.Robot:
     return mb.Robot(QUADRUPED, base="free", joint_stiffness=SPRINGS, joint_rest=dict.fromkeys(SPRINGS, 0.0) | REST, **feet)
 
 
+@pytest.mark.long
 def test_stiff_ground_tends_to_feet_that_cannot_move():
     """Frequencies and forces differ by what the ground gives way, in proportion to 1 / k."""
     robot = quadruped()

@@ -71,6 +71,7 @@ def four_points(friction: float) -> list[mb.Loop]:
     ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("friction", [0.2, 0.25])
 def test_a_block_on_four_feet_slips_where_no_share_of_the_load_keeps_it(friction):
     """Whatever the rows that were left out: all friction together is mu m g; the pyramid in the cone lacks 0.2 % of it."""
@@ -81,6 +82,7 @@ def test_a_block_on_four_feet_slips_where_no_share_of_the_load_keeps_it(friction
     assert float(re.search(r"lacks ([0-9.]+) N", slips)[1]) == pytest.approx(lacking, abs=2e-3 * friction * MASS * G)
 
 
+@pytest.mark.long
 def test_a_block_on_four_feet_lifts_off_where_it_would_tip():
     texts = shaken(four_points(5.0), "x")
     (lifts,) = [text for text in texts if "lift" in text]

@@ -91,6 +91,7 @@ def sensitivities():
     return arm().sensitivities()
 
 
+@pytest.mark.long
 def test_all_numbers_are_parameters(sensitivities):
     assert set(sensitivities.names) == set(NUMBERS)
     assert {one.name: pytest.approx(one.value) for one in sensitivities.parameters} == NUMBERS
@@ -128,6 +129,7 @@ def scene(folder, **changed):
     return robot.linearize(robot.equilibrium(**data.posture)), arguments
 
 
+@pytest.mark.long
 def test_a_loop():
     """The crank's spring carries the four-bar; the loads in its loop change with every mass."""
     d = scene("four_bar")[0].sensitivities(["crank pivot.stiffness", "coupler.mass", "rocker.mass"])
@@ -138,6 +140,7 @@ def test_a_loop():
         agree(d, f"{name}.mass", difference(lambda m, n=name: scene("four_bar", masses={n: m})[0].modes().eigenvalues, mass))
 
 
+@pytest.mark.long
 def test_flexible_joints():
     """Gears of an arm with seven motors."""
     system, arguments = scene("seven_joint_arm")
@@ -153,12 +156,14 @@ def test_flexible_joints():
     agree(d, f"{name}.stiffness", difference(eigenvalues, joint.stiffness))
 
 
+@pytest.mark.long
 def test_a_free_base():
     """The block of an engine on its mounts: the posture of a free body moves with its mass."""
     d = scene("engine")[0].sensitivities(["block.mass"])
     agree(d, "block.mass", difference(lambda m: scene("engine", masses={"block": m})[0].modes().eigenvalues, d.parameters[0].value))
 
 
+@pytest.mark.long
 def test_rayleigh_damping_and_wrong_names():
     system = arm().with_rayleigh_damping(0.1, 0.02)
     expected = difference(lambda k: arm(**{"hinge.stiffness": k}).with_rayleigh_damping(0.1, 0.02).modes().eigenvalues, 12.0)

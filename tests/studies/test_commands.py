@@ -117,6 +117,7 @@ def test_stability_of_a_scene(app, scene, tmp_path):
     assert names == {f"cart.stability{ending}" for ending in (".html", ".png", "-2.png", ".json")}
 
 
+@pytest.mark.long
 def test_stability_of_systems_of_the_gallery(app, tmp_path):
     done = run(app, "stability", "--systems", "first_moments, heavy_damper", "--json", "--out", tmp_path)
     data = json.loads(done.stdout)
@@ -148,6 +149,7 @@ def test_options_out_of_range_are_a_wrong_command_line(app, scene, option):
     assert run(app, command, scene, *others).exit_code == 2
 
 
+@pytest.mark.long
 def test_the_commands_stand_in_the_help():
     import subprocess
     import sys

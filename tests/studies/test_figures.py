@@ -87,6 +87,7 @@ def test_what_the_user_has_set_changes_no_picture_and_stays_set(setting):
         assert dict(matplotlib.rcParams) == before
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", ["0", "7"])
 def test_the_same_content_gives_the_same_bytes_in_every_process(seed, monkeypatch):
     code = (
@@ -103,6 +104,7 @@ def test_the_same_content_gives_the_same_bytes_in_every_process(seed, monkeypatc
     assert run.stdout.split() == [hashlib.sha256(part).hexdigest() for part in (picture.svg.encode(), picture.png())]
 
 
+@pytest.mark.long
 def test_matplotlib_comes_when_a_picture_is_drawn_and_its_global_figures_never():
     code = (
         "import sys\n"

@@ -101,6 +101,7 @@ def test_the_examples_are_those_of_the_paper(name, example, columns):
     assert close(found, known, 1e-14)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("damping", [0.0, 1e-2])
 def test_the_stack_moves_as_the_package_says(damping):
     times, names = even_times(80.0, 9), [f"mass {place + 1}" for place in range(20)]

@@ -76,6 +76,7 @@ def test_all_poles_numerators_and_inputs_against_residues(poles, b, gamma):
     assert len(y.impulses) == len(impulses(b, a, gamma))
 
 
+@pytest.mark.long
 @given(poles, numerators, orders)
 def test_the_derivative_of_a_response_is_the_response_to_the_derivative(poles, b, gamma):
     """Eq. (8) in the sense of distributions: the value at 0+ becomes an impulse."""

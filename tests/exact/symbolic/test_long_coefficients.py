@@ -40,6 +40,7 @@ def test_both_pairs_of_it_are_its_inverse():
     assert (finite + infinite).subs(VALUES) == DAMPED_LINK(z).subs(VALUES).inv()
 
 
+@pytest.mark.long
 def test_chains_of_a_quartic_with_long_coefficients():
     """A(s) v_0 vanishes where p does, and so does b_0^T A(s)."""
     A = SymbolicPolynomialMatrix([[[0, 1], [c / a, 0]], [[a - b, b], [c / a, a]], [[-a, 1], [-a, b]]])

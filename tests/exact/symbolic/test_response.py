@@ -88,6 +88,7 @@ def test_the_table_of_5_2_with_five_symbols():
     assert [sympy.factor(e) for e in x.jump[0, :]] == [sympy.factor(2 * k2 / (k1 + k2) - R(2, 3)), 0, 0]
 
 
+@pytest.mark.long
 def test_equations_89_and_90_with_the_matrices_of_the_paper_corrected():
     """C, J, B_F of (86)-(88), entry (6, 3) of (88) without its factor m."""
     r5 = sympy.sqrt(5)
@@ -266,6 +267,7 @@ def integer_problems(draw):
     return A, X0
 
 
+@pytest.mark.long
 @given(integer_problems().filter(lambda problem: determinant(rational(problem[0]))))
 def test_impulses_and_the_start_are_those_of_rational_arithmetic(problem):
     """Exactly; and the formula soon after 0 has the value of its Taylor series."""

@@ -66,6 +66,7 @@ def curvature_at_ends(polynomial):
     return np.array([derivatives.sum(axis=1), derivatives[:, 0]])
 
 
+@pytest.mark.long
 def test_nafems_5h_deep_simply_supported_beam_under_a_harmonic_load():
     """NAFEMS R0016: 13.45 mm and 241.9 MPa at 42.65 Hz. Programs agree with these to 0.5 %, with the frequency to 0.1 %."""
     count = 24

@@ -50,6 +50,7 @@ def highest(parameters):
     return max(peak.amplitude for peak in tuned_mass_damper(*parameters).peaks)
 
 
+@pytest.mark.long
 def test_tuned_mass_damper_of_den_hartog_and_the_exact_optimum():
     values = VIBRATION["tuned_mass_damper"]
     np.testing.assert_allclose(

@@ -40,6 +40,7 @@ def test_peaks_under_a_base_shock(of):
     assert np.allclose(at, peaks.maximum, atol=1e-9 * size)
 
 
+@pytest.mark.long
 def test_peaks_of_elongations():
     """A combination has the peak of the difference, not the difference of the peaks."""
     motion = building(shock()).solve()

@@ -73,6 +73,7 @@ def test_values_in_time_are_in_closed_form_and_not_a_sum_of_harmonics():
     np.testing.assert_allclose(steady.velocity(t)[0], sign * (-a * np.exp(-half) - 4 * b * np.exp(-4 * half)), atol=1e-13)
 
 
+@pytest.mark.long
 def test_a_support_that_jumps_at_the_end_of_each_period():
     """A saw-tooth of a support behind a damper: at each end the support jumps back, and the momentum of the mass changes."""
     system = mb.MechanicalSystem(

@@ -166,6 +166,7 @@ def test_the_view_is_the_one_that_is_asked_for(browser, page):
     assert json.loads(browser.evaluate("document.getElementById('motion-data').textContent"))["figure"]["view"]["zoom"] == 2
 
 
+@pytest.mark.long
 def test_names_and_values_are_recorded_in_their_font_and_colour(browser, page):
     browser.open(page)
     browser.evaluate("""void (() => {

@@ -93,6 +93,7 @@ def readings_against_the_solver(plots, times):
     return wrong, np.mean(few), functions
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("table", ["force", "motion"])
 def test_readings_under_a_record_are_those_of_the_solver_with_three_digits(table, tmp_path):
     plots = plots_of(scene_with_record(tmp_path, 3000, table).run())

@@ -62,6 +62,7 @@ def test_lines_cross_and_coupled_ones_veer(points, coupling):
     assert_same_columns(found, 1j * np.sqrt(pairs_of_curves(blocks, p)), 1e-10)
 
 
+@pytest.mark.long
 @settings(max_examples=25)
 @given(
     blocks=st.lists(

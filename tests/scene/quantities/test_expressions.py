@@ -94,6 +94,7 @@ def test_other_texts_are_refused(text, says):
     assert says in str(problem.value)
 
 
+@pytest.mark.long
 @given(st.text(max_size=60))
 def test_any_text_is_read_or_refused(text):
     with suppress(InputError):

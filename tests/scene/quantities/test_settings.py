@@ -89,6 +89,7 @@ def test_texts_of_the_command_line_become_values():
     assert [value_of(text) for text in texts] == [3, 300.0, True, [1, 2], "3 N/mm", "=2*k", "", "1\nother = 2", "{a = 1}", "3 N"]
 
 
+@pytest.mark.long
 def test_every_command_tells_what_was_set(command, tmp_path):
     scene_of(tmp_path, TEXT)
     words = "k = 2 N/mm"

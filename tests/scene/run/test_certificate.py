@@ -128,6 +128,7 @@ def test_digits_are_relative_to_the_curve_or_where_it_is_rounding_to_the_others(
     assert Certified("a", "displacement", "m", 1e-16, 1e-16, 1.0).digits == "16"
 
 
+@pytest.mark.long
 def test_from_the_command_line(tmp_path):
     command = [
         sys.executable,

@@ -295,6 +295,7 @@ def test_assumptions_that_no_shown_coordinate_needs_are_not_made(tmp_path):
         formula_of(scene, coordinates=["y"])
 
 
+@pytest.mark.long
 def test_parameters_that_are_0_stay_parameters(tmp_path):
     text = FORCED.replace("TIE", "rigid_tie").replace("ARGUMENTS", 'distance = "=m/4"').replace('"FORCE"', '"step"\nvalue = 2')
     scene = scene_of(tmp_path, text.replace('"-9.81 m/s^2"', "0").replace('"0.3 Hz"', "0"))

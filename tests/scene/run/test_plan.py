@@ -200,12 +200,14 @@ def imported(path, folder) -> list[str]:
     return found.stdout.split()
 
 
+@pytest.mark.long
 def test_a_lumped_scene_imports_no_robot_viewer_symbols_or_plots(tmp_path):
     names = imported(EXAMPLES / "critically_damped.toml", tmp_path)
     assert "mbconstrained.page.html" in names  # the page was made
     assert all(name.startswith("mbconstrained.page") or name == "pint" for name in names)
 
 
+@pytest.mark.long
 def test_without_a_page_and_units_neither_is_imported(tmp_path):
     path = tmp_path / "plain.toml"
     path.write_text(MATRICES + "[output]\npage = false\n")

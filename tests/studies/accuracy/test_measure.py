@@ -201,6 +201,7 @@ def test_the_report_is_plain_data_and_reads_well():
     assert "exact rational and ball arithmetic" in text
 
 
+@pytest.mark.long
 def test_an_answer_that_is_wrong_or_missing_is_not_trusted():
     assert not report(Method("closed form", off_by(0.01), is_ours=True)).is_trusted
     assert not report(Method("closed form", raising(Failure("no")), is_ours=True)).is_trusted

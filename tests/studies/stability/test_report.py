@@ -130,6 +130,7 @@ def test_some_systems_of_the_gallery():
     assert len({one.name for one in GALLERY}) == len(GALLERY) >= 20
 
 
+@pytest.mark.long
 def test_a_scene_is_turned_by_all_that_it_has():
     found = scene_report(read_scene("examples/critically_damped.toml"), decades=2, step=2)
     assert [one.title for one in found.sweeps][-1] == "horizon"

@@ -8,6 +8,7 @@ import pytest
 import mbconstrained as mb
 
 
+@pytest.mark.long
 def test_the_tuned_mass_damper_has_its_exact_optimum():
     """Both peaks of the response are equal at the optimum of Den Hartog's absorber, mass ratio 0.05: 6.407921 of the static deflection.
 
@@ -23,6 +24,7 @@ def test_the_tuned_mass_damper_has_its_exact_optimum():
     assert not optimum.at_bounds
 
 
+@pytest.mark.long
 def test_a_bound_that_is_reached_is_reported():
     scene = mb.read_scene("examples/tuned_mass_damper.toml")
     optimum = scene.optimise({"zeta": "0.2..0.3"}, minimise="response peak machine by machine")

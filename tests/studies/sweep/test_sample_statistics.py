@@ -38,6 +38,7 @@ def test_the_interval_of_a_probability_is_that_of_clopper_and_pearson():
     assert none.value == none.low == 0.0 and 0 < none.high < 0.05
 
 
+@pytest.mark.long
 def test_sobol_indices_of_a_sum_are_the_shares_of_its_variance():
     """y = 3 a + b with independent uniform numbers: 9/10 and 1/10; no interaction."""
     n, d = 4096, 2

@@ -63,6 +63,7 @@ def test_each_sample_is_a_run_of_its_own(path):
         assert result.values("peak load")[number].item() >= curve * (1 - 1e-12)
 
 
+@pytest.mark.long
 def test_workers_give_the_same_bits(path, tmp_path):
     study = mb.read_scene(path).sweep({"k": "normal(2 N/mm, 5 %)"}, samples=40, keep=KEPT, chunk=8)
     alone, shared = study.run(), study.run(store=tmp_path / "k.zarr", workers=2)
@@ -104,6 +105,7 @@ def test_wrong_parameters_are_messages(path, parameters, message):
         mb.read_scene(path).sweep(parameters)
 
 
+@pytest.mark.long
 def test_the_page_animates_samples_at_quantiles(tmp_path):
     """At most 25 variants, from the least to the largest first frequency, each named with its parameters."""
     scene = mb.read_scene(EXAMPLES / "gear_tolerances.toml")

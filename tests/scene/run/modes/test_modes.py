@@ -267,6 +267,7 @@ def test_the_drawing_of_a_robot_keeps_the_note_of_its_scene(tmp_path):
     assert content.drawing.note == "hangs in the hall" and "rod" in [body.name for body in content.drawing.bodies]
 
 
+@pytest.mark.long
 def test_the_page_of_a_robot_lists_its_effective_masses_as_they_are_printed():
     modes = SceneModes(read_scene(EXAMPLES / "seven_joint_arm.toml"))
     printed = modes.effective_masses.table()

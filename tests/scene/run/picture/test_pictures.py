@@ -39,6 +39,7 @@ def test_without_being_asked_for_none_is_written_and_the_plan_says_so(tmp_path):
     assert not found["still picture (Chromium)"].needed and "--still TIME" in found["still picture (Chromium)"].reason
 
 
+@pytest.mark.long
 @needs_chromium
 def test_the_options_write_both(tmp_path):
     path = scene_of(tmp_path, OSCILLATOR + "[output]\npage = false\n").path
