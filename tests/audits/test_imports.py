@@ -97,7 +97,13 @@ def test_importing_leaves_out_robots_pages_exact_answers_and_reports():
     assert done.stdout.strip() == ""
 
 
-def test_the_types_are_shipped():
-    """Checkers of users' own code read the annotations of a package that has this file."""
-    data = tomllib.loads((EXAMPLES.parent / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["package-data"]
-    assert (EXAMPLES.parent / "mbconstrained" / "py.typed").is_file() and "py.typed" in data["*"]
+def test_the_types_and_the_licences_of_the_viewer_are_shipped():
+    """Checkers of users' own code read the annotations of a package that has py.typed; pages contain the viewer, so its licences go with the package."""
+    from mbconstrained.page.html import viewer_licences
+
+    root = EXAMPLES.parent
+    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))
+    assert (root / "mbconstrained" / "py.typed").is_file()
+    *_, file = project["project"]["license-files"]
+    assert (root / file).read_text(encoding="utf-8").strip() == viewer_licences().strip()
+    assert {"/examples", "/robots", "/tests", "/mbconstrained"} <= set(project["tool"]["hatch"]["build"]["targets"]["sdist"]["include"])

@@ -74,7 +74,7 @@ def test_dependent_rows_are_combined_to_zero(rows, columns, seed):
     assert np.array_equal(product.data[:k], matrix[found.pivots])
     assert np.abs(product.data[k:]).max(initial=0.0) <= 1e-13
     assert np.linalg.matrix_rank(found.left.data) == rows
-    assert np.linalg.matrix_rank(matrix[found.pivots]) == k
+    assert not k or np.linalg.matrix_rank(matrix[found.pivots]) == k  # NumPy before 2.3 has no rank of nothing
 
 
 @given(st.integers(1, 6), st.integers(1, 6), st.integers(0, 10**6))
