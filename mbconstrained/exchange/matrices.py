@@ -5,7 +5,10 @@ NumPy .npy and .npz, scipy.sparse .npz, Matrix Market .mtx, MATLAB .mat, Nastran
 
 from __future__ import annotations
 
-import warnings
+import json
+import subprocess
+import sys
+import tempfile
 import zipfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -150,28 +153,101 @@ def _from_npy(path: Path, array: None) -> np.ndarray:
         return np.array(np.load(path, allow_pickle=False, mmap_mode="r"))  # mapped: no header can request more than the file has
 
 
-def _from_matrix_market(path: Path, array: None):
-    import scipy.io  # takes a quarter of a second
+#: The limits of a reader in a process of its own: seconds, bytes of address space.
+LONGEST_READING, READING_MEMORY = 60, 8 << 30
 
-    with readable_as(path, "not a Matrix Market file"):
-        *shape, _, kind, _, _ = scipy.io.mminfo(path)
-        _check_size(path.name, tuple(shape), LARGEST_SPARSE_SIDE if kind == "coordinate" else LARGEST_SIDE)
-        return scipy.io.mmread(path)
+#: Reads one matrix with SciPy or pyYeti, whose readers may crash or never end on damaged files. Written are the names of all with shape and type, then the
+#: one that was chosen, or the error.
+_READING = """
+import json, sys, warnings
+import numpy as np, scipy.sparse
+suffix, path, array, memory, largest, side = json.loads(sys.argv[1])
+try:
+    import resource
+    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+except (ImportError, ValueError):
+    pass
+warnings.simplefilter("ignore")
+try:
+    if suffix == ".op4":
+        from pyyeti.nastran import op4
+        names, sizes, *_ = op4.OP4().dir(path, verbose=False)
+        arrays = {name: [[int(n) for n in size], "sparse"] for name, size in zip(names, sizes)}
+        def read(name):
+            sparse = True if max(arrays[name][0]) > side else None  # None: as the file stores it
+            return op4.OP4().dctload(path, namelist=[name], justmatrix=True, sparse=sparse)[name]
+    elif suffix == ".mat":
+        import scipy.io
+        arrays = {name: [[int(n) for n in shape], kind] for name, shape, kind in scipy.io.whosmat(path)}
+        def read(name):
+            return scipy.io.loadmat(path, variable_names=[name])[name]
+    else:
+        import scipy.io
+        *shape, _, form, _, _ = scipy.io.mminfo(path)
+        arrays = {"matrix": [[int(n) for n in shape], "sparse" if form == "coordinate" else "double"]}
+        def read(name):
+            return scipy.io.mmread(path)
+    with open("arrays.json", "w") as file:
+        json.dump(arrays, file)
+    numbers = [name for name, (shape, kind) in arrays.items() if kind in ("double", "single", "sparse", "logical") or "int" in kind]
+    name = array or (numbers[0] if len(numbers) == 1 else None)
+    if name in numbers and (arrays[name][1] == "sparse" or 8.0 * np.prod(arrays[name][0], dtype=float) <= largest):
+        matrix = read(name)
+        if scipy.sparse.issparse(matrix):
+            scipy.sparse.save_npz("matrix.npz", matrix)
+        else:
+            np.save("matrix.npy", matrix, allow_pickle=False)
+except Exception as problem:
+    with open("problem.txt", "w") as file:
+        file.write((str(problem).splitlines() or [type(problem).__name__])[0][:120])
+"""
+
+
+def _read_apart(path: Path, array: str | None, failure: str, limit: int | None = None):
+    """A matrix that a process of its own reads.
+
+    Args:
+        path: of the file.
+        array: its name.
+        failure: what a file is that cannot be read.
+        limit: the most rows and columns of any matrix; None for the bytes of ``LARGEST_FILE``.
+    """
+    arguments = json.dumps([path.suffix.lower(), str(path.resolve()), array, READING_MEMORY, LARGEST_FILE, LARGEST_SIDE])
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        try:
+            subprocess.run(
+                [sys.executable, "-c", _READING, arguments], cwd=folder, capture_output=True, stdin=subprocess.DEVNULL, timeout=LONGEST_READING
+            )
+        except subprocess.TimeoutExpired:
+            raise InputError(f"{path.name}: {failure} (it cannot be read within {LONGEST_READING} s: it is damaged)") from None
+        names, problem, whole, sparse = (Path(folder) / name for name in ("arrays.json", "problem.txt", "matrix.npy", "matrix.npz"))
+        if problem.is_file():
+            raise InputError(f"{path.name}: {failure} ({problem.read_text('utf-8', errors='replace')})")
+        arrays = json.loads(names.read_text("utf-8")) if names.is_file() else {}
+        if arrays:
+            name = _chosen(path, array, [name for name, (_, kind) in arrays.items() if kind in _MATLAB_KINDS])
+            shape, kind = arrays[name]
+            _check_size(path.name, tuple(shape), limit or LARGEST_SPARSE_SIDE)
+            if kind != "sparse":
+                _check_bytes(path, name, 8 * int(np.prod(shape, dtype=float)))
+        if whole.is_file():
+            return np.load(whole, allow_pickle=False)
+        if sparse.is_file():
+            return scipy.sparse.load_npz(sparse)
+    raise InputError(f"{path.name}: {failure} (its reader ends without a result: it is damaged)")
+
+
+def _from_matrix_market(path: Path, array: None):
+    return _read_apart(path, None, "not a Matrix Market file")
 
 
 def _from_mat(path: Path, array: str | None):
     """A variable of a MATLAB file of version 4 to 7; later ones are HDF5 files."""
-    import scipy.io
-
-    if path.read_bytes()[:8] == b"\x89HDF\r\n\x1a\n" or b"MATLAB 7.3" in path.read_bytes()[:128]:
+    with path.open("rb") as file:
+        head = file.read(128)
+    if head[:8] == b"\x89HDF\r\n\x1a\n" or b"MATLAB 7.3" in head:
         raise InputError(f"{path.name}: a MATLAB file of version 7.3; write it in MATLAB with save('{path.name}', '-v7')")
-    with readable_as(path, "not a MATLAB file of numbers"):
-        shapes = {name: (shape, kind) for name, shape, kind in scipy.io.whosmat(path)}
-        name = _chosen(path, array, [name for name, (shape, kind) in shapes.items() if kind in _MATLAB_KINDS])
-        shape, kind = shapes[name]
-        if kind != "sparse":
-            _check_bytes(path, name, 8 * int(np.prod([float(side) for side in shape])))
-        return scipy.io.loadmat(path, variable_names=[name])[name]
+    return _read_apart(path, array, "not a MATLAB file of numbers")
 
 
 _MATLAB_KINDS = (
@@ -182,18 +258,8 @@ _MATLAB_KINDS = (
 
 def _from_op4(path: Path, array: str | None):
     """A matrix of a Nastran OUTPUT4 file, text or binary; sparse where the file stores columns as strings of entries."""
-    op4 = optional_package("pyyeti.nastran.op4", "reading .op4 files")
-    with (
-        readable_as(path, "not a Nastran OUTPUT4 file"),
-        warnings.catch_warnings(),
-    ):  # of names that are none in MATLAB, which it replaces; messages list those
-        warnings.simplefilter("ignore", RuntimeWarning)
-        names, sizes, *_ = op4.OP4().dir(str(path), verbose=False)
-        name = _chosen(path, array.lower() if array else None, names)
-        shape = tuple(map(int, sizes[names.index(name)]))
-        _check_size(path.name, shape, LARGEST_SPARSE_SIDE)
-        sparse = True if max(shape) > LARGEST_SIDE else None  # None: as the file stores it
-        return op4.OP4().dctload(str(path), namelist=[name], justmatrix=True, sparse=sparse)[name]
+    optional_package("pyyeti.nastran.op4", "reading .op4 files")
+    return _read_apart(path, array.lower() if array else None, "not a Nastran OUTPUT4 file")
 
 
 def _from_text(path: Path, array: None) -> np.ndarray:

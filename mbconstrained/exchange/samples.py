@@ -167,6 +167,8 @@ def _from_wav(path: Path, column: int | str) -> Samples:
     with readable_as(path, "not a WAV file of samples"), warnings.catch_warnings():  # of chunks that hold no samples
         warnings.simplefilter("ignore", wavfile.WavFileWarning)
         rate, data = wavfile.read(path)
+    if not data.size:
+        raise InputError(f"{path.name}: found no samples in it")
     channels = data.reshape(len(data), -1)
     if isinstance(column, str) or not 1 <= column <= channels.shape[1]:
         raise InputError(

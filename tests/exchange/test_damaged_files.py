@@ -1,0 +1,63 @@
+"""Damaged files, some of which crash or hang the readers of SciPy and pyYeti: an InputError each, or a right answer."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+
+import mbconstrained as mb
+from mbconstrained.exchange import matrices
+from mbconstrained.exchange.matrices import read_matrix
+from mbconstrained.exchange.samples import read_samples
+
+DAMAGED = Path(__file__).with_name("damaged")
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("segfault.mtx", "segfault.mtx: not a Matrix Market file"),
+        ("crash_36.mat", "crash_36.mat: "),
+        ("rerr_1_22.wav", "rerr_1_22.wav: found no samples in it"),
+        ("hang.op4", "hang.op4: not a Nastran OUTPUT4 file .it cannot be read within"),
+    ],
+)
+def test_damaged_files_are_refused(name, message, monkeypatch):
+    monkeypatch.setattr(matrices, "LONGEST_READING", 3)
+    with pytest.raises(mb.InputError, match=message):
+        (read_samples if name.endswith("wav") else read_matrix)(DAMAGED / name)
+
+
+@pytest.mark.parametrize("name", ["K", "S"])
+def test_arrays_of_a_damaged_file_are_read_or_refused(name):
+    """SciPy's reader crashes now and then on this file."""
+    try:
+        matrix = read_matrix(DAMAGED / "crash_36.mat", name)
+    except mb.InputError as problem:
+        assert "crash_36.mat: not a MATLAB file of numbers" in str(problem)
+    else:
+        assert np.isfinite(matrix.data if hasattr(matrix, "tocsc") else matrix).all()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("suffix", [".mtx", ".mat"])
+def test_mutated_files_are_read_or_refused(tmp_path, suffix):
+    rng = np.random.default_rng(5)
+    path = tmp_path / f"m{suffix}"
+    if suffix == ".mtx":
+        scipy.io.mmwrite(path, scipy.sparse.coo_array(rng.random((4, 4))))
+    else:
+        scipy.io.savemat(path, {"K": rng.random((4, 4))})
+    whole = path.read_bytes()
+    for _ in range(60):
+        data = bytearray(whole)
+        for place in rng.integers(len(data), size=int(rng.integers(1, 4))):
+            data[place] = int(rng.integers(256))
+        path.write_bytes(bytes(data))
+        try:
+            assert np.isfinite(matrices.full_matrix(read_matrix(path), "m")).all()
+        except mb.InputError:
+            continue
