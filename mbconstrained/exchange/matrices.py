@@ -216,7 +216,11 @@ def _read_apart(path: Path, array: str | None, failure: str, limit: int | None =
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         try:
             subprocess.run(
-                [sys.executable, "-c", _READING, arguments], cwd=folder, capture_output=True, stdin=subprocess.DEVNULL, timeout=LONGEST_READING
+                [sys.executable, "-c", _READING, arguments],
+                cwd=folder,
+                capture_output=True,
+                stdin=subprocess.DEVNULL,
+                timeout=LONGEST_READING,
             )
         except subprocess.TimeoutExpired:
             raise InputError(f"{path.name}: {failure} (it cannot be read within {LONGEST_READING} s: it is damaged)") from None

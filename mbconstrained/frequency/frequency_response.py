@@ -12,7 +12,7 @@ import numpy as np
 
 from ..ground.checks import counted, names_of, optional_package, places_of, real_array, real_number
 from ..ground.display import Displayed, TextTable, notice_table, number_text
-from ..ground.errors import InputError
+from ..ground.errors import InputError, MbconstrainedError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, LINE_ACCURACY, SUM_SAFETY, TRUST_LIMIT
 from ..polynomial.polynomial_matrix import PolynomialMatrix
@@ -348,13 +348,18 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
     omega = exact.astype(float)
     H, errors = _values(harmonic, exact)
     H = H * (1j * omega) ** harmonic.power if harmonic.power else H
+    _enclose_doubtful(harmonic, frequencies, H, errors)
     on_lines = []
     for line in np.flatnonzero(~(errors <= TRUST_LIMIT).all(axis=(0, 1))):
         s, form = 1j * omega[line], harmonic.form
         if (pole := form.pole_at(s)) is not None:
             on_lines.append(PoleOnLine(int(line), float(frequencies[line]), pole))
         total, size = form.finite_part(s if pole is None else pole.value, pole)
-        own = SUM_SAFETY * NOISE * size / np.maximum(np.abs(total), np.finfo(float).tiny)
+        gaps = np.abs(s - np.array([one.value for one in form.poles if pole is None or one.value != pole.value], dtype=complex))
+        moved = (
+            abs(s) / max(gaps.min(initial=np.inf), EPS * abs(s)) if s else 1.0
+        )  # by an error of the nearest pole the term changes by this factor
+        own = SUM_SAFETY * NOISE * np.maximum(size / np.maximum(np.abs(total), np.finfo(float).tiny), moved)
         if pole is not None:
             own[pole.residues.any(axis=0)] = np.inf
         replaced = ~(errors[..., line] <= np.where(np.isfinite(own), own, 0.0))
@@ -364,6 +369,43 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
         errors = errors + harmonic.left_out.bound(omega) * omega**harmonic.power / np.maximum(np.abs(H), np.finfo(float).tiny)
     return FrequencyResponse(harmonic, frequencies, H, errors, tuple(on_lines))
 
+
+#: Seconds that enclosures of doubtful lines may take, and what one takes for each r^2 (r + 8 m) of a matrix of r rows with m inputs.
+ENCLOSING, ENCLOSURE_COST = 2.0, 1.6e-7
+
+
+def _enclose_doubtful(harmonic: Harmonic, frequencies: np.ndarray, H: np.ndarray, errors: np.ndarray) -> None:
+    """Values of the exact engine on the lines where solutions have few digits, next to sharp peaks; as many as its time allows, the worst first."""
+    worst = errors.max(axis=(0, 1), initial=0.0)
+    doubtful = np.flatnonzero(~(worst <= 2 * LINE_ACCURACY))
+    if not len(doubtful) or harmonic.left_out:
+        return
+    size, inputs = harmonic.A.size, harmonic.inputs.shape[1]
+    most = int(ENCLOSING / (ENCLOSURE_COST * size**2 * (size + 8 * inputs)))
+    for line in sorted(doubtful, key=lambda k: -np.nan_to_num(worst[k], nan=np.inf))[:most]:
+        if harmonic.form.pole_at(2j * np.pi * frequencies[line]) is not None:  # a frequency of 16 digits cannot be nearer to it
+            continue
+        try:
+            box = Response.exact_engine().enclosed_transfer(
+                harmonic.A,
+                harmonic.imaginary,
+                harmonic.inputs,
+                harmonic.outputs,
+                harmonic.power,
+                float(frequencies[line]),
+                ENCLOSED_DIGITS,
+            )
+        except MbconstrainedError:  # a pole is there, or no enclosure is narrow enough
+            continue
+        real, imaginary = (
+            np.array([(float(a) + float(b)) / 2 for a, b in zip(low, high)]).reshape(H.shape[:2])
+            for low, high in zip(box.lower, box.upper)
+        )
+        H[..., line], errors[..., line] = real + 1j * imaginary, 4 * EPS
+
+
+#: Digits of values that are enclosed.
+ENCLOSED_DIGITS = 17
 
 #: Rounding errors of residues, where they are not measured.
 NOISE = 64 * EPS

@@ -106,4 +106,6 @@ def test_the_types_and_the_licences_of_the_viewer_are_shipped():
     assert (root / "mbconstrained" / "py.typed").is_file()
     *_, file = project["project"]["license-files"]
     assert (root / file).read_text(encoding="utf-8").strip() == viewer_licences().strip()
-    assert {"/examples", "/robots", "/tests", "/mbconstrained"} <= set(project["tool"]["hatch"]["build"]["targets"]["sdist"]["include"])
+    assert {"/examples", "/robots", "/tests", "/mbconstrained"} <= set(
+        project["tool"]["hatch"]["build"]["targets"]["sdist"]["include"]
+    )
