@@ -1,8 +1,8 @@
 """Where chunks of samples go: into memory, or into a Zarr store that survives every interruption.
 
 A store is a Zarr group that ``xarray.open_zarr`` reads, with one array for each parameter and variable, in chunks of samples. Each file
-of a chunk replaces its place when it is complete, the status of the chunk comes last, and without it the chunk counts as missing. The
-same study always gives the same bytes. The store has the hash of scene, data files, samples, kept variables and versions, and is refused
+of a chunk replaces its place when it is complete, then comes its checksum, which holds for this study and this place, and last its status;
+without it the chunk counts as missing, and one whose checksum is another as damaged: it is computed again. The same study always gives the same bytes. The store has the hash of scene, data files, samples, kept variables and versions, and is refused
 for any other study.
 """
 
@@ -29,6 +29,9 @@ from .sampling import Samples
 #: Variables that every sample has.
 STATUS, REASON = "status", "reason"
 
+#: The array of checksums, one of each chunk, and the number of this form of store.
+CHECKSUM, FORM = "checksum", 2
+
 #: Numbers of a study without a store, in bytes.
 MOST_MEMORY = 4e9
 
@@ -46,10 +49,12 @@ class Chunks(ABC):
         samples: the parameters.
         variables: what is kept.
         size: samples of a chunk.
+        damaged: numbers of stored chunks that were not as they had been written.
     """
 
     def __init__(self, samples: Samples, variables: tuple[Variable, ...], size: int):
         self.samples, self.variables, self.size = samples, variables, size
+        self.damaged: list[int] = []
 
     @property
     def count(self) -> int:
@@ -140,7 +145,8 @@ class Store(Chunks):
 
     def __init__(self, path: Path, description: dict, samples: Samples, variables: tuple[Variable, ...], size: int):
         super().__init__(samples, variables, size)
-        self.path, self.description = path, json.loads(json.dumps(description))
+        self.path, self.description = path, {**json.loads(json.dumps(description)), "form of the store": FORM}
+        self._verified: set[int] = set()
         self._zarr = optional_package("zarr", "a store of samples")
         optional_package("xarray", "a store of samples")
         if path.exists() and not (path.is_dir() and not any(path.iterdir())):
@@ -152,9 +158,47 @@ class Store(Chunks):
             self._create()
         self._group = self._zarr.open_group(str(path), mode="r+", zarr_format=2, use_consolidated=False)
 
+        for one in variables:
+            if one.axis and not self._has_labels(one):
+                raise InputError(
+                    f"{path}: the store is damaged: {one.axis} is not as it was written; give another path, or remove it"
+                )
+
+    def _has_labels(self, variable: Variable) -> bool:
+        try:
+            return np.asarray(self._group[variable.axis][:]).tolist() == np.array(variable.labels).tolist()
+        except Exception:  # whatever zarr and its codecs raise on damaged files
+            return False
+
     def missing(self) -> Iterator[int]:
-        """The chunks without a status."""
-        return (chunk for chunk in range(self.count) if not (self.path / STATUS / str(chunk)).exists())
+        """The chunks without a status, and those that are damaged."""
+        for chunk in range(self.count):
+            status = self.path / STATUS / str(chunk)
+            if status.exists() and chunk not in self._verified:
+                if self._is_intact(chunk):
+                    self._verified.add(chunk)
+                else:
+                    self.damaged.append(chunk)
+                    status.unlink(missing_ok=True)
+            if not status.exists():
+                yield chunk
+
+    def _is_intact(self, chunk: int) -> bool:
+        """Whether the files of a chunk are those that were written at this place of this study."""
+        try:
+            status = np.asarray(self._group[STATUS][self.at(chunk)])
+            return str(self._group[CHECKSUM][chunk]) == self._checksum(chunk, status)
+        except Exception:  # whatever zarr and its codecs raise on damaged files
+            return False
+
+    def _checksum(self, chunk: int, status: np.ndarray) -> str:
+        """SHA-256 of the study, the place, and the files of a chunk; of the status, which is written last, its values."""
+        digest = sha256(f"{hash_of(self.description)} {chunk}".encode())
+        for name in sorted({*map(column_name, self.samples.variations), *(one.name for one in self.variables), REASON}):
+            for file in sorted([self.path / name / str(chunk), *(self.path / name).glob(f"{chunk}.*")]):
+                if file.is_file() and file.suffix != ".partial":
+                    digest.update(f"{name}/{file.name} ".encode() + sha256(file.read_bytes()).digest())
+        return digest.hexdigest() + sha256(np.asarray(status, dtype=np.uint8).tobytes()).hexdigest()[:16]
 
     def write(self, chunk: int, arrays: Mapping[str, np.ndarray]) -> None:
         """Write the files of a chunk, its status last.
@@ -169,8 +213,11 @@ class Store(Chunks):
         parts = {column_name(name): self.samples.column(name, at) for name in self.samples.variations}
         order = [name for name in arrays if name != STATUS]
         try:
-            for name, values in [*parts.items(), *((name, arrays[name]) for name in order), (STATUS, arrays[STATUS])]:
+            for name, values in [*parts.items(), *((name, arrays[name]) for name in order)]:
                 self._group[name][at] = values
+            self._group[CHECKSUM][chunk] = self._checksum(chunk, arrays[STATUS])
+            self._group[STATUS][at] = arrays[STATUS]
+            self._verified.add(chunk)
         except OSError as problem:
             done = self.count - sum(1 for _ in self.missing())
             text = (
@@ -220,6 +267,15 @@ class Store(Chunks):
                     group.create_array(one.axis, data=labels, chunks=labels.shape, **options)
             self._array(group, REASON, "<U160")
             self._array(group, STATUS, np.uint8)
+            group.create_array(
+                CHECKSUM,
+                shape=(self.count,),
+                chunks=(1,),
+                dtype="<U80",
+                fill_value="",
+                compressors=_compressor(),
+                attributes={"_ARRAY_DIMENSIONS": ["chunk"]},
+            )
             self._zarr.consolidate_metadata(group.store)
             if self.path.is_dir():
                 self.path.rmdir()  # empty
@@ -246,6 +302,15 @@ class Store(Chunks):
             raise InputError(f"{self.path}: it exists, and is no store of a sweep; give another path") from None
         if difference := first_difference(known, self.description):
             raise InputError(f"{self.path}: the store is of another study: {difference}; give another path, or remove it")
+        try:
+            whole = json.loads((self.path / ".zmetadata").read_text(encoding="utf-8"))["metadata"]
+            changed = [name for name, own in whole.items() if json.loads((self.path / name).read_text(encoding="utf-8")) != own]
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            changed = [".zmetadata"]
+        if changed:
+            raise InputError(
+                f"{self.path}: the store is damaged: {changed[0]} is not as it was written; give another path, or remove it"
+            )
 
 
 def _runs(process: int) -> bool:
@@ -261,7 +326,20 @@ def _runs(process: int) -> bool:
 
 def column_name(parameter: str) -> str:
     """The name of the array of a parameter, which no axis or other array has."""
-    reserved = (STATUS, REASON, "sample", "mode", "response", "output", "frequency", "damping ratio", "time (s)", "frequency (Hz)")
+    reserved = (
+        STATUS,
+        REASON,
+        CHECKSUM,
+        "chunk",
+        "sample",
+        "mode",
+        "response",
+        "output",
+        "frequency",
+        "damping ratio",
+        "time (s)",
+        "frequency (Hz)",
+    )
     return f"parameter {parameter}" if parameter in reserved else parameter
 
 

@@ -38,6 +38,10 @@ MOST_VARIANTS, MOST_COORDINATES = 25, 200
 MOST_MATTERING = 3
 
 
+#: So many damaged chunks are named.
+MOST_DAMAGED = 6
+
+
 class SweepReport(StudyReport):
     """The report of a sweep.
 
@@ -158,6 +162,10 @@ class SweepReport(StudyReport):
                 f"the intervals are those of independent samples; those of a {result.table.method} design are narrower in most cases"
             )
         notices = [Notice(NoticeKind.ACCURACY, text) for text in texts]
+        if damaged := result.chunks.damaged:
+            numbers = ", ".join(map(str, damaged[:MOST_DAMAGED])) + (" ..." if len(damaged) > MOST_DAMAGED else "")
+            text = f"{counted(len(damaged), 'chunk')} of the store ({numbers}) {'was' if len(damaged) == 1 else 'were'} damaged, and computed again"
+            notices.append(Notice(NoticeKind.OMITTED, text))
         if failed := len(result.failures):
             text = f"{failed} of {counted(len(result), 'sample')} have no answer; statistics are those of the others"
             notices.append(Notice(NoticeKind.OMITTED, text, doubtful=self.strict))
