@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import importlib
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from types import ModuleType
 
 import numpy as np
@@ -271,3 +271,26 @@ def is_table(value) -> bool:
         return np.ndim(value) == 2
     except ValueError:  # rows of different lengths, which is an error later
         return False
+
+
+class ReadOnly(Mapping):
+    """A mapping that does not change and, unlike ``types.MappingProxyType``, can be pickled.
+
+    >>> ReadOnly({"a": 1})["a"], len(ReadOnly({}))
+    (1, 0)
+    """
+
+    def __init__(self, entries: Mapping):
+        self._entries = dict(entries)
+
+    def __getitem__(self, key):
+        return self._entries[key]
+
+    def __iter__(self):
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def __repr__(self) -> str:
+        return repr(self._entries)

@@ -301,8 +301,12 @@ class DampedSystem:
             K, C, M = self.uncertainty
             system.uncertainty = (K, C + factors[0] * K + factors[1] * M, M)
             b, a = factors
-            system.parameter_source = lambda: (one.with_damping(a, b) for one in self.parameters())
+            system.parameter_source = partial(_damped_parameters, self, a, b)
         return system
+
+
+def _damped_parameters(system, mass: float, stiffness: float) -> Iterable[Parameter]:
+    return (one.with_damping(mass, stiffness) for one in system.parameters())
 
 
 def _refuse_parameters(reason: str) -> Iterable[Parameter]:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from ..ground.checks import counted, real_array
+from ..ground.checks import ReadOnly, counted, real_array
 from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..ground.tolerances import noise_of
@@ -139,7 +138,7 @@ class EnergyParts(Displayed):
     def __post_init__(self):
         for kind in ("kinetic", "strain"):
             parts = {str(name): _checked(part, f'{kind} part "{name}"') for name, part in getattr(self, kind).items()}
-            object.__setattr__(self, kind, MappingProxyType(parts))
+            object.__setattr__(self, kind, ReadOnly(parts))
         sizes = {_size(part) for part in self._all}
         if len(sizes) > 1:
             raise InputError(f"energy parts: found parts of {' and '.join(map(str, sorted(sizes)))} coordinates; expected one size")

@@ -206,7 +206,7 @@ class Motion(MotionQuestions, SystemMotion, Response):
         function = reaction_function(self.system, response, self.applied)
         if response is not self or not self.is_decided_exactly:
             return function
-        return ProvedFunction(function, lambda: self.exact_reaction, self.solution.finite_count, None)
+        return ProvedFunction(function, partial(getattr, self, "exact_reaction"), self.solution.finite_count, None)
 
     @cached_property
     def _constraint_loads(self) -> tuple[ImpulsiveLoad, ...]:

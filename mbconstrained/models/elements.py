@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from itertools import count
-from types import MappingProxyType
 from typing import ClassVar
 
-from ..ground.checks import real_number
+from ..ground.checks import ReadOnly, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
 from ..mechanics.constraints import Level, checked_level
@@ -363,7 +362,7 @@ class Relation(Tie):
         if not isinstance(self.coefficients, Mapping) or not self.coefficients:
             raise InputError(f'{self.label}: expected factors by coordinate, such as {{"cart": 1, "hook": -1}}')
         factors = {name: real_number(factor, f"{self.label}: factor of {name}") for name, factor in self.coefficients.items()}
-        object.__setattr__(self, "coefficients", MappingProxyType(factors))
+        object.__setattr__(self, "coefficients", ReadOnly(factors))
         super().__post_init__()
         checked_level(self.level, self.label)
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
-from types import MappingProxyType
 
-from ..ground.checks import real_number
+from ..ground.checks import ReadOnly, real_number
 from ..ground.errors import InputError
 from .elements import Element, Inertia, Mass, Node, Relation
 
@@ -49,7 +48,7 @@ class RigidBar(Mass):
             if not isinstance(point, str) or not point.strip():
                 raise InputError(f"{self.label}: points: found the name {point!r}; expected a text")
         distances = {point: real_number(value, f'{self.label}: distance of "{point}"') for point, value in self.points.items()}
-        object.__setattr__(self, "points", MappingProxyType(distances))
+        object.__setattr__(self, "points", ReadOnly(distances))
         Element.__post_init__(self)
 
     @property

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
 
-from ..ground.checks import counted, real_array, real_number
+from ..ground.checks import ReadOnly, counted, real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
 from ..ground.tolerances import noise_of
@@ -87,7 +86,7 @@ class Rotor(Element):
         if not isinstance(self.points, Mapping):
             raise InputError(f'{self.label}: points: expected distances by name, such as {{"left": -0.2, "right": 0.3}}')
         distances = {point: real_number(value, f'{self.label}: distance of "{point}"') for point, value in self.points.items()}
-        object.__setattr__(self, "points", MappingProxyType(distances))
+        object.__setattr__(self, "points", ReadOnly(distances))
 
     @property
     def weighing(self) -> dict[str, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from types import ModuleType
 from typing import TYPE_CHECKING, ClassVar
 
@@ -225,6 +225,10 @@ class Response(Exported, Presented):
         with within_float64():
             return self.solution.function if self.unproved else self._proved_function
 
+    def __getstate__(self) -> dict:
+        """Without exact answers, whose numbers cannot be pickled: they are computed again."""
+        return {name: value for name, value in self.__dict__.items() if not name.startswith("exact")}
+
     @cached_property
     def unproved(self) -> str:
         """Why the values are not proved to be right; empty where they are."""
@@ -235,7 +239,7 @@ class Response(Exported, Presented):
         flow = self.method.flow
         bounded = flow is not None and flow.reduction.is_small
         defect = Defect(flow, self._rounding()) if bounded else None
-        return ProvedFunction(self.solution.function, lambda: self.exact, self.solution.finite_count, defect)
+        return ProvedFunction(self.solution.function, partial(getattr, self, "exact"), self.solution.finite_count, defect)
 
     def _rounding(self) -> Rounding | None:
         """What the equations that were solved lost of the data; None where they are the data, or their elements in full."""
