@@ -12,6 +12,7 @@ that one algorithm serves both.
 
 from __future__ import annotations
 
+import copyreg
 from contextlib import AbstractContextManager
 from fractions import Fraction
 
@@ -27,10 +28,23 @@ SHIFTS = (0x5A827999_6ED9EBA1, 0x3243F6A8_885A308D, 0x2B7E1516_28AED2A6)
 
 
 def precise_arithmetic(digits: int = PRECISE_DIGITS) -> AbstractContextManager:
-    """Within it operations on precise arrays keep so many digits."""
-    from flint import ctx
+    """Within it operations on precise arrays keep so many digits; such arrays can be pickled from then on."""
+    from flint import arb, ctx
 
+    copyreg.pickle(arb, _pickled)
     return ctx.workdps(digits)
+
+
+def _pickled(number) -> tuple:
+    """How pickle writes a number of a precise array: by its midpoint."""
+    mantissa, exponent = map(int, number.mid().man_exp())
+    return _unpickled, (mantissa, exponent)
+
+
+def _unpickled(mantissa: int, exponent: int):
+    from flint import arb
+
+    return arb((mantissa, exponent))
 
 
 def is_worthwhile(loss: float, states: int) -> bool:
