@@ -27,7 +27,9 @@ MAKERS = {
     "proportional damping": lambda: system().with_rayleigh_damping(0.1, 0.01).solve([0.1] * 6),
     "modal damping": lambda: system().with_modal_damping(0.05).solve([0.1] * 6),
     "relative damping": lambda: system().with_rayleigh_damping(0.1, 0.01, relative=True).solve([0.1] * 6),
-    "equations": lambda: mb.solve(mb.PolynomialMatrix([np.diag([1.0, 1.0]), np.eye(2), np.diag([1.0, 0.0])]), [[1.0, 2.0], [0.0, 0.0]]),
+    "equations": lambda: mb.solve(
+        mb.PolynomialMatrix([np.diag([1.0, 1.0]), np.eye(2), np.diag([1.0, 0.0])]), [[1.0, 2.0], [0.0, 0.0]]
+    ),
 }
 
 

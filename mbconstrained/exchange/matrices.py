@@ -203,7 +203,7 @@ except Exception as problem:
 """
 
 
-def _read_apart(path: Path, array: str | None, failure: str, limit: int | None = None):
+def _read_by_process(path: Path, array: str | None, failure: str, limit: int | None = None):
     """A matrix that a process of its own reads.
 
     Args:
@@ -242,7 +242,7 @@ def _read_apart(path: Path, array: str | None, failure: str, limit: int | None =
 
 
 def _from_matrix_market(path: Path, array: None):
-    return _read_apart(path, None, "not a Matrix Market file")
+    return _read_by_process(path, None, "not a Matrix Market file")
 
 
 def _from_mat(path: Path, array: str | None):
@@ -251,7 +251,7 @@ def _from_mat(path: Path, array: str | None):
         head = file.read(128)
     if head[:8] == b"\x89HDF\r\n\x1a\n" or b"MATLAB 7.3" in head:
         raise InputError(f"{path.name}: a MATLAB file of version 7.3; write it in MATLAB with save('{path.name}', '-v7')")
-    return _read_apart(path, array, "not a MATLAB file of numbers")
+    return _read_by_process(path, array, "not a MATLAB file of numbers")
 
 
 _MATLAB_KINDS = (
@@ -263,7 +263,7 @@ _MATLAB_KINDS = (
 def _from_op4(path: Path, array: str | None):
     """A matrix of a Nastran OUTPUT4 file, text or binary; sparse where the file stores columns as strings of entries."""
     optional_package("pyyeti.nastran.op4", "reading .op4 files")
-    return _read_apart(path, array.lower() if array else None, "not a Nastran OUTPUT4 file")
+    return _read_by_process(path, array.lower() if array else None, "not a Nastran OUTPUT4 file")
 
 
 def _from_text(path: Path, array: None) -> np.ndarray:

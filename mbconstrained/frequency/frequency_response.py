@@ -370,8 +370,8 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
     return FrequencyResponse(harmonic, frequencies, H, errors, tuple(on_lines))
 
 
-#: Seconds that enclosures of doubtful lines may take, and what one takes for each r^2 (r + 8 m) of a matrix of r rows with m inputs.
-ENCLOSING, ENCLOSURE_COST = 2.0, 1.6e-7
+#: Enclosures of doubtful lines may take r^2 (r + 8 m) operations of so many, about 2 s, for a matrix of r rows with m inputs.
+ENCLOSING = 12_500_000
 
 
 def _enclose_doubtful(harmonic: Harmonic, frequencies: np.ndarray, H: np.ndarray, errors: np.ndarray) -> None:
@@ -381,7 +381,7 @@ def _enclose_doubtful(harmonic: Harmonic, frequencies: np.ndarray, H: np.ndarray
     if not len(doubtful) or harmonic.left_out:
         return
     size, inputs = harmonic.A.size, harmonic.inputs.shape[1]
-    most = int(ENCLOSING / (ENCLOSURE_COST * size**2 * (size + 8 * inputs)))
+    most = ENCLOSING // (size**2 * (size + 8 * inputs))
     for line in sorted(doubtful, key=lambda k: -np.nan_to_num(worst[k], nan=np.inf))[:most]:
         if harmonic.form.pole_at(2j * np.pi * frequencies[line]) is not None:  # a frequency of 16 digits cannot be nearer to it
             continue

@@ -464,4 +464,16 @@ DIFFERENCED = 1e-6
 
 #: Steps of these differences of coordinates (m, rad) and of rates (m/s, rad/s): of the force of a tendon of a centimetre neither truncation
 #: nor rounding takes more than eight digits.
-DIFFERENCE_STEP, DIFFERENCE_RATE = 2e-4, 1e-5
+MUJOCO_STEP, MUJOCO_RATE = 2e-4, 1e-5
+
+#: Axes of joints of which the cosine is larger are not at right angles.
+RIGHT_ANGLE = 1e-9
+
+
+# Largest values.
+
+#: Values that exceed the best one by less than this part of it are not searched for.
+EXTREMA_ACCURACY = 1e-12
+
+#: Parts of a function below this share of its largest amplitude do not decide how finely it is sampled.
+VISIBLE_PART = 1e-6

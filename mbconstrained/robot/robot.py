@@ -43,7 +43,7 @@ class Robot(Displayed):
     """A tree of joints from a URDF, with loops, springs and flexible joints.
 
     Args:
-        urdf: the path of a .urdf file, or the XML text itself; the path of an MJCF file, compiled by MuJoCo (extra ``mjcf``), whose
+        urdf: the path of a .urdf file, or the XML text itself; the path of an SDF file (.sdf, .world); that of an MJCF file, compiled by MuJoCo (extra ``mjcf``), whose
             ``connect`` and ``weld`` are loops, whose key frames are states, and whose free joint makes the base free; or a pinocchio model, which has its own base
             and is not drawn. Collision geometry is never read.
         loops: joints that close loops, ``Loop``.

@@ -88,7 +88,12 @@ def test_every_constant_is_defined_once():
     """A second definition of a name would silently replace the first."""
     offenders = []
     for file in FILES:
-        targets = [line.targets[0] for line in tree(file).body if isinstance(line, ast.Assign)]
+        targets = [
+            target
+            for line in tree(file).body
+            if isinstance(line, ast.Assign)
+            for target in (line.targets[0].elts if isinstance(line.targets[0], ast.Tuple) else line.targets)
+        ]
         names = [target.id for target in targets if isinstance(target, ast.Name) and target.id.isupper()]
         offenders += [f"{file} {name}" for name in sorted(set(names)) if names.count(name) > 1]
     expect_none(offenders, "two quantities have two names")

@@ -143,7 +143,7 @@ def test_what_is_left_out_is_reported(path):
 
 def test_sdf_and_xacro_get_advice(tmp_path):
     (tmp_path / "robot.sdf").write_text("<sdf version='1.7'><model name='m'/></sdf>")
-    with pytest.raises(mb.InputError, match="this is SDF, which pinocchio's packages do not read; convert it to a URDF"):
+    with pytest.raises(mb.InputError, match="sdf: found no <link>; a robot needs at least one"):
         mb.Robot(tmp_path / "robot.sdf")
     with pytest.raises(mb.InputError, match="this is MJCF; give the path of the file"):
         mb.Robot(MJCF)

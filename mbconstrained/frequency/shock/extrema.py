@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg
 
-from ...ground.tolerances import EPS
+from ...ground.tolerances import EPS, EXTREMA_ACCURACY, VISIBLE_PART
 from ...linalg.blocks import block_slices
 from ...signals.bohl import BohlFunction
 
@@ -32,9 +32,6 @@ NARROWEST = 8 * EPS
 #: Rounding errors of a value, relative to the largest of its function.
 NOISE = 16 * EPS
 
-#: Values that exceed the best one by less than this part of it are not searched for.
-ACCURACY = 1e-12
-
 #: Panels at the start, so that a good value is known early.
 FIRST_PANELS = 256
 
@@ -43,9 +40,6 @@ MOST_WORK = 1 << 23
 
 #: Samples in a radian of the fastest part of a function that is sampled, and the most of all; refinements of the best one.
 SAMPLES, MOST_SAMPLES, ZOOMS = 6, 200_000, 9
-
-#: Parts of a function below this share of its largest amplitude do not decide how finely it is sampled.
-VISIBLE_PART = 1e-6
 
 #: The smallest normal number: the size of a function that is zero.
 TINY = float(np.finfo(float).tiny)
@@ -108,8 +102,8 @@ def extrema(function: BohlFunction, start: float, end: float) -> Extrema:
     """
     search = _Search(getattr(function, "rough", function), start, end)
     search.run()
-    found = Extrema(search.best[0], -search.best[1], search.times[0], search.times[1], search.margin)
-    return found.with_values(function)
+    extremes = Extrema(search.best[0], -search.best[1], search.times[0], search.times[1], search.margin)
+    return extremes.with_values(function)
 
 
 def fastest_rate(function: BohlFunction) -> float:
@@ -206,7 +200,7 @@ class _Search:
         waiting = [(np.inf, _part(panels, part)) for part in np.split(np.arange(len(a)), range(most, len(a), most))]
         while waiting:
             _, panels = waiting.pop(max(range(len(waiting)), key=lambda i: waiting[i][0]))
-            panels = _part(panels, self._excess(panels) > ACCURACY)
+            panels = _part(panels, self._excess(panels) > EXTREMA_ACCURACY)
             if (work := work - panels["a"].shape[-1]) < 0:
                 for each in (panels, *(each for _, each in waiting)):
                     self.margin = np.maximum(self.margin, (each["hope"].max(axis=-1) - self.best).max(axis=0, initial=0.0))
@@ -215,7 +209,7 @@ class _Search:
                 panels = self._halved(panels)
                 excess = self._excess(panels)
                 order = np.argsort(-excess, kind="stable")
-                order = order[: np.count_nonzero(excess > ACCURACY)]
+                order = order[: np.count_nonzero(excess > EXTREMA_ACCURACY)]
                 waiting += [
                     (excess[part[0]], _part(panels, part)) for part in np.split(order, range(most, len(order), most)) if len(part)
                 ]
@@ -257,7 +251,7 @@ class _Search:
         hope = np.empty_like(panels["hope"])
         for side, sign in enumerate((1.0, -1.0)):
             top = np.minimum(np.maximum(sign * panels["fa"], sign * panels["fb"]) + reach, largest)
-            open_ = top > self.best[side][:, None] + ACCURACY * np.abs(self.best).max(axis=0)[:, None]
+            open_ = top > self.best[side][:, None] + EXTREMA_ACCURACY * np.abs(self.best).max(axis=0)[:, None]
             row, place = np.nonzero(open_ & is_bent & (sign * panels["da"] > 0) & (sign * panels["db"] < 0))
             if len(row):
                 self._refine(row, a[place], b[place], panels["da"][row, place], panels["db"][row, place])

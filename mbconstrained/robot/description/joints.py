@@ -14,6 +14,7 @@ from ...ground.checks import nearest
 from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
+from ...ground.tolerances import RIGHT_ANGLE
 from ..connections import Bushing, Loop, LoopKind
 from ..flexible_joint import Motor
 from ..tangent import JointGear
@@ -41,9 +42,6 @@ _AXES = {"revolute": 1, "prismatic": 1, "screw": 1, "universal": 2, "fixed": 0, 
 
 #: Limits of this size (rad, m) and more are none.
 UNLIMITED = 1e16
-
-#: Axes of which the cosine is larger are not at right angles.
-RIGHT_ANGLE = 1e-9
 
 
 @dataclass

@@ -11,11 +11,11 @@ import numpy as np
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import (
-    DIFFERENCE_RATE,
-    DIFFERENCE_STEP,
     DIFFERENCED,
     EPS,
     LOOPS_CLOSED_AS_ROUNDED,
+    MUJOCO_RATE,
+    MUJOCO_STEP,
     NOISE_SAFETY,
     SAME_AS_MUJOCO,
 )
@@ -58,13 +58,13 @@ def compared_with_mujoco(robot: Robot, posture: Posture) -> tuple[Notice, ...]:
     for what, own, other, tolerance, noise in (
         ("mass", ours.mass * branches, twin.mass() * branches, SAME_AS_MUJOCO, 0.0),
         ("force", ours.force[:, None], twin.force(q)[:, None], SAME_AS_MUJOCO, scale + EPS * np.abs(own_stiffness).max()),
-        ("stiffness", own_stiffness, twin.stiffness(), DIFFERENCED, scale / DIFFERENCE_STEP),
+        ("stiffness", own_stiffness, twin.stiffness(), DIFFERENCED, scale / MUJOCO_STEP),
         (
             "damping",
             np.diag(bare.joint_damping) + sum(dampers, 0.0 * ours.mass),
             twin.damping(),
             DIFFERENCED,
-            scale / DIFFERENCE_RATE,
+            scale / MUJOCO_RATE,
         ),
     ):
         _agree(what, own, other, bare.coordinates, tolerance, NOISE_SAFETY * noise)
@@ -135,13 +135,11 @@ class _Twin:
 
     def stiffness(self) -> np.ndarray:
         """K, shape (nv, nv)."""
-        return self._differenced(lambda step: self.force(self.robot.tree.moved(self.q, step)), DIFFERENCE_STEP)
+        return self._differenced(lambda step: self.force(self.robot.tree.moved(self.q, step)), MUJOCO_STEP)
 
     def damping(self) -> np.ndarray:
         """C, shape (nv, nv); the part c v |v| of polynomials is odd, its slope of first order in the step."""
-        coarse, fine = (
-            self._differenced(lambda rate: self.force(self.q, rate), step) for step in (DIFFERENCE_RATE, DIFFERENCE_RATE / 2)
-        )
+        coarse, fine = (self._differenced(lambda rate: self.force(self.q, rate), step) for step in (MUJOCO_RATE, MUJOCO_RATE / 2))
         return 2 * fine - coarse
 
     def _differenced(self, force: Callable[[np.ndarray], np.ndarray], h: float) -> np.ndarray:

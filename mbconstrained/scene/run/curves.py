@@ -88,8 +88,8 @@ def extrema_of(result: Result, kind: str, rows: Sequence[int] | None = None) -> 
     at, (linear, constants) = functions_of(result, kind), _linear(result, kind)
     if linear is not None:
         chosen = list(range(linear.size) if rows is None else rows)
-        found = extrema(linear.rows(chosen), start, end)
-        return found.with_values(lambda times: at(times)[chosen]) if constants is None else found.shifted(constants[chosen])
+        extremes = extrema(linear.rows(chosen), start, end)
+        return extremes.with_values(lambda times: at(times)[chosen]) if constants is None else extremes.shifted(constants[chosen])
     return sampled_extrema_of(result, at if rows is None else lambda times: at(times)[list(rows)])
 
 
@@ -119,9 +119,9 @@ def largest_values(result: Result) -> list[Largest]:
     for kind in (kind for kind in result.kinds if kind != "phase"):
         own = result.curves(kind)
         rows = [i for i, name in enumerate(own.names) if kind not in ORDERS or wanted is None or name in wanted][:MOST_LARGEST]
-        found = extrema_of(result, kind, rows) if len(rows) < len(own.names) else result.extrema(kind)
-        signs = np.where(found.maximum >= -found.minimum, 1.0, -1.0)
-        for row, *ends in zip(rows, signs * found.largest, found.largest_time, found.margin):
+        extremes = extrema_of(result, kind, rows) if len(rows) < len(own.names) else result.extrema(kind)
+        signs = np.where(extremes.maximum >= -extremes.minimum, 1.0, -1.0)
+        for row, *ends in zip(rows, signs * extremes.largest, extremes.largest_time, extremes.margin):
             values.append(Largest(own.names[row], own.titles[row], own.units[row], *map(float, ends)))
     return values
 

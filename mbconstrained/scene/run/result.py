@@ -227,7 +227,7 @@ class Result(Displayed):
         moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
         first = (*self.scene.notices, *self._omissions(), *proved, *(self.frequency.response.notices if self.frequency else ()))
         of_motion = (*(() if moves else (Notice(NoticeKind.AT_REST, NOTHING_MOVES),)), *aliasing_notices(self))
-        return (*first, *self.scene.equations.form_notices, *notices, *of_motion, *robot, *accuracy)
+        return tuple(dict.fromkeys((*first, *self.scene.equations.form_notices, *notices, *of_motion, *robot, *accuracy)))
 
     @property
     def _furthest(self) -> np.ndarray:

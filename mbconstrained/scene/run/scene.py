@@ -275,7 +275,8 @@ def _matrix_notices(table, system: MechanicalSystem | None) -> Iterator[Notice]:
     """What the matrices of a scene are that those of springs and masses never are: unsymmetric, or M with a negative eigenvalue."""
     if table.model.kind != "matrices" or system is None or system.is_sparse:
         return
-    yield from system.unsymmetric("stiffness")
+    for name in ("mass", "stiffness"):
+        yield from system.unsymmetric(name)
     M = (system.mass + system.mass.T) / 2
     sizes = np.sqrt(np.abs(np.diag(M)))
     scaled = M / np.outer(np.where(sizes > 0, sizes, 1.0), np.where(sizes > 0, sizes, 1.0))

@@ -221,8 +221,8 @@ class _Chunk:
                 if kind != "output"
                 else scene.equations.robot_scene.system.output_matrix
             )
-            found = motions.extrema((float(scene.times[0]), float(scene.times[-1])), ORDERS.get(kind, 0), matrix[rows])
-            for place, own_extrema in zip(group, found):
+            extremes = motions.extrema((float(scene.times[0]), float(scene.times[-1])), ORDERS.get(kind, 0), matrix[rows])
+            for place, own_extrema in zip(group, extremes):
                 self._store_extrema(chosen, place, rows, own_extrema)
         for place in group if len(own) < len(variables) else ():
             self._single_motion([one for one in variables if one not in own], place)
@@ -237,14 +237,14 @@ class _Chunk:
             rows = sorted({one.curve[1] for one in chosen})
             self._store_extrema(chosen, place, rows, extrema_of(result, kind, rows))
 
-    def _store_extrema(self, variables: list[Variable], place: int, rows: list[int], found: Extrema) -> None:
+    def _store_extrema(self, variables: list[Variable], place: int, rows: list[int], extremes: Extrema) -> None:
         for one in variables:
             row = rows.index(one.curve[1])
-            if found.margin[row] > KEPT_MARGIN * found.largest[row]:
+            if extremes.margin[row] > KEPT_MARGIN * extremes.largest[row]:
                 raise InputError(
                     f'"{one.name}": the motion has too many periods to search them all; choose an earlier end in [time]'
                 )
-            self.values[one.name][place] = getattr(found, EXTREMA[one.statistic])[row]
+            self.values[one.name][place] = getattr(extremes, EXTREMA[one.statistic])[row]
 
     def _store(self, variables: list[Variable], group: list[int], values: np.ndarray, count: int, late) -> None:
         """Statistics of curves, shape (S, rows, T): the first of the times are those of the scene, the others late ones."""

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import mbconstrained as mb
-from mbconstrained.frequency.shock.extrema import ACCURACY, extrema, sampled_extrema
+from mbconstrained.frequency.shock.extrema import EXTREMA_ACCURACY, extrema, sampled_extrema
 
 KINDS = ("displacement", "velocity", "acceleration")
 
@@ -51,8 +51,8 @@ def test_no_dense_sample_lies_beyond(seed):
         near = [np.minimum(knot + end * np.geomspace(1e-9, 1, 100), end) for knot in knots]
         values = function(np.unique(np.concatenate([np.linspace(0, end, 8001), *near])))
         size, margin = np.abs(values).max(axis=1), found.extrema.margin
-        assert (values.max(axis=1) <= found.maximum + margin + 2 * ACCURACY * size).all()
-        assert (values.min(axis=1) >= found.minimum - margin - 2 * ACCURACY * size).all()
+        assert (values.max(axis=1) <= found.maximum + margin + 2 * EXTREMA_ACCURACY * size).all()
+        assert (values.min(axis=1) >= found.minimum - margin - 2 * EXTREMA_ACCURACY * size).all()
         for times, expected in ((found.extrema.maximum_time, found.maximum), (found.extrema.minimum_time, found.minimum)):
             assert np.allclose(function(times).diagonal(), expected, rtol=0, atol=1e-9 * size.max())
 

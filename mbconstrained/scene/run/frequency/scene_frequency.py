@@ -238,7 +238,7 @@ class SceneFrequency(SceneResponse):
         if len(loaded) > 1 and self.table.inputs is None and self.system is not None:
             text = f"{', '.join(self.response.inputs)} are inputs one by one; the response to loads at once is the sum by their amplitudes"
             own = (Notice(NoticeKind.OMITTED, text), *own)
-        return (*self.scene.notices, *self.scene.equations.form_notices, *own, *self.response.notices)
+        return tuple(dict.fromkeys((*self.scene.notices, *self.scene.equations.form_notices, *own, *self.response.notices)))
 
     @property
     def content(self) -> FrequencyContent:

@@ -88,7 +88,7 @@ class SceneRandom(SceneResponse):
         """What is worth knowing, and what makes the values doubtful."""
         system, table = self.scene.equations.system, self.scene.table.random
         damping = system.damping_notices(any(entry.of != "force" for entry in table.input)) if system is not None else ()
-        return (*self.scene.notices, *self.scene.equations.form_notices, *damping, *self.response.notices)
+        return tuple(dict.fromkeys((*self.scene.notices, *self.scene.equations.form_notices, *damping, *self.response.notices)))
 
     @cached_property
     def shown(self) -> list[tuple[str, float]]:

@@ -185,7 +185,7 @@ class SceneShock(SceneResponse):
         if self.spectrum is None and self.scene.table.motion:
             reasons = [f'the motion "{name}" {_acceleration(self._row(name))}' for name in self._motions]
             own = (Notice(NoticeKind.OMITTED, f"no shock response spectrum: {'; '.join(reasons)}"),)
-        return (*self.scene.notices, *self.scene.equations.form_notices, *self._motion.notices, *own)
+        return tuple(dict.fromkeys((*self.scene.notices, *self.scene.equations.form_notices, *self._motion.notices, *own)))
 
     # What is shown.
 

@@ -121,7 +121,8 @@ class SceneModes:
         if self.system is None:
             return (*unused, *pair_notices(self.scene.equations.polynomial_matrix.jordan_pairs()))
         first = (*unused, *self.scene.equations.form_notices)
-        return (*first, *self.system.notices, *pair_notices(self.system.position_form().polynomial_matrix.jordan_pairs()))
+        of_pairs = pair_notices(self.system.position_form().polynomial_matrix.jordan_pairs())
+        return tuple(dict.fromkeys((*first, *self.system.notices, *of_pairs)))
 
     @property
     def is_trusted(self) -> bool:

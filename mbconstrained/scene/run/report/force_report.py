@@ -37,14 +37,14 @@ def forces_json(result: Result) -> dict:
             rows += [np.linalg.norm(force, axis=0), *(foot.parts(foot.on_foot(force)) if foot else ())]
         return np.array(rows)
 
-    found = sampled_extrema_of(result, sizes)
+    extremes = sampled_extrema_of(result, sizes)
     extremes, row = {}, 0
     for connection in forces.connections:
-        largest, time = float(found.maximum[row]), float(found.maximum_time[row])
+        largest, time = float(extremes.maximum[row]), float(extremes.maximum_time[row])
         extremes[connection.name] = {"on": connection.body2, "largest": largest, "time": time}
         if connection.name in feet:
-            ends = [float(found.minimum[row + 1]), float(found.maximum[row + 1])]
-            extremes[connection.name] |= {"normal": ends, "tangential": float(found.maximum[row + 2])}
+            ends = [float(extremes.minimum[row + 1]), float(extremes.maximum[row + 1])]
+            extremes[connection.name] |= {"normal": ends, "tangential": float(extremes.maximum[row + 2])}
         row += 3 if connection.name in feet else 1
     return extremes
 
