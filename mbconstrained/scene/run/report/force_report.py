@@ -37,14 +37,14 @@ def forces_json(result: Result) -> dict:
             rows += [np.linalg.norm(force, axis=0), *(foot.parts(foot.on_foot(force)) if foot else ())]
         return np.array(rows)
 
-    extremes = sampled_extrema_of(result, sizes)
+    extrema = sampled_extrema_of(result, sizes)
     extremes, row = {}, 0
     for connection in forces.connections:
-        largest, time = float(extremes.maximum[row]), float(extremes.maximum_time[row])
+        largest, time = float(extrema.maximum[row]), float(extrema.maximum_time[row])
         extremes[connection.name] = {"on": connection.body2, "largest": largest, "time": time}
         if connection.name in feet:
-            ends = [float(extremes.minimum[row + 1]), float(extremes.maximum[row + 1])]
-            extremes[connection.name] |= {"normal": ends, "tangential": float(extremes.maximum[row + 2])}
+            ends = [float(extrema.minimum[row + 1]), float(extrema.maximum[row + 1])]
+            extremes[connection.name] |= {"normal": ends, "tangential": float(extrema.maximum[row + 2])}
         row += 3 if connection.name in feet else 1
     return extremes
 
