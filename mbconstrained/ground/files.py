@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import shutil
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -103,7 +104,7 @@ class Replacements:
         """
         if path.is_dir() and not (mark and (path / mark).exists()):  # checked here, before the first files are replaced
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
-        temporary = path.with_name(f".{path.name}.{os.getpid()}")
+        temporary = path.with_name(f".{path.name}.{threading.get_ident()}.{os.getpid()}")  # threads may write the same files
         self._places[temporary] = path
         return temporary
 
