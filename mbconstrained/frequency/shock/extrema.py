@@ -157,7 +157,8 @@ class _Search:
         self.first = np.array([at.start for at in slices], dtype=int)
         scales, growth, self.curvature = [np.ones(0)], [], np.zeros((len(J), 1))
         for number, block in enumerate(J):
-            balanced, (scale, _) = scipy.linalg.matrix_balance(block, permute=False, separate=True)
+            with np.errstate(invalid="ignore"):  # SciPy casts the scales to whole numbers too, as if they were places
+                balanced, (scale, _) = scipy.linalg.matrix_balance(block, permute=False, separate=True)
             scales.append(scale)
             growth.append(np.linalg.eigvalsh((balanced + balanced.T) / 2)[-1])
             with np.errstate(over="ignore", invalid="ignore"):

@@ -6,6 +6,7 @@ from scipy.optimize import minimize_scalar
 
 import mbconstrained as mb
 from mbconstrained.frequency.shock.extrema import EXTREMA_ACCURACY, extrema, sampled_extrema
+from mbconstrained.signals.bohl import BohlFunction
 
 KINDS = ("displacement", "velocity", "acceleration")
 
@@ -145,3 +146,10 @@ def test_squares_are_sampled_and_refined():
 
     found = sampled_extrema(energy, np.array([7.77]), 2 * w, 0.0, 10.0)
     assert found.maximum[0] == pytest.approx(4.5, rel=1e-12) and found.minimum[0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_states_of_very_different_sizes():
+    """SciPy casts the scales that balance a block to whole numbers, with a warning beyond 2^63; here b t with b = 1e40."""
+    line = BohlFunction(np.array([[1.0, 0.0]]), (np.array([[0.0, 1e40], [1e-60, 0.0]]),), np.array([0.0, 1.0]))
+    found = extrema(line, 0.0, 2.0)
+    assert found.maximum[0] == pytest.approx(2e40, rel=1e-12) and found.minimum[0] == 0.0
