@@ -303,7 +303,14 @@ class Motion(MotionQuestions, SystemMotion, Response):
     @cached_property
     @within_float64()
     def notices(self) -> tuple[Notice, ...]:
-        """Violated rows, jumps, impulses, drift and doubtful decisions, with names and units."""
+        """Violated rows, jumps, impulses, drift and doubtful decisions, with names and units; of a robot also a motion that is too
+        large for linear equations."""
+        return (*self.equation_notices, *self.system.range_notices(self))
+
+    @cached_property
+    @within_float64()
+    def equation_notices(self) -> tuple[Notice, ...]:
+        """Those of the equations, without those of the range in which they represent the model."""
         at_start = (Event(0.0, self.jump, self.impulses), ImpulsiveLoad(0.0, self.constraint_impulses))
         return (
             *self._notices_of_system,

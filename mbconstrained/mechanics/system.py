@@ -230,6 +230,10 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem)
         }[self.mass_damping]
         return (Notice(NoticeKind.DAMPING, f"the mass-proportional part of the Rayleigh damping acts on {text}"),)
 
+    def range_notices(self, motion: Motion) -> tuple[Notice, ...]:
+        """A notice on a motion beyond the range in which linear equations represent the model; none of a linear model."""
+        return ()
+
     def constrained_form(self) -> ConstrainedForm:
         """[V^T (M s^2 + C s + K); A s^level] with every row at its level.
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal, get_args
 
 import numpy as np
@@ -215,7 +216,7 @@ class Loop(Support):
         """Whether the loop is rigid."""
         return self.kind == "rigid"
 
-    @property
+    @cached_property
     def _parts(self) -> tuple[np.ndarray, np.ndarray]:
         """The directions of phi that are constrained: displacements (k, 3), then rotations (l, 3)."""
         across, nonzero = np.linalg.svd(np.array([self.axis]))[2][1:], np.abs(self.axis) > 0
@@ -226,7 +227,7 @@ class Loop(Support):
         turns = {"point": none, "rod": none, "hinge": across, "cylindrical": across, "universal": every[:1]}.get(self.kind, every)
         return moves, turns
 
-    @property
+    @cached_property
     def rows(self) -> np.ndarray:
         """The combinations of phi that are constrained to 0, shape (k, 6); of a rod and of the axes of a universal loop, the place of
         the row."""

@@ -81,6 +81,17 @@ class Tree:
 
         return np.array(pinocchio.crba(self.model, self._data, q))
 
+    def inverse_dynamics(self, q: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+        """M(q) a + c(q, v) + g(q), shape (nv,), rotors included as far as the model has them.
+
+        Args:
+            q: shape (nq,).
+            velocity, acceleration: v and a in tangent coordinates, shape (nv,).
+        """
+        import pinocchio
+
+        return np.array(pinocchio.rnea(self.model, self._data, q, velocity, acceleration))
+
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
         """q (+) step, the step in tangent coordinates.
 
@@ -94,6 +105,12 @@ class Tree:
         import pinocchio
 
         return pinocchio.integrate(self.model, q, step)
+
+    def moved_derivative(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """T with v = T d' for q(t) = q (+) d(t), shape (nv, nv); I for joints with one degree of freedom."""
+        import pinocchio
+
+        return pinocchio.dIntegrate(self.model, q, step)[1]
 
     def difference(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         """The step from one configuration to another, in tangent coordinates.

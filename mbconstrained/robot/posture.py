@@ -24,6 +24,9 @@ from .statics.regularity import loop_rows, rounded_advice, with_all_digits
 if TYPE_CHECKING:
     from .robot import Robot
 
+#: So many joints are named, the others are counted.
+MOST_NAMES = 4
+
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Posture(Displayed):
@@ -228,11 +231,13 @@ def _balance_with_all_digits(robot: Robot, q: np.ndarray, guess: np.ndarray) -> 
 
 
 def _posture(robot: Robot, state: Equilibrium, free: np.ndarray, guess: np.ndarray, nearest: Balance, rounded: str) -> Posture:
+    from .linearization.stiffness import instability
+
     balance = state.balance
     rows = loop_rows(balance, nearest, rounded, lambda: _balance_with_all_digits(robot, balance.configuration, guess))
     left = balance.force - balance.jacobian.T @ state.multipliers
     shared = state.rows.rank < len(rows.kept)
-    return Posture(
+    posture = Posture(
         robot=robot,
         configuration=balance.configuration,
         multipliers=state.multipliers,
@@ -248,10 +253,12 @@ def _posture(robot: Robot, state: Equilibrium, free: np.ndarray, guess: np.ndarr
             *contact_notices(state, free),
             *_left_out(robot),
             *_assumed_lengths(balance, robot, guess),
+            *_without_stiffness(robot, free),
         ),
         balance=balance,
         independent_rows=rows.kept,
     )
+    return replace(posture, notices=(*posture.notices, *instability(posture)))
 
 
 _SHARED = (
@@ -290,6 +297,20 @@ def _beyond_limits(robot: Robot, q: np.ndarray) -> tuple[Notice, ...]:
     """A notice on joints beyond their limits, which the equations do not have."""
     outside = robot.tangent.outside_limits(robot.tangent.values(q), JOINT_LIMIT)
     return (Notice(NoticeKind.OMITTED, f"{outside}; the equations have no limits"),) if outside else ()
+
+
+def _without_stiffness(robot: Robot, free: np.ndarray) -> tuple[Notice, ...]:
+    """A notice on joints that a constant load keeps in place, which has no stiffness."""
+    stiff = (robot.joint_stiffness > 0) | (robot.position_gains > 0)
+    soft = [name for name in np.array(robot.coordinates)[~free & ~stiff].tolist() if name not in robot.flexible_joints]
+    if not soft:
+        return ()
+    named = ", ".join(soft[:MOST_NAMES]) + (f" and {len(soft) - MOST_NAMES} more" if len(soft) > MOST_NAMES else "")
+    text = (
+        f"a constant load keeps {named} in place and adds no stiffness: {'they move' if len(soft) > 1 else 'it moves'} under any other "
+        "force; locked joints do not move, and joint_stiffness or a position gain holds them elastically"
+    )
+    return (Notice(NoticeKind.STATIC_LOAD, text),)
 
 
 def _left_out(robot: Robot) -> tuple[Notice, ...]:

@@ -295,11 +295,11 @@ def test_coordinates_of_joints_with_several_degrees_of_freedom_have_names():
 def test_limits_that_are_left():
     robot = mb.Robot(swing(limits=(-0.1, 0.1)), gravity=PLANE)
     outside = robot.equilibrium({"swing": 3.0}, hold="all")
-    (notice,) = outside.notices
+    (notice,) = (notice for notice in outside.notices if notice.kind == "omitted")
     assert notice.text == '1 joint is beyond its limits: "swing" at 3 rad (limits -0.1 ... 0.1); the equations have no limits'
     assert not notice.doubtful and len(robot.linearize(outside).modes().natural_frequencies) >= 0
     for at in (0.1, 0.1000001):
-        assert not robot.equilibrium({"swing": at}, hold="all").notices
+        assert not any("limits" in notice.text for notice in robot.equilibrium({"swing": at}, hold="all").notices)
 
 
 def parallelogram(gravity):
@@ -516,7 +516,9 @@ def test_the_text_is_read_as_utf_8_whatever_it_declares():
 
 def test_a_posture_far_from_the_guess_is_reported():
     robot = mb.Robot(PENDULUM)
-    assert [notice.kind for notice in robot.equilibrium({"j1": 2.0}).notices] == ["distant posture"]  # from near the top down
+    posture = robot.equilibrium({"j1": 2.0})
+    assert posture["j1"] == pytest.approx(np.pi)  # Newton's method goes up, where it stands on its head
+    assert [notice.kind for notice in posture.notices] == ["distant posture", "unstable"]
     assert not robot.equilibrium({"j1": 0.3}).notices
 
 

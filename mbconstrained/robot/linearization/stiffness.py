@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...ground.notices import Notice, NoticeKind
-from ...ground.tolerances import EPS, SYMMETRIC_STIFFNESS, noise_of
+from ...ground.tolerances import EPS, NOISE_SAFETY, SYMMETRIC_STIFFNESS, noise_of
 from ..connections import AXES
 from ..kinematics import cross_matrix
 from ..statics.equilibrium import rows_of
@@ -88,6 +88,29 @@ def symmetric_stiffness(posture: Posture, K: np.ndarray) -> tuple[np.ndarray, tu
         return (K + K.T) / 2, ()
     text = f"the stiffness matrix is not symmetric (by {skew / np.abs(along).max():.1e} of its largest entry along the motion)"
     return K, (Notice(NoticeKind.UNSYMMETRIC, f"{text}: a torque that keeps its direction has no potential"),)
+
+
+def instability(posture: Posture) -> tuple[Notice, ...]:
+    """A notice where the energy falls along a motion that the loops allow: without damping the equilibrium is unstable.
+
+    Flexible joints count as their spring in series with the position gain of their motor.
+    """
+    robot, lengths = posture.robot, posture.balance.load.lengths
+    K = np.sum([part for _, part in stiffness_parts(posture)], axis=0)
+    for name, joint in robot.flexible_joints.items():
+        place, both = robot.coordinates.index(name), joint.stiffness + joint.proportional_gain
+        K[place, place] += joint.stiffness * joint.proportional_gain / both if both else 0.0
+    N = rows_of(posture.balance.scaled_jacobian[list(posture.independent_rows)]).motions
+    scale = np.outer(lengths, lengths)
+    along, noise = (N.T @ (part + part.T) @ N / 2 for part in (K * scale, stiffness_rounding(posture) * scale))
+    if not along.size:
+        return ()
+    stiffness, directions = np.linalg.eigh(along)
+    if stiffness[0] >= -max(NOISE_SAFETY * np.abs(noise).sum(axis=1).max(), SYMMETRIC_STIFFNESS * np.abs(K * scale).max()):
+        return ()
+    most = robot.coordinates[int(np.abs(N @ directions[:, 0]).argmax())]
+    text = f"the equilibrium is unstable: along a motion, most of all of {most}, the forces push away from it"
+    return (Notice(NoticeKind.UNSTABLE, text),)
 
 
 def lost_springs(parts: Sequence[tuple[str, np.ndarray]], noise: np.ndarray) -> tuple[Notice, ...]:

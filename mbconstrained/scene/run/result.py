@@ -26,7 +26,7 @@ from .decisions import connection_forces, still, too_large_for_formula
 from .plan import Plan
 from .report.force_report import forces_notices
 from .report.jumps import Impulse, Jump, forces_of_rows, impulses_of, jumps_of, with_units
-from .report.robot_report import motion_notices
+from .report.robot_report import limit_notices
 from .report.tables import notices_of, tables_of
 from .result_files import arrays_of_result, more_arrays
 
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from ...page.content import Formulas, RecordResponse, TimeFunctions
     from ...polynomial.jordan_pairs import FinitePair, InfinitePair
     from ...response.events import Event
+    from ...robot.linearization.linear_range import LinearRange
     from ...signals.impulsive import ImpulsiveLoad
     from .certificate import Certificate
     from .frequency.scene_frequency import SceneFrequency
@@ -214,20 +215,27 @@ class Result(Displayed):
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """What is worth knowing, and what makes the answer doubtful."""
-        notices = self.motion.notices if self.system else with_units(self.motion, self.scene.equations.coordinates)
+        notices = self.motion.equation_notices if self.system else with_units(self.motion, self.scene.equations.coordinates)
         doubts = [(kind, estimate) for kind, estimate in self.error_estimates.items() if not estimate <= TRUST_LIMIT]
         texts = [
             f"the estimated relative error of the {kind} is {estimate:.2g}: the data do not determine it well enough"
             for kind, estimate in doubts
         ]
         robot_scene = self.scene.equations.robot_scene
-        robot = (*motion_notices(robot_scene, self._furthest), *forces_notices(self)) if robot_scene else ()
+        limits = (*limit_notices(robot_scene, self._furthest), *forces_notices(self)) if robot_scene else ()
+        robot = (*(self.linear_range.notices if self.linear_range else ()), *limits)
         accuracy = (Notice(NoticeKind.ACCURACY, text, doubtful=True) for text in texts)
         proved = self.certificate.notices if self.certificate else ()
         moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
         first = (*self.scene.notices, *self._omissions(), *proved, *(self.frequency.response.notices if self.frequency else ()))
         of_motion = (*(() if moves else (Notice(NoticeKind.AT_REST, NOTHING_MOVES),)), *aliasing_notices(self))
         return tuple(dict.fromkeys((*first, *self.scene.equations.form_notices, *notices, *of_motion, *robot, *accuracy)))
+
+    @cached_property
+    def linear_range(self) -> LinearRange | None:
+        """How far the linear motion of a robot carries; None of other models."""
+        robot_scene = self.scene.equations.robot_scene
+        return robot_scene.system.linear_range(self.motion, self.times) if robot_scene else None
 
     @property
     def _furthest(self) -> np.ndarray:

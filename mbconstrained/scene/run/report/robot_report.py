@@ -1,4 +1,4 @@
-"""The posture of a robot as tables, facts and plain data, and notices about large motions."""
+"""The posture of a robot as tables, facts and plain data, and notices on joints beyond their limits."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from ....ground.tolerances import JOINT_LIMIT
 
 if TYPE_CHECKING:
     from ....robot.connections import Connection
+    from ....robot.linearization.linear_range import LinearRange
     from ...build.robot_model import RobotScene
 
 #: Loop forces below this share of the largest, and places and torques below this share of 1 in SI, are rounding and printed as 0.
@@ -26,13 +27,15 @@ def posture_tables(robot_scene: RobotScene) -> list[TextTable]:
     return [_joint_table(robot_scene), _force_table(robot_scene)]
 
 
-def posture_evidence(robot_scene: RobotScene) -> list[tuple[str, str, str]]:
-    """The residual of the equilibrium, and the gap of its loops."""
+def robot_evidence(robot_scene: RobotScene, motion: LinearRange) -> list[tuple[str, str, str]]:
+    """The residual of the equilibrium, the gap of its loops, and how well the nonlinear equations follow the motion."""
     posture = robot_scene.posture
     rows = [("equilibrium: residual", f"{posture.residual:.2g}", "largest unbalanced force relative to the largest force")]
     if posture.balance.load.has_rows:
         rows.append(("equilibrium: loops", f"{posture.loop_error:.2g}", "largest gap of a loop, in m or rad"))
-    return rows
+    meaning = "force that the linear motion leaves in the nonlinear equations, relative to its own forces"
+    reached = f"; {motion.limit_text}" if motion.limit_text else ""
+    return [*rows, ("linear motion: residual", f"{motion.deviation:.2g}", f"{meaning}{reached}")]
 
 
 def robot_fact(robot_scene: RobotScene) -> tuple[str, str]:
@@ -139,48 +142,23 @@ def _vector(values) -> str:
 #: A motion passes a limit by this share of the range of its joint: a joint that rests at its limit may tremble.
 LIMIT_SHARE = 1e-3
 
-#: Angles from the posture (rad) beyond which it is said that the equations are linear: sin(x) is off by 4 % there.
-SMALL = 0.5
 
-
-def motion_notices(robot_scene: RobotScene, values: np.ndarray) -> tuple[Notice, ...]:
-    """Notices about large angles and joints beyond their limits.
+def limit_notices(robot_scene: RobotScene, ends: np.ndarray) -> list[Notice]:
+    """One notice on all joints that pass their limits.
 
     Args:
         robot_scene: the robot in its posture.
-        values: deviations from the posture, shape (n, T).
-
-    Returns:
-        One for the largest angle, and one for all joints that pass their limits.
+        ends: the smallest and the largest deviation of each coordinate from the posture, shape (n, 2).
     """
-    count = len(robot_scene.robot.coordinates)
-    lowest, highest = values[:count].min(axis=1), values[:count].max(axis=1)
-    return (*_large(robot_scene, np.maximum(-lowest, highest)), *_beyond_limits(robot_scene, lowest, highest))
-
-
-def _large(robot_scene: RobotScene, furthest: np.ndarray) -> list[Notice]:
-    angles = np.where(np.array(robot_scene.robot.units) == "rad", furthest, 0.0)
-    most = int(angles.argmax())
-    if angles[most] <= SMALL:
-        return []
-    where = f"{robot_scene.robot.coordinates[most]} goes {with_unit(float(angles[most]), 'rad')} from the posture"
-    return [
-        Notice(
-            NoticeKind.LARGE_MOTION,
-            f"{where}: the equations are linear about it, and a robot that moves so far does not follow them",
-        )
-    ]
-
-
-def _beyond_limits(robot_scene: RobotScene, lowest: np.ndarray, highest: np.ndarray) -> list[Notice]:
+    lowest, highest = ends[: len(robot_scene.robot.coordinates)].T
     robot, furthest = robot_scene.robot, {}
     rests = robot.tangent.angles(robot_scene.posture.configuration)
     for name, (low, high) in robot.limits.items():
         place = robot.coordinates.index(name)
         rest = float(rests[place])
-        ends = float(rest + lowest[place]), float(rest + highest[place])
+        reached = float(rest + lowest[place]), float(rest + highest[place])
         beyond = not low - JOINT_LIMIT <= rest <= high + JOINT_LIMIT  # which the posture reports
-        furthest[name] = low if beyond else max(ends, key=lambda value: max(low - value, value - high))
+        furthest[name] = low if beyond else max(reached, key=lambda value: max(low - value, value - high))
     outside = robot.tangent.outside_limits(furthest, JOINT_LIMIT, LIMIT_SHARE)
     text = f"during the motion {outside}; the equations have no limits"
     return [Notice(NoticeKind.LARGE_MOTION, text)] if outside else []

@@ -24,7 +24,7 @@ from ..modes.mode_summary import share_entries
 from .control_report import control_tables
 from .force_report import forces_table
 from .jumps import Impulse, folded, forces_of_rows, impulses_of, jumps_of
-from .robot_report import posture_evidence, posture_tables
+from .robot_report import posture_tables, robot_evidence
 
 if TYPE_CHECKING:
     from ....mechanics.constraints import ConstraintRow
@@ -280,7 +280,7 @@ def _evidence_table(result: Result) -> TextTable:
     ]
     evidence = [(item.name, f"{item.value:.2g}", item.text) for item in result.motion.evidence]
     robot = result.scene.equations.robot_scene
-    posture = posture_evidence(robot) if robot else []
+    posture = robot_evidence(robot, result.linear_range) if robot and result.linear_range else []
     return TextTable("Evidence", ("what", "value", "meaning"), (*estimates, *evidence, *posture))
 
 
