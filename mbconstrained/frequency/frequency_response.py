@@ -14,7 +14,7 @@ from ..ground.checks import counted, names_of, optional_package, places_of, real
 from ..ground.display import Displayed, TextTable, notice_table, number_text
 from ..ground.errors import InputError, MbconstrainedError
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import EPS, LINE_ACCURACY, SUM_SAFETY, TRUST_LIMIT
+from ..ground.tolerances import EPS, FLOAT64_DIGITS, LINE_ACCURACY, SUM_SAFETY, TRUST_LIMIT
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.response import Response
 from .features import Antiresonance, Peak, antiresonances_of, frequencies_by_poles, peaks_of
@@ -219,8 +219,7 @@ class FrequencyResponse(Displayed):
             InputError: H has a pole there, or the frequency is negative.
         """
         self._of_whole_model("enclose")
-        f, own = real_number(frequency_hz, "frequency_hz", minimum=0.0), self.harmonic
-        return Response.exact_engine().enclosed_transfer(own.A, own.imaginary, own.inputs, own.outputs, own.power, f, digits)
+        return _enclosed(self.harmonic, real_number(frequency_hz, "frequency_hz", minimum=0.0), digits)
 
     def plot(
         self,
@@ -386,26 +385,18 @@ def _enclose_doubtful(harmonic: Harmonic, frequencies: np.ndarray, H: np.ndarray
         if harmonic.form.pole_at(2j * np.pi * frequencies[line]) is not None:  # a frequency of 16 digits cannot be nearer to it
             continue
         try:
-            box = Response.exact_engine().enclosed_transfer(
-                harmonic.A,
-                harmonic.imaginary,
-                harmonic.inputs,
-                harmonic.outputs,
-                harmonic.power,
-                float(frequencies[line]),
-                ENCLOSED_DIGITS,
-            )
+            box = _enclosed(harmonic, float(frequencies[line]), FLOAT64_DIGITS)
         except MbconstrainedError:  # a pole is there, or no enclosure is narrow enough
             continue
-        real, imaginary = (
-            np.array([(float(a) + float(b)) / 2 for a, b in zip(low, high)]).reshape(H.shape[:2])
-            for low, high in zip(box.lower, box.upper)
-        )
+        real, imaginary = box.middle.reshape(2, *H.shape[:2])
         H[..., line], errors[..., line] = real + 1j * imaginary, 4 * EPS
 
 
-#: Digits of values that are enclosed.
-ENCLOSED_DIGITS = 17
+def _enclosed(harmonic: Harmonic, frequency_hz: float, digits: int) -> Enclosure:
+    """Enclosures of real and imaginary parts at a frequency."""
+    A, own = harmonic.A, harmonic
+    return Response.exact_engine().enclosed_transfer(A, own.imaginary, own.inputs, own.outputs, own.power, frequency_hz, digits)
+
 
 #: Rounding errors of residues, where they are not measured.
 NOISE = 64 * EPS

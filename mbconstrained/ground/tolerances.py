@@ -14,6 +14,9 @@ import numpy as np
 #: Spacing of float64 numbers relative to their size.
 EPS = float(np.finfo(float).eps)
 
+#: Decimal digits that determine a float64 number.
+FLOAT64_DIGITS = 17
+
 #: The computed noise is of first order, one rounding error each; over the steps of a staircase true errors reached ten times
 #: that in experiments. A number below this many times its noise counts as zero.
 NOISE_SAFETY = 16.0

@@ -53,6 +53,11 @@ class Enclosure:
         table = np.array(bounds, dtype=str).reshape(len(balls), *np.shape(times), 2)
         return cls(table[..., 0], table[..., 1], times, digits)
 
+    @property
+    def middle(self) -> np.ndarray:
+        """The middle of each interval in float64."""
+        return (self.lower.astype(float) + self.upper.astype(float)) / 2
+
     def __repr__(self) -> str:
         shape = " x ".join(map(str, self.lower.shape))
         remark = f"; {counted(len(self.notices), 'notice')}: {self.notices[0].text}" if self.notices else ""

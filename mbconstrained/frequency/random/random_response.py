@@ -13,7 +13,7 @@ from ...ground.checks import counted, nearest, optional_package, real_array, rea
 from ...ground.display import Displayed, TextTable, notice_table, number_text
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
-from ...ground.tolerances import EPS, PROVED_ACCURACY, REPORTED_ERROR, TRUST_LIMIT
+from ...ground.tolerances import EPS, FLOAT64_DIGITS, PROVED_ACCURACY, REPORTED_ERROR, TRUST_LIMIT
 from ...response.response import Response
 from ..frequency_response import evaluated
 from ..harmonic import Harmonic
@@ -30,9 +30,6 @@ if TYPE_CHECKING:
 #: Variances of models with at most so many states squared times inputs are computed exactly: always (about 10 ms), and where their sums of residues
 #: leave a doubt (about 0.1 s).
 ALWAYS_PROVED, MOST_PROVED = 256, 2048
-
-#: Digits of these.
-PROVED_DIGITS = 17
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -138,11 +135,11 @@ class RandomResponse(Displayed):
         harmonic = replace(self.harmonic, power=self.harmonic.power + power // 2, outputs=self.harmonic.outputs[finite])
         names = tuple(self.outputs[i] for i in finite)
         try:
-            box = Response.exact_engine().enclosed_variances(replace(harmonic, output_names=names), self.spectra, PROVED_DIGITS)
+            box = Response.exact_engine().enclosed_variances(replace(harmonic, output_names=names), self.spectra, FLOAT64_DIGITS)
         except InputError:  # delayed or partly coherent noise
             return integral
         scale = (2 * np.pi) ** -power
-        proved = np.array([(float(low) + float(high)) / 2 for low, high in zip(box.lower, box.upper)]) * scale
+        proved = box.middle * scale
         own = integral.values.copy()
         own[0][np.diag_indices(len(proved))] = proved
         return replace(integral, values=own, errors=(4 * EPS * np.abs(proved))[None])

@@ -26,6 +26,7 @@ from ..element_matrix import modal_damping as modal_damping_elements
 from ..energy import CoordinatePart
 
 if TYPE_CHECKING:
+    from ..channels import ElementForce
     from ..system import MechanicalSystem
 
 
@@ -143,19 +144,21 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     B = np.array([channel.unknowns(system) for channel in known_inputs]).T
     C = np.array([channel.unknowns(system) for channel in known_outputs])
     C[:, system.size :] *= -1.0  # the unknowns are -lambda
-    if forces := [one for one in known_outputs if one.element is not None]:
-        coefficients, imaginary, sizes = _with_forces(system, forces, coefficients, imaginary, sizes, loss_factor)
+    if forces := {one.name: one for one in known_outputs if one.element is not None}:
+        coefficients, imaginary, sizes = with_element_forces(
+            system, (coefficients, imaginary, sizes), {name: one.element for name, one in forces.items()}, loss_factor
+        )
         whole = len(coefficients[0])
         B, C = np.pad(B, ((0, len(forces)), (0, 0))), np.pad(C, ((0, 0), (0, len(forces))))
-        for place, one in enumerate(forces, whole - len(forces)):
+        for place, one in enumerate(forces.values(), whole - len(forces)):
             C[[other is one for other in known_outputs]] = np.eye(1, whole, place)
     if relative_to is not None:
         other = reference(system, relative_to)
         moving = [one.row is None and one.element is None and one.unit == other.unit for one in known_outputs]
         C[:, : system.size] -= np.outer(moving, other.direction)
-    names = (*system.names, *(row.name for row in rows), *(f"force of {one.name}" for one in forces))
+    names = (*system.names, *(row.name for row in rows), *(f"force of {name}" for name in forces))
     equations = [f"motion of {name}" for name in system.names] + [f"constraint {row.name}" for row in rows]
-    equations += [f"force of {one.name}" for one in forces]
+    equations += [f"force of {name}" for name in forces]
     input_names, output_names = (tuple(channel.name for channel in own) for own in (known_inputs, known_outputs))
     table = np.array([[_unit(output, input, chosen, levels) for input in known_inputs] for output in known_outputs])
     if not chosen.inverse:
@@ -173,25 +176,32 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     return Harmonic(A, select.T, select, 0, imaginary, sizes, output_names, input_names, table.T, quantity)
 
 
-def _with_forces(system, forces: Sequence[Channel], coefficients, imaginary, sizes, loss_factor):
-    """The coefficients, their imaginary part and their sizes with a row F - (k (1 + i eta) + c s) a x = 0 for each of the forces."""
-    n, size, count = system.size, len(coefficients[0]), len(forces)
-    pad = ((0, count), (0, count))
-    wide = [np.pad(matrix, pad) for matrix in coefficients]
-    wide[0][size:, size:] = np.eye(count)
-    for place, one in enumerate(forces, size):
-        wide[0][place, :n] = -one.element.stiffness * one.direction
-        wide[1][place, :n] = -one.element.damping * one.direction
-    if imaginary is not None:
-        imaginary = np.pad(imaginary, pad)
-        common = None if loss_factor is None or isinstance(loss_factor, Mapping) else float(loss_factor)
-        factors = system.loss_factors if common is not None else {**system.loss_factors, **(loss_factor or {})}
-        for place, one in enumerate(forces, size):
-            eta = factors.get(one.name, 0.0) if common is None else common
-            imaginary[place, :n] = -float(eta) * one.element.stiffness * one.direction
+def with_element_forces(system, equations, elements: Mapping[str, ElementForce], loss_factor):
+    """Equations with the forces F of springs and dampers as more unknowns, F - (k (1 + i eta) + c s) a x = 0.
+
+    Args:
+        system: with n coordinates.
+        equations: its coefficients, their imaginary part and their sizes, as of ``saddle_point``.
+        elements: by name.
+        loss_factor: eta of all springs, or by name, else that of the system.
+
+    Returns:
+        The three, with a row and a column for each element.
+    """
+    coefficients, imaginary, sizes = equations
+    n, size, count = system.size, len(coefficients[0]), len(elements)
+    rows = np.array([[one.stiffness * one.elongation for one in elements.values()]])
+    rows = np.vstack([rows, [[one.damping * one.elongation for one in elements.values()]]])
+    wide = np.pad(np.array(coefficients), ((0, 0), (0, count), (0, count)))
+    wide[:2, size:, :n], wide[0, size:, size:] = -rows, np.eye(count)
     if sizes is not None:
-        sizes = np.array([np.maximum(np.pad(own, pad), np.abs(matrix)) for own, matrix in zip(sizes, wide)])
-    return wide, imaginary, sizes
+        sizes = np.maximum(np.pad(sizes, ((0, 0), (0, count), (0, count))), np.abs(wide))
+    if imaginary is not None:
+        imaginary = np.pad(imaginary, (0, count))
+        given = {**system.loss_factors, **loss_factor} if isinstance(loss_factor, Mapping) else system.loss_factors
+        factors = [given.get(name, 0.0) if isinstance(loss_factor, (Mapping, type(None))) else loss_factor for name in elements]
+        imaginary[size:, :n] = -np.array(factors, dtype=float)[:, None] * rows[0]
+    return list(wide), imaginary, sizes
 
 
 def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count) -> Harmonic:

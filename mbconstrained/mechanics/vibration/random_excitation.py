@@ -16,7 +16,7 @@ from ...ground.coordinate_units import force_unit, rate_unit
 from ...ground.errors import InputError
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..channels import Channel, channels, chosen_by_name, coordinate_channels, reference, row_channels
-from .harmonic_equations import saddle_point
+from .harmonic_equations import saddle_point, with_element_forces
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
@@ -101,24 +101,14 @@ def random_response(
 
 
 def _element_forces(system: MechanicalSystem, outputs, equations, loss_factor):
-    """Names, units, C and equations with the forces N = (k + c s) a x of springs and dampers as more unknowns."""
+    """Names, units, C and equations of the forces of springs and dampers."""
     known = system.elements
     names = tuple(chosen_by_name("outputs", outputs, {name: name for name in known}, tuple(known)))
     if not names:
         raise InputError("force: the system has no springs and dampers with names; expected one of a lumped model or a robot")
-    coefficients, imaginary, sizes = equations
-    elements, r, p = [known[name] for name in names], len(coefficients[0]), len(names)
-    rows = np.array([[one.stiffness * one.elongation for one in elements], [one.damping * one.elongation for one in elements]])
-    extended = np.pad(coefficients, ((0, 0), (0, p), (0, p)))
-    extended[:2, r:, : system.size], extended[0, r:, r:] = -rows, np.eye(p)
-    if sizes is not None:
-        sizes = np.maximum(np.pad(sizes, ((0, 0), (0, p), (0, p))), np.abs(extended))
-    if imaginary is not None:
-        imaginary = np.pad(imaginary, (0, p))
-        given = {**system.loss_factors, **loss_factor} if isinstance(loss_factor, Mapping) else system.loss_factors
-        factors = [given.get(name, 0.0) if isinstance(loss_factor, (Mapping, type(None))) else loss_factor for name in names]
-        imaginary[r:, : system.size] = -np.array(factors)[:, None] * rows[0]
-    return names, [force_unit(one.unit) for one in elements], np.eye(p, r + p, r), (extended, imaginary, sizes)
+    elements, size = {name: known[name] for name in names}, len(equations[0][0])
+    extended = with_element_forces(system, equations, elements, loss_factor)
+    return names, [force_unit(one.unit) for one in elements.values()], np.eye(len(names), size + len(names), size), extended
 
 
 def _inputs(system: MechanicalSystem, spectra: SpectralMatrix) -> tuple[list[Channel], list[int]]:
