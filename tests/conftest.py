@@ -14,6 +14,8 @@ from collections import defaultdict
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.page.browser import Browser
+
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when NumPy is first imported: tests run in several processes
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
@@ -54,3 +56,11 @@ def command(monkeypatch, capsys, tmp_path):
         return left.value.code, *capsys.readouterr()
 
     return run
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    """One Chromium for the tests of a file."""
+    browser = Browser(tmp_path_factory.mktemp("profile"))
+    yield browser
+    browser.close()

@@ -15,10 +15,14 @@ from __future__ import annotations
 import copyreg
 from contextlib import AbstractContextManager
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..ground.tolerances import EPS, PRECISE_DIGITS, PRECISE_EPS, PRECISE_STATES, WORTHWHILE_DIGITS, WORTHWHILE_STATES_PER_DIGIT
+
+if TYPE_CHECKING:
+    from flint import nmod_mat
 
 #: The largest prime below 2^63, the largest word that flint computes with.
 PRIME = 2**63 - 25
@@ -180,13 +184,11 @@ def zero_multiplicity(E: np.ndarray, F: np.ndarray) -> int:
     >>> zero_multiplicity(np.eye(2), np.array([[1e15 + 2, -1e15], [-1e15, 1e15]]))
     0
     """
-    from flint import nmod_mat
-
     n = len(F)
-    E, F = (nmod_mat(n, n, remainders(matrix).ravel().tolist(), PRIME) for matrix in (E, F))
+    E, F = modular(E), modular(F)
     for shift in SHIFTS:
         try:
-            power = (shift * E - F).solve(E) - pow(shift, -1, PRIME) * nmod_mat(n, n, np.eye(n, dtype=int).ravel().tolist(), PRIME)
+            power = (shift * E - F).solve(E) - pow(shift, -1, PRIME) * modular(np.eye(n))
         except ZeroDivisionError:  # the shift is a zero
             continue
         rank, before = power.rank(), n + 1
@@ -204,6 +206,14 @@ def remainders(matrix: np.ndarray) -> np.ndarray:
     residues = np.empty(np.shape(matrix), dtype=object)
     residues.flat = [numerator * inverses[denominator] % PRIME for numerator, denominator in ratios]
     return residues
+
+
+def modular(matrix: np.ndarray) -> nmod_mat:
+    """The matrix modulo the prime; i stands for any residue without a pattern."""
+    from flint import nmod_mat
+
+    real = nmod_mat(*matrix.shape, remainders(matrix.real).ravel().tolist(), PRIME)
+    return real + pow(3, PRIME // 5, PRIME) * modular(matrix.imag) if np.iscomplexobj(matrix) else real
 
 
 #: Up to these sizes the degrees of transfer functions are decided modulo a prime, with a leading coefficient that is regular and with another one.
@@ -228,10 +238,6 @@ def relative_degrees(coefficients: np.ndarray, inputs: np.ndarray, outputs: np.n
         Shape (p, m), infinite where C A(s)^-1 B is zero or falls faster than ``HIGHEST_DEGREE``; None of equations that are too large.
     """
     from flint import nmod_mat
-
-    def modular(matrix: np.ndarray) -> nmod_mat:
-        real = nmod_mat(*matrix.shape, remainders(matrix.real).ravel().tolist(), PRIME)
-        return real + pow(3, PRIME // 5, PRIME) * modular(matrix.imag) if np.iscomplexobj(matrix) else real
 
     r, (p, m) = len(inputs), (len(outputs), inputs.shape[1])
     if r > MOST_REGULAR_ROWS:

@@ -12,7 +12,6 @@ from mbconstrained.scene.run.report.page_report import plots_of
 from mbconstrained.scene.run.result import Result
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.browser import needs_chromium
-from tests.page.conftest import browser  # noqa: F401
 from tests.scene.scenes import DRIVELINE, EXAMPLES
 
 #: rad/s, from SciPy's matrix exponential of the reduced equations at 400,001 times and the parabola through the three values of each hump.
@@ -97,7 +96,7 @@ def test_drawn_curves_have_no_beats(driveline, points):
 
 @needs_chromium
 @pytest.mark.parametrize("width", [1280, 390])
-def test_what_a_browser_shows_has_no_beats(driveline, browser, tmp_path, width):  # noqa: F811
+def test_what_a_browser_shows_has_no_beats(driveline, browser, tmp_path, width):
     """The path of the torque in the page: each of its humps in the second half is as high as the others, on desktop and phone."""
     page = driveline(DRIVELINE.replace('end = "2 s"', 'end = "2 s"\npoints = 401')).run().write_page(tmp_path / "page.html")
     browser.size(width, 900, mobile=width < 500)
