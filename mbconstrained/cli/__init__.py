@@ -6,6 +6,11 @@ Read ``answer`` (options, exit codes), ``commands``, then ``printing``. The room
 from __future__ import annotations
 
 import sys
+from functools import cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import typer
 
 
 def main() -> None:
@@ -14,17 +19,17 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a terminal without Greek letters gets question marks
     try:
-        from . import campbell, compare, frequency, new, sensitivity, studies, variation, vibration
-        from .commands import app
-
-        compare.add_to(app)
-        frequency.add_to(app)
-        vibration.add_to(app)
-        sensitivity.add_to(app)
-        campbell.add_to(app)
-        variation.add_to(app)
-        studies.add_to(app)
-        new.add_to(app)
-        app(prog_name="mbconstrained")
+        application()(prog_name="mbconstrained")
     except KeyboardInterrupt:  # during an import
         sys.exit(130)
+
+
+@cache
+def application() -> typer.Typer:
+    """All commands, in the order of the help."""
+    from . import campbell, compare, frequency, new, sensitivity, studies, variation, vibration
+    from .commands import app
+
+    for module in (compare, frequency, vibration, sensitivity, campbell, variation, studies, new):
+        module.add_to(app)
+    return app

@@ -1,0 +1,176 @@
+"""The golden corpus: what every scene of examples/ answers to every command, frozen small.
+
+    python -m tests.golden.corpus            compute all scenes again and write tests/golden/NAME.json
+    python -m tests.golden.corpus NAME ...   only these
+
+A column is all numbers of one key, in the order of the answer; of the arrays of npz files each is one. Stored are its size, its
+largest modulus and a few values, each with 14 digits. Beside it stands how far another kernel of OpenBLAS is from it, relative to the
+largest modulus: what the processor decides is no property of the code. Numbers in texts, and figures that estimate rounding errors, are
+left out; texts are compared as sets.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import io
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+
+PROJECT = Path(__file__).parents[2]
+FOLDER = Path(__file__).parent
+
+#: Values that are stored of a column, spread over it, and digits of each.
+SAMPLES, DIGITS = 4, 14
+
+#: Commands that answer any scene, or refuse it in their own words.
+COMMANDS = (
+    ("check",), ("run",), ("modes",), ("frequency",), ("random",), ("shock",), ("sensitivity",), ("campbell",), ("path",), ("formula",)
+)  # fmt: skip
+
+#: Commands that write nothing.
+WITHOUT_FILES = {"check", "formula", "modes", "sensitivity"}
+
+#: Studies of single scenes.
+STUDIES = {
+    "gear_tolerances": (("sweep", "--samples", "20"),),
+    "arm_workspace": (("sweep",),),
+    "tuned_mass_damper_optimum": (("sweep", "--samples", "20"), ("optimise", "--minimise", "response peak")),
+    "two_masses": (("compare", "examples/two_masses_position.toml"),),
+    "quarter_car": (("locus", "--vary", "cs=500..4000 N*s/m:21"),),
+}
+
+#: Keys of figures that depend on the machine, or estimate rounding errors.
+VOLATILE = re.compile(
+    r"seconds|memory|peak_memory|totals|estimate|residual|error|evidence|condition|gap|files|written|folder|version|stages|evaluations|reason", re.I
+)
+
+#: Numbers in texts that rounding errors may change.
+NUMBER = re.compile(r"[-+]?\d+\.\d+(e[-+]?\d+)?|[-+]?\d+e[-+]?\d+")
+
+
+def scenes() -> list[str]:
+    """Names of all scenes."""
+    return sorted(path.stem for path in (PROJECT / "examples").glob("*.toml"))
+
+
+def answers(scene: str) -> dict:
+    """What a scene answers: by command the exit code, columns of numbers and sets of texts."""
+    return {" ".join(command): _answer(scene, command) for command in (*COMMANDS, *STUDIES.get(scene, ()))}
+
+
+def _answer(scene: str, command: tuple[str, ...]) -> dict:
+    from mbconstrained.cli import application
+
+    with tempfile.TemporaryDirectory() as folder:
+        name, *options = command
+        out = [] if name in WITHOUT_FILES else ["--out", folder]
+        output = io.StringIO()
+        with contextlib.redirect_stdout(output), contextlib.redirect_stderr(io.StringIO()), contextlib.chdir(PROJECT):
+            try:
+                application()([name, f"examples/{scene}.toml", *options, "--json", *out], prog_name="mbconstrained")
+                code = 0
+            except SystemExit as end:
+                code = end.code
+        columns: dict[str, list] = defaultdict(list)
+        texts: dict[str, set] = defaultdict(set)
+        text = output.getvalue()
+        if text.lstrip().startswith("{"):
+            _collect(json.loads(text), "", columns, texts)
+        _collect_files(Path(folder), columns, texts)
+    numbers = {key: _column(values) for key, values in columns.items() if values}
+    return {"exit": code, "numbers": numbers, "texts": {key: sorted(found) for key, found in texts.items()}}
+
+
+def _collect(data, key: str, columns, texts) -> None:
+    if VOLATILE.search(key.rpartition(".")[2]):
+        return
+    if isinstance(data, dict):
+        for name, value in data.items():
+            _collect(value, f"{key}.{name}" if key else name, columns, texts)
+    elif isinstance(data, list):
+        for value in data:
+            _collect(value, key, columns, texts)
+    elif isinstance(data, str):
+        texts[key].add(NUMBER.sub("#", data))
+    else:
+        columns[key].append(np.nan if data is None else float(data))
+
+
+def _collect_files(folder: Path, columns, texts) -> None:
+    for path in sorted(path for path in folder.rglob("*") if path.is_file()):
+        name = path.relative_to(folder).as_posix()
+        texts["files"].add(name)
+        if path.suffix == ".npz":
+            with np.load(path) as arrays:
+                for key in arrays.files:
+                    array = arrays[key]
+                    if array.dtype.kind in "fciub" and not VOLATILE.search(key):
+                        columns[f"{name} {key}"] = np.asarray(array, dtype=complex).ravel().view(float).tolist()
+        elif path.suffix == ".csv":
+            with path.open(newline="") as file:
+                texts[f"{name} heads"].update(next(csv.reader(file)))
+
+
+def _column(values: list) -> dict:
+    array = np.array(values, dtype=float)
+    finite = np.abs(array[np.isfinite(array)])
+    places = np.unique(np.linspace(0, len(array) - 1, min(SAMPLES, len(array))).round().astype(int))
+    return {
+        "size": len(array),
+        "largest": _rounded(finite.max(initial=0.0)),
+        "sum": _rounded(array[np.isfinite(array)].sum()),
+        "places": places.tolist(),
+        "values": [_rounded(value) for value in array[places]],
+    }
+
+
+def _rounded(value: float):
+    return float(f"{value:.{DIGITS - 1}e}") if np.isfinite(value) else str(float(value))
+
+
+def difference(stored: dict, found: dict) -> float:
+    """The largest difference of two columns, relative to the largest modulus; infinite of columns of different shape."""
+    if (stored["size"], stored["places"]) != (found["size"], found["places"]):
+        return np.inf
+    one, other = (np.array([float(value) for value in column["values"]]) for column in (stored, found))
+    if not (np.isfinite(one) == np.isfinite(other)).all() or not (one[~np.isfinite(one)].astype(str) == other[~np.isfinite(one)].astype(str)).all():
+        return np.inf
+    scale = max(stored["largest"], found["largest"]) or 1.0
+    apart = np.abs(one - other)[np.isfinite(one)].max(initial=0.0) / scale
+    return float(max(apart, abs(stored["largest"] - found["largest"]) / scale))
+
+
+def _of_other_kernel(scene: str) -> dict:
+    """The answers by the oldest kernel of OpenBLAS, from a process of its own."""
+    environment = {**os.environ, "OPENBLAS_CORETYPE": "Nehalem"}
+    code = f"import json; from tests.golden.corpus import answers; print('ANSWERS' + json.dumps(answers({scene!r})))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=PROJECT, env=environment, capture_output=True, text=True, check=True)
+    return json.loads(done.stdout.partition("ANSWERS")[2])
+
+
+def freeze(scene: str) -> None:
+    """Write the answers of a scene."""
+    here, there = answers(scene), _of_other_kernel(scene)
+    for command, answer in here.items():
+        for key, column in answer["numbers"].items():
+            other = there[command]["numbers"].get(key)
+            column["kernel"] = float(f"{difference(column, other):.1e}") if other else "inf"
+            if column["kernel"] == np.inf:
+                column["kernel"] = "inf"
+    lines = [f"{json.dumps(command)}: {json.dumps(answer, sort_keys=True)}" for command, answer in here.items()]
+    (FOLDER / f"{scene}.json").write_text("{\n" + ",\n".join(lines) + "\n}\n")
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:] or scenes():
+        freeze(name)
+        print(name, flush=True)
