@@ -75,6 +75,9 @@ def read_drake(element: Element, anchor: Anchor, content: Content) -> None:
     """Bushings and ball constraints of Drake among the children of an element; other tags of Drake are named."""
     for child in filter(_is_drake, element):
         tag, parts = local_name(child), {local_name(part): part for part in child}
+        if tag == "joint":
+            name, kind = short(child.get("name")), short(child.get("type"))
+            raise InputError(f'{content.word.lower()}, joint "{name}": found the type "{kind}" of a drake:joint, which is not read')
         where = f"{content.word.lower()}, {tag}"
         if tag == "linear_bushing_rpy":
             ends = [anchor(_value(parts.get(f"bushing_frame{end}")), where) for end in "AC"]
@@ -93,7 +96,7 @@ def read_drake(element: Element, anchor: Anchor, content: Content) -> None:
                 ends.append((body, place * placement(point)))
             bodies, places = zip(*ends)
             content.loops.append(connection(Loop, bodies, *places, name=f"ball constraint {len(content.loops) + 1}"))
-        elif tag not in ("collision_filter_group", "joint"):
+        elif tag != "collision_filter_group":
             content.leave_out(f"<drake:{short(tag)}>", True)
 
 

@@ -30,6 +30,7 @@ from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ..connections import Bushing, Loop
 from ..flexible_joint import Motor
+from ..kinematics import MOST_COORDINATES
 from ..tangent import JointGear
 from ..tendons import Segment, Tendon
 from .models import ModelFile
@@ -41,8 +42,8 @@ DEEPEST_INCLUDE, DEEPEST_ELEMENT, DEEPEST_MODEL = 5, 300, 5
 #: Files that make a folder a package, looked for so many folders up.
 _PACKAGE_FILES, DEEPEST_PACKAGE = ("package.xml", "__init__.py", "pyproject.toml", ".git"), 6
 
-#: Time (s) and memory (bytes) that MuJoCo may take to compile a model, and degrees of freedom that are read.
-LONGEST_COMPILATION, LARGEST_MEMORY, MOST_COORDINATES = 30, 4 * 2**30, 2000
+#: Time (s) and memory (bytes) that MuJoCo may take to compile a model.
+LONGEST_COMPILATION, LARGEST_MEMORY = 30, 4 * 2**30
 
 _NO_MEMORY = f"it needs more than {LARGEST_MEMORY / 2**30:g} GB of memory, or is damaged"
 
