@@ -22,7 +22,6 @@ import numpy as np
 from ..ground.checks import nearest
 from ..ground.errors import InputError
 
-
 #: Degrees of freedom of a robot; the workspace of pinocchio for these takes 4 GB.
 MOST_COORDINATES = 400
 

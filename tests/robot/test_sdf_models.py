@@ -10,7 +10,7 @@ import scipy.linalg
 import mbconstrained as mb
 from tests.robot.model_files import Mechanism, SdfWriter
 
-SEEDS = [*range(12), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(12, 200))]
+SEEDS = range(200)
 
 
 def frequencies(M, K, rows):
@@ -60,8 +60,7 @@ def test_loops_have_the_frequencies_of_their_null_space(seed, tmp_path):
     robot = mb.Robot(tmp_path / "model.sdf", gravity=0.0)
     q = np.zeros(len(truth.coordinates))
     free = scipy.linalg.null_space(truth.rows(q)).shape[1]
-    if not free:
-        pytest.skip("nothing moves")
+    assert free
     found = robot.linearize(robot.equilibrium(hold="all"))  # another assembly is possible
     names = [joint.name for joint in (*truth.joints, *truth.loops)]
     assert {loop.name for loop in robot.loops} <= set(names)

@@ -104,19 +104,21 @@ def read_sdf(source: str | Path, base: str = "fixed", package_dirs: tuple[Path, 
     return content.model_file(gravity=numbers(gravity, 3, "sdf, gravity"), description=robot, folder=folder)
 
 
-def _root(text: str) -> Element:
-    root = xml_element(re.sub(r"<\?xml[^>]*\?>", "", text, count=1), "sdf")  # Gazebo accepts comments before the declaration
+def _root(text: str, where: str = "sdf") -> Element:
+    root = xml_element(re.sub(r"<\?xml[^>]*\?>", "", text, count=1), where)  # Gazebo accepts comments before the declaration
     if root.tag != "sdf" and not (root.tag == "gazebo" and _version(root) >= _FIRST):
         old = f' version="{short(root.get("version"))}"' if root.tag == "gazebo" else ""
-        raise InputError(f"sdf: found <{short(root.tag)}{old}>; expected <sdf>, of version {'.'.join(map(str, _FIRST))} or later")
+        raise InputError(
+            f"{where}: found <{short(root.tag)}{old}>; expected <sdf>, of version {'.'.join(map(str, _FIRST))} or later"
+        )
+    if not re.match(r"\d", given := root.get("version", "0")):
+        raise InputError(f'{where}: found the version "{short(given)}"; expected two numbers, such as 1.9')
     return root
 
 
 def _version(root: Element) -> tuple[int, int]:
     """Numbers of the version: 1.10 is later than 1.9."""
-    match = re.match(r"(\d{1,9})(?:\.(\d{1,9}))?", given := root.get("version", ""))
-    if given and not match:
-        raise InputError(f'sdf: found the version "{short(given)}"; expected two numbers, such as 1.9')
+    match = re.match(r"(\d{1,9})(?:\.(\d{1,9}))?", root.get("version", ""))
     return (int(match[1]), int(match[2] or 0)) if match else _AXES_IN_JOINT
 
 
@@ -124,7 +126,8 @@ class _Reader:
     """Finds included models."""
 
     def __init__(self, content: Content, folder: Path | None, package_dirs: tuple[Path, ...]):
-        self.content, self.folder, self.package_dirs, self.links = content, folder, package_dirs, 0
+        self.content, self.folder, self.package_dirs = content, folder, package_dirs
+        self.links = self.models = 0
 
     def included(self, uri: str, folder: Path | None) -> Path:
         """The file of a model by its address.
@@ -211,8 +214,9 @@ class _Scope:
         for child in (*element.findall("link"), *element.findall("frame")):
             self._add(child.get("name", ""), child)
         reader.links += len(element.findall("link"))
-        if reader.links > MOST_LINKS:
-            raise InputError(f"sdf: found more than {MOST_LINKS:,} links; at most as many are read")
+        reader.models += 1
+        if max(reader.links, reader.models) > MOST_LINKS:
+            raise InputError(f"sdf: found more than {MOST_LINKS:,} links or models; at most as many are read")
         for child in element.findall("model"):
             name = child.get("name", "")
             self._add(name, child)
@@ -237,8 +241,9 @@ class _Scope:
         self._frames[name] = element
 
     def _include(self, element: Element) -> None:
-        file = self.reader.included(text_of(element, "uri"), self.folder)
-        root = _root(read_urdf(file, "SDF")[0])
+        uri = text_of(element, "uri")
+        file = self.reader.included(uri, self.folder)
+        root = _root(read_urdf(file, "SDF")[0], f"{self.where}, include {short(uri)!a}")
         models = root.findall("model")
         if len(models) != 1:
             raise InputError(f"{self.where}, include: {file.name} has {len(models)} models; expected one")
