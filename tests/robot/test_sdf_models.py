@@ -141,6 +141,11 @@ SPRING = "<dynamics><spring_stiffness>5</spring_stiffness></dynamics>"
         (sdf(PENDULUM.replace("</joint>", "<springs>4</springs></joint>")), "<springs>"),
         (sdf(PENDULUM.replace("</link>", "<gravity>false</gravity></link>")), "<gravity>"),
         (sdf(PENDULUM, version="9.1"), "its version is later"),
+        (sdf(PENDULUM.replace("<mass>", '<mass unit="g">')), 'unit = "g" of <mass> of the link "a"'),
+        (sdf(PENDULUM.replace("<mass>", "<mass>5</mass><mass>")), 'second <mass> of the link "a"'),
+        (sdf(PENDULUM.replace("</joint>", "<axis><xyz>1 0 0</xyz></axis></joint>")), 'second <axis> of the joint "j"'),
+        (sdf(PENDULUM, "<scale>2 2 2</scale>"), "<scale>"),
+        (sdf(link(), hinge(kind="universal", more=f"{AXIS}<drake:rotor_inertia>1</drake:rotor_inertia>")), "rotor of the joint"),
     ],
 )
 def test_what_is_not_read_and_may_act_is_doubtful(text, part):

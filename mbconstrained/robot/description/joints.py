@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -308,7 +309,29 @@ _KNOWN = set(
 )
 
 
+#: Elements of which the first counts.
+_SINGLE = "pose inertial mass inertia ixx ixy ixz iyy iyz izz parent child axis axis2 xyz limit dynamics damping mimic".split()
+
+
+def leave_out_repeated(element: Element, place: str, content: Content) -> None:
+    """Name elements that stand twice, of which the first is read, and units, which an SDF has not.
+
+    Args:
+        element: <link> or <joint>.
+        place: its name for messages.
+        content: takes the names.
+    """
+    for part in (element, *(below for child in element if child.tag in _SINGLE for below in child.iter())):
+        tags = Counter(child.tag for child in part)
+        for tag in _SINGLE:
+            if tags[tag] > 1:
+                content.leave_out(f"second <{tag}> of {place}", True)
+        for key in part.attrib.keys() & {"unit", "units"}:
+            content.leave_out(f'{key} = "{short(part.get(key))}" of <{short(part.tag)}> of {place}', True)
+
+
 def _leave_out_of_joint(element: Element, name: str, kind: str, content: Content) -> None:
+    leave_out_repeated(element, f'the joint "{short(name)}"', content)
     for child in element:
         tag = child.tag.rpartition("}")[2]
         if tag not in ("physics", "controller_gains", *_KNOWN):

@@ -19,8 +19,22 @@ from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ..tangent import BASE, JointGear
-from .extensions import acts, read_drake, read_motor, read_urdf_file
-from .joints import WORLD, Content, Joint, add_joint, add_loop, add_origin, amount, is_true, placement, pose_of, read_joint, text_of
+from .extensions import acts, local_name, read_drake, read_motor, read_urdf_file
+from .joints import (
+    WORLD,
+    Content,
+    Joint,
+    add_joint,
+    add_loop,
+    add_origin,
+    amount,
+    is_true,
+    leave_out_repeated,
+    placement,
+    pose_of,
+    read_joint,
+    text_of,
+)
 from .models import DOWNWARDS, ModelFile
 from .urdf import MOMENTS, MOST_LINKS, RENAMED_GROUND, number, numbers, read_urdf, short, xml_element
 
@@ -456,9 +470,12 @@ class _Assembly:
             raise InputError(f'sdf: two joints are named "{short(twice[0])}"; names must differ')
         self._name_leaders()
         self._add_tree(bodies, base, {name for gear in gearboxes for name in self._gear_joints(gear)})
+        kinds = {element.get("name"): element.get("type") for element in self.robot.findall("joint")}
         for joint, element in motors:
-            if joint.kind != "gearbox":
+            if kinds.get(joint.name) in ("revolute", "prismatic"):
                 read_motor(joint.name, [element], self.content)
+            elif kinds.get(joint.name) != "fixed" and any(local_name(part) == "rotor_inertia" for part in element.iter()):
+                self.content.leave_out(f'rotor of the joint "{short(joint.name)}", which is no hinge or slide of the tree', True)
         for gear in gearboxes:
             self._add_gear(gear)
 
@@ -667,7 +684,9 @@ def _leave_out(element: Element, scope: _Scope, content: Content) -> None:
                 content.leave_out(f"<{child.tag}>", False)
         elif child.tag not in _KNOWN["world" if scope.is_world else "model"].split():
             place = "the world" if scope.is_world else scope.where.removeprefix("sdf, ")
-            content.leave_out(f"<{short(child.tag)}> of {place}", acts(child) is not None)
+            content.leave_out(f"<{short(child.tag)}> of {place}", bool(acts(child) or amount(child.text or "")))
+        elif child.tag == "state" and any(amount(part.text or "") for part in child.iterfind("model//*")):
+            content.leave_out("<state> of the world", True)
     for link in () if static else element.findall("link"):
         name = short(f"{scope.prefix}{link.get('name')}")
         for child in link:
@@ -685,4 +704,5 @@ def _leave_out(element: Element, scope: _Scope, content: Content) -> None:
                 if is_true(text):
                     content.leave_out(f'<enable_wind> of "{name}"', False)
             elif child.tag not in _KNOWN["link"].split():
-                content.leave_out(f'<{short(child.tag)}> of "{name}"', acts(child) is not None)
+                content.leave_out(f'<{short(child.tag)}> of "{name}"', bool(acts(child) or amount(child.text or "")))
+        leave_out_repeated(link, f'the link "{name}"', content)
