@@ -486,11 +486,11 @@ class _Assembly:
             for axis in joint.axes:
                 if axis.mimic is None:
                     continue
-                (leader, *values), where = axis.mimic, f'sdf, joint "{short(joint.name)}", mimic'
+                (leader, ratio, offset), where = axis.mimic, f'sdf, joint "{short(joint.name)}", mimic'
                 if leader not in joints:
                     raise InputError(f'{where}: there is no joint "{short(leader)}"{nearest(leader, joints)}')
                 if joints[leader].kind == "universal":
-                    axis.mimic = f"{leader} {axis.leader_axis}", *values
+                    axis.mimic = f"{leader} {axis.leader_axis}", ratio, offset
 
     def _anchor(self, scope: _Scope, name: str, where: str) -> tuple[str, Any]:
         body = scope.body(name, where)
