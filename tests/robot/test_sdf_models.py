@@ -169,6 +169,18 @@ def included(folder, name, *parts):
     (folder / name / "model.sdf").write_text(sdf(*parts))
 
 
+def test_a_world_includes_lights_and_a_ground(tmp_path):
+    included(tmp_path, "arm", PENDULUM)
+    included(tmp_path, "plane", "<static>true</static>", link("g"))
+    (tmp_path / "sun").mkdir()
+    (tmp_path / "sun" / "model.sdf").write_text('<sdf version="1.6"><light type="directional" name="sun"/></sdf>')
+    parts = "".join(f"<include><uri>model://{name}</uri><name>{name}</name></include>" for name in ("sun", "plane", "arm"))
+    (tmp_path / "a.world").write_text(f'<sdf version="1.6"><world name="w">{parts}<gravity>0 0 -9.81</gravity></world></sdf>')
+    robot = mb.Robot(tmp_path / "a.world")
+    assert robot.coordinates == ("arm::j",) and not robot.description_notices
+    assert robot.linearize(robot.equilibrium()).modes().natural_frequencies[0] == pytest.approx(W0, rel=1e-12)
+
+
 def test_models_that_include_each_other_are_refused(tmp_path):
     for name, other in ("a", "b"), ("b", "a"):
         included(tmp_path, name, f"<include><uri>model://{other}</uri></include>")

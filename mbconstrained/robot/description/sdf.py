@@ -259,6 +259,8 @@ class _Scope:
         file = self.reader.included(uri, self.folder)
         root = _root(read_urdf(file, "SDF")[0], f"{self.where}, include {short(uri)!a}")
         models = root.findall("model")
+        if not models and root.find("light") is not None:
+            return
         if len(models) != 1:
             raise InputError(f"{self.where}, include: {file.name} has {len(models)} models; expected one")
         name = text_of(element, "name") or models[0].get("name", "")
@@ -542,11 +544,12 @@ class _Assembly:
             add_loop(joint, self.places, self.content)
 
     def _check_base(self, base: str, free: list[str], is_alone: bool, tree: list[Joint]) -> None:
-        if free and base == "fixed":
-            names = ", ".join(f'"{short(name)}"' for name in free[:3])
-            text = f'nothing joins {names} to the world, so that the base is free; base = "moving" keeps it at rest'
-            self.content.notices.append(Notice(NoticeKind.OVERRIDE, f"SDF: {text}"))
         attached = any(WORLD in (joint.parent, joint.child) for joint in tree)
+        if free and base == "fixed":
+            names = ", ".join(f'"{short(name)}"' for name in free[:3]) + (f" and {len(free) - 3} more" if len(free) > 3 else "")
+            text = f"nothing joins {names} to the world, so that the base is free"
+            advice = "" if len(free) > 1 or attached else '; base = "moving" keeps it at rest'
+            self.content.notices.append(Notice(NoticeKind.OVERRIDE, f"SDF: {text}{advice}"))
         if base == "free" and not free:
             raise InputError('base: found "free", but the SDF joins the robot to the world; leave it out')
         if base == "moving" and free and (len(free) > 1 or attached):
