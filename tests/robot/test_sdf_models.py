@@ -152,6 +152,14 @@ def test_what_is_not_read_and_may_act_is_doubtful(text, part):
     assert [notice for notice in mb.Robot(text).description_notices if notice.doubtful and part in notice.text]
 
 
+def test_a_negative_moment_of_inertia_is_doubtful():
+    """J = -5 + 0.25 kg m^2 about the hinge, beside a slide of which 1 kg moves."""
+    parts = [link().replace("<iyy>.01", "<iyy>-5"), hinge(), link("b"), hinge("k", child="b", kind="prismatic")]
+    robot = mb.Robot(sdf(*parts))
+    assert [notice for notice in robot.description_notices if notice.doubtful and "negative" in notice.text]
+    np.testing.assert_allclose(robot.linearize(robot.equilibrium(hold="all")).mass, np.diag([-4.75, 1.0]), rtol=1e-14)
+
+
 def test_a_joint_follows_either_axis_of_another_one():
     """q = 2 q2 of two equal pendulums side by side: w^2 = m g r (1 + 4) / (J (1 + 4)), as of one."""
     leader = hinge("u", kind="universal", more="<axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz></axis2>")
