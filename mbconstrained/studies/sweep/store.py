@@ -67,8 +67,8 @@ class Chunks(ABC):
 
     @property
     def bytes_per_sample(self) -> int:
-        """Of the kept numbers."""
-        return 8 * sum(int(np.prod(one.shape)) for one in self.variables)
+        """Of the kept numbers, parameters and status."""
+        return 8 * (len(self.samples.variations) + sum(int(np.prod(one.shape)) for one in self.variables)) + 1
 
     @abstractmethod
     def missing(self) -> Iterator[int]:
@@ -115,7 +115,7 @@ class Memory(Chunks):
         Args:
             chunk, arrays: as of ``Chunks``.
         """
-        self._parts[chunk] = arrays
+        self._parts[chunk] = {**arrays, REASON: arrays[REASON].astype(str)}  # of no greater width than those of the chunk need
 
     def read(self, name: str, where: tuple = ()) -> np.ndarray:
         """All parts as one array; as ``Chunks.read``.
@@ -287,7 +287,7 @@ class Store(Chunks):
         shape, dimensions = (len(self.samples), *([length] if axis else [])), ["sample", *([axis] if axis else [])]
         attributes = {"_ARRAY_DIMENSIONS": dimensions, **({"units": unit} if unit else {})}
         if name == STATUS:
-            attributes["meaning"] = "1 answered, 2 without answer, which has its reason"
+            attributes["meaning"] = "1 answered, 2 without answer, which has its reason, 3 timed out"
         fill = float("nan") if kind is float else None if kind is np.uint8 else ""  # xarray takes what equals the fill for missing
         chunks = (self.size, *([length] if axis else []))
         group.create_array(
