@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -103,7 +104,8 @@ class Sweep(Displayed):
         done = chunks.count - len(missing)
         report = progress or (lambda done, count: None)
         report(done, chunks.count)
-        if len(self.samples) >= LARGE:
+        start, is_large = time.monotonic(), len(self.samples) >= LARGE
+        if is_large:
             message(
                 f"{len(self.samples):,} samples in {chunks.count:,} chunks, {done:,} of them done; "
                 f"{chunks.bytes_per_sample * len(self.samples) / 1e9:.2g} GB of numbers"
@@ -118,6 +120,10 @@ class Sweep(Displayed):
             for number, arrays in answers:
                 chunks.write(number, arrays)
                 done += 1
+                if is_large and done == chunks.count - len(missing) + 1:
+                    elapsed = time.monotonic() - start
+                    hours = elapsed * len(missing) / 3600
+                    message(f"the first chunk took {elapsed:.2g} s; all that are missing take about {hours:.2g} h of one process")
                 report(done, chunks.count)
         except InputError:
             raise

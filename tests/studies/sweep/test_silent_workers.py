@@ -163,7 +163,8 @@ def test_a_large_study_says_how_large_it_is_before_it_begins(tmp_path, monkeypat
 
     with pytest.raises(Enough):
         study.run(progress=progress, message=messages.append)
-    assert messages == ["10,000,000 samples in 39,063 chunks, 0 of them done; 0.25 GB of numbers"]
+    assert messages[0] == "10,000,000 samples in 39,063 chunks, 0 of them done; 0.41 GB of numbers"  # 8 B of k and 4 figures, 1 B of status
+    assert messages[1].startswith("the first chunk took ") and messages[1].endswith(" h of one process") and len(messages) == 2
     assert calls == [(0, 39063), (1, 39063)]
     large = scene.sweep({"k": "normal(100 N/m, 5 %)"}, samples=10_000_000, keep=["curve a"])
     with pytest.raises(mb.InputError, match="10000000 samples need 8.17 GB of memory; give a store, or keep less"):
