@@ -32,6 +32,9 @@ STATUS, REASON = "status", "reason"
 #: The array of checksums, one of each chunk, and the number of this form of store.
 CHECKSUM, FORM = "checksum", 2
 
+#: What zarr raises on damaged files: an array is missing, a codec cannot decode, lengths do not fit. Files that cannot be read are OSErrors.
+DAMAGE = (KeyError, RuntimeError, ValueError)
+
 #: Numbers of a study without a store, in bytes.
 MOST_MEMORY = 4e9
 
@@ -167,7 +170,7 @@ class Store(Chunks):
     def _has_labels(self, variable: Variable) -> bool:
         try:
             return np.asarray(self._group[variable.axis][:]).tolist() == np.array(variable.labels).tolist()
-        except Exception:  # whatever zarr and its codecs raise on damaged files
+        except DAMAGE:
             return False
 
     def missing(self) -> Iterator[int]:
@@ -188,7 +191,7 @@ class Store(Chunks):
         try:
             status = np.asarray(self._group[STATUS][self.at(chunk)])
             return str(self._group[CHECKSUM][chunk]) == self._checksum(chunk, status)
-        except Exception:  # whatever zarr and its codecs raise on damaged files
+        except DAMAGE:
             return False
 
     def _checksum(self, chunk: int, status: np.ndarray) -> str:

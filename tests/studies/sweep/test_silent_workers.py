@@ -62,7 +62,10 @@ def test_a_limit_that_nobody_exceeds_changes_no_bit(study, tmp_path):
 def test_the_process_of_an_endless_sample_ends_with_the_run(tmp_path):
     """It watches who has started it."""
     script = "import sys, time; from mbconstrained.studies.sweep import execution as e; import os, threading; "
-    child = script + "threading.Thread(target=e._end_with, args=(os.getppid(),), daemon=True).start(); print(os.getpid(), flush=True); time.sleep(600)"
+    child = (
+        script
+        + "threading.Thread(target=e._end_with, args=(os.getppid(),), daemon=True).start(); print(os.getpid(), flush=True); time.sleep(600)"
+    )
     parent = subprocess.Popen(
         [sys.executable, "-c", f"import subprocess, sys; subprocess.run([sys.executable, '-c', {child!r}])"],
         env=ENVIRONMENT,
@@ -163,7 +166,9 @@ def test_a_large_study_says_how_large_it_is_before_it_begins(tmp_path, monkeypat
 
     with pytest.raises(Enough):
         study.run(progress=progress, message=messages.append)
-    assert messages[0] == "10,000,000 samples in 39,063 chunks, 0 of them done; 0.41 GB of numbers"  # 8 B of k and 4 figures, 1 B of status
+    assert (
+        messages[0] == "10,000,000 samples in 39,063 chunks, 0 of them done; 0.41 GB of numbers"
+    )  # 8 B of k and 4 figures, 1 B of status
     assert messages[1].startswith("the first chunk took ") and messages[1].endswith(" h of one process") and len(messages) == 2
     assert calls == [(0, 39063), (1, 39063)]
     large = scene.sweep({"k": "normal(100 N/m, 5 %)"}, samples=10_000_000, keep=["curve a"])
