@@ -121,14 +121,15 @@ def _save_datasets(path: str, function_type: int) -> None:
     import numpy as np
     import pyuff
 
-    file, datasets = pyuff.UFF(path), []
+    file = pyuff.UFF(path)
+    datasets: list[dict] = []
     kinds = [int(kind) for kind in file.get_set_types()]
     if not any(kinds):
         raise ValueError("no data sets between lines of -1")
     for place, kind in enumerate(kinds):
         if kind == 164:
             units = file.read_sets(place)
-            datasets.append({"type": kind, **{key: float(units[key]) for key in ("length", "force")}})
+            datasets.append({"type": kind, "length": float(units["length"]), "force": float(units["force"])})
         elif kind == 58:
             function = file.read_sets(place)
             if function.get("func_type") != function_type:

@@ -84,7 +84,8 @@ class _TimedProcess:
 
     def __init__(self, job: Job, seconds: float):
         self.job, self.seconds = job, seconds
-        self._stack, self._connection, self._alone = ExitStack(), None, False
+        self._stack, self._alone = ExitStack(), False
+        self._connection: Any = None
 
     def evaluate(self, rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
         """As ``evaluate``; samples that take too long have the status TIMED_OUT."""
@@ -244,10 +245,11 @@ def _end_with(parent: int) -> None:
     os._exit(1)
 
 
-def _prepare(job: Job) -> None:
+def _prepare(job: Job) -> str:
     """Import and set up what the first sample needs."""
     with suppress(*FAILURES):
         job.scene({}).equations.polynomial_matrix.jordan_pairs()
+    return "ready"
 
 
 def by_dask(
