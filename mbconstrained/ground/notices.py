@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import chain
 
 
 class NoticeKind(StrEnum):
@@ -64,6 +66,22 @@ class Notice:
 
     def __str__(self) -> str:
         return f"{'warning' if self.doubtful else 'note'} ({self.kind}): {self.text}"
+
+
+def distinct(*sources: Iterable[Notice]) -> tuple[Notice, ...]:
+    """Notices of several sources, which may know the same: each once, in their order.
+
+    Args:
+        sources: of notices.
+
+    Returns:
+        The notices.
+
+    >>> notice = Notice(NoticeKind.AT_REST, "nothing moves")
+    >>> len(distinct([notice], [notice]))
+    1
+    """
+    return tuple(dict.fromkeys(chain(*sources)))
 
 
 @dataclass(frozen=True)

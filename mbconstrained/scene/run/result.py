@@ -16,7 +16,7 @@ from ...ground.checks import counted
 from ...ground.display import Displayed, TextTable
 from ...ground.errors import InputError, MbconstrainedError
 from ...ground.files import Replacements
-from ...ground.notices import Notice, NoticeKind
+from ...ground.notices import Notice, NoticeKind, distinct
 from ...ground.tolerances import TRUST_LIMIT
 from ...response.estimate import error_estimate
 from ...response.response_notices import without_kinks
@@ -229,7 +229,7 @@ class Result(Displayed):
         moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
         first = (*self.scene.notices, *self._omissions(), *proved, *(self.frequency.response.notices if self.frequency else ()))
         of_motion = (*(() if moves else (Notice(NoticeKind.AT_REST, NOTHING_MOVES),)), *aliasing_notices(self))
-        return tuple(dict.fromkeys((*first, *self.scene.equations.form_notices, *notices, *of_motion, *robot, *accuracy)))
+        return distinct(first, self.scene.equations.form_notices, notices, of_motion, robot, accuracy)
 
     @cached_property
     def linear_range(self) -> LinearRange | None:
