@@ -30,10 +30,11 @@ from .exact_structure import deciding_entry, structure_notices
 from .fractions import ZERO, Begun, RationalResponse
 from .intervals import Enclosure, bits_of, has_digits
 from .transfer_enclosure import enclosed_transfer
-from .variance_enclosure import enclosed_variances
+from .variance_enclosure import covariances_over_time, enclosed_variances
 
 __all__ = [
     "ExactResponse",
+    "covariances_over_time",
     "deciding_entry",
     "enclosed_transfer",
     "enclosed_variances",

@@ -380,7 +380,7 @@ class RandomResponse(Displayed):
         return replace(self, harmonic=replace(own, outputs=own.outputs[at], output_names=names, units=own.units[at]))
 
     def covariance_over_time(self, times, initial_covariance=None, modulation=None) -> np.ndarray:
-        """E[y y^T] at times after white or filtered white noise is switched on at t = 0, exactly.
+        """E[y y^T] at times after white or filtered white noise is switched on at t = 0; errors by ``covariance_over_time_error_estimate``.
 
         Args:
             times: in s, shape (T,).
@@ -393,7 +393,23 @@ class RandomResponse(Displayed):
         Raises:
             InputError: excitations with corner frequencies or delays, outputs that white noise reaches directly.
         """
-        return nonstationary.covariance_over_time(*self._independent, times, initial_covariance, modulation)
+        return nonstationary.covariance_over_time(*self._independent, times, initial_covariance, modulation)[0]
+
+    def covariance_over_time_error_estimate(self, times, initial_covariance=None, modulation=None) -> np.ndarray:
+        """Estimates of the errors of ``covariance_over_time``, of each entry relative to sqrt(E[y_a^2] E[y_b^2]), of the same shape.
+
+        Args:
+            times, initial_covariance, modulation: as there.
+
+        Returns:
+            Shape (T, p, p); infinite where a variance is lost.
+
+        >>> import mbconstrained as mb
+        >>> R = mb.MechanicalSystem([[1.0]], [[0.2]], [[4.0]]).random_response({"x1": mb.white_noise(3.2)})
+        >>> bool(R.covariance_over_time_error_estimate([0.1, 10.0]).max() < 1e-12)
+        True
+        """
+        return nonstationary.covariance_over_time(*self._independent, times, initial_covariance, modulation)[1]
 
     def sample(self, times, seed=None) -> np.ndarray:
         """A random path of the stationary outputs with exactly these spectra.
