@@ -294,14 +294,8 @@ def zero_transfers(coefficients: np.ndarray, inputs: np.ndarray, outputs: np.nda
     >>> zero_transfers(links[None], np.eye(3), np.eye(3))[0].tolist()
     [False, False, True]
     """
-    from flint import nmod_mat
-
     if len(inputs) > MOST_REGULAR_ROWS:
         return None
-
-    def modular(matrix: np.ndarray) -> nmod_mat:
-        return nmod_mat(*matrix.shape, remainders(matrix).ravel().tolist(), PRIME)
-
     for shift in SHIFTS:
         matrix = modular(coefficients[-1])
         for part in coefficients[-2::-1]:
