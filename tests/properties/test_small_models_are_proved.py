@@ -6,7 +6,6 @@ exponential of a first-order form with 60 digits, made from the data by solution
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -260,19 +259,3 @@ def test_a_record_is_the_sum_of_its_ramps():
     each = [np.where(times >= t, system.solve(force=force)(np.maximum(times - t, 0.0)), 0.0) for t, force in parts]
     size = np.abs(each).max(axis=(0, 1))
     assert (np.abs(sum(each) - whole).max(axis=0) <= 1e-13 * size).all()
-
-
-def test_many_samples_do_not_multiply_the_time_of_evaluation():
-    """Ten times as many samples before the times of evaluation cost far less than ten times as much: each mode has one exponential at each time."""
-
-    def duration(samples: int) -> float:
-        rng = np.random.default_rng(323)
-        knots = np.sort(np.r_[0, rng.uniform(0, 1, samples - 1)])
-        x = graded_chain(323).solve(force=mb.sampled(knots, rng.standard_normal((5, samples))))
-        times = np.linspace(2, 6, 400)
-        x(times)
-        begin = time.process_time()
-        x(times)
-        return time.process_time() - begin
-
-    assert min(duration(60) for _ in range(2)) < 5 * min(duration(6) for _ in range(3))
