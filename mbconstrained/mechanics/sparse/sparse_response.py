@@ -106,11 +106,19 @@ def _projected(matrix, W: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return ((total + total.T) / 2).astype(float), (terms + terms.T) / 2
 
 
+def _remainder(matrix, columns: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """A S - B, with the digits that cancel."""
+    extended = matrix.astype(np.longdouble)
+    parts = [(extended @ own.astype(np.longdouble) - other).astype(float) for own, other in zip(columns.T, right.T)]
+    return np.column_stack(parts)
+
+
 class _Reduced:
     """W^T A(s) W."""
 
     def __init__(self, pencil, undamped: UndampedModes, forces: np.ndarray):
         self.undamped, X, shift = undamped, undamped.vectors, undamped.shift
+        self.shifted = pencil.stiffness - shift * pencil.mass
         sources = [forces - times(pencil.mass, X @ (X.T @ forces))]  # what acts on the left-out modes
         solutions: list[np.ndarray] = []
         for order in range(ORDERS):
@@ -133,6 +141,8 @@ class _Reduced:
         rounding = SUM_ROUNDING if pencil.basis.shape[0] == pencil.size else SUM_ROUNDING + pencil.rounding / EPS
         self.sizes = 2 * np.abs(self.coefficients) + rounding * np.array([terms for _, terms in projected])
         self.forces = W.T @ forces
+        others = np.hstack([times(pencil.mass, X) * undamped.values, self.sources @ self.turn + shift * self.inertia])
+        self.unequal = _remainder(pencil.stiffness, W, others)
 
     def modal_damping(self, ratios) -> np.ndarray:
         """2 zeta w of the modes on the diagonal."""
@@ -167,14 +177,17 @@ class _Residuals(LeftOut):
         return float(np.sqrt(max(self.limit, 0.0)) / (2 * np.pi))
 
     @cached_property
-    def _gram(self) -> np.ndarray:
+    def _gram(self) -> tuple[np.ndarray, np.ndarray]:
+        """The Gram matrix in (K - shift M)^-1, and the sizes of its terms; what solutions leave corrects it to second order."""
         reduced, X = self.reduced, self.reduced.undamped.vectors
         parts = [reduced.inertia] if reduced.damped is None else [reduced.inertia, reduced.damped]
-        columns = np.hstack([reduced.sources, *parts])
+        columns = np.hstack([reduced.sources, *parts, reduced.unequal])
         solved = reduced.undamped.factors.solve(columns)
+        left = _remainder(reduced.shifted, solved, columns) if reduced.undamped.factors.rows is None else 0.0 * columns
         inner = columns.T @ X  # along the modes there is nothing to leave out
-        gram = columns.T @ solved - (inner / (reduced.undamped.values - reduced.undamped.shift)) @ inner.T
-        return (gram + gram.T) / 2
+        along = inner / (reduced.undamped.values - reduced.undamped.shift)
+        gram = columns.T @ solved - solved.T @ left - along @ inner.T
+        return (gram + gram.T) / 2, np.abs(columns).T @ np.abs(solved) + np.abs(along) @ np.abs(inner).T
 
     def bound(self, omega: np.ndarray) -> np.ndarray:
         """Of |C A^-1 B| without the factor (i w)^p, shape (p, m, F).
@@ -185,7 +198,7 @@ class _Residuals(LeftOut):
         Returns:
             Upper bounds of the absolute errors.
         """
-        reduced, sizes = self.reduced, []
+        reduced, sizes, (gram, terms) = self.reduced, [], self._gram
         modes, shift = len(reduced.undamped.values), reduced.undamped.shift
         structural = 1.0 if self.imaginary is None else 1 + 1j * self.imaginary[0, 0] / self.coefficients[0, 0, 0]
         K = self.coefficients[0] if self.imaginary is None else self.coefficients[0] + 1j * self.imaginary
@@ -197,9 +210,9 @@ class _Residuals(LeftOut):
                 (w * w - structural * shift) * along,
             ]
             parts += [] if reduced.damped is None else [-1j * w * y]
-            c = np.vstack(parts)
-            square = np.real(np.einsum("ij,ik,kj->j", c.conj(), self._gram, c))
-            rounding = EPS * np.einsum("ij,ik,kj->j", np.abs(c), np.abs(self._gram), np.abs(c))
+            c = np.vstack([*parts, -structural * y])
+            square = np.real(np.einsum("ij,ik,kj->j", c.conj(), gram, c))
+            rounding = EPS * np.einsum("ij,ik,kj->j", np.abs(c), terms, np.abs(c))
             sizes.append(np.sqrt(np.maximum(square, rounding)) * np.sqrt((self.limit - shift) / (self.limit - w * w)))
         norms = np.array(sizes).reshape(len(sizes), reduced.forces.shape[1]).T
         return norms[self.input_count :, None] * norms[: self.input_count]
