@@ -99,11 +99,11 @@ def _error_by_defect(function: FlowFunction, times: np.ndarray, values: np.ndarr
     late = np.flatnonzero(times >= function.flow.taylor_start(modal=True).end)
     if not len(late):
         return 0.0
-    if len(late) > MOST_PROVED:
-        late = late[np.linspace(0, len(late) - 1, MOST_PROVED).astype(int)]
     response = DefectResponse.of(function.flow, float(times[late].max()))
     if response is None:
         return None
+    if len(late) > (most := response.most_times(MOST_PROVED)):
+        late = late[np.linspace(0, len(late) - 1, most).astype(int)]
     errors = DEFECT_SAFETY * response.errors(function.place, function.order, times[late])
     return float((errors + np.abs(values[:, late] - function.by_modes(times[late])).max(axis=0, initial=0.0)).max())
 
