@@ -34,7 +34,7 @@ SUMMED, TURNED = 2.0, 1.0
 
 
 #: Without separate modes each time takes an exponential: the usual number of times up to so many states, at least so few of more.
-EXPONENTIAL_STATES, FEWEST = 128, 6
+EXPONENTIAL_STATES, FEWEST = 96, 6
 
 
 @dataclass(frozen=True, eq=False)
