@@ -88,7 +88,9 @@ def _without_digits(x: Response) -> Iterator[Notice]:
     if bad[0] or bad[1]:
         yield from doubts_of(f"values from t = {times[bad][0]:.3g} s on", float(errors[bad].max()))
     elif bad.any():
-        yield Notice(NoticeKind.ACCURACY, f"the estimated relative error of values at t = {times[bad][0]:.3g} s is {errors[bad].max():.2g}")
+        yield Notice(
+            NoticeKind.ACCURACY, f"the estimated relative error of values at t = {times[bad][0]:.3g} s is {errors[bad].max():.2g}"
+        )
 
 
 def _change_by_ranks(x: Response) -> float | None:

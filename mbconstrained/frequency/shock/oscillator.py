@@ -333,7 +333,9 @@ class Oscillator:
         c0, c1 = output
         bend, twist, _, *curvature = self._rates(y, v, a, slope, output)
         zero = self._zero(*curvature)
-        more = np.pi / self.roots[0].imag * np.arange(np.ceil(h.max() * self.roots[0].imag / np.pi)) if self.zeta < 1 else np.zeros(1)
+        more, turning = np.zeros(1), self.roots[0].imag
+        if self.zeta < 1:
+            more = np.pi / turning * np.arange(np.ceil(h.max() * turning / np.pi))
         grid = np.minimum(np.column_stack([np.zeros(len(h)), zero[:, None] + more, h]), h[:, None])
 
         def curve(row, tau):

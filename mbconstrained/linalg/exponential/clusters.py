@@ -196,7 +196,8 @@ def _units(rest, times) -> np.ndarray:
             coupling = (above / units[:, :at]).max(axis=1)
         large = coupling > target
         if large.any():
-            needed = np.maximum(target[large] / coupling[large], LEAST_UNIT)  # the end of a long chain keeps a coupling of its own size
+            # The end of a long chain keeps a coupling of its own size.
+            needed = np.maximum(target[large] / coupling[large], LEAST_UNIT)
             if (coupling[large] * needed > LARGEST_COUPLING * target[large]).any():
                 raise IllConditioned(RATES_TOO_DIFFERENT)
             units[large, at] = 2.0 ** np.floor(np.log2(needed))

@@ -128,7 +128,8 @@ class DefectResponse:
     def _coordinates_by_blocks(self, piece: int, start: np.ndarray, t: float) -> np.ndarray:
         """The same where eigenvectors do not separate the modes: the integral is a block of an exponential (Van Loan 1978)."""
         n, v, driven = len(start), self._starts[:, piece], self._drives(piece)[1]
-        unit = np.abs(driven).max(initial=0.0) / (np.abs(self._J).max() or 1.0) or 1.0  # so that rounding errors of e^(J t) do not hide it
+        # The drive has the size of J there, so that rounding errors of e^(J t) do not hide it.
+        unit = np.abs(driven).max(initial=0.0) / (np.abs(self._J).max() or 1.0) or 1.0
         both = np.block([[self._J[:n, :n], driven / unit], [np.zeros((len(v), n)), self._J]])
         exponential = scipy.linalg.expm(both * t)[:n]
         return exponential[:, :n] @ start + unit * (exponential[:, n:] @ v)
