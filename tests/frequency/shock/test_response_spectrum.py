@@ -234,7 +234,7 @@ def exact_extrema(t, a, w, z, output):
             if not h:
                 continue
             start = mpmath.matrix([*state[:2], a[k], (mpmath.mpf(float(a[k + 1])) - mpmath.mpf(float(a[k]))) / h])
-            count = 50 + int(8 * w * h * (1 + 2 * z))
+            count = 20 + int(8 * w * h * (1 + 2 * z))
             step, state, states = mpmath.expm(J * h / count), start, [start]
             for _ in range(count):
                 state = step * state
@@ -246,7 +246,9 @@ def exact_extrema(t, a, w, z, output):
             for one, other in itertools.pairwise(states):
                 for value in (both(one)[0], both(other)[0]):
                     best = [max(best[0], value), max(best[1], -value)]
-                if both(one)[1] * both(other)[1] < 0:
+                reach = abs(both(one)[1]) * h / count  # beyond the values at both ends, as r'' has one sign in so short a step
+                highest, lowest = (pick(both(one)[0], both(other)[0]) for pick in (max, min))
+                if both(one)[1] * both(other)[1] < 0 and (highest + 2 * reach > best[0] or 2 * reach - lowest > best[1]):
                     size, left = h / count, one
                     for _ in range(25):
                         size = size / 2
