@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from itertools import chain
 
+from .tolerances import TRUST_LIMIT
+
 
 class NoticeKind(StrEnum):
     """The subject of a notice, printed in brackets before its text.
@@ -82,6 +84,29 @@ def distinct(*sources: Iterable[Notice]) -> tuple[Notice, ...]:
     1
     """
     return tuple(dict.fromkeys(chain(*sources)))
+
+
+def doubts_of(what: str, estimate: float) -> tuple[Notice, ...]:
+    """The notice of an answer that cannot be trusted; none of one that can.
+
+    Args:
+        what: of which the estimate is, such as "the displacement".
+        estimate: of its relative error; infinite or not a number where no digit is sure.
+
+    Returns:
+        One doubtful notice where the estimate is above ``TRUST_LIMIT``.
+
+    >>> doubts_of("the displacement", 1e-9)
+    ()
+    >>> print(*doubts_of("the displacement", 0.25))
+    warning (accuracy): the estimated relative error of the displacement is 0.25: the data do not determine it well enough
+    """
+    if estimate <= TRUST_LIMIT:
+        return ()
+    text = f"the estimated relative error of {what} is {estimate:.2g}: the data do not determine it well enough"
+    if not estimate < 1:
+        text = f"no digit of {what} is sure: the estimated error is as large as the values"
+    return (Notice(NoticeKind.ACCURACY, text, doubtful=True),)
 
 
 @dataclass(frozen=True)
