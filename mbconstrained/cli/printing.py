@@ -6,6 +6,7 @@ import json as json_format
 import os
 import shutil
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
 
 #: Narrower terminals are printed on as if they had this width.
 LEAST_WIDTH = 40
+
+#: Seconds between lines of progress where there is no terminal.
+LINE_AFTER = 30.0
 
 
 def show(json: bool, data: Callable[[], dict], blocks: Callable[[], Sequence[str | TextTable]]) -> None:
@@ -56,6 +60,11 @@ def show_error(message: str, json: bool, code: int) -> int:
     return code
 
 
+def show_message(text: str) -> None:
+    """A text about work that goes on."""
+    print(text, file=sys.stderr, flush=True)
+
+
 def show_text(text: str) -> None:
     """A text as it is, as the only thing that is printed."""
     _say(text)
@@ -81,17 +90,18 @@ def step_progress() -> Iterator[Callable[[str], None] | None]:
 
 
 @contextmanager
-def bar_progress(what: str) -> Iterator[Callable[[int, int], None] | None]:
-    """A bar with the remaining time, in a terminal only; it is called with what is done, and with all.
+def bar_progress(what: str) -> Iterator[Callable[[int, int], None]]:
+    """A bar with the remaining time; elsewhere than in a terminal a line of it every ``LINE_AFTER`` seconds. It is called with what is
+    done, and with all.
 
     Args:
         what: before the bar.
 
     Yields:
-        The function, or None.
+        The function.
     """
     if not sys.stderr.isatty():
-        yield None
+        yield _line_progress(what)
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -100,6 +110,22 @@ def bar_progress(what: str) -> Iterator[Callable[[int, int], None] | None]:
     with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task(what, total=None)
         yield lambda done, total: progress.update(task, completed=done, total=total)
+
+
+def _line_progress(what: str) -> Callable[[int, int], None]:
+    start, first, last = time.monotonic(), None, time.monotonic()
+
+    def report(done: int, total: int) -> None:
+        nonlocal first, last
+        first, now = done if first is None else first, time.monotonic()
+        if now - last < LINE_AFTER:
+            return
+        last = now
+        rate = (done - first) / (now - start)
+        left = f", about {(total - done) / rate / 60:.2g} min left" if rate else ""
+        show_message(f"{what}: {done:,} of {total:,}{left}")
+
+    return report
 
 
 def _text_of(block: str | TextTable, width: int) -> str:

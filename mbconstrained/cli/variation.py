@@ -54,6 +54,10 @@ def _sweep(
     ] = "",
     workers: Annotated[int, typer.Option("--workers", metavar="N", help="Compute in N processes.")] = 0,
     dask: Annotated[str, typer.Option("--dask", metavar="ADDRESS", help="Compute on the Dask cluster with this scheduler.")] = "",
+    sample_timeout: Annotated[
+        float,
+        typer.Option("--sample-timeout", metavar="SECONDS", help="Give up a sample that takes longer; it has no answer then."),
+    ] = 0.0,
     strict: Annotated[bool, typer.Option("--strict", help="Leave with 3 if a sample has no answer.")] = False,
     out: Out = "",
     settings: Settings = None,
@@ -69,7 +73,12 @@ def _sweep(
     options |= {"seed": seed} if seed >= 0 else {}
     options |= {"limits": _pairs(limit, "--limit")} if limit else {}
     options |= {"correlation": [_correlation(text) for text in correlation]} if correlation else {}
-    running: dict[str, Any] = {"store": store or None, "workers": workers or None, "dask": dask or None}
+    running: dict[str, Any] = {
+        "store": store or None,
+        "workers": workers or None,
+        "dask": dask or None,
+        "sample_timeout": sample_timeout or None,
+    }
     if workers < 0:
         raise typer.BadParameter(f"found {workers}; expected at least 1", param_hint="--workers")
 
@@ -78,13 +87,13 @@ def _sweep(
         from ..studies.study_report import writable
         from ..studies.sweep.sweep import StudyInterrupted, sweep
         from ..studies.sweep.sweep_report import SweepReport
-        from .printing import bar_progress, show_error
+        from .printing import bar_progress, show_error, show_message
 
         study = sweep(loaded, _pairs(vary or (), "--vary"), **options)
         folder = writable(Path(out or Path("results") / loaded.name))
         try:
-            with bar_progress("samples") as progress:
-                result = study.run(**running, progress=progress)
+            with bar_progress("chunks of samples") as progress:
+                result = study.run(**running, progress=progress, message=show_message)
         except StudyInterrupted as problem:
             return show_error(str(problem), json, INTERRUPTED)
         report = SweepReport(result, strict)

@@ -6,9 +6,6 @@ NumPy .npy and .npz, scipy.sparse .npz, Matrix Market .mtx, MATLAB .mat, Nastran
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
-import tempfile
 import zipfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -19,6 +16,7 @@ import scipy.sparse
 from ..ground.checks import nearest, optional_package, real_array
 from ..ground.errors import InputError
 from ..ground.files import LARGEST_FILE, checked_file, readable_as
+from ..ground.isolation import damaged, read_isolated
 from .number_table import number_table
 from .universal import UNIVERSAL
 
@@ -153,96 +151,87 @@ def _from_npy(path: Path, array: None) -> np.ndarray:
         return np.array(np.load(path, allow_pickle=False, mmap_mode="r"))  # mapped: no header can request more than the file has
 
 
-#: The limits of a reader in a process of its own: seconds, bytes of address space.
-LONGEST_READING, READING_MEMORY = 60, 8 << 30
+#: Types of MATLAB's numbers, of dense arrays of other files "double".
+_NUMBERS = ("double", "single", "sparse", "logical", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)))
 
-#: Reads one matrix with SciPy or pyYeti, whose readers may crash or never end on damaged files. Written are the names of all with shape and type, then the
-#: one that was chosen, or the error.
-_READING = """
-import json, sys, warnings
-import numpy as np, scipy.sparse
-suffix, path, array, memory, largest, side = json.loads(sys.argv[1])
-try:
-    import resource
-    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
-except (ImportError, ValueError):
-    pass
-warnings.simplefilter("ignore")
-try:
+
+def _save_matrix(path: str, suffix: str, array: str | None, kinds: list[str], most_bytes: int, largest_side: int) -> None:
+    """Write shapes and types of all arrays of a file, then the one that is chosen: the work of a process of its own.
+
+    Args:
+        path: absolute.
+        suffix: of the file.
+        array: its name; None for the only one.
+        kinds: types of numbers.
+        most_bytes: of a dense array.
+        largest_side: of a dense array of an .op4 file, whose larger ones are read as sparse.
+    """
+    import json
+
+    import numpy as np
+    import scipy.io
+    import scipy.sparse
+
     if suffix == ".op4":
         from pyyeti.nastran import op4
+
         names, sizes, *_ = op4.OP4().dir(path, verbose=False)
-        arrays = {name: [[int(n) for n in size], "sparse"] for name, size in zip(names, sizes)}
-        def read(name):
-            sparse = True if max(arrays[name][0]) > side else None  # None: as the file stores it
-            return op4.OP4().dctload(path, namelist=[name], justmatrix=True, sparse=sparse)[name]
+        arrays = {name: ([int(n) for n in size], "sparse") for name, size in zip(names, sizes)}
     elif suffix == ".mat":
-        import scipy.io
-        arrays = {name: [[int(n) for n in shape], kind] for name, shape, kind in scipy.io.whosmat(path)}
-        def read(name):
-            return scipy.io.loadmat(path, variable_names=[name])[name]
+        arrays = {name: ([int(n) for n in shape], kind) for name, shape, kind in scipy.io.whosmat(path)}
     else:
-        import scipy.io
         *shape, _, form, _, _ = scipy.io.mminfo(path)
-        arrays = {"matrix": [[int(n) for n in shape], "sparse" if form == "coordinate" else "double"]}
-        def read(name):
-            return scipy.io.mmread(path)
+        arrays = {"matrix": ([int(n) for n in shape], "sparse" if form == "coordinate" else "double")}
     with open("arrays.json", "w") as file:
         json.dump(arrays, file)
-    numbers = [name for name, (shape, kind) in arrays.items() if kind in ("double", "single", "sparse", "logical") or "int" in kind]
+    numbers = [name for name, (_, kind) in arrays.items() if kind in kinds]
     name = array or (numbers[0] if len(numbers) == 1 else None)
-    if name in numbers and (arrays[name][1] == "sparse" or 8.0 * np.prod(arrays[name][0], dtype=float) <= largest):
-        matrix = read(name)
-        if scipy.sparse.issparse(matrix):
-            scipy.sparse.save_npz("matrix.npz", matrix)
-        else:
-            np.save("matrix.npy", matrix, allow_pickle=False)
-except Exception as problem:
-    with open("problem.txt", "w") as file:
-        file.write((str(problem).splitlines() or [type(problem).__name__])[0][:120])
-"""
+    if name not in numbers:
+        return
+    shape, kind = arrays[name]
+    if kind != "sparse" and 8.0 * np.prod(shape, dtype=float) > most_bytes:
+        return
+    if suffix == ".op4":
+        sparse = True if max(shape) > largest_side else None  # None: as the file stores it
+        matrix = op4.OP4().dctload(path, namelist=[name], justmatrix=True, sparse=sparse)[name]
+    elif suffix == ".mat":
+        matrix = scipy.io.loadmat(path, variable_names=[name])[name]
+    else:
+        matrix = scipy.io.mmread(path)
+    if scipy.sparse.issparse(matrix):
+        scipy.sparse.save_npz("matrix.npz", matrix)
+    else:
+        np.save("matrix.npy", matrix, allow_pickle=False)
 
 
-def _read_by_process(path: Path, array: str | None, failure: str, limit: int | None = None):
-    """A matrix that a process of its own reads.
+def _read_by_process(path: Path, array: str | None, failure: str, largest: int = LARGEST_SPARSE_SIDE):
+    """A matrix of a file whose reader may crash or never end on damaged ones.
 
     Args:
         path: of the file.
         array: its name.
         failure: what a file is that cannot be read.
-        limit: the most rows and columns of any matrix; None for the bytes of ``LARGEST_FILE``.
+        largest: the most rows and columns of a dense matrix, whose bytes are limited as well.
     """
-    arguments = json.dumps([path.suffix.lower(), str(path.resolve()), array, READING_MEMORY, LARGEST_FILE, LARGEST_SIDE])
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        try:
-            subprocess.run(
-                [sys.executable, "-c", _READING, arguments],
-                cwd=folder,
-                capture_output=True,
-                stdin=subprocess.DEVNULL,
-                timeout=LONGEST_READING,
-            )
-        except subprocess.TimeoutExpired:
-            raise InputError(f"{path.name}: {failure} (it cannot be read within {LONGEST_READING} s: it is damaged)") from None
-        names, problem, whole, sparse = (Path(folder) / name for name in ("arrays.json", "problem.txt", "matrix.npy", "matrix.npz"))
-        if problem.is_file():
-            raise InputError(f"{path.name}: {failure} ({problem.read_text('utf-8', errors='replace')})")
+    suffix, limits = path.suffix.lower(), {"most_bytes": LARGEST_FILE, "largest_side": LARGEST_SIDE}
+    with read_isolated(_save_matrix, path, failure, suffix=suffix, array=array, kinds=_NUMBERS, **limits) as folder:
+        names, whole, sparse = (folder / name for name in ("arrays.json", "matrix.npy", "matrix.npz"))
         arrays = json.loads(names.read_text("utf-8")) if names.is_file() else {}
         if arrays:
-            name = _chosen(path, array, [name for name, (_, kind) in arrays.items() if kind in _MATLAB_KINDS])
+            name = _chosen(path, array, [name for name, (_, kind) in arrays.items() if kind in _NUMBERS])
             shape, kind = arrays[name]
-            _check_size(path.name, tuple(shape), limit or LARGEST_SPARSE_SIDE)
+            _check_size(path.name, tuple(shape), LARGEST_SPARSE_SIDE if kind == "sparse" else largest)
             if kind != "sparse":
                 _check_bytes(path, name, 8 * int(np.prod(shape, dtype=float)))
         if whole.is_file():
             return np.load(whole, allow_pickle=False)
         if sparse.is_file():
             return scipy.sparse.load_npz(sparse)
-    raise InputError(f"{path.name}: {failure} (its reader ends without a result: it is damaged)")
+    raise damaged(path, failure)
 
 
 def _from_matrix_market(path: Path, array: None):
-    return _read_by_process(path, None, "not a Matrix Market file")
+    return _read_by_process(path, None, "not a Matrix Market file", LARGEST_SIDE)
 
 
 def _from_mat(path: Path, array: str | None):
@@ -252,12 +241,6 @@ def _from_mat(path: Path, array: str | None):
     if head[:8] == b"\x89HDF\r\n\x1a\n" or b"MATLAB 7.3" in head:
         raise InputError(f"{path.name}: a MATLAB file of version 7.3; write it in MATLAB with save('{path.name}', '-v7')")
     return _read_by_process(path, array, "not a MATLAB file of numbers")
-
-
-_MATLAB_KINDS = (
-    *("double", "single", "sparse", "logical"),
-    *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)),
-)
 
 
 def _from_op4(path: Path, array: str | None):

@@ -7,6 +7,7 @@ Binary functions keep every bit.
 
 from __future__ import annotations
 
+import json
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,7 +19,7 @@ import numpy as np
 
 from ..ground.checks import nearest, optional_package
 from ..ground.errors import InputError
-from ..ground.files import readable_as
+from ..ground.isolation import damaged, read_isolated
 
 if TYPE_CHECKING:
     from ..frequency.frequency_response import FrequencyResponse
@@ -69,10 +70,10 @@ def read_function(path: Path, which: int | str | None = None) -> Function:
         MissingPackage: pyuff is not installed.
     """
     functions, units = [], {"length": 1.0, "force": 1.0}
-    for dataset in _datasets(path, (58, 164)):
+    for dataset in _datasets(path):
         if dataset["type"] == 164:
             units = dataset
-        elif dataset.get("func_type") == _TIME_RESPONSE:
+        else:
             functions.append((dataset, units))
     names = [str(dataset["id1"]).strip() for dataset, _ in functions]
     if not functions:
@@ -93,7 +94,7 @@ def read_function(path: Path, which: int | str | None = None) -> Function:
 
 
 def _function(path: Path, name: str, dataset: Mapping, units: Mapping) -> Function:
-    times, values = np.asarray(dataset["x"]), np.asarray(dataset["data"])
+    times, values = dataset["x"], dataset["data"]
     if np.iscomplexobj(values):
         raise InputError(f'{path.name}: the function "{name}" is complex; expected real values over time')
     if len(values) != dataset["num_pts"] or len(times) != len(values):
@@ -108,15 +109,54 @@ def _function(path: Path, name: str, dataset: Mapping, units: Mapping) -> Functi
     return Function(name, times, values if scale == 1 else values / scale, unit)
 
 
-def _datasets(path: Path, types: Sequence[int]) -> list[dict]:
-    """The data sets of these types, in the order of the file."""
-    pyuff = optional_package("pyuff", "reading universal files")
-    with readable_as(path, "not a universal file that can be read"):
-        file = pyuff.UFF(str(path))
-        kinds = [int(kind) for kind in file.get_set_types()]
-        if not any(kinds):
-            raise ValueError("no data sets between lines of -1")
-        return [file.read_sets(place) for place, kind in enumerate(kinds) if kind in types]
+def _save_datasets(path: str, function_type: int) -> None:
+    """Write the functions of one type and the units of a universal file: the work of a process of its own.
+
+    Args:
+        path: of the file.
+        function_type: of data sets 58.
+    """
+    import json
+
+    import numpy as np
+    import pyuff
+
+    file = pyuff.UFF(path)
+    datasets: list[dict] = []
+    kinds = [int(kind) for kind in file.get_set_types()]
+    if not any(kinds):
+        raise ValueError("no data sets between lines of -1")
+    for place, kind in enumerate(kinds):
+        if kind == 164:
+            units = file.read_sets(place)
+            datasets.append({"type": kind, "length": float(units["length"]), "force": float(units["force"])})
+        elif kind == 58:
+            function = file.read_sets(place)
+            if function.get("func_type") != function_type:
+                continue
+            x, data = np.asarray(function["x"]), np.asarray(function["data"])
+            np.savez(
+                f"{len(datasets)}.npz", x=x[: data.size + 1], data=data
+            )  # x has as many entries as the file states, perhaps billions
+            numbers = {key: int(function[key]) for key in ("num_pts", "ordinate_spec_data_type", "rsp_dir")}
+            datasets.append({"type": kind, "id1": str(function["id1"]), **numbers})
+    with open("datasets.json", "w") as text:
+        json.dump(datasets, text)
+
+
+def _datasets(path: Path) -> list[dict]:
+    """The functions of time and the units of a file, in its order."""
+    optional_package("pyuff", "reading universal files")
+    failure = "not a universal file that can be read"
+    with read_isolated(_save_datasets, path, failure, function_type=_TIME_RESPONSE) as folder:
+        if not (whole := folder / "datasets.json").is_file():
+            raise damaged(path, failure)
+        datasets = json.loads(whole.read_text("utf-8"))
+        for place, dataset in enumerate(datasets):
+            if dataset["type"] == 58:
+                with np.load(folder / f"{place}.npz", allow_pickle=False) as arrays:
+                    dataset |= arrays
+    return datasets
 
 
 @dataclass(frozen=True)

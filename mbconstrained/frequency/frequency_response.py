@@ -353,6 +353,8 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
         s, form = 1j * omega[line], harmonic.form
         if (pole := form.pole_at(s)) is not None:
             on_lines.append(PoleOnLine(int(line), float(frequencies[line]), pole))
+        elif harmonic.solver.rounded and np.isfinite(errors[..., line]).all():
+            continue  # rounding errors of the coefficients are in the poles, too, where no estimate has them
         total, size = form.finite_part(s if pole is None else pole.value, pole)
         gaps = np.abs(s - np.array([one.value for one in form.poles if pole is None or one.value != pole.value], dtype=complex))
         moved = (

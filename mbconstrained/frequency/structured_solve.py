@@ -75,7 +75,8 @@ class StructuredSolver:
             coefficients: A_0 ... A_q, shape (q + 1, r, r), real or complex.
             inputs: B, shape (r, m).
             outputs: C, shape (p, r), real or complex.
-            sizes: of the terms of which the coefficients are sums, shape (q + 1, r, r); their moduli by default.
+            sizes: of the terms of which the coefficients are sums, shape (q + 1, r, r); their moduli by default. Coefficients of larger
+                sizes are known to rounding errors of these, which no refinement removes.
         """
         coefficients = np.asarray(coefficients)
         scaling = joint_scaling(np.abs(coefficients))
@@ -84,6 +85,7 @@ class StructuredSolver:
         factors = scaling.rows[:, None] * scaling.columns * powers
         self.coefficients = coefficients * factors
         self.sizes = np.abs(self.coefficients) if sizes is None else np.maximum(np.abs(coefficients), sizes) * factors
+        self.rounded = sizes is not None and bool((self.sizes > np.abs(self.coefficients)).any())
         self.inputs = scaling.rows[:, None] * inputs
         self.outputs = outputs * scaling.columns
         self.columns = scaling.columns
@@ -172,6 +174,10 @@ class StructuredSolver:
     def _stacked_sizes(self):
         return scipy.sparse.csr_array(np.concatenate(list(self.sizes)))
 
+    @cached_property
+    def _stacked_excess(self):
+        return scipy.sparse.csr_array(np.concatenate(list(self.sizes - np.abs(self.coefficients))))
+
     def _applied(self, nu, X) -> np.ndarray:
         """A(i nu) X of X with shape (r, m, F)."""
         return _horner(_product(self._stacked, X), 1j * nu, len(self.coefficients))
@@ -192,7 +198,11 @@ class StructuredSolver:
         for _ in range(STEPS):
             X = X - solver.solved(residual.astype(complex))
             residual = _extended_product(coefficients, s, X) - inputs
-            H, error, _ = self._estimated(nu.astype(float), X, Z, np.abs(residual).astype(float), rounding)
+            left = np.abs(residual).astype(float)
+            if self.rounded:
+                terms = _product(self._stacked_excess, np.abs(X).astype(float))
+                left = left + LINE_ROUNDING * EPS * _horner(terms, np.abs(nu).astype(float), len(self.sizes))
+            H, error, _ = self._estimated(nu.astype(float), X, Z, left, rounding)
             if (error <= EPS * np.abs(H)).all():
                 break
         H = H.astype(complex)

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import chain
+
+from .tolerances import TRUST_LIMIT
 
 
 class NoticeKind(StrEnum):
@@ -64,6 +68,45 @@ class Notice:
 
     def __str__(self) -> str:
         return f"{'warning' if self.doubtful else 'note'} ({self.kind}): {self.text}"
+
+
+def distinct(*sources: Iterable[Notice]) -> tuple[Notice, ...]:
+    """Notices of several sources, which may know the same: each once, in their order.
+
+    Args:
+        sources: of notices.
+
+    Returns:
+        The notices.
+
+    >>> notice = Notice(NoticeKind.AT_REST, "nothing moves")
+    >>> len(distinct([notice], [notice]))
+    1
+    """
+    return tuple(dict.fromkeys(chain(*sources)))
+
+
+def doubts_of(what: str, estimate: float) -> tuple[Notice, ...]:
+    """The notice of an answer that cannot be trusted; none of one that can.
+
+    Args:
+        what: of which the estimate is, such as "the displacement".
+        estimate: of its relative error; infinite or not a number where no digit is sure.
+
+    Returns:
+        One doubtful notice where the estimate is above ``TRUST_LIMIT``.
+
+    >>> doubts_of("the displacement", 1e-9)
+    ()
+    >>> print(*doubts_of("the displacement", 0.25))
+    warning (accuracy): the estimated relative error of the displacement is 0.25: the data do not determine it well enough
+    """
+    if estimate <= TRUST_LIMIT:
+        return ()
+    text = f"the estimated relative error of {what} is {estimate:.2g}: the data do not determine it well enough"
+    if not estimate < 1:
+        text = f"no digit of {what} is sure: the estimated error is as large as the values"
+    return (Notice(NoticeKind.ACCURACY, text, doubtful=True),)
 
 
 @dataclass(frozen=True)

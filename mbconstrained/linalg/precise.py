@@ -278,3 +278,31 @@ def relative_degrees(coefficients: np.ndarray, inputs: np.ndarray, outputs: np.n
     nonzero = np.array([int(entry) != 0 for entry in solution]).reshape(size, -1)
     degrees = np.where(nonzero.any(axis=0), size - 1 - nonzero[::-1].argmax(axis=0), -np.inf)
     return (degrees[0] - degrees[1:]).reshape(p, m)
+
+
+def zero_transfers(coefficients: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray | None:
+    """Which entries of C A(s)^-1 B are zero for every s: those that are at a point modulo the prime, wrong with a chance of 1e-16.
+
+    Args:
+        coefficients: A_0, A_1, ..., A_q, shape (q + 1, r, r), real.
+        inputs, outputs: B and C, real, shapes (r, m) and (p, r).
+
+    Returns:
+        Truth values, shape (p, m); None of equations that are too large.
+
+    >>> links = np.array([[2.0, 1e-200, 0.0], [1e-200, 2.0, 0.0], [0.0, 0.0, 1.0]])
+    >>> zero_transfers(links[None], np.eye(3), np.eye(3))[0].tolist()
+    [False, False, True]
+    """
+    if len(inputs) > MOST_REGULAR_ROWS:
+        return None
+    for shift in SHIFTS:
+        matrix = modular(coefficients[-1])
+        for part in coefficients[-2::-1]:
+            matrix = shift * matrix + modular(part)
+        try:
+            values = modular(outputs) * matrix.solve(modular(inputs))
+        except ZeroDivisionError:  # the shift is a zero
+            continue
+        return np.array([int(entry) == 0 for entry in values.entries()]).reshape(len(outputs), -1)
+    return None

@@ -94,16 +94,36 @@ def _estimate(x: Response, times: np.ndarray, view: Callable[[Response], BohlFun
     return max(_relative_to_truth(estimate), _estimate_by_trials(x, times, values, largest, view)) if largest else EPS
 
 
+def errors_at(function: BohlFunction, times: np.ndarray) -> np.ndarray | None:
+    """Estimates of max |error| / max |y| at each of some times, without solving anything again; None where only that would tell.
+
+    Args:
+        function: y of a problem that the reduced equations serve.
+        times: in s, shape (T,).
+
+    Returns:
+        Shape (T,); infinite where the error may be as large as the values.
+    """
+    if not isinstance(function, FlowFunction):
+        return None
+    values = np.asarray(function(times))
+    if (errors := [_error_by_defect(function, times[k : k + 1], values[:, k : k + 1]) for k in range(len(times))]).count(None):
+        return None
+    sizes = np.abs(values).max(axis=0, initial=0.0)
+    relative = np.divide(np.array(errors, dtype=float), sizes, out=np.zeros(len(times)), where=sizes > 0)
+    return np.array([_relative_to_truth(one) for one in relative])
+
+
 def _error_by_defect(function: FlowFunction, times: np.ndarray, values: np.ndarray) -> float | None:
     """The largest error of some of the values after the first moments; None where it is not known."""
     late = np.flatnonzero(times >= function.flow.taylor_start(modal=True).end)
     if not len(late):
         return 0.0
-    if len(late) > MOST_PROVED:
-        late = late[np.linspace(0, len(late) - 1, MOST_PROVED).astype(int)]
     response = DefectResponse.of(function.flow, float(times[late].max()))
     if response is None:
         return None
+    if len(late) > (most := response.most_times(MOST_PROVED)):
+        late = late[np.linspace(0, len(late) - 1, most).astype(int)]
     errors = DEFECT_SAFETY * response.errors(function.place, function.order, times[late])
     return float((errors + np.abs(values[:, late] - function.by_modes(times[late])).max(axis=0, initial=0.0)).max())
 

@@ -22,7 +22,7 @@ from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction, Piece
 from ..signals.impulsive import ImpulsiveSmooth
 from .choose import PAIRS, Method, Request, choose, unproved
-from .estimate import TRIALS, error_estimate
+from .estimate import TRIALS, error_estimate, errors_at
 from .events import Event, kinks_of
 from .methods.defect import Defect, Rounding
 from .methods.pair_solution import PairSolution
@@ -308,6 +308,10 @@ class Response(Exported, Presented):
         """
         order = whole_number(order, "order")
         return error_estimate(self, times, lambda x: x.derivative(order) if order else x.function)
+
+    def estimates_without_trials(self, times: np.ndarray) -> np.ndarray | None:
+        """Estimates of max |error| / max |x| at each of some times; None where only solving moved problems would tell."""
+        return errors_at(self.solution.function, times)
 
     @cached_property
     def exact(self) -> ExactResponse:

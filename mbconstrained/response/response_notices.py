@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..ground.checks import counted
-from ..ground.errors import Overflow, within_float64
-from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import EPS, NOISE_SAFETY, PRECISE_STATES, noise_of, rounding_radius
+from ..ground.errors import IllConditioned, Overflow, within_float64
+from ..ground.notices import Notice, NoticeKind, doubts_of
+from ..ground.tolerances import EPS, NOISE_SAFETY, PRECISE_STATES, TRUST_LIMIT, noise_of, rounding_radius
 from ..linalg.blocks import zeros_of
 from ..linalg.exponential.block_exponential import block_states
 from ..signals.bohl import BohlFunction
@@ -58,7 +58,39 @@ def remaining_notices(x: Response) -> tuple[Notice, ...]:
     entry = x.exact_engine().deciding_entry(x.polynomial_matrix) if ranks and not x.unproved else ""
     if entry:
         notices = tuple(replace(one, text=f"{one.text}; {entry}") if one.kind == NoticeKind.RANK else one for one in notices)
-    return (*notices, *doubts)
+    return (*notices, *doubts, *_without_digits(x))
+
+
+#: Times at which errors are estimated for a notice.
+ESTIMATED_TIMES = 3
+
+
+def _without_digits(x: Response) -> Iterator[Notice]:
+    """Values of a larger model that no digit of is sure, at some times from the fastest to the slowest motion.
+
+    Where only late values are so, those of a motion that rounding errors excite and that grows, it is no doubt of the earlier ones.
+    """
+    function = x.solution.function
+    if not x.unproved or not len(function.blocks):
+        return
+    rates = np.abs(zeros_of(function.blocks))
+    moving = rates[rates > 0]
+    if not moving.size:
+        return
+    times = np.clip(np.geomspace(1.0 / moving.max(), 10.0 / moving.min(), ESTIMATED_TIMES), *TESTED_RANGE)
+    try:
+        errors = x.estimates_without_trials(times)
+    except (Overflow, IllConditioned):
+        return
+    if errors is None:
+        return
+    bad = ~(errors <= TRUST_LIMIT)
+    if bad[0] or bad[1]:
+        yield from doubts_of(f"values from t = {times[bad][0]:.3g} s on", float(errors[bad].max()))
+    elif bad.any():
+        yield Notice(
+            NoticeKind.ACCURACY, f"the estimated relative error of values at t = {times[bad][0]:.3g} s is {errors[bad].max():.2g}"
+        )
 
 
 def _change_by_ranks(x: Response) -> float | None:

@@ -18,10 +18,12 @@ from functools import cached_property
 from xml.sax.saxutils import unescape
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from ..ground.checks import nearest
 from ..ground.errors import InputError
+
+#: Degrees of freedom of a robot; the workspace of pinocchio for these takes 4 GB.
+MOST_COORDINATES = 400
 
 
 class Tree:
@@ -200,12 +202,14 @@ def finished_model(model, locked: Mapping[str, float], gravity: np.ndarray):
         The model.
 
     Raises:
-        InputError: no joint that moves, an unknown locked joint, or one locked beyond its limits.
+        InputError: no joint that moves, too many that do, an unknown locked joint, or one locked beyond its limits.
     """
     model = _without(model, locked)
+    if model.nv > MOST_COORDINATES:
+        raise InputError(f"robot: found {model.nv:,} degrees of freedom; at most {MOST_COORDINATES:,} are read")
     if not model.nv:
         raise InputError(
-            "urdf: found no joint that moves; a robot needs at least one that is neither fixed nor locked, or a free base"
+            "robot: found no joint that moves; a robot needs at least one that is neither fixed nor locked, or a free base"
         )
     model.gravity.linear = gravity
     model.gravity.angular = np.zeros(3)
@@ -257,7 +261,7 @@ class RelativePose:
     def jacobian(self) -> np.ndarray:
         """d phi / dq, shape (6, nv)."""
         relative = self._relative
-        shift = self._R1.T @ (relative[:3] + np.cross(relative[3:], self._p2, axis=0))
+        shift = self._R1.T @ (relative[:3] + cross_columns(relative[3:], self._p2))
         turn = inverse_right_jacobian(self.turn) @ self._R2.T @ relative[3:] if self._turning else np.zeros_like(shift)
         return np.vstack([shift, turn])
 
@@ -269,21 +273,23 @@ class RelativePose:
         moved = kinematics.turning(second, wrench) - kinematics.turning(first, wrench)
         d_force, d_torque = np.split(self.wrench_change(factors), 2)
         d_point = kinematics.of_point(second, self._p2)
-        arm = np.cross(d_point, force, axis=0) + np.cross(self._p2, d_force, axis=0)
+        arm = cross_columns(d_point, force) - cross_columns(d_force, self._p2)
         return moved + self._relative.T @ np.vstack([d_force, arm + d_torque])
 
     @cached_property
     def directions(self) -> np.ndarray:
         """From f to the wrench that does the work f . d phi: the force on the second body and the torque about its frame's origin,
         in the directions of the ground, shape (6, 6)."""
-        return block_diag(self._R1, self._R2 @ inverse_right_jacobian(self.turn).T)
+        result = np.zeros((6, 6))
+        result[:3, :3], result[3:, 3:] = self._R1, self._R2 @ inverse_right_jacobian(self.turn).T
+        return result
 
     def wrench_change(self, factors: np.ndarray) -> np.ndarray:
         """How the wrench of constant factors changes by the coordinates, shape (6, nv): the force turns with body 1."""
         force, torque = np.split(self.directions @ factors, 2)
         turning1, turning2 = (self._kinematics.velocity(anchor.joint)[3:] for anchor in (self._first, self._second))
-        d_torque = np.cross(turning2, torque, axis=0) + self._R2 @ self._turn_change(factors[3:])
-        return np.vstack([np.cross(turning1, force, axis=0), d_torque])
+        d_torque = cross_columns(turning2, torque) + self._R2 @ self._turn_change(factors[3:])
+        return np.vstack([cross_columns(turning1, force), d_torque])
 
     @cached_property
     def _relative(self) -> np.ndarray:
@@ -345,6 +351,12 @@ def cross_matrix(vector: np.ndarray) -> np.ndarray:
     """[a] with [a] b = a x b."""
     x, y, z = vector
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def cross_columns(columns: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """Column by column a x vector, shape (3, n); NumPy's ``cross`` takes several times as long for few columns."""
+    (x, y, z), (u, v, w) = columns, vector
+    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
 
 #: Terms of the series of cos x, sin(x) / x and (1 - cos x) / x^2 in x^2, exact up to an angle of pi.
@@ -427,7 +439,7 @@ class Kinematics:
             Shape (3, nv).
         """
         columns = self.velocity(joint)
-        return columns[:3] + np.cross(columns[3:], point, axis=0)
+        return columns[:3] + cross_columns(columns[3:], point)
 
     def turning(self, joint: int, wrench: np.ndarray) -> np.ndarray:
         """d(S_j^T W) / dq for a wrench W (force; torque about the origin) that stays, shape (nv, nv): -s_i . (s_k x* W).
@@ -440,6 +452,6 @@ class Kinematics:
             Shape (nv, nv).
         """
         columns = self.velocity(joint)
-        force, torque = np.cross(columns[3:], wrench[:3], axis=0), np.cross(columns[:3], wrench[:3], axis=0)
-        torque += np.cross(columns[3:], wrench[3:], axis=0)
+        force, torque = cross_columns(columns[3:], wrench[:3]), cross_columns(columns[:3], wrench[:3])
+        torque += cross_columns(columns[3:], wrench[3:])
         return -(columns[:3].T @ force + columns[3:].T @ torque) * self.tree.moves_axis

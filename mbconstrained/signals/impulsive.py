@@ -9,7 +9,7 @@ import numpy as np
 
 from ..ground.checks import counted, real_array, real_number
 from ..ground.errors import InputError
-from ..ground.notices import Notice
+from ..ground.notices import Notice, distinct
 from .bohl import BohlFunction
 from .exact_inputs import ExactInput, ExactStates
 from .restarts import later_times
@@ -143,9 +143,8 @@ class ImpulsiveSmooth:
             return NotImplemented
         if self.size != other.size:
             raise InputError(f"inputs of different sizes cannot be added: {self.size} and {other.size} rows")
-        notices = dict.fromkeys((*self.notices, *other.notices))
         impulses, later = _sum(self.impulses, other.impulses), _joined([*self.later, *other.later])
-        total = ImpulsiveSmooth(self.smooth + other.smooth, impulses, later, tuple(notices))
+        total = ImpulsiveSmooth(self.smooth + other.smooth, impulses, later, distinct(self.notices, other.notices))
         return total.described_by(*self.exact_parts, *other.exact_parts)
 
     def __radd__(self, other) -> ImpulsiveSmooth:

@@ -9,7 +9,7 @@ import numpy as np
 from ..ground.checks import counted
 from ..ground.display import TextTable, finite_or_none, number_text
 from ..ground.errors import InputError
-from ..ground.notices import Notice
+from ..ground.notices import Notice, distinct
 from ..page.animation.figure import PALETTE
 from ..page.plots.images import RED
 from ..scene.run.frequency.scene_response import with_options
@@ -112,7 +112,7 @@ class PathReport(StudyReport):
         """Of the scene, of the path, and doubts of the models at its places."""
         systems = (system for system in self.along.systems if system is not None)
         doubts = (notice for system in systems for notice in system.notices if notice.doubtful)
-        return tuple(dict.fromkeys((*self.scene.notices, *self.along.notices, *doubts)))
+        return distinct(self.scene.notices, self.along.notices, doubts)
 
     @property
     def is_trusted(self) -> bool:

@@ -12,6 +12,9 @@ import mbconstrained as mb
 from mbconstrained.exchange import matrices
 from mbconstrained.exchange.matrices import read_matrix
 from mbconstrained.exchange.samples import read_samples
+from mbconstrained.exchange.trajectories import Curves
+from mbconstrained.exchange.universal import Geometry, write_functions
+from mbconstrained.ground import isolation
 
 DAMAGED = Path(__file__).with_name("damaged")
 
@@ -26,7 +29,7 @@ DAMAGED = Path(__file__).with_name("damaged")
     ],
 )
 def test_damaged_files_are_refused(name, message, monkeypatch):
-    monkeypatch.setattr(matrices, "LONGEST_READING", 3)
+    monkeypatch.setattr(isolation, "LONGEST_READING", 5)
     with pytest.raises(mb.InputError, match=message):
         (read_samples if name.endswith("wav") else read_matrix)(DAMAGED / name)
 
@@ -40,6 +43,30 @@ def test_arrays_of_a_damaged_file_are_read_or_refused(name):
         assert "crash_36.mat: not a MATLAB file of numbers" in str(problem)
     else:
         assert np.isfinite(matrix.data if hasattr(matrix, "tocsc") else matrix).all()
+
+
+def test_the_side_of_a_dense_matrix_is_limited(tmp_path):
+    """Sparse files have at most LARGEST_FILE bytes, and their matrices as many entries; a dense one is limited as an array is."""
+    side = matrices.LARGEST_SIDE + 1
+    column = np.zeros((side, 1))
+    scipy.io.mmwrite(tmp_path / "dense.mtx", column)
+    with pytest.raises(mb.InputError, match=f"dense.mtx: the matrix is {side} x 1; at most 5000 rows and columns are read"):
+        read_matrix(tmp_path / "dense.mtx")
+    scipy.io.mmwrite(tmp_path / "sparse.mtx", scipy.sparse.coo_array(column))
+    assert read_matrix(tmp_path / "sparse.mtx").shape == (side, 1)
+
+
+def test_a_function_that_states_billions_of_values_is_refused(tmp_path):
+    """pyuff makes as many abscissas as data set 58 states, 16 GB of them, before it looks for values."""
+    pytest.importorskip("pyuff")
+    path = tmp_path / "large.uff"
+    times = np.linspace(0.0, 1.0, 5)
+    write_functions(path, times, [Curves("displacement", ("x",), ("x",), ("m",), times[None])], Geometry(), "t", binary=False)
+    text = path.read_text()
+    ordinates = next(line for line in text.splitlines() if line.split()[:2] == ["4", "5"])
+    path.write_text(text.replace(ordinates, f"{4:10}{2_000_000_000:10}{1:10}" + ordinates[30:]))
+    with pytest.raises(mb.InputError, match="large.uff: (not a universal file|the function)"):
+        read_samples(path)
 
 
 @pytest.mark.long

@@ -237,3 +237,25 @@ def test_graded_models(model, times):
 @given(graded_models(largest=8), times_of)
 def test_larger_graded_models(model, times):
     check(model, times)
+
+
+def graded_chain(seed: int, n: int = 5) -> mb.MechanicalSystem:
+    """Masses one behind the other with springs of four orders of magnitude, lightly damped."""
+    rng = np.random.default_rng(seed)
+    k, links = 10.0 ** rng.uniform(-1, 3, n), np.eye(n) - np.eye(n, k=-1)
+    K = links.T @ np.diag(k) @ links
+    return mb.MechanicalSystem(np.diag(rng.uniform(0.5, 2, n)), 1e-3 * K, K)
+
+
+def test_a_record_is_the_sum_of_its_ramps():
+    """The response to a record is the sum of those to its changes of slope, each solved by itself; at the samples, too."""
+    system, rng = graded_chain(1), np.random.default_rng(2)
+    knots, values = np.sort(np.r_[0, rng.integers(1, 512, 7) / 128]), rng.integers(-8, 8, (5, 8)).astype(float)
+    changes = np.diff(np.diff(values) / np.diff(knots), prepend=0.0, append=0.0)
+    times = np.r_[knots, rng.uniform(0, 6, 40)]
+    whole = system.solve(force=mb.sampled(knots, values))(times)
+    parts = [(0.0, mb.step(values[:, 0])), (knots[-1], mb.step(-values[:, -1]))]
+    parts += [(t, mb.term(change, power=1)) for t, change in zip(knots, changes.T)]
+    each = [np.where(times >= t, system.solve(force=force)(np.maximum(times - t, 0.0)), 0.0) for t, force in parts]
+    size = np.abs(each).max(axis=(0, 1))
+    assert (np.abs(sum(each) - whole).max(axis=0) <= 1e-13 * size).all()

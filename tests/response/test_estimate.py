@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 import mbconstrained as mb
 from mbconstrained.ground.tolerances import UNCLEAR_ERROR
@@ -158,3 +159,51 @@ def test_a_growing_part_that_is_driven_at_its_far_end(soft, grows):
     error, estimate = np.abs(x(end) - truth).max() / np.abs(truth).max(), x.error_estimate(end)
     assert estimate >= error / 10
     assert (estimate == np.inf) == grows
+
+
+@pytest.mark.parametrize("spread", [0.0, 1e-15, 1e-10, 0.3])
+@pytest.mark.parametrize("count", [49, 60, 100])
+def test_lags_in_series_are_no_alarm(count, spread):
+    """x_i' = r_i (x_(i+1) - x_i): one cluster without independent eigenvectors. With r the largest rate e^((A + r) t) is a series of positive
+    terms, in which nothing cancels."""
+    rates = 3.0 * (1 + spread * np.random.default_rng(0).uniform(-1, 1, count))
+    generator, start = np.diag(-rates) + np.diag(rates[:-1], 1), np.eye(count)[-1]
+    x = mb.solve(mb.PolynomialMatrix([-generator, np.eye(count)]), initial=[start])
+    positive = generator + rates.max() * np.eye(count)
+    for t in (0.5, 5.0, 20.0):
+        term = np.exp(-rates.max() * t) * start
+        exact = term
+        for power in range(1, 600):
+            term = positive @ term * (t / power)
+            exact = exact + term
+        error = np.abs(x(t) - exact).max() / np.abs(exact).max()
+        assert error <= max(x.error_estimate(t), 1e-13) and x.error_estimate(t) <= 1e-12
+    assert not x.notices
+
+
+def coalescing_pairs(count, seed, turned):
+    """Pairs of oscillators at the edge of flutter, (k_1 - k_2)^2 = 4 p^2 to rounding, in coordinates of whole numbers."""
+    rng = np.random.default_rng(seed)
+    K = np.zeros((2 * count, 2 * count))
+    for i in range(count):
+        k1, k2 = rng.uniform(1, 10, 2)
+        p = abs(k1 - k2) / 2 * (1 + rng.choice([0, 1e-15, 1e-12, -1e-12, 1e-8, -1e-8, 1e-4]))
+        K[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = [[k1, p], [-p, k2]]
+    T = np.eye(2 * count) + turned * np.triu((rng.random(K.shape) < 0.03) * rng.integers(-1, 2, K.shape), 1)
+    return T.T @ T, T.T @ K @ T, rng.standard_normal(2 * count), rng.standard_normal(2 * count)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("seed", range(4))
+def test_values_without_a_digit_say_so(seed, turned):
+    """Against SciPy's exponential of the companion matrix: values that are off by more than the limit have a doubtful notice, others none."""
+    M, K, x0, v0 = coalescing_pairs(15, seed, turned)
+    x = mb.MechanicalSystem(M, None, K).solve(x0, v0)
+    n, t = len(M), 10.0
+    companion = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, K), np.zeros((n, n))]])
+    exact = (scipy.linalg.expm(companion * t) @ np.concatenate([x0, v0]))[:n]
+    error = np.abs(x(t) - exact).max() / np.abs(exact).max()
+    doubtful = any(notice.doubtful for notice in x.notices)
+    assert error <= x.error_estimate(t) + 1e-9
+    assert doubtful or error <= 1e-3
+    assert not doubtful or x.error_estimate(t) > 1e-4

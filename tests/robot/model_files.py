@@ -16,6 +16,7 @@ COORDINATES = {
     "screw": [("", False), (" slide", True)],
     "ball": [(" rx", False), (" ry", False), (" rz", False)],
     "floating": [(f" {axis}", True) for axis in "xyz"] + [(f" r{axis}", False) for axis in "xyz"],
+    "planar": [(" x", True), (" y", True), (" rz", False)],
     "fixed": [],
 }
 
@@ -42,6 +43,7 @@ class Joint:
     rest: float = 0.0
     pitch: float = 0.0
     armature: float = 0.0
+    mimic: tuple | None = None
 
 
 def cross(v):
@@ -68,6 +70,11 @@ class Mechanism:
     """Bodies, joints of a tree, and joints that close loops where all are at 0."""
 
     def __init__(self, rng, kinds, loops=0):
+        self._draw(rng, kinds, loops)
+        while not self.moves:
+            self._draw(rng, kinds, loops)
+
+    def _draw(self, rng, kinds, loops):
         count = int(rng.integers(2, 7))
         self.bodies, self.joints, self.loops = [], [], []
         for number in range(count):
@@ -110,6 +117,12 @@ class Mechanism:
         return joint
 
     @property
+    def moves(self):
+        """Whether the loops leave a motion where all joints are at 0."""
+        rows = self.rows(np.zeros(len(self.coordinates)))
+        return len(self.coordinates) > (np.linalg.matrix_rank(rows) if len(rows) else 0)
+
+    @property
     def coordinates(self):
         return [f"{joint.name}{suffix}" for joint in self.joints for suffix, _ in COORDINATES[joint.kind]]
 
@@ -119,6 +132,8 @@ class Mechanism:
         directions = joint.axes * 2 if joint.kind == "screw" else joint.axes
         if joint.kind in ("ball", "floating"):
             directions = [*np.eye(3)] * (2 if joint.kind == "floating" else 1)
+        if joint.kind == "planar":
+            directions = np.eye(3)
         result = []
         for direction, (_, slides) in zip(directions, COORDINATES[joint.kind]):
             a = R @ direction
@@ -196,6 +211,10 @@ class Mechanism:
             if joint.kind == "screw":
                 row = np.zeros(len(names))
                 row[names.index(f"{joint.name} slide")], row[names.index(joint.name)] = 1.0, -joint.pitch
+                rows.append(row)
+            if joint.mimic is not None:
+                row = np.zeros(len(names))
+                row[names.index(joint.name)], row[names.index(joint.mimic[0])] = 1.0, -joint.mimic[1]
                 rows.append(row)
         return np.array(rows).reshape(-1, len(names))
 
@@ -332,3 +351,80 @@ class SdfWriter:
             model = f"<include><uri>{uri}</uri><name>{name}</name>{pose}</include>"
         self.frames[self.nested[number]] = body.X
         return model
+
+
+class UrdfWriter:
+    """The mechanism as a URDF, the frames of its links at their joints, with tags of Drake and Gazebo.
+
+    Principal moments stand in axes that are turned twice, by the tensor and by the origin; mimic joints, rotors and springs of
+    Gazebo are drawn here and entered in the mechanism.
+    """
+
+    def __init__(self, mechanism, rng, extended=True):
+        self.mechanism, self.rng, self.extended = mechanism, rng, extended
+
+    def text(self):
+        tree = {joint.child: joint for joint in self.mechanism.joints}
+        links = [self.link(body, tree[number]) for number, body in enumerate(self.mechanism.bodies)]
+        parts = ['<link name="root"/>', *links, *(self.joint(joint) for joint in self.mechanism.joints)]
+        self.rng.shuffle(parts)
+        return f'<robot name="m" xmlns:drake="http://drake.mit.edu">{"".join(parts)}</robot>'
+
+    def link(self, body, joint):
+        centre, own = inverse(joint.X) @ body.X @ body.centre, np.eye(4)
+        own[:3, :3] = Rotation.random(random_state=self.rng).as_matrix()
+        R = own[:3, :3].T
+        tensor = R @ np.diag(body.moments) @ R.T
+        keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+        moments = " ".join(f'{key}="{value!r}"' for key, value in zip(keys, tensor[np.triu_indices(3)].tolist()))
+        inertial = f'{origin(centre @ own)}<mass value="{body.mass!r}"/><inertia {moments}/>'
+        return f'<link name="{body.name}"><inertial>{inertial}</inertial></link>'
+
+    def joint(self, joint):
+        rng, bodies = self.rng, self.mechanism.bodies
+        above = {other.child: other.X for other in self.mechanism.joints}
+        parent = "root" if joint.parent < 0 else bodies[joint.parent].name
+        place = inverse(above.get(joint.parent, np.eye(4))) @ joint.X
+        parts = [f'{origin(place)}<parent link="{parent}"/><child link="{bodies[joint.child].name}"/>']
+        tag = "drake:joint" if joint.kind in ("universal", "ball", "screw") else "joint"
+        if joint.kind == "planar" and rng.random() < 0.5:
+            tag = "drake:joint"
+        elif joint.kind == "planar":
+            parts.append('<axis xyz="0 0 1"/>')
+        if joint.kind in ("revolute", "prismatic", "screw"):
+            parts.append(f'<axis xyz="{numbers_of(joint.axes[0] * rng.uniform(0.5, 3))}"/>')
+            parts.append(f'<dynamics damping="{joint.damping!r}"/>')
+        if joint.kind == "screw" or not self.extended:
+            joint.stiffness = 0.0  # Gazebo's springs of a URDF are those of ordinary joints
+        if joint.kind == "screw":
+            parts.append(f'<drake:screw_thread_pitch value="{2 * np.pi * joint.pitch!r}"/>')
+        kind, more = joint.kind, ""
+        if kind == "revolute" and rng.random() < 0.5:
+            kind = "continuous"
+        elif kind in ("revolute", "prismatic"):
+            parts.append('<limit lower="-9" upper="9" effort="1" velocity="1"/>')
+        if self.extended and joint.kind in ("revolute", "prismatic"):
+            more = self.extensions(joint, parts)
+        return f'<{tag} name="{joint.name}" type="{kind}">{"".join(parts)}</{tag}>{more}'
+
+    def extensions(self, joint, parts):
+        """Tags in the joint, which are added to its parts, and beside it."""
+        rng, more = self.rng, ""
+        leaders = [other for other in self.mechanism.joints if other.kind in ("revolute", "prismatic") and other is not joint]
+        leaders = [other for other in leaders if other.mimic is None]
+        if leaders and not self.is_leader(joint) and rng.random() < 0.3:
+            leader, ratio, offset = leaders[rng.integers(len(leaders))].name, rng.uniform(-2, 2), rng.uniform(-0.2, 0.2)
+            joint.mimic = leader, ratio, offset
+            parts.append(f'<mimic joint="{leader}" multiplier="{ratio!r}" offset="{offset!r}"/>')
+        if rng.random() < 0.5:
+            inertia, ratio = rng.uniform(0, 1e-4), rng.uniform(-100, 100)
+            joint.armature = inertia * ratio**2
+            rotor = f'<drake:rotor_inertia value="{inertia!r}"/><drake:gear_ratio value="{ratio!r}"/>'
+            more += f'<transmission><joint name="{joint.name}"/><actuator name="a">{rotor}</actuator></transmission>'
+        if joint.stiffness:
+            spring = f"<springStiffness>{joint.stiffness!r}</springStiffness><springReference>{joint.rest!r}</springReference>"
+            more += f'<gazebo reference="{joint.name}">{spring}</gazebo>'
+        return more
+
+    def is_leader(self, joint):
+        return any(other.mimic is not None and other.mimic[0] == joint.name for other in self.mechanism.joints)

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
+import mbconstrained as mb
 from mbconstrained.ground.errors import InputError
 from mbconstrained.robot.description.collada import collada_mesh
 from mbconstrained.robot.description.mesh_files import MeshFiles
@@ -272,3 +273,28 @@ def test_broken_files_are_a_mesh_or_unreadable_and_nothing_else(data):
     except (UnreadableMesh, InputError):
         return
     assert np.isfinite(mesh.vertices).all() and mesh.whole.faces.max() < len(mesh.vertices) and mesh.whole.faces.min() >= 0
+
+
+BODIES = {
+    "urdf": """<robot name="m"><link name="w"/><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>
+</inertial><visual><geometry><box size="1 2 3"/></geometry></visual><visual><geometry><mesh filename="nothing.stl"/></geometry></visual></link>
+<joint name="j" type="continuous"><parent link="w"/><child link="a"/></joint></robot>""",
+    "sdf": """<sdf version="1.9"><model name="m"><link name="a"><inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia>
+</inertial><visual name="v"><geometry><box><size>1 2 3</size></box></geometry></visual><visual name="w"><geometry><mesh><uri>nothing.stl</uri>
+</mesh></geometry></visual></link><joint name="j" type="revolute"><parent>world</parent><child>a</child></joint></model></sdf>""",
+    "xml": """<mujoco><asset><mesh name="n" file="nothing.stl"/></asset><worldbody><body name="a"><joint name="j"/>
+<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><geom type="box" size=".5 1 1.5"/><geom type="mesh" mesh="n"/></body></worldbody></mujoco>""",
+}
+
+
+@pytest.mark.parametrize("ending", BODIES)
+def test_without_a_mesh_the_other_shapes_are_drawn(ending, tmp_path):
+    if ending == "xml":
+        pytest.importorskip("mujoco")
+    (tmp_path / f"m.{ending}").write_text(BODIES[ending])
+    robot = mb.Robot(tmp_path / f"m.{ending}")
+    (visual,) = robot.visuals()
+    assert (visual.link, visual.kind) == ("a", "box")
+    np.testing.assert_allclose(visual.size, (1, 2, 3), rtol=1e-15)
+    (notice,) = (*robot.description_notices, *robot.mesh_notices())
+    assert "1 mesh not drawn" in notice.text and "nothing.stl" in notice.text and not notice.doubtful

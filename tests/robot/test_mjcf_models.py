@@ -528,6 +528,18 @@ def test_a_process_of_its_own(tmp_path, monkeypatch, capfd):
     assert capfd.readouterr() == ("", "") and {path.suffix for path in tmp_path.iterdir()} == {".xml"}
 
 
+@pytest.mark.parametrize("count", [250, 20_000])
+def test_nested_default_classes_are_read_or_refused_early(tmp_path, count):
+    """MuJoCo's time for them grows with their square or worse, without an end in sight for thousands."""
+    nested = "".join(f'<default class="c{number}">' for number in range(count)) + "</default>" * count
+    text = chain(f"<default>{nested}</default>")
+    if count < mjcf.DEEPEST_ELEMENT:
+        assert read(tmp_path, text).model.nv == 2
+        return
+    with pytest.raises(mb.InputError, match="elements contain each other more than 300 deep"):
+        read(tmp_path, text)
+
+
 def test_without_mujoco_a_file_asks_for_it(tmp_path):
     (tmp_path / "m.xml").write_text(chain())
     script = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from itertools import pairwise
 
 import numpy as np
@@ -549,3 +550,22 @@ def test_impulse_on_a_floating_robot_with_a_loop_inside():
     motion = system.solve(force=mb.impulse(push))
     assert motion.jump[1] == pytest.approx(jump, rel=1e-9, abs=1e-12 * np.abs(jump).max())
     assert motion.velocity(1e-6) == pytest.approx(jump, rel=1e-4, abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["point", "hinge", "rigid"])
+@pytest.mark.parametrize("count", [1, 4])
+def test_loops_that_cannot_close_are_named_within_seconds(kind, count):
+    """A chain of ten links of 1 m, whose links i hang at points more than i m away: the i-th stays open by the difference at least."""
+    parts = [joint(f"j{i}", f"l{i}", f"l{i + 1}", at=(1.0 if i else 0, 0, 0), axis=(0, i % 2, 1 - i % 2)) for i in range(10)]
+    text = urdf(link("l0"), *(bar(f"l{i + 1}", 1.0, 1.0) for i in range(10)), *parts)
+    ends = range(11 - count, 11)
+    loops = [mb.Loop(f"l{i}", (1, 0, 0), "ground", (i + 2, 0, 1), kind=kind, name=f"hook {i}") for i in ends]
+    start = time.process_time()
+    with pytest.raises(
+        mb.InputError, match=r"the loops do not close near the guess: hook \d+ [xyz1-3a-z ]+ stays open by"
+    ) as refusal:
+        mb.Robot(text, loops=loops).equilibrium({f"j{i}": 0.1 * (-1) ** i for i in range(10)})
+    assert time.process_time() - start < 10.0
+    if kind == "point" and count == 1:
+        gap = float(re.search(r"open by (\S+) m", str(refusal.value))[1])
+        assert gap >= (np.hypot(12, 1) - 10) / np.sqrt(3)

@@ -7,6 +7,7 @@ until the requested digits are there.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -19,19 +20,21 @@ import numpy as np
 from ...ground.checks import counted, real_array, whole_number
 from ...ground.display import Displayed
 from ...ground.errors import InputError, SingularPolynomialMatrix, within_float64
+from ...ground.tolerances import EPS
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.impulsive import ImpulsiveSmooth
 from ..rational.flint_numbers import fraction, polynomial, rational, working_precision
 from ..rational.rational_matrix import RationalMatrix, regular_matrix
 from .exact_sources import ONE, Factor, S, Shape, Source, added, ball, sources_of, vector_of
 from .exact_structure import deciding_entry, structure_notices
-from .fractions import ZERO, RationalResponse
+from .fractions import ZERO, Begun, RationalResponse
 from .intervals import Enclosure, bits_of, has_digits
 from .transfer_enclosure import enclosed_transfer
-from .variance_enclosure import enclosed_variances
+from .variance_enclosure import covariances_over_time, enclosed_variances
 
 __all__ = [
     "ExactResponse",
+    "covariances_over_time",
     "deciding_entry",
     "enclosed_transfer",
     "enclosed_variances",
@@ -57,6 +60,9 @@ EVENT_BITS = 256
 
 #: Values below this power of two vanish in float64.
 SMALLEST_EXPONENT = -1080
+
+#: Rounding errors of larger numbers are in proportion to them.
+SMALLEST = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
@@ -249,7 +255,9 @@ class ExactResponse(Displayed):
         while pending:
             with working_precision(precision):
                 columns, late = self._values([exact[k] for k in pending], order, through), []
-                for k, column in zip(pending, columns):
+                values[:, pending], errors[:, pending], certain = _as_floats(columns)
+                for place in np.flatnonzero(~certain).tolist():
+                    k, column = pending[place], columns[place]
                     if _is_rounded(column) or precision >= MOST_BITS:
                         values[:, k], errors[:, k] = zip(*map(_as_float, column))
                     else:
@@ -289,58 +297,60 @@ class ExactResponse(Displayed):
         """Columns (r,) of balls, one for each time, at the working precision; through a matrix (p, r) columns (p,)."""
         if not times or not self.size:
             return [[] for _ in times]
-        sums = [_Sum(self.size) for _ in times]
-        total = flint.arb_mat(self.size, len(times))
-        for part in self._parts:
-            modes, weights = part.response.partial_fractions().derivative(order), []
-            calls = [(begin, factor, ball(factor)) for begin, factor in part.calls]
-            for column, time in zip(sums, times):
-                acting = [(time - begin, factor, amount) for begin, factor, amount in calls if begin <= time]
-                later = [call for call in acting if call[0]]
-                column.add_start(part.response, order, [call for call in acting if not call[0]])
-                column.add_polynomial(part.response, order, later)
-                weights += modes.weights([(since, amount) for since, _, amount in later])
-            if modes.poles:
-                total += modes.matrix * flint.arb_mat(len(times), modes.matrix.ncols(), weights).transpose()
-        total += flint.arb_mat([column.total() for column in sums]).transpose()
-        return (total if through is None else through * total).transpose().tolist()
+        calls = [
+            (begin, part.response, factor, part.response.at_zero[order:], part.response.partial_fractions().derivative(order))
+            for part in self._parts
+            for begin, factor in part.calls
+        ]
+        calls.sort(key=lambda call: call[0])
+        begun, number, columns = Begun(self.size), 0, [[] for _ in times]
+        pending = sorted(range(len(times)), key=times.__getitem__)
+        while pending:
+            while number < len(calls) and calls[number][0] < times[pending[0]]:
+                begin, _, factor, polynomial, modes = calls[number]
+                begun.add(begin, factor if isinstance(factor, flint.fmpq) else ball(factor), polynomial, modes)
+                number += 1
+            last = calls[number][0] if number < len(calls) else None
+            count = len(pending) if last is None else bisect_right(pending, last, key=times.__getitem__)
+            exact, scale, balls = begun.at([times[k] for k in pending[:count]])
+            rows = (balls + flint.arb_mat(exact) * (1 / flint.arb(scale))).tolist()
+            for place, k in enumerate(pending[:count]):
+                columns[k] = rows[place]
+                if times[k] == last:
+                    known, own = [flint.fmpq(entry, scale) for entry in exact.table()[place]], balls.tolist()[place]
+                    columns[k] = self._with_starts(known, own, order, times[k], calls[number:])
+            pending = pending[count:]
+        return columns if through is None else [(through * flint.arb_mat([[a] for a in own])).entries() for own in columns]
 
-
-class _Sum:
-    """What is rational in x at one time, summed exactly so that it cancels exactly, and what is not, in balls."""
-
-    def __init__(self, size: int):
-        self.exact, self.balls = [ZERO] * size, [flint.arb(0)] * size
-
-    def add_start(self, response: RationalResponse, order: int, calls) -> None:
-        """What has just begun: x^(order)(0+)."""
-        for _, factor, amount in calls:
+    def _with_starts(self, exact: list[flint.fmpq], balls: list[flint.arb], order: int, time: flint.fmpq, calls) -> list[flint.arb]:
+        """The values at a time with what begins there: its right limit."""
+        for begin, response, factor, *_ in calls:
+            if begin > time:
+                break
             start = response.start(order)
             if isinstance(factor, flint.fmpq):
-                self.exact = [a + factor * b for a, b in zip(self.exact, start)]
+                exact = [a + factor * b for a, b in zip(exact, start)]
             else:
-                self.balls = [a + amount * b for a, b in zip(self.balls, start)]
+                balls = [a + ball(factor) * b for a, b in zip(balls, start)]
+        return [flint.arb(a) + b for a, b in zip(exact, balls)]
 
-    def add_polynomial(self, response: RationalResponse, order: int, calls) -> None:
-        """What the zeros at s = 0 add of what has begun before."""
-        known = [(since, factor) for since, factor, _ in calls if isinstance(factor, flint.fmpq)]
-        others = [(since, amount) for since, factor, amount in calls if not isinstance(factor, flint.fmpq)]
-        if known:
-            self.exact = [a + b for a, b in zip(self.exact, response.polynomial_part(order, known))]
-        if others:
-            self.balls = [a + b for a, b in zip(self.balls, response.polynomial_part(order, others))]
 
-    def total(self) -> list[flint.arb]:
-        """The two together."""
-        return [flint.arb(a) + b for a, b in zip(self.exact, self.balls)]
+def _as_floats(columns: list[list[flint.arb]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The nearest float64 numbers of columns, bounds of their errors, shape (r, T), and in which columns they surely have all bits."""
+    values = np.array([[float(entry) for entry in column] for column in columns]).T
+    radii = np.array([[float(entry.rad()) for entry in column] for column in columns]).T
+    with np.errstate(all="ignore"):
+        errors = radii + EPS / 2 * np.abs(values)
+        errors = np.where(errors > 0, np.nextafter(errors, inf), 0.0)
+        size, radius = np.abs(values).max(axis=0), radii.max(axis=0)
+        certain = (radius * 2.0**ROUNDED_BITS <= (1 - 4 * EPS) * size - radius) & (size * EPS > SMALLEST) & (size < inf)
+    return values, errors, certain
 
 
 def _is_rounded(column: list[flint.arb]) -> bool:
     """Whether the largest entry of a column has its bits, and the others as many as that."""
-    radius, size = (
-        max((entry.rad() for entry in column), default=flint.arb(0)),
-        max((entry.abs_lower() for entry in column), default=flint.arb(0)),
-    )
+    radius = max([entry.rad() for entry in column], default=flint.arb(0))
+    size = max([entry.abs_lower() for entry in column], default=flint.arb(0))
     return bool(radius * 2**ROUNDED_BITS <= size) or bool(size + radius < flint.arb(2) ** SMALLEST_EXPONENT)
 
 

@@ -7,8 +7,9 @@ at s = infinity has the values at 0+, and at s = 0 the part that is a polynomial
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from math import factorial, lcm
 
 import flint
 
@@ -56,20 +57,6 @@ class RationalResponse:
             self._derivatives.append([next(series) for series in self._series])
         return self._derivatives[order]
 
-    def polynomial_part(self, order: int, calls: Sequence[tuple]) -> list:
-        """The sum over calls (t, factor) of factor times what the zeros at s = 0 add to x^(order)(t): a polynomial in t.
-
-        Exact for exact factors, balls for balls.
-        """
-        zero = calls[0][1] * 0
-        total, weighted = [zero] * self.size, [factor for _, factor in calls]
-        for k, column in enumerate(self._at_zero[order:]):
-            if k:
-                weighted = [value * (time / k) for value, (time, _) in zip(weighted, calls)]
-            whole = sum(weighted, zero)
-            total = [entry + whole * c for entry, c in zip(total, column)]
-        return total
-
     def partial_fractions(self) -> PartialFractions:
         """What the other zeros add, at the working precision."""
         if flint.ctx.prec not in self._fractions:
@@ -84,8 +71,8 @@ class RationalResponse:
         return order
 
     @cached_property
-    def _at_zero(self) -> list[list[flint.fmpq]]:
-        """Columns c_k with sum of c_k t^k / k!: the principal part sum of c_k / s^(k + 1) at s = 0."""
+    def at_zero(self) -> list[list[flint.fmpq]]:
+        """What the zeros at s = 0 add, a polynomial in t: columns c_k with sum of c_k t^k / k!: the principal part sum of c_k / s^(k + 1) at s = 0."""
         order = self._zero_order
         if not order:
             return []
@@ -132,11 +119,13 @@ class Pole:
     """A root z of D of multiplicity m.
 
     Attributes:
+        name: which root of which irreducible polynomial it is.
         value: a ball that contains z and no other root.
         weight: 1 for a real root, 2 for one that stands for a complex pair.
         columns: c_1 ... c_m, shape (r,) each.
     """
 
+    name: tuple
     value: flint.acb
     weight: int
     columns: list[list[flint.acb]]
@@ -169,38 +158,95 @@ class PartialFractions:
             taylor = [_balls(p) for p in _taylor(denominator, 2 * power)[power:]]
             above = [[_balls(p) for p in _taylor(numerator, power)] for numerator in numerators]
             vanishing = [_order(numerator, factor, power) for numerator in numerators]
-            for root, weight in _roots(tuple(map(int, factor.coeffs())), flint.ctx.prec):
+            coefficients = tuple(map(int, factor.coeffs()))
+            for number, (root, weight) in enumerate(_roots(coefficients, flint.ctx.prec)):
                 below = [p(root) for p in taylor]
                 rows = [_quotient(_known([p(root) for p in own], zeros), below) for own, zeros in zip(above, vanishing)]
-                poles.append(Pole(root, weight, [[row[power - 1 - j] for row in rows] for j in range(power)]))
+                columns = [[row[power - 1 - j] for row in rows] for j in range(power)]
+                poles.append(Pole((coefficients, number), root, weight, columns))
         return cls(poles)
 
     def derivative(self, order: int) -> PartialFractions:
         """Of the function of time."""
         poles = self.poles
         for _ in range(order):
-            poles = [Pole(pole.value, pole.weight, _differentiated(pole)) for pole in poles]
+            poles = [replace(pole, columns=_differentiated(pole)) for pole in poles]
         return PartialFractions(poles)
 
-    @cached_property
-    def matrix(self) -> flint.arb_mat:
-        """What ``weights`` are multiplied by: real and imaginary parts of all columns, shape (r, 2 K)."""
-        columns = [[c * pole.weight for c in column] for pole in self.poles for column in pole.columns]
-        parts = [part for column in columns for part in ([c.real for c in column], [-c.imag for c in column])]
-        return flint.arb_mat(parts).transpose()
 
-    def weights(self, calls: Sequence[tuple[flint.fmpq, flint.arb]]) -> list[flint.arb]:
-        """The sum over calls (t, amount) of amount times the function at t is ``matrix`` times these, 2 K of them."""
-        parts: list[flint.arb] = []
-        since = [(flint.arb(time), amount) for time, amount in calls]
-        for pole in self.poles:
-            weighted = [(pole.value * time).exp() * amount for time, amount in since]
-            for j in range(len(pole.columns)):
-                if j:
-                    weighted = [value * flint.arb(time / j) for value, (time, _) in zip(weighted, calls)]
-                whole = sum(weighted, flint.acb(0))
-                parts += [whole.real, whole.imag]
-        return parts
+class Begun:
+    """The sum of what has begun by some time, polynomials in t and sums of modes about t = 0, at the working precision.
+
+    A later call is moved to t = 0 once, (t - b)^k e^(z (t - b)) being e^(-z b) times a sum of powers of t times e^(z t): at each time every mode has one
+    exponential, however many calls there are. What is rational is summed exactly, so that it cancels exactly.
+
+    Args:
+        size: the number of rows.
+    """
+
+    def __init__(self, size: int):
+        self.size = size
+        self._exact: list[list[flint.fmpq]] = []
+        self._balls: list[list[flint.arb]] = []
+        self._modes: dict[tuple, Pole] = {}
+
+    def add(self, begin: flint.fmpq, factor, polynomial: Sequence[list[flint.fmpq]], modes: PartialFractions) -> None:
+        """A call at a time, of columns c_k of t^k / k! and of modes.
+
+        Args:
+            begin: b.
+            factor: an exact number or a ball.
+            polynomial: columns.
+            modes: partial fractions.
+        """
+        amount, columns = flint.arb(factor), self._exact if isinstance(factor, flint.fmpq) else self._balls
+        _add_moved(columns, polynomial, begin, factor, self.size)
+        for pole in modes.poles:
+            if pole.name not in self._modes:
+                self._modes[pole.name] = replace(pole, columns=[])
+            factor = (pole.value * -begin).exp() * amount if begin else amount
+            _add_moved(self._modes[pole.name].columns, pole.columns, begin, factor, self.size)
+
+    def at(self, times: Sequence[flint.fmpq]) -> tuple[flint.fmpz_mat, flint.fmpz, flint.arb_mat]:
+        """What is exact at some times, with a common denominator, and what is in balls, both of shape (T, r)."""
+        weights: list[list[flint.arb]] = []
+        columns: list[list[flint.arb]] = []
+        since = [flint.arb(time) for time in times]
+        for pole in self._modes.values():
+            value = pole.value
+            exponentials = [(value * time).exp() for time in since]
+            for k, column in enumerate(pole.columns):
+                if k:
+                    exponentials = [one * (time / k) for one, time in zip(exponentials, times)]
+                weights += [[one.real for one in exponentials], [one.imag for one in exponentials]]
+                columns += [[c.real * pole.weight for c in column], [-c.imag * pole.weight for c in column]]
+        for k, coefficients in enumerate(self._balls):
+            weights.append([flint.arb(time**k / factorial(k)) for time in times])
+            columns.append(coefficients)
+        balls = flint.arb_mat(weights).transpose() * flint.arb_mat(columns) if columns else flint.arb_mat(len(times), self.size)
+        return *self._exact_at(times), balls
+
+    def _exact_at(self, times: Sequence[flint.fmpq]) -> tuple[flint.fmpz_mat, flint.fmpz]:
+        """In whole numbers, which need no greatest common divisors."""
+        if not self._exact:
+            return flint.fmpz_mat(len(times), self.size), flint.fmpz(1)
+        highest, of_times = len(self._exact) - 1, lcm(*(int(time.q) for time in times))
+        steps = [time.p * (of_times // time.q) for time in times]
+        columns, scale = flint.fmpq_mat([[c / factorial(k) for c in own] for k, own in enumerate(self._exact)]).numer_denom()
+        unit = flint.fmpz(of_times)
+        powers = flint.fmpz_mat([[step**k * unit ** (highest - k) for k in range(highest + 1)] for step in steps])
+        return powers * columns, scale * unit**highest
+
+
+def _add_moved(columns: list[list], given: Sequence[list], begin: flint.fmpq, factor, size: int) -> None:
+    """Add factor times the columns of (t - b)^k / k! to those of t^k / k!."""
+    while len(columns) < len(given):
+        columns.append([factor * 0] * size)
+    for power in range(len(given) if begin else 1):
+        if power:
+            factor = factor * (-begin / power)
+        for k, column in enumerate(given[power:]):
+            columns[k] = [a + factor * b for a, b in zip(columns[k], column)]
 
 
 def _differentiated(pole: Pole) -> list[list[flint.acb]]:

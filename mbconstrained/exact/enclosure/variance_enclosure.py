@@ -26,6 +26,9 @@ from .intervals import Enclosure, bits_of, has_digits
 #: Working precision in bits beyond the digits, in turn.
 GUARDS = (96, 384, 1536)
 
+#: Working precision in bits for covariances over time, in turn.
+ROUNDED_BITS = (256, 512, 1024, 2048, 4096)
+
 #: Evaluations of an integrand at most, for each piece.
 EVALUATIONS = 200_000
 
@@ -77,6 +80,18 @@ class ExactVariance:
         """det A(s) H(s) from each input."""
         row = self.outputs[output]
         return [self.power * sum((c * N for c, N in zip(row, own) if c), ZERO) for own in self.solutions]
+
+    def initial_numerators(self, harmonic: Harmonic, size: int) -> list[list[flint.fmpq_poly]]:
+        """det A(s) times the transforms of the outputs from displacements, then velocities, of 1 at 0-, for each output a column."""
+        matrix, columns = RationalMatrix.of(harmonic.A), []
+        for order in range(2):
+            for i in range(size):
+                b = [
+                    polynomial([A[row, i] for A in matrix.coefficients[order + 1 :]]) for row in range(matrix.size)
+                ]  # the sum of A_j s^(j - 1 - order)
+                solution = matrix.numerators(b)
+                columns.append([self.power * sum((c * N for c, N in zip(row, solution) if c), ZERO) for row in self.outputs])
+        return columns
 
     def enclosed(self, output: int, digits: int) -> flint.arb | None:
         """A ball with the digits; None where the variance is infinite.
@@ -170,6 +185,124 @@ class ExactVariance:
         angle = (flint.acb(0, 2) * flint.acb.pi() * f * shift).exp()
         size *= flint.arb(rational(float(spectra.coherence[i, j])))
         return size / angle, size * angle
+
+
+def covariances_over_time(
+    harmonic: Harmonic, spectra: SpectralMatrix, times: np.ndarray, initial, terms: np.ndarray
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """E[y y^T] after white or filtered noise is switched on, each entry to all digits of sqrt(E[y_a^2] E[y_b^2]).
+
+    All transfer functions have one denominator D: h = c e^{A t} e_N with one companion matrix A, so that all covariances are those of one chain of
+    integrators, c W c^T, W the integral of e^{A t} e_N e_N^T e^{A^T t}. It is computed as in ``frequency.random.nonstationary``, in balls.
+
+    Args:
+        harmonic: H, without structural damping.
+        spectra: of its inputs, white or filtered, without delays.
+        times: in s, shape (T,).
+        initial: the covariance of displacements and velocities at 0-, or None.
+        terms: pairs (c, b) of the modulation, sum of c e^{-b t}.
+
+    Returns:
+        Values and proved bounds of their errors, both of shape (T, p, p); None where an output is reached by an input directly.
+    """
+    exact, filters = ExactVariance(harmonic, spectra), [_filter(spectrum.pieces) for spectrum in spectra.spectra]
+    common = flint.fmpq_poly([1])
+    for _, below, _ in filters:
+        common *= below // common.gcd(below)
+    denominator = exact.denominator * common
+    count = range(len(harmonic.outputs))
+    rows = [[N * above * (common // below) for N, (above, below, _) in zip(exact.numerators(output), filters)] for output in count]
+    if any(N.degree() >= denominator.degree() for row in rows for N in row):
+        return None
+    starts = [] if initial is None else exact.initial_numerators(harmonic, len(initial) // 2)
+    free = [[N * common % denominator for N in row] for row in zip(*starts)]
+    chain = _Chain(denominator)
+    values, errors = np.zeros((2, len(times), len(count), len(count)))
+    for place, time in enumerate(times.tolist()):
+        for bits in ROUNDED_BITS:
+            with working_precision(bits):
+                C, F = chain.rows(rows), chain.rows(free)
+                amplitudes = [flint.arb(rational(float(intensity))).sqrt() for *_, intensity in filters]
+                S = [
+                    [flint.arb(rational(float(spectra.coherence[i, j]))) * one * two / 2 for j, two in enumerate(amplitudes)]
+                    for i, one in enumerate(amplitudes)
+                ]
+                total = flint.arb_mat(len(count), len(count))
+                for number, (factor, rate) in enumerate(terms.tolist()):
+                    E, W = chain.step(rational(time), rational(rate))
+                    for i, j in itertools.product(range(len(filters)), repeat=2):
+                        if S[i][j] != 0 and factor:
+                            total += chain.of_input(C, i) * W * chain.of_input(C, j).transpose() * (S[i][j] * flint.arb(factor))
+                    if not number and free:
+                        given = flint.arb_mat(np.asarray(initial, dtype=float).tolist())
+                        last = flint.arb_mat([[E[k, chain.size - 1]] for k in range(chain.size)])
+                        T = flint.arb_mat([[(row * last)[0, 0] * flint.arb(chain.rate) for row in own] for own in F])
+                        total += T * given * T.transpose()
+                sizes = [total[k, k].abs_lower().sqrt() for k in count]
+                certain = all(total[a, b].rad() * 2**56 <= sizes[a] * sizes[b] for a in count for b in count)
+                if certain or bits == ROUNDED_BITS[-1]:
+                    for a, b in itertools.product(count, repeat=2):
+                        values[place, a, b] = float(total[a, b])
+                        errors[place, a, b] = float((total[a, b] - values[place, a, b]).abs_upper())
+                    break
+    return values, errors
+
+
+def _filter(pieces) -> tuple[flint.fmpq_poly, flint.fmpq_poly, float]:
+    """Numerator, denominator and intensity of the filter that makes a spectrum of white noise."""
+    if not pieces:
+        return flint.fmpq_poly([1]), flint.fmpq_poly([1]), 0.0
+    if isinstance(pieces[0], PowerLaw):
+        return flint.fmpq_poly([1]), flint.fmpq_poly([1]), complex(pieces[0].level).real
+    return polynomial(pieces[0].numerator[::-1]), polynomial(pieces[0].denominator[::-1]), pieces[0].intensity
+
+
+class _Chain:
+    """x^(N) + d_(N-1) x^(N-1) + ... + d_0 x = w in the unit of time in which no coefficient is large.
+
+    Args:
+        denominator: D of degree N.
+    """
+
+    def __init__(self, denominator: flint.fmpq_poly):
+        self.size = denominator.degree()
+        self.lead = denominator[self.size]
+        own = [denominator[k] / self.lead for k in range(self.size)]
+        exponents = [(abs(int(d.p)).bit_length() - int(d.q).bit_length() + 1) / (self.size - k) for k, d in enumerate(own) if d]
+        self.rate = flint.fmpq(2) ** int(np.ceil(max(exponents, default=0.0)))
+        self.coefficients = [d / self.rate ** (self.size - k) for k, d in enumerate(own)]
+
+    def rows(self, numerators: list[list[flint.fmpq_poly]]) -> list[list[flint.arb_mat]]:
+        """c of each N / D, at the working precision: states are derivatives in the own unit of time."""
+        powers = [self.rate ** (k - self.size) for k in range(self.size)]
+        return [
+            [flint.arb_mat([[flint.arb(N[k] / self.lead * power) for k, power in enumerate(powers)]]) for N in own]
+            for own in numerators
+        ]
+
+    @staticmethod
+    def of_input(rows: list[list[flint.arb_mat]], number: int) -> flint.arb_mat:
+        """c of all outputs from one input, shape (p, N)."""
+        return flint.arb_mat([own[number].entries() for own in rows])
+
+    def step(self, time: flint.fmpq, decay: flint.fmpq) -> tuple[flint.arb_mat, flint.arb_mat]:
+        """e^{A t} of the own unit of time, and W with the modulation e^{-decay s}, both about the time t in s."""
+        N, t, b = self.size, time * self.rate, decay / self.rate
+        doublings = max(0, int(t).bit_length() + int(abs(b)).bit_length() + 2)
+        h = t / flint.fmpq(2) ** doublings
+        A = [[flint.fmpq(int(j == i + 1)) for j in range(N)] for i in range(N - 1)] + [[-d for d in self.coefficients]]
+        shifted = [[a + (b / 2 if i == j else 0) for j, a in enumerate(row)] for i, row in enumerate(A)]
+        rows = [row + [flint.fmpq(0)] * N for row in shifted]
+        rows += [[flint.fmpq(0)] * N + [-shifted[j][i] for j in range(N)] for i in range(N)]
+        rows[N - 1][2 * N - 1] = flint.fmpq(1)
+        whole = (flint.arb_mat(flint.fmpq_mat(rows)) * flint.arb(h)).exp().tolist()
+        E = flint.arb_mat([row[:N] for row in whole[:N]])
+        W = flint.arb_mat([row[N:] for row in whole[:N]]) * E.transpose() * flint.arb(-b * h).exp()
+        E = E * flint.arb(-b * h / 2).exp()
+        for _ in range(doublings):
+            W = W * flint.arb(-b * h).exp() + E * W * E.transpose()
+            E, h = E * E, 2 * h
+        return E, W * flint.arb(self.rate)
 
 
 def _density(piece, f: flint.acb, analytic: bool, conjugate: bool = False) -> flint.acb:

@@ -2,18 +2,21 @@
 
     P(t) = e^{J t} P_0 e^{J^T t} + integral of e^{J (t - s)} B (G/2) B^T e^{J^T (t - s)} m(s) ds
 
-Over a short step the integral is a matrix exponential (Van Loan, IEEE Transactions on Automatic Control 23, 1978); steps are doubled,
-P(2 h) = P(h) + e^{J h} P(h) e^{J^T h}: sums of semidefinite matrices, in which nothing cancels, whatever the multiplicities.
+Over a short step the integral is a sum over the nodes of Gauss's rule, P = L L^T with columns e^{J s} B sqrt(weight); steps are doubled,
+P(2 h) = P(h) + e^{J h} P(h) e^{J^T h}, as triangular factors of [L, e^{J h} L]: variances are sums of squares, whatever the multiplicities, and a small
+one next to a large one loses half as many digits as in P itself. What is doubtful in small models is computed exactly (``exact.enclosure``).
 """
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
-import scipy.linalg
 
 from ...ground.checks import evaluation_times, real_array
 from ...ground.errors import InputError
-from ...ground.tolerances import EPS
+from ...ground.tolerances import EPS, FORM_ROUNDING, PROVED_ACCURACY
+from ...response.response import Response
 from .spectral_integral import TURN, _Integration
 from .spectral_matrix import INDEFINITE, SpectralMatrix
 from .spectrum_pieces import PowerLaw, Rational
@@ -24,6 +27,17 @@ CHUNK = 1 << 22
 
 #: Steps between samples that differ by so many rounding errors of the last time are equal.
 EQUAL_STEPS = 8.0
+
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
+
+#: Of the exponential series over a short step.
+TERMS = 18
+
+#: Models are moved by so many rounding errors, with so many patterns of signs.
+MOVED, TRIALS = 8.0, 4
+
+#: Covariances are computed exactly where the number of times and the cube of that of the states have at most this product: 2 s.
+MOST_PROVED_WORK = 150_000
 
 #: Time constants after which a process is stationary: e^-40 is below rounding errors.
 DECAY = 40.0
@@ -65,7 +79,7 @@ class MarkovModel:
             self.J[own, own], self.B[own, i] = a, b
             self.J[:N, own], self.B[:N, i] = np.outer(B[:, i], c), B[:, i] * d
             at += len(a)
-        self.Q = self.B @ spectra.coherence @ self.B.T / 2
+        self.roots = self.B @ _root(spectra.coherence) / np.sqrt(2)
         self.states = N
         self.transfer = transfer
 
@@ -93,8 +107,17 @@ class MarkovModel:
         P[: self.states, : self.states] = T @ given @ T.T
         return P
 
+    def moved(self, trial: int) -> MarkovModel:
+        """With the rounding errors that a decomposition leaves, relative to norms, and of J those of squarings that begin where |J| h is small."""
+        generator, other = np.random.default_rng(trial), copy.copy(self)
+        for name in ("J", "roots", "C"):
+            matrix = getattr(self, name)
+            size = np.linalg.norm(matrix, 1) if name == "J" else np.abs(matrix).max(initial=0.0)
+            setattr(other, name, matrix + MOVED * EPS * size * generator.choice([-1.0, 1.0], matrix.shape))
+        return other
+
     def step(self, time: float, rate: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-        """e^{J t}, and the integral of e^{J (t - s)} Q e^{J^T (t - s)} e^{-rate s} ds from 0 to t.
+        """e^{J t}, and L with L L^T = integral of e^{J (t - s)} Q e^{J^T (t - s)} e^{-rate s} ds from 0 to t, Q = B (G/2) B^T.
 
         Args:
             time: t in s.
@@ -105,15 +128,24 @@ class MarkovModel:
         """
         size = (np.linalg.norm(self.J, 1) + abs(rate)) * time
         doublings = max(0, int(np.ceil(np.log2(size))) + 1) if size > 0.5 else 0
-        h, N = time / 2**doublings, len(self.J)
-        M = self.J + rate / 2 * np.eye(N)
-        whole = scipy.linalg.expm(np.block([[M, self.Q], [np.zeros((N, N)), -M.T]]) * h)
-        E = np.exp(-rate * h / 2) * whole[:N, :N]
-        P = np.exp(-rate * h) * whole[:N, N:] @ whole[:N, :N].T
+        h = time / 2**doublings
+        since = h * (1 + NODES) / 2
+        columns, E = np.multiply.outer(np.ones(len(NODES)), self.roots), np.eye(len(self.J))
+        term, power = self.roots, E
+        for k in range(1, TERMS):  # |J| h is at most 1/2
+            term, power = self.J @ term / k, self.J @ power * (h / k)
+            columns, E = columns + np.multiply.outer(since**k, term), E + power
+        columns = np.sqrt(h / 2 * WEIGHTS * np.exp(-rate * (h - since)))[:, None, None] * columns
+        L = _triangular(np.hstack(list(columns)))
         for _ in range(doublings):
-            P = np.exp(-rate * h) * P + E @ P @ E.T
+            L = _triangular(np.hstack([np.exp(-rate * h / 2) * L, E @ L]))
             E, h = E @ E, 2 * h
-        return E, (P + P.T) / 2
+        return E, L
+
+
+def _triangular(factor: np.ndarray) -> np.ndarray:
+    """L with L L^T = F F^T, not wider than high."""
+    return np.asarray(np.linalg.qr(factor.T, mode="r")).T
 
 
 def _filter(spectrum, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
@@ -143,7 +175,7 @@ def _filter(spectrum, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, fl
 
 def covariance_over_time(
     transfer: Transfer, spectra: SpectralMatrix, times, initial_covariance=None, modulation=None
-) -> np.ndarray:
+) -> tuple[np.ndarray, np.ndarray]:
     """E[y y^T] after the noise is switched on; arguments as of ``RandomResponse.covariance_over_time``.
 
     Args:
@@ -152,21 +184,45 @@ def covariance_over_time(
         times, initial_covariance, modulation: as there.
 
     Returns:
-        Shape (T, p, p).
+        Values and estimates of their errors relative to sqrt(E[y_a^2] E[y_b^2]), both of shape (T, p, p).
     """
     times = np.atleast_1d(evaluation_times(times))
     model = MarkovModel(transfer, spectra)
     terms = real_array([(1.0, 0.0)] if modulation is None else modulation, "modulation", shape=(None, 2))
     start = model.initial(initial_covariance)
-    result = np.empty((len(times), len(model.C), len(model.C)))
+    values = _covariances(model, times, start, terms)
+    trials = [_covariances(model.moved(trial), times, start, terms) for trial in range(TRIALS)]
+    errors = FORM_ROUNDING * (sum(np.abs(values - trial) for trial in trials) + EPS * np.abs(values))
+    scales = _scales(values)
+    doubtful = np.flatnonzero((errors > PROVED_ACCURACY * scales).any(axis=(1, 2)))
+    if 0 < len(doubtful) * max(len(model.J), 1) ** 3 <= MOST_PROVED_WORK and transfer.harmonic.imaginary is None:
+        exact = Response.exact_engine().covariances_over_time(
+            transfer.harmonic, spectra, times[doubtful], initial_covariance, terms
+        )
+        if exact is not None:
+            values[doubtful], errors[doubtful] = exact
+            scales = _scales(values)
+    variances, doubts = values.diagonal(axis1=1, axis2=2), errors.diagonal(axis1=1, axis2=2)
+    lost = (doubts > 0) & (doubts >= np.abs(variances))
+    with np.errstate(all="ignore"):
+        relative = np.where(errors > 0, errors / scales, 0.0)
+    return values, np.where(lost[:, :, None] | lost[:, None, :], np.inf, relative)
+
+
+def _scales(values: np.ndarray) -> np.ndarray:
+    sizes = np.sqrt(np.abs(values.diagonal(axis1=1, axis2=2)))
+    return sizes[:, :, None] * sizes[:, None, :]
+
+
+def _covariances(model: MarkovModel, times: np.ndarray, start: np.ndarray, terms: np.ndarray) -> np.ndarray:
+    result = np.zeros((len(times), len(model.C), len(model.C)))
     for place, time in enumerate(times):
-        total = np.zeros_like(start)
         for number, (factor, rate) in enumerate(terms):
-            E, P = model.step(time, rate)
-            total += factor * P
+            E, L = model.step(time, rate)
+            root = model.C @ L
+            result[place] += factor * (root @ root.T)
             if number == 0 and start.any():
-                total += E @ start @ E.T
-        result[place] = model.C @ total @ model.C.T
+                result[place] += model.C @ E @ start @ E.T @ model.C.T
     return result
 
 
@@ -223,7 +279,8 @@ def _markov_path(transfer, spectra, times, generator) -> np.ndarray:
         raise InputError(
             "sample: a motion without damping, which the noise does not reach, has no stationary path; leave out its outputs"
         )
-    z = _normal(model.step(DECAY / slowest if np.isfinite(slowest) else DECAY)[1], generator)
+    L = model.step(DECAY / slowest if np.isfinite(slowest) else DECAY)[1]
+    z = _normal(L @ L.T, generator)
     result, now, known = np.empty((len(model.C), len(times))), None, {}
     last_place = EQUAL_STEPS * EPS * np.abs(times).max(initial=0.0)
     for place in order:
@@ -231,7 +288,8 @@ def _markov_path(transfer, spectra, times, generator) -> np.ndarray:
         if h > 0:
             key = round(h / last_place)  # steps that differ by rounding errors of the times are one
             if key not in known:
-                known[key] = model.step(h)
+                E, L = model.step(h)
+                known[key] = E, L @ L.T
             E, Q = known[key]
             z = E @ z + _normal(Q, generator)
         now = times[place]

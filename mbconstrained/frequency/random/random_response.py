@@ -145,10 +145,12 @@ class RandomResponse(Displayed):
         return replace(integral, values=own, errors=(4 * EPS * np.abs(proved))[None])
 
     def _without_noise(self, integral: SpectralIntegral, finite: np.ndarray) -> SpectralIntegral:
-        """Zeros of those outputs that no input moves, where the integral is rounding error."""
-        is_noise = self._independent[0].vanishes[finite] & (integral.values[0].diagonal().real <= integral.errors[0])
+        """Zeros of those outputs that no input moves, where the integral is rounding error; of others it has no digit then."""
+        transfer = self._independent[0]
+        is_small = integral.values[0].diagonal().real <= integral.errors[0]
+        is_noise, is_lost = (is_small & which[finite] for which in (transfer.vanishes, transfer.seems_zero & ~transfer.vanishes))
         values = np.where(is_noise[:, None] | is_noise, 0.0, integral.values)
-        return replace(integral, values=values, errors=np.where(is_noise, 0.0, integral.errors))
+        return replace(integral, values=values, errors=np.where(is_noise, 0.0, np.where(is_lost, np.inf, integral.errors)))
 
     @property
     def infinite(self) -> dict[str, str]:
@@ -175,7 +177,7 @@ class RandomResponse(Displayed):
 
     @property
     def error_estimate(self) -> np.ndarray:
-        """Estimates of the relative errors of the variances, shape (p,); 0 where they are 0 or infinite."""
+        """Estimates of the relative errors of the variances, shape (p,); 0 where they are 0 or infinite, infinite where they have no digit."""
         return self.moment_error_estimate(0)
 
     def moment_error_estimate(self, order: int) -> np.ndarray:
@@ -186,7 +188,8 @@ class RandomResponse(Displayed):
         """
         finite, integral = self._integral(order)
         result, values = np.zeros(len(self.outputs)), integral.values[0].diagonal().real
-        result[finite] = np.where(values > 0, integral.errors[0] / np.where(values > 0, values, 1.0), 0.0)
+        lost = np.where(integral.errors[0] == np.inf, np.inf, 0.0)
+        result[finite] = np.where(values > 0, integral.errors[0] / np.where(values > 0, values, 1.0), lost)
         return result
 
     def moment(self, order: int) -> np.ndarray:
@@ -380,7 +383,7 @@ class RandomResponse(Displayed):
         return replace(self, harmonic=replace(own, outputs=own.outputs[at], output_names=names, units=own.units[at]))
 
     def covariance_over_time(self, times, initial_covariance=None, modulation=None) -> np.ndarray:
-        """E[y y^T] at times after white or filtered white noise is switched on at t = 0, exactly.
+        """E[y y^T] at times after white or filtered white noise is switched on at t = 0; errors by ``covariance_over_time_error_estimate``.
 
         Args:
             times: in s, shape (T,).
@@ -393,7 +396,23 @@ class RandomResponse(Displayed):
         Raises:
             InputError: excitations with corner frequencies or delays, outputs that white noise reaches directly.
         """
-        return nonstationary.covariance_over_time(*self._independent, times, initial_covariance, modulation)
+        return nonstationary.covariance_over_time(*self._independent, times, initial_covariance, modulation)[0]
+
+    def covariance_over_time_error_estimate(self, times, initial_covariance=None, modulation=None) -> np.ndarray:
+        """Estimates of the errors of ``covariance_over_time``, of each entry relative to sqrt(E[y_a^2] E[y_b^2]), of the same shape.
+
+        Args:
+            times, initial_covariance, modulation: as there.
+
+        Returns:
+            Shape (T, p, p); infinite where a variance is lost.
+
+        >>> import mbconstrained as mb
+        >>> R = mb.MechanicalSystem([[1.0]], [[0.2]], [[4.0]]).random_response({"x1": mb.white_noise(3.2)})
+        >>> bool(R.covariance_over_time_error_estimate([0.1, 10.0]).max() < 1e-12)
+        True
+        """
+        return nonstationary.covariance_over_time(*self._independent, times, initial_covariance, modulation)[1]
 
     def sample(self, times, seed=None) -> np.ndarray:
         """A random path of the stationary outputs with exactly these spectra.
@@ -422,7 +441,11 @@ class RandomResponse(Displayed):
         ]
         silent = [name for name, spectrum in zip(self.inputs, self.spectra.spectra) if not spectrum.pieces]
         result += [Notice(NoticeKind.OMITTED, f'the spectrum of "{name}" is zero') for name in silent]
-        worst = self.error_estimate.max(initial=0.0)
+        estimates = self.error_estimate
+        for name in (name for name, estimate in zip(self.outputs, estimates) if estimate == np.inf):
+            text = f'no digit of the variance of "{name}" is certain: couplings to it are rounding errors next to the other entries; see ``enclose``'
+            result.append(Notice(NoticeKind.ACCURACY, text, doubtful=True))
+        worst = estimates[np.isfinite(estimates)].max(initial=0.0)
         if worst > REPORTED_ERROR:
             text = f"variances have an estimated relative error of at most {worst:.2g}"
             result.append(Notice(NoticeKind.ACCURACY, text, doubtful=bool(worst > TRUST_LIMIT)))

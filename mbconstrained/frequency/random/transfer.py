@@ -146,10 +146,19 @@ class Transfer:
         return D
 
     @cached_property
-    def vanishes(self) -> np.ndarray:
-        """Which outputs no input moves: all residues are rounding errors and the polynomial part is zero, shape (p,)."""
+    def seems_zero(self) -> np.ndarray:
+        """At which outputs all residues are rounding errors and the polynomial part is zero, shape (p,)."""
         parts = [_without_noise(pole.residues, pole.sizes) for pole in self.poles] + [self.polynomial]
         return np.all([~part.any(axis=(0, 2)) for part in parts], axis=0)
+
+    @cached_property
+    def vanishes(self) -> np.ndarray:
+        """Which outputs no input moves, shape (p,): decided by the data, not by sizes, where these are no too large equations."""
+        own, zero = self.harmonic, self.seems_zero
+        if not zero.any() or own.imaginary is not None or np.iscomplexobj(own.outputs):
+            return zero
+        known = precise.zero_transfers(own.real[0].coefficients, own.inputs, own.outputs)
+        return zero if known is None else zero & known.all(axis=1)
 
     def of_inputs(self, chosen: list[int]) -> Transfer:
         """The same from some of the inputs."""

@@ -19,11 +19,8 @@ from .extrema import falling_root
 #: Steps that differ by so many units in the last place of the last time are equal.
 EQUAL = 8.0
 
-#: Sub-intervals for each radian between samples, where an extremum is searched.
-EACH_RADIAN = 4.0
-
-#: So many intervals are searched at once, those with the highest bounds first.
-TOGETHER = 64
+#: So many intervals are searched at once, those with the highest bounds first; then twice as many each time, up to the most.
+TOGETHER, MOST_TOGETHER = 64, 4096
 
 #: Up to this damping ratio the conjugate roots are so far from each other that u alone has y.
 LIGHT = 0.9
@@ -39,9 +36,6 @@ CLOSE = 0.1
 
 #: Up to this damping ratio the extrema of successive cycles are ordered.
 ORDERED = 0.35
-
-#: Most times at which the search in an interval begins.
-MOST_TIMES = 2048
 
 #: Steps shorter than this, in units of the fastest rate, take Taylor's series of so many terms: 1 / 20! is below rounding error.
 SHORT, DEGREE = 1.0, 20
@@ -108,17 +102,16 @@ class Oscillator:
         J = np.array([[l2, 1, 0, 0], [0, l1, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]], dtype=complex)
         units = np.array([1.0, self.w, self.w**2, self.w**3])  # y w^2, u w, a, a' / w have one size
         is_long = np.asarray(h) * self.w > CLOSED
-        change = np.eye(4, dtype=complex)
-        if abs(l1 - l2) < CLOSE * self.w:  # SciPy takes differences of the diagonal of a triangle: (y, y', a, a') has none
-            change[1, 0] = -l2
+        close = abs(l1 - l2) < CLOSE * self.w
+        if close:  # SciPy takes differences of the diagonal of a triangle: (y, y', a, a') has none
             J = np.array([[0, 1, 0, 0], [-(self.w**2), -2 * self.zeta * self.w, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]], dtype=float)
-        inverse = 2 * np.eye(4) - change
-        result = (
-            change
-            @ (scipy.linalg.expm(np.multiply.outer(np.where(is_long, 0.0, h), J * units / units[:, None])) * units[:, None] / units)
-            @ inverse
-        )
-        result[:, 1, 0] = 0.0
+        scaled = np.multiply.outer(np.where(is_long, 0.0, h), J * units / units[:, None])
+        result = scipy.linalg.expm(scaled) * units[:, None] / units
+        if close:
+            change = np.eye(4, dtype=complex)
+            change[1, 0] = -l2
+            result = change @ result @ (2 * np.eye(4) - change)
+            result[:, 1, 0] = 0.0  # u' = l1 u + a is without y: what the change of variables leaves there is rounding error
         if is_long.any():
             result[is_long] = self._long_steps(h[is_long])
         return result
@@ -247,37 +240,65 @@ class Oscillator:
         r = c0 * y + c1 * v
         high, low = max(float(r.max()), 0.0), min(float(r.min()), 0.0)
         h, slopes = np.diff(times), _slopes(np.diff(times), values)
-        # The free motion in an interval is bounded by its energy, and bends the curve by an eighth of its second derivative times h^2.
+        # A bound of the free motions in all intervals, by their energy; a curve leaves its chord by an eighth of its curvature times h^2.
         whole = (abs(c0) + abs(c1) * self.w) * (1 + 2 * self.zeta) ** 2
         speed, load = np.abs(slopes).max(initial=0.0) / self.w**2, np.abs(values).max() / self.w**2
         most = whole * (np.abs(y).max() + load + np.abs(v).max() / self.w + (1 + 2 * self.zeta) * speed / self.w)
-        bend = most * min(1.0, (self.w * h.max(initial=0.0)) ** 2 / 8)
+        bend = most * min(2.0, (self.w * h.max(initial=0.0)) ** 2 / 8)
         for sign in (1.0, -1.0):
-            best = high if sign > 0 else -low
-            chosen = np.flatnonzero(np.maximum(sign * r[:-1], sign * r[1:]) + bend > best)
+            best, signed = high if sign > 0 else -low, (sign * c0, sign * c1)
+            highest = np.maximum(sign * r[:-1], sign * r[1:])
+            chosen = np.flatnonzero(highest + bend > best)
             y0, v0, a0, s0, own = y[chosen], v[chosen], values[chosen], slopes[chosen], h[chosen]
-            s = s0 / self.w**2
-            p = a0 / self.w**2 - 2 * self.zeta * s / self.w
-            size = whole * np.hypot(y0 - p, (v0 - s) / self.w)
-            line = sign * (c0 * p + c1 * s) + np.maximum(sign * c0 * s * own, 0.0) + size
-            limit = np.minimum(line, np.maximum(sign * r[chosen], sign * r[chosen + 1]) + size * (self.w * own) ** 2 / 8)
-            left = np.arange(len(limit))
+            limit = self._limits(y0, v0, a0, s0, own, highest[chosen], signed)
+            left, together = np.arange(len(limit)), TOGETHER
             while len(left := left[limit[left] > best]):
-                now = left[np.argpartition(-limit[left], TOGETHER)[:TOGETHER]] if len(left) > TOGETHER else left
-                is_short, is_long = own[now] * self.w * (1 + 2 * self.zeta) < SHORT, own[now] * self.w > LONG
+                now = left[np.argpartition(-limit[left], together)[:together]] if len(left) > together else left
+                is_short, is_long = own[now] * self.w * (1 + 2 * self.zeta) < SHORT, (own[now] * self.w > LONG) & (self.zeta < 1)
                 for at in (now[is_short], now[~is_short & ~is_long]):
                     if len(at):
-                        best = self._highest(y0[at], v0[at], a0[at], s0[at], own[at], (sign * c0, sign * c1), best)
+                        best = self._highest(y0[at], v0[at], a0[at], s0[at], own[at], signed, best)
                 at = now[is_long]
                 for part in self._ends(y0[at], v0[at], a0[at], s0[at], own[at]) if len(at) else ():
-                    best = self._highest(*part, (sign * c0, sign * c1), best)
-                limit[now] = -np.inf
+                    best = self._highest(*part, signed, best)
+                limit[now], together = -np.inf, min(2 * together, MOST_TOGETHER)
             high, low = (best, low) if sign > 0 else (high, -best)
         after = self.residual(y[-1], v[-1], output)
         return high, low, *after
 
+    def _rates(self, y, v, a, slope, output) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The second and third derivative of y, and the first three of r = c_0 y + c_1 y', at one time."""
+        w, z = self.w, self.zeta
+        c0, c1 = output
+        bend = a - 2 * z * w * v - w**2 * y
+        twist = slope - 2 * z * w * bend - w**2 * v
+        return bend, twist, c0 * v + c1 * bend, c0 * bend + c1 * twist, c0 * twist - c1 * (2 * z * w * twist + w**2 * bend)
+
+    def _most(self, g, rate) -> np.ndarray:
+        """A bound of |g| of free motions from g and g': by their energy, of real roots also by both ends of g e^{-l2 t}."""
+        most = np.hypot(g, rate / self.w)
+        if self.zeta <= 1:
+            return most
+        l1, l2 = (root.real for root in self.roots)
+        return np.minimum(most, np.maximum(np.abs(g), np.abs((rate - l1 * g) / (l2 - l1))))
+
+    def _limits(self, y, v, a, slope, h, highest, output) -> np.ndarray:
+        """Bounds of r = c_0 y + c_1 y' inside intervals: r'' is a free motion, and so is r without a straight line.
+
+        Args:
+            y, v, a, slope, h: of each interval.
+            highest: the larger of r at both ends.
+            output: (c_0, c_1).
+        """
+        c0, c1 = output
+        _, _, rate, curve, turn = self._rates(y, v, a, slope, output)
+        s = slope / self.w**2
+        start = c0 * (a / self.w**2 - 2 * self.zeta * s / self.w) + c1 * s
+        line = start + np.maximum(c0 * s * h, 0.0) + self._most(c0 * y + c1 * v - start, rate - c0 * s)
+        return np.minimum(line, highest + self._most(curve, turn) * h**2 / 8)
+
     def _ends(self, y, v, a, slope, h) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
-        """The parts of long intervals that have their extrema, as y, v, a, slope and length.
+        """The parts of long intervals that have their extrema, as y, v, a, slope and length; zeta < 1.
 
         r = p + s tau + g, g a damped cosine. At a maximum r' = 0 >= r'', so that g >= 2 z s / w. From cycle to cycle s tau is even and a positive g
         convex: the largest of the values a cycle apart is the first or the last. A negative g, with s < 0, is smaller than what s tau gains one
@@ -290,43 +311,57 @@ class Oscillator:
         y_late, v_late = self.inside(y, v, a, slope, late)
         return [(y, v, a, slope, length), (y_late, v_late, a + slope * late, slope, length)]
 
-    def _highest(self, y, v, a, slope, h, output, best: float = -np.inf) -> float:
-        """The largest value of c_0 y + c_1 y' inside these intervals, or one that is known where that is larger."""
-        count = int(min(np.ceil(EACH_RADIAN * self.w * h.max()) + 2, MOST_TIMES))
-        shares = np.linspace(0.0, 1.0, count)
-        if count == MOST_TIMES:  # heavy damping: two real exponentials and a line have two extrema at most
-            shares = np.append(0.0, np.geomspace(SHORT / (-self.roots[0].real * h.max() * MOST_TIMES), 1.0, count - 1))
-        grid = shares * h[:, None]
-        column = [one[:, None] for one in (y, v, a, slope)]
+    def _zero(self, g, rate) -> np.ndarray:
+        """The first time, from 0 on, at which free motions from g and g' are zero; infinity where they never are.
 
-        def value(data, tau):
-            own_y, own_v = self.inside(*data, tau)
-            return output[0] * own_y + output[1] * own_v
+        Args:
+            g, rate: at the start.
+        """
+        l1, l2 = self.roots
+        with np.errstate(divide="ignore", invalid="ignore"):
+            if self.zeta < 1:
+                return np.arctan2(-g * l1.imag, rate + self.zeta * self.w * g) % np.pi / l1.imag
+            share, gap = -g / (rate - l2.real * g), (l2 - l1).real
+            return np.where((share >= 0) & (gap * share < 1), -np.log1p(-gap * share) / gap if gap else share, np.inf)
 
-        def rate(data, tau):
-            own_y, own_v = self.inside(*data, tau)
-            bend = data[2] + data[3] * tau - 2 * self.zeta * self.w * own_v - self.w**2 * own_y
-            return output[0] * own_v + output[1] * bend
+    def _highest(self, y, v, a, slope, h, output, best: float) -> float:
+        """The largest value of r = c_0 y + c_1 y' inside these intervals, or one that is known where that is larger.
 
-        values, rates = value(column, grid), rate(column, grid)
-        best = max(best, float(values.max()))
-        reach = np.maximum(values[:, :-1], values[:, 1:]) + np.maximum(rates[:, :-1], -rates[:, 1:]) * np.diff(grid, axis=1)
+        The curvature r'' is a free motion, whose zeros are known. Between them r' is monotone: r has one maximum at most there, where r' falls from
+        positive to negative, and lies below the tangents at both ends.
+        """
+        c0, c1 = output
+        bend, twist, _, *curvature = self._rates(y, v, a, slope, output)
+        zero = self._zero(*curvature)
+        more, turning = np.zeros(1), self.roots[0].imag
+        if self.zeta < 1:
+            more = np.pi / turning * np.arange(np.ceil(h.max() * turning / np.pi))
+        grid = np.minimum(np.column_stack([np.zeros(len(h)), zero[:, None] + more, h]), h[:, None])
+
+        def curve(row, tau):
+            """r and r'; y'' is a free motion too."""
+            now_y, now_v = self.inside(y[row], v[row], a[row], slope[row], tau)
+            now_bend = self.free(bend[row], twist[row], tau)[0] if c1 else 0.0
+            return c0 * now_y + c1 * now_v, c0 * now_v + c1 * now_bend
+
+        values, rates = curve(np.arange(len(h))[:, None], grid)
+        best, length = max(best, float(values.max())), np.diff(grid, axis=1)
+        reach = np.minimum(values[:, :-1] + rates[:, :-1] * length, values[:, 1:] - rates[:, 1:] * length)
         row, place = np.nonzero((rates[:, :-1] > 0) & (rates[:, 1:] < 0) & (reach > best))
         if not len(row):
             return best
-        data = [one[row] for one in (y, v, a, slope)]
-        middle = falling_root(
-            lambda tau: rate(data, tau),
+        top = falling_root(
+            lambda tau: curve(row, tau)[1],
             grid[row, place],
             grid[row, place + 1],
             rates[row, place],
             rates[row, place + 1],
             lambda now, width: (np.abs(now) * width).max() <= EPS * abs(best),  # no more is left to gain
         )
-        return max(best, float(value(data, middle).max()))
+        return max(best, float(curve(row, top)[0].max()))
 
     def residual(self, y: float, v: float, output) -> tuple[float, float]:
-        """The extrema of the free motion after the record, among those of the first cycle.
+        """The extrema of the free motion after the record: at its start or where its rate is zero, the first two times.
 
         Args:
             y, v: position and velocity at its end.
@@ -335,10 +370,9 @@ class Oscillator:
         Returns:
             Maximum, at least 0, and minimum, at most 0.
         """
-        length = 2 * np.pi / self.roots[0].imag if self.zeta < 0.99 else 30.0 / self.w
-        h = np.full(1, length)
-        zero = np.zeros(1)
-        y0, v0 = np.array([y]), np.array([v])
-        high = self._highest(y0, v0, zero, zero, h, output)
-        low = -self._highest(y0, v0, zero, zero, h, tuple(-c for c in output))
-        return max(high, 0.0), min(low, 0.0)
+        c0, c1 = output
+        first = self._zero(*self._rates(np.float64(y), v, 0.0, 0.0, output)[2:4])
+        times = np.array([0.0, first, first + np.pi / self.roots[0].imag if self.zeta < 1 else 0.0])
+        later_y, later_v = self.free(y, v, np.where(np.isfinite(times), times, 0.0))
+        values = c0 * later_y + c1 * later_v
+        return max(float(values.max()), 0.0), min(float(values.min()), 0.0)

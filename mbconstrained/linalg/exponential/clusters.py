@@ -23,6 +23,9 @@ APPLIED_DOUBLINGS = 4
 #: Units of states down to this leave room for the states themselves in the range of float64.
 LEAST_UNIT = 2.0**-500
 
+#: Where no such unit is left a coupling may be so many times larger than the zeros: ten more doublings.
+LARGEST_COUPLING = 1024.0
+
 RATES_TOO_DIFFERENT = (
     "the force or the motion changes within times too short relative to the others, by more than 150 powers of ten, for float64 to "
     "follow both; check the units of time, or leave out samples that lie that close"
@@ -193,8 +196,9 @@ def _units(rest, times) -> np.ndarray:
             coupling = (above / units[:, :at]).max(axis=1)
         large = coupling > target
         if large.any():
-            needed = target[large] / coupling[large]
-            if needed.min() < LEAST_UNIT:
+            # The end of a long chain keeps a coupling of its own size.
+            needed = np.maximum(target[large] / coupling[large], LEAST_UNIT)
+            if (coupling[large] * needed > LARGEST_COUPLING * target[large]).any():
                 raise IllConditioned(RATES_TOO_DIFFERENT)
             units[large, at] = 2.0 ** np.floor(np.log2(needed))
             units[large & pair, at - 1] = units[large & pair, at]

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...ground.checks import counted, real_array
 from ...ground.display import Displayed, TextTable, notice_table
-from ...ground.notices import Notice
+from ...ground.notices import Notice, doubts_of
 from ...ground.tolerances import EPS, LINE_ACCURACY
 from .family_modes import one_by_one
 from .stacked_poles import TOGETHER
@@ -55,8 +55,9 @@ class FamilyFrequencyResponse(Displayed):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """How many systems were solved one by one."""
-        return one_by_one(self.alone, len(self.family), LINE_ACCURACY)
+        """How many systems were solved one by one, and values that are not accurate; those at a pole on the axis are infinite."""
+        worst = self.error_estimate.max(initial=0.0, where=np.isfinite(self.error_estimate))
+        return (*one_by_one(self.alone, len(self.family), LINE_ACCURACY), *doubts_of("the responses of a system", worst))
 
 
 def family_frequency_response(

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...ground.checks import counted
 from ...ground.display import Displayed, TextTable, notice_table
-from ...ground.notices import Notice, NoticeKind
+from ...ground.notices import Notice, NoticeKind, doubts_of
 from ...ground.tolerances import EPS, PROVED_ACCURACY
 from ..modes import Modes
 from .stacked_poles import StackedPoles
@@ -50,8 +50,9 @@ class FamilyModes(Displayed):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """How many systems were solved one by one."""
-        return one_by_one(self.alone, len(self.family))
+        """How many systems were solved one by one, and eigenvalues that are not accurate."""
+        worst = np.nanmax(self.error_estimate, initial=0.0)
+        return (*one_by_one(self.alone, len(self.family)), *doubts_of("the eigenvalues of a system", worst))
 
     @property
     def natural_frequencies(self) -> np.ndarray:

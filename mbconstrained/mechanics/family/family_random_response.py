@@ -21,7 +21,7 @@ from ...frequency.random.spectra import KINDS
 from ...frequency.random.spectral_matrix import SpectralMatrix
 from ...ground.checks import counted
 from ...ground.display import Displayed, TextTable, notice_table
-from ...ground.notices import Notice
+from ...ground.notices import Notice, doubts_of
 from ...ground.tolerances import EPS, FORM_ROUNDING, LINE_ACCURACY, STACKED_VARIANCE
 from .family_modes import one_by_one
 from .stacked_poles import TOGETHER
@@ -73,8 +73,9 @@ class FamilyRandomResponse(Displayed):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """How many systems were solved one by one."""
-        return one_by_one(self.alone, len(self.family), STACKED_VARIANCE)
+        """How many systems were solved one by one, and finite values that are not accurate."""
+        worst = self.error_estimate.max(initial=0.0, where=np.isfinite(self.rms))
+        return (*one_by_one(self.alone, len(self.family), STACKED_VARIANCE), *doubts_of("RMS values of a system", worst))
 
 
 def family_random_response(family: Family, excitation, outputs, quantity: str, options: dict) -> FamilyRandomResponse:

@@ -6,11 +6,12 @@ or is sampled restarts its states at its knots. No decomposition is needed: doub
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
 
+from ...ground.tolerances import EPS
 from ...linalg.eigen import decoupled
 from ...linalg.exponential.block_exponential import block_states
 from ...linalg.exponential.oscillations import even_step
@@ -23,6 +24,9 @@ from .stacked_equations import StackedEquations
 #: So many times are computed together on an even grid.
 WIDTH = 16
 
+#: Terms of the exponential that bounds the entries of e^(G h) where |G| h is 1.
+TERMS = 5
+
 
 @dataclass(frozen=True, eq=False)
 class StackedFlow:
@@ -34,6 +38,8 @@ class StackedFlow:
         start: z at 0+, shape (S, N).
         states: of the force, the last of z, at its knots, shape (v, K).
         knots: where they restart, the first is 0, shape (K,).
+        moved: by how many rounding errors of squarings the generator is moved.
+        trial: which pattern of signs these have.
     """
 
     generator: np.ndarray
@@ -41,22 +47,24 @@ class StackedFlow:
     start: np.ndarray
     states: np.ndarray
     knots: np.ndarray
+    moved: float = 0.0
+    trial: int = 0
 
     def derivative(self, order: int = 1) -> StackedFlow:
         """P G^order z."""
         output = self.output
         for _ in range(order):
             output = output @ self.generator
-        return StackedFlow(self.generator, output, self.start, self.states, self.knots)
+        return replace(self, output=output)
 
     def mapped(self, matrix: np.ndarray) -> StackedFlow:
         """matrix @ x."""
-        return StackedFlow(self.generator, matrix @ self.output, self.start, self.states, self.knots)
+        return replace(self, output=matrix @ self.output)
 
     def of(self, place: int) -> StackedFlow:
         """The flow of one model."""
         one = slice(place, place + 1)
-        return StackedFlow(self.generator[one], self.output[one], self.start[one], self.states, self.knots)
+        return replace(self, generator=self.generator[one], output=self.output[one], start=self.start[one])
 
     def function(self) -> BohlFunction:
         """x of the first model, its states decoupled."""
@@ -75,6 +83,8 @@ class StackedFlow:
         """x at ascending times, shape (S, n, T)."""
         units = balancing_units(np.abs(self.generator).max(axis=0))
         G, z = self.generator * units / units[:, None], self.start / units
+        if self.moved:
+            G = G + self._rounding(G)
         output, step = self.output * units, even_step(times)
         if len(self.knots) == 1 and step is not None:
             if times[0]:
@@ -98,6 +108,25 @@ class StackedFlow:
             if at_time[place] >= 0:
                 values[:, :, at_time[place]] = _times(output, z)
         return values
+
+    def _rounding(self, G: np.ndarray) -> np.ndarray:
+        """Of squarings, which begin where E = e^(G h) has entries of order 1: each entry of E E has the rounding errors of that of |E| |E|, in each h.
+
+        What constant and sampled forces are made of has none.
+        """
+        norm = np.linalg.norm(G, 1, axis=(1, 2))[:, None, None]
+        steps = np.abs(G) / np.where(norm > 0, norm, 1.0)
+        sizes = power = np.broadcast_to(np.eye(G.shape[1]), G.shape)
+        for k in range(1, TERMS):
+            power = power @ steps / k
+            sizes = sizes + power
+        signs, force = (
+            np.random.default_rng(self.trial).choice([-1.0, 1.0], G.shape[1:]),
+            slice(G.shape[1] - len(self.states), None),
+        )
+        turned = G[0, force, force] != 0
+        signs[force, force] *= turned & turned.T
+        return self.moved * EPS * norm * sizes * signs
 
 
 def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:

@@ -11,8 +11,9 @@ import numpy as np
 
 from ...exact.splitting import Splitting
 from ...ground.checks import counted, nearest
-from ...ground.display import Displayed, TextTable
+from ...ground.display import Displayed, TextTable, notice_table
 from ...ground.errors import InputError
+from ...ground.notices import Notice, doubts_of
 from ...ground.threads import short_work
 from ...ground.tolerances import EPS, SHOWN_INFLUENCE, noise_of
 from ...signals.impulsive import ImpulsiveSmooth
@@ -98,7 +99,12 @@ class Sensitivities(Displayed):
         return f"{counted(len(self.parameters), 'parameter')}, {counted(len(self.modes), 'mode')}"
 
     def _tables(self) -> tuple[TextTable, ...]:
-        return (self.table(),)
+        return (self.table(), *((notice_table(self.notices),) if self.notices else ()))
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """Derivatives that are not accurate."""
+        return doubts_of("the derivatives", self.error_estimate)
 
     @property
     def names(self) -> tuple[str, ...]:

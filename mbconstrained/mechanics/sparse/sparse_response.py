@@ -23,6 +23,7 @@ from ...ground.checks import real_array
 from ...ground.coordinate_units import force_unit, rate_unit, ratio_unit
 from ...ground.errors import InputError
 from ...ground.tolerances import EPS
+from ...linalg.accurate_products import accurate_product
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..channels import chosen_by_name
 from .sparse_matrices import asymmetry, times
@@ -33,6 +34,12 @@ if TYPE_CHECKING:
 
 #: Corrections of a force: its static deflection, that of the inertia of this one, and so on.
 ORDERS = 3
+
+#: Rounding errors of a sum in extended precision, in units of EPS and of its terms.
+SUM_ROUNDING = 4 * float(np.finfo(np.longdouble).eps) / EPS
+
+#: So many columns and rows are multiplied at a time in extended precision: no second array as large as all vectors.
+COLUMNS, ROWS = 16, 8192
 
 #: Static corrections whose part outside of the others is smaller than this, relative to them, are rounding errors.
 DEPENDENT = EPS**0.5
@@ -80,11 +87,38 @@ def sparse_harmonic(
     return Harmonic(A, B, C, order, imaginary, reduced.sizes, of_inputs, of_outputs, units, quantity, left_out)
 
 
+def _projected(matrix, W: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """W^T A W with the digits of extended precision, rounded once, and the sizes of the terms that its entries are sums of.
+
+    Lanczos vectors are no eigenvectors, and K V is not quite what V was solved for: only with these products the method is Galerkin's, whose
+    error is of second order. In float64 the terms of a chain of soft and stiff springs would hide its softest modes.
+    """
+    extended, total = matrix.astype(np.longdouble), np.zeros((W.shape[1], W.shape[1]), dtype=np.longdouble)
+    for first in range(0, W.shape[1], COLUMNS):
+        at = slice(first, first + COLUMNS)
+        product = np.column_stack([extended @ column.astype(np.longdouble) for column in W[:, at].T])
+        high = product.astype(float)
+        both = np.hstack([high, (product - high).astype(float)])
+        for begin in range(0, len(W), ROWS):
+            value, rest = accurate_product(W[begin : begin + ROWS].T, both[begin : begin + ROWS])
+            total[:, at] += sum(np.hsplit(value.astype(np.longdouble) + rest, 2))
+    terms = np.abs(W).T @ times(abs(matrix), np.abs(W))
+    return ((total + total.T) / 2).astype(float), (terms + terms.T) / 2
+
+
+def _remainder(matrix, columns: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """A S - B, with the digits that cancel."""
+    extended = matrix.astype(np.longdouble)
+    parts = [(extended @ own.astype(np.longdouble) - other).astype(float) for own, other in zip(columns.T, right.T)]
+    return np.column_stack(parts)
+
+
 class _Reduced:
     """W^T A(s) W."""
 
     def __init__(self, pencil, undamped: UndampedModes, forces: np.ndarray):
         self.undamped, X, shift = undamped, undamped.vectors, undamped.shift
+        self.shifted = pencil.stiffness - shift * pencil.mass
         sources = [forces - times(pencil.mass, X @ (X.T @ forces))]  # what acts on the left-out modes
         solutions: list[np.ndarray] = []
         for order in range(ORDERS):
@@ -101,15 +135,14 @@ class _Reduced:
         self.static = solved @ self.turn
         self.inertia = times(pencil.mass, self.static)
         self.damped = times(pencil.damping, np.hstack([X, self.static])) if pencil.damping.nnz else None
-        stiffness = self.static.T @ (self.sources @ self.turn + shift * self.inertia)
-        K = np.diag(np.concatenate([undamped.values, np.zeros(stiffness.shape[0])]))
-        K[len(undamped.values) :, len(undamped.values) :] = (stiffness + stiffness.T) / 2
         W = np.hstack([X, self.static])
-        C = np.zeros_like(K) if self.damped is None else W.T @ self.damped
-        self.coefficients = np.array([K, (C + C.T) / 2, np.eye(len(K))])
-        terms = np.einsum("ij,ij->j", np.abs(W), times(abs(pencil.stiffness), np.abs(W)))  # what w^2 = x^T K x is a sum of
-        self.sizes = np.abs(self.coefficients) + np.array([np.diag(terms), np.zeros_like(K), np.zeros_like(K)])
-        self.forces = np.vstack([X.T @ forces, self.static.T @ sources[0]])
+        projected = [_projected(matrix, W) for matrix in (pencil.stiffness, pencil.damping, pencil.mass)]
+        self.coefficients = np.array([own for own, _ in projected])
+        rounding = SUM_ROUNDING if pencil.basis.shape[0] == pencil.size else SUM_ROUNDING + pencil.rounding / EPS
+        self.sizes = 2 * np.abs(self.coefficients) + rounding * np.array([terms for _, terms in projected])
+        self.forces = W.T @ forces
+        others = np.hstack([times(pencil.mass, X) * undamped.values, self.sources @ self.turn + shift * self.inertia])
+        self.unequal = _remainder(pencil.stiffness, W, others)
 
     def modal_damping(self, ratios) -> np.ndarray:
         """2 zeta w of the modes on the diagonal."""
@@ -144,14 +177,17 @@ class _Residuals(LeftOut):
         return float(np.sqrt(max(self.limit, 0.0)) / (2 * np.pi))
 
     @cached_property
-    def _gram(self) -> np.ndarray:
+    def _gram(self) -> tuple[np.ndarray, np.ndarray]:
+        """The Gram matrix in (K - shift M)^-1, and the sizes of its terms; what solutions leave corrects it to second order."""
         reduced, X = self.reduced, self.reduced.undamped.vectors
         parts = [reduced.inertia] if reduced.damped is None else [reduced.inertia, reduced.damped]
-        columns = np.hstack([reduced.sources, *parts])
+        columns = np.hstack([reduced.sources, *parts, reduced.unequal])
         solved = reduced.undamped.factors.solve(columns)
+        left = _remainder(reduced.shifted, solved, columns) if reduced.undamped.factors.rows is None else 0.0 * columns
         inner = columns.T @ X  # along the modes there is nothing to leave out
-        gram = columns.T @ solved - (inner / (reduced.undamped.values - reduced.undamped.shift)) @ inner.T
-        return (gram + gram.T) / 2
+        along = inner / (reduced.undamped.values - reduced.undamped.shift)
+        gram = columns.T @ solved - solved.T @ left - along @ inner.T
+        return (gram + gram.T) / 2, np.abs(columns).T @ np.abs(solved) + np.abs(along) @ np.abs(inner).T
 
     def bound(self, omega: np.ndarray) -> np.ndarray:
         """Of |C A^-1 B| without the factor (i w)^p, shape (p, m, F).
@@ -162,7 +198,7 @@ class _Residuals(LeftOut):
         Returns:
             Upper bounds of the absolute errors.
         """
-        reduced, sizes = self.reduced, []
+        reduced, sizes, (gram, terms) = self.reduced, [], self._gram
         modes, shift = len(reduced.undamped.values), reduced.undamped.shift
         structural = 1.0 if self.imaginary is None else 1 + 1j * self.imaginary[0, 0] / self.coefficients[0, 0, 0]
         K = self.coefficients[0] if self.imaginary is None else self.coefficients[0] + 1j * self.imaginary
@@ -174,9 +210,9 @@ class _Residuals(LeftOut):
                 (w * w - structural * shift) * along,
             ]
             parts += [] if reduced.damped is None else [-1j * w * y]
-            c = np.vstack(parts)
-            square = np.real(np.einsum("ij,ik,kj->j", c.conj(), self._gram, c))
-            rounding = EPS * np.einsum("ij,ik,kj->j", np.abs(c), np.abs(self._gram), np.abs(c))
+            c = np.vstack([*parts, -structural * y])
+            square = np.real(np.einsum("ij,ik,kj->j", c.conj(), gram, c))
+            rounding = EPS * np.einsum("ij,ik,kj->j", np.abs(c), terms, np.abs(c))
             sizes.append(np.sqrt(np.maximum(square, rounding)) * np.sqrt((self.limit - shift) / (self.limit - w * w)))
         norms = np.array(sizes).reshape(len(sizes), reduced.forces.shape[1]).T
         return norms[self.input_count :, None] * norms[: self.input_count]

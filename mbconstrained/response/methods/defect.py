@@ -77,15 +77,19 @@ class Defect:
         Returns:
             Truth values, shape (T,).
         """
-        sure = np.zeros(len(times), dtype=bool)
-        if self._modes is None:
-            return sure
+        sure, covered = np.zeros(len(times), dtype=bool), self.covers(times)
         pieces, since = self.flow.states.restarts.located(times)
         with np.errstate(all="ignore"):
-            for piece in np.unique(pieces).tolist() if self.follows_force else np.unique(pieces[pieces == 0]).tolist():
+            for piece in np.unique(pieces[covered]).tolist():
                 at = np.flatnonzero(pieces == piece)
                 sure[at] = self._pieces[piece]._late(place, order, since[at], allowed[at])
         return sure
+
+    def covers(self, times: np.ndarray) -> np.ndarray:
+        """At which times anything bounds the errors of the sums of modes: truth values, shape (T,)."""
+        if self._modes is None:
+            return np.zeros(len(times), dtype=bool)
+        return self.follows_force | (self.flow.states.restarts.located(times)[0] == 0)
 
     @cached_property
     def in_whole_pieces(self) -> Defect | None:

@@ -16,8 +16,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.linalg
 
-from ...ground.tolerances import EPS, EQUAL_EIGENVALUES, PROVED_RESTARTS
+from ...ground.tolerances import EPS, EQUAL_EIGENVALUES, PROVED_RESTARTS, SINGULAR_CONDITION
 from ...linalg.accurate_products import accurate_product
 from ...linalg.arrays import full
 from ...linalg.blocks import block_eigenvalues, block_matrix, block_slices
@@ -30,6 +31,10 @@ MOST_STATES = 400
 
 #: Rounding errors of a term of the sum in units of EPS, and of its phase for each radian.
 SUMMED, TURNED = 2.0, 1.0
+
+
+#: Without separate modes each time takes an exponential: the usual number of times up to so many states, at least so few of more.
+EXPONENTIAL_STATES, FEWEST = 96, 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +64,16 @@ class DefectResponse:
         if not few or len(flow.knots) - 1 > PROVED_RESTARTS or (flow.impulsive is not None and flow.impulsive[:, 1:].any()):
             return None
         return cls(flow, end)
+
+    def most_times(self, usual: int) -> int:
+        """How many times are worth computing: fewer where each takes an exponential of very many states.
+
+        Args:
+            usual: for modes that eigenvectors separate.
+        """
+        if self._diagonal is not None:
+            return usual
+        return int(np.clip(usual * (EXPONENTIAL_STATES / len(self._J)) ** 3, FEWEST, usual))
 
     def errors(self, place: np.ndarray, order: int, times: np.ndarray) -> np.ndarray:
         """Estimates of the largest error in any row of the derivative of this order of place @ z.
@@ -102,11 +117,22 @@ class DefectResponse:
 
     def _coordinates(self, piece: int, start: np.ndarray, t: float) -> np.ndarray:
         """e at a time after the start of a piece, from e there."""
-        turn, back, zeros = self._diagonal
         n = len(start)
+        if self._diagonal is None:
+            return self._coordinates_by_blocks(piece, start, t)
+        turn, back, zeros = self._diagonal
         driven = self._drives(piece)[2] * divided_exponentials(zeros[:n], zeros, t)
         v = back @ self._starts[:, piece]
         return (turn[:n, :n] @ (np.exp(zeros[:n] * t) * (back[:n, :n] @ start) + driven @ v)).real
+
+    def _coordinates_by_blocks(self, piece: int, start: np.ndarray, t: float) -> np.ndarray:
+        """The same where eigenvectors do not separate the modes: the integral is a block of an exponential (Van Loan 1978)."""
+        n, v, driven = len(start), self._starts[:, piece], self._drives(piece)[1]
+        # The drive has the size of J there, so that rounding errors of e^(J t) do not hide it.
+        unit = np.abs(driven).max(initial=0.0) / (np.abs(self._J).max() or 1.0) or 1.0
+        both = np.block([[self._J[:n, :n], driven / unit], [np.zeros((len(v), n)), self._J]])
+        exponential = scipy.linalg.expm(both * t)[:n]
+        return exponential[:, :n] @ start + unit * (exponential[:, n:] @ v)
 
     @cached_property
     def _errors_at_starts(self) -> list[np.ndarray]:
@@ -176,8 +202,11 @@ class DefectResponse:
                 for part in (total, rest):
                     part[:, of] += part[:, copy]
                     part[:, copy] = 0.0
-            driven, (turn, back, _), n = self._driven(total + rest), self._diagonal, len(self.flow.start)
-            self._known_drives[key] = total + rest, driven, back[:n, :n] @ driven @ turn
+            driven, n, separated = self._driven(total + rest), len(self.flow.start), None
+            if self._diagonal is not None:
+                turn, back, _ = self._diagonal
+                separated = back[:n, :n] @ driven @ turn
+            self._known_drives[key] = total + rest, driven, separated
         return self._known_drives[key]
 
     @cached_property
@@ -214,12 +243,14 @@ class DefectResponse:
         return left[:, m : 2 * m] @ solution(full(reduction.M), right[:m] - C[:m, m:] @ rates) + left[:, 2 * m :] @ rates
 
     @cached_property
-    def _diagonal(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """U, U^-1 and the eigenvalues of J."""
+    def _diagonal(self) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+        """U, U^-1 and the eigenvalues of J; None where the eigenvectors of a block do not separate its modes."""
         count = len(self._J)
         turn, back, zeros = np.zeros((count, count), complex), np.zeros((count, count), complex), np.zeros(count, complex)
         for block, at in zip(self.flow.states.blocks, self._slices):
             zeros[at], turn[at, at] = np.linalg.eig(_simple(block, self.end).astype(complex))
+            if len(block) > 1 and not np.linalg.cond(turn[at, at]) < SINGULAR_CONDITION:
+                return None
             back[at, at] = np.linalg.inv(turn[at, at])
         return turn, back, zeros
 

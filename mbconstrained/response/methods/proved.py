@@ -107,6 +107,13 @@ class ProvedFunction(BohlFunction):
     def _values(self, times: np.ndarray) -> np.ndarray:
         if self.defect is None or not self.size:
             return self.proved(times)[0] if len(times) <= MOST_TIMES and self.is_provable else self.rough(times)
+        covered = self.defect.covers(times)
+        if 0 < np.count_nonzero(~covered) <= MOST_TIMES and self.is_provable:
+            values = np.empty((self.size, len(times)))
+            values[:, ~covered] = self.proved(times[~covered])[0]
+            if covered.any():
+                values[:, covered] = self._values(times[covered])
+            return values
         values, doubtful = self._sums_of_modes(times)
         if len(doubtful):
             doubtful = self._begun(values, times, doubtful)

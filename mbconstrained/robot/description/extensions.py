@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from typing import Any
-from xml.etree.ElementTree import Element
+from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
@@ -75,6 +75,9 @@ def read_drake(element: Element, anchor: Anchor, content: Content) -> None:
     """Bushings and ball constraints of Drake among the children of an element; other tags of Drake are named."""
     for child in filter(_is_drake, element):
         tag, parts = local_name(child), {local_name(part): part for part in child}
+        if tag == "joint":
+            name, kind = short(child.get("name")), short(child.get("type"))
+            raise InputError(f'{content.word.lower()}, joint "{name}": found the type "{kind}" of a drake:joint, which is not read')
         where = f"{content.word.lower()}, {tag}"
         if tag == "linear_bushing_rpy":
             ends = [anchor(_value(parts.get(f"bushing_frame{end}")), where) for end in "AC"]
@@ -93,7 +96,7 @@ def read_drake(element: Element, anchor: Anchor, content: Content) -> None:
                 ends.append((body, place * placement(point)))
             bodies, places = zip(*ends)
             content.loops.append(connection(Loop, bodies, *places, name=f"ball constraint {len(content.loops) + 1}"))
-        elif tag not in ("collision_filter_group", "joint"):
+        elif tag != "collision_filter_group":
             content.leave_out(f"<drake:{short(tag)}>", True)
 
 
@@ -136,8 +139,7 @@ def read_urdf_file(source) -> ModelFile:
     """
     text, folder = read_urdf(source)
     root, content = parsed_xml(text, "urdf"), Content("URDF")
-    _add_drake_joints(root, content)
-    checked_tree(root)
+    checked_tree(root, _add_drake_joints(root, content))
     urdf = _UrdfFrames(root)
     read_drake(root, urdf.anchor, content)
     for loop in root.findall("loop_joint"):
@@ -198,8 +200,9 @@ class _UrdfFrames:
         return self.places[self.body(name, where)] * self.anchor(name, where)[1] if name != "__model__" else placement((0, 0, 0))
 
 
-def _add_drake_joints(root: Element, content: Content) -> None:
-    """Replace the joints of kinds that only Drake has, universal, ball and screw ones, by those of a description."""
+def _add_drake_joints(root: Element, content: Content) -> set[str]:
+    """Replace the joints of kinds that only Drake has, universal, ball and screw ones, by those of a description; names of balls."""
+    balls = set()
     for element in [child for child in root if _is_drake(child) and local_name(child) == "joint"]:
         name, kind = element.get("name", ""), element.get("type", "")
         where = f'urdf, joint "{short(name)}"'
@@ -213,12 +216,15 @@ def _add_drake_joints(root: Element, content: Content) -> None:
             element.tag = "joint"
             for axis in element.findall("axis"):
                 element.remove(axis)
+            SubElement(element, "axis", xyz="0 0 1")  # where Drake has its normal
             root.append(element)
             if dynamics is not None and amount(dynamics.get("damping", "")):
                 dynamics.attrib.pop("damping")
                 content.leave_out(f'damping of "{short(name)}"', True)
             continue
         damping = 0.0 if dynamics is None else number(dynamics.get("damping", "0"), f"{where}, damping", minimum=0.0)
+        if kind == "ball":
+            balls.add(name)
         if kind == "ball" and damping:
             content.leave_out(f'damping of "{short(name)}"', True)
         directions = {"universal": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "screw": [axis_of(element, where)], "ball": []}[kind]
@@ -226,6 +232,7 @@ def _add_drake_joints(root: Element, content: Content) -> None:
         pitch = next((_value(part) for part in element if local_name(part) == "screw_thread_pitch"), "0")
         joint = Joint(name, kind, parent, child, origin_of(element, where), axes, number(pitch, f"{where}, pitch") / (2 * np.pi))
         add_joint(root, joint, {parent: placement((0, 0, 0)), child: joint.place}, content)
+    return balls
 
 
 def _read_loop_joint(element: Element, urdf: _UrdfFrames, content: Content) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -143,6 +144,7 @@ class Axis:
         limits: lower and upper (rad, m).
         damping, friction, stiffness, rest: of the joint (SI).
         mimic: leader, multiplier and offset, of a joint that follows.
+        leader_axis: of a leader with two axes.
     """
 
     direction: np.ndarray
@@ -152,6 +154,7 @@ class Axis:
     stiffness: float = 0.0
     rest: float = 0.0
     mimic: tuple[str, float, float] | None = None
+    leader_axis: str = "axis"
 
 
 @dataclass
@@ -217,6 +220,10 @@ def is_true(text: str) -> bool:
     return text.strip().lower() in ("1", "true")
 
 
+#: Attributes of <pose>.
+_POSE_ATTRIBUTES = ("relative_to", "rotation_format", "degrees", "frame")
+
+
 def pose_of(element: Element, where: str) -> tuple[Any, str]:
     """The SE3 of the element <pose> of an SDF, and the name of the frame that it is relative to; empty for the usual one."""
     import pinocchio
@@ -228,6 +235,8 @@ def pose_of(element: Element, where: str) -> tuple[Any, str]:
     where, text, form = f"{where}, pose", (pose.text or "").strip(), pose.get("rotation_format", "euler_rpy")
     if not text:
         return pinocchio.SE3.Identity(), base
+    if unknown := [key for key in pose.attrib if key not in _POSE_ATTRIBUTES and "}" not in key and ":" not in key]:
+        raise InputError(f'{where}: found the attribute "{short(unknown[0])}"; expected {", ".join(_POSE_ATTRIBUTES)}')
     if form not in ("euler_rpy", "quat_xyzw"):
         raise InputError(f'{where}: found the rotation_format "{short(form)}"; expected euler_rpy or quat_xyzw')
     if form == "euler_rpy":
@@ -269,6 +278,8 @@ def read_joint(element: Element, frames: Frames, content: Content, version: tupl
     if kind not in _AXES:
         raise InputError(f'{where}: found the type "{short(kind)}"{nearest(kind, _AXES)}; expected {", ".join(_AXES)}')
     ends = [text_of(element, tag) for tag in ("parent", "child")]
+    if not all(ends):
+        raise InputError(f"{where}: found no <{'parent' if not ends[0] else 'child'}>; expected the name of a link or frame")
     parent, child = (frames.body(end, f"{where}, {tag}") for end, tag in zip(ends, ("parent", "child")))
     pose, base = pose_of(element, where)
     place = frames.place(base or ends[1], where) * pose
@@ -298,16 +309,41 @@ _KNOWN = set(
 )
 
 
+#: Elements of which the first counts.
+_SINGLE = "pose inertial mass inertia ixx ixy ixz iyy iyz izz parent child axis axis2 xyz limit dynamics damping mimic".split()
+
+
+def leave_out_repeated(element: Element, place: str, content: Content) -> None:
+    """Name elements that stand twice, of which the first is read, and units, which an SDF has not.
+
+    Args:
+        element: <link> or <joint>.
+        place: its name for messages.
+        content: takes the names.
+    """
+    for part in (element, *(below for child in element if child.tag in _SINGLE for below in child.iter())):
+        tags = Counter(child.tag for child in part)
+        for tag in _SINGLE:
+            if tags[tag] > 1:
+                content.leave_out(f"second <{tag}> of {place}", True)
+        for key in part.attrib.keys() & {"unit", "units"}:
+            content.leave_out(f'{key} = "{short(part.get(key))}" of <{short(part.tag)}> of {place}', True)
+
+
 def _leave_out_of_joint(element: Element, name: str, kind: str, content: Content) -> None:
+    leave_out_repeated(element, f'the joint "{short(name)}"', content)
     for child in element:
         tag = child.tag.rpartition("}")[2]
-        if tag not in ("physics", *_KNOWN):
+        if tag not in ("physics", "controller_gains", *_KNOWN):
             content.leave_out(f'<{short(tag)}> of the joint "{short(name)}"', True)
     for suspension in element.iterfind("physics/ode/suspension"):
         if kind == "universal" and element.get("type") == "revolute2" and amount(text_of(suspension, "cfm")):
             content.leave_out(f'<suspension> of the joint "{short(name)}"', True)
     if amount(text_of(element.find("physics/ode"), "cfm")):
         content.leave_out(f'<physics> cfm of the joint "{short(name)}"', True)
+    beyond = [part for tag in ("axis", "axis2")[_AXES[kind] :] for part in element.findall(tag)]
+    if kind != "fixed" and any(amount(value.text or "") for axis in beyond for value in axis.iterfind("dynamics/*")):
+        content.leave_out(f'spring and damper of the {kind} joint "{short(name)}" about <{beyond[0].tag}>, which it has not', True)
     for axis in (*element.findall("axis"), *element.findall("axis2")):
         if amount(text_of(axis, "initial_position")):
             content.leave_out(f'<initial_position> of "{short(name)}"', False)
@@ -361,7 +397,9 @@ def _axis(element: Element | None, place, frames: Frames, version: tuple[int, in
             for key, usual in (("multiplier", "1"), ("offset", "0"), ("reference", "0"))
         }
         offset = values["offset"] - values["multiplier"] * values["reference"]
-        axis.mimic = mimic.get("joint", ""), values["multiplier"], offset
+        axis.mimic, axis.leader_axis = (mimic.get("joint", ""), values["multiplier"], offset), mimic.get("axis", "axis")
+        if axis.leader_axis not in ("axis", "axis2"):
+            raise InputError(f'{where}, mimic: found the axis "{short(axis.leader_axis)}"; expected axis or axis2')
     return axis
 
 
@@ -387,6 +425,8 @@ def add_loop(joint: Joint, places: Mapping[str, Any], content: Content) -> None:
     keys = ("axis", "axis2") if joint.kind == "universal" else ("axis",)
     directions = {key: tuple(axis.direction.tolist()) for key, axis in zip(keys, joint.axes)}
     content.loops.append(connection(Loop, bodies, first, second, name=joint.name, kind=LOOPS[joint.kind], **directions))
+    if any(axis.mimic for axis in joint.axes):
+        content.leave_out(f'<mimic> of the joint "{short(joint.name)}", which closes a loop', True)
     if not joint.has_springs:
         return
     if joint.kind not in ("revolute", "prismatic"):

@@ -10,9 +10,6 @@ from __future__ import annotations
 import copy
 import json
 import re
-import subprocess
-import sys
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -27,9 +24,11 @@ import numpy as np
 from ...ground.checks import counted
 from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
+from ...ground.isolation import isolated
 from ...ground.notices import Notice, NoticeKind
 from ..connections import Bushing, Loop
 from ..flexible_joint import Motor
+from ..kinematics import MOST_COORDINATES
 from ..tangent import JointGear
 from ..tendons import Segment, Tendon
 from .models import ModelFile
@@ -41,8 +40,8 @@ DEEPEST_INCLUDE, DEEPEST_ELEMENT, DEEPEST_MODEL = 5, 300, 5
 #: Files that make a folder a package, looked for so many folders up.
 _PACKAGE_FILES, DEEPEST_PACKAGE = ("package.xml", "__init__.py", "pyproject.toml", ".git"), 6
 
-#: Time (s) and memory (bytes) that MuJoCo may take to compile a model, and degrees of freedom that are read.
-LONGEST_COMPILATION, LARGEST_MEMORY, MOST_COORDINATES = 30, 4 * 2**30, 2000
+#: Time (s) and memory (bytes) that MuJoCo may take to compile a model.
+LONGEST_COMPILATION, LARGEST_MEMORY = 30, 4 * 2**30
 
 _NO_MEMORY = f"it needs more than {LARGEST_MEMORY / 2**30:g} GB of memory, or is damaged"
 
@@ -55,25 +54,23 @@ MOST_NAMED = 4
 #: Size of the tetrahedra that stand for missing meshes; what depends on them shows in two compilations.
 _PLACEHOLDERS = (1.0, 2.0)
 
-#: The child process: reads files, compiles "main.xml", runs it once, and saves the model. Its texts never reach the terminal.
-_COMPILATION = """
-import json, sys
-try:
-    import resource
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-except (ImportError, ValueError, OSError):
-    pass
-for name, text in json.load(sys.stdin).items():
-    open(name, "w", encoding="utf-8").write(text)
-import mujoco
-try:
+
+def _compile(texts: dict[str, str], most: int) -> None:
+    """Compile "main.xml", run it once, and save the model: the work of a process of its own.
+
+    Args:
+        texts: of files by name.
+        most: degrees of freedom.
+    """
+    import mujoco
+
+    for name, text in texts.items():
+        with open(name, "w", encoding="utf-8") as file:
+            file.write(text)
     model = mujoco.MjModel.from_xml_path("main.xml")
-    if model.nv <= MOST:
+    if model.nv <= most:
         mujoco.mj_fwdPosition(model, mujoco.MjData(model))
     mujoco.mj_saveModel(model, "model.mjb", None)
-except Exception as problem:
-    open("problem.txt", "w", encoding="utf-8").write(str(problem))
-"""
 
 
 def is_mjcf(source) -> bool:
@@ -236,20 +233,15 @@ def _compiled(texts: str, _times: tuple):
         raise InputError(
             "mjcf: MJCF files are compiled by MuJoCo, which is not installed: pip install 'mbconstrained[mjcf]'"
         ) from None
-    script = f"MEMORY, MOST = {LARGEST_MEMORY}, {MOST_COORDINATES}\n{_COMPILATION}"
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        try:
-            done = subprocess.run(
-                [sys.executable, "-c", script], input=texts.encode(), cwd=folder, capture_output=True, timeout=LONGEST_COMPILATION
-            )
-        except subprocess.TimeoutExpired:
-            raise InputError(f"mjcf: MuJoCo does not compile this model within {LONGEST_COMPILATION} s") from None
-        model, problem = Path(folder) / "model.mjb", Path(folder) / "problem.txt"
-        if problem.is_file():
-            text = problem.read_text("utf-8", errors="replace").replace("Caught an unknown exception!", _NO_MEMORY)
+    with isolated(_compile, LONGEST_COMPILATION, LARGEST_MEMORY, texts=json.loads(texts), most=MOST_COORDINATES) as outcome:
+        if outcome.code is None:
+            raise InputError(f"mjcf: MuJoCo does not compile this model within {LONGEST_COMPILATION} s")
+        if outcome.problem:
+            text = outcome.problem.replace("Caught an unknown exception!", _NO_MEMORY)
             raise InputError(f"mjcf: MuJoCo {mujoco.__version__} cannot read it ({_reason(text, json.loads(texts))})")
+        model = outcome.folder / "model.mjb"
         if not model.is_file():
-            raise InputError(f"mjcf: MuJoCo ends on this model with code {done.returncode}: {_NO_MEMORY}")
+            raise InputError(f"mjcf: MuJoCo ends on this model with code {outcome.code}: {_NO_MEMORY}")
         compiled = mujoco.MjModel.from_binary_path(str(model))
     if compiled.nv > MOST_COORDINATES:
         raise InputError(f"mjcf: found {compiled.nv:,} degrees of freedom; at most {MOST_COORDINATES:,} are read")

@@ -19,8 +19,22 @@ from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ..tangent import BASE, JointGear
-from .extensions import acts, read_drake, read_motor, read_urdf_file
-from .joints import WORLD, Content, Joint, add_joint, add_loop, add_origin, amount, is_true, placement, pose_of, read_joint, text_of
+from .extensions import acts, local_name, read_drake, read_motor, read_urdf_file
+from .joints import (
+    WORLD,
+    Content,
+    Joint,
+    add_joint,
+    add_loop,
+    add_origin,
+    amount,
+    is_true,
+    leave_out_repeated,
+    placement,
+    pose_of,
+    read_joint,
+    text_of,
+)
 from .models import DOWNWARDS, ModelFile
 from .urdf import MOMENTS, MOST_LINKS, RENAMED_GROUND, number, numbers, read_urdf, short, xml_element
 
@@ -35,6 +49,9 @@ USUAL_GRAVITY = "0 0 -9.8"
 
 #: The first version with elements <pose>; its root is <gazebo>.
 _FIRST = (1, 2)
+
+#: The last version that is known.
+_LAST = (1, 12)
 
 #: Versions of the format that name the axes of joints in the frame of the model are older.
 _AXES_IN_JOINT = (1, 5)
@@ -85,6 +102,11 @@ def read_sdf(source: str | Path, base: str = "fixed", package_dirs: tuple[Path, 
     worlds = root.findall("world")
     if len(worlds) > 1:
         raise InputError(f"sdf: found {len(worlds)} worlds; expected one")
+    if worlds and (root.find("model") is not None or root.find("include") is not None):
+        raise InputError("sdf: found a world and models beside it; expected all of them in the world")
+    if _version(root) > _LAST:
+        text = f"its version is later than {'.'.join(map(str, _LAST))}, the last that is known; what it changes is not read"
+        content.notices.append(Notice(NoticeKind.OMITTED, f"SDF: {text}", doubtful=True))
     models = worlds[0] if worlds else root
     if not worlds and len(models.findall("model")) == 1:
         scope = _Scope(reader, models.findall("model")[0], None, "", _version(root), folder)
@@ -96,11 +118,15 @@ def read_sdf(source: str | Path, base: str = "fixed", package_dirs: tuple[Path, 
     return content.model_file(gravity=numbers(gravity, 3, "sdf, gravity"), description=robot, folder=folder)
 
 
-def _root(text: str) -> Element:
-    root = xml_element(re.sub(r"<\?xml[^>]*\?>", "", text, count=1), "sdf")  # Gazebo accepts comments before the declaration
+def _root(text: str, where: str = "sdf") -> Element:
+    root = xml_element(re.sub(r"<\?xml[^>]*\?>", "", text, count=1), where)  # Gazebo accepts comments before the declaration
     if root.tag != "sdf" and not (root.tag == "gazebo" and _version(root) >= _FIRST):
         old = f' version="{short(root.get("version"))}"' if root.tag == "gazebo" else ""
-        raise InputError(f"sdf: found <{short(root.tag)}{old}>; expected <sdf>, of version {'.'.join(map(str, _FIRST))} or later")
+        raise InputError(
+            f"{where}: found <{short(root.tag)}{old}>; expected <sdf>, of version {'.'.join(map(str, _FIRST))} or later"
+        )
+    if not re.match(r"\d", given := root.get("version", "0")):
+        raise InputError(f'{where}: found the version "{short(given)}"; expected two numbers, such as 1.9')
     return root
 
 
@@ -114,7 +140,8 @@ class _Reader:
     """Finds included models."""
 
     def __init__(self, content: Content, folder: Path | None, package_dirs: tuple[Path, ...]):
-        self.content, self.folder, self.package_dirs, self.links = content, folder, package_dirs, 0
+        self.content, self.folder, self.package_dirs = content, folder, package_dirs
+        self.links = self.models = 0
 
     def included(self, uri: str, folder: Path | None) -> Path:
         """The file of a model by its address.
@@ -196,12 +223,14 @@ class _Scope:
         self.merged: list[_Scope] = []
         self._frames: dict[str, Element] = {}
         self._places: dict[str, Any] = {}
+        self._bodies: dict[str, str] = {}
         self._absolute: Any = None
         for child in (*element.findall("link"), *element.findall("frame")):
             self._add(child.get("name", ""), child)
         reader.links += len(element.findall("link"))
-        if reader.links > MOST_LINKS:
-            raise InputError(f"sdf: found more than {MOST_LINKS:,} links; at most as many are read")
+        reader.models += 1
+        if max(reader.links, reader.models) > MOST_LINKS:
+            raise InputError(f"sdf: found more than {MOST_LINKS:,} links or models; at most as many are read")
         for child in element.findall("model"):
             name = child.get("name", "")
             self._add(name, child)
@@ -226,9 +255,12 @@ class _Scope:
         self._frames[name] = element
 
     def _include(self, element: Element) -> None:
-        file = self.reader.included(text_of(element, "uri"), self.folder)
-        root = _root(read_urdf(file, "SDF")[0])
+        uri = text_of(element, "uri")
+        file = self.reader.included(uri, self.folder)
+        root = _root(read_urdf(file, "SDF")[0], f"{self.where}, include {short(uri)!a}")
         models = root.findall("model")
+        if not models and root.find("light") is not None:
+            return
         if len(models) != 1:
             raise InputError(f"{self.where}, include: {file.name} has {len(models)} models; expected one")
         name = text_of(element, "name") or models[0].get("name", "")
@@ -332,34 +364,58 @@ class _Scope:
 
     def body(self, name: str, where: str) -> str:
         """The full name of the link that a frame is fixed in."""
-        passed: list[str] = []
-        while True:
-            if name == WORLD or (self.is_world and name in _OWN):
-                return WORLD
-            if name in _OWN:
-                return self._canonical(where)
+        passed: dict[str, None] = {}
+        while name not in self._bodies:
             if name in passed:
-                raise InputError(f"{self.where}: frames are attached to each other in a circle: {' -> '.join(map(short, passed))}")
-            passed.append(name)
-            if (nested := self._scope_of(name)) is not None:
-                return nested[0].body(nested[1], where)
-            if name in self.children:
-                return self.children[name].body("", where)
-            if name not in self._frames:
-                raise self._unknown(name, where)
-            element = self._frames[name]
-            if element.tag == "link":
-                return body_name(f"{self.prefix}{name}")
-            name = text_of(element, "child") if element.tag == "joint" else element.get("attached_to", "")
+                names = " -> ".join(map(short, (*passed, name)))
+                raise InputError(f"{self.where}: frames are attached to each other in a circle: {names}")
+            passed[name] = None
+            following = self._attached_to(name, where)
+            if following is None:
+                break
+            name = following
+        body = self._bodies.get(name) or self._own_body(name, where)
+        self._bodies |= dict.fromkeys(passed, body)
+        return body
 
-    def _canonical(self, where: str) -> str:
-        if name := self.element.get("canonical_link", ""):
-            return self.body(name, where)
-        if (link := self.element.find("link")) is not None:
-            return body_name(f"{self.prefix}{link.get('name')}")
-        for child in self.children.values():
-            return child._canonical(where)
-        raise InputError(f"{self.where}: found no <link>; a model needs one")
+    def _attached_to(self, name: str, where: str) -> str | None:
+        """The frame of this model that a frame is attached to; none where it belongs to a body."""
+        if name in _OWN:
+            return self.element.get("canonical_link") or None
+        if name == WORLD or self._scope_of(name) is not None or name in self.children:
+            return None
+        if name not in self._frames:
+            raise self._unknown(name, where)
+        element = self._frames[name]
+        if element.tag == "link":
+            return None
+        return text_of(element, "child") if element.tag == "joint" else element.get("attached_to", "")
+
+    def _own_body(self, name: str, where: str) -> str:
+        """The full name of the link of a frame that is attached to no other frame of this model."""
+        if name == WORLD or (self.is_world and name in _OWN):
+            return WORLD
+        if (nested := self._scope_of(name)) is not None:
+            return nested[0].body(nested[1], where)
+        if name in self.children:
+            return self.children[name].body("", where)
+        if name in _OWN:
+            if (link := self.element.find("link")) is None:
+                for child in self.children.values():
+                    return child.body("", where)
+                raise InputError(f"{self.where}: found no <link>; a model needs one")
+            name = str(link.get("name"))
+        return body_name(f"{self.prefix}{name}")
+
+    def check_frames(self) -> None:
+        """Raise an InputError where what the frames or the canonical link name does not exist."""
+        if not self.is_world and self.element.get("canonical_link"):
+            self.body("", self.where)
+        for frame in self.element.findall("frame"):
+            name = frame.get("name", "")
+            where = f'{self.where}, <frame> "{short(name)}"'
+            self.body(name, where)
+            self.local(name, where)
 
     def all(self) -> Iterator[_Scope]:
         """This one and all nested ones."""
@@ -389,6 +445,7 @@ class _Assembly:
         """
         bodies: dict[str, tuple[_Scope, Element]] = {}
         for scope in self.scope.all():
+            scope.check_frames()
             _leave_out(scope.element, scope, self.content)
             for link in scope.element.findall("link"):
                 name = body_name(f"{scope.prefix}{link.get('name')}")
@@ -413,12 +470,29 @@ class _Assembly:
         twice = [name for name, count in Counter(joint.name for joint in self.joints).items() if count > 1]
         if twice:
             raise InputError(f'sdf: two joints are named "{short(twice[0])}"; names must differ')
+        self._name_leaders()
         self._add_tree(bodies, base, {name for gear in gearboxes for name in self._gear_joints(gear)})
+        kinds = {element.get("name"): element.get("type") for element in self.robot.findall("joint")}
         for joint, element in motors:
-            if joint.kind != "gearbox":
+            if kinds.get(joint.name) in ("revolute", "prismatic"):
                 read_motor(joint.name, [element], self.content)
+            elif kinds.get(joint.name) != "fixed" and any(local_name(part) == "rotor_inertia" for part in element.iter()):
+                self.content.leave_out(f'rotor of the joint "{short(joint.name)}", which is no hinge or slide of the tree', True)
         for gear in gearboxes:
             self._add_gear(gear)
+
+    def _name_leaders(self) -> None:
+        """Name the coordinates that others follow: a leader with two axes has two."""
+        joints = {joint.name: joint for joint in self.joints}
+        for joint in self.joints:
+            for axis in joint.axes:
+                if axis.mimic is None:
+                    continue
+                (leader, ratio, offset), where = axis.mimic, f'sdf, joint "{short(joint.name)}", mimic'
+                if leader not in joints:
+                    raise InputError(f'{where}: there is no joint "{short(leader)}"{nearest(leader, joints)}')
+                if joints[leader].kind == "universal":
+                    axis.mimic = f"{leader} {axis.leader_axis}", ratio, offset
 
     def _anchor(self, scope: _Scope, name: str, where: str) -> tuple[str, Any]:
         body = scope.body(name, where)
@@ -427,6 +501,7 @@ class _Assembly:
     def _add_tree(self, bodies: Mapping[str, tuple[_Scope, Element]], base: str, geared: set[str]) -> None:
         """Joints of a spanning tree: fixed joints, joints for which there is no loop, joints with springs, then others by their order."""
         leaders = {axis.mimic[0] for joint in self.joints for axis in joint.axes if axis.mimic is not None}
+        leaders |= {name.rpartition(" ")[0] for name in leaders}  # joints with two axes
         followers = {joint.name for joint in self.joints if any(axis.mimic for axis in joint.axes)}
         kept = geared | leaders | followers
 
@@ -469,11 +544,12 @@ class _Assembly:
             add_loop(joint, self.places, self.content)
 
     def _check_base(self, base: str, free: list[str], is_alone: bool, tree: list[Joint]) -> None:
-        if free and base == "fixed":
-            names = ", ".join(f'"{short(name)}"' for name in free[:3])
-            text = f'nothing joins {names} to the world, so that the base is free; base = "moving" keeps it at rest'
-            self.content.notices.append(Notice(NoticeKind.OVERRIDE, f"SDF: {text}"))
         attached = any(WORLD in (joint.parent, joint.child) for joint in tree)
+        if free and base == "fixed":
+            names = ", ".join(f'"{short(name)}"' for name in free[:3]) + (f" and {len(free) - 3} more" if len(free) > 3 else "")
+            text = f"nothing joins {names} to the world, so that the base is free"
+            advice = "" if len(free) > 1 or attached else '; base = "moving" keeps it at rest'
+            self.content.notices.append(Notice(NoticeKind.OVERRIDE, f"SDF: {text}{advice}"))
         if base == "free" and not free:
             raise InputError('base: found "free", but the SDF joins the robot to the world; leave it out')
         if base == "moving" and free and (len(free) > 1 or attached):
@@ -610,7 +686,10 @@ def _leave_out(element: Element, scope: _Scope, content: Content) -> None:
             if amount(child.text or "") or amount(text_of(child, "linear_velocity")):
                 content.leave_out(f"<{child.tag}>", False)
         elif child.tag not in _KNOWN["world" if scope.is_world else "model"].split():
-            content.leave_out(f"<{short(child.tag)}> of {scope.where.removeprefix('sdf, ')}", acts(child) is not None)
+            place = "the world" if scope.is_world else scope.where.removeprefix("sdf, ")
+            content.leave_out(f"<{short(child.tag)}> of {place}", bool(acts(child) or amount(child.text or "")))
+        elif child.tag == "state" and any(amount(part.text or "") for part in child.iterfind("model//*")):
+            content.leave_out("<state> of the world", True)
     for link in () if static else element.findall("link"):
         name = short(f"{scope.prefix}{link.get('name')}")
         for child in link:
@@ -628,4 +707,5 @@ def _leave_out(element: Element, scope: _Scope, content: Content) -> None:
                 if is_true(text):
                     content.leave_out(f'<enable_wind> of "{name}"', False)
             elif child.tag not in _KNOWN["link"].split():
-                content.leave_out(f'<{short(child.tag)}> of "{name}"', acts(child) is not None)
+                content.leave_out(f'<{short(child.tag)}> of "{name}"', bool(acts(child) or amount(child.text or "")))
+        leave_out_repeated(link, f'the link "{name}"', content)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -56,8 +56,12 @@ def read_urdf(source: str | Path, kind: str = "URDF") -> tuple[str, Path | None]
         raise InputError(f"{kind.lower()}: the file cannot be read ({getattr(problem, 'strerror', None) or problem})") from None
 
 
-def checked_tree(root: ElementTree.Element) -> ElementTree.Element:
+def checked_tree(root: ElementTree.Element, balls: Collection[str] = ()) -> ElementTree.Element:
     """The element <robot> with checked names, joint types and tree; ``skeleton`` checks the numbers.
+
+    Args:
+        root: the element.
+        balls: names of ball joints, which only Drake's tags give.
 
     Raises:
         InputError: names used twice, unknown links, loops, kinds of joints that do not exist.
@@ -71,7 +75,7 @@ def checked_tree(root: ElementTree.Element) -> ElementTree.Element:
     _rename_ground(root)
     links = _names(root, "link")
     _names(root, "joint")
-    children = [_check_joint(joint, set(links)) for joint in root.findall("joint")]
+    children = [_check_joint(joint, set(links), balls) for joint in root.findall("joint")]
     _check_tree(children, links)
     return root
 
@@ -109,7 +113,7 @@ def xml_element(text: str, what: str) -> ElementTree.Element:
         InputError: not XML, entities.
     """
     if re.search(r"<!(DOCTYPE|ENTITY)", text, re.IGNORECASE):
-        raise InputError(f"{what}: found a document type or an entity; a file {what.upper()} has none, take it out")
+        raise InputError(f"{what}: found a document type or an entity, which are not read; take it out")
     try:
         return ElementTree.fromstring(text.encode(), ElementTree.XMLParser(encoding="utf-8"))
     except (ElementTree.ParseError, ValueError) as problem:
@@ -213,10 +217,10 @@ def _names(root, tag: str) -> list[str]:
     return names
 
 
-def _check_joint(joint, links: set[str]) -> tuple[str, str]:
+def _check_joint(joint, links: set[str], balls: Collection[str]) -> tuple[str, str]:
     """Parent and child of a joint."""
     where = f'urdf, joint "{short(joint.get("name"))}"'
-    if joint.get("type") not in _JOINT_TYPES:
+    if joint.get("type") not in _JOINT_TYPES and joint.get("name") not in balls:
         kind = short(joint.get("type"))
         raise InputError(f'{where}: found the type "{kind}"{nearest(kind, _JOINT_TYPES)}; expected {", ".join(_JOINT_TYPES)}')
     ends = []

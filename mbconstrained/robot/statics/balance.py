@@ -183,7 +183,7 @@ class Balance:
     @cached_property
     def sizes(self) -> np.ndarray:
         """sqrt(M_ii): in coordinates times these, metres and radians of any body count alike; shape (nv,)."""
-        diagonal = np.sqrt(np.diag(self.mass))
+        diagonal = np.sqrt(np.maximum(np.diag(self.mass), 0.0))  # negative moments of inertia are possible
         least = diagonal[diagonal > 0].min(initial=np.inf)
         return np.where(diagonal > 0, diagonal, least if np.isfinite(least) else 1.0)
 

@@ -29,6 +29,9 @@ MOST_STEPS = 100
 #: Steps without progress after which loops count as impossible to close.
 MOST_FRUITLESS = 3
 
+#: Steps in a search for an equilibrium that is given up: none of them is nearer to it, or halves the opening of the loops.
+MOST_IN_VAIN = 40
+
 #: Where almost no force acts, the residual is relative to the forces that this share of the longest step would cause, since
 #: rounding errors limit every posture.
 LEAST_STEP = 1e-4
@@ -198,13 +201,16 @@ def equilibrium(search: Search, q: np.ndarray) -> Equilibrium:
 
 
 def _followed(search: Search, start: Equilibrium, step) -> Equilibrium:
-    """The best state of a sequence of steps."""
+    """The best state of a sequence of steps, which ends where they are in vain."""
     state, best, since = start, start, 0
+    least, is_open = start.misfit, 0
     for _ in range(MOST_STEPS):
         state = _state(search, search.moved(state.balance, step(state, search.free)))
         since = 0 if state.badness < best.badness else since + 1
         best = best if since else state
-        if best.badness == 0.0 or (since > 2 and best.badness <= 1.0):
+        closes = state.misfit <= max(least / 2, LOOPS_CLOSED_AS_ROUNDED)
+        least, is_open = (min(least, state.misfit), 0) if closes else (least, is_open + 1)
+        if best.badness == 0.0 or (since > 2 and best.badness <= 1.0) or max(is_open, since) >= MOST_IN_VAIN:
             break
     return best
 
@@ -277,7 +283,7 @@ def _check(state: Equilibrium, search: Search) -> None:
         advice = singular or "; give another guess, springs, loops, forces, or joints to hold"
         raise InputError(
             f"equilibrium: there is none near the guess: {_unbalanced(state, search)} stay without balance, {state.residual:.2g} of the "
-            f"largest force, after {MOST_STEPS} steps of Newton's method{advice}"
+            f"largest force, and steps of Newton's method lead no nearer{advice}"
         )
 
 

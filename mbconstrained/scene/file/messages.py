@@ -138,24 +138,26 @@ def named(name: str) -> Iterator[None]:
         raise InputError(f"{name}: {problem}") from None
 
 
-def together(file_name: str, problems: Sequence[str | tuple[str, Exception | None]]) -> str:
+def together(file_name: str, problems: Sequence[str | tuple[str, Exception | None]], more: int = 0) -> str:
     """One message for several problems.
 
     Args:
         file_name: plain, or a ``SceneName``.
         problems: texts that begin with a place, perhaps with the exception behind each.
+        more: problems without a text.
 
     Returns:
         A line for each problem, the first ``MOST_PROBLEMS``.
     """
     pairs = [(problem, None) if isinstance(problem, str) else problem for problem in problems]
     located = list(dict.fromkeys(_located(file_name, *pair) for pair in pairs))
-    if len(located) == 1:
+    count = len(located) + more
+    if count == 1:
         return ": ".join(located[0])
     lines = [f"  {text}" if file == file_name else f"  {file}: {text}" for file, text in located[:MOST_PROBLEMS]]
-    if len(located) > MOST_PROBLEMS:
-        lines.append(f"  and {len(located) - MOST_PROBLEMS} more")
-    return "\n".join([f"{file_name}: {len(located)} entries are wrong", *lines])
+    if count > MOST_PROBLEMS:
+        lines.append(f"  and {count - MOST_PROBLEMS} more")
+    return "\n".join([f"{file_name}: {count} entries are wrong", *lines])
 
 
 def place(location: tuple, data) -> str:

@@ -127,7 +127,8 @@ _BOTH = "[{0}] and [[{0}]] stand in one file; write double brackets, [[{0}]], on
 
 def _is_both(text: str, table: str) -> bool:
     """Whether a table is written with single and with double brackets."""
-    heads = (rf"^\s*{brackets}\s*(#.*)?$" for brackets in (rf"\[\s*{re.escape(table)}\s*\]", rf"\[\[\s*{re.escape(table)}\s*\]\]"))
+    name = rf"[ \t]*{re.escape(table)}[ \t]*"  # blanks of one line only: across empty lines each start would search all of them
+    heads = (rf"^[ \t]*{brackets}[ \t\r]*(#.*)?$" for brackets in (rf"\[{name}\]", rf"\[\[{name}\]\]"))
     return all(re.search(head, text, re.MULTILINE) for head in heads)
 
 

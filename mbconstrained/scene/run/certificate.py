@@ -10,7 +10,7 @@ import numpy as np
 
 from ...ground.display import TextTable, with_unit
 from ...ground.errors import Overflow
-from ...ground.notices import Notice, NoticeKind
+from ...ground.notices import Notice, NoticeKind, distinct
 from ...ground.tolerances import TRUST_LIMIT
 from ...mechanics.motion import Motion
 from .curves import ORDERS
@@ -116,7 +116,7 @@ def certificate_of(result: Result) -> Certificate:
     except OutOfTime:
         return _nothing(result, Notice(NoticeKind.OMITTED, f"nothing is certified: exact arithmetic took more than {SECONDS:g} s"))
     curves = tuple(curve for curves, _ in certified for curve in curves)
-    notices_of_proof = dict.fromkeys(notice for _, notices in certified for notice in notices)
+    notices_of_proof = distinct(*(notices for _, notices in certified))
     return Certificate(curves, len(chosen), len(result.times), (*notices_of_proof, *_wrong(curves)))
 
 

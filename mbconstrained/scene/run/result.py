@@ -16,8 +16,7 @@ from ...ground.checks import counted
 from ...ground.display import Displayed, TextTable
 from ...ground.errors import InputError, MbconstrainedError
 from ...ground.files import Replacements
-from ...ground.notices import Notice, NoticeKind
-from ...ground.tolerances import TRUST_LIMIT
+from ...ground.notices import Notice, NoticeKind, distinct, doubts_of
 from ...response.estimate import error_estimate
 from ...response.response_notices import without_kinks
 from .aliasing import aliasing_notices, following_times
@@ -216,20 +215,15 @@ class Result(Displayed):
     def notices(self) -> tuple[Notice, ...]:
         """What is worth knowing, and what makes the answer doubtful."""
         notices = self.motion.equation_notices if self.system else with_units(self.motion, self.scene.equations.coordinates)
-        doubts = [(kind, estimate) for kind, estimate in self.error_estimates.items() if not estimate <= TRUST_LIMIT]
-        texts = [
-            f"the estimated relative error of the {kind} is {estimate:.2g}: the data do not determine it well enough"
-            for kind, estimate in doubts
-        ]
         robot_scene = self.scene.equations.robot_scene
         limits = (*limit_notices(robot_scene, self._furthest), *forces_notices(self)) if robot_scene else ()
         robot = (*(self.linear_range.notices if self.linear_range else ()), *limits)
-        accuracy = (Notice(NoticeKind.ACCURACY, text, doubtful=True) for text in texts)
+        accuracy = (one for kind, estimate in self.error_estimates.items() for one in doubts_of(f"the {kind}", estimate))
         proved = self.certificate.notices if self.certificate else ()
         moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
         first = (*self.scene.notices, *self._omissions(), *proved, *(self.frequency.response.notices if self.frequency else ()))
         of_motion = (*(() if moves else (Notice(NoticeKind.AT_REST, NOTHING_MOVES),)), *aliasing_notices(self))
-        return tuple(dict.fromkeys((*first, *self.scene.equations.form_notices, *notices, *of_motion, *robot, *accuracy)))
+        return distinct(first, self.scene.equations.form_notices, notices, of_motion, robot, accuracy)
 
     @cached_property
     def linear_range(self) -> LinearRange | None:

@@ -20,6 +20,9 @@ KINDS = {
 #: What people write for a kind: what a scene calls it.
 OTHER_NAMES = {"record": "sampled", "file": "sampled", "sine": "harmonic", "cosine": "harmonic", "constant": "step"}
 
+#: Wrong entries that get a sentence, of which the first ones are shown; what is meant by each is searched for among all names.
+MOST_EXPLAINED = 100
+
 MISSING = {
     "model": 'this table is missing: write [model], and below it kind = "lumped", "matrices", …',
     "time": 'this table is missing: write [time], and below it end = "10 s"',
@@ -40,8 +43,9 @@ def validated(data: dict, file_name: str, schema: type[BaseModel]):
     try:
         return schema.model_validate(data)
     except ValidationError as error:
-        problems = [_problem(problem, data) for problem in error.errors()]
-    raise SceneError(together(file_name, problems))
+        errors = error.errors()
+        problems = [_problem(problem, data) for problem in errors[:MOST_EXPLAINED]]
+    raise SceneError(together(file_name, problems, len(errors) - len(problems)))
 
 
 def _problem(problem: dict, data: dict) -> tuple[str, Exception | None]:

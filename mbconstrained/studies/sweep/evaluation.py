@@ -34,7 +34,7 @@ FAILURES = (MbconstrainedError, ArithmeticError, np.linalg.LinAlgError)
 LONGEST_REASON = 160
 
 #: Its array: whether a sample has an answer.
-ANSWERED, FAILED = 1, 2
+ANSWERED, FAILED, TIMED_OUT = 1, 2, 3
 
 
 @dataclass(frozen=True)
@@ -97,11 +97,25 @@ def evaluate(job: Job, rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarra
         rows: the values of each sample.
 
     Returns:
-        An array over the samples by the name of each variable, NaN where there is no answer; "status" (1 answered, 2 failed) and
+        An array over the samples by the name of each variable, NaN where there is no answer; "status" (1 answered, 2 failed, 3 timed out) and
         "reason", texts.
     """
     with one_thread(SMALL), np.errstate(all="ignore"):
         return _Chunk(job, rows).arrays()
+
+
+def without_answer(job: Job, reason: str) -> dict[str, np.ndarray]:
+    """A sample that took too long, as ``evaluate`` gives one.
+
+    Args:
+        job: the scene.
+        reason: why.
+
+    Returns:
+        An array of length 1 by the name of each variable, status and reason.
+    """
+    values = {one.name: np.full((1, *one.shape), np.nan) for one in job.variables}
+    return {**values, "status": np.array([TIMED_OUT], dtype=np.uint8), "reason": np.array([reason], dtype=f"<U{LONGEST_REASON}")}
 
 
 class _Chunk:

@@ -11,8 +11,8 @@ import platform
 import subprocess
 import sys
 import time
-from collections.abc import Generator, Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, suppress
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing, contextmanager, suppress
 from functools import cache
 from hashlib import sha256
 from multiprocessing.connection import Client, Listener, wait
@@ -24,7 +24,8 @@ import numpy as np
 
 from ...ground.checks import optional_package
 from ...ground.errors import InputError, MbconstrainedError
-from .evaluation import Job, evaluate
+from ..timing import version_of
+from .evaluation import FAILURES, Job, evaluate, without_answer
 from .store import files_of
 
 #: A chunk: its number and the values of its samples.
@@ -37,6 +38,9 @@ PATIENCE = 10.0
 #: Seconds in which a scheduler is to answer.
 CONNECTING = 5.0
 
+#: A worker of a cluster without a sign of life for so long is given no chunks until it has one; when all are, the run ends later, s.
+SILENCE, ABANDONED = 30.0, 300.0
+
 #: A chunk whose worker ends so often is not tried again.
 MOST_LOSSES = 2
 
@@ -45,27 +49,87 @@ _PROGRAM = "from mbconstrained.studies.sweep.execution import serve; serve()"
 _ONE_CHUNK = Lock()
 
 
-def in_process(job: Job, chunks: Iterator[Chunk]) -> Answers:
+def in_process(job: Job, chunks: Iterator[Chunk], seconds: float | None = None) -> Answers:
     """Compute chunks one after the other.
 
     Args:
         job: the scene.
         chunks: what is to be computed.
+        seconds: that a sample may take.
 
     Yields:
         Chunks as they are done.
     """
-    for number, rows in chunks:
-        yield number, evaluate(job, rows)
+    with _evaluation(job, seconds) as work:
+        for number, rows in chunks:
+            yield number, work(rows)
 
 
-def by_processes(job: Job, chunks: Iterator[Chunk], workers: int) -> Answers:
+@contextmanager
+def _evaluation(job: Job, seconds: float | None) -> Iterator[Callable[[Sequence], dict[str, np.ndarray]]]:
+    """A function that computes samples, in a process of its own where their time is limited: computations cannot be stopped otherwise."""
+    if seconds is None:
+        yield lambda rows: evaluate(job, rows)
+        return
+    with closing(_TimedProcess(job, seconds)) as process:
+        yield process.evaluate
+
+
+class _TimedProcess:
+    """A process that computes samples, and is ended and replaced when one takes too long.
+
+    A chunk that is not done in the time of one sample is computed again, each sample alone. Where that happens though none of them is
+    too slow, the following chunks are computed in this way from the start.
+    """
+
+    def __init__(self, job: Job, seconds: float):
+        self.job, self.seconds = job, seconds
+        self._stack, self._alone = ExitStack(), False
+        self._connection: Any = None
+
+    def evaluate(self, rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
+        """As ``evaluate``; samples that take too long have the status TIMED_OUT."""
+        if not self._alone and (together := self._within_time(rows)):
+            return together
+        parts = [self._within_time([row]) for row in rows]
+        self._alone = None not in parts
+        timed_out = without_answer(self.job, f"timed out: it takes longer than {self.seconds:g} s")
+        known = [part or timed_out for part in parts]
+        return {name: np.concatenate([part[name] for part in known]) for name in timed_out}
+
+    def close(self) -> None:
+        """End the process."""
+        self._stack.close()
+        self._connection = None
+
+    def _within_time(self, rows) -> dict[str, np.ndarray] | None:
+        try:
+            if self._connection is None:
+                key = os.urandom(32)
+                listener = self._stack.enter_context(closing(Listener(authkey=key)))
+                self._connection = self._stack.enter_context(closing(_worker(listener, key, (self.job, None), self._stack)))
+                self._connection.send(None)  # what takes long only once is not part of a sample's time
+                self._connection.recv()
+            self._connection.send(rows)
+            answer = self._connection.recv() if self._connection.poll(self.seconds) else None
+        except (EOFError, OSError):
+            self.close()
+            raise MbconstrainedError("a process that computed samples ended early, perhaps for lack of memory") from None
+        if answer is None:
+            self.close()
+        if isinstance(answer, BaseException):
+            raise answer
+        return answer
+
+
+def by_processes(job: Job, chunks: Iterator[Chunk], workers: int, seconds: float | None = None) -> Answers:
     """Compute chunks in processes with one thread of linear algebra each. One that ends early is replaced, and its chunk is done again.
 
     Args:
         job: the scene.
         chunks: what is to be computed.
         workers: number of processes.
+        seconds: that a sample may take.
 
     Yields:
         Chunks as they are done.
@@ -85,7 +149,7 @@ def by_processes(job: Job, chunks: Iterator[Chunk], workers: int) -> Answers:
             if chunk is None:
                 return
             try:
-                connection = connection or stack.enter_context(closing(_worker(listener, key, job, stack)))
+                connection = connection or stack.enter_context(closing(_worker(listener, key, (job, seconds), stack)))
                 connection.send(chunk[1])
             except (EOFError, OSError):  # it ended while it had nothing to do
                 lose(chunk)
@@ -118,8 +182,8 @@ def by_processes(job: Job, chunks: Iterator[Chunk], workers: int) -> Answers:
                 give(ready)
 
 
-def _worker(listener: Listener, key: bytes, job: Job, stack: ExitStack):
-    """A new process, which ends when its connection does."""
+def _worker(listener: Listener, key: bytes, work: tuple[Job, float | None], stack: ExitStack):
+    """A new process, which ends when its connection does, for a job and the seconds of a sample."""
     threads = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     path = os.pathsep.join(filter(None, (str(_PACKAGE), os.environ.get("PYTHONPATH", ""))))
     process = subprocess.Popen(
@@ -135,7 +199,7 @@ def _worker(listener: Listener, key: bytes, job: Job, stack: ExitStack):
     Thread(target=_connect_for, args=(process, connected, listener, key), daemon=True).start()
     connection = listener.accept()
     connected.set()
-    connection.send(job)
+    connection.send(work)
     return connection
 
 
@@ -148,7 +212,7 @@ def _connect_for(process: subprocess.Popen, connected: Event, listener: Listener
 
 
 def _end(process: subprocess.Popen) -> None:
-    process.terminate()
+    process.kill()  # it only computes, and one that is stopped does not terminate
     process.wait()
 
 
@@ -157,13 +221,16 @@ def serve() -> None:
     import signal
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the run itself reports the interruption
-    with Client(sys.argv[1], authkey=sys.stdin.buffer.read()) as connection:
+    Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
+    with ExitStack() as stack:
+        connection = stack.enter_context(Client(sys.argv[1], authkey=sys.stdin.buffer.read()))
         try:
-            job = connection.recv()
+            job, seconds = connection.recv()
+            work = stack.enter_context(_evaluation(job, seconds))
             while True:
                 rows = connection.recv()
                 try:
-                    answer: Any = evaluate(job, rows)
+                    answer: Any = _prepare(job) if rows is None else work(rows)
                 except Exception as problem:  # is raised in the run
                     answer = problem
                 connection.send(answer)
@@ -171,62 +238,208 @@ def serve() -> None:
             return
 
 
-def by_dask(job: Job, chunks: Iterator[Chunk], address: str, files: Mapping[str, str]) -> Answers:
-    """Compute chunks by the workers of a Dask cluster, one at a time each.
+def _end_with(parent: int) -> None:
+    """End this process, which may compute without end, when the one that started it has ended."""
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(1)
+
+
+def _prepare(job: Job) -> str:
+    """Import and set up what the first sample needs."""
+    with suppress(*FAILURES):
+        job.scene({}).equations.polynomial_matrix.jordan_pairs()
+    return "ready"
+
+
+def by_dask(
+    job: Job,
+    chunks: Iterator[Chunk],
+    address: str,
+    files: Mapping[str, str],
+    seconds: float | None = None,
+    message: Callable[[str], None] = print,
+) -> Answers:
+    """Compute chunks by the workers of a Dask cluster, one at a time each. That of a worker that ends or is silent is done by another.
 
     Args:
         job: the scene.
         chunks: what is to be computed.
         address: of the scheduler.
         files: hashes of the data files, which the workers must have.
+        seconds: that a sample may take.
+        message: is called with a text about a worker that is silent.
 
     Yields:
         Chunks as they are done.
 
     Raises:
-        InputError: no cluster answers, it has no workers, or they lack the package or have other versions.
+        InputError: no cluster answers, it has no workers, or they lack the package or have other versions or other code.
         MbconstrainedError: the cluster is lost, or a chunk ended several workers.
     """
     distributed = optional_package("distributed", "a Dask cluster")
     with ExitStack() as stack:
         client = _client(distributed, address, stack)
-        workers = _checked_workers(client, address)
-        pending: dict[Any, int] = {}
-
-        def give() -> None:
-            if (chunk := next(chunks, None)) is not None:
-                future = client.submit(evaluate_there, job, chunk[1], files, pure=False, retries=1)
-                pending[future] = chunk[0]
-
-        for _ in range(workers):
-            give()
-        while pending:
+        workers = _DaskWorkers(client, address, message)
+        workers.check(distributed)
+        pending: dict[Any, tuple[Chunk, str]] = {}
+        waiting: list[Chunk] = []
+        losses: dict[int, int] = {}
+        while True:
+            answering = workers.answering()
+            for future, (chunk, worker) in list(pending.items()):
+                if worker not in answering:
+                    del pending[future]
+                    client.cancel([future])
+                    waiting.append(chunk)
+                    losses[chunk[0]] = losses.get(chunk[0], 0) + (worker not in workers.silent)
+            if too_often := next((number for number, count in losses.items() if count >= MOST_LOSSES), None):
+                raise MbconstrainedError(f"the cluster at {address} lost chunk {too_often + 1} with its worker {MOST_LOSSES} times")
+            for worker in sorted(answering - {worker for _, worker in pending.values()}):
+                if (chunk := waiting.pop() if waiting else next(chunks, None)) is None:
+                    break
+                arguments = (job, chunk[1], files, CODE, seconds)
+                pending[client.submit(evaluate_there, *arguments, pure=False, workers=[worker])] = chunk, worker
+            if not pending and not waiting:
+                return
             for future in _done(distributed, client, list(pending), address):
-                number = pending.pop(future)
+                chunk, _ = pending.pop(future)
                 try:
                     answer = future.result(timeout=PATIENCE)
                 except MbconstrainedError:
                     raise
+                except TimeoutError:  # its worker has it, and is silent
+                    waiting.append(chunk)
+                    continue
                 except Exception as problem:  # whatever a worker or the cluster raises, serialized
-                    text = f"the cluster at {address} lost chunk {number + 1} ({type(problem).__name__}: {str(problem)[:200]})"
+                    text = f"the cluster at {address} lost chunk {chunk[0] + 1} ({type(problem).__name__}: {str(problem)[:200]})"
                     raise MbconstrainedError(text) from None
-                yield number, answer
-                give()
+                yield chunk[0], answer
 
 
-def evaluate_there(job: Job, rows: Sequence[Mapping[str, Any]], files: Mapping[str, str]) -> dict[str, np.ndarray]:
-    """As ``evaluate``, one chunk at a time in a worker, whose data files are compared with those of the run.
+class _DaskWorkers:
+    """The workers of a cluster: which of them show signs of life.
+
+    Attributes:
+        silent: the addresses of the others.
+    """
+
+    def __init__(self, client, address: str, message: Callable[[str], None]):
+        self._client, self._address, self._message = client, address, message
+        self.silent: set[str] = set()
+        self._signs: dict[
+            str, tuple[float, float]
+        ] = {}  # the time of the last sign on the scheduler's clock, and when it was noticed
+        self._polled, self._last_answer = -np.inf, time.monotonic()
+
+    def check(self, distributed) -> None:
+        """Compare packages and code of the workers with those of the run.
+
+        Raises:
+            InputError: there is none, or one has others.
+        """
+        try:
+            self._client.wait_for_workers(1, timeout=PATIENCE - 2)
+        except (TimeoutError, OSError):
+            text = f"--dask: the cluster at {self._address} has no workers; start some with dask worker {self._address}"
+            raise InputError(text) from None
+        submit = self._client.submit
+        answers = {submit(versions_there, pure=False, workers=[worker]): worker for worker in sorted(self.answering())}
+        with suppress(TimeoutError), self._client.as_current():
+            distributed.wait(list(answers), timeout=SILENCE)
+        for answer, worker in answers.items():
+            if answer.done():
+                _check_versions(worker, answer)
+
+    def answering(self) -> set[str]:
+        """The addresses of workers that are there, and not silent; of the last second."""
+        now = time.monotonic()
+        if now - self._polled >= 1.0:
+            self._polled = now
+            with suppress(TimeoutError, OSError):  # a scheduler that is lost shows in other ways
+                identity = self._client.sync(self._client.scheduler.identity, callback_timeout=PATIENCE)
+                seen = {worker: one["last_seen"] for worker, one in identity["workers"].items()}
+                before, now = self._signs, time.monotonic()
+                self._signs = {
+                    worker: before[worker] if worker in before and before[worker][0] == sign else (sign, now)
+                    for worker, sign in seen.items()
+                }
+        silent = {worker for worker, (_, noticed) in self._signs.items() if now - noticed > SILENCE}
+        for worker in sorted(silent - self.silent):
+            self._message(f"the worker {worker} has not answered for {SILENCE:g} s; others compute its chunk, and it gets no more")
+        for worker in sorted((self.silent - silent) & set(self._signs)):
+            self._message(f"the worker {worker} answers again")
+        self.silent = silent
+        answering = set(self._signs) - silent
+        if answering:
+            self._last_answer = now
+        elif now - self._last_answer > ABANDONED:
+            raise MbconstrainedError(f"no worker of the cluster at {self._address} answers any more")
+        return answering
+
+
+def _check_versions(worker: str, answer) -> None:
+    own = versions_there()
+    try:
+        there = answer.result(timeout=PATIENCE)
+    except TimeoutError:
+        return  # it is silent now, and each chunk is checked as well
+    except ImportError:
+        raise InputError(f"--dask: the worker {worker} lacks the package mbconstrained; install it there") from None
+    except Exception:  # what unpickling raises where the package has no such function
+        there = {**own, _CODE: ""}
+    for package, version in own.items():
+        if package != _CODE and there[package] != version:
+            text = f"has version {there[package]} of the package {package}; install version {version} there"
+            raise InputError(f"--dask: the worker {worker} {text}")
+    if there[_CODE] != CODE:
+        raise InputError(_other_code(worker))
+
+
+def _other_code(worker: str) -> str:
+    return f"--dask: the worker {worker} has other code of the package mbconstrained, perhaps under the same version; install the same there, and start it again"
+
+
+def versions_there() -> dict[str, str]:
+    """Versions of the packages that compute, and the hash of the code of this one, where this is called."""
+    return {**{name: version_of(name) for name in ("numpy", "scipy")}, _CODE: CODE}
+
+
+def _hash_of_code() -> str:
+    """SHA-256 of the names and contents of the source files of this package, without its documentation, which is not installed."""
+    root, digest = Path(__file__).parents[2], sha256()
+    for file in sorted(root.rglob("*.py")):
+        name = file.relative_to(root).as_posix()
+        if not name.startswith("docs/"):
+            digest.update(name.encode() + b"\0" + file.read_bytes().replace(b"\r\n", b"\n") + b"\0")
+    return digest.hexdigest()
+
+
+_CODE = "code"
+
+#: The hash of the code that is imported: files may change while a worker runs.
+CODE = _hash_of_code()
+
+
+def evaluate_there(
+    job: Job, rows: Sequence[Mapping[str, Any]], files: Mapping[str, str], code: str, seconds: float | None
+) -> dict[str, np.ndarray]:
+    """As ``evaluate``, one chunk at a time in a worker, whose code and data files are compared with those of the run.
 
     Args:
         job, rows: as of ``evaluate``.
         files: hashes by name.
+        code: the hash of the code of the run.
+        seconds: that a sample may take.
 
     Returns:
         As ``evaluate``.
 
     Raises:
-        InputError: the worker has not the same files.
+        InputError: the worker has not the same code or files.
     """
+    if code != CODE:
+        raise InputError(_other_code(platform.node()))
     folder = Path(job.path).parent
     for name, known in files.items():
         path = folder / name
@@ -234,8 +447,8 @@ def evaluate_there(job: Job, rows: Sequence[Mapping[str, Any]], files: Mapping[s
             raise InputError(
                 f"the worker {platform.node()} has not the same file {path}; share the folder of the scene with the cluster"
             )
-    with _ONE_CHUNK:
-        return evaluate(job, rows)
+    with _ONE_CHUNK, _evaluation(job, seconds) as work:
+        return work(rows)
 
 
 @cache
@@ -265,38 +478,23 @@ async def _reach(distributed, address: str) -> None:
     await connection.close()
 
 
-def _checked_workers(client, address: str) -> int:
-    """The number of workers, all with this package."""
-    try:
-        client.wait_for_workers(1, timeout=PATIENCE - 2)
-        versions = client.get_versions(packages=["mbconstrained", "numpy", "scipy"])
-    except (TimeoutError, OSError):
-        raise InputError(f"--dask: the cluster at {address} has no workers; start some with dask worker {address}") from None
-    own = versions["client"]["packages"]
-    for worker, there in versions["workers"].items():
-        for package in ("mbconstrained", "numpy", "scipy"):
-            if (installed := there["packages"].get(package)) != own[package]:
-                what = "lacks" if installed is None else f"has version {installed} of"
-                raise InputError(f"--dask: the worker {worker} {what} the package {package}; install version {own[package]} there")
-    return len(versions["workers"])
-
-
 def _done(distributed, client, futures: list, address: str) -> list:
-    """Those that are done; a cluster that is gone for too long is an error."""
-    lost = None
-    while True:
+    """Those that are done within a second; a cluster that is gone for too long is an error."""
+    if not futures:
+        time.sleep(1.0)
+    start = time.monotonic()
+    while futures:
         try:
             with client.as_current():
                 return list(distributed.wait(futures, timeout=1.0, return_when="FIRST_COMPLETED").done)
         except (TimeoutError, OSError):
             if client.status == "running":
-                lost = None
-                continue
-            lost = lost or time.monotonic()
-            if client.status == "closed" or time.monotonic() - lost > PATIENCE:
+                break
+            if client.status == "closed" or time.monotonic() - start > PATIENCE:
                 raise MbconstrainedError(f"the cluster at {address} does not answer any more") from None
         except distributed.CancelledError:
             raise MbconstrainedError(f"the cluster at {address} does not answer any more") from None
+    return []
 
 
 def hashes(job: Job, texts: Sequence[str]) -> dict[str, str]:

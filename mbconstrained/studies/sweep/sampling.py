@@ -84,11 +84,11 @@ class Samples:
         Returns:
             Numbers in SI or texts.
         """
-        return self._block(np.arange(len(self))[at])[name]
+        return self._block(np.arange(*at.indices(len(self))))[name]
 
     def rows(self, at: slice) -> list[dict[str, Any]]:
         """The values of all parameters in some samples, each by name."""
-        columns = {name: column.tolist() for name, column in self._block(np.arange(len(self))[at]).items()}
+        columns = {name: column.tolist() for name, column in self._block(np.arange(*at.indices(len(self)))).items()}
         return [dict(zip(columns, row)) for row in zip(*columns.values())]
 
     @property

@@ -32,6 +32,9 @@ STATUS, REASON = "status", "reason"
 #: The array of checksums, one of each chunk, and the number of this form of store.
 CHECKSUM, FORM = "checksum", 2
 
+#: What zarr raises on damaged files: an array is missing, a codec cannot decode, lengths do not fit. Files that cannot be read are OSErrors.
+DAMAGE = (KeyError, RuntimeError, ValueError)
+
 #: Numbers of a study without a store, in bytes.
 MOST_MEMORY = 4e9
 
@@ -67,8 +70,8 @@ class Chunks(ABC):
 
     @property
     def bytes_per_sample(self) -> int:
-        """Of the kept numbers."""
-        return 8 * sum(int(np.prod(one.shape)) for one in self.variables)
+        """Of the kept numbers, parameters and status."""
+        return 8 * (len(self.samples.variations) + sum(int(np.prod(one.shape)) for one in self.variables)) + 1
 
     @abstractmethod
     def missing(self) -> Iterator[int]:
@@ -115,7 +118,7 @@ class Memory(Chunks):
         Args:
             chunk, arrays: as of ``Chunks``.
         """
-        self._parts[chunk] = arrays
+        self._parts[chunk] = {**arrays, REASON: arrays[REASON].astype(str)}  # of no greater width than those of the chunk need
 
     def read(self, name: str, where: tuple = ()) -> np.ndarray:
         """All parts as one array; as ``Chunks.read``.
@@ -167,7 +170,7 @@ class Store(Chunks):
     def _has_labels(self, variable: Variable) -> bool:
         try:
             return np.asarray(self._group[variable.axis][:]).tolist() == np.array(variable.labels).tolist()
-        except Exception:  # whatever zarr and its codecs raise on damaged files
+        except DAMAGE:
             return False
 
     def missing(self) -> Iterator[int]:
@@ -188,7 +191,7 @@ class Store(Chunks):
         try:
             status = np.asarray(self._group[STATUS][self.at(chunk)])
             return str(self._group[CHECKSUM][chunk]) == self._checksum(chunk, status)
-        except Exception:  # whatever zarr and its codecs raise on damaged files
+        except DAMAGE:
             return False
 
     def _checksum(self, chunk: int, status: np.ndarray) -> str:
@@ -287,7 +290,7 @@ class Store(Chunks):
         shape, dimensions = (len(self.samples), *([length] if axis else [])), ["sample", *([axis] if axis else [])]
         attributes = {"_ARRAY_DIMENSIONS": dimensions, **({"units": unit} if unit else {})}
         if name == STATUS:
-            attributes["meaning"] = "1 answered, 2 without answer, which has its reason"
+            attributes["meaning"] = "1 answered, 2 without answer, which has its reason, 3 timed out"
         fill = float("nan") if kind is float else None if kind is np.uint8 else ""  # xarray takes what equals the fill for missing
         chunks = (self.size, *([length] if axis else []))
         group.create_array(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...ground.checks import counted, nearest, whole_number
+from ...ground.checks import counted, nearest, real_number, whole_number
 from ...ground.display import Displayed
 from ...ground.errors import InputError, MbconstrainedError, SceneError
 from ...scene.file.includes import read_tables
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
 LEAST_CHUNK, MOST_CHUNK, USUAL_CHUNKS = 8, 256, 64
 
 MOST_WORKERS = 1024
+
+#: A study of so many samples says how large it is before it begins.
+LARGE = 100_000
 
 Progress = Callable[[int, int], None]
 
@@ -66,6 +70,8 @@ class Sweep(Displayed):
         workers: int | None = None,
         dask: str | None = None,
         progress: Progress | None = None,
+        sample_timeout: float | None = None,
+        message: Callable[[str], None] = print,
     ) -> SweepResult:
         """Compute the samples that are missing.
 
@@ -74,6 +80,9 @@ class Sweep(Displayed):
             workers: processes of this machine, one chunk at a time each; None for this process.
             dask: instead, the address of the scheduler of a Dask cluster.
             progress: called with the number of chunks that are done, and of all.
+            sample_timeout: seconds that a sample may take; one over it has no answer, and the status 3 in the store. A chunk that is
+                not done in this time is computed again, each sample alone.
+            message: called with what is worth knowing while it runs, such as a worker that does not answer.
 
         Returns:
             The ``SweepResult``. It has the same bits whoever computed it.
@@ -86,6 +95,7 @@ class Sweep(Displayed):
             raise InputError(f"workers: found {workers}; expected at most {MOST_WORKERS}")
         if workers is not None and dask is not None:
             raise InputError("workers and dask cannot both be given; leave out one of them")
+        seconds = None if sample_timeout is None else real_number(sample_timeout, "sample_timeout", positive=True)
         texts = [text for values in self.samples.grid.values() if values.is_text for text in values.values]
         files = hashes(self.job, texts)
         chunks = self._chunks(store, files)
@@ -94,16 +104,26 @@ class Sweep(Displayed):
         done = chunks.count - len(missing)
         report = progress or (lambda done, count: None)
         report(done, chunks.count)
+        start, is_large = time.monotonic(), len(self.samples) >= LARGE
+        if is_large:
+            message(
+                f"{len(self.samples):,} samples in {chunks.count:,} chunks, {done:,} of them done; "
+                f"{chunks.bytes_per_sample * len(self.samples) / 1e9:.2g} GB of numbers"
+            )
         if dask is not None and missing:
-            answers = by_dask(self.job, work, dask, files)
+            answers = by_dask(self.job, work, dask, files, seconds, message)
         elif workers is not None and missing:
-            answers = by_processes(self.job, work, min(workers, len(missing)))
+            answers = by_processes(self.job, work, min(workers, len(missing)), seconds)
         else:
-            answers = in_process(self.job, work)
+            answers = in_process(self.job, work, seconds)
         try:
             for number, arrays in answers:
                 chunks.write(number, arrays)
                 done += 1
+                if is_large and done == chunks.count - len(missing) + 1:
+                    elapsed = time.monotonic() - start
+                    hours = elapsed * len(missing) / 3600
+                    message(f"the first chunk took {elapsed:.2g} s; all that are missing take about {hours:.2g} h of one process")
                 report(done, chunks.count)
         except InputError:
             raise

@@ -80,3 +80,19 @@ def test_degrees_of_transfer_functions_are_those_of_the_data():
     massless = np.array([K, 1e-3 * K, np.diag([1.0, 0, 1, 1, 1])])
     assert relative_degrees(massless, np.eye(n)[:, 1:2], np.eye(n)[1:2]).item() == 1
     assert relative_degrees(np.array([np.eye(2), np.eye(2)]), np.eye(2)[:, :1], np.eye(2)[1:]).item() == np.inf
+
+
+@pytest.mark.parametrize("coupling", [1e-8, 1e-12, 1e-14, 1e-16, 0.0])
+def test_estimates_of_larger_models_contain_the_error_of_weak_couplings(coupling):
+    """Two chains of six masses, against exact variances: noise on the one reaches the other by one soft spring, or not at all."""
+    springs = np.array([1.0] * 5 + [coupling] + [1.0] * 5)
+    links = np.diff(np.eye(12), axis=0)
+    K = links.T @ np.diag(springs) @ links + np.diag(np.linspace(0.5, 1.0, 12))
+    system = mb.MechanicalSystem(np.eye(12), 1e-3 * np.eye(12), K)
+    R = system.random_response({f"x{i}": mb.white_noise(1.0) for i in (2, 3, 4, 5)}, ["x1", "x8"])
+    if not coupling:
+        assert R.rms[1] == R.error_estimate[1] == 0
+        return
+    exact = R.enclose().lower.astype(float)
+    assert (np.abs(R.covariance.diagonal() - exact) <= R.error_estimate * exact).all()
+    assert any("no digit" in notice.text for notice in R.notices) == (R.error_estimate[1] == np.inf)

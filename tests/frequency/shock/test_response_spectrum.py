@@ -221,3 +221,71 @@ def test_exponentials_next_to_critical_damping(w, offset):
         own = (2 * np.eye(4) - change) @ oscillator.steps(np.array([step]))[0] @ change
         units = w ** np.arange(4.0)
         assert np.abs((own - exact) / units[:, None] * units).max() <= 1e-13 * (1 + w * step)
+
+
+def exact_extrema(t, a, w, z, output):
+    """Extrema of c_0 y + c_1 y' of a record with 40 digits: states by exponentials, dense samples, then bisection of the rate."""
+    with mpmath.workdps(40):
+        w, z, (c0, c1) = mpmath.mpf(w), mpmath.mpf(z), map(mpmath.mpf, output)
+        J = mpmath.matrix([[0, 1, 0, 0], [-(w**2), -2 * z * w, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]])
+        state, best = mpmath.matrix([0, 0]), [mpmath.mpf(0), mpmath.mpf(0)]
+        for k in range(len(t) - 1):
+            h = mpmath.mpf(float(t[k + 1])) - mpmath.mpf(float(t[k]))
+            if not h:
+                continue
+            start = mpmath.matrix([*state[:2], a[k], (mpmath.mpf(float(a[k + 1])) - mpmath.mpf(float(a[k]))) / h])
+            count = 20 + int(8 * w * h * (1 + 2 * z))
+            step, state, states = mpmath.expm(J * h / count), start, [start]
+            for _ in range(count):
+                state = step * state
+                states.append(state)
+
+            def both(s):
+                return c0 * s[0] + c1 * s[1], c0 * s[1] + c1 * (s[2] - 2 * z * w * s[1] - w**2 * s[0])
+
+            for one, other in itertools.pairwise(states):
+                for value in (both(one)[0], both(other)[0]):
+                    best = [max(best[0], value), max(best[1], -value)]
+                reach = abs(both(one)[1]) * h / count  # beyond the values at both ends, as r'' has one sign in so short a step
+                highest, lowest = (pick(both(one)[0], both(other)[0]) for pick in (max, min))
+                if both(one)[1] * both(other)[1] < 0 and (highest + 2 * reach > best[0] or 2 * reach - lowest > best[1]):
+                    size, left = h / count, one
+                    for _ in range(25):
+                        size = size / 2
+                        middle = mpmath.expm(J * size) * left
+                        left = middle if both(middle)[1] * both(one)[1] > 0 else left
+                    best = [max(best[0], both(left)[0]), max(best[1], -both(left)[0])]
+        return tuple(map(float, best))
+
+
+@pytest.mark.parametrize(
+    ("times", "values", "f", "damping_ratio"),
+    [
+        ([0.0, 1.0, 2.0], [1.0, -6.0, -6.0], 0.01, 0.0),  # -0.013604785 within the first second, from rest and back
+        (np.arange(7.0), [1.0, -6.0, -6.0, -2.0, -7.0, -1.0, 2.0], 0.01295, 0.0),
+        (np.arange(5.0), [0.16888, -0.93228, 0.8408, -0.68999, -0.16779], 0.0207, 3.0),
+    ],
+)
+def test_a_peak_between_two_samples_of_a_slow_oscillator(times, values, f, damping_ratio):
+    """The oscillator starts at rest and turns within one interval: neither end shows it."""
+    own = mb.shock_response_spectrum(mb.sampled(times, [values]), [f], damping_ratio, "relative displacement")
+    high, low = exact_extrema(times, values, 2 * np.pi * f, damping_ratio, (-1, 0))
+    assert np.allclose([own.primary_positive[0], own.primary_negative[0]], [high, low], rtol=1e-11)
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_peaks_of_records_against_forty_digits(seed):
+    """Even and uneven records, with jumps; slow and fast oscillators, damping 0 to 10; the maximum and the minimum each to its own digits."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(2, 9))
+    times = np.arange(float(count)) if seed % 2 else np.cumsum(rng.uniform(0.05, 1.0, count))
+    if seed % 4 > 1:
+        times = np.repeat(times, 2)
+    values, f = rng.normal(size=len(times)), 10 ** rng.uniform(-3, 0.3)
+    damping_ratio, quantity = rng.choice([0.0, 1e-3, 0.05, 0.3, 0.36, 0.7, 0.999, 1.0, 1.0001, 3.0, 10.0]), QUANTITIES[seed % 3]
+    own = mb.shock_response_spectrum(mb.sampled(times, [values]), [f], damping_ratio, quantity)
+    w = 2 * np.pi * f
+    output = {QUANTITIES[0]: (w**2, 2 * damping_ratio * w), QUANTITIES[1]: (-1, 0), QUANTITIES[2]: (0, -1)}[quantity]
+    high, low = exact_extrema(times, values, w, damping_ratio, output)
+    for value, exact in ((own.primary_positive[0], high), (own.primary_negative[0], low)):
+        assert abs(value - exact) <= 1e-11 * exact + 1e-14 * max(high, low)

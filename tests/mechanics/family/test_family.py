@@ -7,6 +7,7 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained import Constraint, InputError, family
+from tests.oracles.ball_exponential import motion
 
 SEED = np.random.default_rng(20)
 TIMES = np.linspace(0.0, 8.0, 41)
@@ -48,8 +49,8 @@ def gyroscopic():
 def moved_base():
     """A row that ties two masses, and a prescribed motion."""
     M, C, K = chains(4)
-    motion = mb.harmonic([0.3], angular_frequency=2.0, phase=-np.pi / 2)
-    rows = [Constraint([1.0, -1.0, 0, 0, 0], names="tie"), Constraint([0, 0, 0, 0, 1.0], value=motion, names="base")]
+    base = mb.harmonic([0.3], angular_frequency=2.0, phase=-np.pi / 2)
+    rows = [Constraint([1.0, -1.0, 0, 0, 0], names="tie"), Constraint([0, 0, 0, 0, 1.0], value=base, names="base")]
     return family(M, C, K, rows, force=mb.step([0, 0, 1.0, 0, 0]))
 
 
@@ -173,9 +174,9 @@ def test_more_than_a_chunk_and_one_alone():
 def test_static_forces_of_each_system():
     weights = np.array([[1.0], [2.0]])
     systems = family([[1.0]], [[0.1]], [[4.0]], static_force=weights)
-    motion = systems.solve()
-    assert np.allclose(motion(500.0), weights / 4, rtol=1e-9)
-    assert np.array_equal(motion[1].system.static_force, weights[1])
+    each = systems.solve()
+    assert np.allclose(each(500.0), weights / 4, rtol=1e-9)
+    assert np.array_equal(each[1].system.static_force, weights[1])
 
 
 @pytest.mark.parametrize(
@@ -256,3 +257,36 @@ def test_memory_is_that_of_the_answer_and_of_what_is_kept():
         (small, own), (large, answer) = highest(1000, question), highest(2000, question)
         assert large - answer <= 2.1 * (small - own)
     assert large <= 1.5 * answer  # the last of them, a motion
+
+
+@pytest.mark.parametrize("ratio", [1e4, 1e6, 1e8, 1e10])
+def test_estimates_of_motions_contain_the_error_of_stiff_directions(ratio):
+    """Against exponentials in ball arithmetic of the exact data; squarings leave soft directions fewer digits than their data have."""
+    root, start = 0.3 * np.sqrt(ratio), [0.0, 1.0]
+    for K in ([[ratio, root], [root, 1.0]], [[1 + ratio, -ratio], [-ratio, ratio]], [[ratio + 1, -1.0], [-1.0, 1.0]]):
+        C = 1e-3 * np.array(K) + 0.01 * np.eye(2)
+        times = np.array([1.0, 10.0, 100.0])
+        values, estimates, _ = family(np.eye(2), C, [K, np.multiply(K, 1.1)]).solve(start).evaluate(times)
+        exact = np.array([list(map(float, motion([K, C, np.eye(2)], [start, [0.0, 0.0]], time))) for time in times]).T
+        assert np.abs(values[0] - exact).max() <= max(estimates[0], 1e-15) * np.abs(exact).max()
+        assert estimates[0] <= 1e-12
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_estimates_of_motions_contain_the_error_of_graded_and_unsymmetric_models(seed):
+    rng = np.random.default_rng(seed)
+    n, times, models = int(rng.integers(2, 5)), np.array([1.0, 30.0, 1000.0]), []
+    for _ in range(3):
+        L = rng.standard_normal((n, n))
+        K = L @ L.T + 0.1 * np.eye(n)
+        if seed % 3 == 1:
+            K = np.diag(10.0 ** rng.uniform(-4, 4, n))
+            K[0, 1] = K[1, 0] = 0.5 * np.sqrt(K[0, 0] * K[1, 1])
+        if seed % 3 == 2:
+            K += 0.1 * (L - L.T)
+        models.append((np.diag(rng.uniform(0.5, 2, n)), (0.1 if seed % 3 == 2 else 1e-3) * np.eye(n), K))
+    start = rng.standard_normal(n)
+    values, estimates, _ = family(*map(np.array, zip(*models))).solve(start).evaluate(times)
+    for place, (M, C, K) in enumerate(models):
+        exact = np.array([list(map(float, motion([K, C, M], [start, np.zeros(n)], time))) for time in times]).T
+        assert np.abs(values[place] - exact).max() <= 3 * max(estimates[place], 1e-15) * np.abs(exact).max()  # an estimate

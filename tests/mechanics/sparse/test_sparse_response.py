@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mpmath
 import numpy as np
 import pytest
 import scipy.sparse
@@ -89,3 +90,44 @@ def test_what_few_modes_do_not_have_is_refused(arguments, message):
         membrane().frequency_response(**{"frequencies_hz": [0.01], "count": 8} | arguments)
     with pytest.raises(mb.InputError, match="leave count out"):
         mb.MechanicalSystem([[1.0]], None, [[1.0]]).frequency_response([0.1], count=3)
+
+
+def exact_chain(K, M, C, frequency, into, out):
+    """The receptance of a chain by elimination with 40 digits, w = 2 pi f exactly."""
+    with mpmath.workdps(40):
+        w = 2 * mpmath.pi * mpmath.mpf(frequency)
+        n, (K, M, C) = K.shape[0], (matrix.tocsr() for matrix in (K, M, C))
+
+        def band(offset):
+            k, m, c = (matrix.diagonal(offset).tolist() for matrix in (K, M, C))
+            return [mpmath.mpc(a - w**2 * b, w * d) for a, b, d in zip(k, m, c)]
+
+        diagonal, beside, right = band(0), band(1), [mpmath.mpc(i == into) for i in range(n)]
+        for i in range(1, n):
+            factor = beside[i - 1] / diagonal[i - 1]
+            diagonal[i] -= factor * beside[i - 1]
+            right[i] -= factor * right[i - 1]
+        x = right[-1] / diagonal[-1]
+        for i in range(n - 2, out - 1, -1):
+            x = (right[i] - beside[i] * x) / diagonal[i]
+        return complex(x)
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e-4, 0.05])
+@pytest.mark.parametrize(("n", "spread"), [(100, 1), (120, 3), (90, 6), (450, 1), (420, 3)])
+def test_bounds_of_stiff_chains_contain_their_errors(n, spread, damping):
+    """Springs over up to twelve orders of magnitude, by one dense decomposition and by Lanczos, line by line and entry by entry."""
+    rng = np.random.default_rng(n + spread)
+    k = 10.0 ** rng.uniform(-spread, spread, n + 1)
+    K = scipy.sparse.csc_array(scipy.sparse.diags_array([-k[1:n], k[:n] + k[1:], -k[1:n]], offsets=[-1, 0, 1]))
+    M = scipy.sparse.csc_array(scipy.sparse.diags_array(10.0 ** rng.uniform(-0.5, 0.5, n)))
+    C = damping * K
+    system = mb.MechanicalSystem(M, C, K)
+    into, outs = int(rng.integers(n)), sorted(rng.integers(0, n, 2).tolist())
+    top = system.modes(count=8, damped=False).frequencies_hz[-1]
+    frequencies = np.array([0.0, *rng.uniform(0, 0.95 * top, 4)])
+    H = system.frequency_response(frequencies, [f"x{into + 1}"], [f"x{out + 1}" for out in outs], count=8)
+    for place, out in enumerate(outs):
+        for line, f in enumerate(frequencies):
+            exact = exact_chain(K, M, C, f, into, out)
+            assert abs(H.values[place, 0, line] - exact) <= H.error_estimate[place, 0, line] * abs(H.values[place, 0, line])

@@ -1,5 +1,7 @@
 """Entries that are wrong: the message names the place, what was found, what was expected, the nearest name."""
 
+import time
+
 import pytest
 
 from mbconstrained.ground.errors import SceneError, SingularPolynomialMatrix
@@ -377,6 +379,23 @@ def test_all_problems_are_told_at_once_but_not_endlessly(tmp_path):
         "time.end",
     ]
     assert together("a.toml", [str(i) for i in range(100)]).splitlines()[-1] == "  and 95 more"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("\r\n" * 300_000 + "[a]\r\n[[a]]\r\n", "[a] and [[a]] stand in one file"),
+        ("[a]\n\n[[a]]\n\n" * 20_000, "[a] and [[a]] stand in one file"),
+        ('[model]\nkind = "lumped"\n[time]\nend = "1 s"\n[output]\nplots = [' + '"x", ' * 40_000 + "]", "40000 entries are wrong"),
+    ],
+    ids=["empty lines", "heads", "wrong entries"],
+)
+def test_a_long_wrong_scene_is_refused_in_a_time_that_grows_with_its_length_only(tmp_path, text, message):
+    """A search that starts anew at each of 300,000 empty lines takes more than 400 s, a linear one 0.2 s."""
+    start = time.process_time()
+    with pytest.raises(SceneError) as refused:
+        scene_of(tmp_path, text)
+    assert message in str(refused.value) and time.process_time() - start < 60
 
 
 @pytest.mark.parametrize("form", ["mass = [[1, 1], [1, 1]]", "coefficients = [[[1, 1], [1, 1]]]"])

@@ -14,7 +14,7 @@ from ....frequency.frequency_response import FrequencyResponse, frequency_respon
 from ....frequency.plots import AXIS_FACTORS
 from ....frequency.response_files import arrays_of, csv_text
 from ....ground.errors import InputError
-from ....ground.notices import Notice, NoticeKind
+from ....ground.notices import Notice, NoticeKind, distinct
 from ....mechanics.channels import channels
 from ...file.messages import at
 from ...schema.analyses.frequency_table import FrequencyTable
@@ -238,7 +238,7 @@ class SceneFrequency(SceneResponse):
         if len(loaded) > 1 and self.table.inputs is None and self.system is not None:
             text = f"{', '.join(self.response.inputs)} are inputs one by one; the response to loads at once is the sum by their amplitudes"
             own = (Notice(NoticeKind.OMITTED, text), *own)
-        return tuple(dict.fromkeys((*self.scene.notices, *self.scene.equations.form_notices, *own, *self.response.notices)))
+        return distinct(self.scene.notices, self.scene.equations.form_notices, own, self.response.notices)
 
     @property
     def content(self) -> FrequencyContent:

@@ -12,7 +12,7 @@ from ....frequency.random.random_response import RandomResponse
 from ....frequency.random.statistics import octave_bands
 from ....ground.display import TextTable, finite_or_none
 from ....ground.errors import InputError
-from ....ground.notices import Notice
+from ....ground.notices import Notice, distinct
 from ....page.content import Curve, PageContent, Plot
 from ....page.plots.axis import Scale
 from ...file.messages import at
@@ -88,7 +88,7 @@ class SceneRandom(SceneResponse):
         """What is worth knowing, and what makes the values doubtful."""
         system, table = self.scene.equations.system, self.scene.table.random
         damping = system.damping_notices(any(entry.of != "force" for entry in table.input)) if system is not None else ()
-        return tuple(dict.fromkeys((*self.scene.notices, *self.scene.equations.form_notices, *damping, *self.response.notices)))
+        return distinct(self.scene.notices, self.scene.equations.form_notices, damping, self.response.notices)
 
     @cached_property
     def shown(self) -> list[tuple[str, float]]:

@@ -14,7 +14,7 @@ from ....frequency.shock.response_spectrum import PARTS, ShockResponseSpectrum, 
 from ....ground.coordinate_units import rate_unit
 from ....ground.display import TextTable, number_text
 from ....ground.errors import InputError
-from ....ground.notices import Notice, NoticeKind
+from ....ground.notices import Notice, NoticeKind, distinct
 from ....mechanics.vibration.peaks import QUANTITIES, Peaks
 from ....page.content import Curve, Guide, PageContent, Plot
 from ....page.plots.axis import Scale, power_label
@@ -185,7 +185,7 @@ class SceneShock(SceneResponse):
         if self.spectrum is None and self.scene.table.motion:
             reasons = [f'the motion "{name}" {_acceleration(self._row(name))}' for name in self._motions]
             own = (Notice(NoticeKind.OMITTED, f"no shock response spectrum: {'; '.join(reasons)}"),)
-        return tuple(dict.fromkeys((*self.scene.notices, *self.scene.equations.form_notices, *self._motion.notices, *own)))
+        return distinct(self.scene.notices, self.scene.equations.form_notices, self._motion.notices, own)
 
     # What is shown.
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ....ground.errors import SceneError
 from ....ground.files import Replacements
-from ....ground.notices import Notice, NoticeKind
+from ....ground.notices import Notice, NoticeKind, distinct
 from ....response.response_notices import pair_notices
 from ..plan import Plan
 from ..report.tables import eigenvalue_rows
@@ -120,9 +120,8 @@ class SceneModes:
         unused = self.scene.notices
         if self.system is None:
             return (*unused, *pair_notices(self.scene.equations.polynomial_matrix.jordan_pairs()))
-        first = (*unused, *self.scene.equations.form_notices)
         of_pairs = pair_notices(self.system.position_form().polynomial_matrix.jordan_pairs())
-        return tuple(dict.fromkeys((*first, *self.system.notices, *of_pairs)))
+        return distinct(unused, self.scene.equations.form_notices, self.system.notices, of_pairs)
 
     @property
     def is_trusted(self) -> bool:

@@ -1,0 +1,90 @@
+"""URDF files: models by seed over kinds of joints, origins, axes, turned inertias, damping, springs, rotors and mimic joints, against
+products of exponentials, and against MuJoCo, which reads URDF itself, but for what only Drake and Gazebo have."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+import mbconstrained as mb
+from tests.robot.model_files import Mechanism, UrdfWriter
+from tests.robot.test_sdf_models import order
+
+SEEDS = range(200)
+
+
+def posture_of(truth, rng):
+    """Values of the coordinates in which screws and mimic joints follow."""
+    q = dict(zip(truth.coordinates, rng.uniform(-1, 1, len(truth.coordinates)).tolist()))
+    for joint in truth.joints:
+        if joint.kind == "screw":
+            q[f"{joint.name} slide"] = joint.pitch * q[joint.name]
+        if joint.mimic is not None:
+            leader, ratio, offset = joint.mimic
+            q[joint.name] = ratio * q[leader] + offset
+    return q
+
+
+def weight(truth):
+    """All bodies' weights (N): the size of forces of gravity on joints at most a few metres away, of which some cancel."""
+    return 9.81 * sum(body.mass for body in truth.bodies)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_trees_have_the_matrices_of_products_of_exponentials(seed):
+    rng = np.random.default_rng([seed, 2])
+    truth = Mechanism(rng, ["revolute", "revolute", "prismatic", "fixed", "screw"])
+    robot = mb.Robot(UrdfWriter(truth, rng).text())
+    assert not [notice for notice in robot.description_notices if notice.doubtful]
+    guess = posture_of(truth, rng)
+    q = np.array(list(guess.values()))
+    places = np.ix_(order(robot, truth), order(robot, truth))
+    M, K = truth.mass(q), truth.stiffness(q)
+    system = robot.linearize(robot.equilibrium(guess, hold="all"))
+    np.testing.assert_allclose(system.mass[places], M, rtol=0, atol=1e-12 * np.abs(M).max())
+    np.testing.assert_allclose(system.stiffness[places], K, rtol=0, atol=1e-8 * np.abs(K).max())
+    np.testing.assert_allclose(system.damping[places], np.diag(truth.dampers), rtol=0, atol=1e-12)
+    rows, free = truth.rows(q), scipy.linalg.null_space(system.constraint_matrix[:, order(robot, truth)])
+    assert free.shape[1] == len(q) - (np.linalg.matrix_rank(rows) if len(rows) else 0)
+    np.testing.assert_allclose(rows @ free, 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_joints_with_several_degrees_of_freedom_have_the_forces_of_products_of_exponentials(seed):
+    rng = np.random.default_rng([seed, 3])
+    truth = Mechanism(rng, ["revolute", "prismatic", "ball", "floating", "planar"])
+    robot = mb.Robot(UrdfWriter(truth, rng, extended=False).text())
+    several = [f"{joint.name} " for joint in truth.joints if joint.kind in ("ball", "floating", "planar")]
+    guess = {name: value for name, value in posture_of(truth, rng).items() if not name.startswith(tuple(several))}
+    q = np.array([guess.get(name, 0.0) for name in truth.coordinates])
+    own, places = robot.tangent.configuration(guess), order(robot, truth)
+    M, g = truth.mass(q), truth.forces(q) - truth.springs * (q - truth.rests)
+    np.testing.assert_allclose(robot.tree.mass(own)[np.ix_(places, places)], M, rtol=0, atol=1e-12 * np.abs(M).max())
+    np.testing.assert_allclose(robot.tree.gravity(own)[places], g, rtol=0, atol=1e-13 * weight(truth))
+    np.testing.assert_allclose(robot.joint_damping[places], truth.dampers, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_trees_have_the_matrices_of_mujoco(seed):
+    mujoco = pytest.importorskip("mujoco")
+    rng = np.random.default_rng([seed, 4])
+    truth = Mechanism(rng, ["revolute", "revolute", "prismatic", "fixed"])
+    text = UrdfWriter(truth, rng, extended=False).text()
+    robot = mb.Robot(text)
+    guess = posture_of(truth, rng)
+    system = robot.linearize(robot.equilibrium(guess, hold="all"))
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    joints = [model.joint(name) for name in robot.coordinates]
+    for name, joint in zip(robot.coordinates, joints):
+        data.qpos[joint.qposadr[0]] = guess[name]
+    mujoco.mj_forward(model, data)
+    places, M = [joint.dofadr[0] for joint in joints], np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, M)
+    own = robot.tangent.configuration(guess)
+    atol = 1e-11 * np.abs(M).max()  # MuJoCo diagonalizes the inertias
+    np.testing.assert_allclose(system.mass, M[np.ix_(places, places)], rtol=0, atol=atol)
+    forces = data.qfrc_bias[places]
+    np.testing.assert_allclose(robot.tree.gravity(own), forces, rtol=0, atol=1e-12 * weight(truth))
+    np.testing.assert_allclose(np.diag(system.damping), model.dof_damping[places], rtol=0, atol=1e-12)
