@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import ast
+import importlib
+from collections import defaultdict
 from graphlib import CycleError, TopologicalSorter
 
-from tests.audits.source import FILES, MODULES, expect_none, imports, room
+import mbconstrained as mb
+from tests.audits.source import FILES, MODULES, expect_none, imports, room, tree
 
 #: The rooms, lowest first. A file imports its own room and lower rooms.
 LAYERS = (
@@ -73,3 +77,23 @@ def test_heavy_packages_stay_in_their_rooms():
         if room(file) not in HEAVY[package]
     ]
     expect_none(outside, "only its own room knows a heavy package")
+
+
+def test_a_class_name_stands_once():
+    places = defaultdict(list)
+    for file in FILES:
+        for node in tree(file).body:
+            if isinstance(node, ast.ClassDef):
+                places[node.name].append(file)
+    expect_none([f"{name}: {', '.join(files)}" for name, files in places.items() if len(files) > 1], "give each class a name of its own")
+
+
+def test_every_list_of_names_resolves():
+    """``from mbconstrained.room import *`` works everywhere, and what is imported late from mb is listed."""
+    missing = []
+    for name in MODULES:
+        if MODULES[name].endswith("__init__.py"):
+            module = importlib.import_module(name)
+            missing += [f"{name}.{listed}" for listed in getattr(module, "__all__", ()) if not hasattr(module, listed)]
+    expect_none(missing, "list what there is")
+    assert set(mb._LATE) <= set(mb.__all__)
