@@ -9,13 +9,15 @@ import copy
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from ...frequency.shock.extrema import Extrema
 from ...ground.errors import InputError, MbconstrainedError
 from ...ground.threads import SMALL, one_thread
+from ...ground.tolerances import noise_of
+from ...mechanics.element_matrix import ElementMatrix
 from ...mechanics.family.family import Family
 from ...mechanics.system import MechanicalSystem
 from ...scene.file.messages import SceneName
@@ -87,6 +89,14 @@ class SampleFamily(Family):
 
     def __getitem__(self, index: int) -> MechanicalSystem:
         return self.members[index]
+
+    def is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
+        """The same by the elements where systems have them: none is lost next to stiffer ones, however soft it is."""
+        given = [one.given[("stiffness", "damping").index(of)] for one in self.members]
+        if not all(isinstance(one, ElementMatrix) for one in given):
+            return super().is_free(shapes, of)
+        acting = (one.directions[one.constants != 0] for one in given)
+        return np.array([(np.abs(B @ shapes) <= noise_of(np.abs(B) @ np.abs(shapes))).all() for B in acting])
 
 
 def evaluate(job: Job, rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
