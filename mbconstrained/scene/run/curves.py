@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...exchange.trajectories import Curves
-from ...frequency.shock.extrema import Extrema, extrema, fastest_rate, sampled_extrema
+from ...frequency.shock.extrema import Extrema, RootMeanSquares, extrema, fastest_rate, root_mean_squares, sampled_extrema
 from ...ground.coordinate_units import derivative_name, force_unit, rate_unit
 from ...ground.tolerances import NOT_DRAWN
 from ..quantities.output_units import OutputUnits
@@ -91,6 +91,23 @@ def extrema_of(result: Result, kind: str, rows: Sequence[int] | None = None) -> 
         extremes = extrema(linear.rows(chosen), start, end)
         return extremes.with_values(lambda times: at(times)[chosen]) if constants is None else extremes.shifted(constants[chosen])
     return sampled_extrema_of(result, at if rows is None else lambda times: at(times)[list(rows)])
+
+
+def rms_of(result: Result, kind: str, rows: Sequence[int]) -> RootMeanSquares:
+    """The RMS values of some curves of a kind from the first to the last time, by integrals of the closed form.
+
+    Args:
+        result: of the scene.
+        kind: as of ``curves_of``, but "energy".
+        rows: of the curves.
+
+    Returns:
+        In SI.
+    """
+    at, (linear, constants) = functions_of(result, kind), _linear(result, kind)
+    added = None if constants is None else constants[list(rows)]
+    ends = float(result.times[0]), float(result.times[-1])
+    return root_mean_squares(linear.rows(rows), *ends, added, lambda times: at(times)[list(rows)])
 
 
 @dataclass(frozen=True)
