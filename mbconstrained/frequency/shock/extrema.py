@@ -250,9 +250,7 @@ def sampled_extrema(at: Callable[[np.ndarray], np.ndarray], breaks: np.ndarray, 
     Returns:
         Values and times; the margin is infinite where the motion has too many periods for the samples.
     """
-    wanted = int(min(max(FIRST_PANELS, SAMPLES * rate * (end - start)), MOST_SAMPLES))
-    inside = breaks[(breaks > start) & (breaks < end)]
-    times = np.unique([*np.linspace(start, end, wanted + 1), *inside, *np.nextafter(inside, start)])
+    times = _sampled_times(breaks, rate, start, end)
     values = at(times)
     rows, sides = np.repeat(np.arange(len(values)), 2), np.tile([1.0, -1.0], len(values))
     place = (sides[:, None] * values[rows]).argmax(axis=1)
@@ -266,8 +264,42 @@ def sampled_extrema(at: Callable[[np.ndarray], np.ndarray], breaks: np.ndarray, 
         better = own[place, column] > sides * best
         best, when = np.where(better, sides * own[place, column], best), np.where(better, grid[place, column], when)
         low, high = grid[np.maximum(place - 1, 0), column], grid[np.minimum(place + 1, 16), column]
-    margin = np.full(len(values), np.inf if wanted == MOST_SAMPLES else 0.0)
+    margin = np.full(len(values), np.inf if len(times) > MOST_SAMPLES else 0.0)
     return Extrema(best[::2], best[1::2], when[::2], when[1::2], margin)
+
+
+def _sampled_times(breaks: np.ndarray, rate: float, start: float, end: float) -> np.ndarray:
+    """As many times as the fastest part needs, and both sides of the breaks."""
+    wanted = int(min(max(FIRST_PANELS, SAMPLES * rate * (end - start)), MOST_SAMPLES))
+    inside = breaks[(breaks > start) & (breaks < end)]
+    return np.unique([*np.linspace(start, end, wanted + 1), *inside, *np.nextafter(inside, start)])
+
+
+def positive_times(
+    at: Callable[[np.ndarray], np.ndarray], breaks: np.ndarray, rate: float, start: float, end: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The times at which functions are largest, and those at which they first become positive, by bisection.
+
+    Args:
+        at, breaks, rate, start, end: as of ``sampled_extrema``.
+
+    Returns:
+        Both in s, shape (r,); infinite for a function that is positive nowhere.
+    """
+    extremes = sampled_extrema(at, breaks, rate, start, end)
+    largest, first = np.full((2, len(extremes.maximum)), np.inf)
+    (rows,) = (extremes.maximum > 0).nonzero()
+    if len(rows):
+        largest[rows] = extremes.maximum_time[rows]
+        times = np.unique([*_sampled_times(breaks, rate, start, end), *largest[rows]])
+        place = (at(times)[rows] > 0).argmax(axis=1)
+        low, high = times[np.maximum(place - 1, 0)], times[place]
+        for _ in range(STEPS):
+            own, back = np.unique(low + (high - low) / 2, return_inverse=True)
+            is_positive = at(own)[rows, back] > 0
+            low, high = np.where(is_positive, low, own[back]), np.where(is_positive, own[back], high)
+        first[rows] = high
+    return largest, first
 
 
 class _Search:

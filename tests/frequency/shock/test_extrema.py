@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import mbconstrained as mb
-from mbconstrained.frequency.shock.extrema import EXTREMA_ACCURACY, extrema, root_mean_squares, sampled_extrema
+from mbconstrained.frequency.shock.extrema import EXTREMA_ACCURACY, extrema, positive_times, root_mean_squares, sampled_extrema
 from mbconstrained.ground.errors import InputError
 from mbconstrained.signals.bohl import BohlFunction
 from mbconstrained.signals.inputs import harmonic, sampled
@@ -206,3 +206,12 @@ def test_rms_of_more_accurate_values():
     assert root_mean_squares(1.001 * wave, 0.0, 2 * np.pi, accurate=accurate).values[0] == pytest.approx(0.5**0.5, rel=1e-14)
     with pytest.raises(InputError, match="too many periods"):
         root_mean_squares(1.001 * wave, 0.0, 1e7, accurate=accurate)
+
+
+def test_first_and_largest_positive_values_between_samples():
+    at = lambda times: np.array([np.cos(40 * times) - 0.999, np.sin(times) - 2.0, times - 0.123456789])  # noqa: E731
+    largest, positive = positive_times(at, np.zeros(0), 40.0, 0.05, 1.0)
+    first = 2 * np.pi / 40 - np.arccos(0.999) / 40
+    assert positive == pytest.approx([first, np.inf, 0.123456789], abs=1e-12)
+    assert np.cos(40 * largest[0]) == pytest.approx(1.0, abs=1e-12) and largest[1:].tolist() == [np.inf, 1.0]
+    assert np.isinf(positive_times(at, np.zeros(0), 40.0, 0.05, 0.1)).all()
