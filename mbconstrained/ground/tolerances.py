@@ -478,5 +478,8 @@ RIGHT_ANGLE = 1e-9
 #: Values that exceed the best one by less than this part of it are not searched for.
 EXTREMA_ACCURACY = 1e-12
 
+#: Functions whose values differ from those of a more accurate method by more than this part of their RMS values are integrated by that.
+ROUGH_PART = 1e-9
+
 #: Parts of a function below this share of its largest amplitude do not decide how finely it is sampled.
 VISIBLE_PART = 1e-6

@@ -44,13 +44,16 @@ class NamedDirections:
 
     Attributes:
         elements: the forces of springs and dampers by name, where they are known.
+        load_patterns: by name the generalized forces of a unit of a load that acts at several places, shape (n,), and the unit of the
+            displacement along which it works: each is one input.
     """
 
     elements: Mapping[str, ElementForce] = MappingProxyType({})
+    load_patterns: Mapping[str, tuple[np.ndarray, str]] = MappingProxyType({})
 
     def named_directions(self, side: Side) -> Mapping[str, tuple[np.ndarray, str]]:
         """Directions over the coordinates, shape (n,), with units, by names of their own."""
-        return {}
+        return self.load_patterns if side == "inputs" else {}
 
 
 class Channel(NamedTuple):

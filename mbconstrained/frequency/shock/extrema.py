@@ -1,4 +1,6 @@
-"""Maxima and minima of functions of time in closed form, by branch and bound: none is missed, each is as accurate as the function.
+"""Maxima, minima and mean squares of functions of time in closed form: none is missed, each is as accurate as the function.
+
+Extrema are those of branch and bound.
 
 On a panel of width h the third derivative of f = C e^{J t} v is at most B_3 = sum over blocks |c J^3| |v(t_0)| e^{max(mu, 0) h}, mu the
 logarithmic norm of the block. A panel is left out where no value on it exceeds the best one known: f <= max(f_0, f_1) + B_2 h^2 / 8, where the
@@ -16,9 +18,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg
 
-from ...ground.tolerances import EPS, EXTREMA_ACCURACY, VISIBLE_PART
+from ...ground.errors import InputError, Overflow
+from ...ground.tolerances import EPS, EXTREMA_ACCURACY, ROUGH_PART, VISIBLE_PART
 from ...linalg.blocks import block_slices
+from ...linalg.exponential.block_exponential import block_states
 from ...signals.bohl import BohlFunction
+from ...signals.inputs import step
 
 #: Most steps that refine the time of an extremum.
 STEPS = 60
@@ -40,6 +45,13 @@ MOST_WORK = 1 << 23
 
 #: Samples in a radian of the fastest part of a function that is sampled, and the most of all; refinements of the best one.
 SAMPLES, MOST_SAMPLES, ZOOMS = 6, 200_000, 9
+
+#: Points of Gauss's rule on a panel, and the longest panel in radians of the fastest part: the square of a sum of exponentials is
+#: integrated with an error of (12^32 (16!)^4) / (33 (32!)^3) = 1e-20 of its largest value by amplitudes.
+GAUSS, RADIANS = 16, 6.0
+
+#: Times at which functions are compared with more accurate ones.
+COMPARED = 64
 
 #: The smallest normal number: the size of a function that is zero.
 TINY = float(np.finfo(float).tiny)
@@ -106,6 +118,118 @@ def extrema(function: BohlFunction, start: float, end: float) -> Extrema:
     return extremes.with_values(function)
 
 
+@dataclass(frozen=True, eq=False)
+class RootMeanSquares:
+    """The square root of the mean of f^2 over an interval, for each of r functions.
+
+    Attributes:
+        values: shape (r,).
+        error_estimate: absolute, shape (r,).
+    """
+
+    values: np.ndarray
+    error_estimate: np.ndarray
+
+
+def root_mean_squares(
+    function: BohlFunction, start: float, end: float, constants: np.ndarray | None = None, accurate: Callable | None = None
+) -> RootMeanSquares:
+    """The RMS values of f(t) + constants over [start, end], by integrals of the closed form.
+
+    From knot to knot f^2 is integrated by Gauss's rule on panels that are short for the fastest part, which is exact to rounding
+    errors. Where that takes too many panels, integrals of the states are doubled, G(2 h) = G(h) + E G(h) E^T with E = e^{J h}.
+
+    Args:
+        function: f, of r rows.
+        start, end: in s.
+        constants: shape (r,); zero when not given.
+        accurate: the same values by a more accurate method, of times (T,), shape (r, T); where f differs from them at some times by more
+            than ``ROUGH_PART``, they are integrated.
+
+    Returns:
+        Values with estimates of their errors, which contain the difference of both methods.
+
+    Raises:
+        InputError: only the more accurate method serves, and the motion has too many periods for it.
+
+    >>> from mbconstrained.signals.inputs import harmonic
+    >>> wave = harmonic([3.0], angular_frequency=5.0).smooth
+    >>> root_mean_squares(wave, 0.0, 2 * np.pi).values.round(12)  # 3 / sqrt(2)
+    array([2.12132034])
+    """
+    rough = getattr(function, "rough", function)
+    if constants is not None and np.any(constants):
+        rough = rough + step(constants).smooth
+    edges, panels = _panels(rough, start, end)
+    wanted = GAUSS * panels.sum()
+    doubt = np.zeros(rough.size)
+    if accurate is not None:
+        times = np.unique([*np.linspace(start, end, COMPARED), *edges[:-1][:: max(1, len(edges) // COMPARED)]])
+        proved = accurate(times)
+        doubt, size = np.abs(rough(times) - proved).max(axis=1, initial=0.0), np.sqrt((proved**2).mean(axis=1))
+        if (doubt > np.maximum(ROUGH_PART * size, NOISE * size.max(initial=0.0))).any():
+            if wanted > MOST_SAMPLES:
+                raise InputError(
+                    "the motion has too many periods for the accuracy that its values need; choose an earlier end in [time]"
+                )
+            sums, errors = _by_values(accurate, edges, panels)
+            return RootMeanSquares(np.sqrt(sums / (end - start)), NOISE * np.sqrt(sums / (end - start)))
+    if wanted <= MOST_SAMPLES:
+        sums, errors = _by_values(rough, edges, panels)
+        states = BohlFunction(np.eye(rough.state_count), rough.blocks, rough.start)(edges)
+        doubt = doubt + NOISE * (np.abs(rough.coefficients) @ np.abs(states)).max(axis=1)  # where modes cancel
+    else:
+        sums, errors = _by_doubling(rough, edges, panels)
+    values = np.sqrt(sums / (end - start))
+    return RootMeanSquares(
+        values, doubt + np.minimum(errors / (2 * np.sqrt(np.maximum(sums, TINY))), np.sqrt(errors)) / np.sqrt(end - start)
+    )
+
+
+def _panels(function: BohlFunction, start: float, end: float) -> tuple[np.ndarray, np.ndarray]:
+    """The knots between the ends with these, and a power of two of panels in each interval."""
+    knots = function.restarts.knots
+    edges = np.unique([start, *knots[(knots > start) & (knots < end)], end])
+    rate = 0.0
+    for block in function.blocks:
+        with np.errstate(invalid="ignore", over="ignore"):
+            rate = max(rate, float(np.linalg.norm(scipy.linalg.matrix_balance(block, permute=False)[0], 2)))
+    needed = np.maximum(np.diff(edges) * rate / RADIANS, 1.0)
+    return edges, 2.0 ** np.ceil(np.log2(needed))
+
+
+def _by_values(function: Callable, edges: np.ndarray, panels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Integrals of f^2 by its values, and estimates of their errors."""
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+    counts = panels.astype(int)
+    width = np.repeat(np.diff(edges) / counts, counts)
+    begin = np.concatenate([low + (high - low) / n * np.arange(n) for low, high, n in zip(edges, edges[1:], counts)])
+    times = (begin[:, None] + width[:, None] * (nodes + 1) / 2).reshape(-1)
+    squares = function(times) ** 2
+    sums = squares @ (width[:, None] * weights / 2).reshape(-1)
+    return sums, NOISE * sums
+
+
+def _by_doubling(function: BohlFunction, edges: np.ndarray, panels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same by integrals of w w^T over the first panel after each knot, doubled."""
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+    states = BohlFunction(np.eye(function.state_count), function.blocks, function.start)  # one set of states for all rows
+    C, unit = function.coefficients, np.eye(function.state_count)
+    sums, errors = np.zeros((2, len(C)))
+    for low, high, count in zip(edges, edges[1:], panels):
+        h, doublings = (high - low) / count, int(np.log2(count))
+        W = states(low + h * (nodes + 1) / 2) * np.sqrt(h * weights / 2)
+        G = W @ W.T
+        for number in range(doublings):
+            E = block_states(function.blocks, unit, np.full(len(unit), h * 2.0**number))
+            G = G + E @ G @ E.T
+        sums += np.maximum(np.einsum("ij,jk,ik->i", C, G, C), 0.0)
+        errors += NOISE * (doublings + 1) * (np.abs(C) @ np.sqrt(G.diagonal())) ** 2
+    if not np.isfinite(errors).all():
+        raise Overflow("the motion grows beyond the range of float64; choose an earlier end")
+    return sums, errors
+
+
 def fastest_rate(function: BohlFunction) -> float:
     """The largest modulus in 1/s of an eigenvalue of a block whose part of a row counts next to the largest amplitude of the row."""
     search = _Search(function, 0.0, 0.0)
@@ -126,9 +250,7 @@ def sampled_extrema(at: Callable[[np.ndarray], np.ndarray], breaks: np.ndarray, 
     Returns:
         Values and times; the margin is infinite where the motion has too many periods for the samples.
     """
-    wanted = int(min(max(FIRST_PANELS, SAMPLES * rate * (end - start)), MOST_SAMPLES))
-    inside = breaks[(breaks > start) & (breaks < end)]
-    times = np.unique([*np.linspace(start, end, wanted + 1), *inside, *np.nextafter(inside, start)])
+    times = _sampled_times(breaks, rate, start, end)
     values = at(times)
     rows, sides = np.repeat(np.arange(len(values)), 2), np.tile([1.0, -1.0], len(values))
     place = (sides[:, None] * values[rows]).argmax(axis=1)
@@ -142,8 +264,42 @@ def sampled_extrema(at: Callable[[np.ndarray], np.ndarray], breaks: np.ndarray, 
         better = own[place, column] > sides * best
         best, when = np.where(better, sides * own[place, column], best), np.where(better, grid[place, column], when)
         low, high = grid[np.maximum(place - 1, 0), column], grid[np.minimum(place + 1, 16), column]
-    margin = np.full(len(values), np.inf if wanted == MOST_SAMPLES else 0.0)
+    margin = np.full(len(values), np.inf if len(times) > MOST_SAMPLES else 0.0)
     return Extrema(best[::2], best[1::2], when[::2], when[1::2], margin)
+
+
+def _sampled_times(breaks: np.ndarray, rate: float, start: float, end: float) -> np.ndarray:
+    """As many times as the fastest part needs, and both sides of the breaks."""
+    wanted = int(min(max(FIRST_PANELS, SAMPLES * rate * (end - start)), MOST_SAMPLES))
+    inside = breaks[(breaks > start) & (breaks < end)]
+    return np.unique([*np.linspace(start, end, wanted + 1), *inside, *np.nextafter(inside, start)])
+
+
+def positive_times(
+    at: Callable[[np.ndarray], np.ndarray], breaks: np.ndarray, rate: float, start: float, end: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The times at which functions are largest, and those at which they first become positive, by bisection.
+
+    Args:
+        at, breaks, rate, start, end: as of ``sampled_extrema``.
+
+    Returns:
+        Both in s, shape (r,); infinite for a function that is positive nowhere.
+    """
+    extremes = sampled_extrema(at, breaks, rate, start, end)
+    largest, first = np.full((2, len(extremes.maximum)), np.inf)
+    (rows,) = (extremes.maximum > 0).nonzero()
+    if len(rows):
+        largest[rows] = extremes.maximum_time[rows]
+        times = np.unique([*_sampled_times(breaks, rate, start, end), *largest[rows]])
+        place = (at(times)[rows] > 0).argmax(axis=1)
+        low, high = times[np.maximum(place - 1, 0)], times[place]
+        for _ in range(STEPS):
+            own, back = np.unique(low + (high - low) / 2, return_inverse=True)
+            is_positive = at(own)[rows, back] > 0
+            low, high = np.where(is_positive, low, own[back]), np.where(is_positive, own[back], high)
+        first[rows] = high
+    return largest, first
 
 
 class _Search:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
 from ...ground.checks import counted, real_array
 from ...ground.display import Displayed
 from ...ground.errors import InputError
+from ...ground.tolerances import noise_of
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import step, zero
 from ..constraints import Constraint
@@ -125,6 +127,20 @@ class Family(Displayed):
     def matrices(self, at: slice | int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """M, C and K of some systems, or of one."""
         return self.mass[at], self.damping[at], self.stiffness[at]
+
+    def is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
+        """Which systems have neither springs nor dampers, as requested, against some motions, to rounding errors of the entries.
+
+        Args:
+            shapes: displacements that satisfy the constraints, shape (n, z).
+            of: which of the matrices.
+
+        Returns:
+            Truth values, shape (S,).
+        """
+        V, matrices = self.base.position_form().null_space, getattr(self, of)
+        noise = noise_of(np.abs(V.T) @ np.abs(matrices) @ np.abs(shapes))
+        return (np.abs(V.T @ (matrices @ shapes)) <= noise).all(axis=(1, 2))
 
     def modes(self) -> FamilyModes:
         """The modes of all systems.

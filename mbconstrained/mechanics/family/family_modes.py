@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,8 +11,9 @@ from ...ground.checks import counted
 from ...ground.display import Displayed, TextTable, notice_table
 from ...ground.notices import Notice, NoticeKind, doubts_of
 from ...ground.tolerances import EPS, PROVED_ACCURACY
+from ..mode_computation import rest_shapes
 from ..modes import Modes
-from .stacked_poles import StackedPoles
+from .stacked_poles import StackedPoles, stacked_poles
 
 if TYPE_CHECKING:
     from .family import Family
@@ -86,19 +87,20 @@ def family_modes(family: Family) -> FamilyModes:
     Returns:
         ``FamilyModes``.
     """
-    poles, count = family.poles, len(family)
-    serve = np.zeros(count, dtype=bool)
-    if poles is not None:
-        serve = poles.serve & (poles.value_errors <= PROVED_ACCURACY).all(axis=1)
-    alone = {place: family[place].modes() for place in np.flatnonzero(~serve).tolist()}
+    count, stacks = len(family), [one for one in (_regular_stack(family),) if one]
+    waiting = ~np.any([np.zeros(count, dtype=bool), *(one.serve for one in stacks)], axis=0)
+    if waiting.sum() > 1 and (freed := _free_stack(family, waiting)):
+        stacks.append(freed)
+        waiting &= ~freed.serve
+    alone = {place: family[place].modes() for place in np.flatnonzero(waiting).tolist()}
     drift = sum(row.order for row in family.base.rows)
     width = max([0, *(len(modes.eigenvalues) for modes in alone.values())])
-    if poles is not None and serve.any():
-        width = max(width, poles.values.shape[1] + drift)
+    width = max([width, *(one.count + drift for one in stacks if one.serve.any())])
     values = np.full((count, width), np.nan, dtype=complex)
     errors, shapes = np.full((count, width), np.nan), np.full((count, family.base.size, width), np.nan, dtype=complex)
-    if poles is not None and serve.any():
-        _sort_into(values, errors, shapes, poles, serve, drift)
+    for one in stacks:
+        if one.serve.any():
+            _sort_into(values, errors, shapes, one, drift)
     for place, modes in alone.items():
         own = modes.eigenvalues
         values[place, : len(own)], errors[place, : len(own)] = (
@@ -115,8 +117,69 @@ def family_modes(family: Family) -> FamilyModes:
     return FamilyModes(family, values, shapes, errors, np.array(sorted(alone), dtype=int))
 
 
-def _sort_into(values, errors, shapes, poles: StackedPoles, serve: np.ndarray, drift: int) -> None:
-    """The poles of the systems that serve, ascending by modulus after eigenvalues 0 of drift, their shapes with largest entry 1."""
+@dataclass(frozen=True, eq=False)
+class _Stack:
+    """Poles of the systems that they serve, and the shapes of their eigenvalues 0, one for each."""
+
+    poles: StackedPoles
+    serve: np.ndarray
+    zeros: np.ndarray
+
+    @property
+    def count(self) -> int:
+        """The largest number of their eigenvalues."""
+        return int((self.poles.weights[self.serve] > 0).sum(axis=1).max()) + len(self.zeros)
+
+
+def _regular_stack(family: Family) -> _Stack | None:
+    """The systems without eigenvalues 0 but those of drift."""
+    poles = family.poles
+    if poles is None:
+        return None
+    return _Stack(poles, poles.serve & (poles.value_errors <= PROVED_ACCURACY).all(axis=1), np.zeros((0, family.base.size)))
+
+
+def _free_stack(family: Family, waiting: np.ndarray) -> _Stack | None:
+    """Systems with the free motions of the first of those that wait: free bodies, or one motion that dampers alone resist.
+
+    Whether a motion is free is a decision on rank, which is made for that system; for the others it is seen whether springs
+    and dampers act against it. A pole of theirs that is not clearly none of the zeros leaves a system out.
+    """
+    if family.poles is None:
+        return None
+    reference = family[int(waiting.argmax())]
+    free, staying = rest_shapes(reference.position_form().polynomial_matrix)
+    if np.iscomplexobj(free) or np.iscomplexobj(staying):
+        return None
+    if free.shape[1] and not staying.shape[1]:
+        waiting = waiting & family.is_free(free, "stiffness") & family.is_free(free, "damping")
+        equations = family.equations.without_rigid_motions(free)
+        if not (waiting & equations.serve).any():
+            return None
+        poles = stacked_poles(equations, *family.matrices(slice(None)))
+        serve = waiting & poles.serve & (poles.value_errors <= PROVED_ACCURACY).all(axis=1)
+        bodies = free.shape[1]
+        return _Stack(poles, serve, np.array([free[:, min(i, bodies - 1)] for i in range(2 * bodies)]))
+    if staying.shape[1] != 1 or free.shape[1]:
+        return None
+    resting = family.equations.with_resting_motion(staying)
+    if resting is None:
+        return None
+    equations, doubt = resting
+    units = np.broadcast_to(np.eye(equations.K.shape[1]), equations.K.shape)
+    poles = stacked_poles(replace(equations, T=units), equations.M, equations.C, equations.K)
+    zero = ((poles.values == 0) | (poles.value_errors >= 1.0)) & (poles.weights == 1)  # not farther from 0 than their errors
+    errors = poles.value_errors + doubt[:, None]
+    clear = (errors <= PROVED_ACCURACY) | zero
+    serve = waiting & family.is_free(staying, "stiffness") & poles.serve & clear.all(axis=1) & (zero.sum(axis=1) == 1)
+    weights, shapes = np.where(zero, 0.0, poles.weights), equations.T @ poles.shapes
+    poles = replace(poles, value_errors=errors, weights=weights, shapes=shapes)
+    return _Stack(poles, serve, staying.T)
+
+
+def _sort_into(values, errors, shapes, stack: _Stack, drift: int) -> None:
+    """The poles of the systems that serve, ascending by modulus after eigenvalues 0, their shapes with largest entry 1."""
+    poles, serve = stack.poles, stack.serve
     own = np.where(poles.weights > 0, poles.values, np.inf)
     order = np.argsort(np.abs(own), axis=1, kind="stable")
     ordered = np.take_along_axis(own, order, axis=1)
@@ -128,10 +191,12 @@ def _sort_into(values, errors, shapes, poles: StackedPoles, serve: np.ndarray, d
     largest = np.take_along_axis(X, np.abs(X).argmax(axis=1)[:, None, :], axis=1)
     with np.errstate(all="ignore"):
         X = np.where(absent[:, None, :], np.nan, X / largest)
-    columns = slice(drift, drift + ordered.shape[1])
-    values[serve, :drift], errors[serve, :drift] = 0.0, 0.0
-    values[serve, columns], errors[serve, columns] = ordered[serve], sizes[serve]
-    shapes[serve, :, columns] = X[serve].transpose(0, 1, 2)
+    begin = drift + len(stack.zeros)
+    columns, present = slice(begin, drift + stack.count), stack.count - len(stack.zeros)
+    values[serve, :begin], errors[serve, :drift], errors[serve, drift:begin] = 0.0, 0.0, EPS
+    values[serve, columns], errors[serve, columns] = ordered[serve, :present], sizes[serve, :present]
+    shapes[serve, :, drift:begin] = stack.zeros.T
+    shapes[serve, :, columns] = X[serve][:, :, :present]
 
 
 def one_by_one(places: np.ndarray, count: int, limit: float = PROVED_ACCURACY) -> tuple[Notice, ...]:

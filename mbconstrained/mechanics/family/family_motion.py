@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...frequency.shock.extrema import Extrema, extrema
+from ...frequency.shock.extrema import Extrema, RootMeanSquares, extrema, root_mean_squares
 from ...ground.checks import counted, evaluation_times, places_of, real_array
 from ...ground.display import Displayed
 from ...ground.errors import MbconstrainedError, Overflow
@@ -142,10 +143,36 @@ class FamilyMotion(Displayed):
         >>> [float(one.maximum[0].round(12)) for one in motions.extrema((0.0, 2.0))]
         [3.0, 2.0]
         """
+        return self._of_each(
+            span, order, combinations, lambda f, at: extrema(f, *span) if at is None else extrema(f, *span).with_values(at)
+        )
+
+    def root_mean_squares(
+        self, span: tuple[float, float], order: int = 0, combinations: np.ndarray | None = None
+    ) -> list[RootMeanSquares]:
+        """The RMS values of each system over a span of time, by integrals of the closed form.
+
+        Args:
+            span, order, combinations: as of ``extrema``.
+
+        Returns:
+            One for each system.
+
+        >>> from mbconstrained import family
+        >>> motions = family([[1.0]], None, [[[4.0]], [[9.0]]]).solve(velocity=[6.0])
+        >>> [float(one.values[0].round(12)) for one in motions.root_mean_squares((0.0, np.pi))]  # 3 / sqrt(2), 2 / sqrt(2)
+        [2.121320343560, 1.414213562373]
+        """
+        return self._of_each(span, order, combinations, lambda f, at: root_mean_squares(f, *span, accurate=at))
+
+    def _of_each(
+        self, span: tuple[float, float], order: int, combinations: np.ndarray | None, what: Callable[..., Any]
+    ) -> list[Any]:
+        """A functional of the function of each system and of its more accurate values, None where it has them itself."""
         count, served = len(self), self._served
         own = np.eye(self.family.base.size) if self.outputs is None else np.eye(self.family.base.size)[list(self.outputs)]
         matrix = own if combinations is None else real_array(combinations, "combinations", shape=(None, self.family.base.size))
-        result: list[Extrema | None] = [None] * count
+        result: list[Any] = [None] * count
         some = np.linspace(*span, TRIAL_TIMES)
         for begin in range(0, count if served is not None else 0, TOGETHER):
             at = slice(begin, begin + TOGETHER)
@@ -160,13 +187,13 @@ class FamilyMotion(Displayed):
                 try:
                     function = one.function()
                     if np.abs(function(some) - values[place]).max() <= LOCATED * size[place]:
-                        result[begin + place] = extrema(function, *span).with_values(lambda times, one=one: one(times)[0])
+                        result[begin + place] = what(function, lambda times, one=one: one(times)[0])
                 except MbconstrainedError:
                     continue  # solved by itself, which has its own reasons
         for place in [place for place, own in enumerate(result) if own is None]:
             motion = self[place]
             function = motion.derivative(order) if order else motion.function
-            result[place] = extrema(function.mapped(matrix), *span)
+            result[place] = what(function.mapped(matrix), None)
         return result
 
     @cached_property

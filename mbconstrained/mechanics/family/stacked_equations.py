@@ -7,11 +7,12 @@ by is measured in each model, and a model that lacks the structure, or divides b
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...ground.tolerances import CLEAR_KEPT, DIVISOR_CONDITION, GOOD_CONDITION, noise_of
+from ...linalg.arrays import others
 from ...polynomial.direct_reduction import matching_rows, pivots_of
 
 
@@ -70,6 +71,67 @@ class StackedEquations:
         return self.masses == self.K.shape[1] and all(
             bool((matrix == matrix.transpose(0, 2, 1)).all()) for matrix in (self.M, self.C, self.K)
         )
+
+    def without_rigid_motions(self, shapes: np.ndarray) -> StackedEquations:
+        """The equations of the motions without momentum along shapes against which there is neither stiffness nor damping.
+
+        With q = E p + U a, E the columns of all coordinates but one for each shape, a = -(U^T M U)^-1 U^T M E p: what is left of the
+        matrices is regular where K is regular but for U. The coordinates that are left out have the largest masses, so that no
+        difference of masses cancels.
+
+        Args:
+            shapes: x of the motions U, shape (n, z).
+
+        Returns:
+            The equations; those of no model where the shapes depend on each other, or not all coordinates have mass.
+        """
+        free = self._free_coordinates(shapes)
+        if free is None or not self.is_symmetric:
+            return replace(self, serve=np.zeros(len(self.K), dtype=bool))
+        U, rest = free
+        along = U.T @ self.M  # (S, z, r)
+        total, serve = _regular(along @ U, self.serve)
+        P = np.eye(len(U))[:, rest] - U @ np.linalg.solve(total, along[:, :, rest])
+        M, C, K = P.transpose(0, 2, 1) @ self.M @ P, self.C[:, rest[:, None], rest], self.K[:, rest[:, None], rest]
+        own, left = self.M.diagonal(axis1=1, axis2=2)[:, rest], M.diagonal(axis1=1, axis2=2)
+        serve = serve & (own <= GOOD_CONDITION * left).all(axis=1)
+        M = (M + M.transpose(0, 2, 1)) / 2
+        return replace(
+            self, M=M, C=C, K=K, T=self.T @ P, L=P.transpose(0, 2, 1) @ self.L, free=self.free[rest], masses=len(rest), serve=serve
+        )
+
+    def with_resting_motion(self, shape: np.ndarray) -> tuple[StackedEquations, np.ndarray] | None:
+        """The equations in coordinates (p, a), q = E p + u a, where a is the amplitude of a motion that springs do not resist.
+
+        K has exact zeros for it, so that a slow motion against dampers alone does not have the rounding errors of stiffness.
+
+        Args:
+            shape: x of the motion u, shape (n, 1).
+
+        Returns:
+            The equations, T of the coordinates x, L the unit matrix, and bounds of the rounding errors of the damping of u, relative,
+            shape (S,); None where not all coordinates have mass.
+        """
+        free = self._free_coordinates(shape)
+        if free is None or not (self.K == self.K.transpose(0, 2, 1)).all():
+            return None
+        u, rest = free
+        P = np.hstack([np.eye(len(u))[:, rest], u])
+        M, C, K = P.T @ self.M @ P, P.T @ self.C @ P, np.zeros_like(self.K)
+        K[:, :-1, :-1] = self.K[:, rest[:, None], rest]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            doubt = noise_of((np.abs(u.T) @ np.abs(self.C) @ np.abs(u))[:, 0, 0]) / np.abs(C[:, -1, -1])
+        return replace(self, M=M, C=C, K=K, T=self.T @ P, L=np.broadcast_to(np.eye(len(u)), K.shape)), doubt
+
+    def _free_coordinates(self, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """The shapes U in the coordinates q, and all coordinates but one for each of them, that with the largest mass."""
+        size, first = self.K.shape[1], int(self.serve.argmax())
+        U = np.linalg.lstsq(self.T[first], shapes, rcond=None)[0]
+        masses = np.abs(self.M[first].diagonal())
+        if self.masses < size or not masses.all():
+            return None
+        pivots = pivots_of(U.T, np.ones(size, dtype=bool), np.sqrt(masses))
+        return None if pivots is None else (U, others(size, pivots))
 
 
 def stacked_equations(M: np.ndarray, C: np.ndarray, K: np.ndarray, V: np.ndarray) -> StackedEquations | None:

@@ -86,7 +86,7 @@ def lumped_drawing(
     meshing = [(gear.start, gear.end) for gear in gears]
     racked = frozenset(rack.gear for rack in elements if isinstance(rack, Rack) and rack.radius > 0)
     pieces = bar_pieces(bars, sliding, slides, massless, length, scale / (length * (turn_scale or 1.0)))
-    barred = {name for piece in pieces for name in piece.names}
+    barred = {name for piece in pieces for body in piece.bodies for name in (body.name, *body.moves)}
     rows = groups([name for name in sliding if name not in barred], (joint.ends for joint in slides))
     upright = {tuple(group) for group in rows if stack == "vertical" or (stack is None and are_storeys(group))}
     chains = [
@@ -128,7 +128,7 @@ def _natural(sliding: list[str], slides: list[Joint], bars) -> dict:
     """Positions in which all springs have their lengths; bars are level where none of their springs is stretched on the average."""
     natural = natural_positions(sliding, slides)
     for bar in bars:
-        natural |= dict.fromkeys(bar.places, float(np.mean([natural[point] for point in bar.points])))
+        natural |= dict.fromkeys(bar.places, float(np.mean([natural[point] for point in bar.points or bar.places])))
     return natural
 
 

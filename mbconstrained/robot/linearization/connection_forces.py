@@ -7,13 +7,14 @@ The wrench T f of a connection, with f = -dU/dphi - D phi' of a spring and f = G
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..statics.contacts import moving_contact_notices
+from ...ground.tolerances import CONE_TOLERANCE
+from ..statics.contacts import limit_values, moving_contact_notices
 
 if TYPE_CHECKING:
     from ...ground.notices import Notice
@@ -106,6 +107,28 @@ def connection_forces(posture: Posture, size: int, rows: Sequence[str]) -> Conne
     )
 
 
+def foot_limits(posture: Posture, forces: ConnectionForces, values, sizes: Mapping[str, float], error: float) -> np.ndarray:
+    """How far feet are outside of their limits, positive where ``foot_notices`` has notices of them.
+
+    Args:
+        posture, forces, error: as of ``foot_notices``.
+        values: of the forces, shape (k, T).
+        sizes: by name of a foot the largest force on it, in N.
+
+    Returns:
+        A row for each foot and limit, shape (r, T).
+    """
+    return limit_values(posture.balance, _wrenches(forces, values), sizes, max(error, CONE_TOLERANCE))
+
+
+def _wrenches(forces: ConnectionForces, values: np.ndarray) -> dict[str, np.ndarray]:
+    """Force and torque by connection, shape (6, T)."""
+    wrenches = {name: np.zeros((6, values.shape[1])) for name in forces.places}
+    for name, rows in forces.places.items():
+        wrenches[name][: rows.stop - rows.start] = values[rows]
+    return wrenches
+
+
 def foot_notices(posture: Posture, forces: ConnectionForces, times, values, reactions, error: float) -> Iterator[Notice]:
     """Notices on feet that lift off, slip or tip over during a motion but not at rest.
 
@@ -125,9 +148,6 @@ def foot_notices(posture: Posture, forces: ConnectionForces, times, values, reac
     for name, change in reactions.items():
         if name in balance.load.row_names:
             multipliers[balance.load.row_names.index(name), 1:] += change
-    together = np.column_stack([forces.rest, values])
-    wrenches = {name: np.zeros((6, 1 + len(times))) for name in forces.places}
-    for name, rows in forces.places.items():
-        wrenches[name][: rows.stop - rows.start] = together[rows]
+    wrenches = _wrenches(forces, np.column_stack([forces.rest, values]))
     free = ~np.isin(robot.coordinates, list(posture.torques))
     yield from moving_contact_notices(balance, free, multipliers, times, wrenches, error)

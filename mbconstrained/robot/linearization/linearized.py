@@ -166,7 +166,7 @@ class LinearizedRobot(MechanicalSystem):
     def named_directions(self, side: Side) -> Mapping[str, tuple[np.ndarray, str]]:
         """Those of the inputs, or of the outputs, with units."""
         directions, units = (self.inputs, self.input_units) if side == "inputs" else (self.outputs, self.output_units)
-        return {name: (direction, units[name]) for name, direction in directions.items()}
+        return {**{name: (direction, units[name]) for name, direction in directions.items()}, **super().named_directions(side)}
 
     @property
     def output_matrix(self) -> np.ndarray:

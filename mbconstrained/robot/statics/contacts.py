@@ -20,6 +20,9 @@ from .equilibrium import Equilibrium, rows_of
 #: Sides of the pyramid inside a friction cone: it lacks 0.1 % of the friction.
 SIDES = 64
 
+#: Most times at which all shares of the load are tried.
+MOST_TRIED = 400
+
 #: What a foot does outside of a limit.
 LIFTS, SLIPS, TIPS = "lifts off", "slips", "tips over"
 PLURALS = {LIFTS: "lift off", SLIPS: "slip", TIPS: "tip over"}
@@ -101,6 +104,26 @@ def contact_notices(state: Equilibrium, free: np.ndarray) -> Iterator[Notice]:
     yield from (Notice(NoticeKind.STATIC_LOAD, text) for text in _sentences(exceeded))
 
 
+def limit_values(balance: Balance, wrenches: Mapping[str, np.ndarray], sizes: Mapping[str, float], tolerance: float) -> np.ndarray:
+    """How far feet are outside of their limits beyond a tolerance, positive outside; by foot the limits in their order.
+
+    Args:
+        balance: at rest.
+        wrenches: as of ``moving_contact_notices``, shape (6, T).
+        sizes: by name of a foot the largest force on it in N, to which the tolerance is relative.
+        tolerance: of forces and of the place of the centre of pressure.
+
+    Returns:
+        Shape (number of feet times 3, T).
+    """
+    rows = []
+    for contact in _contacts(balance):
+        name = contact.support.name
+        limits = _limits(contact, contact.of(wrenches[name]), tolerance, sizes[name])
+        rows += [limit.excess - limit.least for limit in limits]
+    return np.array(rows).reshape(len(rows), -1)
+
+
 def moving_contact_notices(
     balance: Balance,
     free: np.ndarray,
@@ -170,34 +193,46 @@ def _exceeded(
             exceeded += _outside(contact, limits)
     outside = np.any([limit.outside for _, limits in together for limit in limits], axis=0)
     places = np.flatnonzero(outside).tolist() if together else []
+    if len(places) > MOST_TRIED:  # with the first and the worst of each limit
+        ends = [int(np.where(one.outside, one.excess, -np.inf).argmax()) for _, own in together for one in own if one.outside.any()]
+        places = sorted({places[0], *ends, *places[:: len(places) // MOST_TRIED]})
     return exceeded + _of_every_share(balance, J, multipliers, tuple(contact for contact, _ in together), places, tolerance)
 
 
 def _outside(contact: Contact, limits: Sequence[Limit]) -> Iterator[Exceeded]:
-    """Where a foot pulls, slips before that, or tips over before both."""
+    """Where a foot pulls, and before that slips, or tips over: either of them may come first, and one does not exclude the other."""
     before = len(limits[0].excess)
     for limit in limits:
         outside = limit.outside & (np.arange(len(limit.outside)) < before)
         if outside.any():
-            worst, before = int(np.where(outside, limit.excess, -np.inf).argmax()), int(outside.argmax())
-            yield Exceeded((contact,), limit.name, worst, before, float(limit.excess[worst]), limit.text(worst))
+            worst, first = int(np.where(outside, limit.excess, -np.inf).argmax()), int(outside.argmax())
+            yield Exceeded((contact,), limit.name, worst, first, float(limit.excess[worst]), limit.text(worst))
+            before = first if limit.name == LIFTS else before
 
 
 @dataclass(frozen=True, eq=False)
 class Limit:
-    """What a foot needs over time: how far it is outside of a limit, and where it is; a sentence on the value at a place."""
+    """What a foot needs over time: how far it is outside of a limit, from where on it is outside; a sentence on the value at a place."""
 
     name: str
     excess: np.ndarray
-    outside: np.ndarray
+    least: float
     text: Callable[[int], str]
 
+    @property
+    def outside(self) -> np.ndarray:
+        """Where it is, shape (T,)."""
+        return self.excess > self.least
 
-def _limits(contact: Contact, wrench: np.ndarray, tolerance: float) -> list[Limit]:
-    """Pull of the ground (N), tangential force beyond friction (N), place of the centre of pressure relative to the sole."""
+
+def _limits(contact: Contact, wrench: np.ndarray, tolerance: float, size: float | None = None) -> list[Limit]:
+    """Pull of the ground (N), tangential force beyond friction (N), place of the centre of pressure relative to the sole.
+
+    The tolerance is relative to the size, by default the largest force.
+    """
     foot, force = contact.support, wrench[:3]
     along, across = foot.parts(force)
-    least = np.linalg.norm(force, axis=0).max() * tolerance
+    least = float(np.linalg.norm(force, axis=0).max() if size is None else size) * tolerance
     excess, pressed = across - foot.friction * np.maximum(along, 0.0), along > least
     arms = np.where(pressed, np.abs(wrench[[4, 3]]) / np.where(pressed, along, 1.0), 0.0)
     halves = np.array(foot.patch if foot.patch is not None else (np.inf, np.inf)) / 2
@@ -214,9 +249,9 @@ def _limits(contact: Contact, wrench: np.ndarray, tolerance: float) -> list[Limi
         return f"the centre of pressure would be {at}, and the sole ends at {halves[axis]:.3g} m"
 
     return [
-        Limit(LIFTS, -along, -along > least, lambda place: f"the ground would have to pull by {-along[place]:.4g} N"),
-        Limit(SLIPS, excess, excess > least, friction),
-        Limit(TIPS, shares.max(axis=0), shares.max(axis=0) > 1 + tolerance, pressure),
+        Limit(LIFTS, -along, least, lambda place: f"the ground would have to pull by {-along[place]:.4g} N"),
+        Limit(SLIPS, excess, least, friction),
+        Limit(TIPS, shares.max(axis=0), 1 + tolerance, pressure),
     ]
 
 
@@ -252,8 +287,8 @@ def _of_every_share(
 ) -> list[Exceeded]:
     """Limits that feet exceed at some of the places with all multipliers that load the free coordinates alike, J^T lambda = force.
 
-    A linear program for each limit, the first that is exceeded: least z >= 0 with rows @ lambda + z >= 0, those of the limits before it
-    without z.
+    A linear program for each limit: least z >= 0 with rows @ lambda + z >= 0, those of the limits before it that are kept without z. None
+    is of use after one in which feet lift off.
     """
     if not len(places):
         return []
@@ -276,7 +311,9 @@ def _of_every_share(
             answer = linprog(least, slack, np.zeros(len(slack)), np.column_stack([J, np.zeros(len(J))]), force / size, bounds)
             if answer.status == 0 and answer.fun > tolerance:
                 lacking.setdefault(limit, {})[int(place)] = answer.fun * size
-                break
+                if limit == LIFTS:
+                    break
+                continue
             hard = np.vstack([hard, np.column_stack([-own, np.zeros(len(own))])])
     return [
         Exceeded(contacts, limit, worst, min(own), own[worst], _LACKING[limit].format(own[worst]))

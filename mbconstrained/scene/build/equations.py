@@ -13,6 +13,7 @@ import numpy as np
 
 from ...ground.errors import InputError
 from ...ground.notices import Notice
+from ...mechanics.channels import channels
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...response.events import start_of
 from ...response.response import Response
@@ -24,7 +25,7 @@ from ..quantities.coordinates import FORCE_UNITS, Coordinates, beyond_noise, con
 from ..quantities.quantities import Expressed, quantity
 from .consistent_values import consistent_values
 from .data_files import entries_of
-from .forces import Load, force_of, loads_of, prescribed_motions, unbalance_loads
+from .forces import Load, force_of, load_patterns, loads_of, prescribed_motions, unbalance_loads
 
 if TYPE_CHECKING:
     from ...mechanics.system import MechanicalSystem
@@ -276,6 +277,12 @@ def _mechanical(table, system, coordinates, folder, file_name, model=None, robot
     if table.initial.follow:
         initial = consistent_values(initial, table.initial, system, coordinates, file_name)
     loads = loads_of(table.force, coordinates, folder, file_name, robot_scene and robot_scene.system)
+    if patterns := load_patterns(
+        table.force, coordinates, channels(system, "inputs"), file_name, robot_scene and robot_scene.system
+    ):
+        for one in (system, rotor):
+            if one is not None:
+                one.load_patterns = patterns
     if rotor is not None and rotor.unbalance is not None:
         loads += unbalance_loads(rotor.unbalance, table.model.speed or 0.0, coordinates)
     return Equations(coordinates, polynomial_matrix, initial, force_of(loads), system, model, robot_scene, loads=loads, rotor=rotor)

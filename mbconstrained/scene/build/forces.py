@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import reduce
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """The force of one [[force]] table.
+    """The force of one [[force]] table at one of its places.
 
     Attributes:
         name: of the coordinate or input.
@@ -54,23 +54,77 @@ def loads_of(
         robot: its inputs are further places where forces act.
 
     Returns:
-        One for each table.
+        One for each place of each table.
 
     Raises:
         SceneError: an unknown coordinate, a value of another kind, a wrong data file.
     """
-    inputs = robot.inputs if robot else {}
     loads = []
     for number, table in enumerate(tables, 1):
-        name = table.coordinate
         with at(file_name, f"force[{number}]"):
-            if name in inputs:
-                direction, unit = inputs[name], robot.input_units[name]
-            else:
-                index = coordinates.number(name, *inputs)
-                direction, unit = np.eye(len(coordinates.names))[index], coordinates.units[index]
-            loads.append(Load(name, unit, direction, _signal(table, FORCE_UNITS.get(unit), folder)))
+            places = _places(table, coordinates, robot)
+            signal = _signal(table, FORCE_UNITS.get(_common_unit(places)), folder)
+            for name, (direction, unit) in places.items():
+                factor = table.places[name]
+                loads.append(Load(name, unit, direction, signal if factor == 1 else factor * signal))
     return tuple(loads)
+
+
+def _places(table, coordinates: Coordinates, robot: LinearizedRobot | None) -> dict[str, tuple[np.ndarray, str]]:
+    """The generalized forces of a unit force at each place of a [[force]] table, and the unit of the displacement along it."""
+    inputs, places = robot.inputs if robot else {}, {}
+    for name in table.places:
+        if name in inputs:
+            places[name] = inputs[name], robot.input_units[name]
+        else:
+            index = coordinates.number(name, *inputs)
+            places[name] = np.eye(len(coordinates.names))[index], coordinates.units[index]
+    return places
+
+
+def _common_unit(places: Mapping[str, tuple[np.ndarray, str]]) -> str:
+    """The unit of all places of a load."""
+    (first, (_, unit)), *others = places.items()
+    other = next((name for name, (_, own) in others if own != unit), None)
+    if other is not None:
+        raise InputError(
+            f"factors: {shown(first)} and {shown(other)} have the units {unit} and {places[other][1]}, so that one signal cannot be "
+            "both forces; give them as two [[force]] tables"
+        )
+    return unit
+
+
+def load_patterns(
+    tables: Sequence, coordinates: Coordinates, known: Collection[str], file_name: str, robot: LinearizedRobot | None = None
+) -> dict[str, tuple[np.ndarray, str]]:
+    """The loads by factors as inputs of a system.
+
+    Args:
+        tables: the [[force]] tables, validated.
+        coordinates: of the model, on which forces act.
+        known: names that inputs have already.
+        file_name: for messages.
+        robot: its inputs are further places where forces act.
+
+    Returns:
+        By name the generalized forces of a unit load, shape (r,), and the unit of the displacement along which it works.
+
+    Raises:
+        SceneError: a name that something else has, or another load with other factors.
+    """
+    patterns: dict[str, tuple[np.ndarray, str]] = {}
+    for number, table in enumerate(tables, 1):
+        if table.factors is None:
+            continue
+        with at(file_name, f"force[{number}]"):
+            name, places = table.title, _places(table, coordinates, robot)
+            pattern = sum(factor * places[place][0] for place, factor in table.places.items())
+            if name in known:
+                raise InputError(f"name: {shown(name)} is the name of a coordinate, a row or an input; choose another one")
+            if name in patterns and (patterns[name][0] != pattern).any():
+                raise InputError(f"name: a load by other factors has the name {shown(name)}, too; choose another one")
+            patterns[name] = pattern, _common_unit(places)
+    return patterns
 
 
 def unbalance_loads(unbalance: np.ndarray, speed: float, coordinates: Coordinates) -> tuple[Load, ...]:
@@ -145,12 +199,15 @@ def input_of(tables: Sequence, inputs: Coordinates, folder: Path, file_name: str
     rows = []
     for number, table in enumerate(tables, 1):
         with at(file_name, f"force[{number}]"):
-            if table.coordinate not in inputs.names:
-                known = f"the inputs are {', '.join(inputs.names)}" if inputs.names else "the model has none: give B"
-                hint = nearest(table.coordinate, inputs.names)
-                raise InputError(f"there is no input {shown(table.coordinate)}{hint}; {known}")
-            row = inputs.names.index(table.coordinate)
-            rows.append(_signal(table, inputs.units[row], folder).mapped(np.eye(len(inputs.names))[:, row : row + 1]))
+            places = {}
+            for name, factor in table.places.items():
+                if name not in inputs.names:
+                    known = f"the inputs are {', '.join(inputs.names)}" if inputs.names else "the model has none: give B"
+                    raise InputError(f"there is no input {shown(name)}{nearest(name, inputs.names)}; {known}")
+                row = inputs.names.index(name)
+                places[name] = factor * np.eye(len(inputs.names))[row], inputs.units[row]
+            column = sum(direction for direction, _ in places.values())[:, None]
+            rows.append(_signal(table, _common_unit(places), folder).mapped(column))
     return reduce(add, rows) if rows else None
 
 

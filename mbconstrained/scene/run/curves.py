@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...exchange.trajectories import Curves
-from ...frequency.shock.extrema import Extrema, extrema, fastest_rate, sampled_extrema
+from ...frequency.shock.extrema import (
+    Extrema,
+    RootMeanSquares,
+    extrema,
+    fastest_rate,
+    positive_times,
+    root_mean_squares,
+    sampled_extrema,
+)
 from ...ground.coordinate_units import derivative_name, force_unit, rate_unit
 from ...ground.tolerances import NOT_DRAWN
 from ..quantities.output_units import OutputUnits
@@ -93,6 +101,23 @@ def extrema_of(result: Result, kind: str, rows: Sequence[int] | None = None) -> 
     return sampled_extrema_of(result, at if rows is None else lambda times: at(times)[list(rows)])
 
 
+def rms_of(result: Result, kind: str, rows: Sequence[int]) -> RootMeanSquares:
+    """The RMS values of some curves of a kind from the first to the last time, by integrals of the closed form.
+
+    Args:
+        result: of the scene.
+        kind: as of ``curves_of``, but "energy".
+        rows: of the curves.
+
+    Returns:
+        In SI.
+    """
+    at, (linear, constants) = functions_of(result, kind), _linear(result, kind)
+    added = None if constants is None else constants[list(rows)]
+    ends = float(result.times[0]), float(result.times[-1])
+    return root_mean_squares(linear.rows(rows), *ends, added, lambda times: at(times)[list(rows)])
+
+
 @dataclass(frozen=True)
 class Largest:
     """The largest modulus of a curve between the first and the last time, of the closed form.
@@ -130,6 +155,12 @@ def sampled_extrema_of(result: Result, at: Callable[[np.ndarray], np.ndarray]) -
     """Those of functions that have squares of the motion, such as energies, as of ``sampled_extrema``."""
     rate = 2 * fastest_rate(result.motion.function)
     return sampled_extrema(at, _breaks(result), rate, float(result.times[0]), float(result.times[-1]))
+
+
+def positive_times_of(result: Result, at: Callable[[np.ndarray], np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """When functions that have squares or ratios of the motion are largest, and first become positive, as of ``positive_times``."""
+    rate, breaks = 2 * fastest_rate(result.motion.function), _breaks(result)
+    return positive_times(at, breaks, rate, float(result.times[0]), float(result.times[-1]))
 
 
 def _linear(result: Result, kind: str) -> tuple[BohlFunction | None, np.ndarray | None]:
@@ -200,13 +231,21 @@ def time_functions(result: Result, kind: str) -> TimeFunctions:
     parts, breaks = PARTS.get(kind, (kind,)), _breaks(result)
     estimates = [result.error_estimates.get(part, 0.0) for part in (kind, *parts)]
     noise = min(max(LEAST_NOISE, *estimates), MOST_NOISE)
-    values, shown = _drawn(result, kind), result.scene.equations.coordinates.shown
+    values, shown = drawn_functions(result, kind), result.scene.equations.coordinates.shown
     factors = np.array([[shown.of(unit)[1]] for unit in result.curves(kind).units])
     return TimeFunctions(lambda times: factors * values(times), breaks, noise, result.record_response)
 
 
-def _drawn(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray]:
-    """The functions without proof of their values where those at the times of the scene differ by nothing that is visible: it takes long."""
+def drawn_functions(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray]:
+    """The functions without proof of their values where those at the times of the scene differ by nothing that is visible: it takes long.
+
+    Args:
+        result: of the scene.
+        kind: as of ``curves_of``.
+
+    Returns:
+        The functions: of times, shape (T,), in s, values of shape (rows, T).
+    """
     linear, constants = _linear(result, kind)
     if linear is None:
         return functions_of(result, kind)

@@ -251,7 +251,7 @@ def _late_loads(table) -> Iterator[Notice]:
         begin = load.delay + (times[0] if times else first)
         if begin > table.time.end:
             text = f"it begins at {begin:g} s, after the last time, {table.time.end:g} s, and has no effect before"
-            yield Notice(NoticeKind.OMITTED, f'force[{number}] on "{load.coordinate}": {text}')
+            yield Notice(NoticeKind.OMITTED, f'force[{number}] on "{load.title}": {text}')
 
 
 #: Elements that a notice lists.

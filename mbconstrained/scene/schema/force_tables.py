@@ -1,4 +1,4 @@
-"""The [[force]] and [[motion]] tables: a force on one coordinate, or its prescribed motion, from t = 0 or from a delay on."""
+"""The [[force]] and [[motion]] tables: a force on coordinates, or their prescribed motion, from t = 0 or from a delay on."""
 
 from __future__ import annotations
 
@@ -17,8 +17,33 @@ MOST_POWER = 20
 class ForceBase(Table):
     """What every force has."""
 
-    coordinate: Name = Field(description="The coordinate or the input it acts on; for coefficients: the equation of that number.")
+    coordinate: Name | None = Field(
+        None, description="The coordinate or the input it acts on; for coefficients: the equation of that number."
+    )
+    factors: dict[Name, Number] | None = Field(
+        None,
+        description="Instead of coordinate: several on which multiples of one signal act, e.g. { left = 1, right = -0.5 }; one input.",
+    )
+    name: Name | None = Field(None, description='Of the load by factors as an input; left out: "load on" and its coordinates.')
     delay: Time = Field(0.0, description='It acts later by this, e.g. "2 s"; not negative.')
+
+    @model_validator(mode="after")
+    def _of_something(self):
+        if (self.coordinate is None) == (not self.factors):
+            raise InputError("give either coordinate or factors: what does the force act on?")
+        if self.name is not None and not self.factors:
+            raise InputError("name is that of a load by factors; a force on one coordinate has the name of the coordinate")
+        return self
+
+    @property
+    def places(self) -> dict[str, float]:
+        """By the name of each coordinate or input the factor of the signal."""
+        return {self.coordinate: 1.0} if self.coordinate is not None else {key: float(one) for key, one in self.factors.items()}
+
+    @property
+    def title(self) -> str:
+        """What it is called as an input."""
+        return self.coordinate or self.name or f"load on {', '.join(self.places)}"
 
     @model_validator(mode="after")
     def _not_earlier(self):

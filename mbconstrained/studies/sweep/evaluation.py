@@ -6,20 +6,22 @@ The same chunk always has the same bits, whoever computes it: on one thread, fro
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from ...frequency.shock.extrema import Extrema
+from ...frequency.shock.extrema import Extrema, RootMeanSquares
 from ...ground.errors import InputError, MbconstrainedError
 from ...ground.threads import SMALL, one_thread
+from ...ground.tolerances import PROVED_ACCURACY, noise_of
+from ...mechanics.element_matrix import ElementMatrix
 from ...mechanics.family.family import Family
 from ...mechanics.system import MechanicalSystem
 from ...scene.file.messages import SceneName
-from ...scene.run.curves import ORDERS, extrema_of, functions_of
+from ...scene.run.curves import ORDERS, extrema_of, functions_of, rms_of
 from ...scene.run.frequency.scene_frequency import SceneFrequency
 from ...scene.run.frequency.scene_random import SceneRandom
 from ...scene.run.plan import Plan
@@ -87,6 +89,14 @@ class SampleFamily(Family):
 
     def __getitem__(self, index: int) -> MechanicalSystem:
         return self.members[index]
+
+    def is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
+        """The same by the elements where systems have them: none is lost next to stiffer ones, however soft it is."""
+        given = [one.given[("stiffness", "damping").index(of)] for one in self.members]
+        if not all(isinstance(one, ElementMatrix) for one in given):
+            return super().is_free(shapes, of)
+        acting = (one.directions[one.constants != 0] for one in given)
+        return np.array([(np.abs(B @ shapes) <= noise_of(np.abs(B) @ np.abs(shapes))).all() for B in acting])
 
 
 def evaluate(job: Job, rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
@@ -221,32 +231,38 @@ class _Chunk:
         scene = self.scenes[group[0]]
         start = np.array([self.scenes[place].equations.initial for place in group])
         motions = SampleFamily.of(self._systems(group)).solve(start[:, 0], start[:, 1], scene.equations.force)
-        late = np.array([one.time for one in own if one.statistic == "at"])
-        times = np.concatenate([scene.times, late])
-        for kind, chosen in _by_kind(one for one in own if one.statistic not in EXTREMA):
+        for kind, chosen in _by_kind(one for one in own if one.statistic in ("at", "curve")):
+            times = _times_of(chosen)
             values = motions.evaluate(times, ORDERS.get(kind, 0))[0]
             if kind == "output":
                 values = np.array([scene.equations.output_values(times, each) for each in values])
-            self._store(chosen, group, values, len(scene.times), late)
-        for kind, chosen in _by_kind(one for one in own if one.statistic in EXTREMA):
-            rows = sorted({one.curve[1] for one in chosen})
-            matrix = (
-                np.eye(len(scene.equations.coordinates.names))
-                if kind != "output"
-                else scene.equations.robot_scene.system.output_matrix
-            )
-            extremes = motions.extrema((float(scene.times[0]), float(scene.times[-1])), ORDERS.get(kind, 0), matrix[rows])
-            for place, own_extrema in zip(group, extremes):
-                self._store_extrema(chosen, place, rows, own_extrema)
+            self._store(chosen, group, values, times)
+        span = float(scene.times[0]), float(scene.times[-1])
+        ways: tuple[tuple[Container, Callable, Callable], ...] = (
+            (EXTREMA, self._store_extrema, motions.extrema),
+            (("RMS",), self._store_rms, motions.root_mean_squares),
+        )
+        for statistics, store, compute in ways:
+            for kind, chosen in _by_kind(one for one in own if one.statistic in statistics):
+                rows = sorted({one.curve[1] for one in chosen})
+                matrix = (
+                    np.eye(len(scene.equations.coordinates.names))
+                    if kind != "output"
+                    else scene.equations.robot_scene.system.output_matrix
+                )
+                for place, answer in zip(group, compute(span, ORDERS.get(kind, 0), matrix[rows])):
+                    store(chosen, place, rows, answer)
         for place in group if len(own) < len(variables) else ():
             self._single_motion([one for one in variables if one not in own], place)
 
     def _single_motion(self, variables: list[Variable], place: int) -> None:
         result = Result(self.scenes[place], Plan(()))
-        late = np.array([one.time for one in variables if one.statistic == "at"])
-        times = np.concatenate([result.times, late])
-        for kind, chosen in _by_kind(one for one in variables if one.statistic not in EXTREMA):
-            self._store(chosen, [place], functions_of(result, kind)(times)[None], len(result.times), late)
+        for kind, chosen in _by_kind(one for one in variables if one.statistic in ("at", "curve")):
+            times = _times_of(chosen)
+            self._store(chosen, [place], functions_of(result, kind)(times)[None], times)
+        for kind, chosen in _by_kind(one for one in variables if one.statistic == "RMS"):
+            rows = sorted({one.curve[1] for one in chosen})
+            self._store_rms(chosen, place, rows, rms_of(result, kind, rows))
         for kind, chosen in _by_kind(one for one in variables if one.statistic in EXTREMA):
             rows = sorted({one.curve[1] for one in chosen})
             self._store_extrema(chosen, place, rows, extrema_of(result, kind, rows))
@@ -260,14 +276,19 @@ class _Chunk:
                 )
             self.values[one.name][place] = getattr(extremes, EXTREMA[one.statistic])[row]
 
-    def _store(self, variables: list[Variable], group: list[int], values: np.ndarray, count: int, late) -> None:
-        """Statistics of curves, shape (S, rows, T): the first of the times are those of the scene, the others late ones."""
+    def _store_rms(self, variables: list[Variable], place: int, rows: list[int], rms: RootMeanSquares) -> None:
+        largest = rms.values.max(initial=0.0)
         for one in variables:
-            row = values[:, one.curve[1]]
-            if one.statistic == "at":
-                self.values[one.name][group] = row[:, count + int(np.flatnonzero(late == one.time)[0])]
-            else:
-                self.values[one.name][group] = _STATISTICS[one.statistic](row[:, :count])
+            value, error = (getattr(rms, name)[rows.index(one.curve[1])] for name in ("values", "error_estimate"))
+            if error > KEPT_MARGIN * value and error > PROVED_ACCURACY * largest:  # next to others it may be a rounding error
+                raise InputError(f'"{one.name}": the motion has too many periods for its RMS; choose an earlier end in [time]')
+            self.values[one.name][place] = value
+
+    def _store(self, variables: list[Variable], group: list[int], values: np.ndarray, times: np.ndarray) -> None:
+        """Values at times, shape (S, rows, T), among which are those of each variable."""
+        for one in variables:
+            own = values[:, one.curve[1]][:, np.searchsorted(times, one.labels if one.statistic == "curve" else one.time)]
+            self.values[one.name][group] = own
 
     def _systems(self, group: list[int]) -> list[MechanicalSystem]:
         return [self.scenes[place].equations.system for place in group]
@@ -279,10 +300,10 @@ EXTREMA = {"largest": "largest", "maximum": "maximum", "minimum": "minimum", "pe
 #: A sample of a motion of so many periods that its extremum may be wrong by this part has no answer.
 KEPT_MARGIN = 1e-6
 
-_STATISTICS = {
-    "RMS": lambda rows: np.sqrt(np.mean(rows**2, axis=1)),
-    "curve": lambda rows: rows,
-}
+
+def _times_of(variables: Iterable[Variable]) -> np.ndarray:
+    """All times of values and curves, ascending."""
+    return np.unique([time for one in variables for time in (one.labels if one.statistic == "curve" else (one.time,))])
 
 
 def _by_kind(variables: Iterable[Variable]) -> Iterator[tuple[str, list[Variable]]]:

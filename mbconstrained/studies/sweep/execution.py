@@ -293,8 +293,11 @@ def by_dask(
                     client.cancel([future])
                     waiting.append(chunk)
                     losses[chunk[0]] = losses.get(chunk[0], 0) + (worker not in workers.silent)
-            if too_often := next((number for number, count in losses.items() if count >= MOST_LOSSES), None):
-                raise MbconstrainedError(f"the cluster at {address} lost chunk {too_often + 1} with its worker {MOST_LOSSES} times")
+            for number, count in losses.items():
+                if count >= MOST_LOSSES:
+                    raise MbconstrainedError(
+                        f"the cluster at {address} lost chunk {number + 1} with its worker {MOST_LOSSES} times"
+                    )
             for worker in sorted(answering - {worker for _, worker in pending.values()}):
                 if (chunk := waiting.pop() if waiting else next(chunks, None)) is None:
                     break

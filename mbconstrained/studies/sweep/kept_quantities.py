@@ -37,7 +37,7 @@ STATISTICS = ("largest", "maximum", "minimum", "RMS", "curve", "peak")
 FORMS = (
     '"frequencies", "response peaks", "response curves", "random RMS", or of a motion "largest x", "maximum x", "minimum x", "RMS x", '
     '"curve x", "x at 2 s", with x a coordinate, "velocity of x", "reaction of x", "quantity of x" …; largest, maximum and minimum '
-    "are those of the closed form, none between the times is missed"
+    "are those of the closed form, none between the times is missed, and RMS its integral"
 )
 
 
@@ -227,7 +227,7 @@ def _of_motion(text: str, scene: Scene, curves: _Curves) -> Variable:
     timed = re.fullmatch(r"(.*) at (.+)", text)
     if statistic in STATISTICS and rest:
         (kind, row), unit = curves.place(rest.strip(), text)
-        axis, labels = ("time (s)", tuple(scene.times.tolist())) if statistic == "curve" else ("", ())
+        axis, labels = ("time (s)", tuple(curves.result.times.tolist())) if statistic == "curve" else ("", ())
         return Variable(text, unit, axis, labels, statistic=statistic, curve=(kind, row))
     if timed:
         place, unit = curves.place(timed[1].strip(), text)

@@ -167,15 +167,13 @@ class SweepPictures:
         unit, factor = (
             self.result.scene.equations.coordinates.shown.of(variable.unit) if " or " not in variable.unit else (variable.unit, 1.0)
         )
-        step = max(1, len(variable.labels) // MOST_PLACES)
-        places = np.arange(0, len(variable.labels), step)
-        across = np.array(variable.labels, dtype=float)[places]
-        values = factor * self.result.chunks.read(variable.name)[self.kept][:, places]
-        levels = (
-            np.quantile(values, [0.5, *(end for band in BANDS for end in band)], axis=0)
-            if len(values)
-            else np.full((5, len(places)), np.nan)
-        )
+        across = np.array(variable.labels, dtype=float)
+        parts = []
+        for begin in range(0, len(across), MOST_PLACES):  # all places, as fewer may show a slower motion, but not all at once
+            values = factor * self.result.chunks.read(variable.name, (slice(begin, begin + MOST_PLACES),))[self.kept]
+            shares = [0.5, *(end for band in BANDS for end in band)]
+            parts.append(np.quantile(values, shares, axis=0) if len(values) else np.full((5, values.shape[1]), np.nan))
+        levels = np.hstack(parts)
         is_response = variable.source == "response curves"
 
         def draw(figure) -> None:

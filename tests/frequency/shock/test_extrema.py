@@ -5,8 +5,10 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import mbconstrained as mb
-from mbconstrained.frequency.shock.extrema import EXTREMA_ACCURACY, extrema, sampled_extrema
+from mbconstrained.frequency.shock.extrema import EXTREMA_ACCURACY, extrema, positive_times, root_mean_squares, sampled_extrema
+from mbconstrained.ground.errors import InputError
 from mbconstrained.signals.bohl import BohlFunction
+from mbconstrained.signals.inputs import harmonic, sampled
 
 KINDS = ("displacement", "velocity", "acceleration")
 
@@ -153,3 +155,63 @@ def test_states_of_very_different_sizes():
     line = BohlFunction(np.array([[1.0, 0.0]]), (np.array([[0.0, 1e40], [1e-60, 0.0]]),), np.array([0.0, 1.0]))
     found = extrema(line, 0.0, 2.0)
     assert found.maximum[0] == pytest.approx(2e40, rel=1e-12) and found.minimum[0] == 0.0
+
+
+def exact_mean_square(rates, factors, end):
+    """Of the real part of a sum of exponentials over [0, end], term by term in 60 digits."""
+    mp = pytest.importorskip("mpmath")
+    with mp.workdps(60):
+        terms = [(mp.mpmathify(complex(a)) / 2, mp.mpmathify(complex(s))) for a, s in zip(factors, rates)]
+        terms += [(mp.conj(a), mp.conj(s)) for a, s in terms]
+        total = mp.mpf(0)
+        for a, s in terms:
+            for b, r in terms:
+                total += a * b * (mp.expm1((s + r) * end) / (s + r) if s + r else mp.mpf(end))
+        return float(mp.sqrt(total.real / end))
+
+
+RATES = {
+    "one period": ([2j], [1.0], np.pi),
+    "many periods": ([2000j, -3 + 1999j], [1.0, 0.5j], 40.0),
+    "millions of periods": ([1e7j, 1e3j], [1.0, 2.0], 60.0),
+    "a fast start": ([-1e9, -1 + 5j], [3.0, 1.0], 3.0),
+    "growth": ([0.3 + 7j, -0.1], [1e-3, 2.0], 20.0),
+    "beats": ([100j, 100.01j], [1.0, -1.0], 1.0),
+}
+
+
+@pytest.mark.parametrize(("rates", "factors", "end"), RATES.values(), ids=RATES)
+def test_rms_values_are_the_integrals(rates, factors, end):
+    blocks = tuple(np.array([[s.real, -s.imag], [s.imag, s.real]]) if s.imag else np.array([[s.real]]) for s in map(complex, rates))
+    row = [part for a, s in zip(map(complex, factors), map(complex, rates)) for part in ([a.real, -a.imag] if s.imag else [a.real])]
+    start = [part for s in map(complex, rates) for part in ([1.0, 0.0] if s.imag else [1.0])]
+    rms = root_mean_squares(BohlFunction(np.array([row]), blocks, np.array(start)), 0.0, end)
+    right = exact_mean_square(rates, factors, end)
+    assert abs(rms.values[0] - right) <= max(rms.error_estimate[0], 1e-15 * right)
+    assert rms.error_estimate[0] <= (1e-9 if len(factors) > 1 and factors[1] == -1.0 else 1e-12) * right
+
+
+def test_rms_of_a_record_with_a_constant_and_its_kinks():
+    knots = np.array([0.0, 0.3, 1.0, 1.1, 2.0])
+    record = sampled(knots, [[0.0, 3.0, -1.0, 5.0, 0.0]]).smooth
+    values = np.array([0.0, 3.0, -1.0, 5.0, 0.0]) + 2.0
+    parts = np.diff(knots) * (values[:-1] ** 2 + values[:-1] * values[1:] + values[1:] ** 2) / 3  # Simpson's rule is exact
+    assert root_mean_squares(record, 0.0, 2.0, np.array([2.0])).values[0] == pytest.approx(np.sqrt(parts.sum() / 2), rel=1e-14)
+    assert root_mean_squares(0.0 * record, 0.0, 2.0).values[0] == 0
+
+
+def test_rms_of_more_accurate_values():
+    wave = harmonic([1.0], angular_frequency=3.0).smooth
+    accurate = lambda times: np.cos(3.0 * np.atleast_1d(times))[None]  # noqa: E731
+    assert root_mean_squares(1.001 * wave, 0.0, 2 * np.pi, accurate=accurate).values[0] == pytest.approx(0.5**0.5, rel=1e-14)
+    with pytest.raises(InputError, match="too many periods"):
+        root_mean_squares(1.001 * wave, 0.0, 1e7, accurate=accurate)
+
+
+def test_first_and_largest_positive_values_between_samples():
+    at = lambda times: np.array([np.cos(40 * times) - 0.999, np.sin(times) - 2.0, times - 0.123456789])  # noqa: E731
+    largest, positive = positive_times(at, np.zeros(0), 40.0, 0.05, 1.0)
+    first = 2 * np.pi / 40 - np.arccos(0.999) / 40
+    assert positive == pytest.approx([first, np.inf, 0.123456789], abs=1e-12)
+    assert np.cos(40 * largest[0]) == pytest.approx(1.0, abs=1e-12) and largest[1:].tolist() == [np.inf, 1.0]
+    assert np.isinf(positive_times(at, np.zeros(0), 40.0, 0.05, 0.1)).all()

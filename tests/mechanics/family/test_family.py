@@ -7,6 +7,7 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained import Constraint, InputError, family
+from mbconstrained.studies.sweep.evaluation import SampleFamily
 from tests.oracles.ball_exponential import motion
 
 SEED = np.random.default_rng(20)
@@ -290,3 +291,60 @@ def test_estimates_of_motions_contain_the_error_of_graded_and_unsymmetric_models
     for place, (M, C, K) in enumerate(models):
         exact = np.array([list(map(float, motion([K, C, M], [start, np.zeros(n)], time))) for time in times]).T
         assert np.abs(values[place] - exact).max() <= 3 * max(estimates[place], 1e-15) * np.abs(exact).max()  # an estimate
+
+
+def driveline(stiffness, *, ground_spring=0.0, ground_damper=0.0, damped=True, branch=False):
+    """Six inertias, a gear between them; free, on a damper or on a spring; with a second free body."""
+    model = mb.LumpedModel()
+    for name, inertia in {"a": 0.8, "b": 2.5, "c": 6.0, "d": 0.4, "e": 3.0, "f": 20.0}.items():
+        model.inertia(name, inertia)
+    for start, end, k in (("a", "b", 3e5), ("b", "c", 2e6), ("c", "d", stiffness), ("e", "f", 5e5)):
+        model.torsion_spring(start, end, k)
+    model.gear("d", "e", 21, 63)
+    for start, end, c in (("a", "b", 200.0), ("c", "d", 60.0)) if damped else ():
+        model.torsion_damper(start, end, c)
+    if ground_damper:
+        model.torsion_damper("ground", "f", ground_damper)
+    if ground_spring:
+        model.torsion_spring("ground", "f", ground_spring)
+    if branch:
+        model.mass("u", 2.0), model.mass("v", 3.0), model.spring("u", "v", 7.0 * stiffness)
+    return model.assemble()
+
+
+FREE = {
+    "free": ({}, True),
+    "free, undamped": ({"damped": False}, True),
+    "two free bodies": ({"branch": True}, True),
+    "on a damper": ({"ground_damper": 40.0}, True),
+    "on a soft damper": ({"ground_damper": 1e-9}, False),
+    "one of two on a damper": ({"branch": True, "ground_damper": 40.0}, False),
+    "on a soft spring": ({"ground_spring": 1e-9}, False),
+}
+
+
+@pytest.mark.parametrize("options, together", FREE.values(), ids=FREE)
+def test_free_systems_are_solved_together_with_the_zeros_of_each(options, together):
+    systems = [driveline(k, **options) for k in (11e3, 12e3, 13e3)]
+    modes = SampleFamily.of(systems).modes()
+    assert len(modes.alone) == (0 if together else 3)
+    for system, values, errors, shapes in zip(systems, modes.eigenvalues, modes.error_estimate, modes.shapes):
+        single = system.modes()  # by Jordan pairs in precise arithmetic
+        size = np.abs(single.eigenvalues)
+        assert (values[size == 0] == 0).all()
+        assert (np.abs(values - single.eigenvalues) <= 10 * np.maximum(errors, 1e-15) * size).all() and errors.max() < 1e-12
+        for i, s in enumerate(values):  # each shape solves its equations
+            terms = (system.mass, s**2), (system.damping, s), (system.stiffness, 1.0)
+            left = system.position_form().null_space.T
+            residual = left @ sum(factor * matrix for matrix, factor in terms) @ shapes[:, i]
+            sizes = np.abs(left) @ sum(abs(factor) * np.abs(matrix) for matrix, factor in terms) @ np.abs(shapes[:, i])
+            assert np.abs(residual).max() <= 1e-12 * sizes.max()
+
+
+def test_free_and_supported_samples_of_one_family():
+    systems = [driveline(12e3, ground_spring=k) for k in (0.0, 50.0, 0.0, 100.0)]
+    M, C, K = (np.stack([getattr(one, name) for one in systems]) for name in ("mass", "damping", "stiffness"))
+    modes = family(M, C, K, systems[0].constraints).modes()
+    assert (np.sum(modes.eigenvalues == 0, axis=1) == [2, 0, 2, 0]).all()
+    for system, frequencies in zip(systems, modes.frequencies_hz):
+        assert frequencies[~np.isnan(frequencies)] == pytest.approx(system.modes().frequencies_hz, rel=1e-12)

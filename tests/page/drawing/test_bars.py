@@ -62,3 +62,54 @@ def test_wheels_are_between_the_body_and_the_ground_and_bars_stand_on_bars():
     ground = next(name for name in heights if name.startswith("ground"))
     order = [ground, "left wheel", "left", "frame", "rear", "engine"]
     assert [heights[name] for name in order] == sorted(heights[name] for name in order) and not drawing.note
+
+
+def shaft(*, common=False) -> mb.LumpedModel:
+    """Two rotors in two bearings with a disc that does not tilt between them; on request with the bearings in one housing."""
+    model = mb.LumpedModel()
+    model.rotor("compressor", 3.0, diametral_inertia=2.0, polar_inertia=1.0, points={"left": -0.3, "inner": 0.2})
+    model.rotor("disc", 1.0)
+    model.rotor("turbine", 3.0, diametral_inertia=2.0, points={"near": -0.2, "right": 0.3})
+    model.bearing("inner", "disc", stiffness=2.0), model.bearing("disc", "near", stiffness=2.0)
+    support = "ground"
+    if common:
+        support = "housing"
+        model.mass("housing y", 9.0), model.mass("housing z", 9.0)
+        model.bearing("ground", "housing", stiffness=5.0)
+    for point in ("left", "right"):
+        model.bearing(support, point, stiffness=[4.0, 3.0], damping=1.0)
+    return model
+
+
+@pytest.mark.parametrize("common", [False, True])
+def test_a_rotor_is_one_shaft_that_stays_on_its_points_in_both_planes(common):
+    model = shaft(common=common)
+    names = model.coordinates
+    state = dict.fromkeys(names, 0.0)
+    for plane, centre, tilt in (("y", 0.02, 1e-4), ("z", -0.01, -3e-4)):
+        state |= {f"compressor {plane}": centre, f"compressor {plane} angle": tilt, f"disc {plane}": centre}
+        state |= {f"left {plane}": centre - 0.3 * tilt, f"inner {plane}": centre + 0.2 * tilt}
+    values = np.array([[0.0, state[name]] for name in names])
+    drawing = lumped_drawing(model.elements, names, values)
+    drawn = {body.name: body for body in drawing.bodies}
+    assert [body.name for body in drawing.bodies if body.shape == "solids"] == ["compressor", "disc", "turbine"]
+    assert {name for body in drawing.bodies for name in (*body.moves, *body.turns)} == set(names) and not drawing.note
+    rotor = drawn["compressor"]
+    middle = positions(drawing, rotor, names, values)
+    turn = drawing.turn_scale * sum(np.multiply(vector, state[name]) for name, vector in rotor.turns.items())
+    for point in ("left y", "left z", "inner y", "inner z"):
+        moved = np.diff(positions(drawing, drawn[point], names, values) - middle).ravel()
+        arm = np.array([drawn[point].rest[0] - rotor.rest[0], 0.0, 0.0])
+        assert moved == pytest.approx(np.cross(turn, arm), abs=1e-12)  # a rotation to first order, as the model's
+    places = [drawn[name].rest[0] for name in ("left z", "compressor", "inner z", "disc z", "near z", "turbine", "right z")]
+    assert places == sorted(places) and len({drawn[name].rest[1:] for name in ("compressor", "disc", "turbine")}) == 1
+    assert all(
+        drawn[f"{name} y"].rest[1] > rotor.rest[1] and drawn[f"{name} z"].rest[2] < rotor.rest[2] for name in ("left", "disc")
+    )
+    grounds = np.array([body.rest for body in drawing.bodies if body.shape == "ground"]) - rotor.rest
+    assert ((grounds[:, 1] > 1) != (grounds[:, 2] < -1)).all() and len(grounds) == 2 * (1 if common else 2)
+
+
+def test_only_one_of_the_two_places_of_a_rotors_point_has_its_name():
+    labels = [body.label for body in lumped_drawing(shaft().elements, shaft().coordinates).bodies if body.label]
+    assert sorted(labels) == ["compressor", "disc", "inner", "left", "near", "right", "turbine"]

@@ -238,3 +238,101 @@ def test_a_recorded_acceleration_times_mass_is_a_force(tmp_path):
     (tmp_path / "quake.AT2").write_text("PEER\nquake\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 3, DT= .5 SEC\n .1 -.2 .0\n")
     found = force(tmp_path, 'kind = "sampled"\nfile = "quake.AT2"\nfactor = "-2 t"\noffset = "1 kN"')
     assert found([0.0, 0.5])[0] == pytest.approx([1000 - 200 * 9.80665, 1000 + 400 * 9.80665], rel=1e-15)
+
+
+#: Two masses with springs between them, and a load on both; its lines are filled in.
+PATTERN = """
+[model]
+kind = "matrices"
+coordinates = ["a", "b"]
+mass = [[1, 0], [0, 1]]
+damping = [[0.1, 0], [0, 0.05]]
+stiffness = [[3, -1], [-1, 2]]
+{}
+[time]
+end = 10
+[frequency]
+from = "0.05 Hz"
+to = "0.5 Hz"
+"""
+ONE = '[[force]]\nfactors = {{ a = 1, b = -0.5 }}\nname = "both"\n{}\n'
+TWO = '[[force]]\ncoordinate = "a"\n{0}\n[[force]]\ncoordinate = "b"\n{1}\n'
+COSINE = 'kind = "harmonic"\nfrequency = "0.1 Hz"\nvalue = {}'
+
+
+def test_a_load_on_several_coordinates_is_one_input(tmp_path):
+    from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency
+
+    own = SceneFrequency(scene_of(tmp_path, PATTERN.format(ONE.format(COSINE.format(2)))))
+    parts = SceneFrequency(scene_of(tmp_path, PATTERN.format(TWO.format(COSINE.format(2), COSINE.format(-1)))))
+    assert own.response.inputs == ("both",) and parts.response.inputs == ("a", "b") and not own.notices
+    assert "factors" in parts.notices[0].text
+    lines = own.response.frequencies_hz
+    M, C, K = np.eye(2), np.diag([0.1, 0.05]), np.array([[3.0, -1.0], [-1.0, 2.0]])
+    for f, values in zip(lines, own.response.values[:, 0].T):
+        s = 2j * np.pi * f
+        assert values == pytest.approx(np.linalg.solve(M * s**2 + C * s + K, [1.0, -0.5]), rel=1e-12)
+    each = parts.empty(lines).values
+    assert own.response.values[:, 0] == pytest.approx(each[:, 0] - 0.5 * each[:, 1], rel=1e-11)  # the sum of complex responses
+    largest = own.largest[0]
+    dense = np.linspace(0.05, 0.5, 40001)
+    assert largest.ravel() == pytest.approx(np.abs(own.empty(dense).values[:, 0]).max(axis=1), rel=1e-6)
+
+
+def test_a_load_on_several_coordinates_moves_as_its_parts(tmp_path):
+    own = scene_of(tmp_path, PATTERN.format(ONE.format(COSINE.format(2) + "\ndelay = 1"))).equations.solve()
+    parts = PATTERN.format(TWO.format(COSINE.format(2) + "\ndelay = 1", COSINE.format(-1) + "\ndelay = 1"))
+    assert own(T) == pytest.approx(scene_of(tmp_path, parts).equations.solve()(T), rel=1e-13)
+
+
+def test_the_random_response_to_a_load_on_several_coordinates(tmp_path):
+    from scipy.linalg import solve_continuous_lyapunov
+
+    from mbconstrained.scene.run.frequency.scene_random import SceneRandom
+
+    text = PATTERN.format(ONE.format(COSINE.format(2))) + '[[random.input]]\non = "both"\nwhite = 4\n'
+    A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.array([[3.0, -1.0], [-1.0, 2.0]]), -np.diag([0.1, 0.05])]])
+    b = np.array([[0.0, 0.0, 1.0, -0.5]])
+    covariance = solve_continuous_lyapunov(A, -(4 / 2) * b.T @ b)  # one-sided density by Hz: intensity G / 2
+    assert SceneRandom(scene_of(tmp_path, text)).response.rms == pytest.approx(np.sqrt(covariance.diagonal()[:2]), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("entry", "problem"),
+    [
+        ('factors = { a = 1, c = 1 }\nkind = "step"\nvalue = 1', 'no coordinate "c"'),
+        ('kind = "step"\nvalue = 1', "either coordinate or factors"),
+        ('coordinate = "a"\nfactors = { b = 1 }\nkind = "step"\nvalue = 1', "either coordinate or factors"),
+        ('coordinate = "a"\nname = "load"\nkind = "step"\nvalue = 1', "name is that of a load by factors"),
+        ('factors = { a = 1 }\nname = "b"\nkind = "step"\nvalue = 1', '"b" is the name of a coordinate'),
+        ('factors = { a = 1, q = 1 }\nkind = "step"\nvalue = 1', "have the units m and rad"),
+    ],
+)
+def test_wrong_loads_on_several_coordinates(tmp_path, entry, problem):
+    text = PATTERN.format(f"[[force]]\n{entry}\n")
+    if "q = 1" in entry:
+        text = text.replace('["a", "b"]', '["a", "q"]\nunits = { q = "rad" }')
+    with pytest.raises(SceneError, match=problem):
+        scene_of(tmp_path, text)
+
+
+def test_loads_of_one_name_have_the_same_factors(tmp_path):
+    step = ONE.format('kind = "step"\nvalue = 1')
+    assert scene_of(tmp_path, PATTERN.format(2 * step)).equations.force(T)[1] == pytest.approx(-1.0)
+    with pytest.raises(SceneError, match="other factors"):
+        scene_of(tmp_path, PATTERN.format(step + step.replace("-0.5", "0.5")))
+
+
+def test_a_load_on_several_inputs_of_a_state_space(tmp_path):
+    text = """
+[model]
+kind = "state-space"
+A = [[-1]]
+B = [[1, 2]]
+inputs = ["u", "v"]
+{}
+[time]
+end = 1
+"""
+    both = scene_of(tmp_path, text.format('[[force]]\nfactors = { u = 3, v = -1 }\nkind = "step"\nvalue = 2')).equations
+    assert both.solve()(T)[0] == pytest.approx(2 * (3 - 2) * (1 - np.exp(-T)), rel=1e-13, abs=1e-15)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from shutil import copy
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 import mbconstrained as mb
 from mbconstrained.robot.linearization.connection_forces import connection_forces
 from mbconstrained.robot.statics.balance import Balance
+from mbconstrained.scene.run.curves import functions_of
 from mbconstrained.scene.run.scene import read_scene
 from tests.robot.test_wrenches import spatial_arm
 from tests.scene.robots import ROBOTS
@@ -109,7 +111,7 @@ plots = ["ground_reaction"]
 LEGS = [f"{end} {side}" for end in ("front", "rear") for side in ("left", "right")]
 
 
-def soft(folder, size: float, friction: float = 0.7):
+def soft(folder, size: float, friction: float = 0.7, points: int = 101):
     """The scene of a quadruped on four springy feet under a vertical pulse."""
     joints = "\n".join(f'"{leg} {part}" = 120' for leg in LEGS for part in ("spread", "swing", "knee"))
     feet = "\n".join(
@@ -123,7 +125,7 @@ def soft(folder, size: float, friction: float = 0.7):
     text = FEET.replace("JOINTS", joints).replace("BUSHINGS", feet).replace("GUESS", guess)
     (folder / "soft" / "robot.toml").write_text(text, encoding="utf-8")
     path = folder / "soft.toml"
-    path.write_text(RUN.replace("SIZE", str(size)), encoding="utf-8")
+    path.write_text(RUN.replace("SIZE", str(size)).replace("points = 101", f"points = {points}"), encoding="utf-8")
     return read_scene(path).run()
 
 
@@ -153,12 +155,21 @@ def test_feet_that_lift_off_during_the_motion_are_counted_with_the_worst(tmp_pat
     pulling = [leg for leg in LEGS if least[leg] < 0]
     assert len(pulling) == (4 if size == 400.0 else 0) and len(found) == bool(pulling)
     if pulling:
-        forces, curves = result.system.connection_forces, result.curves("ground_reaction").values
-        normal = np.array([curves[forces.places[f"{leg} foot"]][2] for leg in LEGS])
-        first, worst = result.times[(normal < 0).any(axis=0)][0], result.times[normal.min(axis=0).argmin()]
-        assert found[0].startswith(f"4 feet lift off, first at {first:.4g} s; most of all bushing ")
-        assert f"at t = {worst:.4g} s the ground would have to pull by {-normal.min():.4g} N" in found[0]
+        times = np.linspace(0.0, 0.5, 200_001)
+        curves = functions_of(result, "ground_reaction")(times)
+        normal = np.array([curves[result.system.connection_forces.places[f"{leg} foot"]][2] for leg in LEGS])
+        first, worst = times[(normal < 0).any(axis=0)][0], times[normal.min(axis=0).argmin()]
+        assert found[0].startswith("4 feet lift off, first at ") and "; most of all bushing " in found[0]
+        numbers = [float(one) for one in re.findall(r"(?:first at|at t =|pull by) ([0-9.]+)", found[0])]
+        assert numbers == pytest.approx([first, worst, -normal.min()], rel=1e-3)
+        assert -min(least.values()) == pytest.approx(-normal.min(), rel=1e-6)
     assert "Forces during the motion" in result.summary()
+
+
+def test_feet_that_leave_the_ground_between_the_times_of_the_table_are_noticed(tmp_path):
+    results = [soft(tmp_path, 400.0, points=points) for points in (3, 101, 2000)]
+    texts = [[one.text for one in result.notices if "the equations keep feet in place" in one.text] for result in results]
+    assert texts[0] == texts[1] == texts[2] and texts[0]
 
 
 def test_a_foot_at_the_edge_of_its_cone_is_no_alarm(tmp_path):

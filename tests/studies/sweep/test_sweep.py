@@ -63,6 +63,24 @@ def test_each_sample_is_a_run_of_its_own(path):
         assert result.values("peak load")[number].item() >= curve * (1 - 1e-12)
 
 
+def test_rms_values_are_integrals_and_curves_follow_the_motion(path):
+    path.write_text(SCENE.replace("5 s", "50 s") + '[[output.quantity]]\nname = "shift"\nbetween = ["cart", "load"]\n')
+    keep = ["RMS load", "RMS velocity of load", "RMS quantity of shift", "curve load"]
+    result = mb.read_scene(path).sweep({"k": "1..3 N/mm:3"}, keep=keep).run()
+    times = result.variables[-1].labels
+    assert len(times) > 401  # which are fewer than three in a period of the fastest visible motion
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    edges = np.linspace(0, 50, 2001)
+    at = (edges[:-1, None] + np.diff(edges)[:, None] * (nodes + 1) / 2).ravel()
+    for number, k in enumerate(result.parameter("k")):
+        motion = mb.read_scene(path, {"k": f"{float(k)!r} N/m"}).run().motion
+        own = [motion.of("load")(at)[0], motion.of("load").derivative(1)(at)[0], (motion.of("load")(at) - motion.of("cart")(at))[0]]
+        for name, values in zip(keep, own):
+            right = np.sqrt(np.tile(weights, 2000) @ values**2 / 4000)
+            assert result.values(name)[number].item() == pytest.approx(right, rel=1e-10)
+        assert result.values("curve load")[number] == pytest.approx(motion.of("load")(np.array(times))[0], rel=1e-9, abs=1e-12)
+
+
 @pytest.mark.long
 def test_workers_give_the_same_bits(path, tmp_path):
     study = mb.read_scene(path).sweep({"k": "normal(2 N/mm, 5 %)"}, samples=40, keep=KEPT, chunk=8)

@@ -204,10 +204,11 @@ def _exact_force(
     force = [symbols.of(0)] * len(coordinates.names)
     for number, table in enumerate(tables, 1):
         with at(file_name, f"force[{number}]"):
-            place = coordinates.number(table.coordinate)
-            unit = coordinates.units[place] if inputs else FORCE_UNITS.get(coordinates.units[place])
-            signal = _signal(table, unit, symbols, folder, signals)
-            force[place] = force[place] + signals.begun(signal, symbols.time, symbols.of(table.delay))
+            for name, factor in (table.factors or {table.coordinate: 1}).items():
+                place = coordinates.number(name)
+                unit = coordinates.units[place] if inputs else FORCE_UNITS.get(coordinates.units[place])
+                signal = symbols.of(factor) * _signal(table, unit, symbols, folder, signals)
+                force[place] = force[place] + signals.begun(signal, symbols.time, symbols.of(table.delay))
     return force
 
 

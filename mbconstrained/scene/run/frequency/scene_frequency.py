@@ -154,8 +154,8 @@ class SceneFrequency(SceneResponse):
             return motions or [row.name for row in self.system.rows]
         if motions and not self.is_inverse:
             return motions
-        known = channels(self.system, "inputs")
-        loaded = [load.coordinate for load in scene.force if load.coordinate in known]
+        known = channels(self.system, "outputs" if self.is_inverse else "inputs")
+        loaded = [load.title for load in scene.force if load.title in known]
         return list(dict.fromkeys(loaded)) or [name for name in self.system.names if name not in self._prescribed]
 
     @property
@@ -234,9 +234,12 @@ class SceneFrequency(SceneResponse):
     def notices(self) -> tuple[Notice, ...]:
         """What is worth knowing, and what makes the values doubtful."""
         own = self.system.damping_notices() if self.system is not None else ()
-        loaded = {load.coordinate for load in self.scene.table.force}
+        loaded = {load.title for load in self.scene.table.force}
         if len(loaded) > 1 and self.table.inputs is None and self.system is not None:
-            text = f"{', '.join(self.response.inputs)} are inputs one by one; the response to loads at once is the sum by their amplitudes"
+            text = (
+                f"{', '.join(self.response.inputs)} are inputs one by one; loads at once of one signal are one input as a [[force]] with "
+                "factors, e.g. factors = { left = 1, right = -0.5 }"
+            )
             own = (Notice(NoticeKind.OMITTED, text), *own)
         return distinct(self.scene.notices, self.scene.equations.form_notices, own, self.response.notices)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ....ground.display import TextTable
 from ....ground.notices import Notice
-from ..curves import PARTS, functions_of, sampled_extrema_of
+from ..curves import PARTS, drawn_functions, functions_of, positive_times_of, sampled_extrema_of
 from ..decisions import connection_forces
 from .robot_report import ROUNDING
 
@@ -79,14 +79,37 @@ def _open_shares(result: Result) -> str:
 
 
 def forces_notices(result: Result) -> tuple[Notice, ...]:
-    """Notices on feet that lift off, slip or tip over during the motion."""
+    """Notices on feet that lift off, slip or tip over during the motion, at the times of the closed form, not of the table."""
     from ....robot.connections import Support
-    from ....robot.linearization.connection_forces import foot_notices
+    from ....robot.linearization.connection_forces import foot_limits, foot_notices
 
-    forces = result.scene.equations.robot_scene.system.connection_forces
-    if not any(isinstance(connection, Support) and connection.friction is not None for connection in forces.connections):
+    forces, posture = result.scene.equations.robot_scene.system.connection_forces, result.scene.equations.posture
+    feet = [one.name for one in forces.connections if isinstance(one, Support) and one.friction is not None]
+    if not feet:
         return ()
     error = max(result.error_estimates.get(part, 0.0) for part in PARTS["ground_reaction"])
-    reactions = dict(zip((row.name for row in result.system.rows), result.motion.reaction(result.times)))
-    values = result.curves("ground_reaction").values
-    return tuple(foot_notices(result.scene.equations.posture, forces, result.times, values, reactions, error))
+    drawn, at = drawn_functions(result, "ground_reaction"), functions_of(result, "ground_reaction")
+    places = [forces.places[name] for name in feet]
+
+    def norms(times: np.ndarray) -> np.ndarray:
+        values = drawn(times)
+        return np.linalg.norm([values[rows][:3] for rows in places], axis=1)
+
+    largest = sampled_extrema_of(result, norms)
+
+    def outside(times: np.ndarray, clearly: float = 2.0) -> np.ndarray:
+        """By foot and limit how far beyond so many tolerances: those of the notices are between this and their half."""
+        sizes = dict(zip(feet, clearly * largest.maximum))
+        return foot_limits(posture, forces, drawn(times), sizes, error).reshape(len(feet), -1, len(times))
+
+    lifting = positive_times_of(result, lambda times: outside(times, 0.5)[:, 0])[1][:, None, None]
+
+    def before(times: np.ndarray) -> np.ndarray:
+        """Whether a foot slips or tips over matters until it lifts off."""
+        limits = outside(times)
+        return np.concatenate([limits[:, :1], np.where(times < lifting, limits[:, 1:], -1.0)], axis=1).reshape(-1, len(times))
+
+    further = np.concatenate([largest.maximum_time, *positive_times_of(result, before)])
+    times = np.union1d(result.times, further[np.isfinite(further)])
+    reactions = dict(zip((row.name for row in result.system.rows), result.motion.reaction(times)))
+    return tuple(foot_notices(posture, forces, times, at(times), reactions, error))
