@@ -28,11 +28,7 @@ _LABELS = {"states": "state_labels", "inputs": "input_labels", "outputs": "outpu
 
 
 def realization_of(system) -> dict:
-    """The arguments of a ``StateSpace`` for a continuous-time system of scipy.signal or python-control, with its names.
-
-    Raises:
-        InputError: a discrete-time system, or another object.
-    """
+    """The arguments of a ``StateSpace`` for a continuous-time system of scipy.signal or python-control, with its names."""
     _refuse_discrete(system)
     if _has(system, "A", "B", "C", "D"):
         if not np.size(system.A):
@@ -86,16 +82,7 @@ def _nested_lists(value):
 
 
 def to_scipy(system: StateSpace, form: str = "state space", output=None, input=None):
-    """A ``scipy.signal`` system of one of the ``FORMS``.
-
-    Args:
-        system: the state space.
-        form: "state space", "transfer function" or "zeros poles gain"; the latter two of one input and output.
-        output, input: which, by name or number, where there are more.
-
-    Raises:
-        InputError: another form; no such form of this system.
-    """
+    """A ``scipy.signal`` system of one of the ``FORMS``."""
     import scipy.signal  # takes half a second
 
     _check_form(form, FORMS)
@@ -111,16 +98,7 @@ def to_scipy(system: StateSpace, form: str = "state space", output=None, input=N
 
 
 def to_control(system: StateSpace, form: str = "state space"):
-    """A python-control system, with the names of inputs, outputs and, of a state space without descriptor, states.
-
-    Args:
-        system: the state space.
-        form: "state space" or "transfer function".
-
-    Raises:
-        InputError: another form; no such form of this system.
-        MissingPackage: python-control is not installed.
-    """
+    """A python-control system, with the names of inputs, outputs and, of a state space without descriptor, states."""
     _check_form(form, FORMS[:2])
     if not system.inputs or (form == "transfer function" and not system.outputs):
         raise InputError(
@@ -159,10 +137,6 @@ def ordinary_form(system: StateSpace) -> OrdinaryForm:
     Where E is regular the states stay, A becomes E^-1 A. Where it is singular, (s E - A)^-1 = C_F (s I - J)^-1 B_F + H_0 + s H_1
     + ... (Moysis et al., Theorem 2.8) gives A = J, B = B_F B, C = C C_F, D + C H_0 B; the states are those of the finite
     Jordan pair.
-
-    Raises:
-        InputError: C H_i B is not zero for some i >= 1: G(s) has a pole at infinity.
-        SingularPolynomialMatrix: det (s E - A) = 0 for every s.
     """
     if (system.E == np.eye(len(system.E))).all():
         return OrdinaryForm(system.A, system.B, system.C, system.D)

@@ -72,19 +72,7 @@ def roots_of(zeros: Sequence[FiniteZero]) -> np.ndarray:
 
 
 def transfer_of(system: StateSpace, output: int | str = 0, input: int | str = 0) -> Transfer:
-    """Zeros, poles and gain from one input to one output.
-
-    Args:
-        system: the state space.
-        output, input: by name or number from 0.
-
-    Returns:
-        The transfer function in factors.
-
-    Raises:
-        SingularPolynomialMatrix: det (s E - A) = 0 for every s.
-        IllConditioned: G is not zero, but rounding of the data hides its zeros.
-    """
+    """Zeros, poles and gain from one input to one output."""
     poles = system.polynomial_matrix().jordan_pairs().structure.finite_zeros
     channel = _Channel(system, _place(output, system.outputs, "output"), _place(input, system.inputs, "input"))
     samples = _samples(channel, roots_of(poles))

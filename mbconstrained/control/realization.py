@@ -25,15 +25,6 @@ def rational_realization(numerator, denominator) -> Matrices:
 
     Every entry of a matrix is realized separately, so that common poles occur more than once.
 
-    Args:
-        numerator, denominator: coefficients, the highest power first; or lists of lists of them.
-
-    Returns:
-        E (None: identity), A, B, C, D.
-
-    Raises:
-        InputError: not numbers, a denominator that is zero, lists of different sizes.
-
     >>> E, A, B, C, D = rational_realization([1.0, 3.0], [1.0, 2.0])  # 1 + 1/(s + 2)
     >>> E, A.tolist(), C.tolist(), D.tolist()
     (None, [[-2.0]], [[1.0]], [[1.0]])
@@ -118,18 +109,7 @@ def _block_realization(table: list[list[Matrices]]) -> Matrices:
 
 
 def factored_realization(zeros, poles, gain) -> Matrices:
-    """Of gain prod(s - zeros)/prod(s - poles): a series of sections of at most second order, without multiplying them out.
-
-    Args:
-        zeros, poles: complex numbers with their conjugates.
-        gain: the factor.
-
-    Returns:
-        E (None: identity), A, B, C, D.
-
-    Raises:
-        InputError: complex numbers without their conjugates.
-    """
+    """Of gain prod(s - zeros)/prod(s - poles): a series of sections of at most second order, without multiplying them out."""
     above, below = _quadratics(zeros, "zeros"), _quadratics(poles, "poles")
     gain = real_number(gain, "gain")
     if len(above) > len(below) or not below or sum(map(len, above)) - len(above) > sum(map(len, below)) - len(below):

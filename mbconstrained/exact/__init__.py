@@ -29,17 +29,6 @@ def structure(A: PolynomialMatrix | SymbolicPolynomialMatrix) -> ExactStructure:
     det A(s), the elementary divisors p(s)^k over the field of the entries, the Smith form diag(f_1(s), ..., f_r(s)), the zeros with
     their partial multiplicities and the orders q_1 >= ... >= q_r at infinity (Moysis et al., Eqs. 5-15).
 
-    Args:
-        A: a ``PolynomialMatrix``, every entry taken as the exact number that it is (the float 0.1 is 3602879701896397/2^55, an entry
-            given by elements their exact sum), or a ``SymbolicPolynomialMatrix`` for generic positive values of its symbols.
-
-    Returns:
-        The structure, its polynomials as tuples of Fractions, the lowest power first, or as Polys of sympy.
-
-    Raises:
-        SingularPolynomialMatrix: det A(s) = 0 for every s; names the dependent equations and the free coordinates.
-        InputError: A is neither of the two.
-
     >>> import mbconstrained as mb
     >>> found = mb.exact.structure(mb.PolynomialMatrix([[[2.0]], [[0.0]], [[1.0]]]))
     >>> [str(c) for c in found.determinant], found.finite_zeros[0].value
@@ -52,17 +41,6 @@ def jordan_pairs(A: PolynomialMatrix | SymbolicPolynomialMatrix) -> ExactJordanP
     """The finite and the infinite Jordan pair of A(s) with true Jordan chains, without a rounding error.
 
     A(s)^-1 = C (s I - J)^-1 B + C_inf (I - s J_inf)^-1 B_inf (Moysis et al., Theorem 2.8). Each part is computed when it is read.
-
-    Args:
-        A: as of ``structure``.
-
-    Returns:
-        The pairs: ``finite`` and ``infinite`` with C, J, B of shapes (r, n), (n, n), (n, r), ``chains``, ``structure`` and
-        ``laurent(i)`` = H_i, shape (r, r); arrays of Fractions, or matrices of sympy.
-
-    Raises:
-        SingularPolynomialMatrix: det A(s) = 0 for every s; names the dependent equations and the free coordinates.
-        InputError: A is neither of the two.
 
     >>> import mbconstrained as mb
     >>> pairs = mb.exact.jordan_pairs(mb.PolynomialMatrix([[[1.0]], [[2.0]], [[1.0]]]))

@@ -49,19 +49,7 @@ class Splitting:
 
 
 def splitting(base: Sequence, slope: Sequence, value: complex, multiplicity: int, rate: float, step: float) -> Splitting:
-    """The branches of a multiple eigenvalue, from det A in arithmetic of hundreds of digits.
-
-    Args:
-        base: A_0, A_1, ... at the value of the parameter, each of shape (n, n), with floats as exact numbers.
-        slope: their derivatives with respect to the parameter.
-        value: s, from which Newton's method starts.
-        multiplicity: m of s.
-        rate: a scale of eigenvalues (1/s).
-        step: a scale of the parameter, at which slope and base are of one size.
-
-    Returns:
-        The branches.
-    """
+    """The branches of a multiple eigenvalue, from det A in arithmetic of hundreds of digits."""
     from flint import acb, ctx
 
     with ctx.workdps(SPLITTING_DIGITS):
@@ -94,13 +82,6 @@ def splitting(base: Sequence, slope: Sequence, value: complex, multiplicity: int
 
 def newton_branches(points: dict[tuple[int, int], complex], multiplicity: int) -> list[tuple[Fraction, complex]]:
     """The leading terms c e^r of the roots d of sum of a_ij d^i e^j = 0 near 0, by Newton's polygon.
-
-    Args:
-        points: a_ij by (i, j), those that are not zero.
-        multiplicity: m with a_m0 not zero and all other a_i0, i < m, zero.
-
-    Returns:
-        Exponents with coefficients, smallest exponents first; (1, 0) for roots that stay 0.
 
     >>> newton_branches({(2, 0): 1.0, (0, 1): -4.0}, 2)
     [(Fraction(1, 2), (2+0j)), (Fraction(1, 2), (-2+0j))]

@@ -34,16 +34,6 @@ class GroundMotion(NamedTuple):
 def ground_motion(file: str, text: str) -> GroundMotion | None:
     """The record in a text of one of the formats; None for any other text.
 
-    Args:
-        file: its name, for messages.
-        text: of the file.
-
-    Returns:
-        The record in SI.
-
-    Raises:
-        InputError: a header without step, unit or scale, a line of other contents, another number of samples than the header states.
-
     >>> record = ground_motion("a.AT2", "PEER\\nquake\\nACCELERATION TIME SERIES IN UNITS OF G\\nNPTS= 2, DT= .005 SEC\\n .1 -.2\\n")
     >>> record.step, record.values.round(4).tolist(), record.unit
     (0.005, [0.9807, -1.9613], 'm/s^2')

@@ -155,17 +155,7 @@ def _jumps_and_impulses(x) -> dict[str, np.ndarray]:
 
 
 def _arrays_of_jumps(jump: np.ndarray, impulses: Sequence[np.ndarray], events: Sequence) -> dict[str, np.ndarray]:
-    """Jumps and impulses as arrays by name, for files.
-
-    Args:
-        jump: at t = 0, shape (q, r).
-        impulses: at t = 0, each of shape (r,).
-        events: after t = 0.
-
-    Returns:
-        jump, impulses (P, r), and with events event_times (E,), event_jumps (E, q, r) and event_impulses (E, P, r), where those of an
-        event with fewer than P are filled up with zeros.
-    """
+    """Jumps and impulses as arrays by name, for files."""
     size = jump.shape[1]
     arrays = {"jump": jump, "impulses": np.reshape(impulses, (len(impulses), size))}
     if not events:

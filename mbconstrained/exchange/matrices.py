@@ -67,18 +67,7 @@ def read_matrix(path: str | Path, array: str | None = None) -> np.ndarray | scip
 
 
 def full_matrix(matrix, name: str) -> np.ndarray:
-    """A matrix as an array, where it is not too large for one.
-
-    Args:
-        matrix: an array or a sparse matrix.
-        name: of the file, for messages.
-
-    Returns:
-        The array.
-
-    Raises:
-        InputError: a sparse matrix of more than LARGEST_SIDE rows or columns.
-    """
+    """A matrix as an array, where it is not too large for one."""
     if not scipy.sparse.issparse(matrix):
         return matrix
     _check_size(name, matrix.shape)
@@ -156,16 +145,7 @@ _NUMBERS = ("double", "single", "sparse", "logical", *(f"{sign}int{bits}" for si
 
 
 def _save_matrix(path: str, suffix: str, array: str | None, kinds: list[str], most_bytes: int, largest_side: int) -> None:
-    """Write shapes and types of all arrays of a file, then the one that is chosen: the work of a process of its own.
-
-    Args:
-        path: absolute.
-        suffix: of the file.
-        array: its name; None for the only one.
-        kinds: types of numbers.
-        most_bytes: of a dense array.
-        largest_side: of a dense array of an .op4 file, whose larger ones are read as sparse.
-    """
+    """Write shapes and types of all arrays of a file, then the one that is chosen: the work of a process of its own."""
     import json
 
     import numpy as np
@@ -205,14 +185,7 @@ def _save_matrix(path: str, suffix: str, array: str | None, kinds: list[str], mo
 
 
 def _read_by_process(path: Path, array: str | None, failure: str, largest: int = LARGEST_SPARSE_SIDE):
-    """A matrix of a file whose reader may crash or never end on damaged ones.
-
-    Args:
-        path: of the file.
-        array: its name.
-        failure: what a file is that cannot be read.
-        largest: the most rows and columns of a dense matrix, whose bytes are limited as well.
-    """
+    """A matrix of a file whose reader may crash or never end on damaged ones."""
     suffix, limits = path.suffix.lower(), {"most_bytes": LARGEST_FILE, "largest_side": LARGEST_SIDE}
     with read_isolated(_save_matrix, path, failure, suffix=suffix, array=array, kinds=_NUMBERS, **limits) as folder:
         names, whole, sparse = (folder / name for name in ("arrays.json", "matrix.npy", "matrix.npz"))

@@ -38,18 +38,7 @@ class NumberTable:
     heads: tuple[tuple[str, ...], ...] = ()
 
     def column(self, which: int | str, key: str = "column") -> int:
-        """The place of a column.
-
-        Args:
-            which: its number from 1, or its name in a header line, also without its unit.
-            key: the argument, for messages.
-
-        Returns:
-            A number from 0.
-
-        Raises:
-            InputError: no such column; several of this name.
-        """
+        """The place of a column."""
         count = self.values.shape[1]
         if isinstance(which, int):
             if 1 <= which <= count:
@@ -82,11 +71,7 @@ class NumberTable:
         return next((match[1].strip() for match in matches if match), "")
 
     def checked(self, *places: int) -> np.ndarray:
-        """Columns whose entries are all finite numbers, shape (rows, len(places)).
-
-        Raises:
-            InputError: an entry that is empty, nan or infinite; the text has its line.
-        """
+        """Columns whose entries are all finite numbers, shape (rows, len(places))."""
         columns = self.values[:, list(places)]
         if not np.isfinite(columns).all():
             row = int(np.argmin(np.isfinite(columns).all(axis=1)))
@@ -105,16 +90,6 @@ def without_unit(name: str) -> str:
 
 def number_table(path: Path, header: int = 0) -> NumberTable:
     """Read the columns of numbers of a text file.
-
-    Args:
-        path: of a file that can be read.
-        header: so many lines at the start hold no numbers; other lines without numbers above the first numbers are left out as well.
-
-    Returns:
-        The table.
-
-    Raises:
-        InputError: no numbers, a line with other contents or another number of columns than the first; the text has the line.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -165,11 +140,7 @@ def number_table(path: Path, header: int = 0) -> NumberTable:
 
 
 def text_of(path: Path) -> str:
-    """The text of a file: UTF-8, UTF-16 with its mark, or Latin-1, which older instruments write; no NUL characters.
-
-    Raises:
-        InputError: not a text.
-    """
+    """The text of a file: UTF-8, UTF-16 with its mark, or Latin-1, which older instruments write; no NUL characters."""
     content = path.read_bytes()
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         encodings = ["utf-16"]

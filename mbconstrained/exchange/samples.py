@@ -59,22 +59,6 @@ def read_samples(
     Read are text with columns of numbers (any ending), recordings of ground motion in the text formats of PEER (.AT2), K-NET and DYNA,
     .wav, universal files (functions of data set 58), and arrays in .npy, .npz, .mat, .mtx and .op4.
 
-    Args:
-        path: of the file.
-        column: of the values, by its number from 1 or by its name; the second by default, with a step the first. Of .wav the channel,
-            of a universal file the function.
-        time: the column of the times, the first by default.
-        step: between samples (s) where the file has no times. Without a column, all numbers of the file are samples, line by line.
-        header: so many lines at the start of a text hold no numbers.
-        array: the name of the array in a file of several.
-
-    Returns:
-        The record, as it is in the file.
-
-    Raises:
-        InputError: a file that cannot be read, no such column, entries that are not finite numbers, times that do not ascend; the text
-            has the line.
-
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = Path(folder, "record.csv")

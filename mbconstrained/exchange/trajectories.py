@@ -41,13 +41,6 @@ class Curves:
 def checked_kinds(kinds: Sequence[str], known: Sequence[str]) -> list[str]:
     """The names of kinds, each once; an InputError for others.
 
-    Args:
-        kinds: of a user, a name or several.
-        known: all that there are.
-
-    Returns:
-        The names.
-
     >>> checked_kinds("velocity", ("displacement", "velocity"))
     ['velocity']
     """
@@ -74,23 +67,6 @@ def write_trajectories(
     files: Replacements | None = None,
 ) -> Path:
     """Write trajectories; the ending of the file chooses the format. Every format but text of universal files keeps every bit.
-
-    Args:
-        path: of the file; it ends in .csv, .npz, .mat, .nc (netCDF 3), .zarr, .uff or .unv. Its folder is created.
-        times: shape (T,), in s.
-        curves: of each kind.
-        arrays: further arrays by name, for all formats but CSV and universal files.
-        excel: of .csv: semicolons, a decimal comma and the mark of UTF-8, as spreadsheets with a decimal comma read it.
-        geometry: of universal files, where the coordinates are.
-        binary: of universal files, binary functions; otherwise text.
-        files: others that are written together with it; None for none.
-
-    Returns:
-        The path.
-
-    Raises:
-        InputError: another ending, or an option of another format.
-        MissingPackage: xarray for .nc, xarray and zarr for .zarr, pyuff for universal files.
 
     >>> import tempfile
     >>> curves = Curves("displacement", ("cart",), ("displacement",), ("m",), np.array([[0.5, 0.25]]))
@@ -134,14 +110,7 @@ def _write_dataset(path: Path, dataset, ending: str) -> None:
 
 
 def write_csv(path: Path, times: np.ndarray, curves: Sequence[Curves], excel: bool = False) -> None:
-    """Write one line for each time: time, then every curve, headed by name and unit, with 17 digits.
-
-    Args:
-        path: of the file.
-        times: shape (T,), in s.
-        curves: of each kind.
-        excel: semicolons, a decimal comma and the mark of UTF-8.
-    """
+    """Write one line for each time: time, then every curve, headed by name and unit, with 17 digits."""
     columns = np.vstack([times, *(block.values for block in curves)])
     heads = ["time (s)", *(head for block in curves for head in block.heads)]
     separator = ";" if excel else ","
@@ -154,15 +123,7 @@ def write_csv(path: Path, times: np.ndarray, curves: Sequence[Curves], excel: bo
 
 
 def arrays_of(times: np.ndarray, curves: Sequence[Curves]) -> dict[str, np.ndarray]:
-    """The times, and of each kind the values, names and units.
-
-    Args:
-        times: shape (T,), in s.
-        curves: of each kind.
-
-    Returns:
-        Arrays by name: times, and for each kind KIND, KIND_names and KIND_units.
-    """
+    """The times, and of each kind the values, names and units."""
     arrays = {"times": times}
     for block in curves:
         arrays |= {
@@ -174,13 +135,7 @@ def arrays_of(times: np.ndarray, curves: Sequence[Curves]) -> dict[str, np.ndarr
 
 
 def write_arrays(path: Path, arrays: Mapping[str, np.ndarray], ending: str) -> None:
-    """Write arrays by name, readable without pickle.
-
-    Args:
-        path: of the file, with any ending.
-        arrays: of numbers or texts.
-        ending: ".npz" or ".mat" (MATLAB, version 5); texts are cells in MATLAB.
-    """
+    """Write arrays by name, readable without pickle."""
     with open(path, "wb") as file:  # by its name alone, np.savez would put .npz behind it
         if ending == ".npz":
             np.savez(file, **arrays)  # type: ignore[arg-type]
@@ -192,19 +147,7 @@ def write_arrays(path: Path, arrays: Mapping[str, np.ndarray], ending: str) -> N
 
 
 def dataset_of(times: np.ndarray, curves: Sequence[Curves], arrays: Mapping[str, np.ndarray] | None = None):
-    """An ``xarray.Dataset``: for each kind an array over time and name, with the units as a coordinate.
-
-    Args:
-        times: shape (T,), in s.
-        curves: of each kind.
-        arrays: further arrays; empty ones are left out, for which netCDF has no form.
-
-    Returns:
-        The data set.
-
-    Raises:
-        MissingPackage: xarray is not installed.
-    """
+    """An ``xarray.Dataset``: for each kind an array over time and name, with the units as a coordinate."""
     xarray = optional_package("xarray", "netCDF and Zarr")
     coords: dict[str, object] = {"time": ("time", times, {"units": "s"})}
     variables: dict[str, object] = {}

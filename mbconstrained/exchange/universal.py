@@ -56,19 +56,7 @@ class Function:
 
 
 def read_function(path: Path, which: int | str | None = None) -> Function:
-    """A function of time (data set 58, text or binary) of a universal file, converted to SI by the factors of data set 164.
-
-    Args:
-        path: of the file.
-        which: its number from 1 among the functions of time, or its first line of identification; not needed of one.
-
-    Returns:
-        The function.
-
-    Raises:
-        InputError: no universal file, no such function, values that are complex, not finite or fewer than stated.
-        MissingPackage: pyuff is not installed.
-    """
+    """A function of time (data set 58, text or binary) of a universal file, converted to SI by the factors of data set 164."""
     functions, units = [], {"length": 1.0, "force": 1.0}
     for dataset in _datasets(path):
         if dataset["type"] == 164:
@@ -110,12 +98,7 @@ def _function(path: Path, name: str, dataset: Mapping, units: Mapping) -> Functi
 
 
 def _save_datasets(path: str, function_type: int) -> None:
-    """Write the functions of one type and the units of a universal file: the work of a process of its own.
-
-    Args:
-        path: of the file.
-        function_type: of data sets 58.
-    """
+    """Write the functions of one type and the units of a universal file: the work of a process of its own."""
     import json
 
     import numpy as np
@@ -225,16 +208,7 @@ class Geometry:
 
 
 def write_functions(path: Path, times: np.ndarray, curves, geometry: Geometry, title: str, binary: bool = True) -> None:
-    """Write functions of time as data sets 58.
-
-    Args:
-        path: of the file.
-        times: shape (T,), in s.
-        curves: ``Curves`` of displacements, velocities, accelerations or reactions, in SI.
-        geometry: where the coordinates are.
-        title: of the model.
-        binary: every bit; otherwise text, with 12 digits of values and 6 of times.
-    """
+    """Write functions of time as data sets 58."""
     datasets = [*_headers(title), *geometry.datasets()]
     kinds = {"displacement": 8, "velocity": 11, "acceleration": 12, "reaction": 9}
     if len(times) < 2:
@@ -257,15 +231,7 @@ def write_functions(path: Path, times: np.ndarray, curves, geometry: Geometry, t
 
 
 def write_frequency_responses(path: Path, response: FrequencyResponse, geometry: Geometry, title: str, binary: bool = True) -> None:
-    """Write frequency responses as data sets 58 of function type 4, one for each output and input.
-
-    Args:
-        path: of the file.
-        response: values over the frequency.
-        geometry: where inputs and outputs are, by name.
-        title: of the model.
-        binary: every bit; otherwise text, with 12 digits of values and 6 of frequencies.
-    """
+    """Write frequency responses as data sets 58 of function type 4, one for each output and input."""
     datasets = [*_headers(title), *geometry.datasets()]
     if len(response.frequencies_hz) < 2:
         raise InputError("frequencies_hz: found one; a function of a universal file needs at least two")
@@ -291,15 +257,7 @@ def write_frequency_responses(path: Path, response: FrequencyResponse, geometry:
 
 
 def write_modes(path: Path, modes, names: Sequence[str], units: Sequence[str], geometry: Geometry, title: str) -> None:
-    """Write modes as data sets 55: normal modes where a shape and its frequency are real, complex eigenvalues otherwise.
-
-    Args:
-        path: of the file.
-        modes: (eigenvalue in 1/s, shape (n,)) of each, real shapes for normal modes.
-        names, units: of the coordinates, units of their displacements.
-        geometry: where the coordinates are.
-        title: of the model.
-    """
+    """Write modes as data sets 55: normal modes where a shape and its frequency are real, complex eigenvalues otherwise."""
     places = [geometry.place(name, index, unit) for index, (name, unit) in enumerate(zip(names, units))]
     nodes = list(dict.fromkeys(node for node, _ in places))
     datasets = [*_headers(title), *geometry.datasets()]

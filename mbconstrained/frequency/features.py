@@ -76,15 +76,7 @@ class Antiresonance:
 
 
 def frequencies_by_poles(harmonic: Harmonic, with_peaks: bool = True) -> np.ndarray:
-    """Frequencies in Hz from a decade below the poles to a decade above, dense where a pole is near the axis, and all peaks.
-
-    Args:
-        harmonic: the matrices.
-        with_peaks: whether the maxima themselves are among them.
-
-    Returns:
-        Ascending, shape (F,). No line is at a pole.
-    """
+    """Frequencies in Hz from a decade below the poles to a decade above, dense where a pole is near the axis, and all peaks."""
     poles = harmonic.form.poles
     moduli = np.array([abs(pole.value) for pole in poles if pole.value]) if poles else np.zeros(0)
     low, high = (moduli.min(), moduli.max()) if len(moduli) else (1.0, 1.0)
@@ -109,14 +101,7 @@ def frequencies_by_poles(harmonic: Harmonic, with_peaks: bool = True) -> np.ndar
 
 
 def peaks_of(harmonic: Harmonic) -> Iterator[Peak]:
-    """The maxima of |H| of each entry, those at poles on the axis first.
-
-    Args:
-        harmonic: the matrices.
-
-    Yields:
-        Peaks, entry by entry.
-    """
+    """The maxima of |H| of each entry, those at poles on the axis first."""
     poles, grid = harmonic.form.poles, 2 * np.pi * frequencies_by_poles(harmonic, with_peaks=False)
     for i, output in enumerate(harmonic.output_names):
         for j, input in enumerate(harmonic.input_names):
@@ -204,14 +189,7 @@ class _Entry:
 
 
 def antiresonances_of(harmonic: Harmonic) -> Iterator[Antiresonance]:
-    """The oscillating zeros of each entry, ascending by frequency.
-
-    Args:
-        harmonic: the matrices.
-
-    Yields:
-        Zeros above the real axis, entry by entry; none of an entry that is zero.
-    """
+    """The oscillating zeros of each entry, ascending by frequency."""
     poles = harmonic.form.poles
     for i, output in enumerate(harmonic.output_names):
         for j, input in enumerate(harmonic.input_names):

@@ -311,9 +311,6 @@ def _pole_notice(one: PoleOnLine, response: FrequencyResponse) -> Notice:
 def checked_frequencies(value) -> np.ndarray:
     """Frequencies in Hz, finite and not negative, as an array (F,).
 
-    Raises:
-        InputError: others.
-
     >>> checked_frequencies([1, 2.5])
     array([1. , 2.5])
     """
@@ -326,15 +323,7 @@ def checked_frequencies(value) -> np.ndarray:
 
 
 def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
-    """The response at these frequencies.
-
-    Args:
-        harmonic: the matrices.
-        frequencies_hz: shape (F,), or "auto".
-
-    Returns:
-        The response.
-    """
+    """The response at these frequencies."""
     if isinstance(frequencies_hz, str):
         if frequencies_hz != "auto":
             raise InputError(f'frequencies_hz: found "{frequencies_hz}"; expected numbers in Hz or "auto"')

@@ -82,14 +82,6 @@ class ModalSum:
 def largest_nearby(values: np.ndarray, places: np.ndarray, rank: np.ndarray) -> np.ndarray:
     """At each rank the largest of the values at the four places around it; infinite values do not count.
 
-    Args:
-        values: at the places, shape (c,).
-        places: ascending ranks, shape (c,).
-        rank: shape (F,).
-
-    Returns:
-        Shape (F,).
-
     >>> largest_nearby(np.array([1.0, 2.0, 5.0, 1.0]), np.array([0, 10, 20, 30]), np.array([1, 15]))
     array([5., 5.])
     """

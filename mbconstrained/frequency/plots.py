@@ -45,17 +45,7 @@ class PlotStyle:
 
 
 def draw(response: FrequencyResponse, kind: str, figure=None, style: PlotStyle = PlotStyle()):
-    """The response as a matplotlib figure; lines at poles are left out.
-
-    Args:
-        response: with its frequencies.
-        kind: "bode", "nyquist" or "parts".
-        figure: to draw in; a new one where None.
-        style: scales and units.
-
-    Returns:
-        The figure.
-    """
+    """The response as a matplotlib figure; lines at poles are left out."""
     if kind not in KINDS:
         raise InputError(f"kind: found {kind!r}; expected one of {', '.join(KINDS)}")
     lower = 1 if kind == "nyquist" else 2

@@ -232,16 +232,7 @@ def _block_values(C, J, B, s) -> tuple[np.ndarray, np.ndarray]:
 
 
 def invariant_vectors(J: np.ndarray, value: complex, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Right vectors, matrix and left vectors of the ``count`` eigenvalues of J nearest to one: J right = right M, left J = M left.
-
-    Args:
-        J: a matrix.
-        value: the eigenvalue.
-        count: its multiplicity.
-
-    Returns:
-        ``right``, M and ``left``.
-    """
+    """Right vectors, matrix and left vectors of the ``count`` eigenvalues of J nearest to one: J right = right M, left J = M left."""
     if count == len(J):
         return np.eye(len(J)), J, np.eye(len(J))
     distance = np.sort(np.abs(np.linalg.eigvals(J) - value))

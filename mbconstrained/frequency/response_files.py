@@ -35,19 +35,7 @@ def csv_text(response: FrequencyResponse) -> str:
 
 
 def write_response(response: FrequencyResponse, path: Path, geometry: Geometry | None = None) -> Path:
-    """Write the values in the format of the ending.
-
-    Args:
-        response: with its values.
-        path: of the file.
-        geometry: of a universal file.
-
-    Returns:
-        The path.
-
-    Raises:
-        InputError: another ending.
-    """
+    """Write the values in the format of the ending."""
     if path.suffix not in (".csv", ".npz", *UNIVERSAL):
         raise InputError(f'path: found the ending "{path.suffix}"; expected .csv, .npz or .uff')
     with replacing(path) as temporary:

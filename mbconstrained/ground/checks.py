@@ -23,13 +23,6 @@ OF_FUNCTION = "; an input is made of a function of time by mb.approximated(funct
 def nearest(word: str, known: Iterable[str]) -> str:
     """The closest known name as a hint to append to a message, or an empty string.
 
-    Args:
-        word: as a user wrote it.
-        known: the names that there are.
-
-    Returns:
-        ; did you mean ...? or nothing.
-
     >>> nearest("stifness", ["stiffness", "damping"])
     '; did you mean "stiffness"?'
     """
@@ -39,16 +32,6 @@ def nearest(word: str, known: Iterable[str]) -> str:
 
 def optional_package(name: str, what_for: str) -> ModuleType:
     """An optional package, imported on demand; NumPy prints as before, whatever the package sets (pyyeti sets a legacy mode).
-
-    Args:
-        name: of the module.
-        what_for: the function that needs it, for the message.
-
-    Returns:
-        The module.
-
-    Raises:
-        MissingPackage: it is not installed.
 
     >>> optional_package("math", "to_numbers").sqrt(4.0)
     2.0
@@ -69,17 +52,6 @@ def optional_package(name: str, what_for: str) -> ModuleType:
 
 def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None) -> np.ndarray:
     """A new float64 array of finite real numbers.
-
-    Args:
-        value: an array, nested lists or a scipy.sparse matrix.
-        what: the name of the argument, for the message.
-        shape: the expected shape, None for any length; without it any shape.
-
-    Returns:
-        Float64, writable.
-
-    Raises:
-        InputError: other data or another shape.
 
     >>> real_array([[1, 2], [3, 4]], "mass", shape=(2, 2))
     array([[1., 2.],
@@ -115,15 +87,6 @@ def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None)
 def real_number(value, what: str, *, positive: bool = False, minimum: float | None = None) -> float:
     """A finite float, optionally greater than 0 or at least a minimum; otherwise an InputError.
 
-    Args:
-        value: of a user.
-        what: the name of the argument, for the message.
-        positive: zero is refused.
-        minimum: smaller numbers are refused.
-
-    Returns:
-        The number.
-
     >>> real_number(2, "stiffness", positive=True)
     2.0
     """
@@ -140,14 +103,6 @@ def real_number(value, what: str, *, positive: bool = False, minimum: float | No
 
 def whole_number(value, what: str, *, minimum: int = 0) -> int:
     """A whole number of at least a minimum; otherwise an InputError.
-
-    Args:
-        value: of a user.
-        what: the name of the argument, for the message.
-        minimum: smaller numbers are refused.
-
-    Returns:
-        The number.
 
     >>> whole_number(3, "power")
     3
@@ -174,13 +129,6 @@ def evaluation_times(value) -> np.ndarray:
 def counted(count: int, one: str, several: str | None = None) -> str:
     """A count with its noun in the singular or plural.
 
-    Args:
-        count: how many.
-        one, several: the noun in the singular and, where it is not made with an s, in the plural.
-
-    Returns:
-        Both as text.
-
     >>> counted(1, "row"), counted(0, "row"), counted(2, "entry", "entries")
     ('1 row', '0 rows', '2 entries')
     """
@@ -189,15 +137,6 @@ def counted(count: int, one: str, several: str | None = None) -> str:
 
 def names_of(names, count: int, what: str, prefix: str) -> tuple[str, ...]:
     """A tuple of distinct names, numbered from the prefix where none are given.
-
-    Args:
-        names: of a user, or None.
-        count: how many are needed.
-        what: the name of the argument, for the message.
-        prefix: of numbered names.
-
-    Returns:
-        As many names.
 
     >>> names_of(None, 2, "names", "x")
     ('x1', 'x2')
@@ -226,14 +165,6 @@ def constant_zeros(shape: tuple[int, ...]) -> np.ndarray:
 
 def places_of(chosen: Iterable, names: Sequence[str], what: str) -> list[int]:
     """The indices of items that are chosen by name or by index; an InputError for others.
-
-    Args:
-        chosen: names and numbers from 0.
-        names: all of them.
-        what: the noun for the message.
-
-    Returns:
-        Numbers from 0.
 
     >>> places_of(["b", 0], ["a", "b"], "coordinate")
     [1, 0]

@@ -16,14 +16,7 @@ _FORCES = {"m": "N", "rad": "N m", "1": "J"}
 
 
 def coordinate_units(units, names: Sequence[str]) -> dict[str, str]:
-    """The unit of every coordinate by name, metres by default.
-
-    Args:
-        units: a mapping from names to units, a sequence in the order of the names, or None.
-
-    Returns:
-        Units by name, in the order of the names.
-    """
+    """The unit of every coordinate by name, metres by default."""
     if units is None:
         units = {}
     if not isinstance(units, Mapping):
@@ -41,15 +34,7 @@ def coordinate_units(units, names: Sequence[str]) -> dict[str, str]:
 
 
 def check_unit(unit, what: str) -> str:
-    """The unit, if it is one that a coordinate or a constraint row may have.
-
-    Args:
-        unit: of a user.
-        what: what it belongs to, for the message.
-
-    Returns:
-        The unit.
-    """
+    """The unit, if it is one that a coordinate or a constraint row may have."""
     if unit not in _FORCES:
         raise InputError(f'{what}: found {unit!r}; expected "m", "rad" or "1"{nearest(unit, _FORCES)}')
     return unit
@@ -57,13 +42,6 @@ def check_unit(unit, what: str) -> str:
 
 def rate_unit(unit: str, order: int = 1) -> str:
     """The unit of the derivative of this order.
-
-    Args:
-        unit: of the quantity.
-        order: of the derivative.
-
-    Returns:
-        As text.
 
     >>> rate_unit("m", 2)
     'm/s^2'
@@ -73,13 +51,6 @@ def rate_unit(unit: str, order: int = 1) -> str:
 
 def derivative_name(unit: str, order: int) -> str:
     """The name of a derivative.
-
-    Args:
-        unit: of the coordinate.
-        order: of the derivative.
-
-    Returns:
-        Its name, e.g. "velocity".
 
     >>> derivative_name("m", 1), derivative_name("rad", 0), derivative_name("N", 0), derivative_name("m", 5)
     ('velocity', 'angle', 'value', 'derivative 5')
@@ -103,13 +74,6 @@ def force_unit(unit: str) -> str:
 def impulse_unit(unit: str, order: int = 0) -> str:
     """The unit of the factor of the derivative of this order of Dirac's delta, for a quantity of this unit.
 
-    Args:
-        unit: of the quantity.
-        order: of the derivative of Dirac's delta.
-
-    Returns:
-        As text.
-
     >>> impulse_unit("N"), impulse_unit("N", 1)
     ('N s', 'N s^2')
     """
@@ -122,12 +86,6 @@ def _seconds(power: int) -> str:
 
 def ratio_unit(above: str, below: str) -> str:
     """The unit of a quantity by another.
-
-    Args:
-        above, below: units.
-
-    Returns:
-        Such as "m/N" or "rad/(N m)".
 
     >>> ratio_unit("m", "N m"), ratio_unit("m", "m")
     ('m/(N m)', '1')

@@ -187,13 +187,6 @@ def finite_or_none(value: float) -> float | None:
 def with_unit(value: float, unit: str) -> str:
     """A number with its unit; the unit 1 is not printed.
 
-    Args:
-        value: the number.
-        unit: as text.
-
-    Returns:
-        Both as text.
-
     >>> with_unit(0.5, "m/s"), with_unit(0.5, "1"), with_unit(0.5, "1/s"), with_unit(0.5, "1 s")
     ('0.5 m/s', '0.5', '0.5 1/s', '0.5 s')
     """
@@ -205,13 +198,6 @@ def table_text(table: TextTable, width: int = WIDTH) -> str:
 
     Where the columns are wider than a line, sentences are wrapped between words, names and numbers never; a row that is too
     wide even so is set as a list, one entry a line.
-
-    Args:
-        table: to be printed.
-        width: of a line, in letters.
-
-    Returns:
-        The lines.
 
     >>> print(table_text(TextTable("Jumps", ("of", "size", "reason"), (("cart", "1 m", "the start violates a row"),)), width=30))
     Jumps
@@ -230,13 +216,6 @@ def table_text(table: TextTable, width: int = WIDTH) -> str:
 
 def wrapped(text: str, width: int = WIDTH) -> str:
     """A text of one or more lines, wrapped between words; what follows in a wrapped line is indented.
-
-    Args:
-        text: of one or more lines.
-        width: of a line, in letters.
-
-    Returns:
-        The lines, joined.
 
     >>> print(wrapped("Notices\\n  the force at 3 s is zero", 16))
     Notices

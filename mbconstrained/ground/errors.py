@@ -90,9 +90,6 @@ OUT_OF_RANGE = (
 def within_float64() -> Iterator[None]:
     """A context without warnings of floating-point arithmetic: what is not finite is reported where it is evaluated.
 
-    Raises:
-        IllConditioned: it reached an algorithm that takes finite numbers only.
-
     >>> with within_float64():
     ...     np.float64(1e300) * 1e300
     np.float64(inf)

@@ -18,18 +18,7 @@ LARGEST_FILE = 200_000_000  # bytes, also of one unpacked array
 
 @contextmanager
 def readable_as(path: Path, failure: str) -> Iterator[None]:
-    """Read a file by another package: its errors, of many classes for damaged files, are wrong input here.
-
-    Args:
-        path: of the file.
-        failure: what the file is then, such as "not a WAV file of samples".
-
-    Returns:
-        A context for the calls that read it.
-
-    Raises:
-        InputError: any error but those of the system, with the first line of its text.
-    """
+    """Read a file by another package: its errors, of many classes for damaged files, are wrong input here."""
     try:
         yield
     except (InputError, OSError):
@@ -42,17 +31,7 @@ def readable_as(path: Path, failure: str) -> Iterator[None]:
 
 
 def checked_file(path: str | Path) -> Path:
-    """The path of a file that can be read.
-
-    Args:
-        path: of a user.
-
-    Returns:
-        The path.
-
-    Raises:
-        InputError: no such file, a folder, no permission, empty, too large.
-    """
+    """The path of a file that can be read."""
     path = Path(path)
     try:
         if not path.exists():

@@ -56,15 +56,6 @@ class Outcome:
 def isolated(function: Callable[..., None], seconds: float, memory: int, **arguments) -> Iterator[Outcome]:
     """Call a function in a process of its own, in an empty folder; what it prints is dropped.
 
-    Args:
-        function: of a module's top level, which imports what it uses, and writes its results into files.
-        seconds: that it may take.
-        memory: bytes of address space that it may take, where the system has such a limit.
-        arguments: plain data.
-
-    Yields:
-        The ``Outcome``; its folder is there until the context is left.
-
     >>> from mbconstrained.ground.checks import nearest
     >>> with isolated(nearest, 60, 8 << 30, word="a", known=[]) as outcome:  # imports nothing itself
     ...     outcome.problem
@@ -88,20 +79,7 @@ def isolated(function: Callable[..., None], seconds: float, memory: int, **argum
 
 @contextmanager
 def read_isolated(function: Callable[..., None], path: Path, failure: str, **arguments) -> Iterator[Path]:
-    """Read a file by a function in a process of its own, which is given the path.
-
-    Args:
-        function: as of ``isolated``; its first argument is the path.
-        path: of the file.
-        failure: what a file is that cannot be read.
-        arguments: of the function, plain data.
-
-    Yields:
-        The folder with the files that the function wrote; they are all there unless the process crashed.
-
-    Raises:
-        InputError: the function raised an exception, or took too long.
-    """
+    """Read a file by a function in a process of its own, which is given the path."""
     with isolated(function, LONGEST_READING, READING_MEMORY, path=str(path.resolve()), **arguments) as outcome:
         if outcome.code is None:
             raise InputError(f"{path.name}: {failure} (it cannot be read within {LONGEST_READING} s: it is damaged)")

@@ -73,12 +73,6 @@ class Notice:
 def distinct(*sources: Iterable[Notice]) -> tuple[Notice, ...]:
     """Notices of several sources, which may know the same: each once, in their order.
 
-    Args:
-        sources: of notices.
-
-    Returns:
-        The notices.
-
     >>> notice = Notice(NoticeKind.AT_REST, "nothing moves")
     >>> len(distinct([notice], [notice]))
     1
@@ -88,13 +82,6 @@ def distinct(*sources: Iterable[Notice]) -> tuple[Notice, ...]:
 
 def doubts_of(what: str, estimate: float) -> tuple[Notice, ...]:
     """The notice of an answer that cannot be trusted; none of one that can.
-
-    Args:
-        what: of which the estimate is, such as "the displacement".
-        estimate: of its relative error; infinite or not a number where no digit is sure.
-
-    Returns:
-        One doubtful notice where the estimate is above ``TRUST_LIMIT``.
 
     >>> doubts_of("the displacement", 1e-9)
     ()

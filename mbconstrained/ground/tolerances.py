@@ -23,12 +23,7 @@ NOISE_SAFETY = 16.0
 
 
 def noise_of(size, count: int = 1):
-    """Rounding noise of a sum of ``count`` terms of magnitude ``size``.
-
-    Args:
-        size: of the terms, a number or an array.
-        count: how many terms.
-    """
+    """Rounding noise of a sum of ``count`` terms of magnitude ``size``."""
     return NOISE_SAFETY * EPS * max(count, 1) ** 0.5 * size
 
 

@@ -31,13 +31,6 @@ HALVES = 2.0**27 + 1
 def accurate_product(left: np.ndarray, right: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """left @ right as its rounded value and what that is rounded by.
 
-    Args:
-        left: shape (k, m).
-        right: shape (m, n).
-
-    Returns:
-        Two arrays of shape (k, n), which add up to the product to about ``PRODUCT_ERROR``.
-
     >>> high, low = accurate_product(np.array([[1.0, 2.0**-60]]), np.array([[1.0], [1.0]]))
     >>> high, low * 2.0**60
     (array([[1.]]), array([[1.]]))
@@ -50,16 +43,6 @@ def accurately_solved(matrix: Matrix, right: Matrix) -> Matrix:
 
     Without refinement they would be rounding errors, which couple what nothing couples, or would have to count as zero, whatever
     they are (Skeel 1979).
-
-    Args:
-        matrix: regular, shape (n, n).
-        right: shape (n, k).
-
-    Returns:
-        Shape (n, k), of the kind of the right side.
-
-    Raises:
-        numpy.linalg.LinAlgError: the matrix is singular.
 
     >>> accurately_solved(np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([[2.0 + 2.0**-51], [1.0]]))[1] * 3 * 2.0**51
     array([-1.])
@@ -87,13 +70,6 @@ def _accurately_solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 def congruence(shapes: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     """X^T A X with twice the digits, rounded once.
-
-    Args:
-        shapes: X, shape (n, k).
-        matrix: A, shape (n, n).
-
-    Returns:
-        Shape (k, k).
 
     >>> x = np.array([[1.0], [1.0]])
     >>> congruence(x, np.array([[1.0, -1.0], [-1.0, 1.0 + 2.0**-52]])) * 2.0**52
@@ -133,13 +109,6 @@ def _product(left: list[np.ndarray], right: list[np.ndarray]) -> tuple[np.ndarra
 def exact_product(row: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     """row @ A rounded once: products and their rounding errors (Dekker 1971) are summed exactly (Shewchuk 1997).
 
-    Args:
-        row: shape (m,).
-        matrix: shape (m, n).
-
-    Returns:
-        Shape (n,).
-
     >>> exact_product(np.array([1.0, 1.0, -1.0]), np.array([[1.0], [2.0**-60], [1.0]])) * 2.0**60
     array([1.])
     """
@@ -156,12 +125,6 @@ def exact_product(row: np.ndarray, matrix: np.ndarray) -> np.ndarray:
 
 def exact_row_sums(matrix: Matrix) -> np.ndarray:
     """The sum of the entries of each row, rounded once.
-
-    Args:
-        matrix: shape (m, n), dense or sparse.
-
-    Returns:
-        Shape (m,).
 
     >>> exact_row_sums(np.array([[1.0, 2.0**-60, -1.0]])) * 2.0**60
     array([1.])

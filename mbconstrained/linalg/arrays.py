@@ -36,15 +36,7 @@ def compressed(matrix: np.ndarray) -> csr_array:
 
 
 def of_like_kind(matrix, other: Matrix) -> Matrix:
-    """A matrix of the kind of another one.
-
-    Args:
-        matrix: sparse or full.
-        other: of the wanted kind.
-
-    Returns:
-        The same entries.
-    """
+    """A matrix of the kind of another one."""
     if isinstance(other, np.ndarray):
         return full(matrix)
     return compressed(matrix) if isinstance(matrix, np.ndarray) else csr_array(matrix)
@@ -74,28 +66,12 @@ def vstack(*parts: Matrix) -> Matrix:
 
 
 def zeros_of_kind(shape: tuple[int, int], like: Matrix) -> Matrix:
-    """Zeros, of the kind of another matrix.
-
-    Args:
-        shape: rows and columns.
-        like: of the wanted kind.
-
-    Returns:
-        No entries.
-    """
+    """Zeros, of the kind of another matrix."""
     return np.zeros(shape) if isinstance(like, np.ndarray) else csr_array(shape)
 
 
 def shifted_unit(rows: int, columns: int, shift: int, like: Matrix) -> Matrix:
     """Ones where column = row + shift, of the kind of another matrix.
-
-    Args:
-        rows, columns: the shape.
-        shift: the diagonal of the ones.
-        like: of the wanted kind.
-
-    Returns:
-        Shape (rows, columns).
 
     >>> shifted_unit(1, 3, 1, np.zeros((1, 1))).tolist()
     [[0.0, 1.0, 0.0]]
@@ -120,13 +96,6 @@ def entries(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def others(size: int, places: np.ndarray) -> np.ndarray:
     """All numbers below a size that are not among these.
-
-    Args:
-        size: how many numbers there are.
-        places: some of them.
-
-    Returns:
-        The others, ascending.
 
     >>> others(4, np.array([2, 0])).tolist()
     [1, 3]

@@ -54,29 +54,13 @@ class BlockDiagonal:
 
 
 def block_diagonalize(triangle: np.ndarray, limit: float = DECOUPLING_LIMIT) -> BlockDiagonal:
-    """Block-diagonalize a real quasi-triangular matrix (a real Schur form); what nothing couples is never put together.
-
-    Args:
-        triangle: shape (n, n).
-        limit: the largest norm of a decoupling transformation.
-
-    Returns:
-        Blocks in the order of their first rows.
-    """
+    """Block-diagonalize a real quasi-triangular matrix (a real Schur form); what nothing couples is never put together."""
     groups = coupled_rows(triangle)
     return assembled(groups, [_block_diagonalize(triangle[np.ix_(at, at)], limit) for at in groups])
 
 
 def assembled(groups: Sequence[np.ndarray], parts: Sequence[BlockDiagonal]) -> BlockDiagonal:
-    """A matrix decoupled from its parts on groups of its rows, which no entry couples to each other.
-
-    Args:
-        groups: the rows of each part.
-        parts: as many.
-
-    Returns:
-        The whole, its blocks part by part.
-    """
+    """A matrix decoupled from its parts on groups of its rows, which no entry couples to each other."""
     if len(parts) == 1:
         return parts[0]
     n = sum(map(len, groups))

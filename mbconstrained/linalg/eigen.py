@@ -31,13 +31,6 @@ def decoupled(matrix: Matrix, units: np.ndarray | None = None) -> BlockDiagonal:
 
     Where an eigenvector is hardly independent of the others, by its Schur form and clusters instead (``linalg.blocks``).
 
-    Args:
-        matrix: S.
-        units: of the states, in which it is balanced, where they are known.
-
-    Returns:
-        Blocks of size one and two, or clusters.
-
     >>> decoupled(np.array([[0.0, 1.0], [-4.0, 0.0]])).blocks[0].tolist()
     [[0.0, 2.0], [-2.0, 0.0]]
     """

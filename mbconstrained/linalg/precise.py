@@ -136,11 +136,7 @@ def product(*factors: np.ndarray) -> np.ndarray:
 
 
 def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """matrix^-1 @ right for a regular square matrix.
-
-    Raises:
-        numpy.linalg.LinAlgError: the matrix is singular, to within its precision.
-    """
+    """matrix^-1 @ right for a regular square matrix."""
     if not is_precise(matrix):
         return np.linalg.solve(matrix, right)
     try:
@@ -172,12 +168,6 @@ def zero_multiplicity(E: np.ndarray, F: np.ndarray) -> int:
 
     It is the multiplicity of the eigenvalue 1/c of W = (c E - F)^-1 E for any c with det(c E - F) != 0: the number by which the
     rank of (W - I/c)^k falls short of n for large k.
-
-    Args:
-        E, F: a regular pencil, shape (n, n); whole numbers, floats or Fractions of floats, taken exactly.
-
-    Returns:
-        0 or more.
 
     >>> zero_multiplicity(np.eye(2), np.array([[1e15, -1e15], [-1e15, 1e15]]))
     1
@@ -229,13 +219,6 @@ def relative_degrees(coefficients: np.ndarray, inputs: np.ndarray, outputs: np.n
     Where A_q is regular modulo the prime, C A^-1 B = s^-q (C X_0 B + C X_1 B / s + ...), A_q X_k = -(A_(q-1) X_(k-1) + ... + A_0 X_(k-q)), X_0 = A_q^-1.
     Else the degrees of det A(s) and of C adj A(s) B follow from their values at as many points as det A(s) can have roots. Each decision is wrong with the
     chance of about 1e-17.
-
-    Args:
-        coefficients: A_0, A_1, ..., A_q, shape (q + 1, r, r); complex ones count as generic.
-        inputs, outputs: B and C, shapes (r, m) and (p, r).
-
-    Returns:
-        Shape (p, m), infinite where C A(s)^-1 B is zero or falls faster than ``HIGHEST_DEGREE``; None of equations that are too large.
     """
     from flint import nmod_mat
 
@@ -282,13 +265,6 @@ def relative_degrees(coefficients: np.ndarray, inputs: np.ndarray, outputs: np.n
 
 def zero_transfers(coefficients: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray | None:
     """Which entries of C A(s)^-1 B are zero for every s: those that are at a point modulo the prime, wrong with a chance of 1e-16.
-
-    Args:
-        coefficients: A_0, A_1, ..., A_q, shape (q + 1, r, r), real.
-        inputs, outputs: B and C, real, shapes (r, m) and (p, r).
-
-    Returns:
-        Truth values, shape (p, m); None of equations that are too large.
 
     >>> links = np.array([[2.0, 1e-200, 0.0], [1e-200, 2.0, 0.0], [0.0, 0.0, 1.0]])
     >>> zero_transfers(links[None], np.eye(3), np.eye(3))[0].tolist()

@@ -34,17 +34,7 @@ INSEPARABLE = (
 
 
 def block_diagonal(matrix: np.ndarray) -> BlockDiagonal:
-    """Block-diagonalize a precise square matrix.
-
-    Args:
-        matrix: A, shape (n, n).
-
-    Returns:
-        inverse @ A @ basis = diag(blocks): basis and inverse precise, shape (n, n), the blocks float64 real Schur forms.
-
-    Raises:
-        IllConditioned: the eigenvalues cannot be separated.
-    """
+    """Block-diagonalize a precise square matrix."""
     if not len(matrix):
         return BlockDiagonal(matrix, matrix, (), 0.0)
     groups = coupled_rows(magnitude(matrix))

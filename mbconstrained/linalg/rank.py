@@ -86,17 +86,7 @@ def compress_rows(
     preferred: np.ndarray | None = None,
     decided: RankDecision | None = None,
 ) -> RowCompression:
-    """Find the dependent rows of a matrix with noise.
-
-    Args:
-        matrix: S, shape (m, n).
-        weights: factors (n,) by which columns count in the choice of pivots.
-        preferred: rows (m,) that become pivots rather than others, where this does not cost more than a digit or two.
-        decided: an earlier decision on the same matrix with fewer digits; where it is given the noise only ranks pivots.
-
-    Returns:
-        Pivot rows, vanishing combinations of rows, and the decision.
-    """
+    """Find the dependent rows of a matrix with noise."""
     rows, columns = matrix.data.shape
     weights = np.ones(columns) if weights is None else weights
     favour = np.ones(rows) if preferred is None else np.where(preferred, PIVOT_PREFERENCE, 1.0)
@@ -133,16 +123,7 @@ def _null_rows(matrix: Noisy, empty, components, count: int) -> Noisy:
 
 
 def null_columns(matrix: Noisy, preferred: np.ndarray | None = None, decided: RankDecision | None = None) -> RowCompression:
-    """The same for the columns of S: S[:, pivots] are independent, and S @ null.T = 0; preferred ones become pivots if they can.
-
-    Args:
-        matrix: S, shape (m, n).
-        preferred: columns (n,) that become pivots rather than others.
-        decided: as for ``compress_rows``.
-
-    Returns:
-        The compression of the rows of the transpose.
-    """
+    """The same for the columns of S: S[:, pivots] are independent, and S @ null.T = 0; preferred ones become pivots if they can."""
     size = matrix.size.max(axis=1, initial=0.0)
     return compress_rows(matrix.T, 1 / (size + (size == 0)), preferred, decided)
 

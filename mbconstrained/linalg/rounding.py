@@ -119,16 +119,6 @@ def eliminate(work: Noisy, row: int, column: int, first: int = 0, width: int | N
     """Subtract multiples of a row from others, in place, so that their entries in one column vanish.
 
     The rounding errors of factors, rows and differences add in quadrature.
-
-    Args:
-        work: the matrix with its rounding errors.
-        row, column: the pivot.
-        first: rows from this one on are changed.
-        width: the number of columns in which entries within their rounding errors are zero; None for all.
-        clean: whether those entries become zero.
-
-    Returns:
-        The largest entry dropped over the bound below which it counts as zero.
     """
     touched = first + (work.data[first:, column] != 0).nonzero()[0]
     touched = touched[touched != row]
@@ -165,14 +155,6 @@ def reduce_in_order(
     """Reduce the rows of a matrix in place, each by those before it; of dependent rows the first are kept.
 
     With pivots chosen within rows no step depends on the scale of a row, and every factor is bounded as in partial pivoting.
-
-    Args:
-        work: shape (m, n), its columns of like size.
-        width: the number of leading columns with pivots; the others are only carried along.
-        preferred: the columns whose pivots are taken where they are larger than the others divided by ``preference``.
-
-    Returns:
-        The places of the independent rows, and the pivot column of each.
 
     >>> work = Noisy.rounded(np.array([[1.0, -1.0, 0.0], [2.0, -2.0, 0.0], [0.0, 1.0, -1.0]]))
     >>> reduce_in_order(work, 3)

@@ -109,18 +109,7 @@ GENERIC = (0.7390851 + 0.3183099j, -0.5671433 + 1.2020569j, 1.6180340 - 0.915965
 
 
 def split_regular(E: Noisy, F: Noisy) -> SplitPencil:
-    """Split s E - F.
-
-    Args:
-        E, F: shape (N, N), with their rounding errors.
-
-    Returns:
-        The pencil split.
-
-    Raises:
-        SingularPencil: det(s E - F) vanishes identically.
-        IllConditioned: the pencil has full rank at a generic s, but its structure is lost in rounding errors.
-    """
+    """Split s E - F."""
     try:
         return split_pencil(E, F)
     except SingularPencil:
@@ -144,18 +133,7 @@ def _has_full_rank(E: Noisy, F: Noisy) -> bool:
 
 
 def split_pencil(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None = None) -> SplitPencil:
-    """Split s E - F, square and real, with its noise; split_pencil(F, E) splits the zeros at s = 0 off instead.
-
-    Args:
-        E, F: shape (N, N), with their rounding errors.
-        decided: the rank decisions of a pencil with the same structure, in order, to be followed.
-
-    Returns:
-        The pencil split.
-
-    Raises:
-        SingularPencil: det(s E - F) vanishes identically, to within the noise.
-    """
+    """Split s E - F, square and real, with its noise; split_pencil(F, E) splits the zeros at s = 0 off instead."""
     n = len(E.data)
     left, right = (Noisy.exact(of_kind(np.eye(n), E.data)) for _ in range(2))
     work = _Work(stacked(E.T, F.T, left.T).T, right)

@@ -47,18 +47,7 @@ class TriangularForm:
 
 
 def triangular_form(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None = None) -> TriangularForm:
-    """Bring s E - F, E regular, to s I - T with T in standardized real Schur form.
-
-    Args:
-        E, F: shape (n, n), with their rounding errors.
-        decided: the rank decisions of a pencil with the same structure, in order, to be followed.
-
-    Returns:
-        The form, with the decisions.
-
-    Raises:
-        IllConditioned: E is regular only beyond the precision of float64.
-    """
+    """Bring s E - F, E regular, to s I - T with T in standardized real Schur form."""
     try:
         split = split_pencil(F, E, decided)  # with the roles exchanged: its E11 belongs to F, its F11 to E
     except SingularPencil:  # E was found regular: what seems to vanish with F here is carried noise

@@ -84,29 +84,13 @@ Known = TypeVar("Known")
 
 
 def reference(system: MechanicalSystem, name: str) -> Channel:
-    """The motion that others are relative to.
-
-    Args:
-        system: with coordinates and rows.
-        name: of a coordinate, an output of a robot, or a constraint row; "ground" for none.
-
-    Returns:
-        The channel.
-    """
+    """The motion that others are relative to."""
     known = {GROUND: Channel(GROUND, np.zeros(system.size), "m")} | channels(system, "outputs")
     return chosen_by_name("relative_to", name, known, ())[0]
 
 
 def channels(system: MechanicalSystem, side: Side) -> dict[str, Channel | None]:
-    """All channels by name: coordinates, constraint rows, and the inputs or outputs that a robot has by names of its own.
-
-    Args:
-        system: with coordinates and rows.
-        side: of which directions with own names are meant.
-
-    Returns:
-        By name; None where a coordinate and a row share it.
-    """
+    """All channels by name: coordinates, constraint rows, and the inputs or outputs that a robot has by names of its own."""
     own = system.named_directions(side)
     known: dict[str, Channel | None] = {channel.name: channel for channel in coordinate_channels(system)}
     known |= {name: Channel(name, direction, unit) for name, (direction, unit) in own.items()}
@@ -126,20 +110,7 @@ def row_channels(system: MechanicalSystem) -> list[Channel]:
 
 
 def chosen_by_name(what: str, chosen, known: Mapping[str, Known | None], default: Sequence[Known]) -> list[Known]:
-    """What a user chose by names.
-
-    Args:
-        what: the argument, for messages.
-        chosen: a name, a list of names, or None.
-        known: by name; None where a name is ambiguous.
-        default: for None.
-
-    Returns:
-        One for each name.
-
-    Raises:
-        InputError: an unknown or ambiguous name, none at all, one twice.
-    """
+    """What a user chose by names."""
     if chosen is None:
         return list(default)
     names = [chosen] if isinstance(chosen, str) else list(chosen) if isinstance(chosen, (Sequence, np.ndarray)) else None

@@ -72,18 +72,7 @@ def constrained_form(
     names: Sequence[str],
     orders: Sequence[int],
 ) -> ConstrainedForm:
-    """Stack the projected equations of motion and the constraint rows.
-
-    Args:
-        motion: K, C, M, the coefficients of s^0, s^1, s^2, each of shape (n, n), assembled or as elements.
-        uncertainty: bounds of the errors of their entries beyond rounding, each of shape (n, n).
-        independent: the constraint rows and their null space.
-        names: of the n coordinates.
-        orders: the order of the derivative in each row.
-
-    Returns:
-        The form, its polynomial matrix of degree 2 and size n.
-    """
+    """Stack the projected equations of motion and the constraint rows."""
     V, A = independent.null_space, independent.matrix
     spread = max((matrix.spread for matrix in motion[:2] if isinstance(matrix, ElementMatrix)), default=1.0)
     if spread > LARGEST_SPREAD:
@@ -192,19 +181,6 @@ def explicit_acceleration(
     The columns of V span the range of I - A^+ A, so that the equations that the pseudo-inverse solves are those of
     [V^T M; A] x'' = [V^T Q; b]: n equations for n unknowns, whose rows and columns may be scaled freely. M alone and
     A alone decide whether there is one solution: rank [M; A] = n.
-
-    Args:
-        mass: M, shape (n, n).
-        independent: the rows A, shape (k, n), and the basis V of null(A).
-        load: Q = f - C x' - K x, shape (n,).
-        values: b, the value of A x'', shape (k,).
-        names: of the coordinates.
-
-    Returns:
-        x'', shape (n,).
-
-    Raises:
-        NotUnique: rank [M; A] < n; names the coordinates with undetermined acceleration.
     """
     V, A = independent.null_space, independent.matrix
     stacked = np.vstack([(Noisy.rounded(V.T) @ Noisy.rounded(mass)).cleaned(), A])

@@ -159,33 +159,14 @@ class ConstraintRow:
 
 
 def checked_level(level, what: str) -> Level:
-    """A known level, or an InputError with the nearest one.
-
-    Args:
-        level: position, velocity or acceleration.
-        what: the argument, for the message.
-
-    Returns:
-        The level.
-    """
+    """A known level, or an InputError with the nearest one."""
     if level not in LEVELS:
         raise InputError(f"{what}: found the level {level!r}; expected one of {', '.join(LEVELS)}{nearest(level, LEVELS)}")
     return level
 
 
 def checked_constraints(given, names: Sequence[str]) -> tuple[Constraint, ...]:
-    """The constraints of a system with these coordinates; a sparse matrix stands for rows that are zero at position level.
-
-    Args:
-        given: a ``Constraint``, a sparse matrix of rows, a list of these, or None.
-        names: of the n coordinates.
-
-    Returns:
-        The constraints.
-
-    Raises:
-        InputError: an object that is no constraint, rows of another length than the number of coordinates.
-    """
+    """The constraints of a system with these coordinates; a sparse matrix stands for rows that are zero at position level."""
     if given is None or isinstance(given, Constraint) or scipy.sparse.issparse(given):
         given = () if given is None else (given,)
     if isinstance(given, (str, bytes, np.ndarray)) or not isinstance(given, Sequence):
@@ -204,11 +185,7 @@ def checked_constraints(given, names: Sequence[str]) -> tuple[Constraint, ...]:
 
 
 def row_names(constraints: Sequence[Constraint]) -> tuple[str, ...]:
-    """A name for each row of the constraints, "constraint 1" and so on by default.
-
-    Raises:
-        InputError: a name is used twice.
-    """
+    """A name for each row of the constraints, "constraint 1" and so on by default."""
     names: list[str] = []
     for constraint in constraints:
         count = constraint.rows.shape[0]
@@ -217,15 +194,7 @@ def row_names(constraints: Sequence[Constraint]) -> tuple[str, ...]:
 
 
 def constraint_rows(constraints: Sequence[Constraint], units: dict[str, str]) -> tuple[ConstraintRow, ...]:
-    """All rows of the constraints of a system with coordinates of these units.
-
-    Args:
-        constraints: of a system.
-        units: by coordinate, "m" or "rad".
-
-    Returns:
-        One ``ConstraintRow`` for each row.
-    """
+    """All rows of the constraints of a system with coordinates of these units."""
     rows: list[ConstraintRow] = []
     names, each = row_names(constraints), tuple(units.values())
     for constraint in constraints:
@@ -298,18 +267,7 @@ class IndependentRows:
 
 
 def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRows:
-    """The rows without dependent ones, and the null space of their matrix.
-
-    Args:
-        rows: all rows of a system.
-        size: the number n of coordinates.
-
-    Returns:
-        The k independent rows, strongest level first, with the null space of their matrix.
-
-    Raises:
-        ContradictoryConstraints: a dependent row with another value than the rows that it depends on imply.
-    """
+    """The rows without dependent ones, and the null space of their matrix."""
     if not rows:
         none = np.zeros((0, size))
         return IndependentRows((), none, none, np.eye(size), tuple(range(size)), (), ())

@@ -91,18 +91,6 @@ def modal_damping(mass: np.ndarray, stiffness: np.ndarray, rows: np.ndarray, mod
     Each undamped mode keeps its shape and becomes s^2 + 2 zeta_i w_i s + w_i^2 = 0; motions in which M x = 0, and modes with the ratio 0,
     are not damped. Where constraint rows A x = b(t) move supports, the motion relative to the static response R b is damped, K R + A^T L = 0, A R = I:
     M u_i becomes (I - R A)^T M u_i, which is the same on all motions with A x = 0. Source: Géradin and Rixen, Mechanical Vibrations (2015), section 3.1.2.
-
-    Args:
-        mass, stiffness: M and K, symmetric, shape (n, n).
-        rows: A, independent, shape (k, n).
-        modes: of the undamped system.
-        ratios: zeta of all oscillating modes, or those of the lowest ones, ascending by frequency.
-
-    Returns:
-        C, an element for each damped mode.
-
-    Raises:
-        InputError: unsymmetric M or K, negative ratios, or more of them than oscillating modes.
     """
     check_orthogonal("modal damping", mass, stiffness)
     frequencies, ratios = modes.natural_frequencies, real_array(ratios, "damping ratios")
@@ -127,27 +115,14 @@ def _rounding(part: ElementMatrix) -> np.ndarray:
 
 
 def check_orthogonal(what: str, mass: np.ndarray, stiffness: np.ndarray) -> None:
-    """Raise an InputError where M or K is not symmetric.
-
-    Args:
-        what: the use of the modes, for the message.
-        mass, stiffness: M and K, shape (n, n).
-    """
+    """Raise an InputError where M or K is not symmetric."""
     for matrix, name in ((mass, "mass"), (stiffness, "stiffness")):
         if np.abs(matrix - matrix.T).max() > noise_of(np.abs(matrix).max(), len(matrix)):
             raise InputError(f"{what}: the {name} matrix is not symmetric, so that its modes are not orthogonal")
 
 
 def static_response(stiffness: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """R with K R + A^T L = 0 and A R = I, the smallest where a motion is free.
-
-    Args:
-        stiffness: K, shape (n, n).
-        rows: A, shape (k, n).
-
-    Returns:
-        Shape (n, k).
-    """
+    """R with K R + A^T L = 0 and A R = I, the smallest where a motion is free."""
     size, count = rows.shape[1], len(rows)
     scale = np.abs(stiffness).max(initial=0.0) or 1.0
     saddle = np.block([[stiffness / scale, rows.T], [rows, np.zeros((count, count))]])
@@ -164,16 +139,7 @@ def relative_mass(mass: ElementMatrix | np.ndarray, stiffness: np.ndarray, rows:
 
 
 def mass_normalized(mass: np.ndarray, shapes: np.ndarray, frequencies: np.ndarray) -> np.ndarray:
-    """The shapes with U^T M U = I, by Gram-Schmidt twice: modes of one frequency are orthogonal only after it.
-
-    Args:
-        mass: M, shape (n, n).
-        shapes: U, shape (n, m).
-        frequencies: of the modes, for messages.
-
-    Returns:
-        Shape (n, m).
-    """
+    """The shapes with U^T M U = I, by Gram-Schmidt twice: modes of one frequency are orthogonal only after it."""
     normal = np.zeros_like(shapes)
     for i, shape in enumerate(shapes.T):
         for _ in range(2):

@@ -49,15 +49,7 @@ class Energy:
 
 
 def energy_of(system: MechanicalSystem, displacement: np.ndarray, velocity: np.ndarray) -> Energy:
-    """The energies at states.
-
-    Args:
-        system: with n coordinates.
-        displacement, velocity: x and x', shape (n,), (n, T) or (n, S, T).
-
-    Returns:
-        Energies of these shapes without the first axis, in J.
-    """
+    """The energies at states."""
     stiffness, _, mass = system.given
     return Energy(
         kinetic=_half_square(mass, velocity),
@@ -224,13 +216,6 @@ def coordinate_parts(names: Sequence[str], mass: Matrix, stiffness: Matrix) -> E
 
     Such shares may be negative: they are the work along a coordinate, part of which a neighbour may return.
 
-    Args:
-        names: of the n coordinates.
-        mass, stiffness: M (kg, kg m^2) and K (N/m, N m/rad), shape (n, n), or their elements.
-
-    Returns:
-        The parts by coordinate.
-
     >>> parts = coordinate_parts(["a", "b"], np.eye(2), np.array([[2.0, -1.0], [-1.0, 2.0]]))
     >>> parts.shares([4.0, 1.0]).strain
     {'a': 1.0769230769230769, 'b': -0.07692307692307693}
@@ -322,18 +307,7 @@ def _unit_shapes(shapes, size: int | None) -> np.ndarray:
 
 
 def checked_parts(parts: EnergyParts, size: int) -> EnergyParts:
-    """The parts, if they are those of a system with so many coordinates.
-
-    Args:
-        parts: as given.
-        size: the number of coordinates.
-
-    Returns:
-        The same.
-
-    Raises:
-        InputError: they are not.
-    """
+    """The parts, if they are those of a system with so many coordinates."""
     if not isinstance(parts, EnergyParts) or parts.size not in (size, None):
         kind = f"parts of {parts.size} coordinates" if isinstance(parts, EnergyParts) else f"a {type(parts).__name__}"
         raise InputError(f"energy_parts: found {kind}; expected EnergyParts of {counted(size, 'coordinate')}")

@@ -26,11 +26,7 @@ if TYPE_CHECKING:
 
 
 def exact_motion(motion: Motion) -> ExactResponse:
-    """x of the motion, n rows; its k multipliers are the rows below them.
-
-    Raises:
-        SingularPolynomialMatrix: taken exactly, the data determine no motion.
-    """
+    """x of the motion, n rows; its k multipliers are the rows below them."""
     n, k = motion.system.size, len(motion.system.rows)
     start = np.hstack([motion.initial, np.zeros((len(motion.initial), k))])
     force = motion.applied.mapped(np.eye(n + k)[:, :n])
@@ -47,9 +43,6 @@ def rounding_of_form(motion: Motion) -> Rounding | None:
     """What the constrained form of the motion lost of the masses, springs, dampers and rows, and of the forces.
 
     V^T K was rounded, and so was V: where A V is not zero, constraint forces enter, lambda = G (K x + ... - f) with G A^T = I.
-
-    Returns:
-        Bounds; None where the form has the data themselves.
     """
     system, form = motion.system, motion.system.constrained_form()
     given, V, A = system.given, form.null_space.astype(Extended), form.rows
@@ -93,16 +86,7 @@ def _multiplier_form(system) -> list[list[list]]:
 
 
 def with_multipliers(coefficients, rows: np.ndarray, orders: Sequence[int]) -> list[np.ndarray]:
-    """[M s^2 + C s + K, -A^T; A s^level, 0]: the rows in the matrix of their order, and next to K the forces of the rows.
-
-    Args:
-        coefficients: K, C and M, shape (n, n).
-        rows: A, shape (k, n).
-        orders: of the derivative in each row.
-
-    Returns:
-        The three coefficients, shape (n + k, n + k).
-    """
+    """[M s^2 + C s + K, -A^T; A s^level, 0]: the rows in the matrix of their order, and next to K the forces of the rows."""
     k, n = rows.shape
     stacked = []
     for power, matrix in enumerate(coefficients):

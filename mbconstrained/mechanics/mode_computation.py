@@ -48,11 +48,7 @@ if TYPE_CHECKING:
 
 
 def modes_of(system: MechanicalSystem) -> Modes:
-    """The modes of the constrained form: by the reduced equations, which motions share, else by the Jordan pairs.
-
-    Raises:
-        SingularPolynomialMatrix: the motion is not determined.
-    """
+    """The modes of the constrained form: by the reduced equations, which motions share, else by the Jordan pairs."""
     A = system.position_form().polynomial_matrix
     with short_work(2 * system.size):
         definite = _is_definite(A)
@@ -88,15 +84,7 @@ def _is_definite(A: PolynomialMatrix) -> bool:
 
 
 def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], list[Mode]]:
-    """The modes from the decoupled first-order equations: those that move, and those of eigenvalue 0.
-
-    Args:
-        A: with every row at position level.
-        definite: ``_is_definite`` of it.
-
-    Raises:
-        NotReducible: the equations are not directly reducible, or eigenvalues form clusters, whose structure ranks decide.
-    """
+    """The modes from the decoupled first-order equations: those that move, and those of eigenvalue 0."""
     if definite:
         K, C, M = A.coefficients
         if symmetric := _symmetric_modes(M, C, K):
@@ -270,17 +258,7 @@ def _kind(value: complex) -> Kind:
 
 
 def cleaned(value: complex, multiplicity: int, conservation: Conservation, precise: bool = False) -> complex:
-    """A computed eigenvalue without the parts that symmetry and signs of M, C and K exclude; a precise simple one is kept.
-
-    Args:
-        value: s, in 1/s.
-        multiplicity: of s.
-        conservation: of energy in the system.
-        precise: whether s is known to more digits than float64 has.
-
-    Returns:
-        s in 1/s.
-    """
+    """A computed eigenvalue without the parts that symmetry and signs of M, C and K exclude; a precise simple one is kept."""
     if conservation.passive and (conservation.lossless or value.real > 0):
         return complex(0.0, value.imag)
     if conservation.lossless:
@@ -345,15 +323,7 @@ class Conservation:
 
 
 def conservation_of(system: MechanicalSystem, definite: bool = False) -> Conservation:
-    """Read both off the matrices; constraint rows that do not move change neither.
-
-    Args:
-        system: of arrays.
-        definite: whether M and K are known to be symmetric and positive definite.
-
-    Returns:
-        The two facts.
-    """
+    """Read both off the matrices; constraint rows that do not move change neither."""
     M, C, K = system.mass, system.damping, system.stiffness
     damped = C.any()
     conservative = definite or (is_symmetric(M) and is_symmetric(K) and _positive(M))

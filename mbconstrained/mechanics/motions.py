@@ -54,20 +54,7 @@ class Motions(SystemMotion, Responses):
 def motions_of(
     system: MechanicalSystem, displacement, velocity, forces: list[ImpulsiveSmooth], rank_tolerance, request: Request
 ) -> Motions:
-    """The motions from displacements and velocities of shape (S, n), or (n,) for all motions, and from S forces or one.
-
-    Args:
-        system: with n coordinates.
-        displacement, velocity: x and x' at 0-, shape (S, n), or (n,) or a mapping for all.
-        forces: S signals with n rows, or one for all.
-        rank_tolerance, request: see ``mbconstrained.solve``.
-
-    Returns:
-        The S motions.
-
-    Raises:
-        InputError: different numbers of displacements, velocities and forces.
-    """
+    """The motions from displacements and velocities of shape (S, n), or (n,) for all motions, and from S forces or one."""
     states = [_rows(displacement, "displacement", system), _rows(velocity, "velocity", system)]
     counts = {"displacement": len(states[0]), "velocity": len(states[1]), "force": len(forces)}
     count = max(counts.values()) if all(counts.values()) else 0

@@ -70,32 +70,14 @@ class FunctionSum(BohlFunction):
 
 
 def reaction_function(system: MechanicalSystem, response: Response, applied: ImpulsiveSmooth) -> BohlFunction:
-    """The regular part of lambda = G (K x + C x' + M x'' - f) for t > 0.
-
-    Args:
-        system: with n coordinates and k constraint rows.
-        response: x, n rows.
-        applied: f, n rows.
-
-    Returns:
-        A function with k rows, in N or N m.
-    """
+    """The regular part of lambda = G (K x + C x' + M x'' - f) for t > 0."""
     G = system.multiplier_map
     inertial = response.function.differential(*(G @ matrix for matrix in (system.stiffness, system.damping, system.mass)))
     return inertial if applied.smooth.is_zero else FunctionSum([inertial, applied.smooth.mapped(-G)])
 
 
 def reaction_impulses(system: MechanicalSystem, response: Response, applied: ImpulsiveSmooth) -> tuple[ImpulsiveLoad, ...]:
-    """The impulses of lambda at t = 0 and later, by ascending time; none at times without one.
-
-    Args:
-        system: with n coordinates and k rows.
-        response: x, n rows.
-        applied: f, n rows.
-
-    Returns:
-        For each time an ``ImpulsiveLoad`` with k rows, in N s, N s^2, ... or N m s, ...
-    """
+    """The impulses of lambda at t = 0 and later, by ascending time; none at times without one."""
     n, none = system.size, Event(0.0, np.zeros_like(response.jump), ())
     events = {0.0: Event(0.0, response.jump, response.impulses), **{event.time: event for event in response.events}}
     loads = {0.0: applied.impulses, **{load.time: load.impulses for load in applied.later}}

@@ -26,14 +26,7 @@ LEFT_OUT = ("position", "loss_factor", "polar_inertia", "moment", "angle")
 
 
 def element_parameters(model: LumpedModel) -> Iterator[Parameter]:
-    """One parameter for each number of an element: named as a body or link itself, "gear 1.start_radius" for others.
-
-    Args:
-        model: with its elements.
-
-    Returns:
-        The parameters in the order of the elements.
-    """
+    """One parameter for each number of an element: named as a body or link itself, "gear 1.start_radius" for others."""
     for element in model.elements:
         if isinstance(element, PrescribedMotion):
             continue
@@ -58,18 +51,7 @@ def _parameter(model: LumpedModel, element: Element, field: str, name: str, valu
 def complex_parameter(
     name: str, value: float, elements: Sequence[Element], model: LumpedModel, step: float, unit: str, gravity: complex | None = None
 ) -> Parameter:
-    """The derivatives from elements whose numbers are those of p + i h.
-
-    Args:
-        name, value, unit: of the parameter.
-        elements: those that change, with complex numbers.
-        model: with all coordinates, and gravity where it does not change.
-        step: h.
-        gravity: of p + i h, if all elements are given.
-
-    Returns:
-        The parameter.
-    """
+    """The derivatives from elements whose numbers are those of p + i h."""
     names = model.coordinates
     place = {coordinate: i for i, coordinate in enumerate(names)}
     size, pull = len(names), model.gravity_along if gravity is None else gravity

@@ -293,28 +293,12 @@ def incidence_of(elements: Sequence[Element]) -> Incidence:
 
 
 def coordinate_row(coefficients: Mapping[str, float], names: Sequence[str]) -> np.ndarray:
-    """Coefficients by name as a row.
-
-    Args:
-        coefficients: those of names that are no coordinate, as the ground, drop out.
-        names: of the n coordinates.
-
-    Returns:
-        Shape (n,).
-    """
+    """Coefficients by name as a row."""
     return np.array([coefficients.get(name, 0.0) for name in names])
 
 
 def element_forces(elements: Sequence[Element], names: Sequence[str]) -> dict[str, ElementForce]:
-    """The forces of springs and dampers by name.
-
-    Args:
-        elements: of a model.
-        names: of its n coordinates.
-
-    Returns:
-        One for each spring and damper.
-    """
+    """The forces of springs and dampers by name."""
     forces = {}
     for link in elements:
         if isinstance(link, Link):

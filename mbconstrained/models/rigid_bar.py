@@ -68,15 +68,7 @@ class RigidBar(Mass):
 
 
 def unchecked(kind: type, **values) -> Element:
-    """An element of numbers that another has checked already; in formulas they are expressions.
-
-    Args:
-        kind: its class.
-        values: of its fields; the others have their defaults.
-
-    Returns:
-        The element.
-    """
+    """An element of numbers that another has checked already; in formulas they are expressions."""
     element = object.__new__(kind)
     for each in fields(kind):
         object.__setattr__(element, each.name, values.get(each.name, each.default))

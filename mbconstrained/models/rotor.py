@@ -238,29 +238,13 @@ class RotorTerms:
     unbalance: np.ndarray
 
     def added_to(self, elements: ElementMatrix, what: str) -> ElementMatrix | np.ndarray:
-        """The matrix of springs or dampers with "stiffness" or "damping" of this.
-
-        Args:
-            elements: their matrix.
-            what: which.
-
-        Returns:
-            The same elements where nothing is added.
-        """
+        """The matrix of springs or dampers with "stiffness" or "damping" of this."""
         further = getattr(self, what)
         return elements.matrix + further if further.any() else elements
 
 
 def rotor_terms(elements: Sequence[Element], names: Sequence[str]) -> RotorTerms | None:
-    """The terms of all rotors, bearings and unbalances.
-
-    Args:
-        elements: of a model.
-        names: of its coordinates.
-
-    Returns:
-        The terms; None of a model without them.
-    """
+    """The terms of all rotors, bearings and unbalances."""
     own = [element for element in elements if isinstance(element, (Rotor, Bearing, Unbalance))]
     if not own:
         return None

@@ -250,19 +250,7 @@ class PageContent:
 
 
 def drawable(value, what: str, shape: tuple[int | None, ...]) -> np.ndarray:
-    """An array of numbers small enough that their differences are finite.
-
-    Args:
-        value: the numbers.
-        what: their name in messages.
-        shape: the expected one; None for any length.
-
-    Returns:
-        The numbers as an array of this shape.
-
-    Raises:
-        InputError: another shape, NaN, infinity or numbers beyond 1e290.
-    """
+    """An array of numbers small enough that their differences are finite."""
     array = real_array(value, what, shape=shape)
     if np.abs(array).max(initial=0.0) > LARGEST:
         raise InputError(f"{what}: found {np.abs(array).max():.3g}, which is too large to draw; give an earlier end")
@@ -270,18 +258,7 @@ def drawable(value, what: str, shape: tuple[int | None, ...]) -> np.ndarray:
 
 
 def ascending_times(value, what: str) -> np.ndarray:
-    """Times, each after the one before.
-
-    Args:
-        value: the times in s.
-        what: their name in messages.
-
-    Returns:
-        The times, shape (T,), at least one.
-
-    Raises:
-        InputError: no times, or times that do not ascend.
-    """
+    """Times, each after the one before."""
     times = drawable(value, what, (None,))
     if len(times) == 0:
         raise InputError(f"{what}: no times found; give at least one")

@@ -81,15 +81,7 @@ class FrequencyContent:
 
 
 def frequency_sections(content: FrequencyContent, functions: PlotFunctions) -> tuple[list[str], dict]:
-    """The sections of the page, and the data of its animation; none where nothing is drawn.
-
-    Args:
-        content: what the page shows.
-        functions: behind its plots.
-
-    Returns:
-        Elements, and plain data.
-    """
+    """The sections of the page, and the data of its animation; none where nothing is drawn."""
     plots, tables = plot_figures(content.plots, functions), [table_section(table) for table in content.tables]
     shapes = content.deflections
     if shapes is None or not shapes.shapes.any():

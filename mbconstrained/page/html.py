@@ -58,20 +58,7 @@ _PLOTS = ("readings.js", "axes.js", "plots.js")
 
 
 def write_page(path, content: Content, viewer: Delivery = "inside", files: Replacements | None = None) -> Path:
-    """Write a page; a file that was there before stays as it was unless the new one is complete.
-
-    Args:
-        path: of the page.
-        content: what it shows.
-        viewer: where the script of the 3-D viewer is, as in ``page_html``; a "separate" one is written next to the page.
-        files: takes their places together with others; None for the page alone.
-
-    Returns:
-        The path of the page.
-
-    Raises:
-        InputError: the content cannot be drawn, or the files cannot be written.
-    """
+    """Write a page; a file that was there before stays as it was unless the new one is complete."""
     path = Path(path)
     if files is None:
         try:
@@ -91,18 +78,6 @@ def page_html(content: Content, viewer: Delivery = "inside") -> str:
 
     An animation brings the viewer, its controls and one script, plots bring a script; without both there is no script in
     the page at all.
-
-    Args:
-        content: what it shows.
-        viewer: where the script of the 3-D viewer is: "inside" the page; in a "separate" file next to it, which many pages
-            share; or "compressed" inside it.
-
-    Returns:
-        The HTML.
-
-    Raises:
-        InputError: the motion is too large to be drawn.
-        MbconstrainedError: there is an animation, but meshcat is not installed.
 
     >>> "<script" in page_html(PageContent("Only a title"))
     False
@@ -272,11 +247,7 @@ def _script(name: str) -> str:
 
 
 def viewer_script() -> str:
-    """MeshCat's viewer, one file of JavaScript that can be included in a page.
-
-    Raises:
-        MbconstrainedError: meshcat is not installed, or its script cannot be included in a page.
-    """
+    """MeshCat's viewer, one file of JavaScript that can be included in a page."""
     text = (_viewer_folder() / "dist" / "main.min.js").read_text(encoding="utf-8")
     if "</script" in text.lower() or "<!--" in text:
         raise MbconstrainedError("meshcat: its script cannot be included in a page; install meshcat 0.3.2")

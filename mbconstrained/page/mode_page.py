@@ -72,18 +72,7 @@ class ModePicture:
     shape: tuple[tuple[str, str], ...] = ()
 
     def frames(self, drawing: Drawing, names: tuple[str, ...]) -> KeyFrames:
-        """Its cycle as key frames.
-
-        Args:
-            drawing: bodies and links.
-            names: of the coordinates.
-
-        Returns:
-            Key frames over the phases from 0 to 1; a single one where nothing moves.
-
-        Raises:
-            InputError: values that cannot be drawn.
-        """
+        """Its cycle as key frames."""
         bodies = tuple(replace(body, path=self.paths.get(body.name, body.path)) for body in drawing.bodies)
         values = np.zeros((len(names), 1)) if self.values is None else self.scale * self.values
         count = max([values.shape[1], *(body.path.count for body in bodies if body.path)])
@@ -124,13 +113,6 @@ class ModesContent:
 
 def cycle(shape, phases: int = PHASES) -> np.ndarray:
     """A shape over one cycle: Re(u e^{2 pi i s}) at equally spaced s from 0 to 1.
-
-    Args:
-        shape: u, shape (r,), real or complex.
-        phases: number of values of s.
-
-    Returns:
-        The values, shape (r, phases); the last are the first.
 
     >>> cycle([1.0, 1j], 5).round(12) + 0.0
     array([[ 1.,  0., -1.,  0.,  1.],

@@ -60,20 +60,7 @@ def browser() -> str | None:
 
 
 def photograph(animation: Animation, time: float, width: int = WIDTH, height: int = HEIGHT) -> bytes:
-    """The picture of the model at a time.
-
-    Args:
-        animation: bodies and motion.
-        time: in s, within the animation.
-        width, height: in pixels.
-
-    Returns:
-        The content of a PNG file.
-
-    Raises:
-        InputError: a time outside the animation, a size below 16 pixels.
-        MbconstrainedError: no browser is installed, or it fails.
-    """
+    """The picture of the model at a time."""
     start, end = float(animation.times[0]), float(animation.times[-1])
     time = real_number(time, "still picture, time")
     if not start <= time <= end:

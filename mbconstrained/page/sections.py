@@ -67,15 +67,7 @@ def formula_section(formulas: Formulas) -> str:
 
 
 def table_section(table: TextTable, kind: str = "") -> str:
-    """A titled table; columns of numbers are set flush right. A folded one shows its title only.
-
-    Args:
-        table: its texts.
-        kind: class of the section in the style sheet, or an empty string.
-
-    Returns:
-        The element <section>.
-    """
+    """A titled table; columns of numbers are set flush right. A folded one shows its title only."""
     columns = list(zip(*table.rows)) or [()] * len(table.columns)
     kinds = [_kind(column) for column in columns]
     head = "".join(f'<th scope="col"{kind}>{typeset(text)}</th>' for kind, text in zip(kinds, table.columns))
@@ -167,20 +159,7 @@ def stage_section(
     loop: bool = True,
     further: str = "",
 ) -> str:
-    """The animation: the stage, the controls below it, and the keyboard shortcuts as a closed dialog.
-
-    Args:
-        figure: from ``figure_data``.
-        start, end: of the time slider.
-        text: shown over the picture.
-        time: name and unit of the time.
-        speeds, usual: of the speed menu, and the one that is selected.
-        loop: whether there is a button for looping.
-        further: controls of the page below these, an element.
-
-    Returns:
-        The element <section>.
-    """
+    """The animation: the stage, the controls below it, and the keyboard shortcuts as a closed dialog."""
     loop_button = '\n<button type="button" id="loop" aria-pressed="true">Loop</button>' if loop else ""
     fixed = " disabled" if end == start else ""
     options = "".join(f'<option value="{speed!r}"{" selected" if speed == usual else ""}>× {speed:g}</option>' for speed in speeds)

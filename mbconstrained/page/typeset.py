@@ -41,13 +41,6 @@ def superscript(number: int) -> str:
 def shortened(text: object, length: int = 40) -> str:
     """A text on one line, without characters that cannot be printed, cut off where it is longer.
 
-    Args:
-        text: of any kind.
-        length: largest number of letters.
-
-    Returns:
-        The text, or its beginning with an ellipsis.
-
     >>> shortened("a\\nb"), shortened("abcdefgh", 5)
     ('a b', 'abcd…')
     """

@@ -44,19 +44,6 @@ def apostol_kolodner(A: PolynomialMatrix | SymbolicPolynomialMatrix, initial, ti
     In (76) the printed sign is wrong: with (74), the values enter as x_f(0) = -(B_inf A_0 ... J_inf^(q-1) B_inf A_0) X_0.
     (75) is right. The paper's A_0 = G is minus the coefficient of s^0 that a polynomial matrix holds.
 
-    Args:
-        A: with every coefficient between the first and the last zero, degree q >= 1, size r; with symbols, its zeros in closed form.
-        initial: x^(i)(0-) as row i, shape (q, r); with symbols also "symbols".
-        time: the symbol t of a matrix with symbols.
-
-    Returns:
-        Both start vectors, the motion for t > 0, and the impulses.
-
-    Raises:
-        InputError: A(s) is not of this form; with symbols: a factor of its determinant has no roots in closed form, or the time is
-            called like another symbol.
-        SingularPolynomialMatrix: det A(s) = 0 for every s.
-
     >>> x = apostol_kolodner(PolynomialMatrix([[[4.0]], [[0.0]], [[1.0]]]), [[1.0], [0.0]])  # x'' = -4 x
     >>> bool(np.isclose(x.function(0.5)[0], np.cos(1.0)))
     True

@@ -29,17 +29,6 @@ def free_motion_by_jordan_blocks(A: SymbolicPolynomialMatrix, initial, time: sym
     Corrected: (69) and (70) print direct sums, whose dimensions do not fit; the columns C_ij stand side by side, so that their
     products are summed, and there is one G_ij for each Jordan block, of size n_ij. Complex pairs have real blocks, Eqs. (38)-(41).
 
-    Args:
-        A: zeros of A(s) in closed form.
-        initial: x^(i)(0-) as row i, shape (q, r), or "symbols".
-        time: the symbol t.
-
-    Returns:
-        x(t), t > 0, a matrix (r, 1).
-
-    Raises:
-        InputError: a factor of det A without roots in closed form; shapes; the time is called like another symbol.
-
     >>> k, m = sympy.symbols("k m", positive=True)
     >>> free_motion_by_jordan_blocks(SymbolicPolynomialMatrix([[[k]], [[0]], [[m]]]), [[1], [0]])
     Matrix([[cos(sqrt(k)*t/sqrt(m))]])
@@ -55,12 +44,6 @@ def free_motion_by_interpolation(A: SymbolicPolynomialMatrix, initial, time: sym
     The f_k belong to the minimal polynomial of J, the last invariant polynomial of A(s); as the formula holds for every J
     similar to the Jordan form, J is the one with entries rational in the symbols, and everything is real. Arguments, result and errors as of
     ``free_motion_by_jordan_blocks``.
-
-    Args:
-        A, initial, time: as of ``free_motion_by_jordan_blocks``.
-
-    Returns:
-        x(t), t > 0, a matrix (r, 1).
 
     >>> free_motion_by_interpolation(SymbolicPolynomialMatrix([[[0]], [[0]], [[1]]]), [[3], [4]])
     Matrix([[4*t + 3]])
@@ -84,12 +67,6 @@ def free_motion_by_zeros(A: SymbolicPolynomialMatrix, initial, time: sympy.Symbo
     exchanged. Of a complex pair the zero above the real axis stands for both, with twice the real part of its term. Arguments, result and
     errors as of ``free_motion_by_jordan_blocks``.
 
-    Args:
-        A, initial, time: as of ``free_motion_by_jordan_blocks``.
-
-    Returns:
-        x(t), t > 0, a matrix (r, 1).
-
     >>> a = sympy.Symbol("a", positive=True)
     >>> free_motion_by_zeros(SymbolicPolynomialMatrix([[[a]], [[1]]]), [[2]])
     Matrix([[2*exp(-a*t)]])
@@ -107,17 +84,7 @@ def free_motion_by_zeros(A: SymbolicPolynomialMatrix, initial, time: sympy.Symbo
 
 
 def checked_start(A, initial, time) -> tuple[sympy.ImmutableMatrix, sympy.Symbol]:
-    """The values at 0- and the time, the name of which nothing else has.
-
-    Args:
-        A, initial, time: as of ``free_motion_by_jordan_blocks``.
-
-    Returns:
-        Values, shape (q, r), and the symbol.
-
-    Raises:
-        InputError: otherwise.
-    """
+    """The values at 0- and the time, the name of which nothing else has."""
     X0 = checked_initial(checked_matrix(A), initial)
     others = {*A.symbols, *X0.free_symbols}
     time = checked_time(time, others, "A or of the values at 0-")
@@ -126,11 +93,7 @@ def checked_start(A, initial, time) -> tuple[sympy.ImmutableMatrix, sympy.Symbol
 
 
 def closed_blocks(A: SymbolicPolynomialMatrix) -> tuple[Block, ...]:
-    """The Jordan blocks of A(s).
-
-    Raises:
-        InputError: some zeros have no closed form.
-    """
+    """The Jordan blocks of A(s)."""
     blocks = A.jordan_pairs().finite.blocks
     for block in blocks:
         if block.zero is None:
@@ -142,16 +105,7 @@ def closed_blocks(A: SymbolicPolynomialMatrix) -> tuple[Block, ...]:
 
 
 def start_of(A: SymbolicPolynomialMatrix, pair, initial: sympy.MatrixBase) -> sympy.Matrix:
-    """x_s(0) = [J^(q-1) B ... B] M1 X0 (Eq. 43), block (a, c) of M1 being A_(q-a+c), a >= c.
-
-    Args:
-        A: degree q, size r.
-        pair: a pair or block with J and B.
-        initial: X0, shape (q, r).
-
-    Returns:
-        Shape (n, 1).
-    """
+    """x_s(0) = [J^(q-1) B ... B] M1 X0 (Eq. 43), block (a, c) of M1 being A_(q-a+c), a >= c."""
     q, state = A.degree, sympy.zeros(pair.J.rows, 1)
     for a in range(q):
         above = sympy.zeros(A.size, 1)
@@ -162,17 +116,7 @@ def start_of(A: SymbolicPolynomialMatrix, pair, initial: sympy.MatrixBase) -> sy
 
 
 def motion_of_blocks(A, blocks: Sequence[Block], starts: Sequence[sympy.Matrix], time) -> sympy.ImmutableMatrix:
-    """The sum of C_ij G_ij(t) x_s,ij(0).
-
-    Args:
-        A: A(s).
-        blocks: its Jordan blocks.
-        starts: x_s,ij(0) of each.
-        time: the symbol t.
-
-    Returns:
-        x(t), shape (r, 1).
-    """
+    """The sum of C_ij G_ij(t) x_s,ij(0)."""
     total = sympy.zeros(A.size, 1)
     for block, start in zip(blocks, starts, strict=True):
         if block.kind == "real jordan":

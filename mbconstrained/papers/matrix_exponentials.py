@@ -25,17 +25,6 @@ def exponential_of_jordan_block(zero, size: int, t) -> sympy.ImmutableMatrix:
 
     The lemma holds for ONE block; the n_i x n_i matrix of a zero with several blocks is their direct sum.
 
-    Args:
-        zero: real or complex, in 1/s.
-        size: n, at least 1.
-        t: the time, in s.
-
-    Returns:
-        e^{J t}.
-
-    Raises:
-        InputError: a zero that is no number or expression, or depends on the time; a size below 1.
-
     >>> a, t = sympy.symbols("a t")
     >>> exponential_of_jordan_block(a, 2, t)
     Matrix([
@@ -53,17 +42,6 @@ def exponential_of_real_jordan_block(real, imaginary, size: int, t) -> sympy.Imm
 
     J has D = [[a, b], [-b, a]] on its diagonal and I_2 next to it. Corrected: M in (40) is the rotation of (41) alone, which is
     e^{D t} without its factor e^{a t}; the pair has multiplicity m_i in a block of size 2 m_i.
-
-    Args:
-        real, imaginary: a and b, in 1/s.
-        size: the number of blocks D on the diagonal, at least 1.
-        t: the time, in s.
-
-    Returns:
-        e^{J t}.
-
-    Raises:
-        InputError: as ``exponential_of_jordan_block``.
 
     >>> w, t = sympy.symbols("w t")
     >>> exponential_of_real_jordan_block(0, w, 1, t)
@@ -84,19 +62,6 @@ def exponential_by_interpolation(J, exponents: Mapping, t) -> sympy.ImmutableMat
     The system is not solved as one: f_k is the inverse transform of p_k(s) / M(s) with M(s) = sum of c_j s^j the
     minimal polynomial and p_k(s) = sum of c_j s^(j-1-k), j > k, because (s I - J)^-1 = sum of J^k p_k(s) / M(s).
 
-    Args:
-        J: shape (n, n); it need not be in Jordan form.
-        exponents: the distinct zeros of J with their exponents m_j in the minimal polynomial, conjugates included; the
-            degree m is their sum. With larger exponents (the multiplicities) the formula holds as well.
-        t: the time, in s.
-
-    Returns:
-        e^{J t}.
-
-    Raises:
-        InputError: J that is not square; zeros that are no expressions; exponents that are no whole numbers of at least 1; a product
-            of the (J - zero I)^exponent that is not 0: a zero is missing, or an exponent too small.
-
     >>> exponential_by_interpolation(sympy.zeros(2, 2), {sympy.S.Zero: 1}, sympy.Symbol("t"))
     Matrix([
     [1, 0],
@@ -109,18 +74,7 @@ def exponential_by_interpolation(J, exponents: Mapping, t) -> sympy.ImmutableMat
 
 
 def interpolation_functions(exponents: Mapping[sympy.Expr, int], t: sympy.Expr) -> list[sympy.Expr]:
-    """f_0(t) ... f_(m-1)(t) of (35), for zeros that are distinct expressions.
-
-    Args:
-        exponents: the distinct zeros with their exponents in the minimal polynomial.
-        t: the time.
-
-    Returns:
-        m expressions.
-
-    Raises:
-        InputError: as ``exponential_by_interpolation``.
-    """
+    """f_0(t) ... f_(m-1)(t) of (35), for zeros that are distinct expressions."""
     if not isinstance(exponents, Mapping) or not exponents:
         raise InputError(f"exponents: found {exponents!r}; expected at least one zero, each with an exponent of at least 1")
     names = {sympy.Dummy(f"zero{i}"): _checked_expression(zero) for i, zero in enumerate(exponents)}
@@ -134,15 +88,7 @@ def interpolation_functions(exponents: Mapping[sympy.Expr, int], t: sympy.Expr) 
 
 
 def functions_of_factors(factors: Sequence[tuple[sympy.Poly, int]], t: sympy.Expr) -> list[sympy.Expr]:
-    """f_0(t) ... f_(m-1)(t) of (35) for the minimal polynomial that is the product of q^k: real for real factors q.
-
-    Args:
-        factors: q and k, irreducible over their field.
-        t: the time.
-
-    Returns:
-        m expressions.
-    """
+    """f_0(t) ... f_(m-1)(t) of (35) for the minimal polynomial that is the product of q^k: real for real factors q."""
     field, gen = factors[0][0].domain, factors[0][0].gen
     coefficients = sympy.prod((q**k for q, k in factors), sympy.Poly(1, gen, domain=field)).rep.to_list()
     numerators = [sympy.Poly(coefficients[: len(coefficients) - 1 - k], gen, domain=field) for k in range(len(coefficients) - 1)]
@@ -153,18 +99,6 @@ def exponential_by_blocks(blocks: Sequence, zeros: Sequence, exponents: Sequence
     """e^{J t} as the direct sum of sum of f_ij(t) J_i^j, j < m_i, one term for each zero (Lemma 2.13, Eqs. 36-37).
 
     Corrected: (37) is meant for i = 1 ... l and j = 0 ... m_i - 1, J_i collects ALL blocks of the zero i, and 0^0 = 1.
-
-    Args:
-        blocks: J_i, square, with no other zero than zeros[i].
-        zeros: distinct, one for each block.
-        exponents: m_i of the minimal polynomial, the size of the largest Jordan block of the zero.
-        t: the time, in s.
-
-    Returns:
-        e^{J t}.
-
-    Raises:
-        InputError: not one zero and exponent for each block, a zero twice; else as ``exponential_by_interpolation``.
 
     >>> exponential_by_blocks([sympy.Matrix([[0, 1], [0, 0]])], [sympy.S.Zero], [2], sympy.Symbol("t"))
     Matrix([
@@ -194,16 +128,7 @@ def _combination(functions: Sequence[sympy.Expr], J: sympy.MatrixBase) -> sympy.
 
 
 def block_functions(zero: sympy.Expr, exponent: int, t: sympy.Expr) -> list[sympy.Expr]:
-    """f_i0(t) ... of (37) without the factor e^{zero t}.
-
-    Args:
-        zero: lambda_i.
-        exponent: m_i of the minimal polynomial.
-        t: the time.
-
-    Returns:
-        m_i expressions.
-    """
+    """f_i0(t) ... of (37) without the factor e^{zero t}."""
     return [
         sympy.Add(*((-zero) ** (n - j) * t**n / sympy.factorial(n - j) for n in range(j, exponent))) / sympy.factorial(j)
         for j in range(exponent)

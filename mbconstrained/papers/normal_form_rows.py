@@ -26,17 +26,6 @@ def null_space_rows(A: np.ndarray, F: np.ndarray, driven: np.ndarray) -> np.ndar
     A complex pair makes a column by itself (C.1), two different real eigenvalues make one (C.2, with the value
     (lambda_1 - lambda_2)/2). Real ones are paired across the middle of their order, which separates a multiple eigenvalue if
     anything among the real ones does.
-
-    Args:
-        A, F: of F x' = A x + B u, shape (n, n).
-        driven: F^-1 B, shape (n, p).
-
-    Returns:
-        X^T, shape (n/2, n).
-
-    Raises:
-        InputError: where this fails although a transformation may exist: G with one real eigenvalue too often (F5: X needs a
-            part of U_K2 next to U_K1, which Eq. 11 leaves out), or defective, which appendix C covers for some blocks only.
     """
     A, B = np.linalg.solve(F, A), driven
     n, p = B.shape
@@ -52,15 +41,6 @@ def kronecker_rows(A: np.ndarray, F: np.ndarray, B: np.ndarray) -> np.ndarray:
 
     The solution of least norm is regular by luck only. Combinations of it with the null space are tried, and the one with
     the least sum of cosines between its columns is chosen. It needs n^6 operations.
-
-    Args:
-        A, F, B: of F x' = A x + B u, shapes (n, n), (n, n), (n, p).
-
-    Returns:
-        X^T, shape (n/2, n).
-
-    Raises:
-        InputError: too many unknowns, or no combination tried is regular.
     """
     n, p = B.shape
     if n * n > MOST_UNKNOWNS:

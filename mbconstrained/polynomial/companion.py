@@ -99,14 +99,6 @@ def scaled_companion(A: PolynomialMatrix, rank_tolerance: float | None = None, i
 
     Entries given in float64 are known to a unit in the last place, a coefficient given by its factors is known exactly; where
     a rank tolerance is given, a difference of entries counts as zero if it is no larger than that part of them.
-
-    Args:
-        A: A(s).
-        rank_tolerance: relative; None for rounding errors.
-        in_float64: else in precise arithmetic.
-
-    Returns:
-        The pencil with the noise of its entries.
     """
     exact = _with_first_power(A.coefficients if in_float64 else precise(A.exact_coefficients))
     scaling = joint_scaling(_with_first_power(_telling(A)))
@@ -148,15 +140,7 @@ def _with_first_power(coefficients: np.ndarray) -> np.ndarray:
 
 
 def known_coefficient(A: PolynomialMatrix, power: int) -> Noisy:
-    """A_power with what is uncertain about it: precise and exact where it is given by its factors.
-
-    Args:
-        A: A(s).
-        power: of s.
-
-    Returns:
-        Shape (r, r).
-    """
+    """A_power with what is uncertain about it: precise and exact where it is given by its factors."""
     factors = A.factors[power]
     known = Noisy.rounded(A.coefficients[power]) if factors is None else Noisy.exact(precise(factors.exact))
     return Noisy(known.data, np.maximum(known.noise, A.uncertainty[power]))

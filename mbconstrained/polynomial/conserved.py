@@ -44,13 +44,6 @@ class Conserved:
 def lowest(M: Matrix, C: Matrix, K: Matrix) -> tuple[Matrix, np.ndarray]:
     """Each row's lowest coefficient that is not zero, and its power of s, for M of shape (m, m), C and K of (m + d, m + d).
 
-    Args:
-        M: shape (m, m).
-        C, K: shape (m + d, m + d).
-
-    Returns:
-        Coefficients, shape (m + d, m + d), and powers 0, 1 or 2 of each row.
-
     >>> lowest(np.array([[5.0]]), np.zeros((2, 2)), np.array([[0.0, 0.0], [0.0, 3.0]]))[0].tolist()
     [[5.0, 0.0], [0.0, 3.0]]
     """
@@ -68,18 +61,7 @@ def lowest(M: Matrix, C: Matrix, K: Matrix) -> tuple[Matrix, np.ndarray]:
 def conserved(
     M: Matrix, C: Matrix, rows: np.ndarray, powers: np.ndarray, pivots: np.ndarray, freed: Freed | None = None
 ) -> Conserved:
-    """What rows without stiffness conserve.
-
-    Args:
-        M, C: coefficients of the equations.
-        rows: which ones.
-        powers: of s that they are divisible by, 1 or 2.
-        pivots: a coordinate for each.
-        freed: the equations, where some of their rows are sums of others.
-
-    Returns:
-        One number for each row of power 1, two for each of power 2.
-    """
+    """What rows without stiffness conserve."""
     m, n = M.shape[0], M.shape[0] + C.shape[0]
     M, C = full(M), full(C)
     L, places, blocks = [], [], []
@@ -107,17 +89,7 @@ def _left(freed: Freed, m: int, rows: np.ndarray, powers: np.ndarray) -> np.ndar
 
 
 def decoupled_with_conserved(S: np.ndarray, given: Conserved, decoupled: Callable[..., BlockDiagonal]) -> BlockDiagonal:
-    """S decoupled, what is conserved last.
-
-    Args:
-        S: shape (n, n), in 1/s.
-        given: the conserved numbers of its states.
-        decoupled: does the same for a matrix without zeros at 0; its second argument is which states of S it belongs to, whose units
-            serve, None where it belongs to none, its third a matrix whose units serve, where they are not its own.
-
-    Returns:
-        Blocks, those of J last.
-    """
+    """S decoupled, what is conserved last."""
     L, n, J = given.rows, len(S), block_matrix(given.blocks)
     count, rest = n - len(L), others(n, given.places)
     basis, inverse = np.zeros((n, n)), np.zeros((n, n))
@@ -263,15 +235,6 @@ class Freed:
 
 def freed(M: Matrix, C: Matrix, K: Matrix, like: tuple[Freed, Matrix, Matrix] | None = None) -> Freed | None:
     """The equations with those of free motions among them; None where there are none, or that is not clear.
-
-    Args:
-        M: shape (m, m).
-        C, K: shape (m + d, m + d).
-        like: the same of equations that differ by rounding errors, with their C and K: their sums are these, and what is left of
-            them differs by as much of itself.
-
-    Returns:
-        The equations with these sums in the places of some, or None.
 
     >>> freed(np.eye(2), np.zeros((2, 2)), np.array([[1.0, -1.0], [-1.0, 1.0]])).sums
     array([[1., 1.]])

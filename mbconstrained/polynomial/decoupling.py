@@ -131,15 +131,6 @@ def weierstrass_form(companion: ScaledCompanion, decided: Sequence[RankDecision]
 
     The coupling R solves R = T R N + G; N is nilpotent, so the fixed point is reached in as many steps as there
     are blocks in the staircase, row by row in the Schur basis of the finite part.
-
-    Args:
-        companion: the pencil.
-        decided: the decisions of the form of the same pencil in float64, to be followed: what the data leave open is
-            decided once, and no digit is rounded away on the strength of it. Where only those at infinity are given, those at
-            s = 0 are taken again.
-
-    Returns:
-        The finite and the infinite part, decoupled.
     """
     (E, F), decisions = companion.pencil, iter(decided or ())
     split = companion.split if decided is None else split_pencil(E, F, decisions)
@@ -198,15 +189,7 @@ def _fixed_point(T, nilpotent, G, steps):
 
 
 def aligning_rotation(T: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """The precise orthogonal matrix G, block diagonal as T is, for which the first row of G B is least for every pair.
-
-    Args:
-        T: shape (n, n), complex pairs as [[a, w], [-w, a]] where they have a block of their own.
-        B: precise, shape (n, r).
-
-    Returns:
-        Precise, shape (n, n).
-    """
+    """The precise orthogonal matrix G, block diagonal as T is, for which the first row of G B is least for every pair."""
     blocks, at = [], 0
     while at < len(T):
         pair = at + 1 < len(T) and T[at + 1, at] != 0 and T[at + 1, at] == -T[at, at + 1] and T[at, at] == T[at + 1, at + 1]

@@ -46,15 +46,7 @@ _SINGULAR_STIFFNESS = "the stiffness matrix is near-singular: rank decisions hav
 
 
 def reduction_of(A: PolynomialMatrix, like: Reduction | None = None) -> Reduction | NotReducible:
-    """The reduction of A(s), or the condition that its structure does not meet.
-
-    Args:
-        A: the polynomial matrix.
-        like: of a matrix from which A(s) differs by rounding errors: free motions are the same.
-
-    Returns:
-        The reduced equations, or the condition.
-    """
+    """The reduction of A(s), or the condition that its structure does not meet."""
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is not regular
             return _reduction_of(A, like)
@@ -142,19 +134,7 @@ FEW_ROWS = 3
 
 
 def eliminated(rows: np.ndarray, static: np.ndarray, like: Matrix) -> tuple[Matrix, Matrix, np.ndarray, float]:
-    """V, Y with x = V x_f + Y g where rows x = g, which coordinates x_f are, and the condition of the others' part.
-
-    Args:
-        rows: shape (k, r).
-        static: which coordinates have neither mass nor damping; they are eliminated before others, shape (r,).
-        like: of the kind of matrix that is wanted.
-
-    Returns:
-        V of shape (r, r - k), Y of shape (r, k), the places of x_f, and a condition.
-
-    Raises:
-        NotReducible: the rows are dependent, or nearly so.
-    """
+    """V, Y with x = V x_f + Y g where rows x = g, which coordinates x_f are, and the condition of the others' part."""
     size = len(static)
     if not len(rows):
         return shifted_unit(size, size, 0, like), zeros_of_kind((size, 0), like), np.arange(size), 1.0
@@ -170,18 +150,7 @@ def eliminated(rows: np.ndarray, static: np.ndarray, like: Matrix) -> tuple[Matr
 
 
 def product(left: Matrix, V: Matrix) -> Matrix:
-    """left @ V; rounding errors of its terms are exactly zero: a mass, damper or spring that is not there.
-
-    Args:
-        left: shape (k, r).
-        V: shape (r, n).
-
-    Returns:
-        Shape (k, n).
-
-    Raises:
-        NotReducible: an entry is neither clearly a rounding error nor clearly none.
-    """
+    """left @ V; rounding errors of its terms are exactly zero: a mass, damper or spring that is not there."""
     entire = left @ V
     if V.shape[0] == V.shape[1] or entry_count(V) == V.shape[1]:
         return entire
@@ -217,16 +186,7 @@ def _assigned(costs: np.ndarray) -> np.ndarray | None:
 
 
 def pivots_of(rows: np.ndarray, static: np.ndarray, units: np.ndarray | None = None) -> np.ndarray | None:
-    """A pivot column for each row by elimination, static coordinates before others; None where rows depend on each other.
-
-    Args:
-        rows: shape (k, r).
-        static: preferred coordinates, shape (r,).
-        units: of the coordinates, shape (r,); those in which these rows have entries of one size when not given.
-
-    Returns:
-        Shape (k,), or None.
-    """
+    """A pivot column for each row by elimination, static coordinates before others; None where rows depend on each other."""
     units = column_units(np.abs(rows)) if units is None else units
     if len(rows) == 1:  # the largest entry of one row serves
         size = np.abs(rows[0]) * units

@@ -171,18 +171,7 @@ class JordanPairs(Displayed):
 
 
 def jordan_pairs(A: PolynomialMatrix, rank_tolerance: float | None = None) -> JordanPairs:
-    """The pairs of A(s); see ``PolynomialMatrix.jordan_pairs``.
-
-    Args:
-        A: A(s).
-        rank_tolerance: relative; None for the noise of the data.
-
-    Returns:
-        Both pairs.
-
-    Raises:
-        SingularPolynomialMatrix: det A(s) = 0 for every s; names the dependent equations and free coordinates.
-    """
+    """The pairs of A(s); see ``PolynomialMatrix.jordan_pairs``."""
     states = A.size * max(A.degree, 1)
     try:
         with short_work(states):
@@ -282,15 +271,7 @@ def inverse_residual(pairs: JordanPairs) -> float:
 
 
 def minimal_nilpotent(terms: list[np.ndarray], chains: tuple[int, ...]):
-    """(C, J, B) with C J^i B = H_i for the given terms H_0, H_1, ..., J strictly upper triangular, of these chain lengths.
-
-    Args:
-        terms: H_0, H_1, ..., each of shape (r, r).
-        chains: lengths of the chains of J.
-
-    Raises:
-        IllConditioned: the smallest of the terms is lost next to the largest.
-    """
+    """(C, J, B) with C J^i B = H_i for the given terms H_0, H_1, ..., J strictly upper triangular, of these chain lengths."""
     r, size = len(terms[0]), sum(chains)
     if size == 0:
         return np.zeros((r, 0)), np.zeros((0, 0)), np.zeros((0, r))

@@ -122,14 +122,7 @@ def singular_message(A: PolynomialMatrix) -> tuple[str, tuple[int, ...], tuple[i
 
 
 def singular_sentence(equations: Sequence[str], coordinates: Sequence[str]) -> str:
-    """What is wrong with equations that depend on each other, and with coordinates that are free, and what to do.
-
-    Args:
-        equations, coordinates: names.
-
-    Returns:
-        A sentence.
-    """
+    """What is wrong with equations that depend on each other, and with coordinates that are free, and what to do."""
     return (
         f"det A(s) is zero for every s, the motion is not determined: the equations {_quoted(equations)} are dependent or empty, "
         f"and the coordinates {_quoted(coordinates)} can move without any force. Attach what is free (by a mass, spring, damper or "
@@ -148,9 +141,6 @@ def _quoted(names) -> str:
 
 def polynomial_text(coefficients: Sequence[Rational]) -> str:
     """A polynomial in s as text, with six digits.
-
-    Args:
-        coefficients: the lowest power first.
 
     >>> polynomial_text((-1, 2.5, 1))
     's^2 + 2.5 s - 1'

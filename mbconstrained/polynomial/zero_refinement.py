@@ -35,15 +35,7 @@ CHUNK = 32
 
 
 def refined(reduction: Reduction, parts: BlockDiagonal) -> BlockDiagonal:
-    """The same with single zeros and pairs [[a, b], [-b, a]] refined; clusters stay as they are.
-
-    Args:
-        reduction: the equations.
-        parts: their generator S decoupled.
-
-    Returns:
-        The same bases, better blocks.
-    """
+    """The same with single zeros and pairs [[a, b], [-b, a]] refined; clusters stay as they are."""
     blocks = list(parts.blocks)
     count = len(blocks) - parts.exact_blocks
     moduli = np.abs(zeros_of(blocks[:count]))

@@ -189,15 +189,7 @@ class ZeroParts:
         return scipy.linalg.rsf2csf(self.form.T, np.eye(len(self.form.T)))
 
     def divisors(self, value: complex, multiplicity: int) -> Divisors | None:
-        """Those of the zeros nearest to this value (scaled), so many; None where they are no single zero within the noise.
-
-        Args:
-            value: of the zero, scaled.
-            multiplicity: how many zeros belong to it.
-
-        Returns:
-            The degrees, or None.
-        """
+        """Those of the zeros nearest to this value (scaled), so many; None where they are no single zero within the noise."""
         if multiplicity == 1:
             return Divisors((1,), True, True)
         N, noise = self._nilpotent(value, multiplicity)

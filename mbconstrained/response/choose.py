@@ -98,13 +98,6 @@ class Method:
 def choose(problem: Problem, request: Request = Request()) -> Method:
     """The method for a problem.
 
-    Args:
-        problem: A(d/dt) x = f with values at 0-.
-        request: how often and, if known, at which times the solution is evaluated.
-
-    Returns:
-        A ``Method``.
-
     >>> from mbconstrained.polynomial.polynomial_matrix import PolynomialMatrix
     >>> A = PolynomialMatrix([[[4.0]], [[0.0]], [[1.0]]])
     >>> choose(Problem.checked(A))
@@ -138,11 +131,7 @@ def unproved(problem: Problem) -> str:
 
 
 def reduced_flow(problem: Problem) -> Flow:
-    """The reduced equations with start and force.
-
-    Raises:
-        NotReducible: with the condition that they do not meet.
-    """
+    """The reduced equations with start and force."""
     initial, force = problem.initial, problem.force
     proved = not unproved(problem)  # no values are used then that are not right
     reduction = serving_reduction(problem.polynomial_matrix, force, problem.rank_tolerance, proved=proved)
@@ -159,17 +148,7 @@ def reduced_flow(problem: Problem) -> Flow:
 
 
 def reducible(A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth, rank_tolerance: float | None) -> np.ndarray:
-    """Which of S starts the reduced equations serve.
-
-    Args:
-        A: the polynomial matrix.
-        initial: x^(i)(0-), shape (S, q, r).
-        force: f of all.
-        rank_tolerance: as of ``solve``.
-
-    Returns:
-        Truth values, shape (S,).
-    """
+    """Which of S starts the reduced equations serve."""
     proved = not unproved(Problem(A, initial[0], force, rank_tolerance))
     try:
         with np.errstate(over="raise", invalid="raise"):
@@ -181,20 +160,7 @@ def reducible(A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth, 
 def serving_reduction(
     A: PolynomialMatrix, force: ImpulsiveSmooth, rank_tolerance: float | None = None, *, proved: bool = False
 ) -> Reduction:
-    """The reduction of A(s) where it serves for a force, whatever the initial values are.
-
-    Args:
-        A: the polynomial matrix.
-        force: f.
-        rank_tolerance: as of ``solve``.
-        proved: whether no value is used that is not proved; modes need not be well separated then.
-
-    Returns:
-        The reduced equations.
-
-    Raises:
-        NotReducible: with the condition that it does not meet.
-    """
+    """The reduction of A(s) where it serves for a force, whatever the initial values are."""
     if rank_tolerance is not None:
         raise NotReducible("a rank tolerance is given, and the reduced equations decide no rank")
     reduction = A.reduction
@@ -237,16 +203,7 @@ def _is_stiff(reduction: Reduction) -> bool:
 
 
 def satisfying(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> np.ndarray:
-    """Which of S starts satisfy the algebraic equations at 0-, with their derivative where mass or damping goes with it.
-
-    Args:
-        reduction: the reduced equations.
-        initial: shape (q, r, S).
-        force: makes no constrained coordinate jump later either, or none of the starts serves.
-
-    Returns:
-        Truth values, shape (S,).
-    """
+    """Which of S starts satisfy the algebraic equations at 0-, with their derivative where mass or damping goes with it."""
     constraining = _constraining(reduction)
     if not len(constraining):
         return np.ones(initial.shape[2], dtype=bool)
@@ -277,16 +234,7 @@ def _constraining(reduction: Reduction) -> np.ndarray:
 
 
 def evaluation_method(flow: Flow, shape: tuple[int, int], request: Request) -> tuple[str, str | Callable[[], str]]:
-    """The name of the method that gives values of an output of this shape (r, n), and the reason.
-
-    Args:
-        flow: the reduced equations with start and force.
-        shape: (r, n) of the output.
-        request: with the times of this evaluation, if known.
-
-    Returns:
-        MODES, POWERS or STEPS, and a phrase, or a function that makes it: the topology of a model is not needed to choose.
-    """
+    """The name of the method that gives values of an output of this shape (r, n), and the reason."""
     reduction, times = flow.reduction, request.times
     if reduction.is_small:
         return MODES, f"by eigenvectors: {reduction.state_count} states are few"
@@ -342,15 +290,7 @@ def _cost_of_steps(flow: Flow, shape: tuple[int, int], times: np.ndarray) -> flo
 
 
 def decomposition_cost(reduction: Reduction, *, by_topology: bool = True) -> float:
-    """Of the modes of S, by its sparse topology if it has one; 0 where only modes serve: rounding errors of powers would move a free body.
-
-    Args:
-        reduction: the reduced equations.
-        by_topology: False for the cost without a sparse topology.
-
-    Returns:
-        In products of two matrices of the size of the states.
-    """
+    """Of the modes of S, by its sparse topology if it has one; 0 where only modes serve: rounding errors of powers would move a free body."""
     if reduction.is_free:
         return 0.0
     n = max(reduction.state_count, 1)

@@ -59,14 +59,6 @@ def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] 
     """Estimate of max |error| / max |y| over the times, at least a few rounding errors; of a small model a proved bound.
 
     It is infinite where the error may be as large as the answer.
-
-    Args:
-        x: the response.
-        times: in s, a number or shape (T,).
-        view: the function of time y of a response; x itself when not given.
-
-    Returns:
-        A number.
     """
     with within_float64():
         return _estimate(x, real_array(times, "time"), view)
@@ -95,15 +87,7 @@ def _estimate(x: Response, times: np.ndarray, view: Callable[[Response], BohlFun
 
 
 def errors_at(function: BohlFunction, times: np.ndarray) -> np.ndarray | None:
-    """Estimates of max |error| / max |y| at each of some times, without solving anything again; None where only that would tell.
-
-    Args:
-        function: y of a problem that the reduced equations serve.
-        times: in s, shape (T,).
-
-    Returns:
-        Shape (T,); infinite where the error may be as large as the values.
-    """
+    """Estimates of max |error| / max |y| at each of some times, without solving anything again; None where only that would tell."""
     if not isinstance(function, FlowFunction):
         return None
     values = np.asarray(function(times))
@@ -174,13 +158,6 @@ def summands(function: BohlFunction, times) -> float:
     """Size of the terms that C e^{J t} v is summed of, the largest of any row and time: the root of the sum of their squares.
 
     Rows are left out while they are evaluated in another way, by their Taylor series for example, in which nothing cancels.
-
-    Args:
-        function: C e^{J t} v.
-        times: in s, a number or shape (T,).
-
-    Returns:
-        A number.
     """
     times, summed_from = np.atleast_1d(times), function.summed_from
     times = times[times >= summed_from.min(initial=np.inf)]

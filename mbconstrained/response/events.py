@@ -73,17 +73,6 @@ def knot_jumps(form: WeierstrassForm, force: ImpulsiveSmooth, q: int) -> KnotJum
     """Jumps and impulses at the knots of the force after t = 0, q rows of derivatives.
 
     Every knot is divided by a power of two near its own size first: the squares of noise then stay in range.
-
-    Args:
-        form: the decoupled pencil.
-        force: f.
-        q: how many derivatives.
-
-    Returns:
-        ``KnotJumps``.
-
-    Raises:
-        Overflow: one of them leaves the range of float64.
     """
     times = force.knots[1:]
     if not len(times):
@@ -200,17 +189,6 @@ def starts_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth
 
     All effects are linear in values and force, which are divided by a power of two near their size first: the squares of noise then
     stay in range.
-
-    Args:
-        form: the decoupled pencil.
-        initial: x^(i)(0-) as row i, shape (q, r, S).
-        force: f.
-
-    Returns:
-        The ``Start`` of all.
-
-    Raises:
-        Overflow: one of them leaves the range of float64.
     """
     stack, f = form.companion.scaled_stack(initial), scaled_force(form, force)
     own = np.concatenate([f.coefficients.ravel(), *f.impulses])
@@ -230,33 +208,12 @@ def starts_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth
 
 
 def start_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth) -> Start:
-    """The same of one start.
-
-    Args:
-        form: the decoupled pencil.
-        initial: x^(i)(0-) as row i, shape (q, r).
-        force: f.
-
-    Returns:
-        A ``Start``.
-
-    Raises:
-        Overflow: one of them leaves the range of float64.
-    """
+    """The same of one start."""
     return starts_of(form, initial[..., None], force)[0]
 
 
 def inconsistency_of(form: WeierstrassForm, stack: np.ndarray, f: ScaledForce) -> Noisy:
-    """g = P_2 F z0 + sum N^i B2 f^(i)(0+) in scaled units, entries below their rounding noise set to zero.
-
-    Args:
-        form: the decoupled pencil.
-        stack: the scaled values at 0-, shape (g r,), or (g r, S) of S starts.
-        f: the scaled force, its jump of shape (k,) or (k, S).
-
-    Returns:
-        Shape (m,) or (m, S), with its noise.
-    """
+    """g = P_2 F z0 + sum N^i B2 f^(i)(0+) in scaled units, entries below their rounding noise set to zero."""
     given = form.infinite_start @ Noisy.rounded(stack)
     total = given + _driven_inconsistency(form, f, f.jump)
     return Noisy(total.cleaned(), total.noise)

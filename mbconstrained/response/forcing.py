@@ -44,15 +44,7 @@ class ScaledForce:
 
 
 def scaled_force(form: WeierstrassForm, force: ImpulsiveSmooth) -> ScaledForce:
-    """f' = rows * f as a function of t' = time * t, its states measured so that chains have couplings near their rates.
-
-    Args:
-        form: the decoupled pencil.
-        force: f.
-
-    Returns:
-        A ``ScaledForce``.
-    """
+    """f' = rows * f as a function of t' = time * t, its states measured so that chains have couplings near their rates."""
     scaling = form.companion.scaling
     smooth = force.smooth
     size = _units(smooth, scaling.time)
@@ -67,15 +59,7 @@ def scaled_force(form: WeierstrassForm, force: ImpulsiveSmooth) -> ScaledForce:
 
 
 def scaled_impulses(form: WeierstrassForm, impulses) -> tuple[np.ndarray, ...]:
-    """Factors of delta, delta', ... as functions of t' = time * t, in the units of the scaled pencil's equations.
-
-    Args:
-        form: the decoupled pencil.
-        impulses: arrays (r,), the k-th multiplies delta^(k).
-
-    Returns:
-        As many arrays (r,).
-    """
+    """Factors of delta, delta', ... as functions of t' = time * t, in the units of the scaled pencil's equations."""
     scaling = form.companion.scaling
     return tuple(scaling.rows * g * scaling.time ** (k + 1.0) for k, g in enumerate(impulses))
 
@@ -94,14 +78,6 @@ def units_of_pieces(smooth: BohlFunction, block: np.ndarray, at: slice) -> np.nd
 
     Polynomials of short pieces have large derivatives, and states of very different size could not be distinguished
     from those of a slow zero of A(s).
-
-    Args:
-        smooth: the regular part of the force.
-        block: one of its blocks.
-        at: the states of this block.
-
-    Returns:
-        Shape (size of the block,).
     """
     largest = np.abs(smooth.restarts.states[at]).max(axis=1)
     pieces = isinstance(smooth.start, Restarts) and _level(block) == 1 and (largest > 0).all() and np.isfinite(largest).all()
@@ -130,14 +106,6 @@ def scaled_data(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmoo
     """The stacked values at 0- and the force, both divided by a power of two near their size, and that power.
 
     All effects at t = 0 are linear in them; divided so, the squares of noise stay in range.
-
-    Args:
-        form: the decoupled pencil.
-        initial: x^(i)(0-) as row i, shape (q, r).
-        force: f.
-
-    Returns:
-        The stack, the force and the power of two.
     """
     stack, f = form.companion.scaled_stack(initial), scaled_force(form, force)
     size = power_of_two_of(np.concatenate([stack, f.coefficients.ravel(), *f.impulses]))
@@ -171,15 +139,7 @@ class Driven:
 
 
 def driven_form(form: WeierstrassForm, force: ImpulsiveSmooth) -> Driven:
-    """Each term of the force in units of its own: a small one must not be lost in the rounding error of a large one.
-
-    Args:
-        form: the decoupled pencil.
-        force: f.
-
-    Returns:
-        A ``Driven``.
-    """
+    """Each term of the force in units of its own: a small one must not be lost in the rounding error of a large one."""
     f = scaled_force(form, force)
     if not len(f.start):
         return Driven(np.zeros((len(form.T), 0)), f.generator, f.coefficients, f.units)

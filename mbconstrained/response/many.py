@@ -341,18 +341,6 @@ class Responses(Displayed):
 def solve_many(A: PolynomialMatrix, initial, force, rank_tolerance: float | None = None, request: Request = Request()) -> Responses:
     """``solve`` of several starts, or several forces, or one of each for every member.
 
-    Args:
-        A: the polynomial matrix, degree q, size r.
-        initial: shape (S, q, r); or (q, r), common to all; None for zeros.
-        force: S forces, or one for all.
-        rank_tolerance, request: as of ``solve``.
-
-    Returns:
-        ``Responses``.
-
-    Raises:
-        InputError: shapes that do not fit, or not as many starts as forces.
-
     >>> A = PolynomialMatrix([[[4.0]], [[0.0]], [[1.0]]])
     >>> (solve_many(A, [[[1.0], [0.0]], [[0.0], [2.0]]], None)([0.0, np.pi / 4]).round(12) + 0.0).tolist()
     [[[1.0, 0.0]], [[0.0, 1.0]]]

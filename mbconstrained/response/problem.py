@@ -72,15 +72,7 @@ def checked_matrix(A) -> PolynomialMatrix:
 
 
 def checked_force(force, size: int) -> ImpulsiveSmooth:
-    """A force with so many rows, zero for None, or an InputError.
-
-    Args:
-        force: of a user.
-        size: the number of rows.
-
-    Returns:
-        f.
-    """
+    """A force with so many rows, zero for None, or an InputError."""
     if force is None:
         return zero(size)
     if not isinstance(force, ImpulsiveSmooth):

@@ -393,15 +393,7 @@ class Response(Exported, Presented):
 
 
 def start_after(initial: np.ndarray, jump: np.ndarray) -> np.ndarray:
-    """x^(i)(0+) from values at 0- and their jumps; a remainder of a jump within its rounding error is zero.
-
-    Args:
-        initial: x^(i)(0-), of any shape.
-        jump: of the same shape.
-
-    Returns:
-        Of the same shape.
-    """
+    """x^(i)(0+) from values at 0- and their jumps; a remainder of a jump within its rounding error is zero."""
     start = initial + jump
     return np.where(np.abs(start) <= noise_of(np.abs(jump)), 0.0, start)
 

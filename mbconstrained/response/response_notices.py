@@ -146,12 +146,7 @@ def without_kinks(x: Response) -> list[Event]:
 
 
 def kink_notices(x: Response, jump_text: Callable[[int, int, float], str]) -> Iterator[Notice]:
-    """One sentence on all kinks of the excitation after t = 0, with the largest jump of each rate that follows it.
-
-    Args:
-        x: the response.
-        jump_text: the text of a jump, of a coordinate's number, the order of the derivative, and the size.
-    """
+    """One sentence on all kinks of the excitation after t = 0, with the largest jump of each rate that follows it."""
     if x.kinks:
         largest = np.abs([event.jump for event in x.kinks]).max(axis=0)
         order = next(k for k, row in enumerate(largest) if row.any())
@@ -180,16 +175,7 @@ def _event_sentences(x: Response, event: Event):
 
 
 def sides(x: Response, event: Event, order: int) -> tuple[np.ndarray, np.ndarray]:
-    """x^(order) just before and just after an event; a remainder of a jump within its rounding error is zero.
-
-    Args:
-        x: the response.
-        event: one of its events.
-        order: of the derivative.
-
-    Returns:
-        The two limits, each of shape (r,).
-    """
+    """x^(order) just before and just after an event; a remainder of a jump within its rounding error is zero."""
     after = x.derivative(order)(event.time)
     before = after - event.jump[order]
     noise = noise_of(np.abs(event.jump[order]))
@@ -197,15 +183,7 @@ def sides(x: Response, event: Event, order: int) -> tuple[np.ndarray, np.ndarray
 
 
 def first_and_count(sentences: Callable, *sources: Sequence[Event | ImpulsiveLoad]) -> Iterator[Notice]:
-    """The notices of the first events after t = 0, and one that counts the others.
-
-    Args:
-        sentences: the notices of one event, one for each of its jumps and impulses.
-        sources: sequences of events, each by ascending time.
-
-    Returns:
-        Notices.
-    """
+    """The notices of the first events after t = 0, and one that counts the others."""
     events = sorted((event for events in sources for event in events), key=lambda event: event.time)
     first = list(islice((notice for event in events for notice in sentences(event)), MOST_LATER))
     yield from first
@@ -289,15 +267,7 @@ TESTED_RANGE = float(np.finfo(float).tiny) ** 0.5, float(np.finfo(float).max) **
 
 
 def unsatisfied(x: Response) -> Iterator[Notice]:
-    """The equations A(d/dt) x = f and the values at 0+ that the solution does not satisfy to half of the digits.
-
-    Args:
-        x: the response; one of many states that are not decoupled is tested at 0+ only.
-
-    Returns:
-        Doubtful notices, each with the residual, and the terms that it is relative to. What rounding errors of the sum of modes may
-        cause is none: the error estimate has these; nor is what rounding errors of the data cause of an answer that is not proved.
-    """
+    """The equations A(d/dt) x = f and the values at 0+ that the solution does not satisfy to half of the digits."""
     A = x.polynomial_matrix
     jump = x.solution.jump
     with np.errstate(all="ignore"):  # what is not finite is not tested
@@ -354,16 +324,7 @@ def _moved_by_rounding(x: Response, times: np.ndarray) -> list[np.ndarray]:
 def modal_sums(
     function: BohlFunction, count: int, times: np.ndarray | None = None
 ) -> tuple[np.ndarray, list[np.ndarray], np.ndarray, float]:
-    """Rows and states whose products are x, x', ... from the fastest to the slowest motion after the first and last knots.
-
-    Args:
-        function: x as a sum of modes.
-        count: how many derivatives.
-        times: other ones, shape (T,).
-
-    Returns:
-        Times (T,), rows (r, n) for each derivative, states (n, T), and the rate of the fastest motion in 1/s.
-    """
+    """Rows and states whose products are x, x', ... from the fastest to the slowest motion after the first and last knots."""
     rates = np.abs(zeros_of(function.blocks))
     moving = rates[rates > 0]
     rate = float(moving.max(initial=0.0)) or 1.0

@@ -71,15 +71,7 @@ class Target:
         return Loop(GROUND, place, self.body, point, kind, rotation1=rotation, name="target")
 
     def stages(self, robot: Robot, start: np.ndarray) -> list[Target]:
-        """Targets from where the body is at a start to this one, on a straight line and about one axis.
-
-        Args:
-            robot: the robot.
-            start: q, shape (nq,).
-
-        Returns:
-            The targets, this one the last.
-        """
+        """Targets from where the body is at a start to this one, on a straight line and about one axis."""
         import pinocchio
 
         R, place = Kinematics(robot.tree, start).frame(robot.link_frames.anchor(self.body, self.point, (0.0, 0.0, 0.0), "body"))
@@ -91,16 +83,7 @@ class Target:
         return [*targets, self]
 
     def reached(self, robot: Robot, load: Load, start: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
-        """The configuration nearest to a start that reaches the target with closed loops.
-
-        Args:
-            robot: the robot.
-            load: with the frames of its loops.
-            start: q, shape (nq,).
-
-        Returns:
-            The configuration, the displacement that remains (m), shape (3,), and whether target and loops are closed.
-        """
+        """The configuration nearest to a start that reaches the target with closed loops."""
         item = robot.link_frames.attached(self.loop, Kinematics(robot.tree, start))
         load = replace(load, loops=(*load.loops, item))
         best = closed(Search(robot.tree, load, np.ones(len(robot.coordinates), bool)), start)
@@ -109,19 +92,7 @@ class Target:
 
 
 def inverse_kinematics(robot: Robot, goal: Target, guess) -> np.ndarray:
-    """The configuration near a guess that reaches a target, within the limits of the joints if the search finds one there.
-
-    Args:
-        robot: the robot.
-        goal: place, perhaps orientation.
-        guess: as of ``Robot.equilibrium``.
-
-    Returns:
-        q, shape (nq,).
-
-    Raises:
-        InputError: it is not reached.
-    """
+    """The configuration near a guess that reaches a target, within the limits of the joints if the search finds one there."""
     robot.link_frames.check(goal.body, "inverse kinematics")
     start = guess_with_followers(robot, guess)
     load, nearest, beyond = attached_load(robot, start, {}), np.full(3, np.inf), None
@@ -238,16 +209,7 @@ class PathModes(Displayed):
 
 
 def modes_along(robot: Robot, goal: Target, places, guess, hold, forces: Mapping) -> PathModes:
-    """The modes along a path, as of ``Robot.modes_along``.
-
-    Args:
-        robot: the robot.
-        goal: of the path, anywhere on it.
-        places, guess, hold, forces: see there.
-
-    Returns:
-        The ``PathModes``.
-    """
+    """The modes along a path, as of ``Robot.modes_along``."""
     places = real_array(places, "places", shape=(None, 3))
     if not len(places):
         raise InputError("places: found none; expected an array of shape (P, 3)")
@@ -267,14 +229,7 @@ def modes_along(robot: Robot, goal: Target, places, guess, hold, forces: Mapping
 
 
 def target(body: str, point, place, orientation) -> Target:
-    """A checked target.
-
-    Args:
-        body, point, place, orientation: as of ``Robot.inverse_kinematics``.
-
-    Returns:
-        The target.
-    """
+    """A checked target."""
     turned = None if orientation is None else real_array(orientation, "orientation", shape=(3,))
     return Target(body, real_array(point, "point", shape=(3,)), real_array(place, "place", shape=(3,)), turned)
 
@@ -291,13 +246,6 @@ def followed(masses: list[np.ndarray | None], modes: list[Modes | None]) -> tupl
         MAC = (u^T M v)^2 / ((u^T M u) (v^T M v))
 
     The pairs of neighbouring points have the largest sum of it (Allemang, Sound and Vibration 37, 2003; linear assignment).
-
-    Args:
-        masses: M at each point, shape (n, n); None where there is none.
-        modes: without damping, likewise.
-
-    Returns:
-        Natural frequencies (rad/s) and MAC with the point before, shape (P, m), NaN where a mode has none.
     """
     from scipy.optimize import linear_sum_assignment
 

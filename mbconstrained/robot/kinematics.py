@@ -84,26 +84,13 @@ class Tree:
         return np.array(pinocchio.crba(self.model, self._data, q))
 
     def inverse_dynamics(self, q: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        """M(q) a + c(q, v) + g(q), shape (nv,), rotors included as far as the model has them.
-
-        Args:
-            q: shape (nq,).
-            velocity, acceleration: v and a in tangent coordinates, shape (nv,).
-        """
+        """M(q) a + c(q, v) + g(q), shape (nv,), rotors included as far as the model has them."""
         import pinocchio
 
         return np.array(pinocchio.rnea(self.model, self._data, q, velocity, acceleration))
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
-        """q (+) step, the step in tangent coordinates.
-
-        Args:
-            q: shape (nq,).
-            step: shape (nv,), in m and rad.
-
-        Returns:
-            Shape (nq,).
-        """
+        """q (+) step, the step in tangent coordinates."""
         import pinocchio
 
         return pinocchio.integrate(self.model, q, step)
@@ -115,28 +102,13 @@ class Tree:
         return pinocchio.dIntegrate(self.model, q, step)[1]
 
     def difference(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-        """The step from one configuration to another, in tangent coordinates.
-
-        Args:
-            start, end: shape (nq,).
-
-        Returns:
-            Shape (nv,), in m and rad.
-        """
+        """The step from one configuration to another, in tangent coordinates."""
         import pinocchio
 
         return np.array(pinocchio.difference(self.model, start, end))
 
     def frames(self, q: np.ndarray, numbers: list[int]) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Positions (3,) and quaternions (4,) x y z w of the frames of these numbers.
-
-        Args:
-            q: shape (nq,).
-            numbers: of the frames in the model.
-
-        Returns:
-            For each frame its position in m and its quaternion.
-        """
+        """Positions (3,) and quaternions (4,) x y z w of the frames of these numbers."""
         import pinocchio
 
         pinocchio.framesForwardKinematics(self.model, self._data, q)
@@ -145,17 +117,7 @@ class Tree:
 
 
 def built_model(text: str, free_base: bool, locked: Mapping[str, float], gravity: np.ndarray):
-    """The pinocchio model of a ``skeleton``, locked joints taken out; its gravity set.
-
-    Args:
-        text: XML.
-        free_base: whether the base floats.
-        locked: values by joint (rad, m).
-        gravity: shape (3,), in m/s^2.
-
-    Raises:
-        InputError: pinocchio cannot read the text, an unknown locked joint, or one locked beyond its limits.
-    """
+    """The pinocchio model of a ``skeleton``, locked joints taken out; its gravity set."""
     import pinocchio
 
     balls = {unescape(name, {"&quot;": '"'}) for name in re.findall(r'<joint name="([^"]*)" type="ball"', text)}
@@ -191,19 +153,7 @@ def _with_balls(model, balls: set[str]):
 
 
 def finished_model(model, locked: Mapping[str, float], gravity: np.ndarray):
-    """A model with its locked joints taken out and its gravity set.
-
-    Args:
-        model: of pinocchio; it may be changed.
-        locked: values by joint (rad, m).
-        gravity: shape (3,), in m/s^2.
-
-    Returns:
-        The model.
-
-    Raises:
-        InputError: no joint that moves, too many that do, an unknown locked joint, or one locked beyond its limits.
-    """
+    """A model with its locked joints taken out and its gravity set."""
     model = _without(model, locked)
     if model.nv > MOST_COORDINATES:
         raise InputError(f"robot: found {model.nv:,} degrees of freedom; at most {MOST_COORDINATES:,} are read")
@@ -370,14 +320,7 @@ _RODRIGUES = tuple(
 def turned_product(first: Sequence[float], second: Sequence[float], turn: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
     """a . exp([w]) b with its derivatives by w, by Rodrigues' formula.
 
-        a . exp([w]) b = cos|w| a . b + sin|w| / |w| (b x a) . w + (1 - cos|w|) / |w|^2 (a . w) (b . w)
-
-    Args:
-        first, second: a and b, shape (3,).
-        turn: w, a rotation vector (rad), shape (3,).
-
-    Returns:
-        The value, its gradient (3,), and the symmetric matrix of its second derivatives (3, 3).
+    a . exp([w]) b = cos|w| a . b + sin|w| / |w| (b x a) . w + (1 - cos|w|) / |w|^2 (a . w) (b . w)
     """
     a, b, w, eye = np.array(first), np.array(second), np.asarray(turn), np.eye(3)
     normal, s = np.cross(b, a), float(w @ w)
@@ -429,28 +372,12 @@ class Kinematics:
         return self.columns * self.tree.moving[joint]
 
     def of_point(self, joint: int, point: np.ndarray) -> np.ndarray:
-        """Velocity of the body's point that is at a place in space, by rate of each coordinate, shape (3, nv).
-
-        Args:
-            joint: its number.
-            point: in space (m), shape (3,).
-
-        Returns:
-            Shape (3, nv).
-        """
+        """Velocity of the body's point that is at a place in space, by rate of each coordinate, shape (3, nv)."""
         columns = self.velocity(joint)
         return columns[:3] + cross_columns(columns[3:], point)
 
     def turning(self, joint: int, wrench: np.ndarray) -> np.ndarray:
-        """d(S_j^T W) / dq for a wrench W (force; torque about the origin) that stays, shape (nv, nv): -s_i . (s_k x* W).
-
-        Args:
-            joint: its number.
-            wrench: shape (6,), in N and N m.
-
-        Returns:
-            Shape (nv, nv).
-        """
+        """d(S_j^T W) / dq for a wrench W (force; torque about the origin) that stays, shape (nv, nv): -s_i . (s_k x* W)."""
         columns = self.velocity(joint)
         force, torque = cross_columns(columns[3:], wrench[:3]), cross_columns(columns[:3], wrench[:3])
         torque += cross_columns(columns[3:], wrench[3:])

@@ -76,20 +76,7 @@ class LinkFrames:
         return self.anchor(body, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), "body")
 
     def anchor(self, body: str, point, rotation, what: str) -> Anchor:
-        """A frame given in a link, in the joint that carries the link.
-
-        Args:
-            body: a link or "ground".
-            point: in the link (m).
-            rotation: roll, pitch, yaw in the link (rad).
-            what: the frame, for messages.
-
-        Returns:
-            The frame in its joint.
-
-        Raises:
-            InputError: no such link.
-        """
+        """A frame given in a link, in the joint that carries the link."""
         import pinocchio
 
         rotation = pinocchio.rpy.rpyToMatrix(*rotation)
@@ -101,40 +88,19 @@ class LinkFrames:
         return Anchor(int(frame.parentJoint), link @ rotation, frame.placement.translation + link @ np.array(point))
 
     def point(self, motion: PointMotion, what: str) -> Anchor:
-        """The point of an input or output.
-
-        Args:
-            motion: of a point.
-            what: its use, for messages.
-
-        Returns:
-            The point in its joint.
-        """
+        """The point of an input or output."""
         self.check(motion.body, what)
         return self.anchor(motion.body, motion.point, (0.0, 0.0, 0.0), what)
 
     def check(self, body: str, what: str) -> None:
-        """Raise an InputError where there is no such link.
-
-        Args:
-            body: the name.
-            what: its use, for messages.
-        """
+        """Raise an InputError where there is no such link."""
         if body == GROUND:
             raise InputError(f'{what}: found "{GROUND}", which does not move; name a link')
         if body not in self._frames:
             raise InputError(f'{what}: there is no body "{body}"{nearest(body, (GROUND, *self.names))}')
 
     def attached(self, connection: Connection, guess: Kinematics) -> Attached:
-        """A connection with its frames; a point that is left out lies where the other is at the guess.
-
-        Args:
-            connection: a loop, spring or bushing.
-            guess: the configuration from which the equilibrium is sought.
-
-        Returns:
-            The connection with its frames.
-        """
+        """A connection with its frames; a point that is left out lies where the other is at the guess."""
         nowhere, label = (0.0, 0.0, 0.0), connection.label
         first = self.anchor(connection.body1, connection.point1 or nowhere, connection.rotation1, label)
         second = self.anchor(connection.body2, connection.point2 or nowhere, connection.rotation2, label)
@@ -156,13 +122,6 @@ def untwisted(attached: Attached, at: Kinematics) -> Attached:
     """The connection with the second frame of a hinge turned about its axis, so that the hinge is at angle 0 in a configuration.
 
     The multipliers of its rows are then torques, and its rotation vector is far from its jump at pi.
-
-    Args:
-        attached: any connection.
-        at: the configuration.
-
-    Returns:
-        The connection; the same where it is no hinge.
     """
     import pinocchio
 
@@ -177,15 +136,7 @@ def untwisted(attached: Attached, at: Kinematics) -> Attached:
 
 
 def with_rest_length(attached: Attached, guess: Kinematics) -> Attached:
-    """The same with the length of a rod, or the rest length of a spring that is given by its preload at the guess.
-
-    Args:
-        attached: any connection.
-        guess: the configuration of the preload.
-
-    Returns:
-        The connection; the same where it is no spring or rod.
-    """
+    """The same with the length of a rod, or the rest length of a spring that is given by its preload at the guess."""
     spring = attached.connection
     if isinstance(spring, Loop) and spring.kind == "rod":
         distance = float(np.linalg.norm(attached.pose(guess).value[:3]))
@@ -207,21 +158,7 @@ def with_rest_length(attached: Attached, guess: Kinematics) -> Attached:
 def checked_connections(
     connections, kinds: tuple[type[Connection], ...], word: str, frames: LinkFrames, others: Sequence[Connection] = ()
 ) -> tuple[Connection, ...]:
-    """Loops or springs, checked, each with a distinct name.
-
-    Args:
-        connections: as given.
-        kinds: the accepted classes.
-        word: the argument, for messages.
-        frames: of the links.
-        others: connections with names of their own.
-
-    Returns:
-        The connections.
-
-    Raises:
-        InputError: something else among them, or unknown bodies.
-    """
+    """Loops or springs, checked, each with a distinct name."""
     wanted = " or ".join(f"mb.{kind.__name__}" for kind in kinds)
     if isinstance(connections, Connection) or not isinstance(connections, Iterable):
         raise InputError(f"{word}: found {type(connections).__name__}; expected a list of {wanted}(...)")

@@ -96,17 +96,7 @@ class Posture(Displayed):
 
 
 def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str) -> Posture:
-    """The posture near a guess, as ``Robot.equilibrium``: closes the loops, then balances the forces.
-
-    Args:
-        robot: the robot.
-        guess: values by joint (rad, m), or q, shape (nq,).
-        forces: constant ones by joint or ``PointMotion`` (N, N m).
-        hold: names of joints that keep the guess.
-
-    Returns:
-        The posture.
-    """
+    """The posture near a guess, as ``Robot.equilibrium``: closes the loops, then balances the forces."""
     start = guess_with_followers(robot, guess)
     free = ~_fixed_coordinates(robot, hold)
     load = _untwisted(attached_load(robot, start, forces), robot, start)
@@ -120,15 +110,7 @@ def find_posture(robot: Robot, guess, forces: Mapping, hold: Sequence[str] | str
 
 
 def guess_with_followers(robot: Robot, guess) -> np.ndarray:
-    """The guess as a configuration, in which joints that it does not name follow their leaders.
-
-    Args:
-        robot: the robot.
-        guess: values by joint (rad, m), or q, shape (nq,).
-
-    Returns:
-        q, shape (nq,).
-    """
+    """The guess as a configuration, in which joints that it does not name follow their leaders."""
     start = robot.tangent.configuration(guess)
     named = robot.joints if not isinstance(guess, Mapping) else guess
     step = np.zeros(robot.model.nv)
@@ -155,16 +137,7 @@ def _fixed_coordinates(robot: Robot, hold) -> np.ndarray:
 
 
 def attached_load(robot: Robot, start: np.ndarray, forces) -> Load:
-    """The loads, with the frames of loops and springs at the guess.
-
-    Args:
-        robot: the robot.
-        start: q of the guess, shape (nq,).
-        forces: constant ones by joint or ``PointMotion`` (N, N m).
-
-    Returns:
-        The loads.
-    """
+    """The loads, with the frames of loops and springs at the guess."""
     if not isinstance(forces, Mapping):
         raise InputError(f'forces: found {type(forces).__name__}; expected numbers by joint, such as {{"j1": 2.0}}')
     forces = {**robot.lift, **forces}

@@ -58,15 +58,7 @@ class Tangent:
         return tuple(unit for _, joint in self._each() for unit in _units(joint))
 
     def place(self, name: str, what: str) -> int:
-        """The place of a joint with one degree of freedom among the coordinates.
-
-        Args:
-            name: of the joint.
-            what: the argument, for messages.
-
-        Returns:
-            The place, counted from 0.
-        """
+        """The place of a joint with one degree of freedom among the coordinates."""
         if name in self.coordinates:
             return self.coordinates.index(name)
         if name in self.joints:
@@ -77,16 +69,7 @@ class Tangent:
         raise InputError(f'{what}: there is no joint "{name}"{nearest(name, (*self.joints, *self.coordinates))}')
 
     def vector(self, values: Mapping[str, float], what: str, **limits) -> np.ndarray:
-        """Numbers by coordinate as a vector, zero for the others.
-
-        Args:
-            values: by joint.
-            what: the argument, for messages.
-            limits: as of ``real_number``.
-
-        Returns:
-            Shape (nv,).
-        """
+        """Numbers by coordinate as a vector, zero for the others."""
         vector = np.zeros(self.model.nv)
         for name, value in _mapping(values, what).items():
             vector[self.place(name, what)] = real_number(value, f"{what} of {name}", **limits)
@@ -97,13 +80,6 @@ class Tangent:
 
         A free body takes x, y, z, roll, pitch, yaw or x, y, z and a quaternion x, y, z, w; one that slides in a plane
         x, y and its angle.
-
-        Args:
-            values: by joint (rad, m), or all of q.
-            what: the argument, for messages.
-
-        Returns:
-            q, shape (nq,).
         """
         import pinocchio
 
@@ -161,16 +137,7 @@ class Tangent:
         }
 
     def outside_limits(self, values: Mapping[str, Any], tolerance: float, share: float = 0.0) -> str:
-        """A sentence on the joints that are beyond their limits, with the first of them; or an empty text.
-
-        Args:
-            values: by joint (rad, m), as of ``values``.
-            tolerance: in rad or m.
-            share: of the range of a joint, added to the tolerance.
-
-        Returns:
-            The sentence.
-        """
+        """A sentence on the joints that are beyond their limits, with the first of them; or an empty text."""
         outside = []
         for name, (low, high) in self.limits.items():
             allowed = tolerance + (share * (high - low) if np.isfinite(high - low) else 0.0)
@@ -317,19 +284,7 @@ class JointGear:
 
 
 def geared(gears, mimics: tuple[Mimic, ...], joints: Mapping[str, bool]) -> tuple[Mimic, ...]:
-    """The joints that follow others by the URDF, then by gears.
-
-    Args:
-        gears: as given.
-        mimics: of the URDF.
-        joints: by name of a joint whether it has one degree of freedom.
-
-    Returns:
-        All of them.
-
-    Raises:
-        InputError: no gears, an unknown joint, one that follows two joints or itself.
-    """
+    """The joints that follow others by the URDF, then by gears."""
     if isinstance(gears, JointGear) or not all(isinstance(one, JointGear) for one in gears):
         raise InputError("gears: expected a list of mb.JointGear(joint, leader, ratio)")
     added = tuple(Mimic(one.joint, one.leader, one.ratio, one.offset) for one in gears)
@@ -346,18 +301,7 @@ def geared(gears, mimics: tuple[Mimic, ...], joints: Mapping[str, bool]) -> tupl
 
 
 def locked_values(locked, mimics: tuple[Mimic, ...]) -> dict[str, float]:
-    """Values of the locked joints and of the joints that follow them.
-
-    Args:
-        locked: by joint, or None.
-        mimics: the joints that follow others.
-
-    Returns:
-        Values by joint (rad, m).
-
-    Raises:
-        InputError: not a mapping of joints to values; a locked follower of a moving joint, or one at another value.
-    """
+    """Values of the locked joints and of the joints that follow them."""
     if locked is not None and not isinstance(locked, Mapping):
         raise InputError(f'locked: found {type(locked).__name__}; expected values by joint, such as {{"j4": 0.3}}')
     values = {name: real_number(value, f"locked: {name}") for name, value in (locked or {}).items()}
@@ -375,15 +319,7 @@ def locked_values(locked, mimics: tuple[Mimic, ...]) -> dict[str, float]:
 
 
 def mimic_rows(mimics: tuple[Mimic, ...], tangent: Tangent) -> tuple[MimicRow, ...]:
-    """The mimic_rows between moving joints; those with a locked joint are left out.
-
-    Args:
-        mimics: the joints that follow others.
-        tangent: the coordinates.
-
-    Returns:
-        The rows.
-    """
+    """The mimic_rows between moving joints; those with a locked joint are left out."""
     rows = []
     for mimic in mimics:
         if mimic.follower in tangent.coordinates and mimic.leader in tangent.coordinates:
@@ -394,16 +330,7 @@ def mimic_rows(mimics: tuple[Mimic, ...], tangent: Tangent) -> tuple[MimicRow, .
 
 
 def joint_displacement(joint, configuration: np.ndarray, rest: float) -> float:
-    """The displacement of a joint with one degree of freedom from a value (rad, m).
-
-    Args:
-        joint: of the model.
-        configuration: q, shape (nq,).
-        rest: the value (rad, m).
-
-    Returns:
-        In rad or m.
-    """
+    """The displacement of a joint with one degree of freedom from a value (rad, m)."""
     value = configuration[joint.idx_q : joint.idx_q + joint.nq]
     if joint.nq == 1:
         return float(value[0] - rest)

@@ -46,17 +46,6 @@ def link_poses(posture: Posture, displacements, scale: float = 1.0) -> dict[str,
 
     The configuration is q0 (+) scale d, moved onto the loops by the shortest step: linear motion opens them by the square
     of its size.
-
-    Args:
-        posture: the posture of the linearization.
-        displacements: d, shape (n, T), in m and rad; rows beyond the coordinates of the links (motors) are ignored.
-        scale: factor of d.
-
-    Returns:
-        Positions and quaternions by link.
-
-    Raises:
-        InputError: fewer rows than coordinates.
     """
     robot, tree = posture.robot, posture.robot.tree
     count = len(robot.coordinates)
@@ -98,12 +87,6 @@ def joint_motions(posture: Posture) -> JointMotions:
     """The motions that the loops of a robot leave, each named by the coordinate that is 1 in it while the others named are 0.
 
     The names are those of the rows of the null space's basis that a QR decomposition with column pivoting takes first.
-
-    Args:
-        posture: the posture of the linearization.
-
-    Returns:
-        The motions.
     """
     robot, balance = posture.robot, posture.balance
     lengths, columns = balance.load.lengths, np.eye(len(robot.coordinates))
@@ -248,15 +231,7 @@ def _of_mimic_row(posture: Posture, item: MimicRow, row: np.ndarray) -> Iterator
 
 
 def coordinate_wrench(posture: Posture, place: int) -> Wrench:
-    """Of a generalized force along a coordinate of the links, x its value, shape (1,): at the joint, on the link behind it.
-
-    Args:
-        posture: of the linearization.
-        place: of the coordinate, counted from 0.
-
-    Returns:
-        The wrench for a unit of the generalized force (N, N m).
-    """
+    """Of a generalized force along a coordinate of the links, x its value, shape (1,): at the joint, on the link behind it."""
     robot, kinematics = posture.robot, posture.balance.kinematics
     joint = next(number for number, joint in enumerate(robot.model.joints) if number and 0 <= place - joint.idx_v < joint.nv)
     body = robot.link_frames.link_behind(joint)

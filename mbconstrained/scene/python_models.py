@@ -74,22 +74,7 @@ def result_of(
     plots: Sequence[str] = ("displacement",),
     drawing: Mapping[str, Any] | None = None,
 ) -> Result:
-    """The result that a scene with this motion would have.
-
-    Args:
-        motion: a ``Motion`` or a ``Response``.
-        end: the last time in s; by default some periods of the slowest oscillation.
-        points: the number of times.
-        title: of the page.
-        plots: kinds of curves, of a Response without mechanical system "displacement" alone.
-        drawing: entries of the table [drawing] of a scene.
-
-    Returns:
-        The ``Result``.
-
-    Raises:
-        InputError: an end that is no positive number, an unknown kind of curve, wrong entries of the drawing.
-    """
+    """The result that a scene with this motion would have."""
     for kind in plots:
         if kind not in KINDS:
             raise InputError(f"plots: found {kind!r}{nearest(str(kind), KINDS)}; expected some of {', '.join(KINDS)}")
@@ -164,16 +149,7 @@ def _last_time(motion: Response) -> float:
 
 
 def write_page(answer: Response | Modes, path, **options) -> Path:
-    """Write the static page of a motion or of modes.
-
-    Args:
-        answer: a ``Motion``, ``Response`` or ``Modes``.
-        path: of the page.
-        options: of ``result_of`` for a motion; ``title`` and ``drawing`` for modes.
-
-    Returns:
-        The path.
-    """
+    """Write the static page of a motion or of modes."""
     path = Path(path)
     if isinstance(answer, Response):
         return result_of(answer, **options).write_page(path)
@@ -195,17 +171,7 @@ def _scene_modes(modes: Modes, title: str = "", drawing: Mapping[str, Any] | Non
 
 
 def plot(motion: Response, axes=None, quantity: str = "displacement", **options) -> Any:
-    """Draw the curves of a quantity into axes of Matplotlib.
-
-    Args:
-        motion: a ``Motion`` or a ``Response``.
-        axes: of Matplotlib; None for new ones.
-        quantity: the kind of curves.
-        options: of ``result_of``.
-
-    Returns:
-        The axes.
-    """
+    """Draw the curves of a quantity into axes of Matplotlib."""
     from ..page.plots.images import new_axes
 
     result = result_of(motion, plots=[quantity], **options)
@@ -245,16 +211,7 @@ class PageView:
 
 
 def view(answer: Response | Modes, height: int = 700, **options) -> PageView:
-    """The page in a frame, for notebooks.
-
-    Args:
-        answer: a ``Motion``, ``Response`` or ``Modes``.
-        height: of the frame, in pixels.
-        options: as of ``write_page``.
-
-    Returns:
-        What a notebook shows as the page.
-    """
+    """The page in a frame, for notebooks."""
     with tempfile.TemporaryDirectory() as folder:
         return PageView(write_page(answer, Path(folder) / "view.html", **options).read_text(encoding="utf-8"), height)
 

@@ -239,14 +239,7 @@ REMEDY = "ask for a larger tolerance, a shorter time, or give a smoother functio
 
 
 def _edges_of(values, end: float) -> np.ndarray:
-    """The times between 0 and end at which the function jumps or has a kink.
-
-    Args:
-        values: the function, with its ``fit``, ``tolerance`` and ``largest`` value (``approximated``).
-
-    Raises:
-        InputError: it is rough everywhere.
-    """
+    """The times between 0 and end at which the function jumps or has a kink."""
     length = end / 2**FIRST_HALVINGS
     begins, leaves = length * np.arange(2**FIRST_HALVINGS), []
     while len(begins):

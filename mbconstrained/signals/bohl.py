@@ -340,17 +340,6 @@ Piece = tuple[np.ndarray, np.ndarray]
 def in_chunks(function, times, count: int | None = None) -> Iterator[Piece]:
     """Values of a function of time in chunks, for answers larger than memory.
 
-    Args:
-        function: a callable of times (T,), with ``size`` rows.
-        times: shape (T,), in s; or the first and the last one, where a count is given.
-        count: number of equidistant times from the first to the last.
-
-    Returns:
-        Pairs (times, values) in order, each with at most CHUNK_ENTRIES values, or one time.
-
-    Raises:
-        InputError: times or a count out of range.
-
     >>> clock = BohlFunction(np.array([[1.0, 0.0]]), (np.array([[0.0, 1.0], [0.0, 0.0]]),), np.array([0.0, 1.0]))
     >>> [values.tolist() for _, values in in_chunks(clock, (0.0, 2.0), 3)]
     [[[0.0, 1.0, 2.0]]]

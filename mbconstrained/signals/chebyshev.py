@@ -79,44 +79,19 @@ class Fit:
         return np.where(np.abs(self.powers_at_end) > JOINT_SAFETY * error * SENSITIVITY, self.powers_at_end, 0.0)
 
     def jumps(self, error: float, ratio: np.ndarray) -> np.ndarray:
-        """Changes of the coefficients from one interval to the next, in the unit of the next, shape (r, m - 1, DEGREE + 1).
-
-        Args:
-            error: of the polynomials; changes within it count as zero.
-            ratio: a common length over the length of each interval, shape (m,).
-
-        Returns:
-            Shape (r, m - 1, DEGREE + 1), zero where the change is within the error.
-        """
+        """Changes of the coefficients from one interval to the next, in the unit of the next, shape (r, m - 1, DEGREE + 1)."""
         scale = (ratio[:-1] / ratio[1:])[:, None] ** np.arange(DEGREE + 1.0)
         change = self.powers[:, 1:] - self.powers_at_end[:, :-1] * scale
         return np.where(np.abs(change) > JOINT_SAFETY * error * SENSITIVITY * (1 + scale), change, 0.0)
 
     def breaks(self, other: Fit, ratio: float, error: float) -> bool:
-        """Whether value, slope or curvature jump to the next interval, which is shorter by the ratio.
-
-        Args:
-            other: the fit of the next interval.
-            ratio: the length of this interval over that of the next.
-            error: of the polynomials.
-
-        Returns:
-            Whether one of the three jumps by more than the error.
-        """
+        """Whether value, slope or curvature jump to the next interval, which is shorter by the ratio."""
         own, others = (max(1.0, side) ** -np.arange(3.0) for side in (ratio, 1 / ratio))  # in units of the shorter one
         change = np.abs(other.powers[:, 0, :3] * others - self.powers_at_end[:, 0, :3] * own)
         return bool((change > JOINT_SAFETY * error * SENSITIVITY[:3] * (own + others)).any())
 
     def bend(self, other: Fit, own_ratio: float, other_ratio: float) -> float:
-        """Change of slope and curvature to the next interval, with a unit of length over the lengths of both.
-
-        Args:
-            other: the fit of the next interval.
-            own_ratio, other_ratio: the unit over the lengths of both.
-
-        Returns:
-            The largest change of any row.
-        """
+        """Change of slope and curvature to the next interval, with a unit of length over the lengths of both."""
         own, others = (ratio ** np.arange(1.0, 3.0) for ratio in (own_ratio, other_ratio))
         return float(np.abs(other.powers[:, 0, 1:3] * others - self.powers_at_end[:, 0, 1:3] * own).max())
 
@@ -125,14 +100,6 @@ class Fit:
 
         Where the parabolas only touch, or nearly so, it is the time of their least distance. This locates a kink close to
         an end of an interval, where the interpolation points missed it.
-
-        Args:
-            other: the fit of the other interval.
-            length, other_length: of the two intervals, in s.
-            gap: from the end of this one to the begin of the other, in s.
-
-        Returns:
-            At most two times in s.
         """
         own = self.powers_at_end[:, 0, :3] / length ** np.arange(3.0)
         zero, one, two = (other.powers[:, 0, :3] / other_length ** np.arange(3.0)).T
@@ -143,16 +110,7 @@ class Fit:
 
 
 def fitted(values: np.ndarray, largest: float, tolerance: float) -> Fit:
-    """Polynomials through the values at NODES, compared with those at CHECKS; values of shape (r, m, nodes and checks).
-
-    Args:
-        values: shape (r, m, nodes and checks).
-        largest: size of all values.
-        tolerance: relative to it.
-
-    Returns:
-        A ``Fit`` of m intervals.
-    """
+    """Polynomials through the values at NODES, compared with those at CHECKS; values of shape (r, m, nodes and checks)."""
     at_nodes, at_checks = values[..., : DEGREE + 1], values[..., DEGREE + 1 :]
     coefficients = at_nodes @ TO_CHEBYSHEV.T
     coefficients = np.where(np.abs(coefficients) <= COEFFICIENT_NOISE * EPS * largest, 0.0, coefficients)

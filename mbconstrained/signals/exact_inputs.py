@@ -103,12 +103,5 @@ def without_phase_noise(value: float, phase: float) -> float:
     """The cosine or sine of a phase, zero where the rounding error of the phase exceeds it.
 
     With the phase -pi/2 a harmonic is a sine: it does not jump at its start.
-
-    Args:
-        value: of the cosine or sine.
-        phase: in rad.
-
-    Returns:
-        The value or zero.
     """
     return 0.0 if abs(value) <= EPS * min(abs(phase), LARGEST_EXACT_PHASE) else value

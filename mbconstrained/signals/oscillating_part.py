@@ -45,16 +45,7 @@ class OscillatingPart:
 
     @staticmethod
     def of(blocks: Sequence[np.ndarray], groups: BlockGroups, start: np.ndarray) -> OscillatingPart | None:
-        """The oscillating part for J = diag(blocks), or None where no state oscillates.
-
-        Args:
-            blocks: the diagonal blocks of J.
-            groups: the same by their size.
-            start: v, shape (n,).
-
-        Returns:
-            Its states, and the remaining ones.
-        """
+        """The oscillating part for J = diag(blocks), or None where no state oscillates."""
         chosen = (groups.square < 0).nonzero()[0]
         if not chosen.size:
             return None

@@ -147,20 +147,7 @@ def _differences(moments: np.ndarray) -> np.ndarray:
 
 
 def later_times(times: np.ndarray, delay: float, gaps: np.ndarray | float = 0.0) -> np.ndarray:
-    """Ascending times plus a delay.
-
-    Args:
-        times: shape (T,), in s.
-        delay: in s, greater than 0.
-        gaps: between the times, shape (T - 1,), where remainders keep them if they are not far below rounding errors of the sums.
-
-    Returns:
-        The sums, ascending, shape (T,).
-
-    Raises:
-        InputError: a sum leaves the range of float64, or two times would be rounded to the same one, so that the load
-            between them would be lost.
-    """
+    """Ascending times plus a delay."""
     with np.errstate(over="ignore"):
         later = times + delay
     if not np.isfinite(later).all():

@@ -112,15 +112,7 @@ def power_of_ten(value: float) -> str:
 
 
 def nothing_to_show(title: str, content: str, note: str = "") -> Picture:
-    """A figure without data.
-
-    Args:
-        title, note: as ``Picture``.
-        content: what it would show.
-
-    Returns:
-        The picture.
-    """
+    """A figure without data."""
     text = "nothing was measured"
 
     def draw(figure: MatplotlibFigure) -> None:

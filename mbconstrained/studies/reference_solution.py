@@ -60,15 +60,7 @@ def states_of(problem: StudyProblem) -> int:
 
 
 def reference_solution(problem: StudyProblem, seconds: float = SECONDS) -> ReferenceSolution:
-    """The reference solution by exact arithmetic for the given numbers; by a cross-check where that takes too long.
-
-    Args:
-        problem: with its times.
-        seconds: time limit of exact arithmetic.
-
-    Returns:
-        The solution at at most ``MOST_TIMES`` of the times.
-    """
+    """The reference solution by exact arithmetic for the given numbers; by a cross-check where that takes too long."""
     places = chosen_places(len(problem.times))
     states = states_of(problem)
     if states > MOST_STATES:
@@ -83,16 +75,7 @@ def reference_solution(problem: StudyProblem, seconds: float = SECONDS) -> Refer
 
 
 def exact_solution(response: Response, times: np.ndarray, places: np.ndarray) -> ReferenceSolution:
-    """The solution at some of the times by exact rational and ball arithmetic.
-
-    Args:
-        response: of the problem.
-        times: shape (T,), in s.
-        places: indices of some of them.
-
-    Returns:
-        The solution there.
-    """
+    """The solution at some of the times by exact rational and ball arithmetic."""
     box = response.enclose(times[places], digits=DIGITS)
     exact = values_of(box)
     values = exact.astype(float)
@@ -102,15 +85,7 @@ def exact_solution(response: Response, times: np.ndarray, places: np.ndarray) ->
 
 
 def chosen_places(count: int, most: int = MOST_TIMES) -> np.ndarray:
-    """Some of the indices 0 ... count - 1, evenly chosen with the first and the last.
-
-    Args:
-        count: of all.
-        most: of the chosen ones.
-
-    Returns:
-        The indices, ascending.
-    """
+    """Some of the indices 0 ... count - 1, evenly chosen with the first and the last."""
     return np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(int))
 
 

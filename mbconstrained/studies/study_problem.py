@@ -60,17 +60,7 @@ class StudyProblem:
 
 
 def mechanical_problem(title: str, system: MechanicalSystem, times, displacement=None, velocity=None, force=None) -> StudyProblem:
-    """The problem of a mechanical system.
-
-    Args:
-        title: for reports.
-        system: mass, damping, stiffness and constraint rows.
-        times: shape (T,), ascending, in s.
-        displacement, velocity, force: as those of ``MechanicalSystem.solve``.
-
-    Returns:
-        The problem.
-    """
+    """The problem of a mechanical system."""
     motion_start = [
         np.zeros(system.size) if value is None else np.asarray(value, dtype=float) for value in (displacement, velocity)
     ]
@@ -113,15 +103,7 @@ def _transfer_response(control) -> Callable[[], Response] | None:
 
 
 def again(system: MechanicalSystem, given=None, uncertainty=None) -> MechanicalSystem:
-    """A system from the same data, without any results.
-
-    Args:
-        system: the original.
-        given, uncertainty: of K, C and M, where others take their place.
-
-    Returns:
-        The new system.
-    """
+    """A system from the same data, without any results."""
     stiffness, damping, mass = given or system.given
     uncertainty = dict(zip(("stiffness", "damping", "mass"), uncertainty or system.uncertainty))
     return MechanicalSystem(

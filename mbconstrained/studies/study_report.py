@@ -93,18 +93,7 @@ class StudyReport(ABC):
         )
 
     def write(self, folder: Path, name: str) -> list[Path]:
-        """Write NAME.html, NAME.png (NAME-2.png …) and NAME.json, all of them or none.
-
-        Args:
-            folder: it exists.
-            name: of the files, without their endings.
-
-        Returns:
-            The paths of the files.
-
-        Raises:
-            OSError: they cannot be written; earlier files are unchanged.
-        """
+        """Write NAME.html, NAME.png (NAME-2.png …) and NAME.json, all of them or none."""
         pictures = self.pictures()
         with Replacements() as files:
             write_page(folder / f"{name}.html", self.page_content(pictures), files=files)
@@ -116,11 +105,7 @@ class StudyReport(ABC):
 
 
 def writable(folder: Path) -> Path:
-    """The folder, created if it does not exist, and checked before hours of computation.
-
-    Raises:
-        OSError: nothing can be written there.
-    """
+    """The folder, created if it does not exist, and checked before hours of computation."""
     folder.mkdir(parents=True, exist_ok=True)
     with TemporaryFile(dir=folder):
         return folder

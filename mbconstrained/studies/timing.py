@@ -74,15 +74,7 @@ def suitable_clock(states: int) -> Clock:
 
 
 def timed(work: Callable, clock: Callable[[], float] = perf_counter):
-    """Run something once.
-
-    Args:
-        work: a function without arguments.
-        clock: returns s.
-
-    Returns:
-        Its result and its run time in s.
-    """
+    """Run something once."""
     start = clock()
     result = work()
     return result, clock() - start

@@ -34,18 +34,7 @@ class StateSpaceData:
 
 
 def state_space_data(A, B, C, D, descriptor) -> StateSpaceData:
-    """Validate the matrices.
-
-    Args:
-        A, B, C, D, descriptor: as for ``mechanical_normal_form``.
-
-    Returns:
-        The matrices as arrays, B of shape (n, p).
-
-    Raises:
-        InputError: shapes, n odd, p > n/2, dependent columns of B, entries that are not finite.
-        NoNormalForm: a singular descriptor matrix.
-    """
+    """Validate the matrices."""
     A = real_array(A, "A", shape=(None, None))
     n = len(A)
     if n != A.shape[1]:

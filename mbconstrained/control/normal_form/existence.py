@@ -122,11 +122,7 @@ class Existence:
 
 
 def existence(pair: ScaledPencil) -> Existence:
-    """Both margins.
-
-    Raises:
-        NoNormalForm: a condition fails; the text names it, its ranks, and the distance to a system that satisfies it.
-    """
+    """Both margins."""
     try:
         margins = _margins(pair)
     except NoNormalForm:

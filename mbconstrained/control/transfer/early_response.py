@@ -143,34 +143,12 @@ def _exponents_of_ten(values) -> np.ndarray:
 
 
 def with_exact_start(function: ResponseFunction, fraction: RationalFunction, gamma: int) -> ExactStart:
-    """A function of modes with its exact series at first.
-
-    Args:
-        function: the regular part of the response, or a derivative of it.
-        fraction: b(s)/a(s) without common factors.
-        gamma: of the input I_gamma.
-
-    Returns:
-        The same function, accurate also where it is small.
-    """
+    """A function of modes with its exact series at first."""
     return ExactStart(function.coefficients, function.blocks, function.start, function.series, fraction, int(gamma))
 
 
 def exact_start(fraction: RationalFunction, gamma: int, count: int) -> tuple[np.ndarray, tuple[np.ndarray, ...], bool]:
-    """The start of a response: coefficients of s^-(i+1) and of 1, s, s^2, ... of b(s) / (a(s) s^gamma).
-
-    Args:
-        fraction: b(s)/a(s).
-        gamma: of the input I_gamma.
-        count: of values at 0+.
-
-    Returns:
-        y^(i)(0+) for i < count, shape (count, 1), the impulses at t = 0, and whether all are in the range of normal numbers.
-        What is zero is zero exactly, but what lies below the range is zero, too.
-
-    Raises:
-        Overflow: one of them leaves the range of float64.
-    """
+    """The start of a response: coefficients of s^-(i+1) and of 1, s, s^2, ... of b(s) / (a(s) s^gamma)."""
     highest = len(fraction.numerator) - len(fraction.denominator) - gamma
     series = laurent(fraction.numerator, fraction.denominator, max(highest + count + 1, 0)) if fraction.numerator else []
     try:

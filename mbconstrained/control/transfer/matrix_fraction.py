@@ -72,15 +72,7 @@ PARTS = 4
 
 @lru_cache(maxsize=64)
 def scalar_matrix(denominator: Polynomial, rounded: bool = True) -> PolynomialMatrix:
-    """a(s), exactly where its order allows, and once for all inputs, with its zeros.
-
-    Args:
-        denominator: a, lowest power first.
-        rounded: whether the coefficients have rounding errors: poles that these may move together are one.
-
-    Returns:
-        A(s) of size one.
-    """
+    """a(s), exactly where its order allows, and once for all inputs, with its zeros."""
     values = np.array([float(c) for c in denominator])[:, None, None]
     exact = len(denominator) - 1 <= PRECISE_ORDER
     coefficients = [_exactly(c) for c in denominator] if exact else values
@@ -96,30 +88,14 @@ def _exactly(coefficient: Fraction) -> Factors:
 
 
 def scalar_force(numerator: Polynomial, u: int | ImpulsiveSmooth) -> ImpulsiveSmooth:
-    """The excitation b(d/dt) u.
-
-    Args:
-        numerator: b, lowest power first.
-        u: gamma of the input I_gamma, or an input with one row.
-
-    Returns:
-        A force with one row.
-    """
+    """The excitation b(d/dt) u."""
     if isinstance(u, ImpulsiveSmooth):
         return operated([np.array([[float(b)]]) for b in numerator] or [np.zeros((1, 1))], u)
     return sum((power([float(b)], u - k) for k, b in enumerate(numerator) if b), zero(1))
 
 
 def operated(matrices: Sequence[np.ndarray], u: ImpulsiveSmooth) -> ImpulsiveSmooth:
-    """N_0 u + N_1 u' + ..., the derivatives in the sense of distributions.
-
-    Args:
-        matrices: N_0, N_1, ..., shape (r, p), at least one.
-        u: p rows.
-
-    Returns:
-        A function with r rows.
-    """
+    """N_0 u + N_1 u' + ..., the derivatives in the sense of distributions."""
     total = zero(len(matrices[0]))
     for index, N in enumerate(matrices):
         u = u.distribution_derivative() if index else u
@@ -128,19 +104,7 @@ def operated(matrices: Sequence[np.ndarray], u: ImpulsiveSmooth) -> ImpulsiveSmo
 
 
 def checked_input(u, size: int, what: str) -> ImpulsiveSmooth:
-    """An input, checked.
-
-    Args:
-        u: the input.
-        size: its number of rows.
-        what: its name for the error.
-
-    Returns:
-        The input itself.
-
-    Raises:
-        InputError: something else, or another number of rows.
-    """
+    """An input, checked."""
     if not isinstance(u, ImpulsiveSmooth):
         raise InputError(f"{what}: found {type(u).__name__}; make it with {FORCE_FUNCTIONS}")
     if u.size != size:

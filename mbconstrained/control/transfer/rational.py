@@ -105,15 +105,6 @@ class RationalFunction:
 def rational_function(numerator, denominator) -> RationalFunction:
     """Read b and a.
 
-    Args:
-        numerator, denominator: b and a, highest power first as in scipy.signal.
-
-    Returns:
-        The fraction, exactly as given.
-
-    Raises:
-        InputError: not a list of real finite numbers, an empty list, a zero denominator.
-
     >>> fraction = rational_function([0, 1, 1], [1.0, 3.0, 2.0])
     >>> fraction.left_out, [int(c) for c in fraction.common_factor], [int(c) for c in fraction.reduced.denominator]
     ((1, 0), [1, 1], [2, 1])
@@ -191,14 +182,6 @@ def laurent(
     numerator: Polynomial, denominator: Polynomial, count: int, rounded: Callable = lambda number: number
 ) -> list[Fraction]:
     """The first coefficients of numerator / denominator in descending powers, that of s^(m - n) first.
-
-    Args:
-        numerator, denominator: coefficients of any numbers, the lowest power first.
-        count: the number of coefficients.
-        rounded: applied to each of them as it is computed.
-
-    Returns:
-        The coefficients.
 
     >>> [int(c) for c in laurent(ONE, (Fraction(1), Fraction(1)), 4)]  # 1 / (s + 1) = s^-1 - s^-2 + s^-3 - ...
     [1, -1, 1, -1]

@@ -158,17 +158,7 @@ class NilpotentBlock:
 
 
 def digits(ring: PolynomialRing, entry: Polynomial, p: Polynomial, count: int) -> list[Element]:
-    """The coefficients of the first digits of a polynomial to the base p, the lowest digit first.
-
-    Args:
-        ring: K[s].
-        entry: the polynomial.
-        p: the base.
-        count: the number of digits.
-
-    Returns:
-        count deg p elements of K.
-    """
+    """The coefficients of the first digits of a polynomial to the base p, the lowest digit first."""
     row: list[Element] = []
     for _ in range(count):
         entry, digit = divmod(entry, p)
@@ -177,16 +167,7 @@ def digits(ring: PolynomialRing, entry: Polynomial, p: Polynomial, count: int) -
 
 
 def hypercompanion(ring: PolynomialRing, p: Polynomial, exponent: int) -> Matrix:
-    """Ones above the diagonal, and the coefficients of s^d - p(s) in every d-th row, d = deg p; p monic.
-
-    Returns:
-        Shape (k d, k d), k the exponent.
-
-    Args:
-        ring: K[s].
-        p: monic.
-        exponent: k.
-    """
+    """Ones above the diagonal, and the coefficients of s^d - p(s) in every d-th row, d = deg p; p monic."""
     d = p.degree()
     lower = ring.coefficients(p, d)
     rows = [[ring.one if j == i + 1 else ring.zero for j in range(exponent * d)] for i in range(exponent * d)]

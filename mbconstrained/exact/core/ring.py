@@ -58,33 +58,14 @@ class PowerSeries:
 
 
 def taylor(ring: PolynomialRing, e: Polynomial, q: Polynomial, length: int) -> PowerSeries:
-    """e(x + h) at a zero x of an irreducible polynomial q.
-
-    Args:
-        ring: K[s].
-        e: a polynomial.
-        q: irreducible.
-        length: the number of coefficients.
-
-    Returns:
-        The power series in h.
-    """
+    """e(x + h) at a zero x of an irreducible polynomial q."""
     c = ring.coefficients(e, e.degree() + 1) if e and length > 1 else []
     further = (ring.polynomial([c[n] * comb(n, j) for n in range(j, len(c))]) % q for j in range(1, length))
     return PowerSeries(ring, q, [e % q, *further])
 
 
 def slopes(ring: PolynomialRing, q: Polynomial, length: int) -> PowerSeries:
-    """q(x + h) / h at a zero x of an irreducible polynomial q: q'(x) + q''(x) h / 2 + ...
-
-    Args:
-        ring: K[s].
-        q: irreducible.
-        length: the number of coefficients.
-
-    Returns:
-        The power series in h.
-    """
+    """q(x + h) / h at a zero x of an irreducible polynomial q: q'(x) + q''(x) h / 2 + ..."""
     return PowerSeries(ring, q, taylor(ring, q, q, length + 1).coefficients[1:])
 
 
@@ -92,14 +73,6 @@ def series_at_infinity(ring: PolynomialRing, numerator: Polynomial, denominator:
     """h_highest, h_(highest - 1), ... of numerator / denominator = sum of h_i s^i near infinity, by long division.
 
     d_n h_i = b_(n+i) - sum over j < n of d_j h_(n+i-j), where h_i = 0 above ``highest``.
-
-    Args:
-        ring: K[s].
-        numerator, denominator: polynomials, the denominator not zero.
-        highest: the first index, at least the difference of the degrees.
-
-    Returns:
-        An endless iterator over h_i.
     """
     n = denominator.degree()
     *lower, leading = ring.coefficients(denominator, n + 1)

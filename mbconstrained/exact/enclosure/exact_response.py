@@ -392,34 +392,14 @@ def _checked_digits(digits) -> int:
 
 
 def exact_response(A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth) -> ExactResponse:
-    """x with A(d/dt) x = f from values at 0- of shape (q, r), the data being exact numbers.
-
-    Args:
-        A: degree q, size r.
-        initial: x^(i)(0-) as row i, shape (q, r).
-        force: r rows.
-
-    Returns:
-        The exact response.
-
-    Raises:
-        SingularPolynomialMatrix: det A(s) = 0 for every s, exactly.
-    """
+    """x with A(d/dt) x = f from values at 0- of shape (q, r), the data being exact numbers."""
     return ExactResponse(regular_matrix(A), initial, sources_of(force))
 
 
 def exact_fraction_response(
     numerator: Sequence[Fraction], denominator: Sequence[Fraction], gamma: int | ImpulsiveSmooth
 ) -> ExactResponse:
-    """y with a(d/dt) y = b(d/dt) u from rest, u = I_gamma or an input with one row; b and a with the lowest power first.
-
-    Args:
-        numerator, denominator: b and a, the lowest power first.
-        gamma: the index of I_gamma, or an input with one row.
-
-    Returns:
-        The exact response, one row.
-    """
+    """y with a(d/dt) y = b(d/dt) u from rest, u = I_gamma or an input with one row; b and a with the lowest power first."""
     b, unit = polynomial(numerator), (flint.fmpq(1),)
     if isinstance(gamma, ImpulsiveSmooth):
         acting = sources_of(gamma)

@@ -20,15 +20,7 @@ MOST_ENTRIES = 64
 
 
 def structure_notices(x: Response, exact: ExactResponse) -> tuple[Notice, ...]:
-    """A notice where the number of finite zeros of the exact data differs from that of the numeric answer.
-
-    Args:
-        x: the numeric response.
-        exact: the exact response to the same data.
-
-    Returns:
-        One notice where the numbers of finite zeros differ, none otherwise.
-    """
+    """A notice where the number of finite zeros of the exact data differs from that of the numeric answer."""
     numeric_count, exact_count = x.solution.finite_count, exact.matrix.determinant.degree()
     if numeric_count == exact_count:
         return ()
@@ -43,12 +35,6 @@ def deciding_entry(A: PolynomialMatrix) -> str:
     """The entry of A(s) of which the least relative change makes the highest coefficient of det A(s) vanish.
 
     det A(s) is of first degree in each entry, so that two determinants give that change exactly.
-
-    Args:
-        A: with floats as the exact numbers that they are.
-
-    Returns:
-        A sentence; empty for very many entries, or where det A(s) is zero.
 
     >>> deciding_entry(PolynomialMatrix([[[1.0, 0.0], [0.0, 1.0]], [[1.0, 1.0], [1.0, 1.0 + 2**-50]]]))
     'the entry of A_1 in the equation "equation 1" for x1, 1, decides: less by 8.9e-16 of itself it lowers the rank'

@@ -143,16 +143,7 @@ class PartialFractions:
 
     @classmethod
     def of(cls, factors, denominator: flint.fmpz_poly, numerators: Sequence[flint.fmpq_poly]) -> PartialFractions:
-        """At the working precision.
-
-        Args:
-            factors: irreducible polynomials without the root 0, and to what power each divides D.
-            denominator: D.
-            numerators: N.
-
-        Returns:
-            The partial fractions at all roots.
-        """
+        """At the working precision."""
         poles = []
         for factor, power in factors:
             taylor = [_balls(p) for p in _taylor(denominator, 2 * power)[power:]]
@@ -191,14 +182,7 @@ class Begun:
         self._modes: dict[tuple, Pole] = {}
 
     def add(self, begin: flint.fmpq, factor, polynomial: Sequence[list[flint.fmpq]], modes: PartialFractions) -> None:
-        """A call at a time, of columns c_k of t^k / k! and of modes.
-
-        Args:
-            begin: b.
-            factor: an exact number or a ball.
-            polynomial: columns.
-            modes: partial fractions.
-        """
+        """A call at a time, of columns c_k of t^k / k! and of modes."""
         amount, columns = flint.arb(factor), self._exact if isinstance(factor, flint.fmpq) else self._balls
         _add_moved(columns, polynomial, begin, factor, self.size)
         for pole in modes.poles:

@@ -154,31 +154,12 @@ def bits_of(digits: int) -> int:
 
 
 def has_digits(value: flint.arb, digits: int) -> bool:
-    """Whether the ball has the digits, or is so small that it has not to.
-
-    Args:
-        value: a ball.
-        digits: decimal, relative to the value.
-
-    Returns:
-        True or False.
-    """
+    """Whether the ball has the digits, or is so small that it has not to."""
     return value.rel_accuracy_bits() >= bits_of(digits) or bool(value.abs_upper() < flint.arb(10) ** -LARGEST_POWER)
 
 
 def decimal_bounds(value: flint.arb, digits: int) -> tuple[str, str]:
-    """Two decimal numbers with the ball between them, with a few digits more than requested.
-
-    Args:
-        value: a ball.
-        digits: the requested number of digits.
-
-    Returns:
-        The lower and the upper bound.
-
-    Raises:
-        Overflow: it may be larger than any number that is written out.
-    """
+    """Two decimal numbers with the ball between them, with a few digits more than requested."""
     with working_precision(bits_of(digits) + GUARD_BITS):
         return _bounds(value, digits)
 

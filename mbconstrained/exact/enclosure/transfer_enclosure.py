@@ -18,22 +18,7 @@ GUARDS = (64, 256, 1024, 4096)
 
 
 def enclosed_transfer(A: PolynomialMatrix, imaginary, inputs, outputs, power: int, frequency_hz: float, digits: int) -> Enclosure:
-    """s^p C (A(s) + i H)^-1 B at one frequency.
-
-    Args:
-        A: A(s), given by its elements or by floats.
-        imaginary: H, shape (r, r), or None.
-        inputs, outputs: B and C, shapes (r, m) and (p, r), real.
-        power: p.
-        frequency_hz: f, exact.
-        digits: of each real and imaginary part, relative to itself or, where it cancels, to the modulus.
-
-    Returns:
-        Real parts, then imaginary parts, of the entries output by output, shape (2, outputs x inputs).
-
-    Raises:
-        InputError: A(s) is singular there, as far as 4096 bits tell.
-    """
+    """s^p C (A(s) + i H)^-1 B at one frequency."""
     digits = whole_number(digits, "digits", minimum=1)
     exact = [matrix.tolist() for matrix in A.exact_coefficients]
     for guard in GUARDS:

@@ -36,19 +36,7 @@ ZERO = flint.fmpq_poly([0])
 
 
 def enclosed_variances(harmonic: Harmonic, spectra: SpectralMatrix, digits: int) -> Enclosure:
-    """E[y^2] of each output.
-
-    Args:
-        harmonic: H, without structural damping.
-        spectra: of its inputs.
-        digits: of each variance, relative to itself.
-
-    Returns:
-        Shape (outputs,).
-
-    Raises:
-        InputError: an infinite variance, structural damping, partly coherent or delayed noise without a highest frequency.
-    """
+    """E[y^2] of each output."""
     digits, exact = whole_number(digits, "digits", minimum=1), ExactVariance(harmonic, spectra)
     balls = [exact.enclosed(output, digits) for output in range(len(harmonic.outputs))]
     for name, ball in zip(harmonic.output_names, balls):
@@ -94,12 +82,7 @@ class ExactVariance:
         return columns
 
     def enclosed(self, output: int, digits: int) -> flint.arb | None:
-        """A ball with the digits; None where the variance is infinite.
-
-        Args:
-            output: its number.
-            digits: relative to the variance.
-        """
+        """A ball with the digits; None where the variance is infinite."""
         numerators = self.numerators(output)
         for guard in GUARDS:
             with working_precision(bits_of(digits) + guard):
@@ -194,16 +177,6 @@ def covariances_over_time(
 
     All transfer functions have one denominator D: h = c e^{A t} e_N with one companion matrix A, so that all covariances are those of one chain of
     integrators, c W c^T, W the integral of e^{A t} e_N e_N^T e^{A^T t}. It is computed as in ``frequency.random.nonstationary``, in balls.
-
-    Args:
-        harmonic: H, without structural damping.
-        spectra: of its inputs, white or filtered, without delays.
-        times: in s, shape (T,).
-        initial: the covariance of displacements and velocities at 0-, or None.
-        terms: pairs (c, b) of the modulation, sum of c e^{-b t}.
-
-    Returns:
-        Values and proved bounds of their errors, both of shape (T, p, p); None where an output is reached by an input directly.
     """
     exact, filters = ExactVariance(harmonic, spectra), [_filter(spectrum.pieces) for spectrum in spectra.spectra]
     common = flint.fmpq_poly([1])

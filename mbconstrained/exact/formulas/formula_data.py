@@ -19,13 +19,6 @@ from .printing_layout import Derivative, laid_out
 def records(form: ClosedForm, digits: int | None = None) -> dict:
     """Texts, lists and numbers only.
 
-    Args:
-        form: the formula.
-        digits: None for exact numbers and symbols; else decimals have so many digits.
-
-    Returns:
-        A dictionary that JSON can hold.
-
     >>> import sympy
     >>> t = sympy.Symbol("t")
     >>> records(ClosedForm(("x1",), (2 * t,), t))["formulas"]["x1"]["text"]
@@ -65,15 +58,6 @@ def without_implied(
     """The admissible and continuous conditions without the values that follow from others.
 
     Where they cannot be met, since the input jumps, there are none: the jump itself is reported.
-
-    Args:
-        form: with the conditions.
-        x: whose conditions they are.
-        implied: by coordinate the factors of others that make up its values at 0-: {} where they are zero, as the input of a
-            transfer function, {"x1": C_11, ...} for an output y = C x.
-
-    Returns:
-        The conditions by kind, empty where nothing is implied.
     """
     if not implied:
         return {}

@@ -85,14 +85,6 @@ class TextPrinter(Notation, StrPrinter):
 def formula_text(x, names: Sequence[str] | None = None, digits: int | None = None) -> str:
     """x(t) as text: a line for each coordinate, or for each term of a long one, then what else belongs to it.
 
-    Args:
-        x: a ``SymbolicResponse`` or a ``ClosedForm``.
-        names: of the coordinates, where they are not to be called as in x.
-        digits: None for exact numbers and symbols; else the default values are put in and decimals have so many digits.
-
-    Returns:
-        The text, its lines separated by line breaks.
-
     >>> t, k = sympy.symbols("t k", positive=True)
     >>> print(formula_text(ClosedForm(("x1",), (2 * sympy.cos(sympy.sqrt(k) * t) / 3,), t)))
     x1(t) = 2/3 cos(sqrt(k) t)

@@ -45,13 +45,6 @@ _LATEX_SPECIAL = {
 def identifiers(names: Iterable[str], reserved: Iterable[str] = ()) -> dict[str, str]:
     """An identifier of both Python and C for each name, each different from the others and from the reserved ones.
 
-    Args:
-        names: any texts.
-        reserved: identifiers that are in use.
-
-    Returns:
-        The identifier of each name, in the order of the names.
-
     >>> identifiers(["k", "lambda", "left joint", "I", "θ1", "k_", "left.joint"])
     {'k': 'k', 'lambda': 'lambda_', 'left joint': 'left_joint', 'I': 'I_', 'θ1': 'theta1', 'k_': 'k_', 'left.joint': 'left_joint_2'}
     """

@@ -58,14 +58,6 @@ class FormulaPrinter(Notation, LatexPrinter):
 def latex(x, names: Sequence[str] | None = None, digits: int | None = None) -> str:
     r"""x(t) as an align* environment, for which a document needs the package amsmath.
 
-    Args:
-        x: a ``SymbolicResponse`` or a ``ClosedForm``.
-        names: of the coordinates, where they are not to be called as in x.
-        digits: None for exact numbers and symbols; else the default values are put in and decimals have so many digits.
-
-    Returns:
-        The environment, a line for each coordinate, abbreviation, jump, impulse, condition and assumption.
-
     >>> import sympy
     >>> t, k = sympy.symbols("t k", positive=True)
     >>> print(latex(ClosedForm(("x1",), (2 * sympy.cos(sympy.sqrt(k) * t) / 3,), t)))
@@ -137,11 +129,7 @@ class MarkupPrinter(Notation, MathMLPresentationPrinter):
         return f'<mo form="infix">{"&#x2212;" if sign == "-" else "+"}</mo>'
 
     def parenthesize(self, item, level, strict=False):
-        """As of sympy's printer; roots need none, also those that sympy has as a product.
-
-        Args:
-            item, level, strict: as of sympy's printer.
-        """
+        """As of sympy's printer; roots need none, also those that sympy has as a product."""
         joined = joined_roots(item)
         if joined.is_Pow and joined.exp == sympy.S.Half:
             return self._print(joined)
@@ -174,14 +162,6 @@ class MarkupPrinter(Notation, MathMLPresentationPrinter):
 
 def mathml(x, names: Sequence[str] | None = None, digits: int | None = None) -> tuple[str, ...]:
     """x(t) as elements <math>: one for each coordinate, then one for each abbreviation, jump, impulse, condition and assumption.
-
-    Args:
-        x: a ``SymbolicResponse`` or a ``ClosedForm``.
-        names: of the coordinates, where they are not to be called as in x.
-        digits: None for exact numbers and symbols; else the default values are put in and decimals have so many digits.
-
-    Returns:
-        The elements as texts.
 
     >>> t = sympy.Symbol("t")
     >>> mathml(ClosedForm(("x1",), (t,), t))[0].startswith('<math display="block"><mtable displaystyle="true"><mtr>')

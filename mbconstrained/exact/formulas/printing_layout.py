@@ -80,15 +80,7 @@ class Layout:
 
 
 def laid_out(form: ClosedForm, digits: int | None = None) -> Layout:
-    """The terms of a formula: exact, long rates named; or with default values and decimals of so many digits.
-
-    Args:
-        form: the formula.
-        digits: of decimals; None for exact numbers.
-
-    Returns:
-        The terms of all coordinates and the abbreviations in them.
-    """
+    """The terms of a formula: exact, long rates named; or with default values and decimals of so many digits."""
     rows = [in_order(terms_of(value.xreplace({form.time: LAST}), LAST), form) for value in form.values]
     if digits is not None:
         return Layout(form, [in_numbers(row, form, digits) for row in rows], [], digits)

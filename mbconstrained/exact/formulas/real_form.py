@@ -28,10 +28,6 @@ _INFINITE = (sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 def real_form(form: ClosedForm) -> ClosedForm:
     """The same formula, free of roots of numbers that are negative with the default values, and what must stay positive.
 
-    Raises:
-        InputError: with the default values an assumption fails, so that the formula does not hold for them, or it is not
-            finite there, or a root is complex.
-
     >>> t, k, c = sympy.symbols("t k c", positive=True)
     >>> form = ClosedForm.of(ClosedForm(("x",), (sympy.cos(sympy.sqrt(k - c) * t),), t), parameters={k: 1, c: 2})
     >>> real_form(form).values, real_form(form).positive

@@ -139,13 +139,6 @@ def c_source(x, names: Sequence[str] | None = None) -> str:
     Dirac impulses are listed in the comment; they are not in the values. Default values of parameters stand in a second
     function, x_default(t, values).
 
-    Args:
-        x: a ``SymbolicResponse`` or a ``ClosedForm``.
-        names: of the coordinates, where they are not to be called as in x.
-
-    Returns:
-        The source with its comment and header.
-
     >>> t, k = sympy.symbols("t k", positive=True)
     >>> print(c_source(ClosedForm(("x1",), (k * t,), t)))
     /*
@@ -225,13 +218,6 @@ def python_source(x, names: Sequence[str] | None = None) -> str:
     """x(t) as the source of a module with one function x(t, m=10.0, ...) -> array (r, T), (r,) for a number t.
 
     Dirac impulses are listed in the docstring; they are not in the values.
-
-    Args:
-        x: a ``SymbolicResponse`` or a ``ClosedForm``. Parameters without a default value come first and without one.
-        names: of the coordinates, where they are not to be called as in x.
-
-    Returns:
-        The source of the module.
 
     >>> import sympy
     >>> t, k = sympy.symbols("t k", positive=True)

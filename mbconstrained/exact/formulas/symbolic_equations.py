@@ -49,17 +49,6 @@ class ExactForm:
 def exact_form(matrices: Sequence[np.ndarray], rows: Sequence[Row], names: Sequence[str]) -> ExactForm:
     """The constrained form of M x'' + C x' + K x = f.
 
-    Args:
-        matrices: K, C, M, arrays (n, n) of expressions.
-        rows: any number, dependent ones too.
-        names: of the n coordinates.
-
-    Returns:
-        The polynomial matrix, the basis V of its null space, and the rows that are independent.
-
-    Raises:
-        ContradictoryConstraints: dependent rows that ask for different values.
-
     >>> k, m = sympy.symbols("k m", positive=True)
     >>> K, C, M = np.diag([k, 0]), np.zeros((2, 2), dtype=int), np.diag([m, m])
     >>> form = exact_form([K, C, M], [Row("link", np.array([1, -1]), 0, sympy.S.Zero)], ["a", "b"])
@@ -105,17 +94,7 @@ def _null_space(A: np.ndarray, size: int) -> np.ndarray:
 
 
 def followed(given: np.ndarray, known: np.ndarray, rows: Sequence[Row], order: int) -> np.ndarray:
-    """Values of one order at 0-, those that are not known chosen so that the rows hold.
-
-    Args:
-        given: values (n,), zero where not known.
-        known: which of them were given, (n,).
-        rows: of the constrained form.
-        order: of the derivative that these are values of.
-
-    Returns:
-        All values, shape (n,).
-    """
+    """Values of one order at 0-, those that are not known chosen so that the rows hold."""
     chosen = [row for row in rows if row.order <= order]
     rest = [sympy.expand((row.value if row.order == order else 0) - row.coefficients @ given) for row in chosen]
     if not any(rest):
@@ -225,14 +204,6 @@ MOST_SAMPLES = 30
 def begun(expression: sympy.Expr, t: sympy.Symbol, delay: sympy.Expr) -> sympy.Expr:
     """f(t - delay), zero before.
 
-    Args:
-        expression: f(t).
-        t: the time.
-        delay: at least 0.
-
-    Returns:
-        The expression in t.
-
     >>> t = sympy.Symbol("t")
     >>> begun(t, t, sympy.Integer(2))
     (t - 2)*Heaviside(t - 2)
@@ -244,62 +215,26 @@ def begun(expression: sympy.Expr, t: sympy.Symbol, delay: sympy.Expr) -> sympy.E
 
 
 def term(value, t: sympy.Symbol, power: int = 0, rate=0, frequency=0, phase=0) -> sympy.Expr:
-    """value t^power e^(rate t) cos(frequency t + phase).
-
-    Args:
-        value, power, rate, frequency, phase: numbers or expressions without t.
-        t: the time.
-
-    Returns:
-        The expression in t.
-    """
+    """value t^power e^(rate t) cos(frequency t + phase)."""
     cosine = sympy.cos(frequency * t + phase) if frequency != 0 else sympy.cos(phase)
     return value * t**power * sympy.exp(rate * t) * cosine
 
 
 def power_input(value, t: sympy.Symbol, gamma: int) -> sympy.Expr:
-    """value I_gamma: t^(gamma-1)/(gamma-1)!, for gamma <= 0 a derivative of Dirac's delta.
-
-    Args:
-        value: a number or an expression without t.
-        t: the time.
-        gamma: any whole number.
-
-    Returns:
-        The expression in t.
-    """
+    """value I_gamma: t^(gamma-1)/(gamma-1)!, for gamma <= 0 a derivative of Dirac's delta."""
     if gamma <= 0:
         return value * delta(t, -gamma)
     return value * t ** (gamma - 1) / sympy.factorial(gamma - 1)
 
 
 def pulse(value, t: sympy.Symbol, start, duration) -> sympy.Expr:
-    """A constant for some time, zero before and after.
-
-    Args:
-        value, start, duration: numbers or expressions without t.
-        t: the time.
-
-    Returns:
-        The expression in t.
-    """
+    """A constant for some time, zero before and after."""
     end = start + duration
     return value * ((sympy.Heaviside(t - start) if start != 0 else sympy.S.One) - sympy.Heaviside(t - end))
 
 
 def sampled(times: Sequence, values: Sequence, t: sympy.Symbol) -> sympy.Expr:
-    """Linear between samples, zero outside.
-
-    Args:
-        times, values: of the samples, as many of the one as of the other.
-        t: the time.
-
-    Returns:
-        The expression in t.
-
-    Raises:
-        InputError: too many samples for a formula.
-    """
+    """Linear between samples, zero outside."""
     if len(times) > MOST_SAMPLES:
         raise InputError(f"a record of {len(times)} samples makes no formula that can be read; expected at most {MOST_SAMPLES}")
     total = sympy.S.Zero

@@ -43,13 +43,6 @@ class Shorthand:
 def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[Term]:
     """The terms of a sum of products, those with the same function of time together, in order of appearance.
 
-    Args:
-        expression: in the time t.
-        t: the symbol of the time.
-
-    Returns:
-        The terms, each a coefficient times a function of time.
-
     >>> t, k = sympy.symbols("t k")
     >>> [(each.coefficient, each.function) for each in terms_of((k + 1) * (t + sympy.cos(k * t)) + 2 * t, t)]
     [(k + 3, t), (k + 1, cos(k*t))]
@@ -64,15 +57,7 @@ def _parts(term: Term) -> tuple[sympy.Expr, ...]:
 
 
 def in_order(terms: list[Term], form: ClosedForm) -> list[Term]:
-    """Powers of t first, then by ascending frequency and rate with the default values, cosines before sines.
-
-    Args:
-        terms: in any order.
-        form: with the default values.
-
-    Returns:
-        The terms in order.
-    """
+    """Powers of t first, then by ascending frequency and rate with the default values, cosines before sines."""
     return sorted(terms, key=lambda term: _rank(term.function, form))
 
 
@@ -117,16 +102,7 @@ def _sum(pairs: Iterable[tuple[sympy.Expr, sympy.Expr]]) -> dict:
 
 
 def in_numbers(terms: list[Term], form: ClosedForm, digits: int) -> list[Term]:
-    """The terms with default values put in and all numbers as decimals, without those that cancel.
-
-    Args:
-        terms: exact.
-        form: with the default values.
-        digits: of the decimals.
-
-    Returns:
-        Terms with decimals.
-    """
+    """The terms with default values put in and all numbers as decimals, without those that cancel."""
     decimals = []
     for term in terms:
         constant, function = _split_exponentials(form.at_defaults(term.function), LAST)
@@ -149,13 +125,6 @@ def _split_exponentials(function: sympy.Expr, t: sympy.Symbol) -> tuple[sympy.Ex
 
 def decimal(expression: sympy.Expr, digits: int) -> sympy.Expr:
     """A number as a decimal of so many digits, a whole one as it is.
-
-    Args:
-        expression: without symbols.
-        digits: of the result.
-
-    Returns:
-        A decimal, or exactly 0.
 
     >>> decimal(sympy.sqrt(2), 5), decimal(sympy.Rational(1, 4), 5), decimal(sympy.sqrt(2) - sympy.sqrt(2), 5)
     (1.4142, 0.25000, 0)
@@ -201,15 +170,7 @@ def _linear(argument: sympy.Expr, t: sympy.Symbol) -> tuple[sympy.Expr, sympy.Ex
 
 
 def with_shorthands(rows: list[list[Term]], form: ClosedForm) -> tuple[list[list[Term]], list[Shorthand]]:
-    """The terms with names for what is long: w1, … in cosines and sines, a1, … in exponentials, d1, … under roots.
-
-    Args:
-        rows: terms by coordinate.
-        form: where they are from.
-
-    Returns:
-        The rows with the names in them, and the names with their values.
-    """
+    """The terms with names for what is long: w1, … in cosines and sines, a1, … in exponentials, d1, … under roots."""
     reserved = {p.name for p in form.parameters} | {p.symbol.name for p in form.parameters} | set(form.names)
     used = [sympy.Symbol(name, positive=True) for name in reserved]
     names = {letter: sympy.numbered_symbols(letter, start=1, exclude=used, positive=True) for letter in "wad"}

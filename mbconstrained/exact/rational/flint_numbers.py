@@ -84,15 +84,7 @@ def whole_numbers() -> Iterator[int]:
 
 
 def interpolated(points: Sequence[int], values: flint.fmpz_mat) -> list[flint.fmpq_poly]:
-    """The polynomials that take the values in the rows at the points (Lagrange).
-
-    Args:
-        points: different whole numbers.
-        values: shape (polynomials, points).
-
-    Returns:
-        One polynomial for each row.
-    """
+    """The polynomials that take the values in the rows at the points (Lagrange)."""
     vanishing = flint.fmpz_poly([1])
     for point in points:
         vanishing *= flint.fmpz_poly([-point, 1])
@@ -128,14 +120,7 @@ def rounded_roots(p: flint.fmpz_poly) -> tuple[complex, ...]:
 
 
 def enclosed_roots(p: flint.fmpz_poly, precision: int) -> list[flint.acb]:
-    """Balls around all roots of an irreducible p; real and imaginary parts that are zero are exactly so.
-
-    Args:
-        precision: in bits.
-
-    Returns:
-        One ball for each root.
-    """
+    """Balls around all roots of an irreducible p; real and imaginary parts that are zero are exactly so."""
     even = p.degree() > 1 and not any(p[k] for k in range(1, p.degree() + 1, 2))
     with working_precision(precision):
         if not even:

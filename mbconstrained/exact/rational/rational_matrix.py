@@ -84,11 +84,7 @@ class RationalMatrix:
         return [[p * (factor / total) for p, factor in zip(row, self.factors)] for row in rows]
 
     def numerators(self, b: Sequence[flint.fmpq_poly]) -> list[flint.fmpq_poly]:
-        """N(s) with A(s) N(s) = det A(s) b(s), shape (r,), for a regular A(s).
-
-        Args:
-            b: r polynomials.
-        """
+        """N(s) with A(s) N(s) = det A(s) b(s), shape (r,), for a regular A(s)."""
         right = [p * factor for p, factor in zip(b, self.factors)]
         highest = max((sum(self.row_degrees) - own + p.degree() for own, p in zip(self.row_degrees, right) if p), default=-1)
         if highest < 0:
@@ -124,14 +120,7 @@ class RationalMatrix:
         return [max(0, *(p.degree() for p in row)) for row in self.entries]
 
     def minor(self, rows: Sequence[int], columns: Sequence[int]) -> Minor:
-        """A square part of W(s); each is one object.
-
-        Args:
-            rows, columns: indices, as many of the one as of the other.
-
-        Returns:
-            The part.
-        """
+        """A square part of W(s); each is one object."""
         key = tuple(sorted(rows)), tuple(sorted(columns))
         if key not in self._minors:
             self._minors[key] = Minor(self, *key)
@@ -193,15 +182,7 @@ class Minor:
         return [self._left[column] for column in columns]
 
     def solve(self, columns: Sequence[Sequence[flint.fmpq_poly]], degree: int) -> list[list[flint.fmpq_poly]]:
-        """adj P(s) b(s) for columns b of polynomials with whole coefficients, entries of the solution up to this degree.
-
-        Args:
-            columns: each a list of as many polynomials as P has rows.
-            degree: a bound of the degrees of the solution.
-
-        Returns:
-            One list of polynomials for each column.
-        """
+        """adj P(s) b(s) for columns b of polynomials with whole coefficients, entries of the solution up to this degree."""
 
         def system(point, _, P):
             return P, flint.fmpz_mat([[b[i](flint.fmpq(point)).p for b in columns] for i in range(len(self.rows))])
@@ -250,29 +231,14 @@ def _part(matrix: flint.fmpz_mat, rows, columns) -> flint.fmpz_mat:
 
 
 def regular_matrix(A: PolynomialMatrix) -> RationalMatrix:
-    """The entries of A(s) as the exact numbers that they are.
-
-    Raises:
-        SingularPolynomialMatrix: det A(s) = 0 for every s, exactly; names the dependent equations and free coordinates.
-    """
+    """The entries of A(s) as the exact numbers that they are."""
     if A not in _KNOWN:
         _KNOWN[A] = RationalMatrix.of(A)
     return regular(_KNOWN[A], A.equations, A.coordinates)
 
 
 def regular(matrix: RationalMatrix, equations: Sequence[str], coordinates: Sequence[str]) -> RationalMatrix:
-    """The matrix itself, whose rows and columns have these names.
-
-    Args:
-        matrix: A(s).
-        equations, coordinates: names of its rows and columns.
-
-    Returns:
-        The matrix.
-
-    Raises:
-        SingularPolynomialMatrix: as ``regular_matrix``.
-    """
+    """The matrix itself, whose rows and columns have these names."""
     if not matrix.determinant:
         rows, columns = _involved(matrix)
         text = singular_sentence([equations[i] for i in rows], [coordinates[j] for j in columns])

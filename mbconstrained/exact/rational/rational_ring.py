@@ -31,9 +31,6 @@ class RationalChain(Chain):
     def at(self, digits: int = 15) -> tuple[tuple[flint.acb, np.ndarray], ...]:
         """Pairs of a zero and its v_0 ... v_(k-1), shape (k, r), for all zeros of p: balls that contain the true values.
 
-        Args:
-            digits: the radii are below 10^-digits of the zero, and of the largest entry of each vector.
-
         ``complex`` turns a ball into a number.
         """
         target, precision = flint.arb(10) ** -whole_number(digits, "digits", minimum=1), int(BITS_PER_DIGIT * digits) + 32
@@ -68,26 +65,11 @@ class RationalRing:
         return flint.fmpq_poly(list(coefficients))
 
     def coefficients(self, p: flint.fmpq_poly, count: int) -> list[flint.fmpq]:
-        """The first coefficients, the lowest power first.
-
-        Args:
-            p: a polynomial.
-            count: how many.
-
-        Returns:
-            Rational numbers, zero above the degree.
-        """
+        """The first coefficients, the lowest power first."""
         return [p[k] for k in range(count)]
 
     def inverse(self, unit: flint.fmpq_poly, modulus: flint.fmpq_poly) -> flint.fmpq_poly:
-        """1 / unit modulo a polynomial.
-
-        Args:
-            unit, modulus: without a common divisor.
-
-        Returns:
-            The inverse, of lower degree than the modulus.
-        """
+        """1 / unit modulo a polynomial."""
         _, inverse, _ = (unit % modulus).xgcd(modulus)
         return inverse
 

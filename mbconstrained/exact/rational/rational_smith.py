@@ -33,15 +33,8 @@ SHORT = 8
 def root_polynomials(W: RationalMatrix, p: flint.fmpq_poly, multiplicity: int) -> list[RootPolynomials]:
     """The root polynomials at the zeros of p, ascending lengths.
 
-    Args:
-        p: irreducible and monic.
-        multiplicity: of p in det W(s).
-
     The lengths are certain: root polynomials that are independent modulo p have exactly these orders, and the
     orders add up to the multiplicity.
-
-    Returns:
-        One for each elementary divisor p^k.
     """
     if multiplicity == 0:
         return []
@@ -194,15 +187,7 @@ def rooted_primes(p: flint.fmpz_poly) -> Iterator[tuple[int, int]]:
 
 
 def pivots(whole, root: int, prime: int, multiplicity: int) -> list[Pivots] | None:
-    """The pivots by ascending exponents, least row and column indices first; None where these do not add up to the multiplicity.
-
-    Args:
-        whole: coefficients of A(s), matrices of whole numbers.
-        root: modulo the prime, of the polynomial with this multiplicity in det A(s).
-
-    Returns:
-        The pivots of each exponent.
-    """
+    """The pivots by ascending exponents, least row and column indices first; None where these do not add up to the multiplicity."""
     series, missing = _taylor(whole, root, prime), multiplicity  # missing: the sum of the exponents above the present one
     rows, columns = list(range(whole[0].nrows())), list(range(whole[0].nrows()))
     stages, exponent = [], 0

@@ -172,13 +172,6 @@ def _shift(size: int, by: int) -> sympy.Matrix:
 def must_not_vanish(field: Domain, values: Iterable) -> tuple[sympy.Expr, ...]:
     """The irreducible factors of all numerators and denominators that positive symbols can make zero, the short ones first.
 
-    Args:
-        field: of the values.
-        values: elements of the field.
-
-    Returns:
-        Expressions in the symbols.
-
     >>> a, b = sympy.symbols("a b")
     >>> K = sympy.ZZ.frac_field(a, b)
     >>> must_not_vanish(K, [K.from_sympy(a**2 * (a - b) / (a + b)), K.from_sympy(2 * b - 2 * a)])

@@ -77,13 +77,6 @@ def inverse_modulo(unit: sympy.Poly, modulus: sympy.Poly) -> sympy.Poly:
 
     By elimination without fractions: those of Euclid's algorithm grow. Modulo s^k it is a power series.
 
-    Args:
-        unit: without a common divisor with the modulus.
-        modulus: of positive degree.
-
-    Returns:
-        The inverse, of lower degree than the modulus.
-
     >>> s = sympy.Symbol("s")
     >>> inverse_modulo(sympy.Poly(s**2 - 1, s, domain="QQ"), sympy.Poly(s**3, s, domain="QQ"))
     Poly(-s**2 - 1, s, domain='QQ')

@@ -34,18 +34,7 @@ class LocalSmithForm:
 
 
 def local_smith_form(A: SymbolicPolynomialMatrix, zero) -> LocalSmithForm:
-    """See ``SymbolicPolynomialMatrix.local_smith_form``.
-
-    Args:
-        A: A(s).
-        zero: a number or an expression.
-
-    Returns:
-        The form, with the root polynomials of its exponents above 0.
-
-    Raises:
-        InputError: the zero is neither in the field of the entries nor one of ``structure().finite_zeros``.
-    """
+    """See ``SymbolicPolynomialMatrix.local_smith_form``."""
     zero, p = _zero_of(A, zero)
     det, multiplicity = A.determinant, 0
     while det.rem(p).is_zero:
@@ -69,15 +58,7 @@ def _zero_of(A: SymbolicPolynomialMatrix, zero) -> tuple[sympy.Expr, sympy.Poly]
 
 
 def root_polynomials(A: SymbolicPolynomialMatrix, p: sympy.Poly, multiplicity: int) -> list[RootPolynomials]:
-    """The root polynomials at the zeros of p, ascending lengths.
-
-    Args:
-        p: an irreducible factor of det A(s) over the field, monic.
-        multiplicity: of p in det A(s).
-
-    Returns:
-        One for each elementary divisor p^k.
-    """
+    """The root polynomials at the zeros of p, ascending lengths."""
     return _terms(A, A.adjugate, A.determinant, p, multiplicity)
 
 
@@ -117,17 +98,7 @@ def _reversed(A: SymbolicPolynomialMatrix, p: sympy.Poly, degree: int) -> sympy.
 
 
 def decompose(ring: SymbolicRing, rows: list[list[sympy.Poly]], p: sympy.Poly, k: int) -> list[RootPolynomials]:
-    """The terms of P modulo p^k, the longest first; one entry of each right column is 1.
-
-    Args:
-        ring: K[s].
-        rows: P, reduced modulo p^k here.
-        p: irreducible and monic.
-        k: the exponent of the modulus.
-
-    Returns:
-        The terms of P / p^k.
-    """
+    """The terms of P modulo p^k, the longest first; one entry of each right column is 1."""
     terms: list[RootPolynomials] = []
     rows = [[entry.rem(p**k) for entry in row] for row in rows] if k > 0 else []
     while place := _pivot(rows, p):

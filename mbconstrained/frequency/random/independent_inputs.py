@@ -24,15 +24,7 @@ from .spectrum_pieces import PowerLaw, Rational
 
 
 def independent_inputs(harmonic: Harmonic, spectra: SpectralMatrix) -> tuple[Harmonic, SpectralMatrix]:
-    """The same outputs from inputs that are as independent and as white as they can be.
-
-    Args:
-        harmonic: H.
-        spectra: of its inputs.
-
-    Returns:
-        H of other inputs, and their spectra; the given ones where coherent inputs have spectra of different shapes.
-    """
+    """The same outputs from inputs that are as independent and as white as they can be."""
     m = len(spectra.names)
     ratios = np.array([[one.ratio(other) for other in spectra.spectra] for one in spectra.spectra]).reshape(m, m)
     coupled = spectra.coherence != 0

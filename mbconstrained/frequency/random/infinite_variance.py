@@ -34,17 +34,7 @@ class Existence:
 
 
 def existence(transfer: Transfer, spectra: SpectralMatrix, powers: tuple[int, ...], units: tuple[str, ...]) -> Existence:
-    """Which spectral integrals exist.
-
-    Args:
-        transfer: H.
-        spectra: S of the inputs.
-        powers: k.
-        units: of the outputs, for the intensity of the white part.
-
-    Returns:
-        Reasons and intensities.
-    """
+    """Which spectral integrals exist."""
     p = len(transfer.harmonic.outputs)
     reasons = np.full((len(powers), p), "", dtype=object)
     has_structural_damping = transfer.harmonic.imaginary is not None  # then H holds for f > 0 and has no stable poles below

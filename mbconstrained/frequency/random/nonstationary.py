@@ -47,15 +47,7 @@ class MarkovModel:
     """y = C z, z' = J z + B w with white noise w of intensity 1: the finite poles of H and of the filters of its inputs."""
 
     def __init__(self, transfer: Transfer, spectra: SpectralMatrix):
-        """For independent or partly coherent inputs that are white or filtered.
-
-        Args:
-            transfer: H.
-            spectra: of its inputs.
-
-        Raises:
-            InputError: spectra with corner frequencies, delays.
-        """
+        """For independent or partly coherent inputs that are white or filtered."""
         if spectra.longest_delay or spectra.cross:
             raise InputError("white or filtered noise without delays and cross spectra is expected here")
         form, m = transfer.harmonic.form, len(spectra.names)
@@ -117,15 +109,7 @@ class MarkovModel:
         return other
 
     def step(self, time: float, rate: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-        """e^{J t}, and L with L L^T = integral of e^{J (t - s)} Q e^{J^T (t - s)} e^{-rate s} ds from 0 to t, Q = B (G/2) B^T.
-
-        Args:
-            time: t in s.
-            rate: of the modulation in 1/s.
-
-        Returns:
-            Two matrices.
-        """
+        """e^{J t}, and L with L L^T = integral of e^{J (t - s)} Q e^{J^T (t - s)} e^{-rate s} ds from 0 to t, Q = B (G/2) B^T."""
         size = (np.linalg.norm(self.J, 1) + abs(rate)) * time
         doublings = max(0, int(np.ceil(np.log2(size))) + 1) if size > 0.5 else 0
         h = time / 2**doublings
@@ -176,16 +160,7 @@ def _filter(spectrum, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, fl
 def covariance_over_time(
     transfer: Transfer, spectra: SpectralMatrix, times, initial_covariance=None, modulation=None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """E[y y^T] after the noise is switched on; arguments as of ``RandomResponse.covariance_over_time``.
-
-    Args:
-        transfer: H.
-        spectra: of its inputs.
-        times, initial_covariance, modulation: as there.
-
-    Returns:
-        Values and estimates of their errors relative to sqrt(E[y_a^2] E[y_b^2]), both of shape (T, p, p).
-    """
+    """E[y y^T] after the noise is switched on; arguments as of ``RandomResponse.covariance_over_time``."""
     times = np.atleast_1d(evaluation_times(times))
     model = MarkovModel(transfer, spectra)
     terms = real_array([(1.0, 0.0)] if modulation is None else modulation, "modulation", shape=(None, 2))
@@ -230,15 +205,6 @@ def sample(transfer: Transfer, spectra: SpectralMatrix, times, seed=None) -> np.
     """A stationary Gaussian path, y(t) = Re sum over nodes of sqrt(weight) H L xi e^{2 pi i f t}, G = L L^H, xi complex normal.
 
     Panels are so short that Gauss's rule integrates G(f) e^{2 pi i f t} to rounding error up to the longest difference of two times.
-
-    Args:
-        transfer: H.
-        spectra: of its inputs.
-        times: shape (T,).
-        seed: of the random numbers.
-
-    Returns:
-        Shape (p, T).
     """
     times = np.atleast_1d(real_array(times, "times"))
     try:

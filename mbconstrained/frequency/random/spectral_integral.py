@@ -105,21 +105,7 @@ def spectral_integral(
     outputs: np.ndarray | None = None,
     edges: np.ndarray | None = None,
 ) -> SpectralIntegral:
-    """The integrals of f^k H S H^H df.
-
-    Args:
-        transfer: H, of p outputs and m inputs; the integrals exist.
-        spectra: S of the inputs.
-        powers: k.
-        outputs: the numbers of those outputs that are integrated; all by default.
-        edges: in Hz, ascending; additional corners, for ``parts``.
-
-    Returns:
-        The integrals with estimates of their errors.
-
-    Raises:
-        Overflow: values beyond float64.
-    """
+    """The integrals of f^k H S H^H df."""
     parts = [(transfer, spectra)]
     if any(pole.on_axis for pole in transfer.poles):  # of inputs that do not reach it, it is none
         parts = [(transfer.of_inputs(group), spectra.of_inputs(group)) for group in spectra.groups]

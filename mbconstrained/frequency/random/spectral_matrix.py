@@ -153,20 +153,7 @@ class SpectralMatrix:
 
 
 def spectral_matrix(excitation: Mapping, coherence=None, delays: Mapping | None = None) -> SpectralMatrix:
-    """The matrix of a table of spectra.
-
-    Args:
-        excitation: a ``Spectrum`` for each name of an input, cross spectra for pairs of names (complex tables).
-        coherence: ordinary coherence gamma^2 of all inputs, or by pairs of names; inputs are independent by default, fully coherent where they have
-            delays.
-        delays: in s, by name: u(t - delay).
-
-    Returns:
-        The matrix.
-
-    Raises:
-        InputError: unknown names, coherences beyond [0, 1], spectra that are not those of one process.
-    """
+    """The matrix of a table of spectra."""
     if not isinstance(excitation, Mapping) or not excitation:
         raise InputError('excitation: expected a table of spectra by the names of inputs, such as {"base": mb.psd(...)}')
     for name, spectrum in excitation.items():

@@ -32,14 +32,7 @@ class PowerLaw:
         return self.level * (f / self.lower) ** self.exponent if self.exponent else np.full(np.shape(f), self.level, dtype=complex)
 
     def within(self, low: float, high: float) -> PowerLaw:
-        """The same function between two frequencies.
-
-        Args:
-            low, high: in Hz.
-
-        Returns:
-            A piece.
-        """
+        """The same function between two frequencies."""
         return PowerLaw(low, high, self(np.array(low)).item() if self.exponent and low > self.lower else self.level, self.exponent)
 
     def ratio(self, other) -> complex:
@@ -75,14 +68,7 @@ class Line:
         return self.level * (1 - part) + self.end * part
 
     def within(self, low: float, high: float) -> Line:
-        """The same function between two frequencies.
-
-        Args:
-            low, high: in Hz.
-
-        Returns:
-            A piece.
-        """
+        """The same function between two frequencies."""
         return Line(low, high, *self(np.array([low, high])).tolist())
 
     def ratio(self, other) -> complex:
@@ -123,14 +109,7 @@ class Rational:
         return self.intensity * above / (np.polyval(self.denominator, s) * np.polyval(self.denominator, -s))
 
     def within(self, low: float, high: float) -> Rational:
-        """The same function between two frequencies.
-
-        Args:
-            low, high: in Hz.
-
-        Returns:
-            A piece.
-        """
+        """The same function between two frequencies."""
         return replace(self, lower=low, upper=high)
 
     def ratio(self, other) -> complex:

@@ -40,13 +40,6 @@ def octave_bands(low: float, high: float) -> np.ndarray:
 def crossing_rate(moments: dict[int, np.ndarray], level=0.0) -> np.ndarray:
     """Upward crossings of a level per second, sqrt(m_2 / m_0) e^{-level^2 / 2 m_0} (Rice).
 
-    Args:
-        moments: m_k by k, each of shape (p,).
-        level: in the unit of the output.
-
-    Returns:
-        In Hz, shape (p,).
-
     >>> crossing_rate({0: np.array([1.0]), 2: np.array([4.0])})
     array([2.])
     """
@@ -74,18 +67,7 @@ def irregularity(moments: dict[int, np.ndarray]) -> np.ndarray:
 
 
 def expected_maximum(moments: dict[int, np.ndarray], duration: float) -> np.ndarray:
-    """The mean of the largest |y| over a duration, sigma (g + 0.5772 / g), g = sqrt(2 ln(2 n T)), n the rate of upward zero crossings (Davenport).
-
-    Args:
-        moments: m_k by k.
-        duration: T in s, many periods.
-
-    Returns:
-        In the unit of the output, shape (p,).
-
-    Raises:
-        InputError: a duration of less than one period.
-    """
+    """The mean of the largest |y| over a duration, sigma (g + 0.5772 / g), g = sqrt(2 ln(2 n T)), n the rate of upward zero crossings (Davenport)."""
     T = real_number(duration, "duration", positive=True)
     cycles = 2 * crossing_rate(moments) * T
     if (cycles[np.isfinite(cycles) & (moments[0] > 0)] < np.e).any():
@@ -100,15 +82,6 @@ def damage_rate(moments: dict[int, np.ndarray], exponent: float, strength: float
 
     Narrow band: n (sqrt(2) sigma / strength)^k Gamma(1 + k / 2); Dirlik's formula counts the ranges of a broad band. Where m_4 is infinite its limit
     stands, which is the formula of the narrow band with the mean frequency m_1 / m_0 in the place of n, for k > 1.
-
-    Args:
-        moments: m_k by k = 0, 1, 2, 4.
-        exponent: k of the S-N curve.
-        strength: amplitude that fails in one cycle.
-        method: "dirlik" or "narrow-band".
-
-    Returns:
-        In 1/s, shape (p,).
 
     >>> narrow = {k: np.array([10.0**k]) for k in (0, 1, 2, 4)}
     >>> rate = damage_rate(narrow, 4.0, 100.0, "narrow-band")

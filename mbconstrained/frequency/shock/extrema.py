@@ -100,13 +100,6 @@ class Extrema:
 def extrema(function: BohlFunction, start: float, end: float) -> Extrema:
     """The extrema of f(t) on [start, end].
 
-    Args:
-        function: f, of r rows; at its knots f and its derivatives may jump, and the limits from both sides count.
-        start, end: in s.
-
-    Returns:
-        Values and times.
-
     >>> from mbconstrained.signals.inputs import harmonic
     >>> wave = extrema(harmonic([1.0], angular_frequency=1.0, phase=-np.pi / 2).smooth, 0.0, 3.0)  # sin t
     >>> wave.maximum_time.round(12), abs(wave.minimum) < 1e-15
@@ -138,19 +131,6 @@ def root_mean_squares(
 
     From knot to knot f^2 is integrated by Gauss's rule on panels that are short for the fastest part, which is exact to rounding
     errors. Where that takes too many panels, integrals of the states are doubled, G(2 h) = G(h) + E G(h) E^T with E = e^{J h}.
-
-    Args:
-        function: f, of r rows.
-        start, end: in s.
-        constants: shape (r,); zero when not given.
-        accurate: the same values by a more accurate method, of times (T,), shape (r, T); where f differs from them at some times by more
-            than ``ROUGH_PART``, they are integrated.
-
-    Returns:
-        Values with estimates of their errors, which contain the difference of both methods.
-
-    Raises:
-        InputError: only the more accurate method serves, and the motion has too many periods for it.
 
     >>> from mbconstrained.signals.inputs import harmonic
     >>> wave = harmonic([3.0], angular_frequency=5.0).smooth
@@ -239,17 +219,7 @@ def fastest_rate(function: BohlFunction) -> float:
 
 
 def sampled_extrema(at: Callable[[np.ndarray], np.ndarray], breaks: np.ndarray, rate: float, start: float, end: float) -> Extrema:
-    """Extrema of functions that are no sums of exponentials, such as energies: of samples, refined by parabolas.
-
-    Args:
-        at: the functions, shape (r, T) of times (T,).
-        breaks: times at which they may jump or bend.
-        rate: of the fastest part, 1/s.
-        start, end: in s.
-
-    Returns:
-        Values and times; the margin is infinite where the motion has too many periods for the samples.
-    """
+    """Extrema of functions that are no sums of exponentials, such as energies: of samples, refined by parabolas."""
     times = _sampled_times(breaks, rate, start, end)
     values = at(times)
     rows, sides = np.repeat(np.arange(len(values)), 2), np.tile([1.0, -1.0], len(values))
@@ -278,14 +248,7 @@ def _sampled_times(breaks: np.ndarray, rate: float, start: float, end: float) ->
 def positive_times(
     at: Callable[[np.ndarray], np.ndarray], breaks: np.ndarray, rate: float, start: float, end: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The times at which functions are largest, and those at which they first become positive, by bisection.
-
-    Args:
-        at, breaks, rate, start, end: as of ``sampled_extrema``.
-
-    Returns:
-        Both in s, shape (r,); infinite for a function that is positive nowhere.
-    """
+    """The times at which functions are largest, and those at which they first become positive, by bisection."""
     extremes = sampled_extrema(at, breaks, rate, start, end)
     largest, first = np.full((2, len(extremes.maximum)), np.inf)
     (rows,) = (extremes.maximum > 0).nonzero()
@@ -436,17 +399,7 @@ def _part(panels: dict[str, np.ndarray], chosen) -> dict[str, np.ndarray]:
 
 
 def falling_root(rate: Callable, low, high, above, below, is_enough: Callable | None = None) -> np.ndarray:
-    """Where functions change from positive to negative, by the rule of Illinois: an end that stays twice counts half.
-
-    Args:
-        rate: the functions, each at its own time, shape (K,).
-        low, high: ends of the intervals, shape (K,).
-        above, below: values there, positive and negative.
-        is_enough: of the values at the last times and the widths of the intervals, whether more steps gain nothing.
-
-    Returns:
-        Shape (K,).
-    """
+    """Where functions change from positive to negative, by the rule of Illinois: an end that stays twice counts half."""
     last, middle = np.zeros(len(low)), low
     for _ in range(STEPS):
         with np.errstate(invalid="ignore"):

@@ -132,15 +132,7 @@ class Oscillator:
         return result
 
     def states(self, times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """y and y' at the samples, from rest before the first.
-
-        Args:
-            times: shape (N,), ascending; twice the same time is a jump.
-            values: a, shape (N,).
-
-        Returns:
-            Two arrays (N,).
-        """
+        """y and y' at the samples, from rest before the first."""
         h, l2 = np.diff(times), self.roots[1]
         y, u = np.zeros(len(times), dtype=complex), np.zeros(len(times), dtype=complex)
         equal = len(h) > 0 and np.ptp(h) <= EQUAL * EPS * np.abs(times).max()
@@ -168,15 +160,7 @@ class Oscillator:
         return y.real, (l2 * y + u).real
 
     def inside(self, y, v, a, slope, tau) -> tuple[np.ndarray, np.ndarray]:
-        """y and y' at times tau after samples with y, v = y', a and the slope of a; all of shape (K,) or broadcast to it.
-
-        Args:
-            y, v, a, slope: at the samples.
-            tau: in s.
-
-        Returns:
-            Positions and velocities.
-        """
+        """y and y' at times tau after samples with y, v = y', a and the slope of a; all of shape (K,) or broadcast to it."""
         w, z = self.w, self.zeta
         if np.max(tau, initial=0.0) * w * (1 + 2 * z) < SHORT:  # Taylor's series, in which no particular solution cancels
             terms = [y, v, a - 2 * z * w * v - w**2 * y]
@@ -200,15 +184,7 @@ class Oscillator:
         return p + s * tau + position, s + rate
 
     def free(self, y, v, tau) -> tuple[np.ndarray, np.ndarray]:
-        """Free motion from y and v.
-
-        Args:
-            y, v: at the start.
-            tau: in s.
-
-        Returns:
-            Positions and velocities.
-        """
+        """Free motion from y and v."""
         w, z = self.w, self.zeta
         l1, l2 = self.roots
         if z < 1:
@@ -226,15 +202,7 @@ class Oscillator:
         return first * -np.expm1(-gap * tau) / gap if gap else tau * first
 
     def peaks(self, times, values, output) -> tuple[float, float, float, float]:
-        """max and min of c_0 y + c_1 y' during the record, and after it.
-
-        Args:
-            times, values: the record.
-            output: (c_0, c_1).
-
-        Returns:
-            Maximum and minimum during the record, including its end, then afterwards.
-        """
+        """max and min of c_0 y + c_1 y' during the record, and after it."""
         y, v = self.states(times, values)
         c0, c1 = output
         r = c0 * y + c1 * v
@@ -283,13 +251,7 @@ class Oscillator:
         return np.minimum(most, np.maximum(np.abs(g), np.abs((rate - l1 * g) / (l2 - l1))))
 
     def _limits(self, y, v, a, slope, h, highest, output) -> np.ndarray:
-        """Bounds of r = c_0 y + c_1 y' inside intervals: r'' is a free motion, and so is r without a straight line.
-
-        Args:
-            y, v, a, slope, h: of each interval.
-            highest: the larger of r at both ends.
-            output: (c_0, c_1).
-        """
+        """Bounds of r = c_0 y + c_1 y' inside intervals: r'' is a free motion, and so is r without a straight line."""
         c0, c1 = output
         _, _, rate, curve, turn = self._rates(y, v, a, slope, output)
         s = slope / self.w**2
@@ -312,11 +274,7 @@ class Oscillator:
         return [(y, v, a, slope, length), (y_late, v_late, a + slope * late, slope, length)]
 
     def _zero(self, g, rate) -> np.ndarray:
-        """The first time, from 0 on, at which free motions from g and g' are zero; infinity where they never are.
-
-        Args:
-            g, rate: at the start.
-        """
+        """The first time, from 0 on, at which free motions from g and g' are zero; infinity where they never are."""
         l1, l2 = self.roots
         with np.errstate(divide="ignore", invalid="ignore"):
             if self.zeta < 1:
@@ -361,15 +319,7 @@ class Oscillator:
         return max(best, float(curve(row, top)[0].max()))
 
     def residual(self, y: float, v: float, output) -> tuple[float, float]:
-        """The extrema of the free motion after the record: at its start or where its rate is zero, the first two times.
-
-        Args:
-            y, v: position and velocity at its end.
-            output: (c_0, c_1) of c_0 y + c_1 y'.
-
-        Returns:
-            Maximum, at least 0, and minimum, at most 0.
-        """
+        """The extrema of the free motion after the record: at its start or where its rate is zero, the first two times."""
         c0, c1 = output
         first = self._zero(*self._rates(np.float64(y), v, 0.0, 0.0, output)[2:4])
         times = np.array([0.0, first, first + np.pi / self.roots[0].imag if self.zeta < 1 else 0.0])

@@ -81,16 +81,7 @@ class BlockGroups:
 
 
 def block_states(blocks: Sequence[np.ndarray] | BlockGroups, start: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """The states e^{J t} v, shape (n, T), for J = diag(blocks) and times (T,).
-
-    Args:
-        blocks: those of J.
-        start: v, shape (n,), the same for all times, or (n, T), one for each time.
-        times: t, in s, shape (T,).
-
-    Returns:
-        Shape (n, T).
-    """
+    """The states e^{J t} v, shape (n, T), for J = diag(blocks) and times (T,)."""
     groups = blocks if isinstance(blocks, BlockGroups) else BlockGroups.of(blocks)
     states = np.empty((len(start), len(times)))
     start = start[:, None] if start.ndim == 1 else start

@@ -37,14 +37,6 @@ def cluster_states(blocks, start, times) -> np.ndarray:
 
     Shifted by the middle of its zeros; where these have turned about it by then, the two halves each by their own middle.
     Before that the halves are large and cancel: zeros a +- i w with a chain between them have not separated at w t < 1.
-
-    Args:
-        blocks: of one size, in 1/s.
-        start: v, for each block and time.
-        times: t, in s.
-
-    Returns:
-        Shape (k, n, T).
     """
     speeds = _speeds(blocks)
     speeds[speeds * times.max() <= 1.0] = 0.0
@@ -177,9 +169,6 @@ def _units(rest, times) -> np.ndarray:
 
     A coupling that is, such as that of a slow decay with the fast unit of time that it came with, would have the
     exponential doubled more often than anything moves, and each doubling doubles the rounding errors too.
-
-    Raises:
-        IllConditioned: no such units are in the range of float64.
     """
     units, sizes, latest = np.ones(rest.shape[:2]), np.abs(rest), times.max(initial=0.0)
     if not latest:

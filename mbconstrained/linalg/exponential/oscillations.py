@@ -51,16 +51,7 @@ class Oscillations:
         return self._each(times) if step is None else self._of_sums(times, *self._grids(times, step))
 
     def combined(self, coefficients: np.ndarray, times: np.ndarray, lasting: Lasting | None = None) -> np.ndarray:
-        """coefficients @ self(times), shape (r, T), with no table of the functions at all times.
-
-        Args:
-            coefficients: shape (r, k), the cosines first.
-            times: in s, shape (T,).
-            lasting: ``Lasting.of`` these coefficients; functions that are negligible by then are left out.
-
-        Returns:
-            Shape (r, T).
-        """
+        """coefficients @ self(times), shape (r, T), with no table of the functions at all times."""
         if not self.are_many(times):
             return coefficients @ self._each(times)
         step, room = even_step(times), max(AT_ONCE, 3 * len(self.growth) ** 2 - coefficients.size)
@@ -153,13 +144,6 @@ class Lasting:
     def of(functions: Oscillations, coefficients: np.ndarray) -> Lasting | None:
         """None where nothing decays.
 
-        Args:
-            functions: of a sum.
-            coefficients: of the functions, shape (r, k).
-
-        Returns:
-            None where nothing decays.
-
         >>> pairs = Oscillations(np.array([-1.0, -100.0]), np.array([1.0, 2.0]), np.arange(2), np.arange(0))
         >>> Lasting.of(pairs, np.array([[1.0, 5.0]])).at(np.array([1.0, 1.1])).tolist()
         [True, False]
@@ -193,16 +177,7 @@ def _quarter_on(pairs: np.ndarray) -> np.ndarray:
 
 
 def step_of_few_rows(rows: int, pairs: int, times: np.ndarray) -> float | None:
-    """h where times are even and a table of all functions at all of them is more than ``of_phasors`` needs, else None.
-
-    Args:
-        rows: r, of the values.
-        pairs: how many oscillate.
-        times: in s, shape (T,).
-
-    Returns:
-        h in s, or None.
-    """
+    """h where times are even and a table of all functions at all of them is more than ``of_phasors`` needs, else None."""
     return even_step(times) if rows**2 <= len(times) and 2 * pairs * len(times) >= SEVERAL else None
 
 
@@ -210,15 +185,6 @@ def of_phasors(phasors: np.ndarray, rates: np.ndarray, times: np.ndarray, step: 
     """The real part of the sum of conj(z) e^{s t}, that is of e^{a t} (c cos w t + d sin w t) for z = c + i d, s = a + i w.
 
     At even times t = T + tau: z e^{conj(s) T} is made for the coarse ones, and one real product takes them all to the fine ones.
-
-    Args:
-        phasors: z, shape (r, m).
-        rates: s, shape (m,), in 1/s.
-        times: shape (T,), of this step, in s.
-        step: h, in s.
-
-    Returns:
-        Shape (r, T).
 
     >>> of_phasors(np.array([[2.0 + 1.0j]]), np.array([0.5j * np.pi]), np.arange(4.0), 1.0).round(12).tolist()
     [[2.0, 1.0, -2.0, -1.0]]

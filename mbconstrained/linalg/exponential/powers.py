@@ -115,14 +115,6 @@ def _single_entries(output: Matrix) -> tuple[np.ndarray, np.ndarray] | None:
 def best_doublings(size: int, count: int, starts: int = 1) -> int:
     """How often to square e^{S h} before states are taken on by it, many at once, so that the work is least.
 
-    Args:
-        size: of S.
-        count: of times.
-        starts: how many initial states share the work.
-
-    Returns:
-        At most so many that all states come from one product.
-
     >>> best_doublings(200, 1000), best_doublings(2000, 1000), best_doublings(2000, 1)
     (4, 1, 0)
     """
@@ -141,16 +133,7 @@ def cost_of_exponential(turned: float) -> float:
 
 
 def cost_of_powers(size: int, count: int, turned: float) -> float:
-    """Of values at so many even times by powers of e^{S h}.
-
-    Args:
-        size: of S.
-        count: of times.
-        turned: |S| h.
-
-    Returns:
-        In products of matrices of the size of S.
-    """
+    """Of values at so many even times by powers of e^{S h}."""
     return cost_of_exponential(turned) + _cost_of_use(size, count, best_doublings(size, count), 1)
 
 
@@ -158,16 +141,6 @@ def values_of_steps(
     output: Matrix, step: np.ndarray, input_matrix: np.ndarray, start: np.ndarray, inputs: np.ndarray
 ) -> np.ndarray:
     """P z_0, ..., P z_K, shape (r, K + 1).
-
-    Args:
-        output: P, shape (r, n).
-        step: E, shape (n, n).
-        input_matrix: D, shape (n, m).
-        start: z_0, shape (n,).
-        inputs: v_0, ..., v_(K-1), shape (m, K).
-
-    Returns:
-        Shape (r, K + 1).
 
     >>> half, one = np.array([[0.5]]), np.ones((1, 1))
     >>> values_of_steps(one, half, one, np.array([8.0]), np.ones((1, 2))).tolist()
@@ -182,15 +155,6 @@ def values_of_steps(
 def best_length(rows: int, states: int, driven: int, count: int) -> int:
     """How many steps to take at once, a power of two: many cost products of matrices beforehand, few leave many groups.
 
-    Args:
-        rows: of P.
-        states: of z.
-        driven: of v.
-        count: of steps.
-
-    Returns:
-        A power of two.
-
     >>> best_length(100, 200, 2, 10_000), best_length(8, 200, 2, 10_000)
     (16, 64)
     """
@@ -199,17 +163,7 @@ def best_length(rows: int, states: int, driven: int, count: int) -> int:
 
 
 def cost_of_steps(rows: int, states: int, driven: int, count: int) -> float:
-    """Of all but the values themselves, in products of two matrices (n, n).
-
-    Args:
-        rows: of P.
-        states: of z.
-        driven: of v.
-        count: of steps.
-
-    Returns:
-        In products of matrices of the size of the states.
-    """
+    """Of all but the values themselves, in products of two matrices (n, n)."""
     length = best_length(rows, states, driven, count)
     alone = NARROW_PRODUCT * states**2 * count / length
     return (rows * length * (states**2 + driven * count) + alone) / states**3 + np.log2(length)

@@ -27,15 +27,6 @@ FEW_STEPS = 64
 def recursion(blocks: Sequence[np.ndarray], start: np.ndarray, gained: np.ndarray, gaps: np.ndarray) -> np.ndarray:
     """z_0 = start, z_(j+1) = e^{J h_j} z_j + g_j for J = diag(blocks), all z_j side by side, shape (n, K + 1).
 
-    Args:
-        blocks: those of J, in 1/s.
-        start: shape (n,).
-        gained: g_j, shape (n, K).
-        gaps: h_j in s, shape (K,).
-
-    Returns:
-        Shape (n, K + 1).
-
     >>> recursion([np.array([[-np.log(2.0)]])], np.array([8.0]), np.ones((1, 2)), np.ones(2)).round(12)
     array([[8. , 5. , 3.5]])
     """
@@ -46,13 +37,7 @@ def recursion(blocks: Sequence[np.ndarray], start: np.ndarray, gained: np.ndarra
 
 
 def advance(blocks: Sequence[np.ndarray], states: np.ndarray, gaps: np.ndarray) -> None:
-    """The same in place: states (n, K + 1) begin as z_0, g_0, g_1, ... and become z_0, z_1, z_2, ...
-
-    Args:
-        blocks: those of J, in 1/s.
-        states: z_0, g_0, g_1, ... before, z_0, z_1, z_2, ... after, shape (n, K + 1).
-        gaps: h_j in s, shape (K,).
-    """
+    """The same in place: states (n, K + 1) begin as z_0, g_0, g_1, ... and become z_0, z_1, z_2, ..."""
     begins = np.array([at.start for at in block_slices(blocks)], dtype=int)
     for size in {len(block) for block in blocks}:
         group = [i for i, block in enumerate(blocks) if len(block) == size]
@@ -64,13 +49,6 @@ def shared_gaps(knots: np.ndarray, gaps: np.ndarray | None = None) -> np.ndarray
     """The differences of ascending times, those that are the same but for the rounding errors of the times made equal.
 
     Not where the times would be moved by more than some units in their last place, or a difference lose half of its digits.
-
-    Args:
-        knots: the times, shape (K,).
-        gaps: their differences where these are known with more digits.
-
-    Returns:
-        Shape (K - 1,).
 
     >>> len(np.unique(shared_gaps(np.linspace(0.0, 1.0, 1000)))), shared_gaps(np.array([0.0, 1.0, 3.0])).tolist()
     (1, [1.0, 2.0])
@@ -88,15 +66,7 @@ def shared_gaps(knots: np.ndarray, gaps: np.ndarray | None = None) -> np.ndarray
 
 
 def propagators(blocks: Sequence[np.ndarray], gaps: np.ndarray) -> np.ndarray:
-    """e^{J h} for every gap h and every one of blocks of one size.
-
-    Args:
-        blocks: of one size, in 1/s.
-        gaps: h, in s.
-
-    Returns:
-        Shape (gaps, blocks, size, size).
-    """
+    """e^{J h} for every gap h and every one of blocks of one size."""
     size = len(blocks[0])
     columns = [block_states(blocks, np.tile(unit, len(blocks)), gaps) for unit in np.eye(size)]
     return np.array(columns).reshape(size, len(blocks), size, len(gaps)).transpose(3, 1, 2, 0)
@@ -165,9 +135,6 @@ def _from(now, gained, factors, keep: bool = False) -> np.ndarray:
 def scanned(states: np.ndarray, factors: np.ndarray) -> None:
     """z_(j+1) = factors_j z_j + g_j for complex scalars side by side, in place: states (K + 1, p) begin as z_0, g_0, g_1, ...
 
-    Args:
-        factors: shape (K, p), or (1, p) where all are the same.
-
     >>> states = np.array([[8.0], [1.0], [1.0]], dtype=complex)
     >>> scanned(states, np.array([[0.5 + 0j]]))
     >>> states.ravel().real.tolist()
@@ -196,13 +163,6 @@ def scanned(states: np.ndarray, factors: np.ndarray) -> None:
 
 def powers(values: np.ndarray, count: int) -> np.ndarray:
     """1, x, x^2, ..., one row for each of values (T,), shape (T, count).
-
-    Args:
-        values: x, shape (T,).
-        count: of powers, 1 or more.
-
-    Returns:
-        Shape (T, count).
 
     >>> powers(np.array([2.0]), 5).tolist()
     [[1.0, 2.0, 4.0, 8.0, 16.0]]

@@ -22,15 +22,7 @@ STEPS = 5
 
 
 def refined_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, ...] | None:
-    """Shapes, their stiffness k and damping Phi^T C Phi; None where the steps do not converge.
-
-    Args:
-        M, C, K: shape (n, n), M and K symmetric.
-        shapes: X, shape (n, n).
-
-    Returns:
-        Phi of shape (n, n), k of shape (n,) and shape (n, n).
-    """
+    """Shapes, their stiffness k and damping Phi^T C Phi; None where the steps do not converge."""
     unit = np.eye(len(shapes))
     for _ in range(STEPS):
         S, R = congruence(shapes, K), unit - congruence(shapes, M)

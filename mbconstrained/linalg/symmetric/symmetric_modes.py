@@ -86,16 +86,7 @@ class SymmetricModes:
 
 
 def symmetric_modes(M: Matrix, C: Matrix, K: Matrix, bodies: np.ndarray | None = None) -> SymmetricModes | None:
-    """The states (x, x') decoupled; None where that fails.
-
-    Args:
-        M, C, K: symmetric, shape (m, m).
-        bodies: the shapes v of free bodies, one a row, with v K and v C, which are zero, or about a rounding error of K and C: these
-            count exactly; shape (3, k, m).
-
-    Returns:
-        One block of size two for each mode.
-    """
+    """The states (x, x') decoupled; None where that fails."""
     shapes = undamped_shapes(M, K)
     if shapes is None:
         return None
@@ -127,14 +118,6 @@ def modes_of_wide_spread(M: Matrix, C: Matrix, K: Matrix, order: np.ndarray | No
 
     In the coordinates of refined undamped modes the motion is eta'' + D eta' + diag(k) eta = 0: in the states (w eta, eta'), w^2 = k,
     nothing is larger than the fastest rate, where K has its square.
-
-    Args:
-        M, K: symmetric, positive definite, shape (m, m).
-        C: any, shape (m, m).
-        order: in which the coordinates are taken, a permutation: it changes nothing but rounding errors.
-
-    Returns:
-        The modes; None where the rates are alike, or the refinement does not converge.
     """
     size = K.shape[0]
     if size > REFINED_SHAPES:
@@ -160,14 +143,7 @@ def modes_of_wide_spread(M: Matrix, C: Matrix, K: Matrix, order: np.ndarray | No
 
 
 def may_be_wide(M: Matrix, K: Matrix) -> bool:
-    """Whether undamped rates may span so many orders of magnitude that modes are refined, by a bound without eigenvalues.
-
-    Args:
-        M, K: symmetric, shape (m, m).
-
-    Returns:
-        A truth value; False of a model that is too large for it.
-    """
+    """Whether undamped rates may span so many orders of magnitude that modes are refined, by a bound without eigenvalues."""
     if K.shape[0] > REFINED_SHAPES:
         return False
     root = np.sqrt(np.abs(M.diagonal()))
@@ -175,14 +151,7 @@ def may_be_wide(M: Matrix, K: Matrix) -> bool:
 
 
 def undamped_shapes(M: Matrix, K: Matrix) -> np.ndarray | None:
-    """The shapes of M x'' + K x = 0 for symmetric M and K.
-
-    Args:
-        M, K: shape (m, m).
-
-    Returns:
-        Phi with Phi^T M Phi = I, one shape a column; None where M is not positive definite.
-    """
+    """The shapes of M x'' + K x = 0 for symmetric M and K."""
     diagonal = M.diagonal()
     if entry_count(M) == len(diagonal) and (diagonal > 0).all():
         root = np.sqrt(diagonal)

@@ -46,15 +46,6 @@ class Zeros:
 def zeros_near(newton: Callable[[np.ndarray], np.ndarray], start: np.ndarray, tolerance: float, left: float = 0.0) -> Zeros | None:
     """As many zeros as there are approximate ones, None where they do not settle.
 
-    Args:
-        newton: p'(s) / p(s) for s of shape (S,).
-        start: approximate zeros, with their conjugates; they need not be exact ones.
-        tolerance: the last steps are smaller than this part of the zero; its error then is about the square of that.
-        left: the part of the zeros that need not settle: the last few take as many steps as all others.
-
-    Returns:
-        All zeros, or None.
-
     >>> cubic = np.polynomial.Polynomial([-6.0, 11.0, -6.0, 1.0])
     >>> zeros_near(lambda s: cubic.deriv()(s) / cubic(s), np.array([0.5, 2.1, 4.0]), 1e-9).real.round(12).tolist()
     [1.0, 2.0, 3.0]

@@ -78,13 +78,6 @@ class SparseQuadratic:
         """P(s) x, C x and M x of a vector x for each s, shape (N, S).
 
         Where it costs nothing P(s) x is a sum of differences of neighbours, in which nothing large cancels.
-
-        Args:
-            s: shape (S,), in 1/s.
-            x: shape (N, S).
-
-        Returns:
-            Three arrays of shape (N, S).
         """
         of_each, of_differences = self._parts
         differences = x[self.ends[1]] - x[self.ends[0]]
@@ -135,15 +128,7 @@ class SparseQuadratic:
 
 
 def sparse_quadratic(M: Matrix, C: Matrix, K: Matrix) -> SparseQuadratic | None:
-    """From symmetric matrices, M of the first coordinates only; None where a front is wider than ``WIDEST``.
-
-    Args:
-        M: shape (m, m).
-        C, K: shape (m + d, m + d).
-
-    Returns:
-        P(s), or None.
-    """
+    """From symmetric matrices, M of the first coordinates only; None where a front is wider than ``WIDEST``."""
     size, ends, result = K.shape[0], coupled_pairs(M, C, K), [entries(matrix) for matrix in (K, C, M)]
     if ends.shape[1] > WIDEST * size:
         return None
@@ -195,13 +180,7 @@ class Multifrontal:
     """P(s) by the entries of K, C and M, in an order of elimination."""
 
     def __init__(self, order: Elimination, diagonal: np.ndarray, off_diagonal: np.ndarray, ends: np.ndarray) -> None:
-        """Coordinates as they were given.
-
-        Args:
-            diagonal: shape (3, N).
-            off_diagonal: what couples two coordinates, shape (3, E).
-            ends: which these are, shape (2, E).
-        """
+        """Coordinates as they were given."""
         self.order, self._data = order, (diagonal, off_diagonal, ends)
 
     def newton(self, s: np.ndarray) -> np.ndarray:
@@ -246,15 +225,7 @@ class Multifrontal:
         return result
 
     def solved(self, factors: list[tuple[np.ndarray, np.ndarray]], right: np.ndarray) -> np.ndarray:
-        """P(s)^-1 right for each s, shape (N, S), from ``factored``.
-
-        Args:
-            factors: from ``factored``.
-            right: shape (N, S).
-
-        Returns:
-            Shape (N, S).
-        """
+        """P(s)^-1 right for each s, shape (N, S), from ``factored``."""
         x, steps = right[self.order.nodes], list(zip(self.order.steps, factors))
         for step, (inverse, factor) in steps:
             own = x[step.own]

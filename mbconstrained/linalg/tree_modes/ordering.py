@@ -148,15 +148,6 @@ class Elimination:
 def elimination(size: int, ends: np.ndarray, widest: int = WIDEST, together: int = 0) -> Elimination | None:
     """Of so many coordinates, two of them coupled in each column of ``ends``; None where a front is wider.
 
-    Args:
-        size: the number of coordinates.
-        ends: two coupled coordinates in each column, shape (2, E).
-        widest: the widest front that is allowed.
-        together: fronts of this size are as good as smaller ones.
-
-    Returns:
-        The order, or None.
-
     >>> chain = np.array([[0, 1, 2, 3], [1, 2, 3, 4]])
     >>> [elimination(5, chain, together=width).rounds for width in (1, 2)]
     [(2, 2, 1), (3, 1, 1)]
@@ -207,15 +198,7 @@ def _rounds(neighbours: list[set[int]], widest: int, together: int) -> list[list
 
 
 def are_worth(width: int, size: int) -> bool:
-    """Whether fronts of this width are, for so many coordinates (``quadratic_modes``).
-
-    Args:
-        width: of the widest front.
-        size: the number of coordinates.
-
-    Returns:
-        A truth value.
-    """
+    """Whether fronts of this width are, for so many coordinates (``quadratic_modes``)."""
     return width <= 1 or size >= EACH * width
 
 

@@ -73,13 +73,6 @@ class SparseTopology:
 def sparse_topology(M: Matrix, C: Matrix, K: Matrix) -> SparseTopology | None:
     """The topology of a symmetric model, None where its fronts are too wide for its size.
 
-    Args:
-        M: shape (m, m), of x_m, the first coordinates.
-        C, K: shape (m + d, m + d).
-
-    Returns:
-        The topology, or None.
-
     >>> sparse_topology(np.eye(3), np.zeros((3, 3)), np.diag([2.0, 2, 1]) - np.eye(3, k=1) - np.eye(3, k=-1)).width
     1
     """

@@ -63,15 +63,7 @@ class FamilyFrequencyResponse(Displayed):
 def family_frequency_response(
     family: Family, frequencies_hz, inputs, outputs, quantity: str, relative_to: str | None
 ) -> FamilyFrequencyResponse:
-    """The frequency responses of all systems.
-
-    Args:
-        family: the systems.
-        frequencies_hz, inputs, outputs, quantity, relative_to: as of ``Family.frequency_response``.
-
-    Returns:
-        A ``FamilyFrequencyResponse``.
-    """
+    """The frequency responses of all systems."""
     frequencies = np.atleast_1d(real_array(frequencies_hz, "frequencies_hz"))
     first = family[0].frequency_response(frequencies, inputs, outputs, quantity, relative_to=relative_to)  # checks the arguments
     names = (first.inputs, first.outputs)

@@ -79,14 +79,7 @@ class FamilyModes(Displayed):
 
 
 def family_modes(family: Family) -> FamilyModes:
-    """The modes of all systems.
-
-    Args:
-        family: the systems.
-
-    Returns:
-        ``FamilyModes``.
-    """
+    """The modes of all systems."""
     count, stacks = len(family), [one for one in (_regular_stack(family),) if one]
     waiting = ~np.any([np.zeros(count, dtype=bool), *(one.serve for one in stacks)], axis=0)
     if waiting.sum() > 1 and (freed := _free_stack(family, waiting)):
@@ -200,16 +193,7 @@ def _sort_into(values, errors, shapes, stack: _Stack, drift: int) -> None:
 
 
 def one_by_one(places: np.ndarray, count: int, limit: float = PROVED_ACCURACY) -> tuple[Notice, ...]:
-    """A notice of systems that stacks of matrices do not serve.
-
-    Args:
-        places: of those systems.
-        count: of all.
-        limit: of the estimate.
-
-    Returns:
-        One notice, or none.
-    """
+    """A notice of systems that stacks of matrices do not serve."""
     if not len(places):
         return ()
     text = f"{counted(len(places), 'system')} of {count} solved one by one: another structure than the first, or an estimate above {limit:g}"

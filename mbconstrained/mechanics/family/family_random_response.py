@@ -79,15 +79,7 @@ class FamilyRandomResponse(Displayed):
 
 
 def family_random_response(family: Family, excitation, outputs, quantity: str, options: dict) -> FamilyRandomResponse:
-    """The RMS values of all systems.
-
-    Args:
-        family: the systems.
-        excitation, outputs, quantity, options: as of ``MechanicalSystem.random_response``.
-
-    Returns:
-        A ``FamilyRandomResponse``.
-    """
+    """The RMS values of all systems."""
     arguments = (excitation, outputs, quantity)
     first = family[0].random_response(*arguments, **options)  # checks the arguments
     count, p = len(family), len(first.outputs)

@@ -135,15 +135,7 @@ class StackedEquations:
 
 
 def stacked_equations(M: np.ndarray, C: np.ndarray, K: np.ndarray, V: np.ndarray) -> StackedEquations | None:
-    """Stack the equations of S models; None where the structure of the first one needs rank decisions.
-
-    Args:
-        M, C, K: shape (S, n, n).
-        V: a basis of the motions that the constraints allow, shape (n, r).
-
-    Returns:
-        The equations, or None.
-    """
+    """Stack the equations of S models; None where the structure of the first one needs rank decisions."""
     size = V.shape[1]
     if size == V.shape[0] and (np.eye(size) == V).all():
         serve = np.ones(len(K), dtype=bool)

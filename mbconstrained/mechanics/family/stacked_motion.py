@@ -157,17 +157,6 @@ def stacked_flow(
     """The flow from displacements and velocities under a common force, prescribed motions and a constant force of each model.
 
     x = T q + Y f + G^T b, where G^T b meets the constraints, and the force on q is that of f - (M s^2 + C s + K) G^T b.
-
-    Args:
-        equations: of the models.
-        matrices: M, C, K as given, shape (S, n, n).
-        start: q, q' at 0-, shape (S, 2, m + d).
-        force: f in its first n rows, then b, common to all.
-        static: constant forces from t = 0 on, shape (S, n).
-        prescribed: G^T, shape (n, k).
-
-    Returns:
-        The flow.
     """
     (M, C, K), n, m = matrices, len(prescribed), equations.masses
     J = np.pad(force.generator, ((0, 1), (0, 1)))

@@ -52,15 +52,7 @@ class StackedPoles:
 
 
 def stacked_poles(equations: StackedEquations, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> StackedPoles:
-    """The poles of all models.
-
-    Args:
-        equations: their common structure.
-        M, C, K: as given, shape (S, n, n).
-
-    Returns:
-        The poles.
-    """
+    """The poles of all models."""
     parts = [dict(vars(_refined(_part(equations, at), M[at], C[at], K[at]))) for at in _chunks(len(K))]
     width = max(part["values"].shape[1] for part in parts)
     names = [field.name for field in fields(StackedPoles)]  # each leaves the parts as it is joined, so that memory holds it once

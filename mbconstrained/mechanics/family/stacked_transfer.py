@@ -41,17 +41,7 @@ class StackedTransfer:
 
     @classmethod
     def of(cls, family: Family, at: slice, harmonic: Harmonic, levels) -> StackedTransfer | None:
-        """Of some systems of a family with the inputs and outputs of a harmonic response; None of what poles do not give.
-
-        Args:
-            family: the systems.
-            at: which of them.
-            harmonic: of the first system; its inputs and outputs are those of all.
-            levels: of each input.
-
-        Returns:
-            The transfer function, or None: of reactions, of other forms of the equations.
-        """
+        """Of some systems of a family with the inputs and outputs of a harmonic response; None of what poles do not give."""
         n, k = family.base.size, len(family.base.rows)
         B, C = harmonic.inputs, harmonic.outputs
         if family.poles is None or B.shape[0] != n + k or C[:, n:].any() or harmonic.imaginary is not None:
@@ -62,11 +52,7 @@ class StackedTransfer:
         return cls(family.poles.of(at), C[:, :n], motions, tuple(loads), harmonic.power, np.asarray(levels, dtype=int))
 
     def __call__(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """H and estimates of its absolute errors, shape (S, p, m, F).
-
-        Args:
-            s: in 1/s, common to all models, shape (F,), or of each, shape (S, F).
-        """
+        """H and estimates of its absolute errors, shape (S, p, m, F)."""
         poles = self.poles
         s = np.atleast_2d(s)[:, None, :]
         values, pairs = poles.values[:, :, None], (poles.weights == 2)[:, :, None]

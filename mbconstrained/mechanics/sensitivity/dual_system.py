@@ -26,15 +26,7 @@ if TYPE_CHECKING:
 
 
 def dual_system(system: MechanicalSystem, parameter: Parameter) -> MechanicalSystem:
-    """The system of the coordinates x, named as before, and dx/dp, named "d(x)/d(p)".
-
-    Args:
-        system: with n coordinates, of arrays.
-        parameter: with the derivatives.
-
-    Returns:
-        A system with 2 n coordinates; its first rows are A x^(level) = b, named as before.
-    """
+    """The system of the coordinates x, named as before, and dx/dp, named "d(x)/d(p)"."""
     slopes = parameter.matrices(system.size)
     K, C, M = (
         np.block([[slope, matrix], [matrix, np.zeros_like(matrix)]])
@@ -48,15 +40,7 @@ def dual_system(system: MechanicalSystem, parameter: Parameter) -> MechanicalSys
 
 
 def derivative_names(names: Sequence[str], parameter: Parameter) -> tuple[str, ...]:
-    """The names of the derivatives.
-
-    Args:
-        names: of coordinates or rows.
-        parameter: p.
-
-    Returns:
-        "d(x1)/d(p)", ...
-    """
+    """The names of the derivatives."""
     return tuple(f"d({name})/d({parameter.name})" for name in names)
 
 

@@ -53,31 +53,14 @@ class MultiplierForm:
         return MultiplierForm(_bordered_by(matrices, rows), system.size, scale)
 
     def slope(self, system: MechanicalSystem, parameter: Parameter) -> Slope:
-        """The derivatives of the same with respect to a parameter.
-
-        Args:
-            system: the same.
-            parameter: of it.
-
-        Returns:
-            L_p(s).
-        """
+        """The derivatives of the same with respect to a parameter."""
         rows, _ = parameter.constraint_rows(system)
         matrices = _bordered_by(parameter.matrices(system.size), self.scale * rows)
         power, row, column = np.nonzero(matrices)
         return Slope(power, row, column, matrices[power, row, column], len(matrices[0]))
 
     def vectors(self, system: MechanicalSystem, value: complex, shapes: np.ndarray) -> np.ndarray:
-        """(u, lambda) of shapes: the forces of the rows are those that the shapes need.
-
-        Args:
-            system: the same.
-            value: s.
-            shapes: u as columns, shape (n, m).
-
-        Returns:
-            Shape (n + k, m).
-        """
+        """(u, lambda) of shapes: the forces of the rows are those that the shapes need."""
         if len(self.base[0]) == self.size:
             return shapes
         forces = self.at(value)[: self.size, : self.size] @ shapes
@@ -121,27 +104,11 @@ class Slope:
         return result
 
     def form(self, left: np.ndarray, value, right: np.ndarray) -> np.ndarray:
-        """Y^T L_p(s) X.
-
-        Args:
-            left, right: Y and X, shape (n + k, g).
-            value: s.
-
-        Returns:
-            Shape (g, g).
-        """
+        """Y^T L_p(s) X."""
         return left[self.row].T @ ((self.entry * value**self.power)[:, None] * right[self.column])
 
     def product(self, value, vector: np.ndarray) -> np.ndarray:
-        """L_p(s) x.
-
-        Args:
-            value: s.
-            vector: x, shape (n + k,).
-
-        Returns:
-            Shape (n + k,).
-        """
+        """L_p(s) x."""
         result = np.zeros(self.size, dtype=vector.dtype)
         np.add.at(result, self.row, self.entry * value**self.power * vector[self.column])
         return result
@@ -212,15 +179,7 @@ class Eigenspace:
         self.factors = scipy.linalg.lu_factor(self.matrix.astype(complex), check_finite=False)
 
     def solved(self, right: np.ndarray, transposed: bool = False) -> tuple[np.ndarray, np.ndarray]:
-        """The solution of the bordered system, refined to the digits of long double as far as its condition allows.
-
-        Args:
-            right: its right-hand sides, shape (n + k + g, m).
-            transposed: whether the matrix is transposed.
-
-        Returns:
-            Shape (n + k + g, m), and the last correction of the same shape.
-        """
+        """The solution of the bordered system, refined to the digits of long double as far as its condition allows."""
         matrix = self.matrix.T if transposed else self.matrix
         result = np.zeros(right.shape, dtype=np.clongdouble)
         for _ in range(1 + REFINEMENT_STEPS):
@@ -234,15 +193,7 @@ class Eigenspace:
         return _eigenvalues(-slope.form(self.left, self.value, self.vectors).astype(complex), self._phase)
 
     def error(self, slope: Slope, doubt: Slope | None) -> float:
-        """An estimate of the largest error of ds/dp (Bauer and Fike 1960).
-
-        Args:
-            slope: L_p(s).
-            doubt: errors of its entries; rounding errors where it is None.
-
-        Returns:
-            In the unit of ds/dp.
-        """
+        """An estimate of the largest error of ds/dp (Bauer and Fike 1960)."""
         left, right, value = np.abs(self.left), np.abs(self.vectors), abs(self.value)
         sizes, matrix = slope.absolute, -slope.form(self.left, self.value, self.vectors).astype(complex)
         doubtful = EPS * right + self.correction * right.max(axis=0)
@@ -300,18 +251,7 @@ class ModeDerivatives:
 def mode_derivatives(
     system: MechanicalSystem, mode: Mode, form: MultiplierForm, slopes: Sequence[Slope], doubts: Sequence[Slope | None]
 ) -> ModeDerivatives:
-    """The derivatives of one mode.
-
-    Args:
-        system: to which the mode belongs.
-        mode: any but drift, which stays.
-        form: L(s).
-        slopes: L_p of each parameter.
-        doubts: errors of the entries of each; rounding errors where it is None.
-
-    Returns:
-        The branches of its eigenvalue.
-    """
+    """The derivatives of one mode."""
     count, shapes = mode.multiplicity, mode.shapes
     if not shapes.shape[1]:
         return ModeDerivatives(mode, ((STAYS,) * count,) * len(slopes), {}, (0.0,) * len(slopes))

@@ -139,14 +139,7 @@ def _of_parts(name: str, value: float, parts: Mapping[str, np.ndarray]) -> Param
 
 
 def entry_parameters(system: MechanicalSystem) -> Iterator[Parameter]:
-    """The entries of M, C and K that are not zero; of a symmetric matrix both of a pair together.
-
-    Args:
-        system: of arrays.
-
-    Returns:
-        One parameter for each, named as "stiffness[x1, x2]".
-    """
+    """The entries of M, C and K that are not zero; of a symmetric matrix both of a pair together."""
     for what in ("stiffness", "damping", "mass"):
         matrix = getattr(system, what)
         symmetric = is_symmetric(matrix)

@@ -343,15 +343,7 @@ def _entry(value: float) -> str:
 
 
 def sensitivities(system: MechanicalSystem, parameters=None) -> Sensitivities:
-    """The sensitivities to all parameters of a system, or to chosen ones.
-
-    Args:
-        system: of arrays.
-        parameters: names, or ``Parameter`` objects; all by default.
-
-    Returns:
-        See ``MechanicalSystem.sensitivities``.
-    """
+    """The sensitivities to all parameters of a system, or to chosen ones."""
     system._refuse_sparse("sensitivities")
     given = [parameters] if isinstance(parameters, (str, Parameter)) else parameters
     own = [one for one in given or () if isinstance(one, Parameter)]

@@ -80,15 +80,7 @@ class SlowBody:
 
 
 def is_modal(pencil: ReducedPencil, undamped: UndampedModes) -> bool:
-    """Whether C X = M X diag: damping leaves the undamped shapes alone, and does not couple them.
-
-    Args:
-        pencil: M and C, shape (r, r).
-        undamped: X, shape (r, m).
-
-    Returns:
-        Whether the residual is rounding error for each shape.
-    """
+    """Whether C X = M X diag: damping leaves the undamped shapes alone, and does not couple them."""
     X, sizes = undamped.vectors, abs(pencil.damping)
     for x in X.T if pencil.damping.nnz else ():
         forces = pencil.damping @ x
@@ -99,15 +91,7 @@ def is_modal(pencil: ReducedPencil, undamped: UndampedModes) -> bool:
 
 
 def damped_modes(pencil: ReducedPencil, undamped: UndampedModes) -> DampedModes:
-    """All zeros that the undamped modes lead to.
-
-    Args:
-        pencil: M, C, K on the free coordinates.
-        undamped: its undamped modes.
-
-    Returns:
-        One for each complex pair and each real eigenvalue.
-    """
+    """All zeros that the undamped modes lead to."""
     modal, body = is_modal(pencil, undamped), None
     quadratic = QuadraticPencil(pencil, undamped)
     if modal:
@@ -125,15 +109,7 @@ def damped_modes(pencil: ReducedPencil, undamped: UndampedModes) -> DampedModes:
 
 
 def modal_rates(pencil: ReducedPencil, undamped: UndampedModes) -> np.ndarray:
-    """x^T C x of each undamped shape, in 1/s, zero where it is rounding error.
-
-    Args:
-        pencil: C, shape (r, r).
-        undamped: X, shape (r, m).
-
-    Returns:
-        Shape (m,).
-    """
+    """x^T C x of each undamped shape, in 1/s, zero where it is rounding error."""
     X, C = undamped.vectors, pencil.damping
     rates, sizes = (X * times(C, X)).sum(axis=0), (np.abs(X) * times(abs(C), np.abs(X))).sum(axis=0)
     for i in np.flatnonzero(np.abs(rates) <= EPS**0.5 * sizes):
@@ -189,12 +165,7 @@ def _coupled(quadratic: QuadraticPencil) -> tuple[list[Pair], SlowBody | None]:
 
 
 def _slow_body(quadratic: QuadraticPencil, forces: np.ndarray, damped: np.ndarray) -> SlowBody | None:
-    """The only softly supported body, where its rates are far below those of all other motions.
-
-    Args:
-        forces: C X.
-        damped: which undamped shapes dampers act on.
-    """
+    """The only softly supported body, where its rates are far below those of all other motions."""
     pencil, undamped = quadratic.pencil, quadratic.undamped
     X, w2 = undamped.vectors, undamped.values
     soft = damped & (np.abs(w2) <= SOFT * abs(undamped.shift))
@@ -356,11 +327,7 @@ class _MixedSpace:
         return self.damping @ x + 2 * s * (self.mass @ x)
 
     def factors(self, s: complex) -> _Factors:
-        """The factors of P(s).
-
-        Raises:
-            IllConditioned: P(s) is singular.
-        """
+        """The factors of P(s)."""
         return _Factors(self.stiffness + s * (self.damping + s * self.mass))
 
 
@@ -375,11 +342,7 @@ class _Factors:
 
 
 def _mixed_space(pencil: ReducedPencil, undamped: UndampedModes, moving: np.ndarray, forces: np.ndarray) -> _MixedSpace:
-    """The space for the moving ones of the undamped shapes.
-
-    Args:
-        forces: C X.
-    """
+    """The space for the moving ones of the undamped shapes."""
     X, w2 = undamped.vectors[:, moving], undamped.values[moving]
     unit = float(np.abs(w2).max(initial=0.0)) ** 0.5 or 1.0  # the projected matrices are of one size then
     Y = unit * _caused(pencil, undamped, forces)

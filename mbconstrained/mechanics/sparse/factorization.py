@@ -47,20 +47,7 @@ class Factorization:
 
 
 def factorize(matrix: scipy.sparse.csc_array, rows: scipy.sparse.csr_array, describe, counted: bool = True) -> Factorization:
-    """Factorize a symmetric matrix (real or complex) bordered by sparse rows.
-
-    Args:
-        matrix: shape (r, r).
-        rows: L, shape (k, r).
-        describe: names for places of coordinates, for the error.
-        counted: whether the signs of the pivots shall be counted.
-
-    Returns:
-        The factors.
-
-    Raises:
-        SingularPolynomialMatrix: a pivot is no more than rounding.
-    """
+    """Factorize a symmetric matrix (real or complex) bordered by sparse rows."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", scipy.sparse.SparseEfficiencyWarning)

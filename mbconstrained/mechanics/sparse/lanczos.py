@@ -51,32 +51,12 @@ class RitzPairs:
 
 
 def largest_pairs(apply: Callable, mass, requested: int, locked: np.ndarray, block: int = BLOCK) -> RitzPairs:
-    """The pairs with the largest values of a self-adjoint positive map, outside of locked ones.
-
-    Args:
-        block: the number of vectors at once.
-        apply: w -> P^-1 w for columns w.
-        mass: M, sparse.
-        requested: the number of pairs.
-        locked: known vectors, M-orthonormal, shape (r, m).
-
-    Returns:
-        The converged pairs, or the best ones after so many restarts.
-    """
+    """The pairs with the largest values of a self-adjoint positive map, outside of locked ones."""
     return _Lanczos(apply, mass, requested, locked, block).run()
 
 
 def first_values(apply: Callable, mass, steps: int) -> np.ndarray:
-    """Estimates of the largest values from below, descending, by so many blocks.
-
-    Args:
-        apply: w -> P^-1 w for columns w.
-        mass: M, sparse, shape (r, r).
-        steps: the number of blocks.
-
-    Returns:
-        Shape (b,), one for each vector of the basis.
-    """
+    """Estimates of the largest values from below, descending, by so many blocks."""
     lanczos = _Lanczos(apply, mass, BLOCK * steps, np.zeros((mass.shape[0], 0)), BLOCK)
     fresh = lanczos._random()
     for _ in range(steps):

@@ -82,32 +82,13 @@ class ModeSpace:
         return product
 
     def initial_states(self, pencil: ReducedPencil, displacement, velocity) -> np.ndarray:
-        """y at 0+ from x and x' at 0-: y = G^T (M x' + C x) + B G^T M x, as impulses M x' + C x and M x delta' would start it.
-
-        Args:
-            pencil: M and C on the r free coordinates.
-            displacement, velocity: x and x' at 0-, shape (r,).
-
-        Returns:
-            Shape (d,), one for each state.
-        """
+        """y at 0+ from x and x' at 0-: y = G^T (M x' + C x) + B G^T M x, as impulses M x' + C x and M x delta' would start it."""
         momentum = (pencil.mass @ velocity + pencil.damping @ displacement)[:, None]
         return (self.modal_forces(momentum) + self.times_generator(self.modal_forces((pencil.mass @ displacement)[:, None])))[:, 0]
 
 
 def mode_space(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
-    """The space of undamped modes, or of the damped ones that they lead to.
-
-    Args:
-        pencil: M, C, K on the free coordinates.
-        undamped: its undamped modes.
-
-    Returns:
-        The space of their states.
-
-    Raises:
-        InputError: the damping is not symmetric.
-    """
+    """The space of undamped modes, or of the damped ones that they lead to."""
     if asymmetry(pencil.damping)[0]:
         raise InputError(
             "damping: it is not symmetric; the motion of large sparse systems needs symmetric damping; its modes can be had, and "

@@ -94,23 +94,11 @@ class ReducedPencil:
         return self._undamped[count]
 
     def shifted(self, shift: float, counted: bool = True) -> Factorization:
-        """The factors of K - shift M.
-
-        Args:
-            shift: s, in 1/s^2.
-            counted: whether the eigenvalues below s are counted.
-
-        Returns:
-            The factors.
-        """
+        """The factors of K - shift M."""
         return factorize(scipy.sparse.csc_array(self.stiffness - shift * self.mass), self.rows, self.described, counted)
 
     def below_all(self) -> tuple[float, Factorization]:
-        """A shift below all eigenvalues, and the factors there.
-
-        Raises:
-            InputError: there is none, as a massless coordinate has negative stiffness.
-        """
+        """A shift below all eigenvalues, and the factors there."""
         shift = -FIRST_SHIFT * self.typical
         for _ in range(FARTHEST):
             factors = self.shifted(shift)
@@ -124,20 +112,7 @@ class ReducedPencil:
 
 
 def reduced_pencil(mass, damping, stiffness, constraints: Sequence[Constraint], names: Sequence[str]) -> ReducedPencil:
-    """Eliminate the constraint rows of a system of sparse matrices and project its matrices.
-
-    Args:
-        mass, damping, stiffness: sparse, shape (n, n).
-        constraints: rows at position level.
-        names: of the n coordinates.
-
-    Returns:
-        The matrices on the r free coordinates.
-
-    Raises:
-        ContradictoryConstraints: dependent rows with different values.
-        InputError: unsymmetric mass or stiffness, rows at another level than position, no coordinate left free.
-    """
+    """Eliminate the constraint rows of a system of sparse matrices and project its matrices."""
     mass, stiffness = symmetric(mass, "mass", names), symmetric(stiffness, "stiffness", names)
     rows = sparse_rows(constraints, mass.shape[0])
     elimination = eliminate(rows)
@@ -242,18 +217,7 @@ class Elimination:
 
 
 def eliminate(rows: SparseRows, longest: int = LONGEST) -> Elimination:
-    """Solve the rows for one coordinate each.
-
-    Args:
-        rows: A x = b, shape (k, n).
-        longest: rows with more entries are kept.
-
-    Returns:
-        The solution x = N y + x_0.
-
-    Raises:
-        ContradictoryConstraints: a redundant row with another value.
-    """
+    """Solve the rows for one coordinate each."""
     A, size = rows.matrix, rows.matrix.shape[1]
     lengths = np.diff(A.indptr)
     kept = np.flatnonzero(lengths > longest)

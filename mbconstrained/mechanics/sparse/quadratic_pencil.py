@@ -86,15 +86,7 @@ class Pair:
 
 
 def gap(values: np.ndarray, place: int) -> float:
-    """How far the nearest other one of some zeros lies, conjugates included.
-
-    Args:
-        values: in 1/s, shape (m,).
-        place: of one of them.
-
-    Returns:
-        A distance in 1/s.
-    """
+    """How far the nearest other one of some zeros lies, conjugates included."""
     others = np.delete(values, place)
     distances = np.abs(np.concatenate([others, np.conj(values)]) - values[place])
     return float(distances[distances > 0].min(initial=abs(values[place])))
@@ -104,14 +96,6 @@ def newton(quadratic, estimate: Pair, room: float) -> Pair:
     """The pair that Newton's method makes of an estimate.
 
     With a value wrong by a part p of the gap the vector was wrong by p^(1/2), and is by p^(3/2) after a step.
-
-    Args:
-        estimate: the pair to start from.
-        quadratic: has ``slope(s, x)`` for P'(s) x, and ``factors(s).solve``.
-        room: the gap to the next zero.
-
-    Returns:
-        The refined pair.
     """
     value, x, moved, converged = estimate.value, estimate.vector.astype(complex), np.inf, True
     real = value.imag == 0
@@ -196,11 +180,7 @@ class QuadraticPencil:
         return 2 * band + whole.indices + 3 * band * column, (3 * band + 1) * whole.shape[0]
 
     def factors(self, s: complex) -> Factorization:
-        """The factors of P(s), with the rows that were not eliminated.
-
-        Raises:
-            IllConditioned: P(s) is singular, or its pivots cannot be trusted.
-        """
+        """The factors of P(s), with the rows that were not eliminated."""
         whole, (stiffness, damping, mass) = self._pattern
         data = stiffness + s * (damping + s * mass)
         try:
@@ -219,40 +199,16 @@ class QuadraticPencil:
         return Factorization(ordered, None, reach, scipy.linalg.lu_factor(rows @ reach), rows)
 
     def applied(self, s: complex, x: np.ndarray) -> np.ndarray:
-        """P(s) x.
-
-        Args:
-            s: in 1/s.
-            x: shape (r,).
-
-        Returns:
-            Shape (r,).
-        """
+        """P(s) x."""
         static, damping, inertia = (_product(part, x) for part in (self.pencil.stiffness, self.pencil.damping, self.pencil.mass))
         return static + s * (damping + s * inertia)
 
     def slope(self, s: complex, x: np.ndarray) -> np.ndarray:
-        """(2 s M + C) x.
-
-        Args:
-            s: in 1/s.
-            x: shape (r,).
-
-        Returns:
-            Shape (r,).
-        """
+        """(2 s M + C) x."""
         return _product(self.pencil.damping, x) + 2 * s * _product(self.pencil.mass, x)
 
     def residual(self, s: complex, x: np.ndarray) -> Residual:
-        """The residual of P(s) x = 0.
-
-        Args:
-            s: in 1/s.
-            x: shape (r,).
-
-        Returns:
-            The residual with the sizes of its terms.
-        """
+        """The residual of P(s) x = 0."""
         size = np.abs(x)
         terms = sum(abs(s) ** power * (part @ size) for power, part in enumerate(self._sizes))
         static, damping, inertia = (_product(part, x) for part in (self.pencil.stiffness, self.pencil.damping, self.pencil.mass))

@@ -15,19 +15,7 @@ from ..constraints import Constraint, row_names
 
 
 def square_sparse(value, what: str, size: int | None = None) -> scipy.sparse.csc_array:
-    """A square real sparse matrix without stored zeros; None is a zero matrix.
-
-    Args:
-        value: a sparse or dense matrix, or None.
-        what: its name, for messages.
-        size: the expected number of rows.
-
-    Returns:
-        Shape (n, n), compressed by columns.
-
-    Raises:
-        InputError: not square, another size, entries that are complex or not finite.
-    """
+    """A square real sparse matrix without stored zeros; None is a zero matrix."""
     if value is None:
         return scipy.sparse.csc_array((size, size))
     matrix = _sparse_entries(value, what)
@@ -69,19 +57,7 @@ def asymmetry(matrix: scipy.sparse.csc_array) -> tuple[float, tuple[int, int]]:
 
 
 def symmetric(matrix: scipy.sparse.csc_array, what: str, names) -> scipy.sparse.csc_array:
-    """Its symmetric part, where no more than rounding is lost.
-
-    Args:
-        matrix: shape (n, n).
-        what: its name, for messages.
-        names: of the n coordinates.
-
-    Returns:
-        Shape (n, n).
-
-    Raises:
-        InputError: it is not symmetric.
-    """
+    """Its symmetric part, where no more than rounding is lost."""
     largest, (row, column) = asymmetry(matrix)
     if largest:
         raise InputError(
@@ -96,15 +72,7 @@ FEW_ROWS = 5000
 
 
 def times(matrix, columns: np.ndarray) -> np.ndarray:
-    """A sparse real matrix times dense columns, one by one: SciPy's product with many at once is several times slower.
-
-    Args:
-        matrix: sparse and real, shape (m, n).
-        columns: shape (n, p).
-
-    Returns:
-        Shape (m, p).
-    """
+    """A sparse real matrix times dense columns, one by one: SciPy's product with many at once is several times slower."""
     if matrix.shape[0] <= FEW_ROWS:
         return np.asfortranarray(matrix @ columns)
     product = np.empty((matrix.shape[0], columns.shape[1]), dtype=np.result_type(matrix.dtype, columns.dtype), order="F")
@@ -122,14 +90,6 @@ def quadratic_form(matrix, x: np.ndarray, rounding: float = EPS) -> float:
     Summed in extended precision as (sum of row i) x_i^2 and -A_ij (x_i - x_j)^2, in which nothing cancels of a structure that moves
     as a whole: an error of x enters by its square, and the rounding errors of entries as that of independent numbers. A soft support of a
     large free structure so counts as what it is.
-
-    Args:
-        matrix: A, sparse and real, shape (n, n).
-        x: shape (n,).
-        rounding: the relative errors of the entries.
-
-    Returns:
-        The value.
     """
     entries, extended = matrix.tocoo(), x.astype(np.longdouble)
     row, column, data = entries.row, entries.col, entries.data.astype(np.longdouble)
@@ -141,15 +101,7 @@ def quadratic_form(matrix, x: np.ndarray, rounding: float = EPS) -> float:
 
 
 def combined(basis: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-    """Real columns times complex coordinates, for which they need not become complex themselves.
-
-    Args:
-        basis: real, shape (n, m).
-        coordinates: complex, shape (m, p).
-
-    Returns:
-        Shape (n, p).
-    """
+    """Real columns times complex coordinates, for which they need not become complex themselves."""
     product = np.empty((len(basis), coordinates.shape[1]), dtype=complex, order="F")
     product.real, product.imag = basis @ coordinates.real, basis @ coordinates.imag
     return product
@@ -170,32 +122,13 @@ class SparseRows:
     names: tuple[str, ...]
 
     def quoted(self, places: Sequence[int], most: int = 3) -> str:
-        """The names of some rows in words.
-
-        Args:
-            places: of the rows.
-            most: how many are named.
-
-        Returns:
-            The names in quotation marks.
-        """
+        """The names of some rows in words."""
         names = [f'"{self.names[place]}"' for place in places[:most]]
         return " and ".join(names) + (f" and {len(places) - most} more" if len(places) > most else "")
 
 
 def sparse_rows(constraints: Sequence[Constraint], size: int) -> SparseRows:
-    """The rows of all constraints of a system with ``size`` coordinates.
-
-    Args:
-        constraints: of a system.
-        size: the number n of coordinates.
-
-    Returns:
-        The rows, shape (k, n).
-
-    Raises:
-        InputError: rows at another level than position, prescribed motions, names used twice.
-    """
+    """The rows of all constraints of a system with ``size`` coordinates."""
     for constraint in constraints:
         if constraint.level != "position":
             raise InputError(

@@ -67,20 +67,7 @@ class SparseModes(Modes):
 
 
 def sparse_modes(pencil: ReducedPencil, count: int, damped: bool) -> SparseModes:
-    """The modes of lowest frequency of a system of sparse matrices.
-
-    Args:
-        pencil: its matrices on the free coordinates.
-        count: the number of undamped modes, each with all its damped ones.
-        damped: whether eigenvalues of s^2 M + s C + K are computed, otherwise those of s^2 M + K.
-
-    Returns:
-        The modes, ascending by |s|.
-
-    Raises:
-        InputError: negative stiffness of a massless coordinate.
-        SingularPolynomialMatrix: coordinates with neither mass nor stiffness; the text names them.
-    """
+    """The modes of lowest frequency of a system of sparse matrices."""
     undamped = pencil.undamped(count)
     if damped:
         return _damped(pencil, undamped, damped_modes(pencil, undamped), count)

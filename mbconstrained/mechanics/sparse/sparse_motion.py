@@ -68,11 +68,7 @@ class SparseMotion(SystemMotion, Displayed):
         return (notice_table(self.notices),)
 
     def __call__(self, times) -> np.ndarray:
-        """x at a time (-> (n,)) or at times (T,) (-> (n, T)), in m or rad; t >= 0, t = 0 means 0+.
-
-        Raises:
-            InputError: negative times.
-        """
+        """x at a time (-> (n,)) or at times (T,) (-> (n, T)), in m or rad; t >= 0, t = 0 means 0+."""
         values = self.shapes @ self.amplitudes(times)
         return values + (self.offset if values.ndim == 1 else self.offset[:, None])
 
@@ -80,11 +76,7 @@ class SparseMotion(SystemMotion, Displayed):
         return self.shapes @ self.amplitudes.derivative(order)(times) if order else self(times)
 
     def of(self, *coordinates: str | int) -> BohlFunction:
-        """The function of some coordinates only, by name or number from 0, a row for each: no other is computed.
-
-        Raises:
-            InputError: no such coordinate.
-        """
+        """The function of some coordinates only, by name or number from 0, a row for each: no other is computed."""
         places = places_of(coordinates, self.names, "coordinate")
         function = self.amplitudes.mapped(self.shapes[places])
         offset = self.offset[places]
@@ -97,14 +89,7 @@ class SparseMotion(SystemMotion, Displayed):
         return tuple(pencil.constraints.names[place] for place in pencil.independent)
 
     def reaction(self, times) -> np.ndarray:
-        """The multipliers lambda of the independent constraint rows, M x'' + C x' + K x = f + A^T lambda; without those of x_rest.
-
-        Args:
-            times: in s, a number or shape (T,), t >= 0.
-
-        Returns:
-            Shape (k,) or (k, T), a row for each of ``row_names``, in N or N m.
-        """
+        """The multipliers lambda of the independent constraint rows, M x'' + C x' + K x = f + A^T lambda; without those of x_rest."""
         return self.reaction_function(times)
 
     @cached_property
@@ -127,12 +112,6 @@ class SparseMotion(SystemMotion, Displayed):
 
         Rounding errors of M, C, K change the eigenvalues, and so the phases by their error times t, and what the springs of a free
         body leave of their sums moves it in the end; sums and shapes add their own.
-
-        Args:
-            times: in s, a number or shape (T,).
-
-        Returns:
-            A number without unit.
         """
         times = np.atleast_1d(times)
         parts, own = np.abs(self.amplitudes(times)), len(self.space.places)
@@ -165,17 +144,7 @@ class SparseMotion(SystemMotion, Displayed):
 
 
 def sparse_motion(system: MechanicalSystem, start: np.ndarray, applied: ImpulsiveSmooth, count: int) -> SparseMotion:
-    """The motion from x(0-), x'(0-) in the rows of start, shape (2, n).
-
-    Args:
-        system: of sparse matrices, n coordinates.
-        start: x(0-), x'(0-) in its rows, shape (2, n).
-        applied: all forces, n rows.
-        count: the number of modes.
-
-    Returns:
-        The motion in these modes.
-    """
+    """The motion from x(0-), x'(0-) in the rows of start, shape (2, n)."""
     if any(impulse.any() for impulse in applied.impulses) or applied.later:
         raise InputError(
             "force: Dirac impulses are not available for sparse matrices; give the velocity that the impulse causes, or a pulse"
@@ -230,11 +199,7 @@ def _notices(rest: Remainder, space: ModeSpace, count: int):
 
 
 def _free_start(pencil: ReducedPencil, start: np.ndarray, offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """x - x_0 and x' at 0- on the free coordinates.
-
-    Raises:
-        InputError: they violate a constraint, so that they would jump.
-    """
+    """x - x_0 and x' at 0- on the free coordinates."""
     A, names = pencil.constraints.matrix, pencil.constraints.names
     free = []
     for what, given, constant, values in (

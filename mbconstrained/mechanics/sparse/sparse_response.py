@@ -48,23 +48,7 @@ DEPENDENT = EPS**0.5
 def sparse_harmonic(
     system: MechanicalSystem, inputs, outputs, order: int, quantity: str, modal_damping, loss_factor, count: int
 ) -> Harmonic:
-    """The reduced equations with the bound.
-
-    Args:
-        system: of sparse matrices.
-        inputs, outputs: names of coordinates.
-        order: of the derivative of the outputs.
-        quantity: its name.
-        modal_damping: ratios of the modes, in addition to C; one for all of them or one for each.
-        loss_factor: of the whole stiffness.
-        count: the number of modes.
-
-    Returns:
-        The matrices.
-
-    Raises:
-        InputError: unknown names, none, damping that is not symmetric.
-    """
+    """The reduced equations with the bound."""
     places = {name: i for i, name in enumerate(system.names)}
     for what, chosen in (("inputs", inputs), ("outputs", outputs)):
         if chosen is None:
@@ -190,14 +174,7 @@ class _Residuals(LeftOut):
         return (gram + gram.T) / 2, np.abs(columns).T @ np.abs(solved) + np.abs(along) @ np.abs(inner).T
 
     def bound(self, omega: np.ndarray) -> np.ndarray:
-        """Of |C A^-1 B| without the factor (i w)^p, shape (p, m, F).
-
-        Args:
-            omega: w in rad/s, shape (F,), below that of all modes that are left out.
-
-        Returns:
-            Upper bounds of the absolute errors.
-        """
+        """Of |C A^-1 B| without the factor (i w)^p, shape (p, m, F)."""
         reduced, sizes, (gram, terms) = self.reduced, [], self._gram
         modes, shift = len(reduced.undamped.values), reduced.undamped.shift
         structural = 1.0 if self.imaginary is None else 1 + 1j * self.imaginary[0, 0] / self.coefficients[0, 0, 0]

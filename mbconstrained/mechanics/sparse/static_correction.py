@@ -45,18 +45,7 @@ class StaticCorrection:
         return forces - times(pencil.mass, turned + along @ generator) - times(pencil.damping, along)
 
     def followed(self, forces: np.ndarray, blocks) -> np.ndarray:
-        """X for D and the diagonal blocks of J, one column of a block after the other in its Schur form.
-
-        Args:
-            forces: D, shape (r, s).
-            blocks: the diagonal blocks of J, s rows in all.
-
-        Returns:
-            X, shape (r, s).
-
-        Raises:
-            InputError: a left-out mode is in resonance with the force, or free.
-        """
+        """X for D and the diagonal blocks of J, one column of a block after the other in its Schur form."""
         correction = np.zeros(forces.shape)
         if not blocks:
             return correction
@@ -78,16 +67,7 @@ class StaticCorrection:
         return columns
 
     def solved(self, s: complex, right: np.ndarray, size: float = 0.0) -> np.ndarray:
-        """x with P(s) x = right, refined; right is known to rounding errors of this size.
-
-        Args:
-            s: in 1/s.
-            right: d, shape (r,).
-            size: of the terms that d is a sum of.
-
-        Returns:
-            x, shape (r,).
-        """
+        """x with P(s) x = right, refined; right is known to rounding errors of this size."""
         solve, size = self._solver(s), max(np.linalg.norm(right), size)
         solution, rest, before = np.zeros(right.shape, dtype=complex), self._residual(right.astype(complex)), np.inf
         for _ in range(MOST_STEPS):
@@ -160,18 +140,7 @@ class Remainder:
 
 
 def remainder(left: StaticCorrection, displacement, velocity, amplitudes: Amplitudes, followed, smooth: BohlFunction) -> Remainder:
-    """The bound for a start, and a force that changes at knots.
-
-    Args:
-        left: the static correction.
-        displacement, velocity: x - x_0 and x' at 0-, shape (r,).
-        amplitudes: of the kept modes.
-        followed: X, shape (r, s).
-        smooth: the force.
-
-    Returns:
-        The bound, in J^(1/2).
-    """
+    """The bound for a start, and a force that changes at knots."""
     pencil, space, restarts = left.pencil, left.space, smooth.restarts
     generator = smooth.generator
     z, jumps = restarts.states[:, 0], restarts.jumps[:, 1:]

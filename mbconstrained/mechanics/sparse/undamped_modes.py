@@ -86,19 +86,7 @@ class UndampedModes:
 
 
 def undamped_modes(pencil: ReducedPencil, count: int) -> UndampedModes:
-    """The ``count`` modes of lowest w^2, or all there are.
-
-    Args:
-        pencil: M and K on the r free coordinates.
-        count: how many.
-
-    Returns:
-        The modes, ascending by w^2.
-
-    Raises:
-        InputError: no lowest w^2 exists.
-        SingularPolynomialMatrix: coordinates with neither mass nor stiffness.
-    """
+    """The ``count`` modes of lowest w^2, or all there are."""
     _check_mass(pencil)
     dense = pencil.size <= DENSE or 3 * count > pencil.size
     shift, factors = _settled(pencil, *pencil.below_all())
@@ -282,15 +270,7 @@ def _is_rigid(pencil: ReducedPencil, x: np.ndarray, forces: np.ndarray, sizes: n
 
 
 def balanced(pencil: ReducedPencil, forces: np.ndarray) -> np.ndarray:
-    """Forces on the free coordinates without the part that the long rows balance.
-
-    Args:
-        pencil: with its long rows L.
-        forces: shape (r,).
-
-    Returns:
-        Shape (r,).
-    """
+    """Forces on the free coordinates without the part that the long rows balance."""
     if not pencil.rows.shape[0]:
         return forces
     rows = pencil.rows

@@ -77,18 +77,7 @@ def effective_masses(
 ) -> EffectiveMasses:
     """From the inertial loads h of unit accelerations of the base.
 
-        sum of Gamma_i^2 = h^T V (V^T M V)^+ V^T h,      V a basis of the motions that the constraint rows allow
-
-    Args:
-        system: of arrays.
-        directions, units: of the base's motion.
-        loads: h, shape (n, d).
-
-    Returns:
-        The ``EffectiveMasses``.
-
-    Raises:
-        InputError: unsymmetric M or K.
+    sum of Gamma_i^2 = h^T V (V^T M V)^+ V^T h,      V a basis of the motions that the constraint rows allow
     """
     check_orthogonal("effective masses", system.mass, system.stiffness)
     modes = system.modes(damped=False)
@@ -101,18 +90,7 @@ def effective_masses(
 
 
 def loads_of_rows(system: MechanicalSystem, base) -> tuple[tuple[str, ...], list[str], np.ndarray]:
-    """The inertial loads M r of unit motions r of rows.
-
-    Args:
-        system: with constraint rows that move the supports.
-        base: names of rows, each a direction of its own; or names of rows that move together by a name; None for all rows.
-
-    Returns:
-        Names of the directions, units of the masses, and the loads, shape (n, d).
-
-    Raises:
-        InputError: unknown rows, a system without rows.
-    """
+    """The inertial loads M r of unit motions r of rows."""
     rows = [row.name for row in system.rows]
     names = rows if base is None else base if isinstance(base, Iterable) and not isinstance(base, str) else [base]
     groups = {name: [name] for name in names} if not isinstance(names, Mapping) else names

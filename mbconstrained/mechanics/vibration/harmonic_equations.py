@@ -76,33 +76,6 @@ def frequency_response(
 ) -> FrequencyResponse:
     """The steady answer to harmonic loads: f e^{+i w t} gives H(i w) f e^{+i w t}, entry by entry with an error estimate.
 
-    Args:
-        system: of arrays or of sparse matrices.
-        frequencies_hz: shape (F,); "auto" places them by the poles, so that no peak is missed.
-        inputs: names of coordinates, each a force on it (N, N m), or of constraint rows, each its prescribed motion b at the
-            level of the row; all coordinates by default.
-        outputs: names of coordinates, of constraint rows for reactions, of springs and dampers for their forces, positive in tension (with
-            receptances and transmissibilities, too); all by default.
-        quantity: "receptance" x/f, "mobility" x'/f, "accelerance" x''/f; their inverses "dynamic stiffness", "impedance" and
-            "apparent mass", the forces at the inputs for a unit motion of one output, the other outputs at rest and all other
-            coordinates free (shape (inputs, outputs, F)); "transmissibility" x by a prescribed motion of a row, both
-            displacements; "reaction" of constraint rows; "force" of springs and dampers.
-        modal_damping: damping ratios in addition to C: one for all modes, or one for each, ascending by frequency.
-        loss_factor: eta of structural damping, K (1 + i eta), of the whole model or by name of the springs, in place of those that
-            the springs of a lumped model have. It exists for harmonic motion only: in time it would answer before the load.
-        relative_to: a coordinate or a constraint row, such as a moving base: its motion is subtracted from the outputs of its
-            unit. "ground" is absolute motion.
-        count: of sparse matrices alone, the number of modes of lowest frequency, 50 by default; static corrections stand for the others,
-            and ``error_estimate`` contains a bound of what is left out (``mechanics.sparse.sparse_response``).
-
-    Returns:
-        A ``FrequencyResponse``: ``values`` (outputs, inputs, F), ``error_estimate``, ``poles``, ``residues``, ``peaks``, ...
-
-    Raises:
-        InputError: unknown names, a quantity that does not fit, frequencies that are negative; of sparse matrices
-            frequencies beyond the computed modes.
-        SingularPolynomialMatrix: the motion is not determined.
-
     >>> from mbconstrained import Constraint, MechanicalSystem
     >>> isolated = MechanicalSystem([[1.0, 0.0], [0.0, 0.0]], [[0.1, -0.1], [-0.1, 0.1]], [[4.0, -4.0], [-4.0, 4.0]],
     ...     [Constraint([0, 1], names="base")], names=["machine", "floor"])
@@ -115,14 +88,7 @@ def frequency_response(
 
 
 def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to=None, count=None) -> Harmonic:
-    """The matrices of one response; arguments as of ``frequency_response``.
-
-    Args:
-        system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count: as there.
-
-    Returns:
-        The matrices.
-    """
+    """The matrices of one response; arguments as of ``frequency_response``."""
     if quantity not in QUANTITIES:
         raise InputError(
             f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
@@ -177,17 +143,7 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
 
 
 def with_element_forces(system, equations, elements: Mapping[str, ElementForce], loss_factor):
-    """Equations with the forces F of springs and dampers as more unknowns, F - (k (1 + i eta) + c s) a x = 0.
-
-    Args:
-        system: with n coordinates.
-        equations: its coefficients, their imaginary part and their sizes, as of ``saddle_point``.
-        elements: by name.
-        loss_factor: eta of all springs, or by name, else that of the system.
-
-    Returns:
-        The three, with a row and a column for each element.
-    """
+    """Equations with the forces F of springs and dampers as more unknowns, F - (k (1 + i eta) + c s) a x = 0."""
     coefficients, imaginary, sizes = equations
     n, size, count = system.size, len(coefficients[0]), len(elements)
     rows = np.array([[one.stiffness * one.elongation for one in elements.values()]])
@@ -264,16 +220,7 @@ def _unit(output: Channel, input: Channel, quantity: Quantity, levels: Sequence[
 def saddle_point(
     system: MechanicalSystem, levels: Sequence[int], modal_damping=None, loss_factor=None
 ) -> tuple[list[np.ndarray], np.ndarray | None, np.ndarray | None]:
-    """K, C, M with the constraint rows, the imaginary part of K, and sizes of terms where damping is computed from modes.
-
-    Args:
-        system: with n coordinates and k rows.
-        levels: the order of the derivative in each row.
-        modal_damping, loss_factor: as of ``frequency_response``.
-
-    Returns:
-        Coefficients of shape (n + k, n + k), and None where there is no imaginary part, or no such sizes.
-    """
+    """K, C, M with the constraint rows, the imaginary part of K, and sizes of terms where damping is computed from modes."""
     n, A, k = system.size, system.constraint_matrix, len(system.rows)
     damping, damping_sizes = system.damping, None
     if modal_damping is not None:
@@ -293,15 +240,7 @@ def saddle_point(
 
 
 def structural_damping(system: MechanicalSystem, loss_factor) -> np.ndarray | None:
-    """H in K + i H, shape (n, n); None without structural damping.
-
-    Args:
-        system: with stiffness and its parts.
-        loss_factor: of the whole stiffness, or by name of its parts (springs); those that are not named have their own, if any.
-
-    Returns:
-        The matrix, or None.
-    """
+    """H in K + i H, shape (n, n); None without structural damping."""
     if loss_factor is not None and not isinstance(loss_factor, Mapping):
         return real_number(loss_factor, "loss_factor", minimum=0.0) * system.stiffness
     loss_factor = {**system.loss_factors, **(loss_factor or {})}

@@ -85,19 +85,6 @@ class Peaks(Displayed):
 def peaks(motion: Motion, end: float, of: str = "displacement", combinations=None, names: Sequence[str] | None = None) -> Peaks:
     """Exact extrema of a motion on [0, end], none missed: branch and bound over the closed form (``frequency.shock.extrema``).
 
-    Args:
-        motion: of a system of arrays.
-        end: in s.
-        of: "displacement", "velocity", "acceleration", "reaction", or "elongation" or "force" of the springs and dampers, positive in tension.
-        combinations: a matrix (p, r) of what is combined, such as the elongation of a spring; each coordinate, row or element by default.
-        names: of the combinations.
-
-    Returns:
-        ``Peaks``.
-
-    Raises:
-        InputError: an end that is no positive number, an unknown quantity.
-
     >>> import mbconstrained as mb
     >>> motion = mb.MechanicalSystem([[1.0]], None, [[4.0]]).solve(velocity=[3.0])
     >>> peaks(motion, 1.0).maximum.round(12), peaks(motion, 1.0).extrema.maximum_time.round(9)
@@ -209,22 +196,7 @@ def modal_combination(
     damping_ratio: float = 0.05,
     combination: str = "CQC",
 ) -> ModalCombination:
-    """Response spectrum analysis: participation factors, effective masses, peaks by SRSS or CQC.
-
-    Args:
-        system: with constraint rows that move the supports.
-        spectrum: a ``ShockResponseSpectrum`` of pseudo-acceleration or absolute acceleration, a function of the frequency in Hz, or a table (f, S_a) in
-            Hz and m/s^2, interpolated on logarithmic axes.
-        base: names of the rows that move together by one unit; all rows by default.
-        damping_ratio: of all modes, for the correlation of CQC.
-        combination: "CQC" (Der Kiureghian, Earthquake Engineering and Structural Dynamics 9, 1981) or "SRSS".
-
-    Returns:
-        A ``ModalCombination``.
-
-    Raises:
-        InputError: unknown rows, a system without rows, a spectrum that does not reach a frequency.
-    """
+    """Response spectrum analysis: participation factors, effective masses, peaks by SRSS or CQC."""
     together = [row.name for row in system.rows] if base is None else [base] if isinstance(base, str) else list(base)
     loads = loads_of_rows(system, {"base": together})[2]
     if combination not in COMBINATIONS:

@@ -38,23 +38,6 @@ def random_response(
 ) -> RandomResponse:
     """The stationary response to random forces and random motions of supports.
 
-    Args:
-        system: of arrays.
-        excitation: spectra (``mb.psd``, ``mb.white_noise``, ...) by the names of coordinates, for forces on them, or of constraint rows, for their
-            prescribed motions; a coordinate that a row prescribes may stand for the row. Pairs of names have complex cross spectra.
-        outputs: names of coordinates, of constraint rows for reactions, of springs and dampers for forces; all by default.
-        quantity: "displacement", "velocity", "acceleration", "reaction", or "force" of springs and dampers, which is proportional to a stress.
-        relative_to: a coordinate, or a row that prescribes one, whose motion is subtracted from the outputs.
-        modal_damping, loss_factor: as of ``frequency_response``.
-        coherence: ordinary coherence of the inputs, a number or by pairs of names; they are independent by default.
-        delays: in s by name of the input, for supports that follow the same process.
-
-    Returns:
-        A ``RandomResponse``: ``rms``, ``covariance``, ``moment(k)``, ``psd(f)``, ``infinite``, ...
-
-    Raises:
-        InputError: unknown names, spectra of forces on rows or of motions on free coordinates, sparse matrices.
-
     Base acceleration of a single oscillator, E[a^2] = pi f_n W (1 + 4 z^2) / (4 z) (Crandall and Mark 1963):
 
     >>> import mbconstrained as mb

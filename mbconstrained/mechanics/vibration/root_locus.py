@@ -69,16 +69,7 @@ class RootLocus(Displayed):
 
 
 def root_locus(system: MechanicalSystem, parameter: str | Parameter, values) -> RootLocus:
-    """The root locus of a system over a parameter on which its matrices depend linearly.
-
-    Args:
-        system: of arrays.
-        parameter: a name or a ``Parameter``.
-        values: p, ascending, shape (P,).
-
-    Returns:
-        See ``MechanicalSystem.root_locus``.
-    """
+    """The root locus of a system over a parameter on which its matrices depend linearly."""
     system._refuse_sparse("root_locus")
     if not isinstance(parameter, Parameter):
         known = {one.name: one for one in system.parameters()}
@@ -95,20 +86,7 @@ def root_locus(system: MechanicalSystem, parameter: str | Parameter, values) -> 
 def root_locus_of(
     name: str, unit: str, values, build: Callable[[float], MechanicalSystem], slope: Callable[[float], Parameter]
 ) -> RootLocus:
-    """The root locus of systems that depend on a parameter in any smooth way.
-
-    Args:
-        name, unit: of the parameter.
-        values: p, ascending, shape (P,).
-        build: makes the system of p.
-        slope: makes the parameter with the derivatives at p.
-
-    Returns:
-        The root locus.
-
-    Raises:
-        InputError: constraint rows that change with the parameter.
-    """
+    """The root locus of systems that depend on a parameter in any smooth way."""
     values = _ascending(values)
     first = build(float(values[0]))
     V = _basis(first, slope(float(values[0])))
@@ -140,16 +118,7 @@ def _linear(at: Callable[[float], np.ndarray], low: float, high: float) -> Famil
 
 
 def locus_of(name: str, unit: str, values, family: Family) -> RootLocus:
-    """The root locus of a family.
-
-    Args:
-        name, unit: of the parameter.
-        values: p, ascending, shape (P,).
-        family: A(s; p).
-
-    Returns:
-        The root locus.
-    """
+    """The root locus of a family."""
     values = _ascending(values)
     with short_work(2 * len(family.pattern)):
         branches = followed(family, values)

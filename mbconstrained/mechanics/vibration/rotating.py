@@ -164,15 +164,7 @@ def direction(whirl: float) -> str:
 
 
 def whirl_of(system: MechanicalSystem, shapes: np.ndarray) -> np.ndarray:
-    """See ``Campbell.whirl``.
-
-    Args:
-        system: the rotor.
-        shapes: shape (n, m).
-
-    Returns:
-        Shape (m,).
-    """
+    """See ``Campbell.whirl``."""
     form_matrix = system.gyroscopic if system.whirl_matrix is None else system.whirl_matrix
     if form_matrix is None:
         return np.zeros(shapes.shape[1])
@@ -184,15 +176,7 @@ def whirl_of(system: MechanicalSystem, shapes: np.ndarray) -> np.ndarray:
 
 
 def campbell(system: MechanicalSystem, speeds) -> Campbell:
-    """The eigenvalues over the speed.
-
-    Args:
-        system: the rotor at rest.
-        speeds: in rad/s, ascending, shape (S,).
-
-    Returns:
-        See ``MechanicalSystem.campbell``.
-    """
+    """The eigenvalues over the speed."""
     speeds = real_array(speeds, "speeds", shape=(None,))
     if len(speeds) < 2 or not (np.diff(speeds) > 0).all():
         raise InputError(
@@ -222,15 +206,7 @@ def campbell(system: MechanicalSystem, speeds) -> Campbell:
 
 
 def critical_points(system: MechanicalSystem, order: float = 1.0) -> list[CriticalSpeed]:
-    """See ``MechanicalSystem.critical_speeds``; each with its mode, ascending.
-
-    Args:
-        system: the rotor.
-        order: n > 0.
-
-    Returns:
-        The critical speeds.
-    """
+    """See ``MechanicalSystem.critical_speeds``; each with its mode, ascending."""
     order = real_number(order, "order", minimum=0.0)
     if not order:
         raise InputError("order: found 0; expected a positive number, 1 for unbalance")

@@ -49,15 +49,7 @@ class SpeedTable:
 
 
 def at_speed(system: MechanicalSystem, speed: float) -> MechanicalSystem:
-    """The rotor at a constant speed.
-
-    Args:
-        system: the rotor at rest.
-        speed: in rad/s.
-
-    Returns:
-        See ``MechanicalSystem.at_speed``.
-    """
+    """The rotor at a constant speed."""
     speed = real_number(speed, "speed")
     check_rotor(system, speed)
     stiffness, damping, mass = system.given
@@ -76,15 +68,7 @@ def at_speed(system: MechanicalSystem, speed: float) -> MechanicalSystem:
 
 
 def check_rotor(system: MechanicalSystem, *speeds: float) -> None:
-    """A system of arrays that depends on a speed.
-
-    Args:
-        system: to be checked.
-        speeds: at which its matrices are needed.
-
-    Raises:
-        InputError: it is sparse, nothing of it turns, a speed beyond the table of a bearing.
-    """
+    """A system of arrays that depends on a speed."""
     system._refuse_sparse("rotation")
     if not system.turns:
         raise InputError(
@@ -101,32 +85,14 @@ def check_rotor(system: MechanicalSystem, *speeds: float) -> None:
 
 
 def unbalance_of(first: int, second: int, moment: float, angle: float, size: int) -> np.ndarray:
-    """The unbalance u of an eccentric mass, whose force is W^2 Re(u e^{i W t}) = moment W^2 (cos(W t + angle), sin(W t + angle)).
-
-    Args:
-        first, second: the displacements in two planes, the shaft turning from the first to the second.
-        moment: mass times eccentricity, in kg m.
-        angle: from the first towards the second at t = 0, in rad.
-        size: the number n of coordinates.
-
-    Returns:
-        Complex, shape (n,).
-    """
+    """The unbalance u of an eccentric mass, whose force is W^2 Re(u e^{i W t}) = moment W^2 (cos(W t + angle), sin(W t + angle))."""
     u = np.zeros(size, dtype=complex)
     u[[first, second]] = np.array([1.0, -1j]) * moment * np.exp(1j * angle)
     return u
 
 
 def rotor_matrices(system: MechanicalSystem, speed: float) -> np.ndarray:
-    """K, C and M at a speed.
-
-    Args:
-        system: the rotor at rest.
-        speed: W in rad/s.
-
-    Returns:
-        Shape (3, n, n).
-    """
+    """K, C and M at a speed."""
     zero = np.zeros((system.size,) * 2)
     N, G = (zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic))
     total = np.array([system.stiffness + speed * N, system.damping + speed * G, system.mass])
@@ -136,14 +102,7 @@ def rotor_matrices(system: MechanicalSystem, speed: float) -> np.ndarray:
 
 
 def rotor_slopes(system: MechanicalSystem, speed: float) -> np.ndarray:
-    """The derivatives of K, C and M with respect to the speed.
-
-    Args:
-        system, speed: as of ``rotor_matrices``.
-
-    Returns:
-        Shape (3, n, n).
-    """
+    """The derivatives of K, C and M with respect to the speed."""
     zero = np.zeros((system.size,) * 2)
     total = np.array([zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic, None)])
     for table in system.speed_tables:
@@ -164,15 +123,7 @@ def _knots(system: MechanicalSystem) -> np.ndarray:
 
 
 def rotor_family(system: MechanicalSystem, within: float | None = None) -> tuple[Family, np.ndarray]:
-    """The equations over the speed, in coordinates that satisfy all constraint rows.
-
-    Args:
-        system: of arrays, with gyroscopic or circulatory matrices or speed tables.
-        within: a speed; the equations are those of its interval, continued to all speeds. None for those with all intervals.
-
-    Returns:
-        The family with W as its parameter, and the basis V of the coordinates, shape (n, n - k).
-    """
+    """The equations over the speed, in coordinates that satisfy all constraint rows."""
     from ...polynomial.variation.branches import Family
 
     check_rotor(system)

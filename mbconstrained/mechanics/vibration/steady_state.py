@@ -149,21 +149,6 @@ def steady_state(
     """The motion under harmonic loads after all free motion has decayed: amplitude and phase of every coordinate and reaction.
 
     The static force of the system, its own excitation and the values of its constraint rows count too.
-
-    Args:
-        system: of arrays.
-        force: sums of ``mb.harmonic`` and ``mb.step``, n rows; with a period also ``mb.sampled`` records.
-        period: T in s, with which records are repeated; their samples lie in [0, T].
-        harmonics: how many harmonics of the period are computed, besides the mean.
-        modal_damping, loss_factor: as of ``frequency_response``.
-
-    Returns:
-        A ``SteadyState``.
-
-    Raises:
-        InputError: a load that is neither constant nor harmonic nor a record with a period; a load at an undamped resonance, under which
-            the motion grows.
-        SingularPolynomialMatrix: the motion is not determined.
     """
     if system.is_sparse:
         raise InputError("steady_state: not available for sparse matrices; give arrays, as mass.toarray()")
@@ -262,15 +247,6 @@ def fourier_coefficient(times, values, period: float, order: int) -> np.ndarray:
 
     Over a line from a to b the integral of f e^{-i w t} is h e^{-i w m} ((a + b)/2 even(y) - i (b - a)/2 odd(y)), m its middle; the
     functions of w h / 2 are taken without cancellation.
-
-    Args:
-        times: shape (S,), in [0, T].
-        values: shape (r, S).
-        period: T.
-        order: k >= 0.
-
-    Returns:
-        Complex, shape (r,).
     """
     h, w = np.diff(times), 2 * np.pi * order / period
     middle, mean, half = (times[1:] + times[:-1]) / 2, (values[:, 1:] + values[:, :-1]) / 2, np.diff(values, axis=1) / 2

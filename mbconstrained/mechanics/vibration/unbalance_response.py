@@ -83,15 +83,7 @@ class UnbalanceResponse(Displayed):
 
 
 def peak_table(peaks, title: str = "Peaks of the unbalance response") -> TextTable:
-    """A row for each peak.
-
-    Args:
-        peaks: of a response.
-        title: of the table.
-
-    Returns:
-        The table.
-    """
+    """A row for each peak."""
     rows = (
         (one.coordinate, number_text(one.speed), number_text(one.speed * 30 / np.pi), f"{one.amplitude:.6g} {one.unit}")
         for one in peaks
@@ -100,17 +92,7 @@ def peak_table(peaks, title: str = "Peaks of the unbalance response") -> TextTab
 
 
 def unbalance_response(system: MechanicalSystem, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
-    """The steady states over the speed.
-
-    Args:
-        system: the rotor at rest.
-        speeds: in rad/s, ascending, shape (S,).
-        unbalance: u in kg m, complex, shape (n,) or by name; that of the system by default.
-        order: n > 0.
-
-    Returns:
-        See ``MechanicalSystem.unbalance_response``.
-    """
+    """The steady states over the speed."""
     speeds = real_array(speeds, "speeds", shape=(None,))
     order = real_number(order, "order", positive=True)
     if len(speeds) < 2 or not (np.diff(speeds) > 0).all() or speeds[0] < 0:
@@ -154,14 +136,7 @@ class SteadyStates:
         self.load = self.basis.T @ unbalance
 
     def at(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
-        """x and dx/dW, each of shape (n,); infinite where no steady state exists.
-
-        Args:
-            speed: W in rad/s.
-
-        Returns:
-            Both.
-        """
+        """x and dx/dW, each of shape (n,); infinite where no steady state exists."""
         s, (K, C, M), (K1, C1, _) = 1j * self.order * speed, self.family.at(speed), self.family.slope(speed)
         A, slope = K + s * C + s * s * M, K1 + s * C1 + 1j * self.order * (C + 2 * s * M)
         try:
@@ -179,15 +154,7 @@ class SteadyStates:
 
 
 def with_resonances(speeds: np.ndarray, critical: Sequence[CriticalSpeed]) -> np.ndarray:
-    """The speeds and others near critical ones, where an amplitude changes fast.
-
-    Args:
-        speeds: ascending, at least 0, shape (S,).
-        critical: speeds; those beyond the first and the last speed are left out.
-
-    Returns:
-        Ascending, above 0.
-    """
+    """The speeds and others near critical ones, where an amplitude changes fast."""
     near = [one.speed * (1 + (one.damping_ratio * NEAR_RESONANCE if _is_damped(one) else NEAR_POLE)) for one in critical]
     places = np.unique(np.concatenate([speeds, *near]))
     return places[(places > 0) & (places >= speeds[0]) & (places <= speeds[-1])]

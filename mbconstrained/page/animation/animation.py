@@ -142,14 +142,6 @@ class Animation:
 def arrow_at(drawing: Drawing, coordinate: str, unit: str) -> Arrow | None:
     """The arrow of a force along a coordinate.
 
-    Args:
-        drawing: bodies and links.
-        coordinate: its name.
-        unit: of the force.
-
-    Returns:
-        The arrow at the body that the coordinate moves, preferably one that no other coordinate moves; None without such a body.
-
     >>> from mbconstrained.page.drawing.bodies import Body
     >>> arrow_at(Drawing((Body("cart", moves={"x": (1, 0, 0)}),)), "x", "N")
     Arrow(body='cart', direction=(1.0, 0.0, 0.0), unit='N', turns=False, point=(0.0, 0.0, 0.0))

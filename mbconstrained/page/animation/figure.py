@@ -55,17 +55,6 @@ def figure_data(drawing: Drawing, takes: Sequence[KeyFrames], overlay: Overlay =
 
     Bodies are in the lengths of the drawing, everything else in units that fit it: the thickness of a spring or the
     space for a name is the same in the picture of a finger and of a crane. Without solids that unit is 1.
-
-    Args:
-        drawing: bodies and links.
-        takes: key frames of one motion, or of several that the page shows in turn in the same picture.
-        overlay: of the first motion.
-
-    Returns:
-        The figure; the scripts in ``assets`` read its entries.
-
-    Raises:
-        InputError: the motion is so large that no body would be visible.
     """
     poses_of_takes = [body_poses(drawing, frames) for frames in takes]
     event_poses = [body_poses(drawing, _event_frames(drawing, takes[0], event)) for event in overlay.events]
@@ -139,14 +128,6 @@ def invisible_errors(drawing: Drawing, names: tuple[str, ...], figure: dict) -> 
 
     A coordinate that moves no body is listed with its value, or is the length of an arrow: its error must be 0. What a path
     turns is assumed to reach as far as the picture.
-
-    Args:
-        drawing: bodies and links.
-        names: of the r coordinates.
-        figure: from ``figure_data``.
-
-    Returns:
-        Of the coordinates, shape (r,), in their units; of positions and orientations (rad) on paths.
     """
     extent = figure["unit"] * max(np.subtract(figure["bounds"]["high"], figure["bounds"]["low"]))
     swings = dict.fromkeys(names, 0.0)

@@ -58,13 +58,6 @@ class KeyFrames:
 
         Up to ``MOST_DOUBLES`` numbers have 8 bytes each. Of more each has 4 bytes, or 2 where the picture shows no difference;
         rates are left out where those that the page estimates are as good.
-
-        Args:
-            errors: largest invisible error of each coordinate, shape (r,); None for zeros.
-            path_errors: largest invisible error of a position on a path, and of an orientation (rad).
-
-        Returns:
-            Names, times, values, rates and paths.
         """
         size = max(np.abs(rows).max(initial=0.0) for rows in (self.values, self.rates))
         kind = "<f4" if self.values.size > MOST_DOUBLES and size < np.finfo(np.float32).max else "<f8"
@@ -134,13 +127,6 @@ def slopes(times: np.ndarray, values: np.ndarray) -> np.ndarray:
     Fourth order in the spacing for smooth values, so that cubic interpolation with them loses nothing; with fewer
     than five times, of the polynomial through all.
 
-    Args:
-        times: of any spacing, shape (T,).
-        values: shape (r, T).
-
-    Returns:
-        The derivatives, shape (r, T).
-
     >>> slopes(np.array([0.0, 1.0, 3.0]), np.array([[0.0, 1.0, 9.0]])).round(9)
     array([[0., 2., 6.]])
     """
@@ -161,13 +147,6 @@ def slopes(times: np.ndarray, values: np.ndarray) -> np.ndarray:
 def track(rows: np.ndarray, errors: np.ndarray) -> dict | None:
     """Rows as 16-bit codes.
 
-    Args:
-        rows: shape (k, T).
-        errors: largest error allowed in each row, shape (k,).
-
-    Returns:
-        Lowest values, steps and codes, these time by time; None where a row would be off by more than its error.
-
     >>> data = track(np.array([[1.0, 2.0, 4.0]]), np.array([1e-4]))
     >>> data["low"], data["codes"] == packed(np.array([0, 21845, 65535]), "<u2")
     ([1.0], True)
@@ -187,13 +166,6 @@ def _codes(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def packed(array: np.ndarray, kind: str = "<f4") -> str:
     """The numbers of an array, row by row, as base64.
 
-    Args:
-        array: of any shape.
-        kind: NumPy's type of the numbers.
-
-    Returns:
-        The text.
-
     >>> packed(np.array([[1.0, -2.0]]))
     'AACAPwAAAMA='
     """
@@ -201,15 +173,7 @@ def packed(array: np.ndarray, kind: str = "<f4") -> str:
 
 
 def body_poses(drawing: Drawing, frames: KeyFrames) -> BodyPoses:
-    """The poses of all bodies at key frames.
-
-    Args:
-        drawing: bodies and links.
-        frames: of the coordinates.
-
-    Returns:
-        By the name of the body.
-    """
+    """The poses of all bodies at key frames."""
     count = len(frames.times)
     poses = {}
     for body, path in zip(drawing.bodies, frames.paths):

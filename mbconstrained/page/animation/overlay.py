@@ -25,18 +25,7 @@ VISIBLE_JUMP = 1e-3
 def overlay_data(
     overlay: Overlay, frames: KeyFrames, poses: BodyPoses, event_poses: Sequence[BodyPoses], unit: float
 ) -> tuple[dict, list[np.ndarray]]:
-    """Forces, jumps and impulses for the page's script, and how far their arrows reach.
-
-    Args:
-        overlay: forces, jumps and impulses.
-        frames: of the motion, the values of the forces among them.
-        poses: of all bodies at these key frames, in the order of the drawing.
-        event_poses: for each event, all bodies just before and just after it.
-        unit: length of a drawing unit in the drawing (m for a robot).
-
-    Returns:
-        Events and forces; and for each arrow its points at key frames, shape (3, k), in drawing units.
-    """
+    """Forces, jumps and impulses for the page's script, and how far their arrows reach."""
     numbers = {name: i for i, name in enumerate(poses)}
     forces, events, points = [], [], []
     lengths = _lengths(_largest_forces(overlay.forces))

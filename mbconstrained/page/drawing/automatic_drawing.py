@@ -41,18 +41,6 @@ def lumped_drawing(
     A body stands at its place in the layout plus its displacement from the state in which all springs and rods have
     their lengths, so that a spring is drawn longer by as much as it is stretched.
 
-    Args:
-        elements: of the model, bodies and what joins them.
-        names: r coordinate names, the bodies' names.
-        values: the motion (r, T) or typical values (r,), by which the magnification is chosen; None for 1.
-        scale, turn_scale: the magnification of displacements and of angles, where it shall not be chosen.
-        directions: vectors by name, of bodies that move along, or turn about, another axis than usual.
-        stack: "vertical" draws bodies that move along the axis as the storeys of a building, "horizontal" in a row; None
-            takes their names for it.
-
-    Returns:
-        The drawing.
-
     >>> from mbconstrained.models.elements import Mass, Spring
     >>> drawing = lumped_drawing([Mass("cart", 10.0), Spring("ground", "cart", 2.0, name="k")], ["cart"], [0.01])
     >>> [body.name for body in drawing.bodies]
@@ -170,18 +158,6 @@ def _askew(bodies: list[Body], joints: list[Joint]) -> str:
 
 def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=None, directions=None, stack=None) -> Drawing:
     """A box on a rail for each displacement, a disc for each angle, one below the other, in several columns when there are many.
-
-    Args:
-        names: r coordinate names.
-        values: typical values, shape (r,) or (r, T), by which the magnifications are chosen; None for 1.
-        units: r units: "m" for displacements, "rad" for angles; others are not drawn. None for "m".
-        scale, turn_scale: the magnifications; None for automatic ones.
-        directions: by name, of coordinates that move along, or turn about, another axis than usual; these are on the right.
-        stack: "vertical" draws displacements as the storeys of a building, upwards in their order, "horizontal" as boxes;
-            None takes their names for it.
-
-    Returns:
-        The drawing.
 
     >>> [body.shape for body in coordinate_drawing(["x1", "q"], [0.01, 1.0], ["m", "rad"]).bodies]
     ['rail', 'box', 'disc']

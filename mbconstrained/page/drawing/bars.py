@@ -61,14 +61,7 @@ class Bar:
 
 
 def bars_of(elements: Sequence[Element]) -> list[Bar]:
-    """The bars of a model.
-
-    Args:
-        elements: with their parts.
-
-    Returns:
-        Those that are elements and those that rows make of a displacement, an angle and points; of a rotor one in each plane.
-    """
+    """The bars of a model."""
     rotating = [bar for element in elements if isinstance(element, Rotor) for bar in _planes(element)]
     known = {bar.angle for bar in rotating}
     units = {element.name: element.unit for element in elements if isinstance(element, ModelBody)}
@@ -121,19 +114,7 @@ def bar_length(bars: Iterable[Bar]) -> float:
 def bar_pieces(
     bars: Sequence[Bar], sliding: Sequence[str], joints: list[Joint], massless: frozenset[str], unit: float, turn: float = 1.0
 ) -> list[Piece]:
-    """The pieces of the bars with all that is attached to their points.
-
-    Args:
-        bars: of the model.
-        sliding: names of the bodies that are displaced.
-        joints: between them.
-        massless: those without mass.
-        unit: drawing units for a metre along a bar.
-        turn: angle by which a bar is turned for the drawn rad, at which it stays on its points.
-
-    Returns:
-        A piece for each group of bars that are joined.
-    """
+    """The pieces of the bars with all that is attached to their points."""
     rigid = {name: bar for bar in bars for name in bar.places}
     attached = groups(sliding, (joint.ends for joint in joints))
     pairs = [(one, bar.name) for bar in bars for one in bar.points]

@@ -52,13 +52,6 @@ def joints_of(model: Iterable[Any]) -> list[Joint]:
 def groups(names: Iterable[str], pairs: Iterable[Iterable[str]]) -> list[list[str]]:
     """The connected components of a graph.
 
-    Args:
-        names: the nodes.
-        pairs: of nodes that are connected; others, such as one with the ground, connect nothing.
-
-    Returns:
-        The components, each in the order of the names.
-
     >>> groups("abcd", ["ca", ("b", "ground")])
     [['a', 'c'], ['b'], ['d']]
     """
@@ -77,14 +70,6 @@ def walk(names: list[str], joints: list[Joint], first: str | None = None) -> lis
 
     Depth-first from an end, preferably one with a connection that starts at the ground; neighbours connected to the ground
     come last.
-
-    Args:
-        names: of connected bodies.
-        joints: that connect them with each other and with the ground.
-        first: the one at the beginning; None for an end.
-
-    Returns:
-        The names in order.
     """
     grounded = {joint.other(GROUND) for joint in joints if GROUND in joint.ends}
     begun = {joint.end for joint in joints if joint.start == GROUND}
@@ -104,15 +89,7 @@ def walk(names: list[str], joints: list[Joint], first: str | None = None) -> lis
 
 
 def natural_positions(names: Iterable[str], joints: list[Joint]) -> dict[str, float]:
-    """Coordinates at which the connections have their natural lengths.
-
-    Args:
-        names: of bodies.
-        joints: that connect them with each other and with the ground.
-
-    Returns:
-        The coordinates by name, added up on paths from the ground or from a body at 0.
-    """
+    """Coordinates at which the connections have their natural lengths."""
     places: dict[str, float] = {}
     tied: dict[str, list[Joint]] = {name: [] for name in (GROUND, *names)}
     for joint in joints:

@@ -48,14 +48,6 @@ SMALLEST_MOTION = 1e-290
 def turn_to(along: Sequence[float] | None, about: Sequence[float] | None, own: Sequence[float] = (1.0, 0.0, 0.0)) -> Vector:
     """The orientation of a layout with these two perpendicular directions.
 
-    Args:
-        along: of positive displacements; None for the usual direction, made perpendicular to the other.
-        about: of the axis about which positive angles turn counter-clockwise; None likewise.
-        own: the direction of positive displacements in the layout.
-
-    Returns:
-        The rotation vector (rad).
-
     >>> turn_to([0, 0, 2], None)
     (0.0, -1.5707963267948966, 0.0)
     >>> turn_to(None, None)
@@ -72,15 +64,6 @@ def turned_piece(piece: Piece, directions: Mapping[str, Sequence[float]], gears=
 
     The ground of a body is turned with it. Bodies of one direction that are linked, or are wheels in mesh, are turned
     together about the first of them, so that they keep their relative positions.
-
-    Args:
-        piece: in the usual orientation.
-        directions: by the name of a coordinate, of positive displacements, or of the axis about which positive angles turn
-            counter-clockwise.
-        gears: pairs of names of wheels in mesh.
-
-    Returns:
-        The piece in its orientation.
     """
     coordinates = {body.name: (*body.moves, *body.turns) for body in piece.bodies}
     own = {body: tuple(directions[name]) for body, names in coordinates.items() for name in names if name in directions}
@@ -151,15 +134,7 @@ def _across(usual: np.ndarray, axis: np.ndarray) -> np.ndarray:
 
 
 def displacement_scale(moves: dict[str, np.ndarray], pairs: Iterable[tuple[str, str]]) -> float:
-    """Magnification of displacements.
-
-    Args:
-        moves: displacements by name, shape (T,), or single amplitudes; bodies without any are at rest.
-        pairs: names of neighbours.
-
-    Returns:
-        One at which bodies and distances of neighbours change visibly.
-    """
+    """Magnification of displacements."""
     zero = np.zeros(1)
     furthest = max((_peak(move) for move in moves.values()), default=0.0)
     both = ((moves.get(a, zero), moves.get(b, zero)) for a, b in pairs)  # of amplitudes the sum counts

@@ -68,15 +68,7 @@ def quaternions_of(turns: np.ndarray) -> np.ndarray:
 
 
 def rotated(quaternions: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Rotated points R p, with R = (w² - u·u) I + 2 u uᵀ + 2 w [u]×.
-
-    Args:
-        quaternions: of unit length, (u, w), shape (4, T).
-        points: p, shape (3, k).
-
-    Returns:
-        The points, shape (3, k, T).
-    """
+    """Rotated points R p, with R = (w² - u·u) I + 2 u uᵀ + 2 w [u]×."""
     u, w = quaternions[:3], quaternions[3]
     x, y, z = u
     cross = np.array([[0 * w, -z, y], [z, 0 * w, -x], [-y, x, 0 * w]])
@@ -85,14 +77,7 @@ def rotated(quaternions: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def after(second: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """The product of quaternions: of one rotation after another.
-
-    Args:
-        second, first: shape (4, T).
-
-    Returns:
-        The quaternions of both, shape (4, T).
-    """
+    """The product of quaternions: of one rotation after another."""
     (u, w), (v, s) = (second[:3], second[3]), (first[:3], first[3])
     return np.vstack([w * v + s * u + np.cross(u, v, axis=0), w * s - (u * v).sum(axis=0)])
 

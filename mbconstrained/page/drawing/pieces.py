@@ -102,15 +102,7 @@ def _next(whole: Piece, waiting: list[Piece], mates: Sequence[Mate]) -> tuple[Pi
 
 
 def stacked(pieces: Iterable[Piece], mates: Sequence[Mate]) -> Piece:
-    """All pieces as one: those that move sideways one below the other, in several columns when there are many; others side by side.
-
-    Args:
-        pieces: each at a position of its own.
-        mates: that connect some of them.
-
-    Returns:
-        The whole.
-    """
+    """All pieces as one: those that move sideways one below the other, in several columns when there are many; others side by side."""
     hanging, lying = [], []
     for piece in _assembled(pieces, mates):
         upwards = any(move[2] for body in piece.bodies for move in body.moves.values())
@@ -140,16 +132,7 @@ class Tie(NamedTuple):
 
 
 def tie_of(element: Element, home: Mapping[str, Piece], turns_per_metre: float) -> Tie | None:
-    """The drawing of a lever, rack or pulley.
-
-    Args:
-        element: of the model.
-        home: by name of a body, its piece.
-        turns_per_metre: angle in rad by which a pulley turns, as drawn, for a metre of rope.
-
-    Returns:
-        None for other elements, for a lever between bodies of one chain, and for one whose pivot is too far.
-    """
+    """The drawing of a lever, rack or pulley."""
     if isinstance(element, Pulley):
         return _pulley_tie(element, turns_per_metre)
     if isinstance(element, Rack):  # runs along the pinion's rim: below it where a positive angle moves it forwards, else above it

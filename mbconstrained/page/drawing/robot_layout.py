@@ -39,22 +39,7 @@ def robot_drawing(
     ellipsoids: Mapping[str, np.ndarray] | None = None,
     collision: Mapping[str, Sequence[Solid]] | None = None,
 ) -> Drawing:
-    """Every link of a robot as a body with a path.
-
-    Args:
-        solids: of the drawn links, by name, from ``solids_of``.
-        poses: by link name, the root first, positions (3, T) and quaternions (4, T), from ``Robot.poses()``.
-        connections: each with name, kind ("loop", "spring", "damper" or "bushing"), body1, point1, body2 and point2,
-            from ``Robot.connection_points()``; a spring and a damper between the same points become a strut.
-        scale: magnification of the paths; the page states it.
-        fixed: whether the root is fixed to the ground, drawn as a hatched plate.
-        note: a sentence shown with the picture.
-        ellipsoids: of links with mass, by name, from ``Robot.inertia_ellipsoids()``.
-        collision: collision shapes of links, by name, shown on request.
-
-    Returns:
-        The drawing.
-    """
+    """Every link of a robot as a body with a path."""
     placements = {name: tuple(matrix.T.ravel().tolist()) for name, matrix in (ellipsoids or {}).items()}
     connections = tuple(connections)
     paths = {name: Path(pose.positions, pose.quaternions) for name, pose in poses.items()}
@@ -77,15 +62,7 @@ def robot_drawing(
 
 
 def simplified(vertices: np.ndarray, faces: np.ndarray, most: int = MOST_TRIANGLES) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A mesh of few triangles: the vertices in each cell of a grid become one at their mean (Rossignac and Borrel 1993).
-
-    Args:
-        vertices, faces: of the mesh, shapes (k, 3) and (f, 3).
-        most: triangles.
-
-    Returns:
-        Those of the simplified mesh, no vertex further from where it was than the diagonal of a cell; and which faces are kept, shape (f,).
-    """
+    """A mesh of few triangles: the vertices in each cell of a grid become one at their mean (Rossignac and Borrel 1993)."""
     low, side, cells = vertices.min(axis=0), float(np.ptp(vertices, axis=0).max()) or 1.0, _CELLS
     while True:
         i, j, k = np.round((vertices - low) * (cells / side)).astype(int).T
@@ -98,16 +75,7 @@ def simplified(vertices: np.ndarray, faces: np.ndarray, most: int = MOST_TRIANGL
 
 
 def solids_of(visuals: Iterable[Any], *, full: bool = True) -> dict[str, list[Solid]]:
-    """The solids of links, by name.
-
-    Args:
-        visuals: each with link, kind, size, placement, color (r, g, b, a from 0 to 1, or None), vertices, faces, texture and
-            triangles, from ``Robot.visuals()``.
-        full: whether meshes keep all their triangles, however many.
-
-    Returns:
-        The solids of each link that has any.
-    """
+    """The solids of links, by name."""
     solids: dict[str, list[Solid]] = {}
     shared: dict[int, Solid] = {}  # by the identity of the faces, which links may share
     for visual in visuals:
@@ -185,15 +153,7 @@ def _links(connections: tuple[Any, ...], ends: Sequence[tuple[_Point, _Point]]) 
 
 
 def link_points(solids: Mapping[str, Sequence[Solid]], poses: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    """The origin of each link, then the corners of its solids.
-
-    Args:
-        solids: of the links that have any, by name.
-        poses: by name, positions (3, T) and quaternions (4, T).
-
-    Returns:
-        By link name, shape (3, k, T).
-    """
+    """The origin of each link, then the corners of its solids."""
     points = {}
     for name, pose in poses.items():
         corners = np.hstack([np.zeros((3, 1)), *(solid.corners for solid in solids.get(name, ()))])

@@ -33,13 +33,6 @@ def storeys(order: Sequence[str], joints: Sequence[Joint]) -> Piece:
     """The piece of a building.
 
     A spring or rod is two columns, which lean as it is stretched, a damper is a brace.
-
-    Args:
-        order: names of the storeys upwards.
-        joints: between them and with the ground; others are left out.
-
-    Returns:
-        Slabs above a base, and what joins them.
     """
     levels = {GROUND: 0.0} | {name: STOREY * (number + 1) for number, name in enumerate(order)}
     base = Body("ground", "base", (0.0, 0.0, -SLAB[2] / 2), size=(SLAB[0] + 1.0, SLAB[1] + 0.6, 0.1))

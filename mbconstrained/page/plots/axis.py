@@ -75,17 +75,6 @@ class Axis:
 def axis_of(low: float, high: float, *, widen: bool = True, scale: Scale = "linear") -> Axis:
     """An axis with ticks at even steps of 1, 2 or 5 times a power of ten, or at powers of ten.
 
-    Args:
-        low, high: the range of the data; on a logarithmic axis of the positive ones.
-        widen: whether the axis ends at ticks.
-        scale: "linear", or "log" for even steps of the logarithm.
-
-    Returns:
-        The axis; around a constant it has an interval that shows it.
-
-    Raises:
-        InputError: a logarithmic axis without positive values.
-
     >>> axis_of(-0.93, 1.7).labels
     ('−1.0', '−0.5', '0.0', '0.5', '1.0', '1.5', '2.0')
     >>> axis_of(0.0, 50.0, widen=False).labels

@@ -101,15 +101,7 @@ class _Drawn:
         return self.known[1]
 
     def curves(self, entries: list[_Entry], part: Callable[[_Entry, np.ndarray, np.ndarray], np.ndarray]) -> tuple[Curve, ...]:
-        """A curve for each response.
-
-        Args:
-            entries: the responses.
-            part: of a response, its frequencies in Hz and its values at them.
-
-        Returns:
-            Curves over the frequency in the unit of the axis.
-        """
+        """A curve for each response."""
         colors, factor = self.look.colors or tuple(range(len(self.harmonic.output_names))), self.look.factor
 
         def functions(frequencies: np.ndarray) -> np.ndarray:
@@ -130,17 +122,7 @@ class _Drawn:
 
 
 def frequency_plots(response: FrequencyResponse, look: ResponseLook, units: np.ndarray, factors: np.ndarray) -> tuple[Plot, ...]:
-    """The plots of a response, amplitude and phase of one unit side by side.
-
-    Args:
-        response: in SI, at two frequencies or more; the curves are drawn at the lines that its poles place, too.
-        look: kinds of plots and their axes.
-        units: that are shown, shape (outputs, inputs).
-        factors: of the values in them, shape (outputs, inputs).
-
-    Returns:
-        Plots over the frequency, one for each unit; none of fewer than two positive frequencies.
-    """
+    """The plots of a response, amplitude and phase of one unit side by side."""
     if (response.frequencies_hz > 0).sum() < 2:
         return ()
     drawn, plots = _Drawn(response, look), []

@@ -86,14 +86,6 @@ def new_axes() -> Axes:
 def drawn_image(draw: Callable[[Figure], None], width: float, height: float, kind: Literal["svg", "png"]) -> bytes:
     """An image in the style of the page, whatever settings the user has; the same content gives the same bytes.
 
-    Args:
-        draw: draws into an empty figure.
-        width, height: in inches.
-        kind: of the file.
-
-    Returns:
-        The content of the file.
-
     >>> drawn_image(lambda figure: None, 1.0, 1.0, "png")[1:4]
     b'PNG'
     """
@@ -138,13 +130,6 @@ def plot_images(plots: Iterable[Plot]) -> dict[str, Plot]:
 
 def plot_image(plot: Plot, kind: Literal["svg", "png"]) -> bytes:
     """The image of a plot; of more curves than a page can show, as many as it can.
-
-    Args:
-        plot: with at least one curve.
-        kind: of the file.
-
-    Returns:
-        The content of the file.
 
     >>> import numpy as np
     >>> plot_image(Plot("speed", "m/s", np.array([0.0, 1.0]), (Curve("cart", np.array([0.0, 2.0])),)), "png")[1:4]

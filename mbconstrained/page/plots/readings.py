@@ -103,13 +103,6 @@ class Readings:
 def linear_readings(times: np.ndarray, values: np.ndarray) -> Readings:
     """Straight lines from point to point.
 
-    Args:
-        times: ascending, shape (T,), at least two.
-        values: shape (r, T).
-
-    Returns:
-        Their readings, one panel of degree 0 for each time: a line from its value to the next one.
-
     >>> linear_readings(np.array([0.0, 1.0, 3.0]), np.array([[1.0, 2.0, 2.0]])).codes.shape
     (1, 3)
     """
@@ -121,14 +114,6 @@ def linear_readings(times: np.ndarray, values: np.ndarray) -> Readings:
 
 def readings_of(functions: TimeFunctions, start: float, end: float, largest: float = 0.0) -> Readings:
     """The readings of functions over a stretch of time.
-
-    Args:
-        functions: r of them.
-        start, end: of the stretch, s.
-        largest: the largest value outside the stretch, to which the noise is relative, too.
-
-    Returns:
-        Their readings, with eight digits of the largest value of each panel; of a record six, of a long one four.
 
     >>> wave = TimeFunctions(lambda times: np.array([np.sin(times)]), np.array([]))
     >>> len(readings_of(wave, 0.0, 10.0).degrees)
@@ -150,14 +135,6 @@ def drawn_times(functions: TimeFunctions, start: float, end: float, units: Seque
     An interval is divided where a curve leaves the straight line between its ends by more than ``FOLLOWED`` of the height of its plot, at two
     places inside it that are no multiples of each other. Of a motion of too many periods they are spread, each at another phase: the extremes
     of many of them, pixel by pixel, are its envelope.
-
-    Args:
-        functions: r of them.
-        start, end: in s.
-        units: of the functions: those of one unit share a plot.
-
-    Returns:
-        Shape (T,), ascending.
 
     >>> wave = TimeFunctions(lambda times: np.array([np.sin(50 * times)]), np.array([]))
     >>> times = drawn_times(wave, 0.0, 10.0, ["m"])  # 80 periods
@@ -248,17 +225,7 @@ def _met(functions, left, right, fineness: float, floor: float, is_last: bool) -
 
 
 def panel_values(functions, left, right, degree: int, known: np.ndarray | None) -> np.ndarray:
-    """The functions at the points of panels; those at every second point may be known.
-
-    Args:
-        functions: r of them.
-        left, right: ends of k panels, s.
-        degree: of the points.
-        known: their values at every second point, shape (r, k, degree / 2 + 1).
-
-    Returns:
-        Shape (r, k, degree + 1).
-    """
+    """The functions at the points of panels; those at every second point may be known."""
     shares = (1 - np.cos(np.pi * np.arange(degree + 1) / degree)) / 2
     shares[[0, -1]] = INSIDE, 1 - INSIDE
     new = shares if known is None else shares[1::2]
@@ -278,27 +245,13 @@ def panel_values(functions, left, right, degree: int, known: np.ndarray | None) 
 
 
 def between_points(degree: int) -> np.ndarray:
-    """The matrix that takes values at the points of a degree to those at the further points of twice the degree.
-
-    Args:
-        degree: of the polynomials.
-
-    Returns:
-        Shape (degree, degree + 1).
-    """
+    """The matrix that takes values at the points of a degree to those at the further points of twice the degree."""
     points = -np.cos(np.pi * np.arange(2 * degree + 1) / (2 * degree))
     return interpolation(degree, points[1::2])
 
 
 def interpolation(degree: int, points: np.ndarray) -> np.ndarray:
     """Barycentric interpolation between the Chebyshev points of the second kind.
-
-    Args:
-        degree: of the polynomial.
-        points: from -1 to 1, shape (n,).
-
-    Returns:
-        The matrix that takes the values at the points -cos(pi j / degree) to those at the given points, shape (n, degree + 1).
 
     >>> interpolation(2, np.array([0.5])) @ [1.0, 0.0, 1.0]
     array([0.25])

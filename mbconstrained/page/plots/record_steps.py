@@ -73,15 +73,7 @@ class RecordSteps:
         return self.start + self.count * self.gap
 
     def features(self, coordinates: np.ndarray, gaps: np.ndarray) -> np.ndarray:
-        """What values in some gaps follow from.
-
-        Args:
-            coordinates: at all samples, shape (p, K).
-            gaps: their numbers.
-
-        Returns:
-            Coordinates, both samples and 1, shape (p + 2 m + 1, number of gaps).
-        """
+        """What values in some gaps follow from."""
         return np.vstack([coordinates[:, gaps], self.samples[:, gaps], self.samples[:, gaps + 1], np.ones(len(gaps))])
 
     def as_data(self) -> dict:
@@ -99,15 +91,7 @@ class RecordSteps:
 
 
 def record_steps(record: RecordResponse, start: float, end: float) -> RecordSteps | None:
-    """The steps of a motion through the longest stretch of even samples.
-
-    Args:
-        record: the motion and its forces.
-        start, end: of the plot, s.
-
-    Returns:
-        The steps; None of a short or uneven record, of very many states, or where they cannot be identified.
-    """
+    """The steps of a motion through the longest stretch of even samples."""
     inside = np.flatnonzero((record.knots >= start) & (record.knots <= end))
     knots, force = record.knots[inside], record.force[:, inside]
     first, last = _longest_even(knots)
@@ -224,16 +208,7 @@ class RecordReadings:
 
 
 def record_readings(functions: TimeFunctions, steps: RecordSteps, place: int) -> RecordReadings | None:
-    """The readings of functions over the stretch of steps.
-
-    Args:
-        functions: r of them.
-        steps: of the motion behind them.
-        place: the number of the steps on the page.
-
-    Returns:
-        The readings; None where they would not have as many digits as panels have.
-    """
+    """The readings of functions over the stretch of steps."""
     for quadratic in (False, True):
         features = len(steps.features(steps.exact, np.zeros(1, int)))
         unknowns = features * (features + 1) // 2 if quadratic else features

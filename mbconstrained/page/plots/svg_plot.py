@@ -99,15 +99,7 @@ class PlotFunctions:
         return (readings_of(functions, start, end),)
 
     def place(self, plot: Plot, curve: Curve) -> tuple[int, int]:
-        """Where the function of a curve is.
-
-        Args:
-            plot: of the page.
-            curve: of the plot, along one of its axes.
-
-        Returns:
-            The number of the set, and the row in it.
-        """
+        """Where the function of a curve is."""
         if curve.function is None:
             return self._places[id(plot), id(curve.values)]
         functions, row = curve.function
@@ -130,15 +122,7 @@ def _selected(functions: TimeFunctions, rows: list[int]) -> TimeFunctions:
 
 
 def plot_figures(plots: tuple[Plot, ...], functions: PlotFunctions | None = None) -> str:
-    """All plots, in pairs side by side where the window is wide enough; the last of an odd number takes the whole width.
-
-    Args:
-        plots: in their order.
-        functions: behind their curves; None to compute them.
-
-    Returns:
-        One <figure> for each plot: title, axes with units, curves, cursor and legend. Every text of the user is escaped.
-    """
+    """All plots, in pairs side by side where the window is wide enough; the last of an odd number takes the whole width."""
     paired, functions = len(plots) - len(plots) % 2, functions or PlotFunctions(plots)
     figures = "\n".join(_figure(plot, functions, " wide" if i >= paired else "") for i, plot in enumerate(plots))
     note = f'\n<p class="note plot-help">{HELP}</p>' if functions.sets else ""
@@ -244,15 +228,7 @@ def _guide_names(plot: Plot, across: Axis, up: Axis) -> str:
 
 
 def axis_titles(plot: Plot, across: int = 0, up: int = 0) -> tuple[str, str]:
-    """The titles of the axes, such as "displacement in 10⁻³ m"; a long name is shortened, the heading has all of it.
-
-    Args:
-        plot: names and units.
-        across, up: the powers of ten of the labels.
-
-    Returns:
-        Of the horizontal and of the vertical axis.
-    """
+    """The titles of the axes, such as "displacement in 10⁻³ m"; a long name is shortened, the heading has all of it."""
     rows = (plot.horizontal.name, plot.across_unit, across), (plot.quantity or plot.title, plot.unit, up)
     horizontal, vertical = (
         " in ".join(filter(None, (shortened(name, AXIS_NAME), _measure(unit, power)))) for name, unit, power in rows
@@ -314,15 +290,7 @@ def _classes(number: int) -> str:
 
 
 def plotted(x: np.ndarray, y: np.ndarray, *, phase: bool) -> np.ndarray:
-    """The drawn points of a curve: all, or the extremes of each pixel column; of a phase plane evenly chosen ones.
-
-    Args:
-        x, y: in cells, shape (T,).
-        phase: whether it is a curve in a phase plane.
-
-    Returns:
-        Whole cells to the right and down, shape (2, k).
-    """
+    """The drawn points of a curve: all, or the extremes of each pixel column; of a phase plane evenly chosen ones."""
     kept = _sparse(x) if phase else _kept(x, y)
     return np.rint(np.array([x[kept], y[kept]])).astype(int)
 

@@ -98,18 +98,7 @@ class Point:
 
 
 def followed(family: Family, parameters: np.ndarray) -> Branches:
-    """The branches of all eigenvalues over ascending values of the parameter.
-
-    Args:
-        family: A(s; p).
-        parameters: p, ascending, shape (P,).
-
-    Returns:
-        The branches; those of parts that are not coupled one after the other.
-
-    Raises:
-        InputError: the number of finite eigenvalues changes.
-    """
+    """The branches of all eigenvalues over ascending values of the parameter."""
     parts = [FamilyPart(family, at, parameters) for at in family.parts]
     chains = [part.chain(parameters) for part in parts]
     shapes = np.zeros((len(parameters), len(family.pattern), sum(chain[0].values.size for chain in chains)), dtype=complex)
@@ -181,15 +170,7 @@ class FamilyPart:
         return self.basis is not None
 
     def refined(self, point: Point, branch: int) -> complex:
-        """An eigenvalue with what rounding errors of other ones take away (``refined_values``).
-
-        Args:
-            point: of this part.
-            branch: its place.
-
-        Returns:
-            s.
-        """
+        """An eigenvalue with what rounding errors of other ones take away (``refined_values``)."""
         s = point.spectrum
         right, left = s.right[:, [branch]], s.left[[branch]]
         if self.basis is not None:

@@ -52,18 +52,7 @@ def located(
     derivative: Callable[[complex], float],
     span: float = 0.0,
 ) -> tuple[float, complex, np.ndarray] | None:
-    """Parameter, eigenvalue and shape where a residual of the branch is zero, by Newton's method.
-
-    Args:
-        part: of a family.
-        parameter, value: p and s to begin with.
-        residual: of s and p.
-        derivative: of the residual along the branch, from ds/dp.
-        span: of the parameter, to which rounding errors of it are relative where it is near 0.
-
-    Returns:
-        Them; None where it does not converge.
-    """
+    """Parameter, eigenvalue and shape where a residual of the branch is zero, by Newton's method."""
     for _ in range(STEPS):
         point = part.point(parameter)
         nearest = int(np.abs(point.values - value).argmin())
@@ -81,16 +70,7 @@ def located(
 
 
 def stability_limits(family: Family, parameters: np.ndarray, values: np.ndarray) -> tuple[float, ...]:
-    """The parameters at which the real part of an eigenvalue changes its sign, by Newton's method on its branch.
-
-    Args:
-        family: A(s; p).
-        parameters: p, ascending, shape (P,).
-        values: s of some branches there, shape (P, m).
-
-    Returns:
-        Ascending.
-    """
+    """The parameters at which the real part of an eigenvalue changes its sign, by Newton's method on its branch."""
     part, limits, span = FamilyPart(family, None, parameters), [], float(np.ptp(parameters))
     noise = noise_of(float(np.abs(values).max(initial=0.0)), len(family.pattern))
     for column in values.T:
@@ -109,13 +89,6 @@ def break_points(family: Family, branches: Branches) -> tuple[BreakPoint, ...]:
 
     Near one (s_i - s_j)^2 is a smooth function of p that changes its sign; at a crossing of two modes it does not. Two chains of one
     eigenvalue are found in parts that no matrix couples, each its own; in coupled coordinates they are not.
-
-    Args:
-        family: A(s; p).
-        branches: of all eigenvalues.
-
-    Returns:
-        Ascending by p; of a complex pair that above the real axis.
     """
     points = []
     for places in family.parts:

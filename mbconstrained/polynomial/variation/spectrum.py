@@ -99,15 +99,7 @@ class Spectrum:
 
 
 def equal_groups(values: np.ndarray, radius: float) -> list[np.ndarray]:
-    """The places of eigenvalues that are within a radius of others, each group of two or more.
-
-    Args:
-        values: shape (m,).
-        radius: in 1/s.
-
-    Returns:
-        Arrays of places.
-    """
+    """The places of eigenvalues that are within a radius of others, each group of two or more."""
     near = np.abs(values[:, None] - values) <= radius
     if near.sum() == len(values):
         return []
@@ -116,14 +108,7 @@ def equal_groups(values: np.ndarray, radius: float) -> list[np.ndarray]:
 
 
 def modal_coordinates(M: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Phi and k with Phi^T M Phi = I and Phi^T K Phi = diag(k), k exactly 0 for free motions.
-
-    Args:
-        M, K: shape (n, n).
-
-    Returns:
-        Shapes (n, n) and (n,); None where M or K is not symmetric, M nearly singular or K not positive semidefinite.
-    """
+    """Phi and k with Phi^T M Phi = I and Phi^T K Phi = diag(k), k exactly 0 for free motions."""
     if not (is_symmetric(M) and is_symmetric(K)) or not (M.diagonal() > 0).all():
         return None
     root = np.sqrt(M.diagonal())
@@ -148,15 +133,6 @@ def spectrum_of(coefficients: Sequence[np.ndarray]) -> Spectrum:
 
     The states are (w x, x'), w^2 = K_ii / M_ii, so that nothing is larger than the fastest rate. Displacements without stiffness, those of
     columns of K that are exactly zero, are no states: their velocities are.
-
-    Args:
-        coefficients: K, C, M, shape (3, n, n).
-
-    Returns:
-        The spectrum.
-
-    Raises:
-        SingularPolynomialMatrix: det A(s) = 0 for every s.
     """
     K, C, M = coefficients
     n, unit = len(K), (M == np.eye(len(M))).all()
@@ -214,14 +190,6 @@ def refined_values(coefficients: Sequence[np.ndarray], values: np.ndarray, right
     """s - y^T A(s) x / (y^T A'(s) x), the sums with the digits of long double: what cancels in K x keeps its digits.
 
     The error is of the second order in those of both vectors (Lancaster 1961, the generalized Rayleigh quotient).
-
-    Args:
-        coefficients: A_0, A_1, ..., real or complex, shape (q + 1, n, n).
-        values: s, shape (m,).
-        right, left: x as columns, shape (n, m), y^T as rows, shape (m, n).
-
-    Returns:
-        Shape (m,), complex.
     """
     s = values.astype(np.clongdouble)
     x, y = right.astype(np.clongdouble), left.T.astype(np.clongdouble)

@@ -66,17 +66,7 @@ class Defect:
     before: Defect | None = None
 
     def allows(self, place: np.ndarray, order: int, times: np.ndarray, allowed: np.ndarray) -> np.ndarray:
-        """At which times the errors of the derivative of this order of place @ z, by its modes, are surely as small as allowed.
-
-        Args:
-            place: shape (p, n + m).
-            order: of the derivative.
-            times: in s, shape (T,).
-            allowed: absolute errors, shape (T,).
-
-        Returns:
-            Truth values, shape (T,).
-        """
+        """At which times the errors of the derivative of this order of place @ z, by its modes, are surely as small as allowed."""
         sure, covered = np.zeros(len(times), dtype=bool), self.covers(times)
         pieces, since = self.flow.states.restarts.located(times)
         with np.errstate(all="ignore"):
@@ -379,16 +369,7 @@ class Defect:
     # The Taylor series.
 
     def of_series(self, place: np.ndarray, order: int, times: np.ndarray) -> np.ndarray:
-        """A bound of the error of the same by the Taylor series of the flow.
-
-        Args:
-            place: shape (p, n + m).
-            order: of the derivative.
-            times: in s, shape (T,), none after the end of the series.
-
-        Returns:
-            Absolute errors, shape (T,).
-        """
+        """A bound of the error of the same by the Taylor series of the flow."""
         start = self.flow.taylor_start(modal=True)
         output, G = np.abs(place), np.abs(full(self.flow.generator))
         for _ in range(order):

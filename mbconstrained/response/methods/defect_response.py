@@ -51,41 +51,20 @@ class DefectResponse:
 
     @classmethod
     def of(cls, flow: Flow, end: float) -> DefectResponse | None:
-        """That of a flow.
-
-        Args:
-            flow: the reduced equations with start and force.
-            end: the last time at which it is requested, in s.
-
-        Returns:
-            A ``DefectResponse``; None of a flow with more states, restarts or impulses than it serves.
-        """
+        """That of a flow."""
         few = flow.reduction.state_count + flow.force.smooth.state_count <= MOST_STATES
         if not few or len(flow.knots) - 1 > PROVED_RESTARTS or (flow.impulsive is not None and flow.impulsive[:, 1:].any()):
             return None
         return cls(flow, end)
 
     def most_times(self, usual: int) -> int:
-        """How many times are worth computing: fewer where each takes an exponential of very many states.
-
-        Args:
-            usual: for modes that eigenvectors separate.
-        """
+        """How many times are worth computing: fewer where each takes an exponential of very many states."""
         if self._diagonal is not None:
             return usual
         return int(np.clip(usual * (EXPONENTIAL_STATES / len(self._J)) ** 3, FEWEST, usual))
 
     def errors(self, place: np.ndarray, order: int, times: np.ndarray) -> np.ndarray:
-        """Estimates of the largest error in any row of the derivative of this order of place @ z.
-
-        Args:
-            place: shape (p, n + m).
-            order: of the derivative.
-            times: in s, shape (T,).
-
-        Returns:
-            Absolute errors, shape (T,).
-        """
+        """Estimates of the largest error in any row of the derivative of this order of place @ z."""
         pieces, since = self.flow.states.restarts.located(times)
         C, result = self.flow.modal_output(place), np.empty(len(times))
         with np.errstate(all="ignore"):
@@ -271,14 +250,6 @@ def _simple(block: np.ndarray, end: float) -> np.ndarray:
 
 def divided_exponentials(left: np.ndarray, right: np.ndarray, t: float) -> np.ndarray:
     """(e^(b t) - e^(a t)) / (b - a) for all a and b, t e^(a t) where they are equal.
-
-    Args:
-        left: a, shape (k,).
-        right: b, shape (n,).
-        t: a time.
-
-    Returns:
-        Complex, shape (k, n).
 
     >>> divided_exponentials(np.array([0.0]), np.array([0.0, 1.0]), 1.0).real.round(3).tolist()
     [[1.0, 1.718]]

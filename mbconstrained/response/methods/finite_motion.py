@@ -148,16 +148,7 @@ class _Forced:
 def driven_motion(
     part: FinitePart, force: ImpulsiveSmooth, *, first: bool = True
 ) -> tuple[BohlFunction, float, list[tuple[slice, slice]]]:
-    """x(t) for t > 0 in the user's units, the largest entry of the transformations that decouple it, and the copies among its states.
-
-    Args:
-        part: the finite part, its excitation and its states.
-        force: f.
-        first: whether the first moments of a force are pieces of their own.
-
-    Returns:
-        The function, the entry, and which states are copies of which states of the force.
-    """
+    """x(t) for t > 0 in the user's units, the largest entry of the transformations that decouple it, and the copies among its states."""
     free, driven, n, time, rate = part.free, part.driven, len(part.start), part.time, _rate(part.free, part.driven)
     forcing, count = force.smooth.blocks, len(force.knots)
     X, coupled, separated = _separated(free, driven, forcing, max(SEPARATION_OF_PIECES, SEPARATION / count) / rate)
@@ -264,16 +255,7 @@ MUCH_SMALLER = 8.0
 
 
 def first_moments(force: BohlFunction, knots: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
-    """Knots, with those added at which the first moments end, and which of the pieces that begin there belong to them.
-
-    Args:
-        force: of any size.
-        knots: its K knots, ascending from 0.
-        reach: the largest length of the first moments, in s; rounded down to a power of two, so that times stay exact.
-
-    Returns:
-        Knots of shape (K + more,) and as many truth values.
-    """
+    """Knots, with those added at which the first moments end, and which of the pieces that begin there belong to them."""
     nothing = knots, np.zeros(len(knots), dtype=bool)
     if len(knots) == 1 or not 0 < reach < np.inf:
         return nothing

@@ -126,14 +126,6 @@ class Modes:
 
 
 def folded(matrix: np.ndarray, rows: np.ndarray | None, columns: np.ndarray) -> np.ndarray:
-    """Norms of the parts of a matrix.
-
-    Args:
-        matrix: shape (n, N).
-        rows, columns: where the parts begin; None for each row by itself.
-
-    Returns:
-        Shape (number of rows, number of columns).
-    """
+    """Norms of the parts of a matrix."""
     squares = np.add.reduceat(matrix * matrix, columns, axis=1)
     return np.sqrt(squares if rows is None else np.add.reduceat(squares, rows, axis=0))

@@ -115,13 +115,6 @@ class PairSolution:
 
 
 def _regular_part(form: WeierstrassForm, start: Start, force: ImpulsiveSmooth, later: KnotJumps) -> tuple[BohlFunction, float]:
-    """x(t) for t > 0 in the user's units and the largest decoupling entry.
-
-    Args:
-        form: the decoupled pencil.
-        start: state and jump at t = 0.
-        force: f.
-        later: the jumps at the later knots of the force.
-    """
+    """x(t) for t > 0 in the user's units and the largest decoupling entry."""
     free, driven, scaling = block_diagonalize(form.T), driven_form(form, force), form.companion.scaling
     return driven_motion(FinitePart(free, form.C, driven, start.finite, later.finite, scaling.time, scaling.columns), force)[:2]

@@ -205,16 +205,7 @@ class ProvedFunction(BohlFunction):
 
 
 def proved_event(exact: ExactResponse, event: Event, initial: np.ndarray) -> Event:
-    """An event with the exact jumps and impulses, where float64 has some: which values jump at all, rounded starts do not decide.
-
-    Args:
-        exact: the exact response.
-        event: the same in float64.
-        initial: x^(i)(0-) as row i, shape (q, r).
-
-    Returns:
-        An ``Event``.
-    """
+    """An event with the exact jumps and impulses, where float64 has some: which values jump at all, rounded starts do not decide."""
     jump, impulses = exact.event(event.time)
     if event.time:
         before = np.array([exact.rounded(np.array([event.time]), order)[0][:, 0] for order in range(len(jump))]) - jump

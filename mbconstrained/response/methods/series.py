@@ -184,15 +184,7 @@ class ResponseFunction(BohlFunction):
 
 
 def with_series(function: BohlFunction, series: Series) -> ResponseFunction:
-    """The function together with its series, which ends where the function restarts for the first time.
-
-    Args:
-        function: any Bohl function.
-        series: its Taylor series.
-
-    Returns:
-        Each row is evaluated by the more accurate of the two.
-    """
+    """The function together with its series, which ends where the function restarts for the first time."""
     knots = function.restarts.knots
     if len(knots) > 1 and knots[1] < series.span:
         series = series.within(float(knots[1]))
@@ -200,15 +192,7 @@ def with_series(function: BohlFunction, series: Series) -> ResponseFunction:
 
 
 def series_of(function: BohlFunction, longest: float) -> Series:
-    """The Taylor series of C e^{J t} v, over no more than the longest span.
-
-    Args:
-        function: any Bohl function.
-        longest: in s.
-
-    Returns:
-        A ``Series``.
-    """
+    """The Taylor series of C e^{J t} v, over no more than the longest span."""
     J, v = function.generator, function.start_at_zero
     rate, steps = growth(np.abs(J), v != 0)
     span = min(span_of(rate, longest), longest)
@@ -221,15 +205,7 @@ def series_of(function: BohlFunction, longest: float) -> Series:
 
 
 def growth(bounds: np.ndarray, begun: np.ndarray) -> tuple[float, int]:
-    """Perron root of the states that are reached from the first ones, and the number of steps to reach all of them.
-
-    Args:
-        bounds: the sizes of the entries of the generator, shape (n, n).
-        begun: which states are not zero at first, shape (n,).
-
-    Returns:
-        The root in 1/s, and the number.
-    """
+    """Perron root of the states that are reached from the first ones, and the number of steps to reach all of them."""
     pattern, steps, last = bounds > 0, 0, begun
     while (last := pattern[:, last].any(axis=1) & ~begun).any():
         begun, steps = begun | last, steps + 1
@@ -249,15 +225,7 @@ def _perron_root(matrix: np.ndarray) -> float:
 
 
 def span_of(rate: float, otherwise: float) -> float:
-    """As far as the series may serve; a finite series, with no growth at all, serves at all times.
-
-    Args:
-        rate: in 1/s.
-        otherwise: the span where the rate is zero, in s.
-
-    Returns:
-        In s.
-    """
+    """As far as the series may serve; a finite series, with no growth at all, serves at all times."""
     return REACH / rate if rate > 0 else otherwise
 
 

@@ -26,15 +26,6 @@ from .series import TERMS, Series, growth, span_of
 def taylor_series(form: WeierstrassForm, initial: np.ndarray, jump: np.ndarray, force: ImpulsiveSmooth) -> Series:
     """The Taylor series at t = 0+ of x with A(d/dt) x = f from values at 0-.
 
-    Args:
-        form: the pencil of A(s), decoupled; its staircase form is used.
-        initial: x^(i)(0-) as row i, shape (q, r).
-        jump: x^(i)(0+) - x^(i)(0-); where it is exactly zero the value at 0- is the coefficient.
-        force: f with its Dirac impulses; changes after t = 0 have no effect.
-
-    Returns:
-        A ``Series``.
-
     >>> from mbconstrained import PolynomialMatrix
     >>> from mbconstrained import zero
     >>> A = PolynomialMatrix([[[1.0]], [[0.0]], [[1.0]]])  # x'' + x = 0 from x = 0, x' = 1

@@ -22,19 +22,7 @@ _MODELS = ("phong", "lambert", "blinn", "constant")
 
 
 def collada_mesh(text: str, scale=(1.0, 1.0, 1.0)) -> Mesh:
-    """The mesh of a COLLADA file.
-
-    Args:
-        text: of the file.
-        scale: of the corners along x, y, z.
-
-    Returns:
-        The mesh; its textures have names of image files.
-
-    Raises:
-        UnreadableMesh: a broken file, or one with primitives or nodes that are not read.
-        InputError: not XML.
-    """
+    """The mesh of a COLLADA file."""
     root = xml_element(text, "dae")
     for element in root.iter():
         element.tag = element.tag.rpartition("}")[2]

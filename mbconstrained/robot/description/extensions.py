@@ -101,13 +101,7 @@ def read_drake(element: Element, anchor: Anchor, content: Content) -> None:
 
 
 def read_motor(joint: str, elements: list[Element], content: Content) -> None:
-    """The motor of a joint from tags of Drake (rotor_inertia, gear_ratio) or ROS (motorInertia, mechanicalReduction).
-
-    Args:
-        joint: its name.
-        elements: of its actuators.
-        content: takes the motor.
-    """
+    """The motor of a joint from tags of Drake (rotor_inertia, gear_ratio) or ROS (motorInertia, mechanicalReduction)."""
     armature = 0.0
     for element in elements:
         parts = {local_name(part): part for part in element.iter()}
@@ -126,17 +120,7 @@ def read_motor(joint: str, elements: list[Element], content: Content) -> None:
 
 
 def read_urdf_file(source) -> ModelFile:
-    """A URDF with its extensions.
-
-    Args:
-        source: the path, or the text.
-
-    Returns:
-        The description <robot>, checked, and what its extensions add.
-
-    Raises:
-        InputError: an invalid URDF.
-    """
+    """A URDF with its extensions."""
     text, folder = read_urdf(source)
     root, content = parsed_xml(text, "urdf"), Content("URDF")
     checked_tree(root, _add_drake_joints(root, content))

@@ -259,18 +259,7 @@ def _limit(text: str, usual: float, where: str) -> float:
 
 
 def read_joint(element: Element, frames: Frames, content: Content, version: tuple[int, int] = (1, 7), prefix: str = "") -> Joint:
-    """The element <joint> of an SDF.
-
-    Args:
-        element: <joint>.
-        frames: of its model.
-        content: takes what is not read.
-        version: of the SDF; axes are in the frame of the model before 1.5.
-        prefix: of the model, for its name.
-
-    Raises:
-        InputError: an unknown frame or kind, invalid numbers.
-    """
+    """The element <joint> of an SDF."""
     own = element.get("name", "")
     name, where = f"{prefix}{own}", f'{content.word.lower()}, joint "{short(prefix + own)}"'
     kind = element.get("type", "")
@@ -314,13 +303,7 @@ _SINGLE = "pose inertial mass inertia ixx ixy ixz iyy iyz izz parent child axis 
 
 
 def leave_out_repeated(element: Element, place: str, content: Content) -> None:
-    """Name elements that stand twice, of which the first is read, and units, which an SDF has not.
-
-    Args:
-        element: <link> or <joint>.
-        place: its name for messages.
-        content: takes the names.
-    """
+    """Name elements that stand twice, of which the first is read, and units, which an SDF has not."""
     for part in (element, *(below for child in element if child.tag in _SINGLE for below in child.iter())):
         tags = Counter(child.tag for child in part)
         for tag in _SINGLE:
@@ -404,16 +387,7 @@ def _axis(element: Element | None, place, frames: Frames, version: tuple[int, in
 
 
 def add_loop(joint: Joint, places: Mapping[str, Any], content: Content) -> None:
-    """Add the loop that a joint closes, and its spring and damper.
-
-    Args:
-        joint: a joint whose bodies are in the tree.
-        places: of the bodies where all joints are at 0.
-        content: takes them.
-
-    Raises:
-        InputError: there is no loop of this kind.
-    """
+    """Add the loop that a joint closes, and its spring and damper."""
     where = f'{content.word.lower()}, joint "{short(joint.name)}"'
     if not joint.closes:
         kinds = f"{', '.join(LOOPS)}, the axes of a universal one at right angles"
@@ -464,12 +438,6 @@ def add_joint(robot: Element, joint: Joint, places: Mapping[str, Any], content: 
 
     The frame of a link of a URDF is at its joint; one that is elsewhere is fixed to a link without mass at the joint. A universal
     joint is two joints, and a screw is two with a gear.
-
-    Args:
-        robot: takes the elements.
-        joint: from its parent to its child.
-        places: of the bodies where all joints are at 0.
-        content: takes springs and gears.
     """
     pieces = [(joint.name, "revolute" if joint.kind not in ("prismatic", "fixed", "ball", "floating") else joint.kind, 0)]
     if joint.kind == "universal":

@@ -62,16 +62,7 @@ def _tensor(moments, where: str) -> np.ndarray:
 
 
 def replace_masses(robot: Element, masses: Mapping[str, float], inertias: Mapping[str, Sequence[float]]) -> None:
-    """Replace masses and inertias of links in a description; with a mass alone the inertia changes in the same ratio.
-
-    Args:
-        robot: the element <robot>, changed in place.
-        masses: in kg, by link.
-        inertias: about the centre of mass in the directions of <inertial>, as of ``Payload``, by link.
-
-    Raises:
-        InputError: an unknown link, one without <inertial>, or a mass that cannot be changed in a ratio.
-    """
+    """Replace masses and inertias of links in a description; with a mass alone the inertia changes in the same ratio."""
     links = {link.get("name", ""): link for link in robot.findall("link")}
     for key, values in (("masses", masses), ("inertias", inertias)):
         if not isinstance(values, Mapping):
@@ -106,14 +97,7 @@ MOST_NAMED_LINKS = 3
 
 
 def description_notices(robot: Element) -> tuple[Notice, ...]:
-    """What a description contains that no body has, and what of it is not used; one notice for all links or joints of a kind.
-
-    Args:
-        robot: checked.
-
-    Returns:
-        Notices on renamed links, on masses and inertias, and on joints that follow none.
-    """
+    """What a description contains that no body has, and what of it is not used; one notice for all links or joints of a kind."""
     notices = []
     if any(link.get("name") == RENAMED_GROUND for link in robot.findall("link")):
         text = f'the link "{GROUND}" is called "{RENAMED_GROUND}" here, since "{GROUND}" is what does not move'

@@ -47,21 +47,7 @@ class MeshFiles:
         self._with_images: dict[tuple, Mesh] = {}
 
     def mesh(self, name: str, scale, where: str, *, images: bool = False) -> Mesh:
-        """The mesh of a file.
-
-        Args:
-            name: as it stands in the URDF.
-            scale: of the corners along x, y, z.
-            where: its place, for messages.
-            images: whether the images of its textures are read; else they have their names.
-
-        Returns:
-            The mesh.
-
-        Raises:
-            MissingMesh: as of ``path``.
-            InputError: the file cannot be read.
-        """
+        """The mesh of a file."""
         path, roots = self._file(name, where)
         mesh = self.read(path, scale, roots, where)
         if not images:
@@ -72,17 +58,7 @@ class MeshFiles:
         return self._with_images[key]
 
     def read(self, path: Path, scale, roots: tuple[Path, ...], where: str) -> Mesh:
-        """The mesh of a file by its path.
-
-        Args:
-            path, scale, roots, where: as of ``read_mesh``.
-
-        Returns:
-            The mesh; its textures have names of image files.
-
-        Raises:
-            InputError: the file cannot be read.
-        """
+        """The mesh of a file by its path."""
         key = (path, tuple(scale))
         if key not in self._meshes:
             self._meshes[key] = read_mesh(path, scale, roots, where)
@@ -92,16 +68,6 @@ class MeshFiles:
         """The path of a mesh: in the folder of the URDF, in its package, or in a package directory.
 
         package://NAME/... is looked for in the folder NAME of a package directory, and in the folder NAME that the URDF lies in.
-
-        Args:
-            name: as it stands in the URDF.
-            where: its place, for messages.
-
-        Returns:
-            The path of the file.
-
-        Raises:
-            MissingMesh: any other place, also by a symbolic link; no such file, too large, another kind of file.
         """
         return self._file(name, where)[0]
 
@@ -158,18 +124,6 @@ def read_mesh(path: Path, scale, roots: tuple[Path, ...], where: str) -> Mesh:
     """The mesh of a file; what its own reader cannot read, coal reads without colours.
 
     coal 3 mixes up the corners of files with several materials.
-
-    Args:
-        path: of the file.
-        scale: of the corners along x, y, z.
-        roots: folders in which the files that it names may lie.
-        where: its place, for messages.
-
-    Returns:
-        The mesh; its textures have names of image files.
-
-    Raises:
-        InputError: the file cannot be read.
     """
     kind = path.suffix.lower()
     try:

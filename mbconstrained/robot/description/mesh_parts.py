@@ -76,11 +76,7 @@ class Surfaces:
         self._faces: dict[tuple[Color | None, str], tuple[list[np.ndarray], list[np.ndarray]]] = {}
 
     def add_vertices(self, vertices: np.ndarray) -> int:
-        """Further corners (k, 3).
-
-        Returns:
-            The number of the first of them.
-        """
+        """Further corners (k, 3)."""
         self._vertices.append(vertices)
         self._count += len(vertices)
         return self._count - len(vertices)
@@ -88,15 +84,7 @@ class Surfaces:
     def add_polygons(
         self, sides, corners: np.ndarray, color: Color | None, image: str = "", places: np.ndarray | None = None
     ) -> None:
-        """Polygons, cut into triangles from their first corners.
-
-        Args:
-            sides: number of corners of each.
-            corners: numbers of their vertices, one polygon after the other.
-            color: of all of them.
-            image: name of the texture's file, or an empty string.
-            places: of the corners in the image, in the same order, shape (n, 2).
-        """
+        """Polygons, cut into triangles from their first corners."""
         chosen = triangles(np.asarray(sides, int), len(corners))
         textured = bool(image) and places is not None
         faces, spots = self._faces.setdefault((None, image) if textured else (color, ""), ([], []))
@@ -105,11 +93,7 @@ class Surfaces:
             spots.append(places[chosen])
 
     def mesh(self, scale=(1.0, 1.0, 1.0)) -> Mesh:
-        """The mesh, its corners times the scale.
-
-        Raises:
-            UnreadableMesh: no triangle, corners that do not exist or are no finite numbers.
-        """
+        """The mesh, its corners times the scale."""
         vertices = np.vstack([np.zeros((0, 3)), *self._vertices]) * scale
         parts = []
         for (color, image), (faces, spots) in self._faces.items():
@@ -126,16 +110,6 @@ class Surfaces:
 
 def triangles(sides: np.ndarray, count: int) -> np.ndarray:
     """The places of the corners of triangles in a row of polygons, each cut from its first corner.
-
-    Args:
-        sides: number of corners of each polygon, which are one after the other; one with fewer than three has no triangle.
-        count: of all corners.
-
-    Returns:
-        Shape (f, 3).
-
-    Raises:
-        UnreadableMesh: another number of corners than that of all polygons.
 
     >>> triangles(np.array([3, 4]), 7)
     array([[0, 1, 2],

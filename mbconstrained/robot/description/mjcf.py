@@ -56,12 +56,7 @@ _PLACEHOLDERS = (1.0, 2.0)
 
 
 def _compile(texts: dict[str, str], most: int) -> None:
-    """Compile "main.xml", run it once, and save the model: the work of a process of its own.
-
-    Args:
-        texts: of files by name.
-        most: degrees of freedom.
-    """
+    """Compile "main.xml", run it once, and save the model: the work of a process of its own."""
     import mujoco
 
     for name, text in texts.items():
@@ -81,19 +76,7 @@ def is_mjcf(source) -> bool:
 
 
 def read_mjcf(path: str | Path, free_base: bool, package_dirs: tuple[str | Path, ...] = ()) -> ModelFile:
-    """The content of an MJCF file.
-
-    Args:
-        path: of the file.
-        free_base: whether a base without a free joint gets one.
-        package_dirs: folders from which files may be read besides the package of the MJCF and the folder above its own.
-
-    Returns:
-        Model, loops, gears, springs, motors, gravity and key frames.
-
-    Raises:
-        InputError: MuJoCo is not installed or cannot read it, files outside of its folders, masses of missing meshes.
-    """
+    """The content of an MJCF file."""
     path = Path(path)
     files = _Files(path, tuple(Path(folder).resolve() for folder in package_dirs))
     compiled, *more = (_compiled(*files.texts(size)) for size in (_PLACEHOLDERS if files.missing else _PLACEHOLDERS[:1]))

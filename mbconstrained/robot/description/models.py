@@ -82,17 +82,7 @@ def has_free_base(model) -> bool:
 
 
 def described(model) -> Element:
-    """The names, masses and joints of a pinocchio model as the element <robot> of a URDF; its shapes are not there.
-
-    Args:
-        model: with joints of one degree of freedom, planar, free, spherical or translating joints.
-
-    Returns:
-        The element; a link that other links are fixed to has the mass of all.
-
-    Raises:
-        InputError: another kind of joint, or no bodies.
-    """
+    """The names, masses and joints of a pinocchio model as the element <robot> of a URDF; its shapes are not there."""
     import pinocchio
 
     robot, first = Element("robot", name=str(model.name) or "robot"), {}

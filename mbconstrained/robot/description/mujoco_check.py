@@ -28,18 +28,7 @@ if TYPE_CHECKING:
 
 
 def compared_with_mujoco(robot: Robot, posture: Posture) -> tuple[Notice, ...]:
-    """Compare the robot as its file has it, without what was added to it, with MuJoCo at the joints of a posture.
-
-    Args:
-        robot: read from an MJCF file.
-        posture: of it.
-
-    Returns:
-        A note on bodies that touch.
-
-    Raises:
-        InputError: a difference, with the joint.
-    """
+    """Compare the robot as its file has it, without what was added to it, with MuJoCo at the joints of a posture."""
     from ..posture import attached_load
     from ..statics.balance import Balance
 

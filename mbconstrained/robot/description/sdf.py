@@ -82,19 +82,7 @@ def read_description(source, base: str = "fixed", package_dirs: tuple[Path, ...]
 
 
 def read_sdf(source: str | Path, base: str = "fixed", package_dirs: tuple[Path, ...] = ()) -> ModelFile:
-    """The content of an SDF file: one model, or a world of models.
-
-    Args:
-        source: the path, or the text.
-        base: "moving" for a base without a joint of its own.
-        package_dirs: folders in which included models model://NAME are looked up.
-
-    Returns:
-        The description with loops, gears, springs, gravity and notices.
-
-    Raises:
-        InputError: not an SDF, unknown frames, kinds of joints that cannot be read, files outside of the folders.
-    """
+    """The content of an SDF file: one model, or a world of models."""
     text, folder = read_urdf(source, "SDF")
     root = _root(text)
     content = Content("SDF")
@@ -144,15 +132,7 @@ class _Reader:
         self.links = self.models = 0
 
     def included(self, uri: str, folder: Path | None) -> Path:
-        """The file of a model by its address.
-
-        Args:
-            uri: model://NAME, file://PATH or a path.
-            folder: of the file that includes it.
-
-        Raises:
-            InputError: no such file, or one outside of the folders.
-        """
+        """The file of a model by its address."""
         where = f"sdf, include {short(uri)!a}"
         kind, _, rest = uri.rpartition("://")
         if kind not in ("", "model", "file", "package") or "\0" in rest or not rest.strip("/."):
@@ -438,11 +418,7 @@ class _Assembly:
         self.joints: list[Joint] = []
 
     def build(self, base: str) -> None:
-        """Links, joints of a spanning tree, loops and gears.
-
-        Args:
-            base: as of ``read_sdf``.
-        """
+        """Links, joints of a spanning tree, loops and gears."""
         bodies: dict[str, tuple[_Scope, Element]] = {}
         for scope in self.scope.all():
             scope.check_frames()

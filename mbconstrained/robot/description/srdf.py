@@ -53,11 +53,7 @@ class SemanticDescription:
 
 
 def read_srdf(path: str | Path) -> SemanticDescription:
-    """States and rotors of an SRDF file.
-
-    Raises:
-        InputError: no such file, no SRDF, invalid numbers.
-    """
+    """States and rotors of an SRDF file."""
     root = parsed_xml(read_urdf(path, "SRDF")[0], "srdf")
     content = SemanticDescription()
     for state in root.iter("group_state"):

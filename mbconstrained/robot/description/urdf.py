@@ -24,18 +24,7 @@ _JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "pla
 
 
 def read_urdf(source: str | Path, kind: str = "URDF") -> tuple[str, Path | None]:
-    """The XML text, and the folder of the file if it was one.
-
-    Args:
-        source: the path, or the text itself.
-        kind: of file, for messages; its ending is the same in small letters.
-
-    Returns:
-        The text and the folder.
-
-    Raises:
-        InputError: no such file, too large, not text.
-    """
+    """The XML text, and the folder of the file if it was one."""
     if isinstance(source, str) and "<" in source:
         return source, None
     if not isinstance(source, (str, Path)):
@@ -57,15 +46,7 @@ def read_urdf(source: str | Path, kind: str = "URDF") -> tuple[str, Path | None]
 
 
 def checked_tree(root: ElementTree.Element, balls: Collection[str] = ()) -> ElementTree.Element:
-    """The element <robot> with checked names, joint types and tree; ``skeleton`` checks the numbers.
-
-    Args:
-        root: the element.
-        balls: names of ball joints, which only Drake's tags give.
-
-    Raises:
-        InputError: names used twice, unknown links, loops, kinds of joints that do not exist.
-    """
+    """The element <robot> with checked names, joint types and tree; ``skeleton`` checks the numbers."""
     if any(element.tag.startswith("{") and "xacro" in element.tag for element in root.iter()):
         raise InputError("urdf: found xacro macros; expand them first: xacro robot.xacro > robot.urdf")
     if not root.findall("link"):
@@ -81,18 +62,7 @@ def checked_tree(root: ElementTree.Element, balls: Collection[str] = ()) -> Elem
 
 
 def parsed_xml(text: str, what: str) -> ElementTree.Element:
-    """The element <robot> of a text.
-
-    Args:
-        text: of the file.
-        what: the argument, for messages: "urdf" or "srdf".
-
-    Returns:
-        The element.
-
-    Raises:
-        InputError: not XML, entities, another root element.
-    """
+    """The element <robot> of a text."""
     root = xml_element(text, what)
     if root.tag != "robot":
         raise InputError(f"{what}: found <{short(root.tag)}>; expected <robot>{_OTHER_FORMATS.get(root.tag, '')}")
@@ -100,18 +70,7 @@ def parsed_xml(text: str, what: str) -> ElementTree.Element:
 
 
 def xml_element(text: str, what: str) -> ElementTree.Element:
-    """The root element of a text, which is UTF-8 whatever it declares.
-
-    Args:
-        text: of the file.
-        what: its format, for messages.
-
-    Returns:
-        The element.
-
-    Raises:
-        InputError: not XML, entities.
-    """
+    """The root element of a text, which is UTF-8 whatever it declares."""
     if re.search(r"<!(DOCTYPE|ENTITY)", text, re.IGNORECASE):
         raise InputError(f"{what}: found a document type or an entity, which are not read; take it out")
     try:
@@ -160,11 +119,7 @@ class Mimic:
 
 
 def mimics_of(root: ElementTree.Element) -> tuple[Mimic, ...]:
-    """The joints that follow others; one whose leader the URDF does not have moves by itself (``masses.description_notices``).
-
-    Raises:
-        InputError: joints that follow each other in a circle; invalid numbers.
-    """
+    """The joints that follow others; one whose leader the URDF does not have moves by itself (``masses.description_notices``)."""
     joints, mimics = {joint.get("name"): joint for joint in root.findall("joint")}, []
     for name, joint in joints.items():
         if (mimic := joint.find("mimic")) is None or joint.get("type") == "fixed":
@@ -182,18 +137,7 @@ def mimics_of(root: ElementTree.Element) -> tuple[Mimic, ...]:
 
 
 def of_first_leader(mimic: Mimic, by_follower: Mapping[str, Mimic]) -> Mimic:
-    """The same as a gear to the first joint of a train of gears, q = r (r' q' + o') + o.
-
-    Args:
-        mimic: a joint that follows another, which may follow one itself.
-        by_follower: all of them.
-
-    Returns:
-        The joint that follows the first leader.
-
-    Raises:
-        InputError: the joints follow each other in a circle.
-    """
+    """The same as a gear to the first joint of a train of gears, q = r (r' q' + o') + o."""
     passed = [mimic.follower]
     while (before := by_follower.get(mimic.leader)) is not None:
         if before.follower in passed:
@@ -262,34 +206,14 @@ LEAST, LARGEST = 1e-100, 1e100
 def number(text, where: str, minimum: float | None = None) -> float:
     """One number of a size of at most LARGEST, 0 below LEAST.
 
-    Args:
-        text: of the attribute.
-        where: its place, for messages.
-        minimum: the least value.
-
-    Returns:
-        The number.
-
     >>> number(" 2.5 ", "mass")
     2.5
-
-    Raises:
-        InputError: not a number, too large or below the minimum.
     """
     return numbers(text, 1, where, minimum)[0]
 
 
 def numbers(text, count: int, where: str, minimum: float | None = None) -> list[float]:
     """A given count of numbers between blanks.
-
-    Args:
-        text: of the attribute.
-        count: how many there must be.
-        where: its place, for messages.
-        minimum: the least value of each.
-
-    Returns:
-        The numbers.
 
     >>> numbers("0 0 -9.81", 3, "xyz")
     [0.0, 0.0, -9.81]
@@ -328,11 +252,7 @@ _UNLIMITED = ("continuous", "fixed", "floating", "planar", "ball")
 
 
 def skeleton(robot: Element) -> str:
-    """The XML text of a robot with masses and joints alone, every number checked.
-
-    Raises:
-        InputError: invalid numbers, impossible masses or inertias, axes without a direction.
-    """
+    """The XML text of a robot with masses and joints alone, every number checked."""
     tree = Element("robot", name=str(robot.get("name") or "robot"))
     for link in robot.findall("link"):
         copy = SubElement(tree, "link", name=link.get("name"))
@@ -362,15 +282,7 @@ def _copy_inertial(link: Element, inertial: Element, where: str) -> None:
 
 
 def moments(inertia: Element, where: str) -> dict[str, float]:
-    """The six moments of an element <inertia> by name.
-
-    Args:
-        inertia: the element.
-        where: its place, for messages.
-
-    Returns:
-        In kg m^2.
-    """
+    """The six moments of an element <inertia> by name."""
     return {key: number(inertia.get(key), f"{where}, inertia, {key}") for key in MOMENTS}
 
 

@@ -56,17 +56,6 @@ def visuals_of(description: ElementTree.Element, files: MeshFiles, *, collision:
     """The visuals of all links, without meshes whose files are missing (``mesh_notices``).
 
     A mesh without a colour of its own in the URDF has those of its file, and is one visual for each of them.
-
-    Args:
-        description: the element <robot>.
-        files: of meshes.
-        collision: whether the collision shapes are read instead; those that cannot be are left out.
-
-    Returns:
-        The shapes of all links, in the order of the URDF.
-
-    Raises:
-        InputError: numbers that make no sense, mesh files that cannot be read.
     """
     colors = {m.get("name"): _color(m) for m in description.findall("material")}
     visuals: list[Visual] = []
@@ -99,13 +88,6 @@ def visuals_of_mjcf(source: ModelFile, *, collision: bool = False) -> tuple[Visu
     """The geoms of a compiled MJCF file; planes and height fields are left out, ellipsoids are meshes, and capsules have no round ends.
 
     Geoms that touch nothing are visual shapes alone, those of group 3 collision shapes alone, and all others are both.
-
-    Args:
-        source: of the file.
-        collision: whether the collision shapes are read instead.
-
-    Returns:
-        The shapes of all links.
     """
     mj, visuals = source.drawn, []
     for geom in range(mj.ngeom):
@@ -171,14 +153,7 @@ def _elements(description: ElementTree.Element, tag: str = "visual"):
 
 
 def mesh_notices(description: ElementTree.Element, files: MeshFiles) -> tuple[Notice, ...]:
-    """A notice on the meshes that are not drawn; no file is opened.
-
-    Args:
-        description, files: as of ``visuals_of``.
-
-    Returns:
-        One notice, or none.
-    """
+    """A notice on the meshes that are not drawn; no file is opened."""
     missing = []
     for link, visual in _elements(description):
         for mesh in visual.findall("geometry/mesh"):

@@ -11,19 +11,7 @@ from .mesh_parts import Color, Mesh, ReadFile, Surfaces, UnreadableMesh, visible
 
 
 def wavefront_mesh(text: str, read: ReadFile, scale=(1.0, 1.0, 1.0)) -> Mesh:
-    """The mesh of a Wavefront file: its polygons, without lines, points and curves.
-
-    Args:
-        text: of the file.
-        read: the text of a material file, by its name; an empty one if it is not there.
-        scale: of the corners along x, y, z.
-
-    Returns:
-        The mesh; its textures have names of image files.
-
-    Raises:
-        UnreadableMesh: a broken file.
-    """
+    """The mesh of a Wavefront file: its polygons, without lines, points and curves."""
     vertices: list[list[str]] = []
     spots: list[list[str]] = []
     polygons: dict[str, list[list[tuple[int, int]]]] = {}  # by the name of the material

@@ -62,16 +62,7 @@ class ConnectionForces:
 
 
 def connection_forces(posture: Posture, size: int, rows: Sequence[str]) -> ConnectionForces:
-    """The forces of all loops, springs and bushings about a posture.
-
-    Args:
-        posture: of the linearization.
-        size: n, the number of coordinates of the system; those beyond the links (motors) do not move connections.
-        rows: names of its constraint rows; others than those of loops contribute nothing.
-
-    Returns:
-        ``ConnectionForces``.
-    """
+    """The forces of all loops, springs and bushings about a posture."""
     balance, load = posture.balance, posture.balance.load
     connections = tuple(item.connection for item in (*load.loops, *load.springs))
     parts, start = [], 0
@@ -108,16 +99,7 @@ def connection_forces(posture: Posture, size: int, rows: Sequence[str]) -> Conne
 
 
 def foot_limits(posture: Posture, forces: ConnectionForces, values, sizes: Mapping[str, float], error: float) -> np.ndarray:
-    """How far feet are outside of their limits, positive where ``foot_notices`` has notices of them.
-
-    Args:
-        posture, forces, error: as of ``foot_notices``.
-        values: of the forces, shape (k, T).
-        sizes: by name of a foot the largest force on it, in N.
-
-    Returns:
-        A row for each foot and limit, shape (r, T).
-    """
+    """How far feet are outside of their limits, positive where ``foot_notices`` has notices of them."""
     return limit_values(posture.balance, _wrenches(forces, values), sizes, max(error, CONE_TOLERANCE))
 
 
@@ -130,19 +112,7 @@ def _wrenches(forces: ConnectionForces, values: np.ndarray) -> dict[str, np.ndar
 
 
 def foot_notices(posture: Posture, forces: ConnectionForces, times, values, reactions, error: float) -> Iterator[Notice]:
-    """Notices on feet that lift off, slip or tip over during a motion but not at rest.
-
-    Args:
-        posture: of the linearization.
-        forces: about it.
-        times: shape (T,), in s.
-        values: of the forces at the times, shape (k, T).
-        reactions: multipliers of the independent rows by name, changes of those at rest, shape (T,) each.
-        error: of the forces, relative to the largest.
-
-    Yields:
-        At most one for each limit, with the worst foot.
-    """
+    """Notices on feet that lift off, slip or tip over during a motion but not at rest."""
     balance, robot = posture.balance, posture.robot
     multipliers = np.tile(posture.multipliers[:, None], 1 + len(times))
     for name, change in reactions.items():

@@ -35,16 +35,7 @@ Linearize = Callable[["Posture"], "MechanicalSystem"]
 
 
 def robot_parameters(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
-    """One parameter for each number that is not zero.
-
-    Args:
-        posture: the equilibrium.
-        linearize: makes the system of a posture.
-
-    Returns:
-        "JOINT.stiffness", "JOINT.damping", "SPRING.stiffness", "BUSHING.stiffness x", "LINK.mass", "payload on LINK.mass", ...;
-        with the mass of a link its inertia changes in the same ratio, that of a payload stays.
-    """
+    """One parameter for each number that is not zero."""
     yield from _joints(posture, linearize)
     yield from _flexible_joints(posture.robot)
     yield from _connections(posture, linearize)

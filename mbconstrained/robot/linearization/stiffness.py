@@ -71,13 +71,6 @@ def symmetric_stiffness(posture: Posture, K: np.ndarray) -> tuple[np.ndarray, tu
     """K made symmetric where the forces have a potential.
 
     At an equilibrium the derivative of a conservative force is symmetric; the skew part lies across the motion.
-
-    Args:
-        posture: at rest.
-        K: the sum of its parts, shape (nv, nv).
-
-    Returns:
-        K of this shape, and a notice where it is not symmetric.
     """
     balance, lengths = posture.balance, posture.balance.load.lengths
     N = rows_of(balance.scaled_jacobian[list(posture.independent_rows)]).motions
@@ -114,15 +107,7 @@ def instability(posture: Posture) -> tuple[Notice, ...]:
 
 
 def lost_springs(parts: Sequence[tuple[str, np.ndarray]], noise: np.ndarray) -> tuple[Notice, ...]:
-    """A notice on springs that are smaller than the rounding errors of others.
-
-    Args:
-        parts: contributions to K by name.
-        noise: the rounding errors of the entries of K.
-
-    Returns:
-        The notice, none where every spring counts.
-    """
+    """A notice on springs that are smaller than the rounding errors of others."""
     lost = [name for name, part in parts if part.any() and (np.abs(part) <= noise).all()]
     if not lost:
         return ()
@@ -132,43 +117,19 @@ def lost_springs(parts: Sequence[tuple[str, np.ndarray]], noise: np.ndarray) -> 
 
 
 def cleaned(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """The matrix without entries that are rounding errors of the largest: a zero stiffness must be zero, or a free motion oscillates.
-
-    Args:
-        part: any matrix of the coordinates.
-        sizes: the units of its entries, of the same shape.
-
-    Returns:
-        A copy.
-    """
+    """The matrix without entries that are rounding errors of the largest: a zero stiffness must be zero, or a free motion oscillates."""
     scaled = np.abs(part / sizes)
     return np.where(scaled > noise_of(scaled.max(initial=0.0), len(part)), part, 0.0)
 
 
 def rounding_errors(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """The rounding errors of the entries: that of the largest, since entries are sums.
-
-    Args:
-        part, sizes: as of ``cleaned``.
-
-    Returns:
-        Of the same shape.
-    """
+    """The rounding errors of the entries: that of the largest, since entries are sums."""
     largest = np.abs(part / sizes).max(initial=0.0)
     return np.where(cleaned(part, sizes) != 0, COMPUTED * largest * sizes, 0.0)
 
 
 def cleaned_rows(J: np.ndarray, sizes: np.ndarray, units: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of loops without rounding errors of the largest entry of the same unit, and their rounding errors.
-
-    Args:
-        J: shape (k, nv).
-        sizes: units of the columns.
-        units: of the rows.
-
-    Returns:
-        Two matrices of this shape.
-    """
+    """Rows of loops without rounding errors of the largest entry of the same unit, and their rounding errors."""
     clean, doubt = np.zeros_like(J), np.zeros_like(J)
     for unit in set(units):
         rows = np.array(units) == unit

@@ -267,19 +267,7 @@ class Elastic:
 
 
 def elastic(element: BodySpring | Bushing, pose: RelativePose, rest_length: float) -> Elastic:
-    """The contributions of an element whose frames have this relative pose.
-
-    Args:
-        element: the spring or bushing.
-        pose: of its frames.
-        rest_length: of a spring (m).
-
-    Returns:
-        Force (N, N m), stiffness and damping by the coordinates.
-
-    Raises:
-        InputError: a spring of no length, which has no direction.
-    """
+    """The contributions of an element whose frames have this relative pose."""
     is_spring = isinstance(element, BodySpring)
     return Elastic(pose, *(_spring(element, pose.value, rest_length) if is_spring else _bushing(element, pose.value)))
 

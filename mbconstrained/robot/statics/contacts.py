@@ -90,32 +90,14 @@ class Exceeded:
 
 
 def contact_notices(state: Equilibrium, free: np.ndarray) -> Iterator[Notice]:
-    """Notices on feet whose force at rest pulls or leaves the friction cone, or whose centre of pressure leaves the sole.
-
-    Args:
-        state: of the robot at rest.
-        free: which coordinates are not kept in place, shape (nv,).
-
-    Yields:
-        One for each limit, with the worst foot; none where another share of the load keeps all feet in place.
-    """
+    """Notices on feet whose force at rest pulls or leaves the friction cone, or whose centre of pressure leaves the sole."""
     feet = [(contact, contact.at_rest(state.multipliers)) for contact in _contacts(state.balance)]
     exceeded = _exceeded(state.balance, free, state.multipliers[:, None], feet, CONE_TOLERANCE)
     yield from (Notice(NoticeKind.STATIC_LOAD, text) for text in _sentences(exceeded))
 
 
 def limit_values(balance: Balance, wrenches: Mapping[str, np.ndarray], sizes: Mapping[str, float], tolerance: float) -> np.ndarray:
-    """How far feet are outside of their limits beyond a tolerance, positive outside; by foot the limits in their order.
-
-    Args:
-        balance: at rest.
-        wrenches: as of ``moving_contact_notices``, shape (6, T).
-        sizes: by name of a foot the largest force on it in N, to which the tolerance is relative.
-        tolerance: of forces and of the place of the centre of pressure.
-
-    Returns:
-        Shape (number of feet times 3, T).
-    """
+    """How far feet are outside of their limits beyond a tolerance, positive outside; by foot the limits in their order."""
     rows = []
     for contact in _contacts(balance):
         name = contact.support.name
@@ -134,18 +116,6 @@ def moving_contact_notices(
 ) -> Iterator[Notice]:
     """The same of feet during a small motion, with the times of the worst value and of the first; feet that leave their limits at
     rest are left out.
-
-    Args:
-        balance: at rest.
-        free: which coordinates are not kept in place at rest, shape (nv,).
-        multipliers: of all rows, at rest, then during the motion, shape (m, 1 + T).
-        times: shape (T,), in s.
-        wrenches: by name of a foot the force and torque on body2 in the directions of the ground, at rest, then during the
-            motion, shape (6, 1 + T).
-        error: of the forces, relative to the largest.
-
-    Yields:
-        At most one for each limit.
     """
     rest, motion = slice(0, 1), slice(1, None)
     feet = [(contact, contact.of(wrenches[contact.support.name])) for contact in _contacts(balance)]

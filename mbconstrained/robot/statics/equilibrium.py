@@ -63,15 +63,7 @@ class Search:
         return Balance(self.tree, self.load, q)
 
     def moved(self, balance: Balance, step: np.ndarray) -> Balance:
-        """The balance at q (+) step, the step shortened where it is long.
-
-        Args:
-            balance: in the configuration q.
-            step: in tangent coordinates (m, rad), shape (nv,).
-
-        Returns:
-            The balance in the new configuration.
-        """
+        """The balance at q (+) step, the step shortened where it is long."""
         furthest = np.abs(step / (LARGEST_STEP * self.load.lengths)).max(initial=0.0)
         return self.at(self.tree.moved(balance.configuration, step / max(1.0, furthest)))
 
@@ -156,15 +148,7 @@ class Equilibrium:
 
 
 def closed(search: Search, q: np.ndarray) -> Balance:
-    """The balance where loops are closed as well as Gauss-Newton steps from q can, moving as little as possible.
-
-    Args:
-        search: loads, loops and free coordinates.
-        q: shape (nq,).
-
-    Returns:
-        The best balance on the way.
-    """
+    """The balance where loops are closed as well as Gauss-Newton steps from q can, moving as little as possible."""
     balance = best = search.at(q)
     least, since = np.inf, 0
     for _ in range(MOST_STEPS):
@@ -180,18 +164,7 @@ def closed(search: Search, q: np.ndarray) -> Balance:
 
 
 def equilibrium(search: Search, q: np.ndarray) -> Equilibrium:
-    """The equilibrium that Newton's method reaches from q, or where it reaches none, the one downhill from q.
-
-    Args:
-        search: loads, loops and free coordinates.
-        q: shape (nq,).
-
-    Returns:
-        The equilibrium.
-
-    Raises:
-        InputError: there is none near q.
-    """
+    """The equilibrium that Newton's method reaches from q, or where it reaches none, the one downhill from q."""
     start = _state(search, search.at(q))
     state = _followed(search, start, _newton_step)
     if state.badness > 1.0:  # near a saddle, or no stiffness where the force points

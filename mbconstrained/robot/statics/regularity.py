@@ -50,20 +50,7 @@ class LoopRows:
 
 
 def loop_rows(balance: Balance, nearest: Balance, rounded: str, with_all_digits: Callable[[], Balance]) -> LoopRows:
-    """The rank of J in a closed configuration, in comparable units.
-
-    Args:
-        balance: of forces, there.
-        nearest: where the loops are closed next to the guess, before forces move the robot.
-        rounded: advice on rounded angles of the robot, or an empty string.
-        with_all_digits: gives the balance of the robot whose rounded angles have all digits.
-
-    Returns:
-        The independent rows.
-
-    Raises:
-        InputError: the posture is singular.
-    """
+    """The rank of J in a closed configuration, in comparable units."""
     load = balance.load
     J = balance.scaled_jacobian
     rows = rows_of(J)
@@ -78,15 +65,7 @@ def loop_rows(balance: Balance, nearest: Balance, rounded: str, with_all_digits:
 
 
 def implied_rows(balance: Balance, kept: Sequence[int]) -> tuple[str, ...]:
-    """The names of the rows that were left out because others imply them, so that it is open how they share forces.
-
-    Args:
-        balance: of forces, in the posture.
-        kept: places of the others.
-
-    Returns:
-        Without those that the joints satisfy by themselves, which have no force.
-    """
+    """The names of the rows that were left out because others imply them, so that it is open how they share forces."""
     empty, names = _empty(balance), balance.load.row_names
     return tuple(name for row, name in enumerate(names) if row not in kept and not empty[row])
 

@@ -23,19 +23,6 @@ def consistent_values(
 
     Rows A x^(level) = b at position level hold for positions, and with the derivative of b for velocities (0 where b is constant),
     where those at velocity level join them. Omitted values remain 0 where the rows hold with 0, and in coordinates of no row.
-
-    Args:
-        initial: x^(i)(0-) as row i, 0 where omitted.
-        table: the [initial] table.
-        system: with the constraint rows; None without any.
-        coordinates: names and units.
-        file_name: for messages.
-
-    Returns:
-        The completed values, of the shape of ``initial``.
-
-    Raises:
-        SceneError: given values that contradict the rows, omitted values that the rows leave undetermined.
     """
     if system is None or not system.rows:
         with at(file_name, "initial.follow"):
@@ -77,11 +64,7 @@ def _scales(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _solved(A: np.ndarray, b: np.ndarray, names: list[str]) -> np.ndarray:
-    """The least-squares solution of A x = b.
-
-    Raises:
-        InputError: the rows leave entries of x undetermined.
-    """
+    """The least-squares solution of A x = b."""
     rows, columns = _scales(A)
     u, s, vt = np.linalg.svd(rows[:, None] * A * columns)
     rank = int((s > CONSISTENT_ROWS * s.max(initial=0.0)).sum())

@@ -148,19 +148,7 @@ MATRICES = ("A", "B", "C", "D", "descriptor")
 
 
 def transfer_function_scene(table, folder: Path, file_name: str) -> ControlScene:
-    """Read a scene of kind "transfer-function".
-
-    Args:
-        table: of the scene.
-        folder: of the scene, for data files.
-        file_name: for messages.
-
-    Returns:
-        The transfer function with its input and output.
-
-    Raises:
-        SceneError: a denominator that is zero, names, units or values that are wrong.
-    """
+    """Read a scene of kind "transfer-function"."""
     model = table.model
     with at(file_name, "model"):
         fraction = rational_function(model.numerator, model.denominator)
@@ -184,19 +172,7 @@ def transfer_function_scene(table, folder: Path, file_name: str) -> ControlScene
 
 
 def state_space_scene(table, folder: Path, file_name: str) -> ControlScene:
-    """Read a scene of kind "state-space", as it is.
-
-    Args:
-        table: of the scene.
-        folder: of the scene, for data files.
-        file_name: for messages.
-
-    Returns:
-        The state space with its inputs, outputs and start.
-
-    Raises:
-        SceneError: matrices that do not fit, names, units or values that are wrong.
-    """
+    """Read a scene of kind "state-space", as it is."""
     model, matrices = table.model, {}
     for key in MATRICES:
         source = getattr(model, key)
@@ -220,20 +196,7 @@ def state_space_scene(table, folder: Path, file_name: str) -> ControlScene:
 def mechanical_scene(
     control: ControlScene, table, file_name: str, lap: Callable[[str], object]
 ) -> tuple[ControlScene, MechanicalSystem, Coordinates, np.ndarray]:
-    """A state space in its mechanical normal form.
-
-    Args:
-        control: the state space as given.
-        table: of the scene.
-        file_name: for messages.
-        lap: called with the name of each stage when it is done.
-
-    Returns:
-        The scene with its normal form and x(0-), the second-order system, its displacements q, and q and q' at 0- as rows.
-
-    Raises:
-        SceneError: there is none, and the text names the condition that fails; names or initial values that are wrong.
-    """
+    """A state space in its mechanical normal form."""
     from ...control.normal_form.normal_form import mechanical_normal_form
 
     space, model, initial = control.system, table.model, table.initial

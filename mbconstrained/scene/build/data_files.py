@@ -21,18 +21,7 @@ def _data_file(folder: Path, name: str) -> Path:
 
 
 def entries_of(source, folder: Path) -> np.ndarray:
-    """The entries of a matrix, those that are expressions of parameters as such.
-
-    Args:
-        source: the matrix written in the scene, or the table with the file that contains it.
-        folder: of the scene.
-
-    Returns:
-        The matrix, in SI, of objects where it is written in the scene.
-
-    Raises:
-        InputError: a file that cannot be read, or that is not in the folder of the scene, also by a symbolic link.
-    """
+    """The entries of a matrix, those that are expressions of parameters as such."""
     if isinstance(source, np.ndarray):
         return source
     matrix = full_matrix(read_matrix(_data_file(folder, source.file), source.array), source.file)
@@ -43,19 +32,7 @@ def entries_of(source, folder: Path) -> np.ndarray:
 
 
 def record_of(source, unit: str | None, folder: Path) -> tuple[np.ndarray, np.ndarray]:
-    """A record in a file.
-
-    Args:
-        source: the [[force]] table that names it.
-        unit: of the force; None where unknown.
-        folder: of the scene.
-
-    Returns:
-        Times in s and values in the unit.
-
-    Raises:
-        InputError: as ``entries_of``, and as ``mbconstrained.read_record``; of a text the line is named.
-    """
+    """A record in a file."""
     keys = ("column", "time", "time_unit", "step", "header", "array", "factor")
     given = {key: getattr(source, key) for key in keys if getattr(source, key) is not None}
     offset = force_value(source.offset, unit, what="offset")

@@ -152,20 +152,7 @@ class Equations:
 
 
 def equations_of(table, folder: Path, file_name: SceneName, lap: Callable[[str], object] = lambda stage: None) -> Equations:
-    """Assemble the equations of a scene.
-
-    Args:
-        table: of the scene.
-        folder: of the scene, for data files.
-        file_name: for messages.
-        lap: called with the name of each finished stage of a robot or a normal form.
-
-    Returns:
-        The equations with names, units, initial values and forces.
-
-    Raises:
-        SceneError: unknown names, values of the wrong kind, files that cannot be read, contradictory constraints.
-    """
+    """Assemble the equations of a scene."""
     if table.model.kind == "lumped":
         return _lumped(table, folder, file_name)
     if table.model.kind == "robot":

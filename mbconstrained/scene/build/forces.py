@@ -44,21 +44,7 @@ class Load:
 def loads_of(
     tables: Sequence, coordinates: Coordinates, folder: Path, file_name: str, robot: LinearizedRobot | None = None
 ) -> tuple[Load, ...]:
-    """The loads of all [[force]] tables.
-
-    Args:
-        tables: validated.
-        coordinates: of the model, on which forces act.
-        folder: of the scene, for data files.
-        file_name: for messages.
-        robot: its inputs are further places where forces act.
-
-    Returns:
-        One for each place of each table.
-
-    Raises:
-        SceneError: an unknown coordinate, a value of another kind, a wrong data file.
-    """
+    """The loads of all [[force]] tables."""
     loads = []
     for number, table in enumerate(tables, 1):
         with at(file_name, f"force[{number}]"):
@@ -97,21 +83,7 @@ def _common_unit(places: Mapping[str, tuple[np.ndarray, str]]) -> str:
 def load_patterns(
     tables: Sequence, coordinates: Coordinates, known: Collection[str], file_name: str, robot: LinearizedRobot | None = None
 ) -> dict[str, tuple[np.ndarray, str]]:
-    """The loads by factors as inputs of a system.
-
-    Args:
-        tables: the [[force]] tables, validated.
-        coordinates: of the model, on which forces act.
-        known: names that inputs have already.
-        file_name: for messages.
-        robot: its inputs are further places where forces act.
-
-    Returns:
-        By name the generalized forces of a unit load, shape (r,), and the unit of the displacement along which it works.
-
-    Raises:
-        SceneError: a name that something else has, or another load with other factors.
-    """
+    """The loads by factors as inputs of a system."""
     patterns: dict[str, tuple[np.ndarray, str]] = {}
     for number, table in enumerate(tables, 1):
         if table.factors is None:
@@ -128,16 +100,7 @@ def load_patterns(
 
 
 def unbalance_loads(unbalance: np.ndarray, speed: float, coordinates: Coordinates) -> tuple[Load, ...]:
-    """The forces of the unbalance at a speed.
-
-    Args:
-        unbalance: u of W^2 Re(u e^{i W t}), shape (r,).
-        speed: W in rad/s.
-        coordinates: of the model.
-
-    Returns:
-        One for each coordinate with unbalance; none at rest.
-    """
+    """The forces of the unbalance at a speed."""
     loads = []
     for place in np.flatnonzero(unbalance) if speed else ():
         u, name, unit = unbalance[place], coordinates.names[place], coordinates.units[place]
@@ -149,21 +112,7 @@ def unbalance_loads(unbalance: np.ndarray, speed: float, coordinates: Coordinate
 def prescribed_motions(
     tables: Sequence, coordinates: Coordinates, folder: Path, file_name: str, robot: LinearizedRobot | None = None
 ) -> list[Constraint]:
-    """The constraint rows of all [[motion]] tables.
-
-    Args:
-        tables: validated.
-        coordinates: of the model.
-        folder: of the scene, for data files.
-        file_name: for messages.
-        robot: its outputs are points whose motion may be prescribed.
-
-    Returns:
-        A constraint for each coordinate.
-
-    Raises:
-        SceneError: an unknown coordinate, a value of another kind, a wrong data file.
-    """
+    """The constraint rows of all [[motion]] tables."""
     outputs = robot.outputs if robot else {}
     constraints = []
     for number, table in enumerate(tables, 1):
@@ -185,17 +134,7 @@ def force_of(loads: Sequence[Load]) -> signals.ImpulsiveSmooth | None:
 
 
 def input_of(tables: Sequence, inputs: Coordinates, folder: Path, file_name: str) -> signals.ImpulsiveSmooth | None:
-    """The inputs of a transfer function or state space.
-
-    Args:
-        tables: the [[force]] tables, validated.
-        inputs: names and units.
-        folder: of the scene, for data files.
-        file_name: for messages.
-
-    Returns:
-        A row for each input, in its unit; None without tables.
-    """
+    """The inputs of a transfer function or state space."""
     rows = []
     for number, table in enumerate(tables, 1):
         with at(file_name, f"force[{number}]"):
@@ -222,16 +161,7 @@ def _signal(table, unit: str | None, folder: Path) -> signals.ImpulsiveSmooth:
 
 
 def sampled_force(table, unit: str | None, folder: Path) -> tuple[list, list]:
-    """The record of a [[force]] table of kind "sampled".
-
-    Args:
-        table: validated.
-        unit: of the force; None where unknown.
-        folder: of the scene, for data files.
-
-    Returns:
-        Times in s and values in the unit, expressions of parameters as such.
-    """
+    """The record of a [[force]] table of kind "sampled"."""
     if table.file is None:
         return table.times, [force_value(value, unit, what=f"values[{number}]") for number, value in enumerate(table.values, 1)]
     times, values = record_of(table, unit, folder)

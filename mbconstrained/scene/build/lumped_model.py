@@ -12,18 +12,7 @@ from ..quantities.quantities import quantity
 
 
 def lumped_model(table, file_name: str) -> LumpedModel:
-    """The model: bodies first, in the order of the file, then what joins them.
-
-    Args:
-        table: the [model] table.
-        file_name: for messages.
-
-    Returns:
-        The model with an element for each entry.
-
-    Raises:
-        SceneError: a name used twice, an unknown end, a value out of range; names the file and the entry.
-    """
+    """The model: bodies first, in the order of the file, then what joins them."""
     model = LumpedModel()
     for key, number, entry in table.elements:
         owner = f' (of "{entry.name}")' if entry.name else ""
@@ -45,16 +34,7 @@ def lumped_model(table, file_name: str) -> LumpedModel:
 
 
 def element_fields(key: str, entry, units: dict[str, str]) -> dict[str, Any]:
-    """The fields of the element of an entry.
-
-    Args:
-        key: of the entry, such as "spring".
-        entry: validated.
-        units: of the coordinates, "m" or "rad", by name.
-
-    Returns:
-        Values by the names of the fields of its class (``models.elements``), numbers in SI, expressions of parameters as such.
-    """
+    """The fields of the element of an entry."""
     fields = {name: value for name, value in entry if value is not None}
     if key == "constraint":
         row = constraint_row(entry, Coordinates(tuple(units), tuple(units.values())))

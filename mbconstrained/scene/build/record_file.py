@@ -112,21 +112,7 @@ def record_in_si(
     expected: str | None = None,
     **reading,
 ) -> Record:
-    """``read_record`` with an offset in SI and checked units.
-
-    Args:
-        path: of the file.
-        unit, time_unit, factor: as of ``read_record``.
-        offset: in SI.
-        expected: the unit of the values in SI; None for any.
-        reading: further arguments of ``read_samples``.
-
-    Returns:
-        The record.
-
-    Raises:
-        InputError: as ``read_record``; a record of another kind than expected.
-    """
+    """``read_record`` with an offset in SI and checked units."""
     samples = read_samples(path, **reading)
     if samples.is_scaled and (unit or time_unit):
         raise InputError(

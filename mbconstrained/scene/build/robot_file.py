@@ -121,20 +121,7 @@ def read_robot(path: str | Path, *, package_dirs: Sequence[str | Path] = (), loc
 
 
 def robot_data(path: Path, data: dict, place: str, package_dirs: Sequence[str | Path] = ()) -> RobotData:
-    """Check the tables of a robot.toml and the names in its URDF; pinocchio is not needed for it.
-
-    Args:
-        path: the robot.toml.
-        data: its tables, perhaps with changes.
-        place: the file in messages, which knows where changes come from.
-        package_dirs: as of ``read_robot``.
-
-    Returns:
-        Its content.
-
-    Raises:
-        SceneError: as ``read_robot``.
-    """
+    """Check the tables of a robot.toml and the names in its URDF; pinocchio is not needed for it."""
     from ..schema.robot_tables import RobotFile
 
     table = validated(data, place, RobotFile)
@@ -155,11 +142,7 @@ def robot_data(path: Path, data: dict, place: str, package_dirs: Sequence[str | 
 
 
 def robot_of(data: RobotData) -> Robot:
-    """The robot of checked data.
-
-    Raises:
-        SceneError: something that only shows when its parts come together.
-    """
+    """The robot of checked data."""
     from ...robot.robot import Robot
 
     values = robot_arguments(data.table, data.names, data.place)

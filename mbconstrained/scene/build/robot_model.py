@@ -52,21 +52,7 @@ class RobotScene:
 
 
 def robot_scene(model, changed: dict, folder: Path, file_name: SceneName, lap: Callable[[str], object]) -> RobotScene:
-    """Read the robot, find its equilibrium and linearize it there.
-
-    Args:
-        model: the [model] table.
-        changed: the tables of the robot.toml with the changes of the scene.
-        folder: of the scene.
-        file_name: of the scene, for messages.
-        lap: called with the name of each stage when it is done.
-
-    Returns:
-        The robot with its posture and its linear system.
-
-    Raises:
-        SceneError: a file, a name, a unit that is wrong; no equilibrium near the guess.
-    """
+    """Read the robot, find its equilibrium and linearize it there."""
     path = robot_path(model.robot, folder)
     data = robot_data(path, changed, robot_name(file_name, f"{path.absolute().parent.name}/{path.name}"))
     with at(file_name, "model"):

@@ -84,19 +84,7 @@ class UrdfNames:
 
 
 def names_of_urdf(path: Path, base: str = "fixed", package_dirs: Sequence[Path] = ()) -> UrdfNames:
-    """Look through a URDF, an SDF, or an MJCF file, which MuJoCo compiles. Collision geometry is not looked at.
-
-    Args:
-        path: the file.
-        base: "fixed", "free" or "moving".
-        package_dirs: folders from which the file may read others.
-
-    Returns:
-        The names.
-
-    Raises:
-        InputError: it cannot be read, is too large, or is no URDF.
-    """
+    """Look through a URDF, an SDF, or an MJCF file, which MuJoCo compiles. Collision geometry is not looked at."""
     from ...robot.description.mjcf import is_mjcf, read_mjcf
     from ...robot.description.models import described, has_free_base
     from ...robot.description.sdf import read_description
@@ -131,16 +119,7 @@ def _some(names) -> str:
 
 
 def joint_values(values: Mapping, names: UrdfNames, units: Mapping[str, str]) -> dict[str, float]:
-    """The values of joints.
-
-    Args:
-        values: numbers or texts with units, by name.
-        names: of the joints.
-        units: of the values, by the unit of the joint ("rad" or "m").
-
-    Returns:
-        The values in SI, by name.
-    """
+    """The values of joints."""
     by_name = {}
     for name, value in values.items():
         unit = names.joint_unit(name)
@@ -214,15 +193,7 @@ def _gear(kind: type, entry, names: UrdfNames):
 
 
 def point_motion(entry, names: UrdfNames):
-    """The motion of a point along a direction.
-
-    Args:
-        entry: with body, point, along and turn.
-        names: of the links.
-
-    Returns:
-        A ``PointMotion``.
-    """
+    """The motion of a point along a direction."""
     from ...robot.connections import PointMotion
 
     names.check_body(entry.body)
@@ -251,17 +222,7 @@ def _guess(values: Mapping, names: UrdfNames, free_base: bool) -> dict:
 
 
 def posing(table, names: UrdfNames, base: str, semantics: SemanticDescription) -> dict:
-    """The posture that a robot.toml or a scene gives.
-
-    Args:
-        table: with guess, forces, body_force and hold.
-        names: of the joints and links.
-        base: "fixed", "free" or "moving"; of a free one, or one with a free joint in an MJCF, the guess has a pose.
-        semantics: the states of the SRDF or MJCF.
-
-    Returns:
-        guess and forces in SI, and hold where it is given: arguments of ``Robot.equilibrium``.
-    """
+    """The posture that a robot.toml or a scene gives."""
     joints, free_base = (*names.units, *names.several), base == "free" or (base == "fixed" and names.has_free_joint)
     state = {} if table.state is None else semantics.state(table.state, joints, BASE if free_base else None)
     posture: dict = {}
@@ -279,19 +240,7 @@ def posing(table, names: UrdfNames, base: str, semantics: SemanticDescription) -
 
 
 def robot_arguments(table, names: UrdfNames, place: str) -> dict:
-    """What a robot.toml gives in addition to its URDF.
-
-    Args:
-        table: validated.
-        names: of the joints and links.
-        place: the file in messages.
-
-    Returns:
-        The arguments of ``Robot``, in SI.
-
-    Raises:
-        SceneError: an unknown joint or body, a value of another kind.
-    """
+    """What a robot.toml gives in addition to its URDF."""
     from ...robot.connections import BodySpring, Bushing, Loop
     from ...robot.description.masses import Payload
     from ...robot.tangent import JointGear

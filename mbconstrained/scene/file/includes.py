@@ -30,29 +30,14 @@ MATRICES = ("mass", "damping", "stiffness", "A", "B", "C", "D", "descriptor")
 
 
 def read_tables(path: Path) -> tuple[dict, SceneName]:
-    """The tables of a scene and of the files that it includes, and its name with the origins of their entries.
-
-    Raises:
-        SceneError: a file that is no scene file, includes that lead in a circle, a body that two files have.
-    """
+    """The tables of a scene and of the files that it includes, and its name with the origins of their entries."""
     files = _Files(path)
     files.read(path, ())
     return files.together()
 
 
 def robot_path(name: str, folder: Path) -> Path:
-    """The robot.toml that a scene names.
-
-    Args:
-        name: the folder of the robot, or the file.
-        folder: of the scene.
-
-    Returns:
-        The path of the file.
-
-    Raises:
-        InputError: no such folder or file.
-    """
+    """The robot.toml that a scene names."""
     if not name or not name.isprintable() or Path(name).is_absolute():
         raise InputError(f'found {shown(name)}; expected a folder relative to the scene, e.g. "../robots/four_bar"')
     path = folder / name
@@ -64,29 +49,13 @@ def robot_path(name: str, folder: Path) -> Path:
 
 
 def robot_tables(path: Path) -> tuple[dict, str]:
-    """The tables of a robot.toml, and its name in messages.
-
-    Raises:
-        SceneError: no such file, no TOML.
-    """
+    """The tables of a robot.toml, and its name in messages."""
     place = f"{path.absolute().parent.name}/{path.name}"
     return parse(read_text(path, ROBOT_KIND), place), place
 
 
 def with_robot_file(data: dict, name: SceneName, folder: Path) -> SceneName:
-    """Merge the robot.toml of a scene into its table [robot], which comes last; in place.
-
-    Args:
-        data: the tables of the scene.
-        name: of the scene, for messages.
-        folder: of the scene.
-
-    Returns:
-        The name, which knows what comes from which file.
-
-    Raises:
-        SceneError: the robot cannot be read, or [robot] is no table.
-    """
+    """Merge the robot.toml of a scene into its table [robot], which comes last; in place."""
     model, changes = data.get("model"), data.get("robot", {})
     if not isinstance(model, dict) or model.get("kind") != "robot" or not isinstance(model.get("robot"), str):
         return name
@@ -108,15 +77,7 @@ def with_robot_file(data: dict, name: SceneName, folder: Path) -> SceneName:
 
 
 def robot_name(name: SceneName, file: str) -> SceneName:
-    """The name of a robot.toml whose tables are those merged under [robot].
-
-    Args:
-        name: of the scene.
-        file: the robot.toml, in messages.
-
-    Returns:
-        The name, which knows what comes from the scene or the command line.
-    """
+    """The name of a robot.toml whose tables are those merged under [robot]."""
     inside = ((place[1:], origin) for place, origin in name.origins.items() if place[0] == "robot" and len(place) > 1)
     return SceneName(file, {place: origin for place, origin in inside if origin[0] != file})
 

@@ -107,18 +107,7 @@ def _located(file_name: str, text: str, problem: Exception | None = None) -> tup
 
 @contextmanager
 def at(file_name: str, where: str = "") -> Iterator[None]:
-    """Put the file and the place, if any, before the message of an InputError raised inside.
-
-    Args:
-        file_name: plain, or a ``SceneName``.
-        where: the place in the merged tables.
-
-    Yields:
-        Nothing.
-
-    Raises:
-        SceneError: instead of the InputError.
-    """
+    """Put the file and the place, if any, before the message of an InputError raised inside."""
     try:
         yield
     except SceneError:
@@ -139,16 +128,7 @@ def named(name: str) -> Iterator[None]:
 
 
 def together(file_name: str, problems: Sequence[str | tuple[str, Exception | None]], more: int = 0) -> str:
-    """One message for several problems.
-
-    Args:
-        file_name: plain, or a ``SceneName``.
-        problems: texts that begin with a place, perhaps with the exception behind each.
-        more: problems without a text.
-
-    Returns:
-        A line for each problem, the first ``MOST_PROBLEMS``.
-    """
+    """One message for several problems."""
     pairs = [(problem, None) if isinstance(problem, str) else problem for problem in problems]
     located = list(dict.fromkeys(_located(file_name, *pair) for pair in pairs))
     count = len(located) + more
@@ -162,13 +142,6 @@ def together(file_name: str, problems: Sequence[str | tuple[str, Exception | Non
 
 def place(location: tuple, data) -> str:
     """A place of pydantic as users write it.
-
-    Args:
-        location: keys, tags of kinds, and numbers of entries from 0.
-        data: the tables.
-
-    Returns:
-        The place, in which entries of arrays count from 1 and show their name.
 
     >>> place(("model", "lumped", "mass", 1, "mass"), {"model": {"kind": "lumped", "mass": [{}, {"name": "cart"}]}})
     'model.mass[2].mass (of "cart")'
@@ -219,15 +192,7 @@ def _parts(text: str) -> tuple[list, list[int]]:
 
 
 def shown(value, longest: int = 60) -> str:
-    """A value as messages quote it.
-
-    Args:
-        value: of an entry.
-        longest: number of characters.
-
-    Returns:
-        Its text, shortened; texts in double quotes, control characters escaped.
-    """
+    """A value as messages quote it."""
     text = getattr(value, "text", value)  # an expression of parameters shows as written
     if isinstance(text, str):
         text = quoted(text[: longest + 1])

@@ -30,18 +30,7 @@ SCENE = FileKind(
 
 
 def read_text(path: Path, kind: FileKind = SCENE) -> str:
-    """The text of a scene file, or of another file that is written like one.
-
-    Args:
-        path: of the file.
-        kind: of file, for messages.
-
-    Returns:
-        The text.
-
-    Raises:
-        SceneError: no such file, a directory, unreadable, too large, empty, or not UTF-8.
-    """
+    """The text of a scene file, or of another file that is written like one."""
     content = _content(path)
     if len(content) > LARGEST_SCENE:
         raise SceneError(f"{path.name}: the file has more than {LARGEST_SCENE:,} bytes, {kind.large}")
@@ -81,18 +70,7 @@ def _near(path: Path) -> str:
 
 
 def parse(text: str, name: str) -> dict:
-    """The tables of a TOML text.
-
-    Args:
-        text: of the file.
-        name: of the file, for messages.
-
-    Returns:
-        Plain tables.
-
-    Raises:
-        SceneError: not TOML, a key given twice, or nested without measure.
-    """
+    """The tables of a TOML text."""
     if _DOTTED.search(text):
         raise SceneError(f"{name}: a name of more than {DEEPEST_NAME} parts joined by dots; a scene nests far less")
     try:
@@ -150,20 +128,7 @@ def _readable(problem: tomllib.TOMLDecodeError, text: str) -> str:
 
 
 def inside(folder: Path, name: str, rule: str, expected: str) -> Path:
-    """The path of a file in a folder.
-
-    Args:
-        folder: in which, or below which, the file must be.
-        name: of the file, relative to the folder.
-        rule: for messages, on where files may be.
-        expected: for messages, an example of a name.
-
-    Returns:
-        The path, links followed.
-
-    Raises:
-        InputError: an absolute path, or one that leads out of the folder, also by a symbolic link; the text has the rule.
-    """
+    """The path of a file in a folder."""
     if not name or not name.isprintable():
         raise InputError(f"found {shown(name)}; expected {expected}")
     if Path(name).is_absolute():

@@ -24,13 +24,6 @@ FORCE_UNITS = {"m": "N", "rad": "N*m"}
 def with_time(unit: str, power: int) -> str:
     """A unit times s^power.
 
-    Args:
-        unit: in SI.
-        power: of the seconds.
-
-    Returns:
-        The product.
-
     >>> with_time("m", -2), with_time("N", 1), with_time("1", -1)
     ('m/s^2', 'N*s', '1/s')
     """
@@ -93,30 +86,13 @@ class Coordinates:
 
 
 def beyond_noise(jump: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """The jumps that are more than rounding errors.
-
-    Args:
-        jump, before, after: of the same quantities, shape (r,).
-
-    Returns:
-        Indices.
-    """
+    """The jumps that are more than rounding errors."""
     size = max(np.abs(values).max(initial=0.0) for values in (before, after))
     return np.flatnonzero(np.abs(jump) > noise_of(size, len(jump)))
 
 
 def initial_values(table, coordinates: Coordinates, degree: int, file_name: str) -> np.ndarray:
-    """The values at 0- of the [initial] table.
-
-    Args:
-        table: validated.
-        coordinates: names and units.
-        degree: of the equations.
-        file_name: for messages.
-
-    Returns:
-        x^(i)(0-) in SI as row i, shape (degree, r), of objects: expressions of parameters as such.
-    """
+    """The values at 0- of the [initial] table."""
     result = np.full((degree, len(coordinates.names)), 0.0, dtype=object)
     for order, row in enumerate(table.rows):
         key = DERIVATIVES[order] if table.derivatives is None else f"derivatives[{order + 1}]"
@@ -129,16 +105,7 @@ def initial_values(table, coordinates: Coordinates, degree: int, file_name: str)
 
 
 def state_values(given: dict | list, states: Coordinates, file_name: str) -> np.ndarray:
-    """The states at 0- of the [initial] table.
-
-    Args:
-        given: by name, or all of them.
-        states: names and units.
-        file_name: for messages.
-
-    Returns:
-        x(0-) in SI, shape (n,), of objects as those of ``initial_values``.
-    """
+    """The states at 0- of the [initial] table."""
     with at(file_name, "initial.state"):
         for name in given if isinstance(given, dict) else ():
             if name not in states.names:
@@ -183,16 +150,6 @@ def constraint_row(table, coordinates: Coordinates) -> ConstraintRow:
 
     A factor with a unit must make the unit of the terms without one of its coordinate's, as in { heave = 1, pitch = "1.01 m" };
     where all factors have units, all terms must be of one kind. A unit of the value is understood where the terms have one.
-
-    Args:
-        table: of the row, validated.
-        coordinates: names and units.
-
-    Returns:
-        The row.
-
-    Raises:
-        InputError: an unknown coordinate, terms of different kinds, a value of another kind.
     """
     own = {name: coordinates.units[coordinates.number(name)] for name in table.rows}
     measured = {name: any_quantity(factor) for name, factor in table.rows.items()}
@@ -212,14 +169,7 @@ def constraint_row(table, coordinates: Coordinates) -> ConstraintRow:
 
 
 def _common_kinds(rows: Mapping[str, Any], kinds: Mapping[str, Dimension | None], own: Mapping[str, str]) -> list[Dimension]:
-    """The kinds that terms of a row have.
-
-    Args:
-        rows, kinds, own: factors, their kinds and the units of the coordinates, by name of the coordinate.
-
-    Returns:
-        Those of the terms without a unit in the factor, or else that of the first term.
-    """
+    """The kinds that terms of a row have."""
     common = [dimension(own[name]) for name, kind in kinds.items() if kind is None]
     for name, kind in kinds.items():
         if kind is None:
@@ -235,19 +185,6 @@ def _common_kinds(rows: Mapping[str, Any], kinds: Mapping[str, Dimension | None]
 
 
 def force_value(value, unit: str | None, time_power: int = 0, what: str = "value") -> float:
-    """A force times s^time_power in SI.
-
-    Args:
-        value: a number or a text with a unit.
-        unit: of the force; None where unknown.
-        time_power: of the seconds.
-        what: the entry, for messages.
-
-    Returns:
-        The value, perhaps an expression of parameters.
-
-    Raises:
-        InputError: another kind of quantity.
-    """
+    """A force times s^time_power in SI."""
     with named(what):
         return quantity(value, with_time(unit, time_power) if unit else "1")

@@ -88,15 +88,7 @@ def dimension(text: str) -> Dimension:
 
 
 def same_kind(kind: Dimension, unit: str) -> bool:
-    """Whether dimensions are equal; N*m/rad may also be written N*m, as is common for torsion springs.
-
-    Args:
-        kind: of a quantity.
-        unit: in SI.
-
-    Returns:
-        True where they are.
-    """
+    """Whether dimensions are equal; N*m/rad may also be written N*m, as is common for torsion springs."""
     wanted = dimension(unit)
     if kind.radian is None:  # radians are not written in products
         return kind.units == wanted.units
@@ -104,15 +96,7 @@ def same_kind(kind: Dimension, unit: str) -> bool:
 
 
 def described(kind: Dimension, otherwise: str = "another kind of quantity") -> str:
-    """The name of a kind of quantity.
-
-    Args:
-        kind: of a quantity.
-        otherwise: the text for a kind without a name.
-
-    Returns:
-        The name, e.g. "a mass".
-    """
+    """The name of a kind of quantity."""
     if not kind.units and not kind.radian:
         return "a plain number"
     radians = (kind.radian,) if kind.radian is not None else (0, 1, -1)
@@ -124,13 +108,6 @@ def described(kind: Dimension, otherwise: str = "another kind of quantity") -> s
 def meant(unit: str, expected: str | None) -> str:
     """The unit that is meant: g alone is the standard acceleration of gravity where an acceleration is expected, not a gram.
 
-    Args:
-        unit: as written.
-        expected: of the quantity, in SI; None for any.
-
-    Returns:
-        The unit.
-
     >>> meant("g", "m/s^2"), meant("g", "kg")
     ('gn', 'g')
     """
@@ -139,15 +116,6 @@ def meant(unit: str, expected: str | None) -> str:
 
 def advice(text: str, number: float, kind: Dimension, unit: str) -> str:
     """A hint where cycles per second and radians per second, or masses and weights, are confused.
-
-    Args:
-        text: the quantity that was given.
-        number: its value in the SI unit of its kind.
-        kind: of the quantity.
-        unit: of the expected quantity.
-
-    Returns:
-        The hint, or an empty string.
 
     >>> advice("3 Hz", 3.0, dimension("Hz"), "rad/s")
     '; an angular frequency is 2 pi times the frequency: write "18.8496 rad/s", or frequency = "3 Hz"'

@@ -36,15 +36,7 @@ class Expression:
     tree: ast.expr
 
     def value(self, number: Callable[[str], Any], names: Mapping[str, Any]) -> Any:
-        """The value of the expression.
-
-        Args:
-            number: makes a value from the text of a number, such as float, Fraction or sympy.Rational.
-            names: the values of the parameters.
-
-        Returns:
-            Of the type of the values.
-        """
+        """The value of the expression."""
 
         def of(node: ast.expr) -> Any:
             if isinstance(node, ast.Constant):
@@ -87,12 +79,6 @@ class Expression:
 
 def read_expression(text: str) -> Expression:
     """Read an expression.
-
-    Args:
-        text: without its "=", at most 200 characters; ^ and ** both mean a power.
-
-    Raises:
-        InputError: not an expression of numbers, names, + - * / ^ and parentheses.
 
     >>> expression = read_expression("2*(k1 + k2)/m^2")
     >>> expression.value(float, {"k1": 1.0, "k2": 3.0, "m": 2.0}), sorted(expression.names)

@@ -83,11 +83,7 @@ class OutputUnits:
 
 
 def output_units(value) -> tuple[str, ...]:
-    """The units of a text such as "mm, deg, rpm, kN", or of a list; g is the standard acceleration of gravity.
-
-    Raises:
-        InputError: no unit, or two of one kind.
-    """
+    """The units of a text such as "mm, deg, rpm, kN", or of a list; g is the standard acceleration of gravity."""
     if not isinstance(value, (str, list)):
         raise InputError(f'found {shown(value)}; expected units, e.g. "mm, deg, rpm, kN"')
     names = tuple(

@@ -117,18 +117,7 @@ class Parameters:
 
 
 def with_parameters(data: dict, file_name: str) -> tuple[dict, Parameters]:
-    """Replace every text "=…" in the tables of a scene by its value.
-
-    Args:
-        data: the tables.
-        file_name: for messages.
-
-    Returns:
-        The tables, with an ``Expressed`` for each expression, and the parameters.
-
-    Raises:
-        SceneError: one line for every wrong parameter or expression.
-    """
+    """Replace every text "=…" in the tables of a scene by its value."""
     work = _Substitution(data)
     result = {key: value if key == "parameters" else work.replaced(value, (key,)) for key, value in data.items()}
     if work.problems:

@@ -35,20 +35,10 @@ def quantity(value, unit: str) -> float:
     Angles count as a kind of their own, so "2 Hz" is no angular velocity and "300 rpm" no frequency: the factor
     2 pi between them is never guessed.
 
-    Args:
-        value: as it stands in a table; an expression of parameters stays one.
-        unit: in SI; "1" of a plain number.
-
-    Returns:
-        The value in this unit.
-
     >>> quantity("3 N/mm", "N/m")
     3000.0
     >>> quantity(0.5, "m")
     0.5
-
-    Raises:
-        InputError: not a finite number, not a number with a unit, unknown unit, or a unit of another kind.
     """
     if isinstance(value, Expressed):
         return _checked(value, unit)
@@ -62,9 +52,6 @@ def quantity(value, unit: str) -> float:
 def any_quantity(value) -> tuple[float, Dimension | None]:
     """A quantity of any kind in SI, and its kind: None for a plain number, which may be anything in SI; expressions stay as they are.
 
-    Raises:
-        InputError: as ``quantity``.
-
     >>> any_quantity(2)
     (2.0, None)
     """
@@ -76,18 +63,7 @@ def any_quantity(value) -> tuple[float, Dimension | None]:
 
 
 def in_range(number, text: str) -> float:
-    """The value of an expression as a float.
-
-    Args:
-        number: exact.
-        text: of the expression.
-
-    Returns:
-        The nearest float.
-
-    Raises:
-        InputError: it is not 0 and not of a size that machines have.
-    """
+    """The value of an expression as a float."""
     try:
         return _finite(number, text, "1")
     except InputError:
@@ -109,9 +85,6 @@ def expected(unit: str) -> str:
 
 def unit_name(value) -> str:
     """The name of a unit, written in one way; "1" for a plain number.
-
-    Raises:
-        InputError: no name of a unit.
 
     >>> unit_name("N m"), unit_name("1")
     ('N*m', '1')

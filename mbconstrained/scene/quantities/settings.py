@@ -56,19 +56,7 @@ def value_of(text: str):
 
 
 def with_settings(data: dict, name: SceneName, settings: Mapping[str, Any]) -> tuple[SceneName, tuple[Setting, ...]]:
-    """Set values in the tables of a scene, in place, before they are checked.
-
-    Args:
-        data: the tables.
-        name: of the scene, for messages.
-        settings: values by the name of a parameter, or by place.
-
-    Returns:
-        the name, which knows what was set, and the settings.
-
-    Raises:
-        SceneError: no such parameter or place, a quantity of another kind than that of the parameter.
-    """
+    """Set values in the tables of a scene, in place, before they are checked."""
     changes, origins, set_by = [], dict(name.origins), dict(name.settings)
     for key, value in settings.items():
         with at(ORIGIN, key if key.isprintable() else quoted(key)):
@@ -79,16 +67,7 @@ def with_settings(data: dict, name: SceneName, settings: Mapping[str, Any]) -> t
 
 
 def with_values(name: SceneName, changes: Sequence[Setting], uses: Mapping[Place, Collection[str]]) -> SceneName:
-    """The name, which also knows the values that come of parameters that were set.
-
-    Args:
-        name: of the scene.
-        changes: the settings.
-        uses: the names of the parameters that a value comes of, by its place.
-
-    Returns:
-        The name with the settings of each place.
-    """
+    """The name, which also knows the values that come of parameters that were set."""
     names = [setting.name for setting in changes]
     dependent = {place: tuple(each for each in names if each in used) for place, used in uses.items()}
     return SceneName(

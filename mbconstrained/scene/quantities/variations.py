@@ -151,15 +151,6 @@ def linspace(start, stop, count: int) -> Values:
 def variation_of(given) -> Variation:
     """The variation that a text, a list, or an array of numbers stands for.
 
-    Args:
-        given: a text as in ``FORMS``, a list of quantities or texts, numbers in SI, or a variation.
-
-    Returns:
-        The variation.
-
-    Raises:
-        InputError: none of these, an empty or reversed range, a distribution without variance, values of different kinds.
-
     >>> variation_of("1..3 N/mm:3")
     Values(values=(1000.0, 2000.0, 3000.0), unit='N/m')
     >>> variation_of("normal(10 kg, 2 %)")

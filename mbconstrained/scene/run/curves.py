@@ -47,17 +47,7 @@ ENERGIES = ("kinetic", "strain", "static", "total")
 
 
 def curves_of(result: Result, kind: str) -> Curves:
-    """The trajectories of a kind at the times of a scene.
-
-    Args:
-        result: of the scene.
-        kind: a key of ORDERS, "reaction" (forces of the constraint rows), "ground_reaction" (of loops, springs and bushings of a
-            robot with their loads at rest, in the directions of the ground), "energy", "quantity", or "output" (of a robot as
-            deviations from its posture, of a transfer function or state space as they are).
-
-    Returns:
-        The curves with names and units.
-    """
+    """The trajectories of a kind at the times of a scene."""
     equations, values = result.scene.equations, functions_of(result, kind)(result.times)
     if kind in ORDERS:
         order, coordinates = ORDERS[kind], equations.coordinates
@@ -82,16 +72,7 @@ def curves_of(result: Result, kind: str) -> Curves:
 
 
 def extrema_of(result: Result, kind: str, rows: Sequence[int] | None = None) -> Extrema:
-    """The largest and the smallest values of a kind from the first to the last time, of the closed form: none is missed between times.
-
-    Args:
-        result: of the scene.
-        kind: as of ``curves_of``.
-        rows: some of the curves; None for all.
-
-    Returns:
-        In SI.
-    """
+    """The largest and the smallest values of a kind from the first to the last time, of the closed form: none is missed between times."""
     start, end = float(result.times[0]), float(result.times[-1])
     at, (linear, constants) = functions_of(result, kind), _linear(result, kind)
     if linear is not None:
@@ -102,16 +83,7 @@ def extrema_of(result: Result, kind: str, rows: Sequence[int] | None = None) -> 
 
 
 def rms_of(result: Result, kind: str, rows: Sequence[int]) -> RootMeanSquares:
-    """The RMS values of some curves of a kind from the first to the last time, by integrals of the closed form.
-
-    Args:
-        result: of the scene.
-        kind: as of ``curves_of``, but "energy".
-        rows: of the curves.
-
-    Returns:
-        In SI.
-    """
+    """The RMS values of some curves of a kind from the first to the last time, by integrals of the closed form."""
     at, (linear, constants) = functions_of(result, kind), _linear(result, kind)
     added = None if constants is None else constants[list(rows)]
     ends = float(result.times[0]), float(result.times[-1])
@@ -189,15 +161,7 @@ def _linear(result: Result, kind: str) -> tuple[BohlFunction | None, np.ndarray 
 
 
 def functions_of(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray]:
-    """The same trajectories as functions of time.
-
-    Args:
-        result: of the scene.
-        kind: as of ``curves_of``.
-
-    Returns:
-        The function: of times, shape (T,), in s, values of shape (rows, T).
-    """
+    """The same trajectories as functions of time."""
     equations, motion = result.scene.equations, result.motion
     if kind in ORDERS:
         return motion.derivative(ORDERS[kind]) if ORDERS[kind] else motion
@@ -218,13 +182,6 @@ def functions_of(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray
 def time_functions(result: Result, kind: str) -> TimeFunctions:
     """The same as the page stores them: in the units of [output], with the times at which they may jump or bend, and their
     estimated error.
-
-    Args:
-        result: of the scene.
-        kind: as of ``curves_of``.
-
-    Returns:
-        The functions, in the order of the curves.
     """
     from ...page.content import TimeFunctions
 
@@ -237,15 +194,7 @@ def time_functions(result: Result, kind: str) -> TimeFunctions:
 
 
 def drawn_functions(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray]:
-    """The functions without proof of their values where those at the times of the scene differ by nothing that is visible: it takes long.
-
-    Args:
-        result: of the scene.
-        kind: as of ``curves_of``.
-
-    Returns:
-        The functions: of times, shape (T,), in s, values of shape (rows, T).
-    """
+    """The functions without proof of their values where those at the times of the scene differ by nothing that is visible: it takes long."""
     linear, constants = _linear(result, kind)
     if linear is None:
         return functions_of(result, kind)
@@ -261,15 +210,7 @@ def _breaks(result: Result) -> np.ndarray:
 
 
 def in_units(curves: Curves, units: OutputUnits) -> Curves:
-    """The same in the units of page and CSV.
-
-    Args:
-        curves: in SI.
-        units: that stand for those of SI.
-
-    Returns:
-        New curves.
-    """
+    """The same in the units of page and CSV."""
     if not units.units:
         return curves
     names, factors = zip(*map(units.of, curves.units))
@@ -277,15 +218,7 @@ def in_units(curves: Curves, units: OutputUnits) -> Curves:
 
 
 def visible(values: np.ndarray, units: tuple[str, ...]) -> np.ndarray:
-    """How far the coordinates of each unit move, which decides what is visible next to it.
-
-    Args:
-        values: of the coordinates, shape (r, T).
-        units: of the coordinates.
-
-    Returns:
-        Half of the largest span of a coordinate of the same unit, shape (r, 1).
-    """
+    """How far the coordinates of each unit move, which decides what is visible next to it."""
     reach = np.ptp(values, axis=1)
     furthest = {unit: max(own for own, other in zip(reach, units) if other == unit) for unit in units}
     return np.array([max(furthest[unit] / 2, NOT_DRAWN * np.abs(values).max()) for unit in units])[:, None]

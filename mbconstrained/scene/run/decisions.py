@@ -157,15 +157,7 @@ def transfer_functions(scene: Scene) -> Decision:
 
 
 def plotted(scene: Scene, kind: str) -> Decision:
-    """Curves that are only there to be shown.
-
-    Args:
-        scene: as read.
-        kind: of the curves.
-
-    Returns:
-        The decision.
-    """
+    """Curves that are only there to be shown."""
     requested = kind in scene.table.output.plots
     return requested, f"{kind} is{'' if requested else ' not'} among the plots"
 
@@ -323,15 +315,7 @@ def frequency_files(scene: Scene) -> Decision:
 
 
 def written(scene: Scene, kind: str) -> Decision:
-    """A file.
-
-    Args:
-        scene: as read.
-        kind: "page", "csv" or "npz".
-
-    Returns:
-        The decision.
-    """
+    """A file."""
     requested = getattr(scene.table.output, kind)
     return requested, f"{scene.name}.{'html' if kind == 'page' else kind}" if requested else f"{kind} = false"
 

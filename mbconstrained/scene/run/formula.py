@@ -42,21 +42,7 @@ def formula_of(
     seconds: float = SECONDS,
     progress: Progress | None = None,
 ) -> ClosedForm:
-    """The formula of each coordinate, with impulses, jumps, conditions and assumptions.
-
-    Args:
-        scene: of any kind but robot.
-        numbers: parameters are their default values from the start, so that nothing depends on the sign of a discriminant.
-        coordinates: which of them; all when not given.
-        seconds: after which the work is broken off.
-        progress: called with the name of each step.
-
-    Returns:
-        The closed form with its parameters.
-
-    Raises:
-        InputError: a robot, an unknown coordinate, no closed form with symbols, too large.
-    """
+    """The formula of each coordinate, with impulses, jumps, conditions and assumptions."""
     _check_coordinates(scene, coordinates)
     _check_size(scene)
     try:
@@ -153,16 +139,7 @@ def formulas_on_page(form: ClosedForm) -> Formulas:
 
 
 def written(form: ClosedForm, kind: str, digits: int | None = None) -> str:
-    """The formula in a language.
-
-    Args:
-        form: of the motion.
-        kind: "text", "latex", "python", "c" or "json".
-        digits: of its decimals; None for exact numbers.
-
-    Returns:
-        The text.
-    """
+    """The formula in a language."""
     from ...exact.formulas.formula_text import formula_text
     from ...exact.formulas.markup import latex
     from ...exact.formulas.source_code import c_source, python_source

@@ -11,14 +11,7 @@ if TYPE_CHECKING:
 
 
 def arrays_of_result(result: Result) -> dict[str, np.ndarray]:
-    """Times, names, curves, start, jump, impulses, events, finite and infinite pair.
-
-    Args:
-        result: of a run.
-
-    Returns:
-        Arrays by name.
-    """
+    """Times, names, curves, start, jump, impulses, events, finite and infinite pair."""
     arrays = {"times": result.times, "coordinates": np.array(result.scene.equations.coordinates.names)}
     for kind in result.kinds:
         arrays[kind] = result.curves(kind).values

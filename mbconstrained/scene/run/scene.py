@@ -319,21 +319,7 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
 
 
 def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, Any], costs: Costs | None = None) -> Scene:
-    """The scene of tables that were read; whether its equations determine a motion is not seen yet.
-
-    Args:
-        path: of the file, for its name and for data files next to it.
-        data: the tables, in which the settings are set in place.
-        name: of the file, for messages.
-        settings: as of ``read_scene``.
-        costs: where the stages are measured.
-
-    Returns:
-        The ``Scene``.
-
-    Raises:
-        SceneError: as ``read_scene``.
-    """
+    """The scene of tables that were read; whether its equations determine a motion is not seen yet."""
     costs = costs or Costs()
     of_robot = {key: value for key, value in settings.items() if key.startswith("robot.")}
     name, overrides = with_settings(data, name, {key: value for key, value in settings.items() if key not in of_robot})
@@ -358,17 +344,7 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
 
 
 def check_output(output, equations: Equations, file_name: str, modal_damping: bool = False) -> None:
-    """Check that the equations have what [output] requests.
-
-    Args:
-        output: the table, validated.
-        equations: of the scene.
-        file_name: for messages.
-        modal_damping: whether damping is given by mode, which formulas do not know.
-
-    Raises:
-        SceneError: an unknown coordinate, curves that the equations do not have.
-    """
+    """Check that the equations have what [output] requests."""
     with at(file_name, "output.certify"):
         for name in output.certify if isinstance(output.certify, list) else ():
             equations.coordinates.number(name)

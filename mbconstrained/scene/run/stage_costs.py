@@ -123,9 +123,6 @@ def time_limit(seconds: float) -> Iterator[None]:
 
     Where there are no alarms (in threads, on Windows) there is no limit either.
 
-    Raises:
-        OutOfTime: it took longer.
-
     >>> with time_limit(10.0):
     ...     1 + 1
     2

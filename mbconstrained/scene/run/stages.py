@@ -103,15 +103,7 @@ def steps_of(scene: Scene) -> tuple[Step, ...]:
 
 
 def plan_of(scene: Scene, *, writing: bool = True) -> Plan:
-    """Decide about every stage and run none.
-
-    Args:
-        scene: as read.
-        writing: whether there is a folder for files.
-
-    Returns:
-        The stages with the costs of those of reading.
-    """
+    """Decide about every stage and run none."""
     requested = scene if writing else scene.unwritten()
     return Plan(tuple(_stage(step, requested, writing) for step in steps_of(scene))).with_costs(scene.costs)
 
@@ -124,16 +116,7 @@ def _stage(step: Step, scene: Scene, writing: bool) -> Stage:
 
 
 def run_stages(scene: Scene, folder: Path | None, progress: Callable[[Stage], None] | None) -> Result:
-    """Run the needed stages one after another and measure each.
-
-    Args:
-        scene: as read.
-        folder: for the files; None for none.
-        progress: called with each stage as it begins.
-
-    Returns:
-        The result with the costs of all stages.
-    """
+    """Run the needed stages one after another and measure each."""
     result = Result(scene, plan_of(scene, writing=folder is not None), folder)
     with result.writing_together():
         for step, stage in zip(steps_of(scene), result.plan.stages):

@@ -30,16 +30,7 @@ MISSING = {
 
 
 def validated(data: dict, file_name: str, schema: type[BaseModel]):
-    """The tables of a scene, or of another file with its schema, validated.
-
-    Args:
-        data: plain tables.
-        file_name: for messages.
-        schema: the pydantic model.
-
-    Raises:
-        SceneError: one line for every wrong entry.
-    """
+    """The tables of a scene, or of another file with its schema, validated."""
     try:
         return schema.model_validate(data)
     except ValidationError as error:

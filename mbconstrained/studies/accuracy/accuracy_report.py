@@ -162,20 +162,7 @@ class AccuracyReport(StudyReport):
 def accuracy_report(
     problem: StudyProblem, methods: Sequence[Method] = (), seconds: float = SECONDS, progress: Progress = no_progress
 ) -> AccuracyReport:
-    """Measure every method on a problem.
-
-    Args:
-        problem: see ``problem_of`` for that of a scene.
-        methods: the closed form first; empty for all.
-        seconds: limit of a single run of one setting.
-        progress: called with the name of each step.
-
-    Returns:
-        The report.
-
-    Raises:
-        MbconstrainedError: the problem has no solution.
-    """
+    """Measure every method on a problem."""
     if not methods:
         from .methods import METHODS as methods
     progress("the reference solution")
@@ -185,16 +172,7 @@ def accuracy_report(
 
 
 def fastest(runs: Sequence[Measured], error: float, time: Callable[[Measured], float]) -> Measured | None:
-    """The fastest of the runs with at most this error.
-
-    Args:
-        runs: those to choose from.
-        error: max |error| / max |x|.
-        time: the run time of a run in s, such as ``one_run``.
-
-    Returns:
-        The run; None where none is as accurate.
-    """
+    """The fastest of the runs with at most this error."""
     return min((run for run in runs if run.error <= error), key=time, default=None)
 
 

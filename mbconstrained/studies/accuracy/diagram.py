@@ -54,15 +54,6 @@ def work_precision(title: str, runs: Sequence[Measured], floor: float = 0.0, fai
     """The diagram of some methods: relative error upwards, run time to the right, both logarithmic.
 
     The left panel has the time of one run, the right one that of each further evaluation.
-
-    Args:
-        title: of the picture.
-        runs: those that gave an answer, the settings of a method one after the other from coarse to fine.
-        floor: smaller errors are not resolved; a line is drawn there if it is above 0.
-        failed: names of methods without an answer, for the note.
-
-    Returns:
-        The picture.
     """
     missing = f"Not in the picture: {'; '.join(map(shortened, failed))}." if failed else ""
     if not runs:

@@ -64,15 +64,7 @@ class Reduced:
         return total
 
     def coordinates(self, states: np.ndarray, times: np.ndarray) -> np.ndarray:
-        """The solution from the states.
-
-        Args:
-            states: z, shape (n, T).
-            times: shape (T,), in s.
-
-        Returns:
-            x, shape (r, T).
-        """
+        """The solution from the states."""
         x = self.C @ states
         return x if self.through.is_zero else x + self.through(times)
 
@@ -80,9 +72,6 @@ class Reduced:
 @lru_cache(maxsize=4)
 def reduced(problem: StudyProblem) -> Reduced:
     """The reduced equations of a problem; part of no run time.
-
-    Raises:
-        MbconstrainedError: the problem has no solution.
 
     >>> from mbconstrained.studies.study_problem import mechanical_problem
     >>> from mbconstrained import Constraint, MechanicalSystem
@@ -116,15 +105,7 @@ def refusal_without_states(problem: StudyProblem) -> str:
 
 
 def sizes_of(values, times) -> np.ndarray:
-    """The size of each kind of unknown at the beginning, or later where it is zero there.
-
-    Args:
-        values: of each kind the unknowns at the times, shape (N, T).
-        times: shape (T,), in s.
-
-    Returns:
-        The sizes, 1 where all is zero.
-    """
+    """The size of each kind of unknown at the beginning, or later where it is zero there."""
     early = times <= BEGINNING * times[-1]
     largest = (np.abs(own).max(axis=0, initial=0.0) for own in values)
     return np.array([own[early].max(initial=0.0) or own.max(initial=0.0) or 1.0 for own in largest])

@@ -51,16 +51,7 @@ class Interval:
 
 
 def intervals(force: ImpulsiveSmooth, times: np.ndarray, matrix: np.ndarray) -> tuple[Interval, ...]:
-    """The intervals of time from t = 0 to the last of the times.
-
-    Args:
-        force: with r rows.
-        times: shape (T,), ascending, in s.
-        matrix: shape (n, r).
-
-    Returns:
-        The intervals, with matrix @ f(t) as the force.
-    """
+    """The intervals of time from t = 0 to the last of the times."""
     loads = {load.time: load.impulses for load in force.later}
     function = force.smooth.mapped(matrix).with_knots(force.knots)
     knots, rounding, parts = knots_of(force, times), SAME_TIME * EPS * times[-1], []
@@ -85,17 +76,7 @@ Advance = Callable[[int, Interval, np.ndarray], np.ndarray]
 
 
 def stepped(problem: StudyProblem, equations: Reduced, parts: Sequence[Interval], advance: Advance) -> np.ndarray:
-    """The solution at the times of a problem by steps from interval to interval.
-
-    Args:
-        problem: with its times.
-        equations: its reduced equations.
-        parts: the intervals; the method restarts at the beginning of each.
-        advance: integrates over one of them.
-
-    Returns:
-        x, shape (r, T).
-    """
+    """The solution at the times of a problem by steps from interval to interval."""
     state, blocks = equations.start, []
     for number, interval in enumerate(parts):
         if interval.impulses:
@@ -110,15 +91,7 @@ def stepped(problem: StudyProblem, equations: Reduced, parts: Sequence[Interval]
 
 
 def knots_of(force: ImpulsiveSmooth, times: np.ndarray) -> np.ndarray:
-    """The knots of a force up to the last of the times; the first is 0.
-
-    Args:
-        force: the force.
-        times: shape (T,), in s.
-
-    Returns:
-        In s, ascending.
-    """
+    """The knots of a force up to the last of the times; the first is 0."""
     return force.knots[force.knots <= times[-1]]
 
 

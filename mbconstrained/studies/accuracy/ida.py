@@ -101,16 +101,7 @@ class Descriptor:
 
 @lru_cache(maxsize=8)
 def descriptor(problem: StudyProblem, index: int) -> Descriptor:
-    """The equations of a problem for IDA; part of no run time.
-
-    Args:
-        problem: with its times.
-        index: 1, 2 or 3 for [M s^2 + C s + K, -A^T; A s^order, 0], the rows differentiated 3 - index times;
-            0 for A(d/dt) x = f itself, whose index is computed.
-
-    Returns:
-        The first-order form.
-    """
+    """The equations of a problem for IDA; part of no run time."""
     response, force = reduced(problem).response, problem.force
     coefficients, function = np.array(problem.polynomial_matrix.coefficients), response.function
     if index:

@@ -132,16 +132,6 @@ def measure(
 
     The settings run in turns, so that other work of the machine affects all of them. Of a method that exceeds the time limit
     finer settings are not run. Methods that are not meant for such a problem are left out.
-
-    Args:
-        problem: with its times.
-        reference: its solution.
-        methods: to be measured.
-        seconds: time limit of a single run.
-        progress: called with the name of each run.
-
-    Returns:
-        The results, in the order of the methods and their settings.
     """
     concerned = [method for method in methods if method.concerns(problem)]
     clock = suitable_clock(states_of(problem))

@@ -37,19 +37,7 @@ COUNT = 101
 
 
 def locus_values(scene: Scene, name: str, given) -> np.ndarray:
-    """The values of a parameter that a range or a list stands for.
-
-    Args:
-        scene: of the system.
-        name: of the parameter.
-        given: such as "1..50 N*s/m:101".
-
-    Returns:
-        In SI, ascending.
-
-    Raises:
-        InputError: a text, a distribution, a unit of another kind.
-    """
+    """The values of a parameter that a range or a list stands for."""
     variation = variation_of(given)
     if isinstance(variation, Distribution) and variation.kind == "uniform":
         values = np.linspace(variation.first, variation.second, COUNT)

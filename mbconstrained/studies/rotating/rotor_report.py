@@ -236,18 +236,7 @@ def _largest(response: UnbalanceResponse, most: int | None) -> list[UnbalancePea
 
 
 def speed_range(system: MechanicalSystem, table: CampbellTable) -> tuple[float, float]:
-    """The lowest and the highest speed in rad/s.
-
-    Args:
-        system: the rotor at rest.
-        table: with those that are given.
-
-    Returns:
-        By default from 0, or the beginning of speed tables, to beyond the critical speeds of order 1, or the end of the tables.
-
-    Raises:
-        InputError: no highest speed is given, and there is no critical speed; a range that does not ascend.
-    """
+    """The lowest and the highest speed in rad/s."""
     ranges = speed_ranges(system)
     if not ranges:
         raise InputError("the speed tables of the bearings have no speed in common")

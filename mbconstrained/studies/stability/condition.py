@@ -45,14 +45,6 @@ def condition_of(problem: StudyProblem, exact: ExactResponse, draws: int = DRAWS
     its frequencies and rates. Zeros stay; so do the values of constraint rows, and matrices whose perturbation changes the number
     of finite zeros.
 
-    Args:
-        problem: with its times.
-        exact: its exact answer.
-        draws: number of perturbations.
-
-    Returns:
-        The condition; infinite where an answer of zero changes.
-
     >>> from mbconstrained import PolynomialMatrix
     >>> from mbconstrained import zero
     >>> decay = StudyProblem("decay", PolynomialMatrix([[[1.0]], [[1.0]]]), np.ones((1, 1)), zero(1), np.array([8.0]))

@@ -58,15 +58,7 @@ VERDICTS = {
 
 
 def digit_curves(title: str, sweeps: Sequence[Sweep]) -> Picture:
-    """A small picture of each sweep, all with the same axis of digits; red frames where an answer is wrong without a warning.
-
-    Args:
-        title: of the picture.
-        sweeps: those without points are left out.
-
-    Returns:
-        The picture.
-    """
+    """A small picture of each sweep, all with the same axis of digits; red frames where an answer is wrong without a warning."""
     sweeps = [sweep for sweep in sweeps if sweep.points]
     if not sweeps:
         return nothing_to_show(title, "Digits right")
@@ -168,13 +160,6 @@ def heat_map(title: str, sweeps: Sequence[Sweep]) -> Picture:
     """A row for each sweep, a column for each value of the parameter; the colour of a cell shows its correct digits.
 
     Cells with a warning are framed, refused ones are grey, and wrong ones without a warning have a red cross.
-
-    Args:
-        title: of the picture.
-        sweeps: those without points are left out.
-
-    Returns:
-        The picture.
     """
     sweeps = [sweep for sweep in sweeps if sweep.points]
     if not sweeps:

@@ -109,17 +109,7 @@ def points_of(
     progress: Progress = no_progress,
     variations: int | None = None,
 ) -> tuple[Point, ...]:
-    """A point for each parameter; refused where there is no problem to solve.
-
-    Args:
-        build: the problem for a parameter.
-        parameters: in their order.
-        progress: called with each parameter.
-        variations: as for ``point_of``.
-
-    Returns:
-        The points, in the order of the parameters.
-    """
+    """A point for each parameter; refused where there is no problem to solve."""
     points = []
     for parameter in parameters:
         progress(f"{parameter:.3g}")
@@ -132,15 +122,6 @@ def points_of(
 
 def point_of(problem: StudyProblem, parameter: float = 0.0, variations: int | None = None, seconds: float = SECONDS) -> Point:
     """Solve a problem and compare the answer with exact arithmetic.
-
-    Args:
-        problem: with its times.
-        parameter: of the sweep, kept with the result.
-        variations: number of perturbations of the data for the condition; None for the usual number, 0 for no condition.
-        seconds: time limit of the exact solution, and again of the condition.
-
-    Returns:
-        The point. Only errors of this package count as refused; others are raised.
 
     >>> from mbconstrained.studies.study_problem import mechanical_problem
     >>> from mbconstrained import MechanicalSystem

@@ -139,15 +139,7 @@ class StabilityReport(StudyReport):
 
 
 def gallery_report(systems: Sequence[System] = (), progress: Progress = no_progress) -> StabilityReport:
-    """Run the gallery of stiff and extreme systems.
-
-    Args:
-        systems: some of them; empty for all.
-        progress: called with the name of each problem.
-
-    Returns:
-        The report.
-    """
+    """Run the gallery of stiff and extreme systems."""
     if not systems:
         from .gallery import GALLERY as systems
     sweeps = [_of_system(system, progress) for system in systems]
@@ -164,17 +156,7 @@ def _of_system(system: System, progress: Progress) -> Sweep:
 
 
 def scene_report(scene: Scene, decades: int = DECADES, step: int = STEP, progress: Progress = no_progress) -> StabilityReport:
-    """Scale the parameters of a scene, and its horizon, over decades.
-
-    Args:
-        scene: the scene.
-        decades: the factors reach from 10^-decades to 10^decades.
-        step: decades from factor to factor, up and down from 1; the last one may be shorter.
-        progress: called with the name of each problem.
-
-    Returns:
-        The report.
-    """
+    """Scale the parameters of a scene, and its horizon, over decades."""
     up = [*range(step, decades, step), decades]
     factors = [float(f"1e{exponent}") for exponent in (*(-power for power in reversed(up)), 0, *up)]
     sweeps = []

@@ -100,30 +100,13 @@ class SampleFamily(Family):
 
 
 def evaluate(job: Job, rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
-    """What is kept of some samples.
-
-    Args:
-        job: the scene.
-        rows: the values of each sample.
-
-    Returns:
-        An array over the samples by the name of each variable, NaN where there is no answer; "status" (1 answered, 2 failed, 3 timed out) and
-        "reason", texts.
-    """
+    """What is kept of some samples."""
     with one_thread(SMALL), np.errstate(all="ignore"):
         return _Chunk(job, rows).arrays()
 
 
 def without_answer(job: Job, reason: str) -> dict[str, np.ndarray]:
-    """A sample that took too long, as ``evaluate`` gives one.
-
-    Args:
-        job: the scene.
-        reason: why.
-
-    Returns:
-        An array of length 1 by the name of each variable, status and reason.
-    """
+    """A sample that took too long, as ``evaluate`` gives one."""
     values = {one.name: np.full((1, *one.shape), np.nan) for one in job.variables}
     return {**values, "status": np.array([TIMED_OUT], dtype=np.uint8), "reason": np.array([reason], dtype=f"<U{LONGEST_REASON}")}
 

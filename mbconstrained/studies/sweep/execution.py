@@ -50,16 +50,7 @@ _ONE_CHUNK = Lock()
 
 
 def in_process(job: Job, chunks: Iterator[Chunk], seconds: float | None = None) -> Answers:
-    """Compute chunks one after the other.
-
-    Args:
-        job: the scene.
-        chunks: what is to be computed.
-        seconds: that a sample may take.
-
-    Yields:
-        Chunks as they are done.
-    """
+    """Compute chunks one after the other."""
     with _evaluation(job, seconds) as work:
         for number, rows in chunks:
             yield number, work(rows)
@@ -123,20 +114,7 @@ class _TimedProcess:
 
 
 def by_processes(job: Job, chunks: Iterator[Chunk], workers: int, seconds: float | None = None) -> Answers:
-    """Compute chunks in processes with one thread of linear algebra each. One that ends early is replaced, and its chunk is done again.
-
-    Args:
-        job: the scene.
-        chunks: what is to be computed.
-        workers: number of processes.
-        seconds: that a sample may take.
-
-    Yields:
-        Chunks as they are done.
-
-    Raises:
-        MbconstrainedError: a chunk ended its process twice.
-    """
+    """Compute chunks in processes with one thread of linear algebra each. One that ends early is replaced, and its chunk is done again."""
     key = os.urandom(32)
     with ExitStack() as stack:
         listener = stack.enter_context(closing(Listener(authkey=key)))
@@ -260,23 +238,7 @@ def by_dask(
     seconds: float | None = None,
     message: Callable[[str], None] = print,
 ) -> Answers:
-    """Compute chunks by the workers of a Dask cluster, one at a time each. That of a worker that ends or is silent is done by another.
-
-    Args:
-        job: the scene.
-        chunks: what is to be computed.
-        address: of the scheduler.
-        files: hashes of the data files, which the workers must have.
-        seconds: that a sample may take.
-        message: is called with a text about a worker that is silent.
-
-    Yields:
-        Chunks as they are done.
-
-    Raises:
-        InputError: no cluster answers, it has no workers, or they lack the package or have other versions or other code.
-        MbconstrainedError: the cluster is lost, or a chunk ended several workers.
-    """
+    """Compute chunks by the workers of a Dask cluster, one at a time each. That of a worker that ends or is silent is done by another."""
     distributed = optional_package("distributed", "a Dask cluster")
     with ExitStack() as stack:
         client = _client(distributed, address, stack)
@@ -336,11 +298,7 @@ class _DaskWorkers:
         self._polled, self._last_answer = -np.inf, time.monotonic()
 
     def check(self, distributed) -> None:
-        """Compare packages and code of the workers with those of the run.
-
-        Raises:
-            InputError: there is none, or one has others.
-        """
+        """Compare packages and code of the workers with those of the run."""
         try:
             self._client.wait_for_workers(1, timeout=PATIENCE - 2)
         except (TimeoutError, OSError):
@@ -427,20 +385,7 @@ CODE = _hash_of_code()
 def evaluate_there(
     job: Job, rows: Sequence[Mapping[str, Any]], files: Mapping[str, str], code: str, seconds: float | None
 ) -> dict[str, np.ndarray]:
-    """As ``evaluate``, one chunk at a time in a worker, whose code and data files are compared with those of the run.
-
-    Args:
-        job, rows: as of ``evaluate``.
-        files: hashes by name.
-        code: the hash of the code of the run.
-        seconds: that a sample may take.
-
-    Returns:
-        As ``evaluate``.
-
-    Raises:
-        InputError: the worker has not the same code or files.
-    """
+    """As ``evaluate``, one chunk at a time in a worker, whose code and data files are compared with those of the run."""
     if code != CODE:
         raise InputError(_other_code(platform.node()))
     folder = Path(job.path).parent
@@ -501,13 +446,5 @@ def _done(distributed, client, futures: list, address: str) -> list:
 
 
 def hashes(job: Job, texts: Sequence[str]) -> dict[str, str]:
-    """The data files of a job with the hashes of their contents.
-
-    Args:
-        job: the scene.
-        texts: that are varied, some of which may be names of files.
-
-    Returns:
-        Hashes by name relative to the scene.
-    """
+    """The data files of a job with the hashes of their contents."""
     return files_of([job.data, dict(job.settings), list(texts)], Path(job.path).parent)

@@ -114,18 +114,7 @@ def figures_of(variables: Sequence[Variable]) -> dict[str, Figure]:
 
 
 def limits_of(limits: Mapping[str, Any], figures: Mapping[str, Figure]) -> dict[str, float]:
-    """Limits in SI.
-
-    Args:
-        limits: numbers in SI or texts with units, by the names of figures.
-        figures: those that are kept.
-
-    Returns:
-        Numbers by name.
-
-    Raises:
-        InputError: no such figure, a limit of another unit.
-    """
+    """Limits in SI."""
     result = {}
     for name, limit in limits.items():
         if name not in figures:
@@ -141,18 +130,7 @@ def limits_of(limits: Mapping[str, Any], figures: Mapping[str, Figure]) -> dict[
 
 
 def variables_of(keep: Sequence[str] | None, scene: Scene) -> tuple[Variable, ...]:
-    """The variables that texts name.
-
-    Args:
-        keep: as in ``FORMS``; None for the default.
-        scene: of the middle sample.
-
-    Returns:
-        The variables, each name once.
-
-    Raises:
-        InputError: an unknown quantity or name, or a scene that does not have it.
-    """
+    """The variables that texts name."""
     texts = _usual(scene) if keep is None else keep
     if not texts:
         raise InputError(f"keep: nothing is kept of the samples; expected some of {FORMS}")
@@ -209,11 +187,7 @@ def _responses(text: str, frequency: SceneFrequency) -> Iterator[Variable]:
 
 
 def response_lines(frequency: SceneFrequency) -> np.ndarray:
-    """The frequencies in Hz at which the responses of all samples are kept, shape (F,).
-
-    Raises:
-        InputError: the range is not given.
-    """
+    """The frequencies in Hz at which the responses of all samples are kept, shape (F,)."""
     table = frequency.table
     if not table.is_auto:
         return table.lines

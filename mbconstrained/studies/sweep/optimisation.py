@@ -105,22 +105,7 @@ def optimise(
     seed: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Optimum:
-    """The values between bounds that make a figure least, or largest.
-
-    Args:
-        scene: that was read from a file.
-        parameters: ranges by the name of a parameter or place, such as "0.8..1.1"; in addition to those of [vary].
-        minimise, maximise: the figure, such as "response peak", "random RMS body", "largest x" or "frequency 1"; one of them. By default that
-            of [vary].
-        seed: of the population; by default that of [vary].
-        progress: called with the number of generations that are done, and of all.
-
-    Returns:
-        The ``Optimum``.
-
-    Raises:
-        InputError: no figure, a parameter with given values instead of a range, no sample with an answer.
-    """
+    """The values between bounds that make a figure least, or largest."""
     given = {} if seed is None else {"seed": seed}
     table = scene.table.vary
     if minimise is None and maximise is None and table is not None:

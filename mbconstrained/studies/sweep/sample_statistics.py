@@ -59,12 +59,6 @@ class Summary:
 def summary(values: np.ndarray) -> Summary:
     """Moments and quantiles of a figure.
 
-    Args:
-        values: of the samples, shape (S,); NaN for those without an answer.
-
-    Returns:
-        The summary; its numbers are NaN where there are no values.
-
     >>> of = summary(np.arange(1.0, 102.0))
     >>> of.mean, of.quantiles[0.5].value
     (51.0, 51.0)
@@ -81,15 +75,7 @@ def summary(values: np.ndarray) -> Summary:
 
 
 def quantile(values: np.ndarray, probability: float) -> Estimate:
-    """A quantile with the interval of order statistics (Conover, Practical Nonparametric Statistics, section 3.2).
-
-    Args:
-        values: of the samples, without NaN.
-        probability: between 0 and 1.
-
-    Returns:
-        The estimate.
-    """
+    """A quantile with the interval of order statistics (Conover, Practical Nonparametric Statistics, section 3.2)."""
     from scipy.stats import quantile_test
 
     ordered = np.sort(values)
@@ -101,13 +87,6 @@ def quantile(values: np.ndarray, probability: float) -> Estimate:
 
 def exceedance(values: np.ndarray, limit: float) -> Estimate:
     """The probability that a figure exceeds a limit, with the exact binomial interval (Clopper and Pearson, 1934).
-
-    Args:
-        values: of the samples; NaN for those without an answer.
-        limit: in the unit of the values.
-
-    Returns:
-        The estimate.
 
     >>> exceedance(np.arange(100.0), 94.5).value
     0.05
@@ -136,18 +115,7 @@ class SobolIndices:
 
 
 def sobol_indices(values: np.ndarray, count: int) -> SobolIndices:
-    """Sobol indices of a figure from Saltelli's design, by SciPy's estimators, with intervals by resampling.
-
-    Args:
-        values: of the design A, B, then A with each column of B in turn, shape (count (d + 2),).
-        count: of each block.
-
-    Returns:
-        The indices of the d parameters.
-
-    Raises:
-        InputError: a sample without a finite value.
-    """
+    """Sobol indices of a figure from Saltelli's design, by SciPy's estimators, with intervals by resampling."""
     from scipy import stats
 
     if not np.isfinite(values).all():
@@ -170,15 +138,7 @@ def sobol_indices(values: np.ndarray, count: int) -> SobolIndices:
 
 
 def rank_correlations(columns: list[np.ndarray], values: np.ndarray) -> list[float]:
-    """Spearman's correlation of a figure with each parameter.
-
-    Args:
-        columns: of the parameters, shape (S,) each.
-        values: of the figure; NaN for those without an answer.
-
-    Returns:
-        Numbers between -1 and 1; NaN where nothing varies.
-    """
+    """Spearman's correlation of a figure with each parameter."""
     from scipy.stats import rankdata
 
     kept = ~np.isnan(values)

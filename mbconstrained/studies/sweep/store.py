@@ -113,22 +113,11 @@ class Memory(Chunks):
         return (chunk for chunk in range(self.count) if chunk not in self._parts)
 
     def write(self, chunk: int, arrays: Mapping[str, np.ndarray]) -> None:
-        """Keep the arrays.
-
-        Args:
-            chunk, arrays: as of ``Chunks``.
-        """
+        """Keep the arrays."""
         self._parts[chunk] = {**arrays, REASON: arrays[REASON].astype(str)}  # of no greater width than those of the chunk need
 
     def read(self, name: str, where: tuple = ()) -> np.ndarray:
-        """All parts as one array; as ``Chunks.read``.
-
-        Args:
-            name, where: as there.
-
-        Returns:
-            Values.
-        """
+        """All parts as one array; as ``Chunks.read``."""
         whole = np.concatenate([self._parts[chunk][name] for chunk in sorted(self._parts)])
         return whole[(slice(None), *where)]
 
@@ -204,14 +193,7 @@ class Store(Chunks):
         return digest.hexdigest() + sha256(np.asarray(status, dtype=np.uint8).tobytes()).hexdigest()[:16]
 
     def write(self, chunk: int, arrays: Mapping[str, np.ndarray]) -> None:
-        """Write the files of a chunk, its status last.
-
-        Args:
-            chunk, arrays: as of ``Chunks``.
-
-        Raises:
-            OSError: the disk is full; the text has how to go on.
-        """
+        """Write the files of a chunk, its status last."""
         at = self.at(chunk)
         parts = {column_name(name): self.samples.column(name, at) for name in self.samples.variations}
         order = [name for name in arrays if name != STATUS]
@@ -229,14 +211,7 @@ class Store(Chunks):
             raise OSError(problem.errno, text, str(self.path)) from None
 
     def read(self, name: str, where: tuple = ()) -> np.ndarray:
-        """From the files; as ``Chunks.read``.
-
-        Args:
-            name, where: as there.
-
-        Returns:
-            Values.
-        """
+        """From the files; as ``Chunks.read``."""
         return np.asarray(self._group[name][(slice(None), *where)])
 
     def _check_space(self, count: int) -> None:
@@ -365,14 +340,6 @@ def hash_of(description: dict) -> str:
 def first_difference(known, here, place: str = "") -> str:
     """Where two plain descriptions differ first, in words; an empty string where they are equal.
 
-    Args:
-        known: that of a store.
-        here: that of a study.
-        place: for messages.
-
-    Returns:
-        The place with both values.
-
     >>> first_difference({"scene": {"k": "1 N/m"}}, {"scene": {"k": "2 N/m"}})
     'scene.k is "1 N/m" in the store and "2 N/m" here'
     """
@@ -394,15 +361,7 @@ def _short(value) -> str:
 
 
 def files_of(tables, folder: Path) -> dict[str, str]:
-    """The data files that texts in tables name, and of folders of robots those in them, with the hashes of their contents.
-
-    Args:
-        tables: of a scene, or a list of texts.
-        folder: of the scene.
-
-    Returns:
-        Hashes by name relative to the folder.
-    """
+    """The data files that texts in tables name, and of folders of robots those in them, with the hashes of their contents."""
     result: dict[str, str] = {}
     for text in _texts(tables):
         path = folder / text if text and text.isprintable() and len(text) < 256 else None

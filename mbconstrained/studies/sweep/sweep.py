@@ -167,19 +167,7 @@ def _with_advice(problem: BaseException, done: int, chunks: Chunks) -> BaseExcep
 
 
 def sweep(scene: Scene, parameters: Mapping[str, Any] | None = None, **options) -> Sweep:
-    """The study of a scene; see ``Scene.sweep``.
-
-    Args:
-        scene: that was read from a file.
-        parameters: variations by the name of a parameter or place.
-        options: as in the table [vary].
-
-    Returns:
-        The ``Sweep``.
-
-    Raises:
-        InputError: an unknown or unused parameter, a range of the wrong kind.
-    """
+    """The study of a scene; see ``Scene.sweep``."""
     study, _ = study_of(scene, parameters, options)
     if limits_of(study.table.limits, figures_of(study.variables)) and not study.samples.is_random:
         raise InputError(ONLY_RANDOM)
@@ -187,18 +175,7 @@ def sweep(scene: Scene, parameters: Mapping[str, Any] | None = None, **options) 
 
 
 def study_of(scene: Scene, parameters: Mapping[str, Any] | None, options: Mapping[str, Any]) -> tuple[Sweep, Scene]:
-    """The study of a scene, and the scene of its middle sample.
-
-    Args:
-        scene: that was read from a file.
-        parameters, options: as of ``sweep``.
-
-    Returns:
-        Both.
-
-    Raises:
-        InputError: as ``sweep``.
-    """
+    """The study of a scene, and the scene of its middle sample."""
     own = scene.table.vary
     given = {} if own is None else {name: getattr(own, name) for name in own.model_fields_set}
     table = validated({**given, **options, "parameters": {**given.get("parameters", {}), **(parameters or {})}}, "vary", VaryTable)

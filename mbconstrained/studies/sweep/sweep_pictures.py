@@ -196,17 +196,7 @@ class SweepPictures:
 
 
 def bars(title: str, names: Sequence[str], groups: dict[str, Sequence[Estimate]], what: str) -> Picture:
-    """Horizontal bars with intervals, one for each parameter and group.
-
-    Args:
-        title: of the figure.
-        names: of the parameters.
-        groups: estimates by their names.
-        what: title of the axis.
-
-    Returns:
-        The picture.
-    """
+    """Horizontal bars with intervals, one for each parameter and group."""
 
     def draw(figure) -> None:
         axes = figure.add_subplot()
@@ -241,15 +231,7 @@ def _panels(figure, count: int, columns: int = 0):
 
 
 def titled(name: str, unit: str) -> str:
-    """The title of an axis.
-
-    Args:
-        name: of what is along it.
-        unit: of its values; none for "1".
-
-    Returns:
-        Both, on several lines where they are long.
-    """
+    """The title of an axis."""
     return fill(" ".join(filter(None, (_tail(name, 50), f"({raised(unit)})" if unit not in ("", "1") else ""))), 26)
 
 

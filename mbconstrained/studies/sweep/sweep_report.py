@@ -284,13 +284,6 @@ class SweepReport(StudyReport):
 def estimate_text(estimate: Estimate, factor: float = 1.0) -> str:
     """A number with its interval.
 
-    Args:
-        estimate: the number.
-        factor: of the unit that is shown.
-
-    Returns:
-        The text.
-
     >>> estimate_text(Estimate(1.0, 0.5, 2.0))
     '1 (0.5 to 2)'
     """

@@ -29,16 +29,6 @@ DOUBLE = 53
 def exact_expression(entry, what: str) -> sympy.Expr:
     """An entry as an exact expression; floats are the shortest decimals that they are written as.
 
-    Args:
-        entry: an expression, a number, or a decimal.
-        what: the name of the entry in messages.
-
-    Returns:
-        The expression.
-
-    Raises:
-        InputError: text, not a number, not finite, not real, or nothing that can be calculated with.
-
     >>> exact_expression(0.1, "A_0"), exact_expression(2 * sympy.Symbol("k"), "A_0")
     (1/10, 2*k)
     """
@@ -53,18 +43,7 @@ def exact_expression(entry, what: str) -> sympy.Expr:
 
 
 def exact_rows(matrix, what: str) -> list[list[sympy.Expr]]:
-    """A square matrix, given as sympy matrix, array or nested lists, as rows of exact expressions.
-
-    Args:
-        matrix: square.
-        what: the name of the matrix in messages.
-
-    Returns:
-        The rows.
-
-    Raises:
-        InputError: not a square matrix, or an entry is refused.
-    """
+    """A square matrix, given as sympy matrix, array or nested lists, as rows of exact expressions."""
     rows = matrix.tolist() if hasattr(matrix, "tolist") else matrix
     if isinstance(rows, str) or not isinstance(rows, Iterable):
         raise InputError(f"{what}: found {rows!r}; expected a square matrix")
@@ -91,11 +70,7 @@ def generators_of(expressions: Iterable[sympy.Expr]) -> tuple[sympy.Expr, ...]:
 
 
 def check_positive(symbols: Iterable[sympy.Symbol]) -> None:
-    """Every symbol may stand for a positive number.
-
-    Raises:
-        InputError: one is declared otherwise.
-    """
+    """Every symbol may stand for a positive number."""
     for symbol in symbols:
         if symbol.is_positive is False or not symbol.is_commutative:
             raise InputError(f"symbol {symbol}: it is declared not to be positive; every symbol here stands for a positive number")
@@ -103,9 +78,6 @@ def check_positive(symbols: Iterable[sympy.Symbol]) -> None:
 
 def field_of(expressions: list[sympy.Expr]) -> Domain:
     """The smallest of Q, Q(symbols, pi) and the same with square roots of rationals that has all the expressions.
-
-    Raises:
-        InputError: a symbol that cannot be positive, two of one name, or too many square roots.
 
     >>> field_of([sympy.Symbol("k") / 2, sympy.Integer(3)])
     ZZ(k)
@@ -124,16 +96,7 @@ def field_of(expressions: list[sympy.Expr]) -> Domain:
 
 
 def element(field: Domain, expression: sympy.Expr, what: str):
-    """An exact expression as an element of the field.
-
-    Args:
-        field: the field.
-        expression: exact.
-        what: the name of the entry in messages.
-
-    Raises:
-        InputError: it is no rational function, or its denominator is zero.
-    """
+    """An exact expression as an element of the field."""
     try:
         return field.from_sympy(expression)
     except (CoercionFailed, ValueError, NotImplementedError):
@@ -148,13 +111,6 @@ def element(field: Domain, expression: sympy.Expr, what: str):
 def expression_of(field: Domain, value) -> sympy.Expr:
     """An element as an expression, its numerator and denominator in factors.
 
-    Args:
-        field: the field.
-        value: an element of it.
-
-    Returns:
-        The expression.
-
     >>> a, b = sympy.symbols("a b")
     >>> K = field_of([a, b])
     >>> expression_of(K, K.from_sympy(1 / (a * b + b)))
@@ -168,12 +124,7 @@ def expression_of(field: Domain, value) -> sympy.Expr:
 
 
 def in_one_form(field: Domain, value):
-    """The same element with 1 in front of its denominator: fractions over algebraic numbers are not reduced that far by themselves.
-
-    Args:
-        field: the field.
-        value: an element of it.
-    """
+    """The same element with 1 in front of its denominator: fractions over algebraic numbers are not reduced that far by themselves."""
     if not field.is_FractionField or not field.domain.is_Algebraic:
         return value
     factor = field.domain.one / value.denom.LC
@@ -181,15 +132,7 @@ def in_one_form(field: Domain, value):
 
 
 def coefficients(p: sympy.Poly, count: int) -> list:
-    """The first coefficients, the lowest power first.
-
-    Args:
-        p: a Poly over the field.
-        count: how many.
-
-    Returns:
-        Elements of the field, zero above the degree.
-    """
+    """The first coefficients, the lowest power first."""
     given = p.rep.to_list()[::-1][:count]
     return given + [p.domain.zero] * (count - len(given))
 
@@ -252,18 +195,6 @@ VARIABLE = "s"
 def checked_time(time, others: Iterable[sympy.Symbol], of: str, what: str = "time") -> sympy.Symbol:
     """The symbol of the time, whose name no other has.
 
-    Args:
-        time: what the user gave; None for a real symbol t.
-        others: the symbols of everything that does not depend on time.
-        of: where those are from, for messages.
-        what: the argument.
-
-    Returns:
-        The symbol.
-
-    Raises:
-        InputError: no symbol, or one of the others is called like it.
-
     >>> checked_time(None, sympy.symbols("k m"), "A")
     t
     """
@@ -276,11 +207,7 @@ def checked_time(time, others: Iterable[sympy.Symbol], of: str, what: str = "tim
 
 
 def check_one_each(symbols: Iterable[sympy.Symbol]) -> None:
-    """One symbol for each name, and none that is called like the variable of A(s).
-
-    Raises:
-        InputError: otherwise.
-    """
+    """One symbol for each name, and none that is called like the variable of A(s)."""
     names: dict[str, sympy.Symbol] = {}
     for symbol in symbols:
         if symbol.name == VARIABLE:
@@ -293,14 +220,6 @@ def check_one_each(symbols: Iterable[sympy.Symbol]) -> None:
 
 def check_start_names(coordinates: Iterable[str], degree: int, parameters: Iterable[sympy.Symbol]) -> None:
     """No parameter that is called like a value at 0-: the two could not be distinguished.
-
-    Args:
-        coordinates: names of the coordinates.
-        degree: the number of derivatives of each that have a value at 0-.
-        parameters: symbols.
-
-    Raises:
-        InputError: there is one.
 
     >>> check_start_names(["u"], 2, sympy.symbols("k u_1"))
     Traceback (most recent call last):

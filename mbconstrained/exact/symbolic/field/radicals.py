@@ -56,13 +56,6 @@ class Root:
 def roots(p: sympy.Poly, split: bool = True) -> tuple[Root, ...] | None:
     """The zeros of an irreducible monic p over the field, of each complex pair one; None where there are symbols and no short closed form.
 
-    Args:
-        split: two zeros of which it depends on the symbols whether they are real: True: as two, with imaginary part 0; False: as
-            a pair. Either may have the square root of a negative number.
-
-    Returns:
-        The zeros, each with its parts and the values of polynomials there; None where they have no closed form.
-
     >>> s, k, m = sympy.symbols("s k m")
     >>> p = sympy.Poly(s**4 + 3 * k / m * s**2 + k**2 / m**2, s, domain=sympy.ZZ.frac_field(k, m))
     >>> [root.imaginary for root in roots(p)]
@@ -90,9 +83,6 @@ def modes(q: sympy.Poly) -> tuple[Root, ...]:
 
     Where the sign of w^2 depends on the values of the symbols, as that of 4 k m - c^2 does, the pair a +- i w is given: cos(w t) and
     w sin(w t) are even in w, so that they hold for w^2 < 0 as well, with the root of a negative number, and for w^2 = 0 as a limit.
-
-    Raises:
-        InputError: no closed form, and symbols.
     """
     zeros = roots(q.monic(), split=False)
     if zeros is None:
@@ -252,10 +242,6 @@ class Quadratic:
 
 def combination(field: Domain, ones: Sequence, others: Sequence):
     """The sum of the products of elements; fractions are brought over one denominator and cancelled once, at the end.
-
-    Args:
-        field: K.
-        ones, others: as many elements of K each.
 
     >>> k = sympy.Symbol("k")
     >>> K = sympy.ZZ.frac_field(k)

@@ -16,13 +16,6 @@ def sign(field: Domain, value) -> int | None:
 
     Coefficients of one sign decide, factor by factor; so does a negative discriminant in one of the symbols.
 
-    Args:
-        field: K.
-        value: an element of K.
-
-    Returns:
-        1, -1, 0 or None.
-
     >>> a, b = sympy.symbols("a b")
     >>> K = sympy.ZZ.frac_field(a, b)
     >>> [sign(K, K.from_sympy(e)) for e in (a / b, a**2 - a * b + b**2, a - b, -((a - b) ** 2) * a)]
@@ -36,16 +29,7 @@ def sign(field: Domain, value) -> int | None:
 
 
 def sign_with_root(field: Domain, rational, factor, radicand) -> int | None:
-    """The sign of rational + factor sqrt(radicand).
-
-    Args:
-        field: K.
-        rational, factor: elements of K.
-        radicand: positive and no square in K.
-
-    Returns:
-        1, -1, 0 or None.
-    """
+    """The sign of rational + factor sqrt(radicand)."""
     one, two = sign(field, rational), sign(field, factor)
     if one is None or two is None:
         return None
@@ -56,13 +40,6 @@ def sign_with_root(field: Domain, rational, factor, radicand) -> int | None:
 
 def square_root(field: Domain, value) -> tuple:
     """f and g, elements of the field, with value = f^2 g, g free of squares.
-
-    Args:
-        field: K.
-        value: an element of K.
-
-    Returns:
-        f and g.
 
     >>> K = sympy.QQ
     >>> square_root(K, K(5, 4))
@@ -83,13 +60,6 @@ def square_root(field: Domain, value) -> tuple:
 
 def root_expression(field: Domain, value) -> sympy.Expr:
     """The square root of an element as an expression, squares in front: sqrt(5) sqrt(k/m), not sqrt(5 k m)/m.
-
-    Args:
-        field: K.
-        value: an element of K.
-
-    Returns:
-        The expression.
 
     >>> k, m = sympy.symbols("k m")
     >>> K = sympy.ZZ.frac_field(k, m)
@@ -216,9 +186,6 @@ def quadratic_factors(q: sympy.Poly) -> tuple[Surd, Surd] | None:
     """(a, b) with q = (s^2 + a s + b) times its conjugate, real where it can be; None where there is none.
 
     They are there for s^4 + b s^2 + c, and with Rayleigh damping.
-
-    Args:
-        q: monic, irreducible over its field, of degree 4.
 
     >>> s = sympy.Symbol("s")
     >>> a, b = quadratic_factors(sympy.Poly(s**4 + 3 * s**2 + 1, s, domain="QQ"))

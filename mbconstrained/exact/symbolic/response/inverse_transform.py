@@ -130,15 +130,7 @@ class ResponseTransform:
 
 
 def entries_with(A: SymbolicPolynomialMatrix, sources: Iterable[Source]) -> list[sympy.Expr]:
-    """The entries of A, and the coefficients that the rates and frequencies of the sources make.
-
-    Args:
-        A: any.
-        sources: any number.
-
-    Returns:
-        Expressions, rational in symbols.
-    """
+    """The entries of A, and the coefficients that the rates and frequencies of the sources make."""
     polynomials = {p for source in sources for p in (source.denominator, *source.numerator)}
     coefficients = [c for p in polynomials for c in sympy.Poly(p, A.variable).all_coeffs()]
     return [*(entry for matrix in A.coefficients for entry in matrix), *coefficients]
@@ -146,13 +138,6 @@ def entries_with(A: SymbolicPolynomialMatrix, sources: Iterable[Source]) -> list
 
 def divisors_of(expressions: Iterable[sympy.Expr], time: sympy.Symbol) -> list[sympy.Expr]:
     """The divisors in the expressions that the user gave.
-
-    Args:
-        expressions: those of the user.
-        time: the symbol t.
-
-    Returns:
-        The bases of negative powers that have symbols and no time.
 
     >>> a, b, t = sympy.symbols("a b t")
     >>> divisors_of([b * sympy.exp(-t / (a - b))], t)
@@ -204,16 +189,7 @@ def _merged(factors: Factors, others: Factors, power: int) -> Factors:
 
 
 def regular_parts(size: int, transform: Sequence[Quotient], time: sympy.Expr) -> list[sympy.Expr]:
-    """The functions of time whose transforms are the strictly proper parts of quotients: sums over factors, modes and powers of t.
-
-    Args:
-        size: the number of coordinates.
-        transform: quotients, with a numerator for each coordinate.
-        time: the symbol t.
-
-    Returns:
-        One expression for each coordinate.
-    """
+    """The functions of time whose transforms are the strictly proper parts of quotients: sums over factors, modes and powers of t."""
     roots = {q: modes(q) for quotient in transform for q, _ in quotient.factors}  # before the long part: not all have a closed form
     principal: dict[tuple[sympy.Poly, int], list[dict]] = {}
     for quotient in transform:

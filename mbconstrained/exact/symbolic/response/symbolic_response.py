@@ -202,15 +202,7 @@ FUNCTIONS = (sympy.sin, sympy.cos, sympy.sinh, sympy.cosh, sympy.exp, sympy.Heav
 
 
 def checked_initial(A: SymbolicPolynomialMatrix, initial) -> sympy.ImmutableMatrix:
-    """The values at 0- as exact expressions.
-
-    Args:
-        A: degree q, size r.
-        initial: as of ``solve_symbolically``.
-
-    Returns:
-        Shape (q, r).
-    """
+    """The values at 0- as exact expressions."""
     if isinstance(initial, str):
         if initial != "symbols":
             raise InputError(f'initial: found {initial!r}; expected rows of values, "symbols" or None')
@@ -281,13 +273,6 @@ def impulse_equations(A: SymbolicPolynomialMatrix, force: Iterable[Source] = ())
     Corrected: the force enters by f^(j)(0+), not by f^(j)(0-); Dirac impulses of the force itself act whatever the start is and
     are left out. The equations are the polynomial part of X(s), row reduced: each gives one value in terms of later ones.
 
-    Args:
-        A: degree q, size r.
-        force: ``force_sources`` that start at 0.
-
-    Returns:
-        Equations value = combination of later values, or False where they cannot hold; empty where no impulse can arise.
-
     >>> A = SymbolicPolynomialMatrix([[[1, 0], [0, 1]], [[0, -1], [0, 0]]])  # x1 = x2', x2 = 0
     >>> impulse_equations(A)
     (Eq(x2_0, 0),)
@@ -301,13 +286,6 @@ def continuity_equations(A: SymbolicPolynomialMatrix, force: Iterable[Source] = 
 
     Corrected: the right-hand side of (60) is block Toeplitz, its block (k, c) is H_{c-k} with the H of negative index too,
     which are what the derivatives of the convolution leave at 0+. They imply that there are no impulses.
-
-    Args:
-        A: degree q, size r.
-        force: ``force_sources`` that start at 0.
-
-    Returns:
-        Equations as those of ``impulse_equations``.
     """
     general, symbols, rows = _general(A, force), initial_symbols(A), []
     for i in range(A.degree):

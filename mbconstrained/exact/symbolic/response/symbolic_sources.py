@@ -36,9 +36,6 @@ class Source:
 def initial_symbols(A: SymbolicPolynomialMatrix) -> sympy.ImmutableMatrix:
     """Symbols for the values at 0-, shape (q, r): row i holds x^(i)(0-), named x1_0, x1_1, ... after the coordinates.
 
-    Raises:
-        InputError: a symbol of A is called like one of them.
-
     >>> initial_symbols(SymbolicPolynomialMatrix([[[1]], [[0]], [[1]]], coordinates=["u"]))
     Matrix([
     [u_0],
@@ -49,15 +46,7 @@ def initial_symbols(A: SymbolicPolynomialMatrix) -> sympy.ImmutableMatrix:
 
 
 def initial_sources(A: SymbolicPolynomialMatrix, initial: sympy.Matrix) -> list[Source]:
-    """X_in(s) of the values at 0- (Moysis et al., Eq. 47).
-
-    Args:
-        A: degree q, size r.
-        initial: the values, shape (q, r).
-
-    Returns:
-        One source for each value.
-    """
+    """X_in(s) of the values at 0- (Moysis et al., Eq. 47)."""
     s, sources = A.variable, []
     for j in range(A.degree):
         for column in range(A.size):
@@ -69,19 +58,7 @@ def initial_sources(A: SymbolicPolynomialMatrix, initial: sympy.Matrix) -> list[
 
 
 def force_sources(A: SymbolicPolynomialMatrix, force: Iterable[sympy.Expr], time: sympy.Symbol) -> list[Source]:
-    """F(s) of a force.
-
-    Args:
-        A: size r.
-        force: r expressions in the time.
-        time: the symbol t.
-
-    Returns:
-        One source for each amplitude of each term.
-
-    Raises:
-        InputError: a function of another kind, or a power of a constant, the rate of which is its logarithm.
-    """
+    """F(s) of a force."""
     sources = []
     for row, expression in enumerate(force):
         _check_rates(expression, time)

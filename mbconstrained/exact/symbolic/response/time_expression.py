@@ -32,18 +32,6 @@ def time_expression(
     (s + d)^2 + w^2 depends on the values of the symbols, the result is written with cos(w t) and sin(w t) and holds for
     w^2 < 0 as well; w^2 = 0 is a limit. Roots of degree 1 and 2 and quartics over one square root are in radicals.
 
-    Args:
-        numerator, denominator: b and a, exact, lowest power first: numbers, or expressions rational in symbols.
-        gamma: any whole number.
-        t: the symbol; None for a real one called t.
-
-    Returns:
-        y(t) as an expression.
-
-    Raises:
-        InputError: t is not a symbol, or is called like one of the coefficients'; a coefficient is not rational in its symbols;
-            a(s) = 0; gamma is not whole; a(s) has symbols and a factor without roots in closed form.
-
     >>> time_expression([Fraction(2)], [Fraction(2), Fraction(2), Fraction(1)], 0)
     2*exp(-t)*sin(t)
     >>> k, m = sympy.symbols("k m", positive=True)

@@ -52,30 +52,12 @@ class Term:
 
 
 def delta(t: sympy.Expr, order: int) -> sympy.Expr:
-    """A derivative of Dirac's delta.
-
-    Args:
-        t: its argument.
-        order: of the derivative.
-
-    Returns:
-        The expression.
-    """
+    """A derivative of Dirac's delta."""
     return sympy.DiracDelta(t, order) if order else sympy.DiracDelta(t)
 
 
 def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[Term]:
     """An expression in t as a sum of terms.
-
-    Args:
-        expression: sums and products of constants, t, exp, cos, sin, cosh, sinh, Heaviside and DiracDelta.
-        t: the symbol of the time.
-
-    Returns:
-        The terms, each with its coefficient, power, rate, frequency, phase and start.
-
-    Raises:
-        InputError: a function that no term contains; the message names it.
 
     >>> t = sympy.Symbol("t")
     >>> [(term.coefficient, term.frequency) for term in terms_of(sympy.cos(t) ** 2, t)]
@@ -216,16 +198,6 @@ def transform_of(term: Term, s: sympy.Symbol) -> Transform:
 
     With n = k + 1: k!/(s - a - i w)^n = k! ((s - a) + i w)^n / ((s - a)^2 + w^2)^n, so that w enters the denominator squared: the
     frequency sqrt(k/m) meets the factor m s^2 + k of a determinant there. A rate a + r with r^2 rational is treated in the same manner.
-
-    Args:
-        term: with start 0.
-        s: the variable of the transform.
-
-    Returns:
-        Amplitudes and numerators over one denominator.
-
-    Raises:
-        InputError: neither the rate nor its square, or not the square of the frequency, is rational in the symbols.
     """
     if term.impulse is not None:
         return Transform(((term.coefficient, s**term.impulse),))

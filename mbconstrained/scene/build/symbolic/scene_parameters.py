@@ -39,45 +39,19 @@ class ComplexNumbers:
         self.values: dict[str, Any] = {**values, "pi": np.pi, name: complex(values[name], step)}
 
     def of(self, entry) -> Any:
-        """A number as it is, an expression with its value.
-
-        Args:
-            entry: of a table.
-
-        Returns:
-            A real or complex number.
-        """
+        """A number as it is, an expression with its value."""
         tree = getattr(entry, "tree", None)
         return float(entry) if tree is None else tree.value(float, self.values)
 
     def slope(self, entries, step: float) -> np.ndarray:
-        """The derivatives of an array of entries.
-
-        Args:
-            entries: any array.
-            step: h.
-
-        Returns:
-            Of the same shape.
-        """
+        """The derivatives of an array of entries."""
         return np.array([complex(self.of(entry)).imag / step for entry in np.asarray(entries, dtype=object).flat]).reshape(
             np.shape(entries)
         )
 
 
 def scene_parameters(scene: Scene, assembled: Callable[[Scene, str, float], Scene]) -> Iterator[Parameter]:
-    """The parameters that the equations know.
-
-    Args:
-        scene: with a mechanical system.
-        assembled: the same scene with another value of a parameter.
-
-    Returns:
-        Those of the table [parameters].
-
-    Raises:
-        InputError: the scene has no mechanical system.
-    """
+    """The parameters that the equations know."""
     if scene.equations.system is None:
         raise InputError("sensitivities need mass, damping and stiffness: a model of kind lumped, matrices or robot")
     model, values = scene.table.model, scene.parameters.values

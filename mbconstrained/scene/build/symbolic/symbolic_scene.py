@@ -47,18 +47,7 @@ class ExactEquations:
 
 
 def exact_equations(scene: Scene, symbols: Symbols) -> ExactEquations:
-    """The equations, exactly.
-
-    Args:
-        scene: of any kind but robot.
-        symbols: of its parameters.
-
-    Returns:
-        The arguments of ``solve_symbolically``.
-
-    Raises:
-        InputError: a robot, whose equations come from a posture that is found in floating point.
-    """
+    """The equations, exactly."""
     kind = scene.table.model.kind
     if kind == "robot":
         raise InputError(
@@ -194,11 +183,7 @@ def _transfer_function(scene: Scene, symbols: Symbols) -> ExactEquations:
 def _exact_force(
     tables: Sequence, coordinates: Coordinates, symbols: Symbols, folder: Path, file_name: str, *, inputs: bool = False
 ) -> list[Any]:
-    """The sum of the forces on each coordinate, or of the signals on each input.
-
-    Raises:
-        SceneError: a record too long for a formula.
-    """
+    """The sum of the forces on each coordinate, or of the signals on each input."""
     from ....exact.formulas import symbolic_equations as signals
 
     force = [symbols.of(0)] * len(coordinates.names)
@@ -278,15 +263,7 @@ class Numbers(Protocol):
 
 
 def exact_elements(scene: Scene, symbols: Numbers) -> list[Element]:
-    """Copies of the elements, with expressions for numbers; they come in the order in which they were added.
-
-    Args:
-        scene: of kind lumped.
-        symbols: what entries become.
-
-    Returns:
-        As many as the elements of the model.
-    """
+    """Copies of the elements, with expressions for numbers; they come in the order in which they were added."""
     model, elements = scene.equations.model, []
     for element, (key, _, entry) in zip(model.elements, scene.table.model.elements):
         twin = copy.copy(element)

@@ -37,14 +37,7 @@ UNIT = "1 "
 
 
 def deflections_of(frequency: SceneFrequency) -> Deflections | None:
-    """The shapes of all inputs at the lines of the response; None where the model has no places, or nothing to draw.
-
-    Args:
-        frequency: the response of a scene.
-
-    Returns:
-        Shapes, drawing and texts.
-    """
+    """The shapes of all inputs at the lines of the response; None where the model has no places, or nothing to draw."""
     system, scene = frequency.system, frequency.scene
     if system is None or not scene.table.output.animation:
         return None
@@ -151,14 +144,7 @@ class LinearRobot:
         self.drawing = replace(rest, bodies=bodies, scale=1.0, turn_scale=1.0, view=view_of(table))
 
     def factors(self, shapes: np.ndarray) -> np.ndarray:
-        """How much each shape is magnified: no link moves or turns too far to look right.
-
-        Args:
-            shapes: complex, shape (m, F, n).
-
-        Returns:
-            Factors, shape (m, F).
-        """
+        """How much each shape is magnified: no link moves or turns too far to look right."""
         links = shapes[:, :, : self.moves.shape[1]]
         vectors = ((links @ rows.T).reshape(*links.shape[:2], -1, 3) for rows in (self.moves, self.turns))
         reach, angle = (np.linalg.norm(np.abs(each), axis=3).max(axis=2, initial=0.0) for each in vectors)
@@ -168,16 +154,7 @@ class LinearRobot:
 
 
 def _of_points(points: np.ndarray, moves: np.ndarray, turns: np.ndarray) -> np.ndarray:
-    """How the coordinates move points of a link, three rows for each: v + omega x r.
-
-    Args:
-        points: r, relative to the origin of the link, shape (3, k).
-        moves: v of each coordinate, shape (3, n).
-        turns: omega of each coordinate, shape (3, n).
-
-    Returns:
-        Shape (3 k, n).
-    """
+    """How the coordinates move points of a link, three rows for each: v + omega x r."""
     moved = moves.T[:, None, :] + np.cross(turns.T[:, None, :], points.T[None, :, :])
     return moved.reshape(len(moved), -1).T
 

@@ -61,29 +61,13 @@ def _heads(frequency: SceneFrequency) -> tuple[str, ...]:
 
 
 def shown_amplitude(frequency: SceneFrequency, peak: Peak) -> tuple[float, str]:
-    """The amplitude of a peak and its unit, as they are shown.
-
-    Args:
-        frequency: the response of a scene.
-        peak: of it.
-
-    Returns:
-        Number and unit.
-    """
+    """The amplitude of a peak and its unit, as they are shown."""
     place = frequency.response.outputs.index(peak.output), frequency.response.inputs.index(peak.input)
     return float(frequency.shown.factors[place]) * peak.amplitude, str(frequency.shown.units[place])
 
 
 def peak_table(frequency: SceneFrequency, most: int = MOST_ROWS_OF_PAGE) -> TextTable:
-    """Frequency, amplitude, bandwidth, damping ratio and phase of the peaks, entry by entry.
-
-    Args:
-        frequency: the response of a scene.
-        most: how many rows at most.
-
-    Returns:
-        The table; a note has the number of the others.
-    """
+    """Frequency, amplitude, bandwidth, damping ratio and phase of the peaks, entry by entry."""
     rows = [_peak_row(frequency, peak) for peak in frequency.peaks]
     unit = frequency.table.axis
     wide = (f"frequency ({unit})", "amplitude", f"bandwidth ({unit})", "damping ratio", "phase (°)")
@@ -118,15 +102,7 @@ def _degrees(phase: float) -> float:
 
 
 def antiresonance_table(frequency: SceneFrequency, most: int = MOST_ROWS_OF_PAGE) -> TextTable | None:
-    """Frequency and damping ratio of the antiresonances; None where there are none.
-
-    Args:
-        frequency: the response of a scene.
-        most: how many rows at most.
-
-    Returns:
-        The table.
-    """
+    """Frequency and damping ratio of the antiresonances; None where there are none."""
     rows = [
         (
             *_entry(frequency, zero.output, zero.input),

@@ -50,22 +50,14 @@ class SceneRandom(SceneResponse):
 
     @cached_property
     def response(self) -> RandomResponse:
-        """The response in SI.
-
-        Raises:
-            SceneError: no table [random], unknown names, units that do not fit.
-        """
+        """The response in SI."""
         with at(self.scene.file_name, "random"):
             arguments, options = self.arguments
             return self.scene.equations.system.random_response(*arguments, **options)
 
     @property
     def arguments(self) -> tuple[tuple, dict]:
-        """Those of ``MechanicalSystem.random_response``.
-
-        Raises:
-            InputError: no table [random], two inputs of one name, a model without mass, damping and stiffness.
-        """
+        """Those of ``MechanicalSystem.random_response``."""
         table, equations = self.scene.table.random, self.scene.equations
         if table is None:
             raise InputError(

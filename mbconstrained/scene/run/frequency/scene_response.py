@@ -107,12 +107,6 @@ class SceneResponse(ABC):
 def csv_of(columns: dict[str, np.ndarray]) -> str:
     """A CSV text with a line of heads.
 
-    Args:
-        columns: of equal length, by their heads, whose commas and line breaks are replaced.
-
-    Returns:
-        The text.
-
     >>> csv_of({"f (Hz)": np.array([1.0]), "a, b": np.array(["x"])})
     'f (Hz),a; b\\n1.0,x\\n'
     """
@@ -127,20 +121,7 @@ def _cell(text: str) -> str:
 
 
 def with_options(own: Table | None, kind: Literal["frequency", "shock", "campbell", "path"], options: dict, file_name: str):
-    """The table [frequency], [shock], [campbell] or [path] of a scene with other values.
-
-    Args:
-        own: as read; None for the defaults.
-        kind: which of them.
-        options: by the keys of the table.
-        file_name: for messages.
-
-    Returns:
-        The table.
-
-    Raises:
-        SceneError: a wrong value.
-    """
+    """The table [frequency], [shock], [campbell] or [path] of a scene with other values."""
     base = own.model_dump(exclude_unset=True, by_alias=True) if own else {}
     if {"from", "to"} & options.keys():
         base.pop("frequencies", None)

@@ -65,30 +65,12 @@ class SceneShock(SceneResponse):
 
     @classmethod
     def of_scene(cls, scene: Scene, table: ShockTable | None = None) -> SceneShock:
-        """Of a scene with mass, damping and stiffness.
-
-        Args:
-            scene: as read.
-            table: in the place of its [shock].
-
-        Returns:
-            The response, nothing of it computed yet.
-        """
+        """Of a scene with mass, damping and stiffness."""
         return cls(scene.name, scene.table.output, table or scene.table.shock or ShockTable(), scene)
 
     @classmethod
     def of_record(cls, path: Path, table: ShockTable, output: OutputTable | None = None, **reading) -> SceneShock:
-        """Of the acceleration in a file.
-
-        Args:
-            path: of the file.
-            table: options of the spectrum.
-            output: which files are written.
-            reading: column, step, unit ... as of ``record_in_si``.
-
-        Returns:
-            The response, nothing of it computed yet.
-        """
+        """Of the acceleration in a file."""
         own = cls(path.stem, output or OutputTable(), table, record=path)
         own.reading = reading
         return own
@@ -136,11 +118,7 @@ class SceneShock(SceneResponse):
 
     @cached_property
     def spectrum(self) -> ShockResponseSpectrum | None:
-        """The shock response spectrum in SI; None without a shock.
-
-        Raises:
-            SceneError: a motion that does not end, unknown names.
-        """
+        """The shock response spectrum in SI; None without a shock."""
         return None if self.shock is None else self._spectrum(self.table.quantity)
 
     def _spectrum(self, quantity: str) -> ShockResponseSpectrum:
@@ -152,11 +130,7 @@ class SceneShock(SceneResponse):
 
     @cached_property
     def peaks(self) -> tuple[Peaks, ...]:
-        """Of all coordinates and their rates, reactions, and forces of springs and dampers; none of a record.
-
-        Raises:
-            SceneError: a scene without mass, damping and stiffness.
-        """
+        """Of all coordinates and their rates, reactions, and forces of springs and dampers; none of a record."""
         if self.scene is None:
             return ()
         with at(self.file_name, "shock"):

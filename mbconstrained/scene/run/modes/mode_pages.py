@@ -64,14 +64,7 @@ def modes_content(modes: SceneModes) -> ModesContent:
 
 
 def robot_modes(scene: Scene) -> RobotModes | None:
-    """The robot of a scene, if it has one.
-
-    Args:
-        scene: with its equations and [drawing].
-
-    Returns:
-        The robot in its posture, for pictures; None of other models.
-    """
+    """The robot of a scene, if it has one."""
     robot_scene, table = scene.equations.robot_scene, scene.table.drawing
     return RobotModes(robot_scene, table) if robot_scene else None
 
@@ -106,13 +99,6 @@ def mode_drawing(scene: Scene, shapes: Sequence[np.ndarray]) -> Drawing:
     """The drawing of the scene, its own or one of its elements or coordinates, as on the page of a run.
 
     Modes are motions about the state in which every spring has its length: rest lengths only shift them and are left out.
-
-    Args:
-        scene: with its equations and [drawing].
-        shapes: of the modes, (n,) each, by which it is magnified.
-
-    Returns:
-        The drawing at rest.
     """
     equations = scene.equations
     values = _typical_values(shapes, equations.coordinates.units)
@@ -143,14 +129,6 @@ def amplitude(drawing: Drawing, names: Sequence[str], shape: np.ndarray) -> floa
     """The factor of two digits at which the shape is drawn, besides the magnification of the drawing.
 
     Bodies and the distances between linked ones move, and wheels turn, as far as there is room for; 1 where nothing is drawn.
-
-    Args:
-        drawing: at rest.
-        names: of the coordinates.
-        shape: (n,).
-
-    Returns:
-        The factor.
     """
     entries = dict(zip(names, np.where(np.abs(shape) > noise_of(1.0, len(shape)), shape, 0.0)))  # without rounding error
     moves = {body.name: drawing.scale * _sum(body.moves, entries) for body in drawing.bodies}
@@ -186,15 +164,7 @@ class RobotModes:
         return self.picture.room(cycle(_clean(shape), PARTS + 1))
 
     def paths(self, shape: np.ndarray, factor: float) -> dict[str, Path]:
-        """The poses of all links over one cycle.
-
-        Args:
-            shape: (n,).
-            factor: by which it is magnified.
-
-        Returns:
-            Paths by the names of the links.
-        """
+        """The poses of all links over one cycle."""
         links = self.picture.poses(cycle(_clean(shape)), factor)
         return {name: Path(poses.positions, poses.quaternions) for name, poses in links.items()}
 

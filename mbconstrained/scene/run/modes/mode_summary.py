@@ -85,13 +85,6 @@ def _detail(line: ModeLine, coordinates: Coordinates) -> str:
 def share_entries(shares: Mapping[str, float] | None, most: int = MOST_ENTRIES) -> list[str]:
     """The largest shares in per cent, and what the others sum to.
 
-    Args:
-        shares: by part; None where there is no such energy.
-        most: how many are listed.
-
-    Returns:
-        A text for each, and one for the others.
-
     >>> share_entries({"cart": 0.25, "load": 0.75}), share_entries(None)
     (['load 75.0 %', 'cart 25.0 %'], ['none'])
     """
@@ -116,13 +109,6 @@ def _percent(share: float) -> str:
 def shape_entries(shape: np.ndarray, coordinates: Coordinates) -> list[str]:
     """The largest entries with their units; with amplitude and phase those that are neither in phase nor against it.
 
-    Args:
-        shape: (n,).
-        coordinates: names and units.
-
-    Returns:
-        A text for each, and one that counts the others.
-
     >>> shape_entries(np.array([1.0, -0.5]), Coordinates(("cart", "crank"), ("m", "rad")))
     ['cart 1 m', 'crank -0.5 rad']
     >>> shape_entries(np.array([1.0, -0.5j]), Coordinates(("cart", "load"), ("m", "m")))
@@ -134,15 +120,7 @@ def shape_entries(shape: np.ndarray, coordinates: Coordinates) -> list[str]:
 
 
 def shape_cells(shape: np.ndarray, coordinates: Coordinates) -> list[tuple[str, str]]:
-    """The same of every coordinate that moves, the largest first.
-
-    Args:
-        shape: (n,).
-        coordinates: names and units.
-
-    Returns:
-        Names and entries.
-    """
+    """The same of every coordinate that moves, the largest first."""
     moving = np.flatnonzero(np.abs(shape) > noise_of(1.0, len(shape)))
     order = sorted(moving, key=lambda i: descending(shape[i]))
     return [(coordinates.names[i], _entry(shape[i], coordinates.units[i])) for i in order]

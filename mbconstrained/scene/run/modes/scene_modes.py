@@ -129,12 +129,7 @@ class SceneModes:
         return not any(notice.doubtful for notice in self.notices)
 
     def write_page(self, folder: Path) -> Path:
-        """Write NAME.modes.html, in which the modes move, into a folder.
-
-        Raises:
-            SceneError: the scene gives coefficients or states, of which there is nothing to draw.
-            OSError: it cannot be written.
-        """
+        """Write NAME.modes.html, in which the modes move, into a folder."""
         if self.system is None:
             place = "model" if self.scene.equations.control else "model.coefficients"
             raise SceneError(

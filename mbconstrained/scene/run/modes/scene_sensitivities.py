@@ -112,14 +112,7 @@ class SceneSensitivities:
 
 
 def influence_tables(scene: Scene) -> tuple[TextTable, ...]:
-    """Who matters, for the page of the modes: of the elements of lumped models and of [parameters], where this takes no time.
-
-    Args:
-        scene: with a mechanical system.
-
-    Returns:
-        The tables of ``SceneSensitivities``, long ones folded; none of equations that differences would assemble again, nor of large models.
-    """
+    """Who matters, for the page of the modes: of the elements of lumped models and of [parameters], where this takes no time."""
     model, system = scene.table.model, scene.equations.system
     elements = model.kind == "lumped" or (model.kind == "matrices" and scene.parameters.values)
     if not elements or model.modal_damping is not None or system.is_sparse or system.size > MOST_COORDINATES:

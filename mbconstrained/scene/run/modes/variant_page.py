@@ -21,15 +21,7 @@ Facts = tuple[tuple[str, str], ...]
 
 
 def variants_content(scenes: Sequence[tuple[str, Facts, Scene]], content: PageContent) -> ModesContent | None:
-    """A page on which each variant of a scene moves in the shape of its lowest oscillating mode.
-
-    Args:
-        scenes: names of the variants, what is listed of each, and their scenes, of the same coordinates.
-        content: title, notices, figures, tables and facts of the page.
-
-    Returns:
-        The page; None where fewer than two variants oscillate.
-    """
+    """A page on which each variant of a scene moves in the shape of its lowest oscillating mode."""
     lines = [(name, facts, scene, _lowest(scene)) for name, facts, scene in scenes]
     moving = [(name, facts, scene, line) for name, facts, scene, line in lines if line is not None]
     names = moving[0][2].equations.coordinates.names if moving else ()

@@ -26,16 +26,7 @@ MOST_LINES = 6
 
 
 def overlay_of(result: Result, drawing: Drawing, times: np.ndarray) -> Overlay:
-    """Jumps, impulses and reactions to be drawn; empty without jumps, impulses and [output] arrows.
-
-    Args:
-        result: of a run.
-        drawing: of its model.
-        times: of the key frames, shape (T,), in s.
-
-    Returns:
-        The overlay of the animation.
-    """
+    """Jumps, impulses and reactions to be drawn; empty without jumps, impulses and [output] arrows."""
     applied = result.motion.applied if result.system else None
     has_events = result.jumps or result.impulses or result.later or (applied and (applied.impulses or applied.later))
     events = tuple(_events(result, drawing)) if has_events else ()

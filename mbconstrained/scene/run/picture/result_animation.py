@@ -53,15 +53,7 @@ def animation_of(result: Result) -> Animation:
 
 
 def frames_of(result: Result, most: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Key frames: those of the scene, or more of them where cubic polynomials between these miss the motion.
-
-    Args:
-        result: of a run.
-        most: number of key frames, unless the scene has more times.
-
-    Returns:
-        Times (T,), values (r, T) and rates (r, T).
-    """
+    """Key frames: those of the scene, or more of them where cubic polynomials between these miss the motion."""
     times, values = result.times, result.values
     rates = result.curves("velocity").values
     most = min(most, MOST_NUMBERS // max(1, len(values)))

@@ -25,15 +25,7 @@ MOST_NAMED = 3
 
 
 def robot_reactions(result: Result, times: np.ndarray) -> tuple[tuple[ForceArrows, ...], str]:
-    """The reactions of the loops and couplings.
-
-    Args:
-        result: of a run.
-        times: shape (T,), in s.
-
-    Returns:
-        A force, and a moment where there is one, for each; and a text about all of them.
-    """
+    """The reactions of the loops and couplings."""
     posture, function = result.scene.equations.posture, result.motion.reaction_function
     kept = list(posture.independent_rows)
     multipliers = np.tile(posture.multipliers[:, None], len(times))
@@ -66,16 +58,7 @@ def _arrows(wrench: Wrench, order: int) -> Iterator[tuple[Arrow, np.ndarray]]:
 
 
 def robot_impulse_arrows(result: Result, of_rows: np.ndarray | None, time: float) -> tuple[ImpulseArrow, ...]:
-    """The impulses at a time as arrows.
-
-    Args:
-        result: of a run.
-        of_rows: impulses of the constraint rows, shape (k,), or None.
-        time: in s.
-
-    Returns:
-        Arrows of those that are large enough to be drawn.
-    """
+    """The impulses at a time as arrows."""
     posture, arrows = result.scene.equations.posture, []
     if of_rows is not None:
         multipliers = np.zeros(len(posture.multipliers))
@@ -97,15 +80,7 @@ def _impulse_arrow(arrow: Arrow, size: np.ndarray | float) -> ImpulseArrow:
 
 
 def robot_impulsive_loads(result: Result, time: float) -> Iterator[tuple[str, str, list[float]]]:
-    """The impulsive loads at a time.
-
-    Args:
-        result: of a run.
-        time: in s.
-
-    Returns:
-        Name, unit ("m" or "rad") and impulses by order of each input or coordinate under such a load.
-    """
+    """The impulsive loads at a time."""
     totals: dict[str, tuple[str, list[float]]] = {}
     for load in result.scene.equations.loads:
         impulses = {0.0: load.signal.impulses, **{later.time: later.impulses for later in load.signal.later}}.get(time, ())

@@ -28,16 +28,7 @@ NOTE = "small motions about the equilibrium"
 
 
 def event_with_poses(event: DrawnEvent, picture: RobotPicture, scale: float) -> DrawnEvent:
-    """The event with the poses of the links just before and just after it, where they differ.
-
-    Args:
-        event: with the coordinates before and after.
-        picture: the robot in its posture.
-        scale: by which motion is magnified.
-
-    Returns:
-        The event with paths.
-    """
+    """The event with the poses of the links just before and just after it, where they differ."""
     values = np.column_stack([event.before, event.after])
     if np.ptp(values, axis=1).max(initial=0.0) <= NOT_DRAWN * np.abs(values).max(initial=0.0):
         return event
@@ -46,16 +37,7 @@ def event_with_poses(event: DrawnEvent, picture: RobotPicture, scale: float) -> 
 
 
 def drawing_of_robot(picture: RobotPicture, values: np.ndarray, table=None) -> Drawing:
-    """A drawing of the robot with the paths of its links.
-
-    Args:
-        picture: the robot in its posture.
-        values: deviations from it, shape (n, T).
-        table: the [drawing] table with a scale, a view and a note of its own, or None.
-
-    Returns:
-        The drawing, motion magnified by that scale or until it is visible.
-    """
+    """A drawing of the robot with the paths of its links."""
     scale = table.scale if table and "scale" in table.model_fields_set else _visible_scale(picture, values)
     drawing = picture.drawing(picture.poses(values, scale), scale, (table.note if table else "") or NOTE)
     return replace(drawing, view=view_of(table), posing=picture.posing())
@@ -105,28 +87,11 @@ class RobotPicture:
             self.solids = solids_of(visuals, full=full)
 
     def poses(self, values: np.ndarray, scale: float = 1.0) -> dict[str, Poses]:
-        """The poses of all links.
-
-        Args:
-            values: deviations from the posture, shape (n, T).
-            scale: by which they are magnified.
-
-        Returns:
-            Poses by the names of the links.
-        """
+        """The poses of all links."""
         return self.scene.robot.poses(self.scene.posture, values, scale)
 
     def drawing(self, poses: dict[str, Poses], scale: float = 1.0, note: str = "") -> Drawing:
-        """The robot along its paths.
-
-        Args:
-            poses: of the links, by name.
-            scale: by which their motion is magnified.
-            note: a sentence under the drawing.
-
-        Returns:
-            The drawing.
-        """
+        """The robot along its paths."""
         points = self.scene.robot.connection_points(self.scene.posture)
         fixed = self.scene.data.table.base == "fixed"
         note = "\n".join(filter(None, (note, self.note)))
@@ -169,9 +134,6 @@ class RobotPicture:
         """How much larger than true a motion may be drawn: no joint turns, and no point moves, too far to look right.
 
         The number has two digits; it is 1 where nothing moves. Motors are not drawn and do not count.
-
-        Args:
-            values: deviations, shape (n, T); how far points move is looked at in a straight motion of their directions.
         """
         room = self._rooms(values).min(initial=np.inf)
         return two_digits(room) if np.isfinite(room) else 1.0

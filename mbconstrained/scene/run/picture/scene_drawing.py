@@ -25,15 +25,7 @@ TALLEST = 8.0
 
 
 def drawing_of(scene: Scene, values=None, **scales: float) -> Drawing:
-    """The drawing of a scene whose coordinates are places, its own or an automatic one.
-
-    Args:
-        scene: with its equations and [drawing].
-        values, scales: as of ``automatic_drawing``.
-
-    Returns:
-        The drawing at rest.
-    """
+    """The drawing of a scene whose coordinates are places, its own or an automatic one."""
     model = scene.equations.model
     return own_drawing(scene) or automatic_drawing(scene, model and model.elements, values, **scales)
 
@@ -52,21 +44,7 @@ def own_drawing(scene: Scene) -> Drawing | None:
 
 
 def automatic_drawing(scene: Scene, elements, values, **scales: float) -> Drawing:
-    """The drawing made from the elements of a model, or from the coordinates, with what [drawing] changes.
-
-    Args:
-        scene: names and units of the coordinates, and [drawing].
-        elements: of the model; None where only its equations are known.
-        values: the motion, or typical values; None for 1.
-        scales: scale and turn_scale, where they shall not be chosen.
-
-    Returns:
-        The drawing at rest.
-
-    Raises:
-        SceneError: a body that is not drawn and has no shape, a direction of one that does not move so, a link to an unknown
-            body.
-    """
+    """The drawing made from the elements of a model, or from the coordinates, with what [drawing] changes."""
     from ....page.drawing.automatic_drawing import coordinate_drawing, lumped_drawing
 
     names, units = scene.equations.coordinates.names, scene.equations.coordinates.units
@@ -183,11 +161,7 @@ def _given(entry) -> dict:
 
 
 def check_drawing(scene: Scene) -> None:
-    """See whether [drawing] can be drawn.
-
-    Raises:
-        SceneError: unknown bodies or coordinates, a name used twice, a direction of a body that does not move so.
-    """
+    """See whether [drawing] can be drawn."""
     if scene.equations.robot:
         with at(scene.file_name, "drawing"):
             return _check_robot(scene.table.drawing)

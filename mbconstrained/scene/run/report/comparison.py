@@ -17,15 +17,7 @@ MOST_FREQUENCIES = 6
 
 
 def comparison(labels: Sequence[str], results: Sequence[Result]) -> PageContent:
-    """The content of the page.
-
-    Args:
-        labels: of the runs, all different.
-        results: at the same times, each with its own model.
-
-    Returns:
-        A plot for each quantity that the first run shows and another has, with the curves of all runs.
-    """
+    """The content of the page."""
     return PageContent(
         title=" and ".join([", ".join(labels[:-1]), labels[-1]]),
         source="Runs compared",
@@ -37,15 +29,7 @@ def comparison(labels: Sequence[str], results: Sequence[Result]) -> PageContent:
 
 
 def comparison_table(labels: Sequence[str], results: Sequence[Result]) -> TextTable:
-    """The lowest natural frequencies with their damping ratios, and the error estimate of each run.
-
-    Args:
-        labels: of the runs.
-        results: of each.
-
-    Returns:
-        One row for each run.
-    """
+    """The lowest natural frequencies with their damping ratios, and the error estimate of each run."""
     rows = []
     for label, result in zip(labels, results):
         modes = result.modes if result.system else None

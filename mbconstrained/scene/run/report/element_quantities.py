@@ -36,33 +36,14 @@ class ElementQuantity:
     constant: float = 0.0
 
     def values(self, motion, times: np.ndarray) -> np.ndarray:
-        """Over times (T,), of a motion.
-
-        Args:
-            motion: of the system.
-            times: in s.
-
-        Returns:
-            Shape (T,).
-        """
+        """Over times (T,), of a motion."""
         orders = [order for order, row in enumerate(self.rows) if row.any()]
         parts = (self.rows[order] @ (motion.derivative(order)(times) if order else motion(times)) for order in orders)
         return self.constant + sum(parts, np.zeros(len(times)))
 
 
 def element_quantities(tables, equations: Equations) -> Iterator[ElementQuantity]:
-    """The quantities of the tables.
-
-    Args:
-        tables: validated.
-        equations: of the scene.
-
-    Yields:
-        One for each table, in their order.
-
-    Raises:
-        InputError: an unknown element or coordinate, a force of what has none.
-    """
+    """The quantities of the tables."""
     for table in tables:
         yield _between(table, equations) if table.between else _of_element(table, equations)
 

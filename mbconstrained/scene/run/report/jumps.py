@@ -49,16 +49,7 @@ class Impulse:
 
 
 def jumps_of(motion: Response, coordinates: Coordinates, event: Event | None = None) -> list[Jump]:
-    """The jumps of the coordinates and their derivatives.
-
-    Args:
-        motion: the answer.
-        coordinates: names and units.
-        event: after t = 0; None for the jumps at t = 0 that are more than rounding errors.
-
-    Returns:
-        The jumps by order of derivative.
-    """
+    """The jumps of the coordinates and their derivatives."""
     jumps = []
     for order, row in enumerate((event or motion).jump):
         if event is None:
@@ -74,15 +65,7 @@ def jumps_of(motion: Response, coordinates: Coordinates, event: Event | None = N
 
 
 def impulses_of(impulses: Sequence, coordinates: Coordinates) -> list[Impulse]:
-    """The impulses that are not zero.
-
-    Args:
-        impulses: (r,) by order of the derivative of Dirac's delta.
-        coordinates: the names and units of the r quantities.
-
-    Returns:
-        The impulses by order of derivative.
-    """
+    """The impulses that are not zero."""
     return [
         Impulse(coordinates.names[i], order, coordinates.shown.text(row[i], impulse_unit(coordinates.units[i], order)))
         for order, row in enumerate(impulses)
@@ -91,31 +74,14 @@ def impulses_of(impulses: Sequence, coordinates: Coordinates) -> list[Impulse]:
 
 
 def forces_of_rows(system: MechanicalSystem, name: str = "force of {}", shown: OutputUnits = OutputUnits()) -> Coordinates:
-    """Names and units of the constraint forces.
-
-    Args:
-        system: with its constraint rows.
-        name: of a force, by the name of its row.
-        shown: units of tables.
-
-    Returns:
-        One for each row.
-    """
+    """Names and units of the constraint forces."""
     return Coordinates(
         tuple(name.format(row.name) for row in system.rows), tuple(force_unit(row.unit) for row in system.rows), shown
     )
 
 
 def with_units(response: Response, coordinates: Coordinates) -> tuple[Notice, ...]:
-    """The notices of a response that itself does not know the units of its coordinates.
-
-    Args:
-        response: of bare equations.
-        coordinates: names and units.
-
-    Returns:
-        Its notices, those of jumps and impulses first.
-    """
+    """The notices of a response that itself does not know the units of its coordinates."""
     own = (NoticeKind.JUMP, NoticeKind.IMPULSE, NoticeKind.KINK)
     others = [notice for notice in response.notices if notice.kind not in own]
     later = first_and_count(lambda event: _sentences(response, coordinates, event), without_kinks(response))
@@ -147,16 +113,7 @@ def _sentences(motion: Response, coordinates: Coordinates, event: Event | None =
 
 
 def folded(notices: Sequence[Notice], jumps: int, impulses: int, later: tuple[int, int] = (0, 0)) -> tuple[Notice, ...]:
-    """One sentence instead of a notice for each of the jumps and impulses, which have tables of their own.
-
-    Args:
-        notices: all of them.
-        jumps, impulses: how many at t = 0.
-        later: how many of both after t = 0.
-
-    Returns:
-        The others, after at most two that count.
-    """
+    """One sentence instead of a notice for each of the jumps and impulses, which have tables of their own."""
     counts_of_events = [*_counted("At t = 0", jumps, impulses), *_counted("After t = 0", *later)]
     return (*counts_of_events, *(notice for notice in notices if not _has_table(notice)))
 

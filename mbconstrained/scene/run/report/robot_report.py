@@ -144,12 +144,7 @@ LIMIT_SHARE = 1e-3
 
 
 def limit_notices(robot_scene: RobotScene, ends: np.ndarray) -> list[Notice]:
-    """One notice on all joints that pass their limits.
-
-    Args:
-        robot_scene: the robot in its posture.
-        ends: the smallest and the largest deviation of each coordinate from the posture, shape (n, 2).
-    """
+    """One notice on all joints that pass their limits."""
     lowest, highest = ends[: len(robot_scene.robot.coordinates)].T
     robot, furthest = robot_scene.robot, {}
     rests = robot.tangent.angles(robot_scene.posture.configuration)

@@ -30,15 +30,7 @@ def summary(result: Result) -> str:
 
 
 def printed(parts: Sequence[str | TextTable], width: int = WIDTH) -> str:
-    """Texts and tables one below the other.
-
-    Args:
-        parts: of a summary.
-        width: of a line, in letters.
-
-    Returns:
-        The text, its lines wrapped.
-    """
+    """Texts and tables one below the other."""
     return "\n\n".join(table_text(part, width) if isinstance(part, TextTable) else wrapped(part, width) for part in parts)
 
 
@@ -56,17 +48,7 @@ def response_blocks(
     notices: Iterable[Notice],
     files: Sequence[Path],
 ) -> list[str | TextTable]:
-    """The parts of the summary of a response in addition to a run, on lines of a terminal.
-
-    Args:
-        heads: lines that come first, such as title and source.
-        facts: labels and texts.
-        tables: None for none.
-        notices, files: are listed below.
-
-    Returns:
-        Texts and tables.
-    """
+    """The parts of the summary of a response in addition to a run, on lines of a terminal."""
     head = "\n".join(line for text in heads for line in wrap(text, WIDTH))
     about = "\n".join(line for label, text in facts for line in wrap(f"{label}: {text}", WIDTH, subsequent_indent="  "))
     reported = [line for notice in notices for line in wrap(f"  {notice}", WIDTH, subsequent_indent="    ")]
@@ -86,16 +68,7 @@ def heading(result: Result) -> str:
 
 
 def overview(result: Result, width: int = WIDTH, lines: int = SCREEN) -> list[str | TextTable]:
-    """The parts of the summary that fit on a screen: natural frequencies, warnings, files, and how much more there is.
-
-    Args:
-        result: of a run.
-        width: of a line, in letters.
-        lines: of the screen.
-
-    Returns:
-        Texts and tables; what does not fit is counted.
-    """
+    """The parts of the summary that fit on a screen: natural frequencies, warnings, files, and how much more there is."""
     scene = result.scene
     title = "\n".join(_first_lines(text, width, 2) for text in (scene.title, scene.table.source) if text)
     figures = f"Error estimate {max(result.error_estimates.values()):.2g}; {result.plan.totals()}"

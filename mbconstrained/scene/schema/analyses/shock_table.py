@@ -51,14 +51,7 @@ class ShockTable(Table):
         return self
 
     def lines(self, lowest: float, highest: float) -> np.ndarray:
-        """The natural frequencies in Hz, shape (F,).
-
-        Args:
-            lowest, highest: in Hz, for those that are not given.
-
-        Returns:
-            Even steps of the logarithm, or the given ones.
-        """
+        """The natural frequencies in Hz, shape (F,)."""
         if self.frequencies is not None:
             return np.array(self.frequencies)
         low, high = self.lowest or lowest, self.highest or highest

@@ -27,9 +27,6 @@ GALLERY: tuple[System, ...] = tuple(sorted(SYSTEMS, key=lambda one: THEMES.index
 def system(name: str) -> System:
     """The system with this name.
 
-    Raises:
-        InputError: there is none; the text names the nearest one.
-
     >>> system("resonance").parameter
     'detuning of the force'
     """

@@ -61,15 +61,7 @@ SYSTEMS: list[System] = []
 
 
 def family(theme: str, parameter: str, values: tuple[float, ...], unit: str = ""):
-    """Decorator: enter a function that builds a problem into the gallery.
-
-    Args:
-        theme, values: as ``System``.
-        parameter, unit: the name of the parameter, and its unit; "" for a number.
-
-    Returns:
-        A decorator that returns the function itself.
-    """
+    """Decorator: enter a function that builds a problem into the gallery."""
 
     def entered(problem: Callable[[float], StudyProblem]) -> Callable[[float], StudyProblem]:
         named = f"{parameter} in {unit}" if unit else parameter
@@ -92,13 +84,6 @@ def declares(**properties):
 def decades(first: int, last: int, step: int = 1) -> tuple[float, ...]:
     """Powers of ten.
 
-    Args:
-        first, last: exponents of the first and the last one, ascending or descending.
-        step: of the exponents.
-
-    Returns:
-        The floats nearest to them.
-
     >>> decades(-4, 0, 2), decades(0, -2)
     ((0.0001, 0.01, 1.0), (1.0, 0.1, 0.01))
     """
@@ -111,15 +96,7 @@ Link = tuple[int, int, float]
 
 
 def spaced(first: float, last: float, count: int = 10) -> np.ndarray:
-    """Times in geometric progression.
-
-    Args:
-        first, last: in s.
-        count: how many.
-
-    Returns:
-        Times in s, shape (count,).
-    """
+    """Times in geometric progression."""
     return np.array([first * (last / first) ** (place / (count - 1)) for place in range(count)])
 
 
@@ -132,16 +109,7 @@ def _elements(size: int, links: Sequence[Link]) -> ElementMatrix:
 
 
 def bodies(masses: Sequence[float], springs: Sequence[Link], dampers: Sequence[Link] = (), constraints=()) -> MechanicalSystem:
-    """Bodies along one axis, by their elements, so that soft ones are not lost next to stiff ones.
-
-    Args:
-        masses: in kg.
-        springs, dampers: with constants in N/m and N s/m.
-        constraints: rows, see ``Constraint``.
-
-    Returns:
-        The system.
-    """
+    """Bodies along one axis, by their elements, so that soft ones are not lost next to stiff ones."""
     n = len(masses)
     damping = _elements(n, dampers) if dampers else None
     return MechanicalSystem(ElementMatrix(np.eye(n), masses), damping, _elements(n, springs), constraints)
@@ -158,32 +126,12 @@ def chain(*constants: float) -> list[Link]:
 
 
 def moving(system: MechanicalSystem, times, start, force: ImpulsiveSmooth | None = None) -> StudyProblem:
-    """The problem of a mechanical system.
-
-    Args:
-        system: the system.
-        times: shape (T,), in s.
-        start: x(0-) and x'(0-) as rows.
-        force: on the coordinates; None for none.
-
-    Returns:
-        The problem, without a title.
-    """
+    """The problem of a mechanical system."""
     return mechanical_problem("", system, times, *start, force=force)
 
 
 def equations(coefficients, start, times, force: ImpulsiveSmooth | None = None) -> StudyProblem:
-    """The problem A(d/dt) x = f.
-
-    Args:
-        coefficients: A_0, A_1, ..., shapes (r, r).
-        start: x(0-), x'(0-), ... as rows.
-        times: shape (T,), in s.
-        force: with r rows; None for none.
-
-    Returns:
-        The problem, without a title.
-    """
+    """The problem A(d/dt) x = f."""
     A = PolynomialMatrix([np.asarray(matrix, dtype=float) for matrix in coefficients])
     initial = np.asarray(start, dtype=float).reshape(A.degree, A.size)
     return StudyProblem("", A, initial, zero(A.size) if force is None else force, np.asarray(times, dtype=float))

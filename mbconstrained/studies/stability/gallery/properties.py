@@ -84,18 +84,7 @@ PROPERTIES: dict[str, Callable[[Facts], object]] = {
 
 
 def broken_promises(system: System, parameter: float) -> tuple[str, ...]:
-    """The declared properties that exact arithmetic does not find.
-
-    Args:
-        system: of the gallery.
-        parameter: one of its values.
-
-    Returns:
-        Sentences; none where all hold.
-
-    Raises:
-        KeyError: an unknown property.
-    """
+    """The declared properties that exact arithmetic does not find."""
     place, broken = f"{system.name} at {parameter:g}", []
     try:
         facts = Facts(system.build(parameter))
