@@ -105,7 +105,7 @@ def peaks_of(harmonic: Harmonic) -> Iterator[Peak]:
     poles, grid = harmonic.form.poles, 2 * np.pi * frequencies_by_poles(harmonic, with_peaks=False)
     for i, output in enumerate(harmonic.output_names):
         for j, input in enumerate(harmonic.input_names):
-            entry = _Entry(harmonic, poles, i, j)
+            entry = _ResponseEntry(harmonic, poles, i, j)
             for pole in poles_on_axis(poles):
                 if pole.value.imag and pole.residues[-1, i, j]:
                     phase = float(np.angle(pole.residues[-1, i, j] * (1j) ** pole.order))
@@ -113,7 +113,7 @@ def peaks_of(harmonic: Harmonic) -> Iterator[Peak]:
             yield from _maxima(entry, grid, output, input)
 
 
-def _maxima(entry: _Entry, grid, output: str, input: str) -> Iterator[Peak]:
+def _maxima(entry: _ResponseEntry, grid, output: str, input: str) -> Iterator[Peak]:
     slopes = entry.slope(grid)
     if not np.isfinite(slopes).all():  # an entry that is zero has no peaks
         return
@@ -141,7 +141,7 @@ def _root(function, low: float, high: float) -> float:
     return float(brentq(function, low, high, rtol=4 * EPS, xtol=EPS * high))
 
 
-class _Entry:
+class _ResponseEntry:
     """One entry of H by its poles and residues, and by solutions."""
 
     def __init__(self, harmonic: Harmonic, poles: tuple[Pole, ...], i: int, j: int):
@@ -193,7 +193,7 @@ def antiresonances_of(harmonic: Harmonic) -> Iterator[Antiresonance]:
     poles = harmonic.form.poles
     for i, output in enumerate(harmonic.output_names):
         for j, input in enumerate(harmonic.input_names):
-            entry = _Entry(harmonic, poles, i, j)
+            entry = _ResponseEntry(harmonic, poles, i, j)
             for zero in _zeros(harmonic, i, j):
                 if zero.imag > 0 and _vanishes(entry, zero):
                     yield Antiresonance(output, input, zero)
@@ -217,7 +217,7 @@ def _zeros(harmonic: Harmonic, i: int, j: int) -> list[complex]:
     return sorted(both, key=lambda root: (root.imag, root.real))
 
 
-def _vanishes(entry: _Entry, zero: complex) -> bool:
+def _vanishes(entry: _ResponseEntry, zero: complex) -> bool:
     """Whether the entry itself is zero there: an eigenvalue that it does not contain is a zero of the determinant as well."""
     s = complex(zero)
     distances = s - entry.values[:, 0] if len(entry.terms) else np.zeros(0)

@@ -46,13 +46,13 @@ def _of_coupled(matrix: np.ndarray) -> BlockDiagonal:
     balanced = matrix * balance / balance[:, None]
     for digits in PRECISE_LEVELS:
         with precise_arithmetic(digits):
-            spectrum = Spectrum.of(balanced, digits)
+            spectrum = PreciseSpectrum.of(balanced, digits)
             if spectrum.is_resolved(digits):
                 return _decoupled(matrix, balance, spectrum)
     raise IllConditioned(INSEPARABLE)
 
 
-def _decoupled(matrix: np.ndarray, balance: np.ndarray, spectrum: Spectrum) -> BlockDiagonal:
+def _decoupled(matrix: np.ndarray, balance: np.ndarray, spectrum: PreciseSpectrum) -> BlockDiagonal:
     spaces = [_in_schur_form(space) for space in spectrum.spaces(_clusters(spectrum))]
     basis, rows = np.hstack([space.basis for space in spaces]), np.vstack([space.inverse for space in spaces])
     if magnitude(product(rows, basis) - np.eye(len(matrix))).max() > PRECISE_DECOUPLING:
@@ -78,7 +78,7 @@ class InvariantSpace:
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum:
+class PreciseSpectrum:
     """The eigenvalues of a precise matrix A after its perturbation.
 
     Attributes:
@@ -95,7 +95,7 @@ class Spectrum:
     rows: np.ndarray
 
     @staticmethod
-    def of(matrix: np.ndarray, digits: int) -> Spectrum:
+    def of(matrix: np.ndarray, digits: int) -> PreciseSpectrum:
         """By flint's QR algorithm.
 
         Args:
@@ -131,7 +131,7 @@ class Spectrum:
         if len(basis) != n:
             raise IllConditioned("the QR algorithm finds no eigenvalues of A(s); choose other units")
         vectors = midpoints(np.array(basis, dtype=object).T)
-        return Spectrum(matrix, np.array(chosen), columns, vectors, inverse(vectors))
+        return PreciseSpectrum(matrix, np.array(chosen), columns, vectors, inverse(vectors))
 
     def is_resolved(self, digits: int) -> bool:
         """Whether the perturbation is negligible relative to the slowest eigenvalue, too; none of them is zero."""
@@ -170,7 +170,7 @@ class Spectrum:
         return InvariantSpace(basis, rows, product(rows, self.matrix, basis), float(np.linalg.norm(scaled)) / len(at) ** 0.5)
 
 
-def _clusters(spectrum: Spectrum) -> list[list[int]]:
+def _clusters(spectrum: PreciseSpectrum) -> list[list[int]]:
     """Eigenvalues joined, each with the nearest, where their separation would cost more digits than the limit."""
     clusters = [[i] for i in range(len(spectrum.values))]
     couplings = [spectrum.coupling(cluster) for cluster in clusters]

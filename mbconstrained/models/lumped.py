@@ -243,7 +243,7 @@ class LumpedModel(Displayed):
 
 
 @dataclass(frozen=True, eq=False)
-class Branches:
+class BranchRows:
     """The springs or the dampers of a model with n coordinates, one a row.
 
     Attributes:
@@ -277,8 +277,8 @@ class Incidence:
         masses: masses and inertias by coordinate, zero for nodes, shape (n,).
     """
 
-    springs: Branches
-    dampers: Branches
+    springs: BranchRows
+    dampers: BranchRows
     masses: np.ndarray
 
 
@@ -308,13 +308,13 @@ def element_forces(elements: Sequence[Element], names: Sequence[str]) -> dict[st
     return forces
 
 
-def _branches(links: Sequence[Link], names: Sequence[str]) -> Branches:
+def _branches(links: Sequence[Link], names: Sequence[str]) -> BranchRows:
     incidence, column = np.zeros((len(links), len(names))), {name: at for at, name in enumerate(names)}
     for row, link in zip(incidence, links):
         for end, sign in ((link.start, -1.0), (link.end, 1.0)):
             if end in column:
                 row[column[end]] = sign
-    return Branches(
+    return BranchRows(
         incidence=incidence,
         constants=np.array([link.constant for link in links]),
         rest=np.array([link.rest for link in links]),

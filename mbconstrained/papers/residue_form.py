@@ -20,7 +20,7 @@ from ..polynomial.structure import FiniteZero
 
 
 @dataclass(frozen=True, eq=False)
-class ModalSum:
+class ResidueSum:
     """y(t) = Re(transient^T E(t)) + sum of forced[k] I_(k+1)(t), for t > 0, and impulses at t = 0 (Theorems 1 and 2).
 
     Attributes:
@@ -162,11 +162,11 @@ class ResidueForm:
         known = (orders >= 0) & (orders <= self.order - 1)
         return np.where(known, orders == self.order - 1, values) if self.order else values
 
-    def basic_response(self, gamma: int) -> ModalSum:
+    def basic_response(self, gamma: int) -> ResidueSum:
         """y_b,gamma of Theorem 1, Eq. (28), with n0 added to gamma: at most one of its two sums is there."""
         return _modal_sum(ResidueForm(np.ones(1), self.poles, self.multiplicities, self.zero_poles), gamma)
 
-    def general_response(self, gamma: int) -> ModalSum:
+    def general_response(self, gamma: int) -> ResidueSum:
         """y_gamma of Theorem 2, Eq. (31); Eq. (35) where there are no poles other than 0."""
         return _modal_sum(self, gamma)
 
@@ -193,16 +193,16 @@ class ResidueForm:
         return int(gamma) + self.zero_poles
 
 
-def _modal_sum(form: ResidueForm, gamma: int) -> ModalSum:
+def _modal_sum(form: ResidueForm, gamma: int) -> ResidueSum:
     b, g, n = form.numerator, form._total(gamma), form.order
     if not n:
         return _powers(form, g)
     forced = -_padded(b, 0, g) @ form.forced_matrix(gamma)
     noncausal = form.noncausal_matrix(gamma)
-    return ModalSum(form, b @ form.rows(-g, len(b)), forced, (_padded(b, n + g, len(noncausal)) @ noncausal)[::-1])
+    return ResidueSum(form, b @ form.rows(-g, len(b)), forced, (_padded(b, n + g, len(noncausal)) @ noncausal)[::-1])
 
 
-def _powers(form: ResidueForm, g: int) -> ModalSum:
+def _powers(form: ResidueForm, g: int) -> ResidueSum:
     """Eq. (35): the sum of b_i I_(g - i)."""
     forced, impulses = np.zeros(max(g, 0)), np.zeros(max(len(form.numerator) - g, 0))
     for i, b in enumerate(form.numerator):
@@ -210,7 +210,7 @@ def _powers(form: ResidueForm, g: int) -> ModalSum:
             forced[g - i - 1] = b
         else:
             impulses[i - g] = b
-    return ModalSum(form, np.zeros(0, dtype=complex), forced, impulses)
+    return ResidueSum(form, np.zeros(0, dtype=complex), forced, impulses)
 
 
 def _padded(b: np.ndarray, first: int, count: int) -> np.ndarray:

@@ -106,14 +106,14 @@ def _scene(
     equations = SolvedEquations(coordinates, A, initial, None, system, origin, _robot_scene(system), response=motion)
     coefficients = None if system is not None else list(A.coefficients)
     model = MatricesTable.model_construct(kind="matrices", coefficients=coefficients)
-    drawn = validated({} if drawing is None else {"drawing": drawing}, "write_page", _Drawn).drawing
+    drawn = validated({} if drawing is None else {"drawing": drawing}, "write_page", _DrawnAnswer).drawing
     table = SceneFile.model_construct(title=title, model=model, time=times, output=output, initial=InitialTable(), drawing=drawn)
     scene = Scene(Path("motion"), table, equations, 0, {}, file_name=SceneName("write_page"))
     scene.check_drawing()
     return scene
 
 
-class _Drawn(Table):
+class _DrawnAnswer(Table):
     """The part of a scene file that options of a page give."""
 
     drawing: DrawingTable | None = None

@@ -15,13 +15,34 @@ import pytest
 from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, tree
 
 #: Lines of each room, blank ones and docstrings included.
-LINES = {}
+LINES = {
+    "__init__": 237,
+    "__main__": 8,
+    "cli": 1523,
+    "control": 2757,
+    "docs": 267,
+    "exact": 7618,
+    "exchange": 1414,
+    "frequency": 5182,
+    "ground": 1578,
+    "linalg": 4881,
+    "mechanics": 10584,
+    "models": 1210,
+    "page": 5451,
+    "papers": 771,
+    "polynomial": 2992,
+    "response": 5274,
+    "robot": 9428,
+    "scene": 13345,
+    "signals": 1829,
+    "studies": 8111,
+}
 
 #: So far may a room be below its ceiling before that must be lowered.
 SLACK = 0.02
 
 #: Files in the largest circle of imports, those for the type checker alone included.
-LARGEST_CIRCLE = 0
+LARGEST_CIRCLE = 28
 
 #: Classes that get a method from a file above them, as "class.method" in the package's __init__.
 INJECTED = {
@@ -34,9 +55,9 @@ INJECTED = {
 
 #: Functions of the package that a call touches after all imports.
 TOUCHED = {
-    "run": ("import mbconstrained as mb; scene = mb.read_scene('examples/two_masses.toml'); result = scene.run(None); result.summary()", 0),
-    "solve": ("import numpy as np, mbconstrained as mb; x = mb.MechanicalSystem(np.eye(2), stiffness=[[2, -1], [-1, 2]]).solve([1, 0]); x(np.linspace(0, 9, 50))", 0),
-    "modes": ("import numpy as np, mbconstrained as mb; mb.MechanicalSystem(np.eye(2), stiffness=[[2, -1], [-1, 2]]).modes().frequencies_hz", 0),
+    "run": ("import mbconstrained as mb; scene = mb.read_scene('examples/two_masses.toml'); result = scene.run(None); result.summary()", 1230),
+    "solve": ("import numpy as np, mbconstrained as mb; x = mb.MechanicalSystem(np.eye(2), stiffness=[[2, -1], [-1, 2]]).solve([1, 0]); x(np.linspace(0, 9, 50))", 466),
+    "modes": ("import numpy as np, mbconstrained as mb; mb.MechanicalSystem(np.eye(2), stiffness=[[2, -1], [-1, 2]]).modes().frequencies_hz", 269),
 }  # fmt: skip
 
 COUNT = """

@@ -85,7 +85,9 @@ def test_a_class_name_stands_once():
         for node in tree(file).body:
             if isinstance(node, ast.ClassDef):
                 places[node.name].append(file)
-    expect_none([f"{name}: {', '.join(files)}" for name, files in places.items() if len(files) > 1], "give each class a name of its own")
+    expect_none(
+        [f"{name}: {', '.join(files)}" for name, files in places.items() if len(files) > 1], "give each class a name of its own"
+    )
 
 
 def test_every_list_of_names_resolves():

@@ -50,7 +50,8 @@ STUDIES = {
 
 #: Keys of figures that depend on the machine, or estimate rounding errors.
 VOLATILE = re.compile(
-    r"seconds|memory|peak_memory|totals|estimate|residual|error|evidence|condition|gap|files|written|folder|version|stages|evaluations|reason", re.I
+    r"seconds|memory|peak_memory|totals|estimate|residual|error|evidence|condition|gap|files|written|folder|version|stages|evaluations|reason",
+    re.I,
 )
 
 #: Numbers in texts that rounding errors may change.
@@ -142,7 +143,10 @@ def difference(stored: dict, found: dict) -> float:
     if (stored["size"], stored["places"]) != (found["size"], found["places"]):
         return np.inf
     one, other = (np.array([float(value) for value in column["values"]]) for column in (stored, found))
-    if not (np.isfinite(one) == np.isfinite(other)).all() or not (one[~np.isfinite(one)].astype(str) == other[~np.isfinite(one)].astype(str)).all():
+    if (
+        not (np.isfinite(one) == np.isfinite(other)).all()
+        or not (one[~np.isfinite(one)].astype(str) == other[~np.isfinite(one)].astype(str)).all()
+    ):
         return np.inf
     scale = max(stored["largest"], found["largest"]) or 1.0
     apart = np.abs(one - other)[np.isfinite(one)].max(initial=0.0) / scale

@@ -8,7 +8,7 @@ import scipy.linalg
 
 from mbconstrained.linalg.blocks import block_diagonalize
 from mbconstrained.linalg.exponential.block_exponential import block_states
-from mbconstrained.linalg.exponential.recursion import Modes
+from mbconstrained.linalg.exponential.recursion import ModalBasis
 
 RANDOM = np.random.default_rng(2)
 
@@ -22,10 +22,10 @@ MATRICES = {
 }
 
 
-def modes_of(S: np.ndarray) -> Modes:
+def modes_of(S: np.ndarray) -> ModalBasis:
     T, Q = scipy.linalg.schur(S)
     found = block_diagonalize(T)
-    return Modes.of(type(found)(Q @ found.basis, found.inverse @ Q.T, found.blocks, found.coupling))
+    return ModalBasis.of(type(found)(Q @ found.basis, found.inverse @ Q.T, found.blocks, found.coupling))
 
 
 @pytest.mark.parametrize("name", MATRICES)

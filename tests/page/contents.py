@@ -11,7 +11,7 @@ from mbconstrained.ground.notices import Notice
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.animation.keyframes import KeyFrames, body_poses
 from mbconstrained.page.content import Curve, PageContent, Plot
-from mbconstrained.page.drawing.bodies import Body, Drawing, Link
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, DrawnLink
 
 TIMES = np.linspace(0, 50, 401)
 HOSTILE = """</script><script>alert(1)</script><img src=x onerror=alert(2)>&amp;"'\u2028]]>-->"""
@@ -27,7 +27,7 @@ def two_masses(times=TIMES) -> np.ndarray:
     return np.array([x1, x1 + 0.4, q2])
 
 
-def positions(drawing: Drawing, body: Body, names, values) -> np.ndarray:
+def positions(drawing: Drawing, body: DrawnBody, names, values) -> np.ndarray:
     """The positions of a body for values (r, T) of the coordinates, shape (3, T)."""
     values = np.asarray(values, dtype=float)
     frames = KeyFrames(tuple(names), np.arange(values.shape[1]), values, 0 * values, paths=(None,) * len(drawing.bodies))
@@ -38,12 +38,12 @@ def two_masses_drawing() -> Drawing:
     """A wall, two masses, springs and dampers between them; the second mass moves with two coordinates."""
     across = (1.0, 0.0, 0.0)
     bodies = (
-        Body("wall", "ground"),
-        Body("first", rest=(2, 0, 0), moves={"x1": across}),
-        Body("second", rest=(4.4, 0, 0), moves={"q1": across, "q2": across}),
+        DrawnBody("wall", "ground"),
+        DrawnBody("first", rest=(2, 0, 0), moves={"x1": across}),
+        DrawnBody("second", rest=(4.4, 0, 0), moves={"q1": across, "q2": across}),
     )
     links = [
-        Link(f"{kind} of {end}", kind, start, end, offset=(0, 0, z))
+        DrawnLink(f"{kind} of {end}", kind, start, end, offset=(0, 0, z))
         for start, end in (("wall", "first"), ("first", "second"))
         for kind, z in (("spring", 0.2), ("damper", -0.2))
     ]
@@ -84,7 +84,7 @@ def plotted_content() -> PageContent:
 def hostile_content() -> PageContent:
     """Texts that try to be more than texts, or are very long, in every place that takes one."""
     long = "W" * 10_000
-    drawing = Drawing((Body(HOSTILE, moves={HOSTILE: (1, 0, 0)}), Body(long, rest=(2, 0, 0))), note=HOSTILE)
+    drawing = Drawing((DrawnBody(HOSTILE, moves={HOSTILE: (1, 0, 0)}), DrawnBody(long, rest=(2, 0, 0))), note=HOSTILE)
     values = np.array([[0.0, 1.0]])
     plots = tuple(Plot(text, text, [0, 1], (Curve(text, [0, 1]),)) for text in (HOSTILE, long))
     tables = tuple(TextTable(text, (text,), ((text,),), text) for text in (HOSTILE, long))
@@ -98,6 +98,6 @@ def many(count=30, length=2001, fastest=40.0):
     times = np.linspace(0.0, 2 * np.pi * (length - 1) / (20 * fastest), length)
     frequencies = np.linspace(1.0, fastest, count)[:, None]
     names = tuple(f"x{i}" for i in range(count))
-    bodies = tuple(Body(name, rest=(2.0 * i, 0, 0), moves={name: (1, 0, 0)}) for i, name in enumerate(names))
+    bodies = tuple(DrawnBody(name, rest=(2.0 * i, 0, 0), moves={name: (1, 0, 0)}) for i, name in enumerate(names))
     values, rates = 5 + np.sin(frequencies * times), frequencies * np.cos(frequencies * times)
     return Drawing(bodies), names, frequencies, times, values, rates

@@ -8,7 +8,7 @@ import numpy as np
 
 from mbconstrained.ground.display import TextTable
 from mbconstrained.ground.notices import Notice
-from mbconstrained.page.drawing.bodies import Body, Drawing, Link
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, DrawnLink
 from mbconstrained.page.drawing.paths import Path
 from mbconstrained.page.mode_page import ModePicture, ModesContent, cycle
 from tests.page.contents import HOSTILE
@@ -20,8 +20,8 @@ SHAPES = {"together": np.array([1.0, 1.0]), "apart": np.array([1.0, -1.0])}
 
 def two_bodies() -> Drawing:
     """Two boxes with a spring between them."""
-    bodies = (Body("a", moves={"x": (1, 0, 0)}), Body("b", rest=(3, 0, 0), moves={"y": (1, 0, 0)}))
-    return Drawing(bodies, (Link("k", "spring", "a", "b"),), scale=0.5)
+    bodies = (DrawnBody("a", moves={"x": (1, 0, 0)}), DrawnBody("b", rest=(3, 0, 0), moves={"y": (1, 0, 0)}))
+    return Drawing(bodies, (DrawnLink("k", "spring", "a", "b"),), scale=0.5)
 
 
 def two_modes() -> ModesContent:
@@ -66,7 +66,7 @@ def variants(count: int) -> ModesContent:
 def hostile_modes() -> ModesContent:
     """Texts that try to be more than texts, or are very long, in every place that takes one."""
     long = "W" * 10_000
-    drawing = Drawing((Body(HOSTILE, moves={HOSTILE: (1, 0, 0)}), Body(long, rest=(2, 0, 0))), note=HOSTILE)
+    drawing = Drawing((DrawnBody(HOSTILE, moves={HOSTILE: (1, 0, 0)}), DrawnBody(long, rest=(2, 0, 0))), note=HOSTILE)
     modes = tuple(
         ModePicture(text, ((text, text),), ((text, 0.5, -0.5),), cycle([1.0]), period=1.0, note=text) for text in (HOSTILE, long)
     )

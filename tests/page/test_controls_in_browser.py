@@ -5,7 +5,7 @@ import pytest
 
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Body, Drawing
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody
 from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
 from tests.page.contents import plotted_content, two_masses
@@ -210,7 +210,7 @@ def test_on_a_phone_nothing_is_cut_off_and_texts_are_readable(browser, page):
 @pytest.mark.parametrize("width", [320, 400, 480])
 def test_the_clock_of_a_long_motion_covers_nothing_on_a_phone(browser, tmp_path, width):
     times = np.linspace(0.0, 200.0, 11)
-    given = Animation(Drawing((Body("a", moves={"x": (1, 0, 0)}),)), ("x",), times, [np.sin(times)])
+    given = Animation(Drawing((DrawnBody("a", moves={"x": (1, 0, 0)}),)), ("x",), times, [np.sin(times)])
     page = write_page(tmp_path / "page.html", PageContent("t", animation=given))
     browser.size(width, 800, mobile=True)
     written, box, others = browser.open(page, "#t=200").evaluate("""(() => {

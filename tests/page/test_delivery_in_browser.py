@@ -8,7 +8,7 @@ import pytest
 
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.content import Curve, PageContent, Plot
-from mbconstrained.page.drawing.bodies import Body, Drawing, Link
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, DrawnLink
 from mbconstrained.page.html import VIEWER_FILE, page_html, write_page
 from tests.page.browser import needs_chromium
 from tests.page.contents import many, two_masses, two_masses_content
@@ -85,8 +85,10 @@ def test_two_hundred_bodies_and_two_thousand_frames_play(browser, tmp_path):
     count, times = 200, np.linspace(0, 40, 2001)
     names = tuple(f"x{i}" for i in range(count))
     values = np.sin(np.outer(1 + 0.01 * np.arange(count), times))
-    bodies = tuple(Body(f"m{i}", rest=(2 * (i % 20), 3 * (i // 20), 0), moves={name: (0.3, 0, 0)}) for i, name in enumerate(names))
-    links = tuple(Link(f"k{i}", "spring", f"m{i}", f"m{i + 1}") for i in range(count - 1) if i % 20 != 19)
+    bodies = tuple(
+        DrawnBody(f"m{i}", rest=(2 * (i % 20), 3 * (i // 20), 0), moves={name: (0.3, 0, 0)}) for i, name in enumerate(names)
+    )
+    links = tuple(DrawnLink(f"k{i}", "spring", f"m{i}", f"m{i + 1}") for i in range(count - 1) if i % 20 != 19)
     plot = Plot("displacement", "m", times, tuple(Curve(name, row) for name, row in zip(names, values)))
     animation = Animation(Drawing(bodies, links), names, times, values)
     page = write_page(tmp_path / "page.html", PageContent("many", animation=animation, plots=(plot,)))

@@ -7,7 +7,7 @@ import pytest
 
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Body, Drawing, Link
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, DrawnLink
 from mbconstrained.page.html import write_page
 from tests.page.browser import Browser, needs_chromium
 from tests.page.contents import HOSTILE, TIMES, hostile_content, positions, two_masses, two_masses_content, two_masses_drawing
@@ -191,8 +191,8 @@ def test_dragging_turns_the_picture_and_not_the_model(browser, page):
 
 
 def test_a_spring_is_as_long_as_the_gap_it_spans(browser, tmp_path):
-    bodies = (Body("wall", "ground"), Body("b", rest=(3, 0, 0), moves={"x": (1, 0, 0)}))
-    drawing = Drawing(bodies, (Link("k", "spring", "wall", "b"),))
+    bodies = (DrawnBody("wall", "ground"), DrawnBody("b", rest=(3, 0, 0), moves={"x": (1, 0, 0)}))
+    drawing = Drawing(bodies, (DrawnLink("k", "spring", "wall", "b"),))
     path = written(tmp_path, PageContent("t", animation=Animation(drawing, ("x",), [0, 1], [[0, 0.5]])))
     browser.open(path)
     lengths = [
@@ -219,7 +219,7 @@ def test_hostile_texts_are_shown_as_texts(browser, tmp_path):
 
 def test_names_that_are_special_in_javascript_are_names(browser, tmp_path):
     names = ("__proto__", "constructor", "toString")
-    bodies = tuple(Body(name, rest=(i, 0, 0), moves={name: (1, 0, 0)}) for i, name in enumerate(names))
+    bodies = tuple(DrawnBody(name, rest=(i, 0, 0), moves={name: (1, 0, 0)}) for i, name in enumerate(names))
     animation = Animation(Drawing(bodies), names, [0, 1], [[0, 1], [0, 2], [0, 3]])
     browser.open(written(tmp_path, PageContent("t", animation=animation)), "#t=1")
     assert json.loads(browser.evaluate("document.body.dataset.state"))["coordinates"] == dict(zip(names, (1, 2, 3)))
@@ -265,7 +265,7 @@ def test_a_name_stands_clear_above_its_body(browser, page):
 
 
 def test_a_turned_body_is_turned(browser, tmp_path):
-    disc = Body("disc", "disc", turns={"angle": (0, -1, 0)}, rest_turn=(0, -0.5, 0))
+    disc = DrawnBody("disc", "disc", turns={"angle": (0, -1, 0)}, rest_turn=(0, -0.5, 0))
     animation = Animation(Drawing((disc,), turn_scale=2), ("angle",), [0, 1], [[0, 0.75]])
     state = browser.open(written(tmp_path, PageContent("t", animation=animation)), "#t=1").state()
     assert state["nodes"]["disc"]["quaternion"] == pytest.approx([0, -np.sin(1), 0, np.cos(1)])  # half of 0.5 + 2 * 0.75
@@ -274,7 +274,7 @@ def test_a_turned_body_is_turned(browser, tmp_path):
 
 @pytest.mark.parametrize(
     "drawing, times",
-    [(Drawing(()), [0.5]), (Drawing((Body("still"),)), [0.0, 2.0])],
+    [(Drawing(()), [0.5]), (Drawing((DrawnBody("still"),)), [0.0, 2.0])],
     ids=["no bodies and one time", "a body at rest"],
 )
 def test_pages_with_little_to_show(browser, tmp_path, drawing, times):
@@ -294,8 +294,8 @@ def test_a_page_without_an_animation_complains_of_nothing(browser, tmp_path):
 
 
 def test_a_frame_moves_what_is_there_and_makes_nothing_new(browser, tmp_path):
-    bodies = tuple(Body(f"b{i}", rest=(2.0 * i, 0, 0), moves={"x": (0.1 * (i % 2), 0, 0)}) for i in range(51))
-    links = tuple(Link(f"k{i}", "spring", f"b{i}", f"b{i + 1}") for i in range(50))
+    bodies = tuple(DrawnBody(f"b{i}", rest=(2.0 * i, 0, 0), moves={"x": (0.1 * (i % 2), 0, 0)}) for i in range(51))
+    links = tuple(DrawnLink(f"k{i}", "spring", f"b{i}", f"b{i + 1}") for i in range(50))
     animation = Animation(Drawing(bodies, links), ("x",), TIMES, np.sin(TIMES)[None])
     browser.open(written(tmp_path, PageContent("t", animation=animation)))
     kept, moved, shapes = browser.evaluate("""(() => {

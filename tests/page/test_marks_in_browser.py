@@ -12,7 +12,7 @@ from matplotlib.image import imread
 
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Body, Drawing, Solid
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, Solid
 from mbconstrained.page.drawing.paths import Path
 from mbconstrained.page.html import page_html, write_page
 from tests.page.browser import needs_chromium
@@ -32,7 +32,10 @@ KEEP_CANVAS = """void (() => {
 def swinging(note: str = "", **options) -> PageContent:
     times = np.linspace(0, 1, 21)
     path = Path(np.zeros((3, 21)), turned((0, -1, 0), 0.4 * np.sin(6 * times)))
-    bodies = (Body("arm", "solids", solids=(Solid("box", (0.6, 0.1, 0.1)),), path=path, **options), Body("wall", "ground"))
+    bodies = (
+        DrawnBody("arm", "solids", solids=(Solid("box", (0.6, 0.1, 0.1)),), path=path, **options),
+        DrawnBody("wall", "ground"),
+    )
     drawing = Drawing(bodies, note=note)
     return PageContent("A film: of <an> arm", animation=Animation(drawing, ("j",), times, np.sin(6 * times)[None]))
 
@@ -239,6 +242,6 @@ def test_what_is_recorded_and_printed_has_the_perspective_of_the_page(opened):
 def test_what_a_page_does_not_have_has_no_box():
     assert 'data-shows="masses"' not in page_html(swinging()) and 'data-shows="collision"' not in page_html(swinging())
     assert 'data-shows="masses"' in page_html(swinging(ellipsoid=ELLIPSOID))
-    masses = Drawing((Body("cart", moves={"x": (1, 0, 0)}),))
+    masses = Drawing((DrawnBody("cart", moves={"x": (1, 0, 0)}),))
     text = page_html(PageContent("t", animation=Animation(masses, ("x",), [0.0, 1.0], np.array([[0.0, 1.0]]))))
     assert 'data-shows="names"' in text and 'data-shows="frames"' not in text

@@ -8,7 +8,7 @@ from PIL import Image
 
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Body, Drawing, Link, Solid, View
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, DrawnLink, Solid, View
 from mbconstrained.page.drawing.paths import Path
 from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
@@ -112,7 +112,7 @@ def test_the_picture_moves(browser, tmp_path):
 
 
 def still(*parts, name="b", **given):
-    return Body(name, "solids", solids=parts, path=Path(np.zeros((3, 1)), [[0], [0], [0], [1]]), **given)
+    return DrawnBody(name, "solids", solids=parts, path=Path(np.zeros((3, 1)), [[0], [0], [0], [1]]), **given)
 
 
 def test_a_mesh_is_the_mesh_and_two_bodies_share_it(browser, tmp_path):
@@ -194,14 +194,14 @@ def test_robots_with_little_to_show(browser, tmp_path, parts, times):
 def test_links_between_coinciding_points_are_drawn(browser, tmp_path):
     bodies = [still(Solid("box", (1, 1, 1)), name="a"), still(name="b")]
     kinds = ("spring", "damper", "strut", "rod", "bushing", "loop")
-    links = [Link(kind, kind, "a", "b", start_point=(0, 0, 0.5), end_point=(0, 0, 0.5)) for kind in kinds]
+    links = [DrawnLink(kind, kind, "a", "b", start_point=(0, 0, 0.5), end_point=(0, 0, 0.5)) for kind in kinds]
     opened(browser, tmp_path, Animation(Drawing(bodies, links), (), [0, 1], np.zeros((0, 2))), "#t=1").wait(0.1)
     assert complaints(browser) == []
 
 
 def test_an_open_loop_shows_a_bar_across_its_gap(browser, tmp_path):
-    other = Body("b", "solids", path=Path([[0, 3], [0, 0], [0, 4]], [[0, 0], [0, 0], [0, 0], [1, 1]]))
-    link = Link("l", "loop", "a", "b", start_point=(0, 0, 0), end_point=(0, 0, 0))
+    other = DrawnBody("b", "solids", path=Path([[0, 3], [0, 0], [0, 4]], [[0, 0], [0, 0], [0, 0], [1, 1]]))
+    link = DrawnLink("l", "loop", "a", "b", start_point=(0, 0, 0), end_point=(0, 0, 0))
     animation = Animation(Drawing([still(Solid("box", (1, 1, 1)), name="a"), other], (link,)), (), [0, 1], np.zeros((0, 2)))
     opened(browser, tmp_path, animation)
     gaps = [
@@ -217,14 +217,18 @@ def test_an_open_loop_shows_a_bar_across_its_gap(browser, tmp_path):
 
 
 def test_a_body_of_parts_can_be_moved_by_coordinates_too(browser, tmp_path):
-    body = Body("b", "solids", rest=(1, 0, 0), moves={"x": (0, 0, 1)}, solids=(Solid("box", (0.1, 0.1, 0.1)),), label="</script>")
+    body = DrawnBody(
+        "b", "solids", rest=(1, 0, 0), moves={"x": (0, 0, 1)}, solids=(Solid("box", (0.1, 0.1, 0.1)),), label="</script>"
+    )
     opened(browser, tmp_path, Animation(Drawing((body,)), ("x",), [0, 1], [[0, 0.5]]), "#t=1")
     assert browser.state()["nodes"]["b"]["position"] == [1, 0, 0.5]
     assert browser.evaluate("document.querySelector('.label').textContent") == "</script>"
 
 
 def placed(name, place, size, **given):
-    return Body(name, "solids", solids=(Solid("box", size, **given),), path=Path(np.array(place)[:, None], [[0], [0], [0], [1]]))
+    return DrawnBody(
+        name, "solids", solids=(Solid("box", size, **given),), path=Path(np.array(place)[:, None], [[0], [0], [0], [1]])
+    )
 
 
 def names_shown(browser):

@@ -7,7 +7,7 @@ import pytest
 from mbconstrained.ground.errors import InputError
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Body, Drawing
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody
 from mbconstrained.page.html import page_html, write_page
 
 
@@ -21,7 +21,7 @@ def test_the_file_is_the_page(tmp_path):
 def test_a_failure_leaves_the_earlier_file(tmp_path):
     path = tmp_path / "page.html"
     path.write_text("earlier")
-    wrong = Animation(Drawing((Body("b", moves={"x": (1, 0, 0)}),)), ("x",), [0, 1], [[0, 1e200]])
+    wrong = Animation(Drawing((DrawnBody("b", moves={"x": (1, 0, 0)}),)), ("x",), [0, 1], [[0, 1e200]])
     with pytest.raises(InputError, match='body "b" is drawn up to 1e'):
         write_page(path, PageContent("t", animation=wrong))
     assert path.read_text() == "earlier"

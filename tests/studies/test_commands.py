@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from mbconstrained.cli import studies as commands
 from mbconstrained.studies.accuracy import methods
-from mbconstrained.studies.accuracy.method import Method, tolerances
+from mbconstrained.studies.accuracy.method import ComparedMethod, tolerances
 
 SCENE = """
 title = "{title}"
@@ -52,7 +52,7 @@ def two_methods(monkeypatch):
     def fails(problem, value):
         raise ValueError("refuses singular mass")
 
-    other = Method("other", fails, tolerances(6))
+    other = ComparedMethod("other", fails, tolerances(6))
     monkeypatch.setattr(methods, "METHODS", (methods.METHODS[0], other))
 
 
@@ -104,7 +104,7 @@ def test_what_cannot_be_written_is_told(app, scene, tmp_path, two_methods):
 
 
 def test_an_answer_that_is_wrong_has_exit_code_3(app, scene, tmp_path, monkeypatch):
-    wrong = Method("closed form", lambda problem, value: lambda: np.zeros((1, len(problem.times))) + 0.9, is_ours=True)
+    wrong = ComparedMethod("closed form", lambda problem, value: lambda: np.zeros((1, len(problem.times))) + 0.9, is_ours=True)
     monkeypatch.setattr(methods, "METHODS", (wrong,))
     assert run(app, "accuracy", scene, "--out", tmp_path).exit_code == 3
 

@@ -83,7 +83,7 @@ class Margin:
 
 
 @dataclass(frozen=True)
-class Existence:
+class NormalFormExistence:
     """Both conditions of a pair that has a normal form.
 
     Attributes:
@@ -121,7 +121,7 @@ class Existence:
         )
 
 
-def existence(pair: ScaledPencil) -> Existence:
+def existence(pair: ScaledPencil) -> NormalFormExistence:
     """Both margins."""
     try:
         margins = _margins(pair)
@@ -138,7 +138,7 @@ def existence(pair: ScaledPencil) -> Existence:
     return margins
 
 
-def _margins(pair: ScaledPencil) -> Existence:
+def _margins(pair: ScaledPencil) -> NormalFormExistence:
     n, p = pair.B.shape
     Q, condition = _basis(pair.B)
     W = Q if pair.explicit else pair.input_space
@@ -155,7 +155,7 @@ def _margins(pair: ScaledPencil) -> Existence:
         eigenvalues = _margin(n // 2 + p, values, n // 2, np.hypot(noise, of_F), size, rate * pair.rate)
     if not eigenvalues.holds:
         raise _no_eigenvalues(eigenvalues, pair)
-    return Existence(inputs, eigenvalues)
+    return NormalFormExistence(inputs, eigenvalues)
 
 
 def _basis(matrix) -> tuple[np.ndarray, float]:

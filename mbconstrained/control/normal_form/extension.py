@@ -32,7 +32,7 @@ SINGULAR = 1e3
 
 
 @dataclass(frozen=True, eq=False)
-class Family:
+class TransformationFamily:
     """All rows X^T = particular + free @ null^T of the transformations of a pencil.
 
     Attributes:
@@ -56,7 +56,7 @@ class Family:
         return np.vstack([rows @ self.F, rows @ self.A])
 
 
-def family(pair: ScaledPencil) -> Family:
+def family(pair: ScaledPencil) -> TransformationFamily:
     """The solutions of X^T [B, A F^-1 B] = [0, [0; I_p]]."""
     n, p = pair.B.shape
     both = np.hstack([pair.B, pair.A @ pair.input_space])
@@ -66,7 +66,7 @@ def family(pair: ScaledPencil) -> Family:
         coordinates = np.eye(p) if pair.explicit else np.linalg.inv(pair.input_space.T @ pair.through)
         right = np.vstack([np.zeros((p, p)), coordinates.T])
         particular[n // 2 - p :] = (Q[:, : 2 * p] @ scipy.linalg.solve_triangular(R[: 2 * p], right, trans="T")).T
-    return Family(pair.A, pair.F, particular, Q[:, 2 * p :])
+    return TransformationFamily(pair.A, pair.F, particular, Q[:, 2 * p :])
 
 
 def well_conditioned_rows(pair: ScaledPencil) -> np.ndarray:
@@ -83,7 +83,7 @@ def well_conditioned_rows(pair: ScaledPencil) -> np.ndarray:
     return coordinates[:, None] * _without_rounding(solutions.rows(free)) * pair.equation
 
 
-def _best(solutions: Family, own, units) -> np.ndarray:
+def _best(solutions: TransformationFamily, own, units) -> np.ndarray:
     """The free numbers of the best start, improved; ``own`` where the gain is too small."""
     starts, steps = (STARTS, STEPS) if len(solutions.A) < LARGE else (STARTS_OF_LARGE, STEPS_OF_LARGE)
     start = min([own, *_starts(solutions, starts)], key=lambda free: _condition(free.ravel(), solutions)[0])
@@ -99,7 +99,7 @@ def _without_rounding(rows) -> np.ndarray:
     return np.where(size <= noise, 0.0, rows)
 
 
-def _starts(solutions: Family, count: int) -> Iterator[np.ndarray]:
+def _starts(solutions: TransformationFamily, count: int) -> Iterator[np.ndarray]:
     """Orthonormal rows for the coordinates without input; those with one need a part as well: without, as in the printed
     Eq. 11, T may be singular whatever the others are."""
     half, free = len(solutions.particular), solutions.null.shape[1]
@@ -111,7 +111,7 @@ def _starts(solutions: Family, count: int) -> Iterator[np.ndarray]:
         yield start
 
 
-def _improved(free, solutions: Family, steps: int, left=1.0, right=1.0) -> np.ndarray:
+def _improved(free, solutions: TransformationFamily, steps: int, left=1.0, right=1.0) -> np.ndarray:
     """Quasi-Newton steps on the logarithm of |T| |T^-1| in the Frobenius norm; a worse result is rejected."""
     from scipy.optimize import minimize  # takes half a second
 
@@ -120,7 +120,7 @@ def _improved(free, solutions: Family, steps: int, left=1.0, right=1.0) -> np.nd
     return answer.x.reshape(free.shape) if answer.fun < before else free
 
 
-def _condition(free, solutions: Family, left=1.0, right=1.0) -> tuple[float, np.ndarray]:
+def _condition(free, solutions: TransformationFamily, left=1.0, right=1.0) -> tuple[float, np.ndarray]:
     """log of |left T right| |(left T right)^-1|, and its gradient by the free numbers."""
     T = left * solutions.transformation(free) * right
     try:

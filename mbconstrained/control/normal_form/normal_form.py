@@ -17,7 +17,7 @@ from ...mechanics.system import MechanicalSystem
 from ...papers.normal_form_rows import kronecker_rows, null_space_rows
 from ...signals.inputs import ImpulsiveSmooth, step
 from .descriptor import ScaledPencil, StateSpaceData, scaled_pencil, state_space_data
-from .existence import Existence, existence
+from .existence import NormalFormExistence, existence
 from .extension import well_conditioned_rows
 
 
@@ -152,7 +152,7 @@ class NormalForm(Displayed):
         return u.mapped(self.input_matrix[self.size :])
 
 
-def _assembled(data: StateSpaceData, rows: np.ndarray, existence: Existence) -> NormalForm:
+def _assembled(data: StateSpaceData, rows: np.ndarray, existence: NormalFormExistence) -> NormalForm:
     """The form from X^T, shape (n/2, n), which multiplies the equations and whose last p rows hold the inputs."""
     A, half, p = data.A, len(rows), data.B.shape[1]
     T = np.vstack([rows if data.F is None else rows @ data.F, rows @ A])

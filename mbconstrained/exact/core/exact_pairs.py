@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...ground.errors import InputError
 from ...polynomial.structure import Structure
-from .jordan_blocks import Chain, ExactPair, HypercompanionBlock, NilpotentBlock, RootPolynomials
+from .jordan_blocks import ExactPair, HypercompanionBlock, JordanChain, NilpotentBlock, RootPolynomials
 from .ring import Element, Matrix, Polynomial, series_at_infinity
 
 if TYPE_CHECKING:
@@ -158,7 +158,7 @@ class ExactJordanPairs:
         return [term for place in range(len(self.factors)) for term in self.root_polynomials(place)]
 
     @cached_property
-    def chains(self) -> tuple[Chain, ...]:
+    def chains(self) -> tuple[JordanChain, ...]:
         """The Jordan chains, one for each elementary divisor p^k, as polynomials in the zeros of p."""
         return tuple(map(self.ring.chain, self.terms))
 

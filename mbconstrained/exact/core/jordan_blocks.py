@@ -47,7 +47,7 @@ class RootPolynomials:
         return self.compute_left()
 
 
-class Chain:
+class JordanChain:
     """A Jordan chain of A(s) for every zero z of an irreducible polynomial p at once.
 
     A(s) (v_0 + v_1 (s - z) + ... + v_(k-1) (s - z)^(k-1)) = O((s - z)^k), v_0 not zero (Moysis et al., Eqs. 19-20), and with the

@@ -25,7 +25,7 @@ from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.impulsive import ImpulsiveSmooth
 from ..rational.flint_numbers import fraction, polynomial, rational, working_precision
 from ..rational.rational_matrix import RationalMatrix, regular_matrix
-from .exact_sources import ONE, Factor, S, Shape, Source, added, ball, sources_of, vector_of
+from .exact_sources import ONE, ExactSource, Factor, S, Shape, added, ball, sources_of, vector_of
 from .exact_structure import deciding_entry, structure_notices
 from .fractions import ZERO, Begun, RationalResponse
 from .intervals import Enclosure, bits_of, has_digits
@@ -96,7 +96,9 @@ class ExactResponse(Displayed):
         SingularPolynomialMatrix: A(s) is not regular.
     """
 
-    def __init__(self, matrix: RationalMatrix, initial: Sequence[Sequence], sources: Sequence[Source], rows: range | None = None):
+    def __init__(
+        self, matrix: RationalMatrix, initial: Sequence[Sequence], sources: Sequence[ExactSource], rows: range | None = None
+    ):
         self.matrix, self.initial, self.sources = matrix, [vector_of(row) for row in initial], tuple(sources)
         self.rows = range(matrix.size) if rows is None else rows
         if not matrix.determinant:
@@ -214,7 +216,7 @@ class ExactResponse(Displayed):
 
     def _called(self) -> Iterator[Part]:
         """What acts later, or with an irrational factor: equal functions of time share their response."""
-        groups: dict[tuple, list[Source]] = {}
+        groups: dict[tuple, list[ExactSource]] = {}
         for source in (source.normalized() for source in self.sources if not _is_immediate(source)):
             groups.setdefault((source.shape.key, source.vector), []).append(source)
         for group in groups.values():
@@ -363,7 +365,7 @@ def _as_float(entry: flint.arb) -> tuple[float, float]:
     return value, nextafter(float(error), inf) if error > 0 else 0.0
 
 
-def _is_immediate(source: Source) -> bool:
+def _is_immediate(source: ExactSource) -> bool:
     return source.time == 0 and isinstance(source.factor, flint.fmpq)
 
 
@@ -405,7 +407,9 @@ def exact_fraction_response(
         acting = sources_of(gamma)
     else:
         shape = Shape(ONE, S**gamma) if gamma > 0 else Shape(S**-gamma)
-        acting = (Source(shape, unit, flint.fmpq(0), flint.fmpq(1)),)
-    sources = [Source(Shape(b * one.shape.numerator, one.shape.denominator), one.vector, one.time, one.factor) for one in acting]
+        acting = (ExactSource(shape, unit, flint.fmpq(0), flint.fmpq(1)),)
+    sources = [
+        ExactSource(Shape(b * one.shape.numerator, one.shape.denominator), one.vector, one.time, one.factor) for one in acting
+    ]
     a = RationalMatrix([[[c]] for c in denominator])
     return ExactResponse(a, np.zeros((len(denominator) - 1, 1)), sources)

@@ -23,7 +23,7 @@ Vector = tuple[flint.fmpq, ...]
 
 
 @dataclass(frozen=True)
-class Source:
+class ExactSource:
     """factor * vector * g(t - time), g given by its shape."""
 
     shape: Shape
@@ -31,17 +31,17 @@ class Source:
     time: flint.fmpq
     factor: Factor
 
-    def normalized(self) -> Source:
+    def normalized(self) -> ExactSource:
         """The same with a vector whose first entry that is not zero is one."""
         first = next(entry for entry in self.vector if entry)
         return replace(self, vector=tuple(entry / first for entry in self.vector), factor=self.factor * first)
 
-    def mapped(self, matrix: Sequence[Sequence[flint.fmpq]]) -> Source:
+    def mapped(self, matrix: Sequence[Sequence[flint.fmpq]]) -> ExactSource:
         """matrix @ the source."""
         return replace(self, vector=_product(matrix, self.vector))
 
 
-def sources_of(force: ImpulsiveSmooth) -> tuple[Source, ...]:
+def sources_of(force: ImpulsiveSmooth) -> tuple[ExactSource, ...]:
     """The sources that the input is a sum of, without those that vanish."""
     sources = (source for origin in force.exact_parts for source in _of_origin(origin))
     return tuple(source for source in sources if any(source.vector) and source.factor != 0)
@@ -52,8 +52,8 @@ def vector_of(values: Iterable) -> Vector:
     return tuple(rational(value) for value in values)
 
 
-def _of_origin(origin: ExactInput) -> Iterator[Source]:
-    make: dict[type, Callable[..., Iterator[Source]]] = {
+def _of_origin(origin: ExactInput) -> Iterator[ExactSource]:
+    make: dict[type, Callable[..., Iterator[ExactSource]]] = {
         ExactTerm: _of_term,
         ExactImpulse: _of_impulse,
         ExactRecord: _of_record,
@@ -68,23 +68,23 @@ def _of_origin(origin: ExactInput) -> Iterator[Source]:
         yield replace(source, shape=source.shape.derivative(origin.derivatives))
 
 
-def _of_term(term: ExactTerm, origin: ExactInput) -> Iterator[Source]:
+def _of_term(term: ExactTerm, origin: ExactInput) -> Iterator[ExactSource]:
     time = rational(origin.time())
     vector = tuple(entry / term.divisor for entry in vector_of(term.vector))
     cosine, sine = phase_factors(term.phase)
     if term.angular_frequency == 0:
-        yield Source(exponential_power(term.power, term.rate), vector, time, cosine)
+        yield ExactSource(exponential_power(term.power, term.rate), vector, time, cosine)
         return
     with_cosine, with_sine = harmonic_powers(term.power, term.rate, term.angular_frequency)
-    yield Source(with_cosine, vector, time, cosine)
-    yield Source(with_sine, vector, time, sine * flint.fmpq(-1))
+    yield ExactSource(with_cosine, vector, time, cosine)
+    yield ExactSource(with_sine, vector, time, sine * flint.fmpq(-1))
 
 
-def _of_impulse(impulse: ExactImpulse, origin: ExactInput) -> Iterator[Source]:
-    yield Source(delta(impulse.order), vector_of(impulse.vector), rational(origin.rounded_time()), flint.fmpq(1))
+def _of_impulse(impulse: ExactImpulse, origin: ExactInput) -> Iterator[ExactSource]:
+    yield ExactSource(delta(impulse.order), vector_of(impulse.vector), rational(origin.rounded_time()), flint.fmpq(1))
 
 
-def _of_record(record: ExactRecord, origin: ExactInput) -> Iterator[Source]:
+def _of_record(record: ExactRecord, origin: ExactInput) -> Iterator[ExactSource]:
     """Steps and ramps at the samples, one row after the other."""
     times = [rational(origin.time(float(time))) for time in record.times]
     for row, values in enumerate(record.values):
@@ -93,19 +93,19 @@ def _of_record(record: ExactRecord, origin: ExactInput) -> Iterator[Source]:
         samples = list(zip(times, map(rational, values)))
         for (time, value), (end, next_value) in pairwise([*samples, (times[-1], flint.fmpq(0))]):
             new = (next_value - value) / (end - time) if end != time else flint.fmpq(0)
-            yield Source(power(0), unit, time, value - before)
-            yield Source(power(1), unit, time, new - slope)
+            yield ExactSource(power(0), unit, time, value - before)
+            yield ExactSource(power(1), unit, time, new - slope)
             before, slope = (next_value if end != time else value), new
-        yield Source(power(0), unit, times[-1], -before)
+        yield ExactSource(power(0), unit, times[-1], -before)
 
 
-def _of_states(data: ExactStates, origin: ExactInput) -> Iterator[Source]:
+def _of_states(data: ExactStates, origin: ExactInput) -> Iterator[ExactSource]:
     """e^{J (t - t_j)} z_j from each knot to the next: it starts, and its continuation beyond the next knot is subtracted."""
     for order, vector in enumerate(data.impulses):
-        yield Source(delta(order), vector_of(vector), rational(origin.rounded_time()), flint.fmpq(1))
+        yield ExactSource(delta(order), vector_of(vector), rational(origin.rounded_time()), flint.fmpq(1))
     for load in data.later:
         for order, vector in enumerate(load.impulses):
-            yield Source(delta(order), vector_of(vector), rational(origin.rounded_time(load.time)), flint.fmpq(1))
+            yield ExactSource(delta(order), vector_of(vector), rational(origin.rounded_time(load.time)), flint.fmpq(1))
     restarts = data.smooth.restarts
     moments = restarts.moments.tolist()
     knots = [rational(origin.time(moment.real)) + rational(moment.imag) for moment in moments]
@@ -116,7 +116,7 @@ def _of_states(data: ExactStates, origin: ExactInput) -> Iterator[Source]:
                 yield from _pieces(shapes[row], vector_of(vector), block, knots, restarts.states[at].T)
 
 
-def _pieces(shapes: Sequence[Shape], vector: Vector, block, knots, states) -> Iterator[Source]:
+def _pieces(shapes: Sequence[Shape], vector: Vector, block, knots, states) -> Iterator[ExactSource]:
     """At each knot the new states begin, and the continuation of those before is subtracted."""
     generator = tuple(vector_of(line) for line in block)
     nothing = (flint.fmpq(0),) * len(generator)
@@ -125,10 +125,10 @@ def _pieces(shapes: Sequence[Shape], vector: Vector, block, knots, states) -> It
         left = _propagated(generator, before, knot - since)
         for entry, shape in enumerate(shapes):
             if left is not None:
-                yield Source(shape, vector, knot, state[entry] - left[entry])
+                yield ExactSource(shape, vector, knot, state[entry] - left[entry])
             else:
-                yield Source(shape, vector, knot, state[entry])
-                yield Source(shape, vector, knot, PropagatedState(flint.fmpq(-1), generator, before, knot - since, entry))
+                yield ExactSource(shape, vector, knot, state[entry])
+                yield ExactSource(shape, vector, knot, PropagatedState(flint.fmpq(-1), generator, before, knot - since, entry))
         before, since = state, knot
 
 

@@ -115,7 +115,7 @@ def _quotient(above: Sequence, below: Sequence) -> list:
 
 
 @dataclass(frozen=True, eq=False)
-class Pole:
+class RationalPole:
     """A root z of D of multiplicity m.
 
     Attributes:
@@ -139,7 +139,7 @@ class PartialFractions:
         poles: one for each real root of D and each complex pair.
     """
 
-    poles: list[Pole]
+    poles: list[RationalPole]
 
     @classmethod
     def of(cls, factors, denominator: flint.fmpz_poly, numerators: Sequence[flint.fmpq_poly]) -> PartialFractions:
@@ -154,7 +154,7 @@ class PartialFractions:
                 below = [p(root) for p in taylor]
                 rows = [_quotient(_known([p(root) for p in own], zeros), below) for own, zeros in zip(above, vanishing)]
                 columns = [[row[power - 1 - j] for row in rows] for j in range(power)]
-                poles.append(Pole((coefficients, number), root, weight, columns))
+                poles.append(RationalPole((coefficients, number), root, weight, columns))
         return cls(poles)
 
     def derivative(self, order: int) -> PartialFractions:
@@ -179,7 +179,7 @@ class Begun:
         self.size = size
         self._exact: list[list[flint.fmpq]] = []
         self._balls: list[list[flint.arb]] = []
-        self._modes: dict[tuple, Pole] = {}
+        self._modes: dict[tuple, RationalPole] = {}
 
     def add(self, begin: flint.fmpq, factor, polynomial: Sequence[list[flint.fmpq]], modes: PartialFractions) -> None:
         """A call at a time, of columns c_k of t^k / k! and of modes."""
@@ -233,7 +233,7 @@ def _add_moved(columns: list[list], given: Sequence[list], begin: flint.fmpq, fa
             columns[k] = [a + factor * b for a, b in zip(columns[k], column)]
 
 
-def _differentiated(pole: Pole) -> list[list[flint.acb]]:
+def _differentiated(pole: RationalPole) -> list[list[flint.acb]]:
     """d/dt of sum of c_j t^(j-1)/(j-1)! e^{zt}: z c_j + c_(j+1)."""
     after = [*pole.columns[1:], [flint.acb(0)] * len(pole.columns[0])]
     return [[pole.value * a + b for a, b in zip(one, two)] for one, two in zip(pole.columns, after)]

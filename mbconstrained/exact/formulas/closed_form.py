@@ -19,7 +19,7 @@ VANISHING = sympy.Float(10) ** -30
 
 
 @dataclass(frozen=True)
-class Parameter:
+class FormulaParameter:
     """A symbol with what it is called and its default value.
 
     Attributes:
@@ -73,7 +73,7 @@ class ClosedForm:
     names: tuple[str, ...]
     values: tuple[sympy.Expr, ...]
     time: sympy.Symbol
-    parameters: tuple[Parameter, ...] = ()
+    parameters: tuple[FormulaParameter, ...] = ()
     impulses: tuple[Impulse, ...] = ()
     jumps: tuple[Jump, ...] = ()
     admissible: tuple[sympy.Eq, ...] = ()
@@ -106,7 +106,7 @@ class ClosedForm:
         known = {p.symbol: p for p in form.parameters}
         symbols = [*given, *sorted(form.symbols - set(given), key=lambda symbol: symbol.name)]
         values = {s: exact_expression(value, s.name) for s, value in given.items() if value is not None}
-        named = tuple(known.get(s) or Parameter(s, s.name, values.get(s)) for s in symbols)
+        named = tuple(known.get(s) or FormulaParameter(s, s.name, values.get(s)) for s in symbols)
         return replace(form, parameters=named)
 
     @property

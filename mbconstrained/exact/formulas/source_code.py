@@ -12,7 +12,7 @@ from sympy.printing.c import C99CodePrinter
 from sympy.printing.numpy import NumPyPrinter
 
 from ..symbolic.response.inverse_transform import divisors_of
-from .closed_form import ClosedForm, Parameter
+from .closed_form import ClosedForm, FormulaParameter
 from .formula_text import TextPrinter
 from .identifiers import identifiers
 from .printing_layout import Layout
@@ -30,7 +30,7 @@ WIDTH = 100
 
 
 @dataclass(frozen=True)
-class Source:
+class SourceCode:
     """Expressions ready to be printed as a program.
 
     Attributes:
@@ -46,7 +46,7 @@ class Source:
     values: tuple[sympy.Expr, ...]
 
 
-def _source_of(form: ClosedForm) -> Source:
+def _source_of(form: ClosedForm) -> SourceCode:
     """Identifiers for symbols, short numbers, common subexpressions."""
     named = identifiers([p.name for p in form.parameters])
     symbols = {p.symbol: sympy.Symbol(named[p.name], real=True) for p in form.parameters}
@@ -55,7 +55,7 @@ def _source_of(form: ClosedForm) -> Source:
     values = [_short(value.xreplace(stable)).xreplace({**symbols, **time}) for value in form.values]
     fresh = sympy.numbered_symbols("c", exclude=[sympy.Symbol(name, real=True) for name in named.values()], real=True)
     steps, reduced = sympy.cse(values, symbols=fresh, optimizations="basic", order="none")
-    return Source(form, named, tuple(steps), tuple(reduced))
+    return SourceCode(form, named, tuple(steps), tuple(reduced))
 
 
 def _short(value: sympy.Expr) -> sympy.Expr:
@@ -90,7 +90,7 @@ def with_square(total: sympy.Expr) -> sympy.Expr:
     return total
 
 
-def _remarks(source: Source, first: list[str]) -> list[str]:
+def _remarks(source: SourceCode, first: list[str]) -> list[str]:
     """Lines of a comment: the first ones, the parameters, and the jumps, impulses and assumptions."""
     printer, statements = TextPrinter(source.form), Layout(source.form, [], [], None).statements
     after = {"jumps": "", "impulses": ", which is not in the values", "assumptions": "", "positive": ""}
@@ -99,7 +99,7 @@ def _remarks(source: Source, first: list[str]) -> list[str]:
     return [part for line in lines for part in textwrap.wrap(line, WIDTH, subsequent_indent="    ") or [""]]
 
 
-def _described(identifier: str, parameter: Parameter) -> str:
+def _described(identifier: str, parameter: FormulaParameter) -> str:
     """k_: k-, 2.0 N/m."""
     default = "" if parameter.value is None else repr(float(parameter.value))
     value = f"{default} {parameter.unit}".strip()
@@ -174,7 +174,7 @@ def c_source(x, names: Sequence[str] | None = None) -> str:
     return "\n".join(parts) + "\n"
 
 
-def _with_defaults(source: Source, count: int) -> list[str]:
+def _with_defaults(source: SourceCode, count: int) -> list[str]:
     values = [p.value for p in source.form.parameters]
     if not values or None in values:
         return []
@@ -182,7 +182,7 @@ def _with_defaults(source: Source, count: int) -> list[str]:
     return ["", f"void x_default(double t, double values[{count}])\n{{\n    x({call});\n}}"]
 
 
-def _comment(source: Source) -> str:
+def _comment(source: SourceCode) -> str:
     """The comment of a source; no name can end it, nor join lines."""
     form = source.form
     lines = _remarks(source, [form.title or TITLE, "", *(f"values[{row}]: {name}" for row, name in enumerate(form.names))])
@@ -245,7 +245,7 @@ def python_source(x, names: Sequence[str] | None = None) -> str:
     return head + "\n".join([f"def x({', '.join(_arguments(source))}):", _docstring(source), *body]) + "\n"
 
 
-def _arguments(source: Source) -> list[str]:
+def _arguments(source: SourceCode) -> list[str]:
     without = [source.parameters[p.name] for p in source.form.parameters if p.value is None]
     return [
         "t",
@@ -254,7 +254,7 @@ def _arguments(source: Source) -> list[str]:
     ]
 
 
-def _docstring(source: Source) -> str:
+def _docstring(source: SourceCode) -> str:
     rows = f"The coordinates at t > 0, one row each: {', '.join(source.form.names)}."
     lines = _remarks(source, [rows, *[""] * bool(source.parameters)])
     text = "\n".join(f"    {_quotable(line)}".rstrip() for line in lines)

@@ -13,7 +13,7 @@ from ...ground.errors import ContradictoryConstraints, InputError
 from ..symbolic.field.fields import exact_expression
 from ..symbolic.response.transform import delta
 from ..symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-from .closed_form import ClosedForm, Parameter
+from .closed_form import ClosedForm, FormulaParameter
 from .formula_text import TextPrinter
 
 
@@ -143,7 +143,7 @@ class Symbols:
         self.pi = sympy.Symbol("π", positive=True)
         self._engine: dict[str, sympy.Expr] = {}
         self._back: dict[sympy.Symbol, sympy.Expr] = {self.pi: sympy.pi}
-        self.parameters: list[Parameter] = []
+        self.parameters: list[FormulaParameter] = []
         for name, value in values.items():
             self._add(name, value, (units or {}).get(name, ""))
         if numbers:
@@ -156,7 +156,7 @@ class Symbols:
         inner = sympy.Symbol(f"{name}{MARK}", positive=True)
         shown = sympy.Symbol(name, negative=True) if value < 0 else sympy.Symbol(name, positive=True)
         self._engine[name], self._back[inner] = (-inner, -shown) if value < 0 else (inner, shown)
-        self.parameters.append(Parameter(shown, name, exact_expression(value, name), unit))
+        self.parameters.append(FormulaParameter(shown, name, exact_expression(value, name), unit))
 
     def of(self, entry) -> sympy.Expr:
         """A number as the decimal that it is written as, an expression of parameters as such."""

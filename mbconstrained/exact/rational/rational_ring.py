@@ -12,7 +12,7 @@ from scipy.linalg import block_diag
 from ...ground.checks import whole_number
 from ...polynomial.structure import FiniteZero, polynomial_text
 from ...polynomial.zeros import in_order
-from ..core.jordan_blocks import Chain
+from ..core.jordan_blocks import JordanChain
 from .flint_numbers import enclosed_roots, fraction, fractions_of, rounded_roots, working_precision
 
 #: A longer polynomial is not written out in a representation.
@@ -25,8 +25,8 @@ BITS_PER_DIGIT = 3.33
 X = flint.fmpq_poly([0, 1])
 
 
-class RationalChain(Chain):
-    """A ``Chain`` whose values at the zeros are enclosed in balls."""
+class RationalChain(JordanChain):
+    """A ``JordanChain`` whose values at the zeros are enclosed in balls."""
 
     def at(self, digits: int = 15) -> tuple[tuple[flint.acb, np.ndarray], ...]:
         """Pairs of a zero and its v_0 ... v_(k-1), shape (k, r), for all zeros of p: balls that contain the true values.

@@ -13,7 +13,7 @@ from sympy.polys.domains.domain import Domain
 from sympy.polys.matrices import DomainMatrix
 
 from ..core.exact_pairs import ExactJordanPairs
-from ..core.jordan_blocks import Chain, ExactPair, HypercompanionBlock
+from ..core.jordan_blocks import ExactPair, HypercompanionBlock, JordanChain
 from .field.radicals import Root
 from .field.surds import sign
 from .symbolic_ring import SymbolicRing
@@ -55,7 +55,7 @@ class SymbolicJordanPairs(ExactJordanPairs):
             if roots is None:
                 blocks += [HypercompanionBlock(term) for term in terms]
             else:
-                blocks += [_jordan_block(Chain(term), root) for root in roots for term in terms]
+                blocks += [_jordan_block(JordanChain(term), root) for root in roots for term in terms]
         return ExactPair(self.ring, self.matrix.size, blocks)
 
     @cached_property
@@ -133,7 +133,7 @@ class Block:
         return f"Block({self.kind}, length={self.length}, degree {self.polynomial.degree()})"
 
 
-def _jordan_block(chain: Chain, root: Root) -> Block:
+def _jordan_block(chain: JordanChain, root: Root) -> Block:
     """The Jordan block of a chain at a zero, real for a complex pair."""
     right = [[root.at(entry) for entry in vector] for vector in chain.right]
     if root.is_pair:

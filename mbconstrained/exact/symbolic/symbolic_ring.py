@@ -10,7 +10,7 @@ import sympy
 from sympy.polys.domains.domain import Domain
 from sympy.polys.matrices import DomainMatrix
 
-from ..core.jordan_blocks import Chain
+from ..core.jordan_blocks import JordanChain
 from .field.fields import coefficients, expression_of, in_one_form
 from .field.radicals import Root, roots
 
@@ -129,7 +129,7 @@ class SymbolicRing:
         return sympy.Poly(list(coefficients)[::-1] or [self.zero], self.variable, domain=self.domain)
 
     coefficients, inverse, factors = staticmethod(coefficients), staticmethod(inverse_modulo), staticmethod(factors_of)
-    chain = Chain
+    chain = JordanChain
 
     def exported(self, p: sympy.Poly) -> sympy.Poly:
         """The Poly itself."""

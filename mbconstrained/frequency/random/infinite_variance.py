@@ -14,7 +14,7 @@ from ...ground.display import number_text
 from ...ground.tolerances import CLUSTER_SAFETY, EPS, NOISE_SAFETY
 from ...linalg.precise import relative_degrees
 from .spectral_matrix import SpectralMatrix
-from .transfer import RefinedPole, Transfer
+from .transfer import RefinedPole, SpectralTransfer
 
 #: The exponent of a spectrum at zero frequency is measured at this share of the frequencies over which it changes.
 NEXT_TO_ZERO = 1e-2
@@ -33,7 +33,7 @@ class Existence:
     white_part: np.ndarray
 
 
-def existence(transfer: Transfer, spectra: SpectralMatrix, powers: tuple[int, ...], units: tuple[str, ...]) -> Existence:
+def existence(transfer: SpectralTransfer, spectra: SpectralMatrix, powers: tuple[int, ...], units: tuple[str, ...]) -> Existence:
     """Which spectral integrals exist."""
     p = len(transfer.harmonic.outputs)
     reasons = np.full((len(powers), p), "", dtype=object)
@@ -101,7 +101,7 @@ def _rise(spectra: SpectralMatrix, middle: float, R: np.ndarray, f0: float) -> f
     return float(np.round(np.log2(two / one))) if one else np.inf
 
 
-def _growth(transfer: Transfer, spectra: SpectralMatrix, middle: float) -> tuple[np.ndarray, np.ndarray]:
+def _growth(transfer: SpectralTransfer, spectra: SpectralMatrix, middle: float) -> tuple[np.ndarray, np.ndarray]:
     """The exponent of f of the spectrum of each output towards infinity, and the intensity of its white part, both of shape (p,)."""
     harmonic = transfer.harmonic
     slopes, D = spectra.slopes(middle), transfer.polynomial
@@ -123,7 +123,7 @@ def _growth(transfer: Transfer, spectra: SpectralMatrix, middle: float) -> tuple
     return exponents, white
 
 
-def _decays(transfer: Transfer) -> np.ndarray:
+def _decays(transfer: SpectralTransfer) -> np.ndarray:
     """The relative degrees: H ~ s^-decay towards infinity, shape (p, m), infinite where H is zero."""
     harmonic = transfer.harmonic
     degrees = relative_degrees(harmonic.coefficients, harmonic.inputs, harmonic.outputs)
@@ -135,7 +135,7 @@ def _decays(transfer: Transfer) -> np.ndarray:
     return decays
 
 
-def _numerical_decays(transfer: Transfer) -> np.ndarray:
+def _numerical_decays(transfer: SpectralTransfer) -> np.ndarray:
     """The same of large models, from C J^k B without rounding errors."""
     form = transfer.harmonic.form
     C, B = np.abs(form.outputs @ form.pairs.finite.C), np.abs(form.pairs.finite.B @ form.inputs)

@@ -20,7 +20,7 @@ from ...response.response import Response
 from .spectral_integral import TURN, _Integration
 from .spectral_matrix import INDEFINITE, SpectralMatrix
 from .spectrum_pieces import PowerLaw, Rational
-from .transfer import Transfer
+from .transfer import SpectralTransfer
 
 #: Harmonics that are added at once, times the number of times.
 CHUNK = 1 << 22
@@ -46,7 +46,7 @@ DECAY = 40.0
 class MarkovModel:
     """y = C z, z' = J z + B w with white noise w of intensity 1: the finite poles of H and of the filters of its inputs."""
 
-    def __init__(self, transfer: Transfer, spectra: SpectralMatrix):
+    def __init__(self, transfer: SpectralTransfer, spectra: SpectralMatrix):
         """For independent or partly coherent inputs that are white or filtered."""
         if spectra.longest_delay or spectra.cross:
             raise InputError("white or filtered noise without delays and cross spectra is expected here")
@@ -158,7 +158,7 @@ def _filter(spectrum, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, fl
 
 
 def covariance_over_time(
-    transfer: Transfer, spectra: SpectralMatrix, times, initial_covariance=None, modulation=None
+    transfer: SpectralTransfer, spectra: SpectralMatrix, times, initial_covariance=None, modulation=None
 ) -> tuple[np.ndarray, np.ndarray]:
     """E[y y^T] after the noise is switched on; arguments as of ``RandomResponse.covariance_over_time``."""
     times = np.atleast_1d(evaluation_times(times))
@@ -201,7 +201,7 @@ def _covariances(model: MarkovModel, times: np.ndarray, start: np.ndarray, terms
     return result
 
 
-def sample(transfer: Transfer, spectra: SpectralMatrix, times, seed=None) -> np.ndarray:
+def sample(transfer: SpectralTransfer, spectra: SpectralMatrix, times, seed=None) -> np.ndarray:
     """A stationary Gaussian path, y(t) = Re sum over nodes of sqrt(weight) H L xi e^{2 pi i f t}, G = L L^H, xi complex normal.
 
     Panels are so short that Gauss's rule integrates G(f) e^{2 pi i f t} to rounding error up to the longest difference of two times.

@@ -22,7 +22,7 @@ from .independent_inputs import independent_inputs
 from .infinite_variance import Existence, existence
 from .spectral_integral import SpectralIntegral, spectral_integral
 from .spectral_matrix import SpectralMatrix
-from .transfer import Transfer
+from .transfer import SpectralTransfer
 
 if TYPE_CHECKING:
     from ...exact.enclosure.intervals import Enclosure
@@ -96,10 +96,10 @@ class RandomResponse(Displayed):
         return tuple(map(str, self.harmonic.units))
 
     @cached_property
-    def _independent(self) -> tuple[Transfer, SpectralMatrix]:
+    def _independent(self) -> tuple[SpectralTransfer, SpectralMatrix]:
         """H from independent inputs, and their spectra."""
         harmonic, spectra = independent_inputs(self.harmonic, self.spectra)
-        return Transfer(harmonic), spectra
+        return SpectralTransfer(harmonic), spectra
 
     @cached_property
     def _existence(self) -> dict[int, Existence]:

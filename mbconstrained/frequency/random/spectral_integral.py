@@ -23,7 +23,7 @@ from ...ground.errors import Overflow
 from ...ground.tolerances import EPS, FORM_ROUNDING, SPECTRAL_ACCURACY
 from ...ground.tolerances import STEP_AGREEMENT as MARGIN
 from .spectral_matrix import SpectralMatrix
-from .transfer import RefinedPole, Transfer
+from .transfer import RefinedPole, SpectralTransfer
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 
@@ -62,7 +62,7 @@ class SpectralIntegral:
 
 
 @dataclass
-class _Panels:
+class _IntegrationPanels:
     """P intervals of the frequency, each with the middle of its pieces of the spectra; of the last kind the variable is 1/f."""
 
     lower: np.ndarray
@@ -70,20 +70,20 @@ class _Panels:
     middle: np.ndarray
     is_tail: np.ndarray
 
-    def halves(self, chosen: np.ndarray) -> _Panels:
+    def halves(self, chosen: np.ndarray) -> _IntegrationPanels:
         """Two panels for each of those that are chosen."""
         a, b = self.lower[chosen], self.upper[chosen]
         c = (a + b) / 2
         twice = [np.tile(one[chosen], 2) for one in (self.middle, self.is_tail)]
-        return _Panels(np.append(a, c), np.append(c, b), *twice)
+        return _IntegrationPanels(np.append(a, c), np.append(c, b), *twice)
 
-    def only(self, chosen: np.ndarray) -> _Panels:
+    def only(self, chosen: np.ndarray) -> _IntegrationPanels:
         """Those that are chosen."""
-        return _Panels(self.lower[chosen], self.upper[chosen], self.middle[chosen], self.is_tail[chosen])
+        return _IntegrationPanels(self.lower[chosen], self.upper[chosen], self.middle[chosen], self.is_tail[chosen])
 
-    def joined(self, other: _Panels) -> _Panels:
+    def joined(self, other: _IntegrationPanels) -> _IntegrationPanels:
         """Both."""
-        return _Panels(*(np.append(one, two) for one, two in zip(vars(self).values(), vars(other).values())))
+        return _IntegrationPanels(*(np.append(one, two) for one, two in zip(vars(self).values(), vars(other).values())))
 
     @property
     def nodes(self) -> np.ndarray:
@@ -99,7 +99,7 @@ class _Panels:
 
 
 def spectral_integral(
-    transfer: Transfer,
+    transfer: SpectralTransfer,
     spectra: SpectralMatrix,
     powers: Sequence[int] = (0,),
     outputs: np.ndarray | None = None,
@@ -150,7 +150,7 @@ def _residue_errors(poles: list[RefinedPole], sizes: np.ndarray) -> np.ndarray:
 class _Integration:
     """The work of one call."""
 
-    def __init__(self, transfer: Transfer, spectra: SpectralMatrix, powers: tuple[int, ...], outputs, edges=None):
+    def __init__(self, transfer: SpectralTransfer, spectra: SpectralMatrix, powers: tuple[int, ...], outputs, edges=None):
         self.transfer, self.spectra, self.powers = transfer, spectra, powers
         self.edges = np.zeros(0) if edges is None else edges
         self.outputs = np.arange(len(transfer.harmonic.outputs)) if outputs is None else outputs
@@ -182,14 +182,14 @@ class _Integration:
             return self._improved(panels, H, errors, sums, near, loss, doubts)
         return SpectralIntegral(np.zeros((K, p, p)), np.zeros((K, p)), np.zeros((max(len(self.edges) - 1, 0), K, p)))
 
-    def _with(self, new: _Panels, bad: np.ndarray, panels: _Panels, H, errors, *parts) -> tuple:
+    def _with(self, new: _IntegrationPanels, bad: np.ndarray, panels: _IntegrationPanels, H, errors, *parts) -> tuple:
         """All of these with new panels in the place of some."""
         keep, (new_H, new_errors) = ~bad, self._values(new)
         new_parts = self._sums(new, new_H), *self._near_poles(new)
         both = (np.concatenate([one[:, :, keep], two], axis=2) for one, two in ((H, new_H), (errors, new_errors)))
         return panels.only(keep).joined(new), *both, *(np.concatenate([one[keep], two]) for one, two in zip(parts, new_parts))
 
-    def _centred(self, panels: _Panels, errors: np.ndarray) -> _Panels:
+    def _centred(self, panels: _IntegrationPanels, errors: np.ndarray) -> _IntegrationPanels:
         """Three panels for each, the middle one around the peak that is next to its node with the largest error: then no node is at the peak."""
         nodes = panels.nodes[np.arange(len(errors)), errors.argmax(axis=1)]
         peaks = np.append(self.frequencies.real, np.inf)
@@ -198,13 +198,13 @@ class _Integration:
         reach = np.minimum(peak - low, high - peak)
         is_inside = reach > (high - low) * MARGIN
         edges = np.array([low, np.where(is_inside, peak - reach, middle), np.where(is_inside, peak + reach, middle), high])
-        parts = [_Panels(one, two, panels.middle, panels.is_tail) for one, two in itertools.pairwise(edges)]
+        parts = [_IntegrationPanels(one, two, panels.middle, panels.is_tail) for one, two in itertools.pairwise(edges)]
         new = parts[0].joined(parts[1]).joined(parts[2])
         return self._resolved(new.only(new.upper - new.lower > 8 * EPS * new.upper))
 
     # Panels.
 
-    def _octaves(self) -> _Panels:
+    def _octaves(self) -> _IntegrationPanels:
         """Panels between the corners, none wider than an octave where the integrand is singular at 0, with ends beyond all poles."""
         sizes = np.abs([pole.frequency for pole in self.poles if pole.value] or [0.0])
         rows: list[tuple[float, float, float, bool]] = []
@@ -234,7 +234,7 @@ class _Integration:
         if self.spectra.longest_delay:
             rows = [part for row in rows for part in self._divided(row)]
         lower, upper, middle, tail = (np.array(column) for column in zip(*rows)) if rows else (np.zeros(0),) * 4
-        return _Panels(lower, upper, middle, tail.astype(bool))
+        return _IntegrationPanels(lower, upper, middle, tail.astype(bool))
 
     def _divided(self, row):
         a, b, middle, tail = row
@@ -242,12 +242,12 @@ class _Integration:
         edges = np.linspace(a, b, max(count, 1) + 1)
         return [(one, two, middle, tail) for one, two in itertools.pairwise(edges)]
 
-    def _near(self, panels: _Panels, places: np.ndarray) -> np.ndarray:
+    def _near(self, panels: _IntegrationPanels, places: np.ndarray) -> np.ndarray:
         """Which complex frequencies are near which panels, shape (P, number)."""
         middle, half = (panels.lower + panels.upper) / 2, (panels.upper - panels.lower) / 2
         return (np.abs(middle[:, None] - places) < (1 - MARGIN) * NEAR * half[:, None]) & ~panels.is_tail[:, None]
 
-    def _resolved(self, panels: _Panels) -> _Panels:
+    def _resolved(self, panels: _IntegrationPanels) -> _IntegrationPanels:
         """Panels halved until no singularity other than simple poles is near."""
         finished = None
         for _ in range(HALVINGS):
@@ -265,14 +265,14 @@ class _Integration:
 
     # Values and integrals.
 
-    def _values(self, panels: _Panels) -> tuple[np.ndarray, np.ndarray]:
+    def _values(self, panels: _IntegrationPanels) -> tuple[np.ndarray, np.ndarray]:
         """H and its errors at all nodes, shape (p, m, P, 16)."""
         nodes = panels.nodes
         H, errors = self.transfer.values(nodes.ravel())
         shape = (len(self.outputs), H.shape[1], *nodes.shape)
         return H[self.outputs].reshape(shape), errors[self.outputs].reshape(shape)
 
-    def _spectra_at(self, panels: _Panels) -> np.ndarray:
+    def _spectra_at(self, panels: _IntegrationPanels) -> np.ndarray:
         """S at the nodes, shape (m, m, P, 16)."""
         nodes, m = panels.nodes, len(self.spectra.names)
         S = np.zeros((m, m, *nodes.shape), dtype=complex)
@@ -281,7 +281,7 @@ class _Integration:
             S[:, :, own] = self.spectra(nodes[own].ravel(), middle).reshape(m, m, -1, len(NODES))
         return S
 
-    def _delayed_tails(self, panels: _Panels, total: np.ndarray) -> None:
+    def _delayed_tails(self, panels: _IntegrationPanels, total: np.ndarray) -> None:
         """Add what pairs of delayed inputs have from the end of the panels to infinity, along f - i u / (2 pi delay), u > 0 (Gauss-Laguerre)."""
         form, power = self.transfer.harmonic.form, np.array(self.powers)
         for x in np.flatnonzero(panels.is_tail) if self.spectra.longest_delay else ():
@@ -294,7 +294,7 @@ class _Integration:
                 T = np.einsum("an,bn,kn->kab", one[:, i], other[:, j].conj(), S * f ** power[:, None])
                 total[x] += T + np.conj(np.swapaxes(T, 1, 2))
 
-    def _sums(self, panels: _Panels, H: np.ndarray, spectra: np.ndarray | None = None) -> np.ndarray:
+    def _sums(self, panels: _IntegrationPanels, H: np.ndarray, spectra: np.ndarray | None = None) -> np.ndarray:
         """Gauss's rule on each panel, shape (P, K, p, p)."""
         S = self._spectra_at(panels) if spectra is None else spectra.copy()
         for i, j in self.spectra.delayed_pairs:
@@ -306,7 +306,7 @@ class _Integration:
         self._delayed_tails(panels, total)
         return total
 
-    def _near_poles(self, panels: _Panels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _near_poles(self, panels: _IntegrationPanels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Integrals of principal parts less the sums of Gauss's rule for them, shape (P, K, p, p), and of their diagonals the errors by cancellation,
         and by those of residues, (P, K, p)."""
         p, K = len(self.outputs), len(self.powers)
@@ -380,7 +380,7 @@ class _Integration:
         np.add.at(parts, band[inside], total[inside].diagonal(axis1=2, axis2=3).real)
         return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + (loss + doubts).sum(axis=0) + 16 * EPS * size, parts)
 
-    def _node_errors(self, panels: _Panels, S: np.ndarray, H: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    def _node_errors(self, panels: _IntegrationPanels, S: np.ndarray, H: np.ndarray, errors: np.ndarray) -> np.ndarray:
         """Of the diagonal, by nodes and powers, shape (P, 16, K, p)."""
         delta = np.einsum("ijxn,ajxn->aixn", np.abs(S), errors)
         both = ((2 * np.abs(H) + errors) * delta).sum(axis=1)

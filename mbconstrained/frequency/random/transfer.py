@@ -42,7 +42,7 @@ class RefinedPole:
         return len(self.residues)
 
 
-class Transfer:
+class SpectralTransfer:
     """The values, poles and residues of s^p C A(s)^-1 B on the positive frequency axis."""
 
     def __init__(self, harmonic: Harmonic):
@@ -160,11 +160,11 @@ class Transfer:
         known = precise.zero_transfers(own.real[0].coefficients, own.inputs, own.outputs)
         return zero if known is None else zero & known.all(axis=1)
 
-    def of_inputs(self, chosen: list[int]) -> Transfer:
+    def of_inputs(self, chosen: list[int]) -> SpectralTransfer:
         """The same from some of the inputs."""
         own = self.harmonic
         names = tuple(own.input_names[i] for i in chosen)
-        return Transfer(replace(own, inputs=own.inputs[:, chosen], input_names=names))
+        return SpectralTransfer(replace(own, inputs=own.inputs[:, chosen], input_names=names))
 
     def values(self, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """H by the sum of its terms at real frequencies in Hz, and estimates of the absolute errors, both of shape (p, m, F)."""

@@ -105,7 +105,7 @@ def extrema(function: BohlFunction, start: float, end: float) -> Extrema:
     >>> wave.maximum_time.round(12), abs(wave.minimum) < 1e-15
     (array([1.57079633]), array([ True]))
     """
-    search = _Search(getattr(function, "rough", function), start, end)
+    search = _ExtremumSearch(getattr(function, "rough", function), start, end)
     search.run()
     extremes = Extrema(search.best[0], -search.best[1], search.times[0], search.times[1], search.margin)
     return extremes.with_values(function)
@@ -212,7 +212,7 @@ def _by_doubling(function: BohlFunction, edges: np.ndarray, panels: np.ndarray) 
 
 def fastest_rate(function: BohlFunction) -> float:
     """The largest modulus in 1/s of an eigenvalue of a block whose part of a row counts next to the largest amplitude of the row."""
-    search = _Search(function, 0.0, 0.0)
+    search = _ExtremumSearch(function, 0.0, 0.0)
     sizes = search.bounds[0] * search._norms(function.restarts.states / search.scale[:, None]).max(axis=1, initial=0.0)
     counts = (sizes > VISIBLE_PART * sizes.max(axis=1, initial=0.0)[:, None]).any(axis=0)
     return float(np.sqrt(search.curvature[counts, 0]).max(initial=0.0))
@@ -265,7 +265,7 @@ def positive_times(
     return largest, first
 
 
-class _Search:
+class _ExtremumSearch:
     """The work of one call. Signs: all is done for f and for -f."""
 
     def __init__(self, function: BohlFunction, start: float, end: float):

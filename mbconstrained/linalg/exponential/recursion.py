@@ -183,7 +183,7 @@ def powers(values: np.ndarray, count: int) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
-class Modes:
+class ModalBasis:
     """w = basis y: (z, rest) from y and y from (z, rest), with z_k(t) = e^{s_k t} z_k(0) and rest' = diag(blocks) rest.
 
     Attributes:
@@ -205,7 +205,7 @@ class Modes:
     blocks: tuple[np.ndarray, ...]
 
     @staticmethod
-    def of(decoupled: BlockDiagonal | ResidueModes) -> Modes:
+    def of(decoupled: BlockDiagonal | ResidueModes) -> ModalBasis:
         """Those of a decoupled matrix.
 
         >>> from mbconstrained.linalg.blocks import block_diagonalize
@@ -220,7 +220,7 @@ class Modes:
         left = [(block, at) for block, at in zip(decoupled.blocks, block_slices(decoupled.blocks)) if at.start not in covered]
         rest = np.concatenate([np.zeros(0, dtype=int), *(np.arange(at.start, at.stop) for _, at in left)])
         rates, blocks = np.concatenate([groups.rates, groups.mean[turning] + 1j * w]), tuple(block for block, _ in left)
-        return Modes(decoupled, rates, groups.single, first, w, groups.rest[turning, 0], rest, blocks)
+        return ModalBasis(decoupled, rates, groups.single, first, w, groups.rest[turning, 0], rest, blocks)
 
     def split(self, coordinates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """z and the rest of y, of shape (n,) or (n, any)."""

@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 
 from ...ground.tolerances import EPS
 from ..arrays import Matrix, entries
-from .ordering import WIDEST, Elimination, Link, Step, coupled_pairs, elimination
+from .ordering import WIDEST, EliminationOrder, EliminationStep, Inheritance, coupled_pairs, elimination
 
 #: What is cut off is near this part of the whole: two halves of a uniform chain would have the same zeros.
 PART = 0.45
@@ -179,7 +179,7 @@ FRONTS, LEAST = 1 << 15, 32
 class Multifrontal:
     """P(s) by the entries of K, C and M, in an order of elimination."""
 
-    def __init__(self, order: Elimination, diagonal: np.ndarray, off_diagonal: np.ndarray, ends: np.ndarray) -> None:
+    def __init__(self, order: EliminationOrder, diagonal: np.ndarray, off_diagonal: np.ndarray, ends: np.ndarray) -> None:
         """Coordinates as they were given."""
         self.order, self._data = order, (diagonal, off_diagonal, ends)
 
@@ -264,19 +264,19 @@ class Multifrontal:
         return [both[:, begin:end] for begin, end in pairwise(begins)]
 
 
-def _column(coefficients, powers, step: Step) -> np.ndarray:
+def _column(coefficients, powers, step: EliminationStep) -> np.ndarray:
     """Entries of P(s), and of P'(s), on and off the diagonal, shape (_, 1 + front, G, S)."""
     front, count = step.fronts.shape
     return (coefficients @ powers.view(float)).view(powers.dtype).reshape(len(coefficients), 1 + front, count, -1)
 
 
-def _reduce(column: np.ndarray, links: tuple[Link, ...], waiting: dict[int, np.ndarray]) -> None:
+def _reduce(column: np.ndarray, links: tuple[Inheritance, ...], waiting: dict[int, np.ndarray]) -> None:
     """Less what the children take from the coordinates, in place."""
     for link in links:
         column[link.first] -= waiting[link.step][:, 0][:, :, link.given]
 
 
-def _with_others(change: np.ndarray, links: tuple[Link, ...], waiting: dict[int, np.ndarray]) -> np.ndarray:
+def _with_others(change: np.ndarray, links: tuple[Inheritance, ...], waiting: dict[int, np.ndarray]) -> np.ndarray:
     """What the coordinates and, still, their children take from the fronts, shape (_, front, front, G, S)."""
     for link in links:
         if link.others is not None:

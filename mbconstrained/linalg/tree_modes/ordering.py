@@ -27,7 +27,7 @@ TOGETHER = 64
 
 
 @dataclass(frozen=True, eq=False)
-class Link:
+class Inheritance:
     """What some of a step take over from coordinates of an earlier one, one child each.
 
     Attributes:
@@ -45,7 +45,7 @@ class Link:
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class EliminationStep:
     """G coordinates that are eliminated together, all with fronts of one size.
 
     Attributes:
@@ -56,7 +56,7 @@ class Step:
 
     own: slice
     fronts: np.ndarray
-    links: tuple[Link, ...]
+    links: tuple[Inheritance, ...]
 
     @cached_property
     def spread(self) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray], ...]:
@@ -65,7 +65,7 @@ class Step:
 
 
 @dataclass(frozen=True, eq=False)
-class Elimination:
+class EliminationOrder:
     """An order of coordinates.
 
     Attributes:
@@ -85,7 +85,7 @@ class Elimination:
         return max(map(len, self.fronts), default=0)
 
     @cached_property
-    def steps(self) -> tuple[Step, ...]:
+    def steps(self) -> tuple[EliminationStep, ...]:
         """The order in steps."""
         bounds = [(at.start, at.stop) for at in self._slices]
         step_of = np.repeat(np.arange(len(bounds)), [end - begin for begin, end in bounds]).tolist()
@@ -106,16 +106,16 @@ class Elimination:
         last = {key[0]: number for number, (_, groups) in enumerate(result) for key in groups}
         return tuple(self._step(number, own, groups, bounds, last) for number, (own, groups) in enumerate(result))
 
-    def _step(self, number: int, own: slice, groups: dict, bounds: list, last: dict) -> Step:
+    def _step(self, number: int, own: slice, groups: dict, bounds: list, last: dict) -> EliminationStep:
         links, steps = [], [key[0] for key in groups]
         for at, ((step, rest, _), pairs) in enumerate(groups.items()):
             slots, children = zip(*pairs)
             own_slots, given = as_slice(slots), as_slice([child - bounds[step][0] for child in children])
             is_last = last[step] == number and step not in steps[at + 1 :]
             first, others = _index([0, *(place + 1 for place in rest)], own_slots), _square(rest, own_slots) if rest else None
-            links.append(Link(step, first, others, given, is_last))
+            links.append(Inheritance(step, first, others, given, is_last))
         fronts = np.array(self.fronts[own], dtype=int).reshape(own.stop - own.start, -1).T
-        return Step(own, fronts, tuple(links))
+        return EliminationStep(own, fronts, tuple(links))
 
     @cached_property
     def _slices(self) -> list[slice]:
@@ -145,7 +145,7 @@ class Elimination:
         return self.nodes[below]
 
 
-def elimination(size: int, ends: np.ndarray, widest: int = WIDEST, together: int = 0) -> Elimination | None:
+def elimination(size: int, ends: np.ndarray, widest: int = WIDEST, together: int = 0) -> EliminationOrder | None:
     """Of so many coordinates, two of them coupled in each column of ``ends``; None where a front is wider.
 
     >>> chain = np.array([[0, 1, 2, 3], [1, 2, 3, 4]])
@@ -159,7 +159,7 @@ def elimination(size: int, ends: np.ndarray, widest: int = WIDEST, together: int
     nodes = [node for part in rounds for node in sorted(part, key=lambda node: len(neighbours[node]))]
     place = dict(zip(nodes, range(size)))
     fronts = tuple(tuple(sorted(place[node] for node in neighbours[own])) for own in nodes)
-    return Elimination(np.array(nodes, dtype=int), fronts, tuple(map(len, rounds)))
+    return EliminationOrder(np.array(nodes, dtype=int), fronts, tuple(map(len, rounds)))
 
 
 def _neighbours(size: int, ends: np.ndarray) -> list[set[int]]:

@@ -14,7 +14,7 @@ from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError
 from ...ground.threads import short_work
 from ...ground.tolerances import NEWTON_STEP, noise_of
-from ...polynomial.variation.branches import Family, followed
+from ...polynomial.variation.branches import MatrixFamily, followed
 from ...polynomial.variation.special_points import BreakPoint, break_points, stability_limits
 from ..sensitivity.parameter import Parameter
 
@@ -79,7 +79,7 @@ def root_locus(system: MechanicalSystem, parameter: str | Parameter, values) -> 
     slope = parameter.matrices(system.size)
     base = np.array([system.stiffness, system.damping, system.mass]) - parameter.value * slope
     V = _basis(system, parameter)
-    family = Family.linear(*(np.array([V.T @ matrix @ V for matrix in matrices]) for matrices in (base, slope)))
+    family = MatrixFamily.linear(*(np.array([V.T @ matrix @ V for matrix in matrices]) for matrices in (base, slope)))
     return locus_of(parameter.name, parameter.unit, values, family)
 
 
@@ -103,10 +103,10 @@ def root_locus_of(
         return np.array([V.T @ matrix @ V for matrix in slope(p).matrices(first.size)])
 
     linear = _linear(at, float(values[0]), float(values[-1]))
-    return locus_of(name, unit, values, linear or Family(at, derivative, np.ones((V.shape[1],) * 2, dtype=bool)))
+    return locus_of(name, unit, values, linear or MatrixFamily(at, derivative, np.ones((V.shape[1],) * 2, dtype=bool)))
 
 
-def _linear(at: Callable[[float], np.ndarray], low: float, high: float) -> Family | None:
+def _linear(at: Callable[[float], np.ndarray], low: float, high: float) -> MatrixFamily | None:
     """The family of matrices that are linear in p as far as values between both ends show; None of others."""
     first, last = at(low), at(high)
     noise = noise_of(np.abs([first, last]).max(axis=(0, 2, 3), initial=0.0))[:, None, None]
@@ -114,10 +114,10 @@ def _linear(at: Callable[[float], np.ndarray], low: float, high: float) -> Famil
         if (np.abs(at(low + share * (high - low)) - (1 - share) * first - share * last) > noise).any():
             return None
     slope = (last - first) / (high - low)
-    return Family.linear(first - low * slope, np.where(np.abs(last - first) > noise, slope, 0.0))
+    return MatrixFamily.linear(first - low * slope, np.where(np.abs(last - first) > noise, slope, 0.0))
 
 
-def locus_of(name: str, unit: str, values, family: Family) -> RootLocus:
+def locus_of(name: str, unit: str, values, family: MatrixFamily) -> RootLocus:
     """The root locus of a family."""
     values = _ascending(values)
     with short_work(2 * len(family.pattern)):

@@ -14,7 +14,7 @@ from ...ground.errors import InputError
 from ..sensitivity.parameter import Parameter
 
 if TYPE_CHECKING:
-    from ...polynomial.variation.branches import Family
+    from ...polynomial.variation.branches import MatrixFamily
     from ..system import MechanicalSystem
 
 
@@ -122,9 +122,9 @@ def _knots(system: MechanicalSystem) -> np.ndarray:
     return np.unique([speed for table in system.speed_tables for speed in table.speeds])
 
 
-def rotor_family(system: MechanicalSystem, within: float | None = None) -> tuple[Family, np.ndarray]:
+def rotor_family(system: MechanicalSystem, within: float | None = None) -> tuple[MatrixFamily, np.ndarray]:
     """The equations over the speed, in coordinates that satisfy all constraint rows."""
-    from ...polynomial.variation.branches import Family
+    from ...polynomial.variation.branches import MatrixFamily
 
     check_rotor(system)
     V = system.position_form().null_space
@@ -135,7 +135,7 @@ def rotor_family(system: MechanicalSystem, within: float | None = None) -> tuple
     if within is not None or not system.speed_tables:
         at = within or 0.0
         slope = rotor_slopes(system, at)
-        return Family.linear(reduced(rotor_matrices(system, at) - at * slope), reduced(slope)), V
+        return MatrixFamily.linear(reduced(rotor_matrices(system, at) - at * slope), reduced(slope)), V
     knots = _knots(system)
     pattern = (np.array([reduced(rotor_matrices(system, knot)) for knot in knots]) != 0).any(axis=(0, 1))
-    return Family(lambda W: reduced(rotor_matrices(system, W)), lambda W: reduced(rotor_slopes(system, W)), pattern, knots), V
+    return MatrixFamily(lambda W: reduced(rotor_matrices(system, W)), lambda W: reduced(rotor_slopes(system, W)), pattern, knots), V

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ...ground.errors import InputError
-from ..drawing.bodies import Body, Drawing, Link, Posing, Solid, Vector
+from ..drawing.bodies import Drawing, DrawnBody, DrawnLink, SliderPosing, Solid, Vector
 from ..drawing.paths import Path, matrix_of, quaternions_of, rotated
 from .animation import DrawnEvent, Overlay
 from .keyframes import BodyPoses, KeyFrames, body_poses, packed, track
@@ -99,7 +99,7 @@ def figure_data(drawing: Drawing, takes: Sequence[KeyFrames], overlay: Overlay =
     return data
 
 
-def _posing_data(posing: Posing, drawing: Drawing) -> dict:
+def _posing_data(posing: SliderPosing, drawing: Drawing) -> dict:
     """Sliders, and for each body the coordinates that move it and its pose at rest, or None."""
     rest = {name: [*path.positions[:, 0], *path.quaternions[:, 0]] for name, path in posing.rest.items()}
     return {
@@ -150,7 +150,7 @@ def _unit(drawing: Drawing, corners: list[np.ndarray]) -> float:
 
 
 def _body_data(
-    body: Body, number: int, drawing: Drawing, names: tuple[str, ...], posts: dict, meshes: Stored, images: Stored
+    body: DrawnBody, number: int, drawing: Drawing, names: tuple[str, ...], posts: dict, meshes: Stored, images: Stored
 ) -> dict:
     color = body.color or _COLORS.get(body.shape) or _usual_color(body, number, names)
     return {
@@ -172,7 +172,7 @@ def _body_data(
     }
 
 
-def _usual_color(body: Body, number: int, names: tuple[str, ...]) -> str:
+def _usual_color(body: DrawnBody, number: int, names: tuple[str, ...]) -> str:
     """The colour of the curve of the last coordinate that moves the body, a quarter lighter; for solids, one in turn."""
     own = [i for i, name in enumerate(names) if name in body.moves or name in body.turns]
     if body.shape != "solids" and not own:
@@ -181,7 +181,7 @@ def _usual_color(body: Body, number: int, names: tuple[str, ...]) -> str:
     return "#" + "".join(f"{round(0.75 * int(color[i : i + 2], 16) + 0.25 * 255):02x}" for i in (1, 3, 5))
 
 
-def _corners(body: Body, poses: Path) -> np.ndarray:
+def _corners(body: DrawnBody, poses: Path) -> np.ndarray:
     """Corners of a box around the body, shape (3, k, T): turned with it where it consists of solids."""
     if body.shape == "solids":
         return poses.of_points(np.hstack([np.zeros((3, 1)), *(solid.corners for solid in body.solids)]))
@@ -237,7 +237,7 @@ def _view_of_shapes(drawing: Drawing, width: float) -> dict:
     return {"yaw": min(0.26, 1.8 / max(1.0, width)), "pitch": 0.24}
 
 
-def _link_data(link: Link, drawing: Drawing, poses: BodyPoses, posts: dict, unit: float) -> dict:
+def _link_data(link: DrawnLink, drawing: Drawing, poses: BodyPoses, posts: dict, unit: float) -> dict:
     """A link for the page; an end outside its body adds a post to those of the body."""
     index = {body.name: i for i, body in enumerate(drawing.bodies)}
     start, end, over = (None if name is None else drawing.bodies[index[name]] for name in (link.start, link.end, link.over))
@@ -266,7 +266,7 @@ def _link_data(link: Link, drawing: Drawing, poses: BodyPoses, posts: dict, unit
     }
 
 
-def _link_ends(link: Link, poses: BodyPoses, start_point, end_point) -> list[np.ndarray]:
+def _link_ends(link: DrawnLink, poses: BodyPoses, start_point, end_point) -> list[np.ndarray]:
     """Where both ends are, each (3, T): turned with the body where they are fixed in its frame."""
     ends = []
     for name, point, fixed in ((link.start, start_point, link.start_point), (link.end, end_point, link.end_point)):
@@ -275,7 +275,7 @@ def _link_ends(link: Link, poses: BodyPoses, start_point, end_point) -> list[np.
     return ends
 
 
-def _attachment(body: Body, offset: Vector, towards: np.ndarray, posts: dict) -> list[float]:
+def _attachment(body: DrawnBody, offset: Vector, towards: np.ndarray, posts: dict) -> list[float]:
     """Where the link meets the body, relative to its middle: on the side that faces the other end, or on a post."""
     if body.shape == "solids":
         return list(offset)

@@ -15,9 +15,9 @@ from ...models.elements import Element, Gear, Mass, Node, PrescribedMotion, Pull
 from ...models.rigid_bar import with_parts
 from ...models.rotor import Unbalance
 from .bars import bar_length, bar_pieces, bars_of
-from .bodies import Body, Drawing, Link
+from .bodies import Drawing, DrawnBody, DrawnLink
 from .chains import Chain
-from .joints import Joint, groups, joints_of, natural_positions, walk
+from .joints import DrawnJoint, groups, joints_of, natural_positions, walk
 from .orientation import angle_scale, direction_of, displacement_scale, turned_piece
 from .pieces import PULLEY, Piece, stacked, tie_of
 from .storeys import are_storeys, columns, storeys
@@ -98,7 +98,7 @@ def lumped_drawing(
     return Drawing(tuple(drawn), links, scale, turn_scale, " · ".join(filter(None, notes)))
 
 
-def _at_zero(body: Body, natural: dict, scale: float) -> Body:
+def _at_zero(body: DrawnBody, natural: dict, scale: float) -> DrawnBody:
     """From its place in the layout to that for all coordinates zero."""
     shift = sum((natural[name] * np.array(move) for name, move in body.moves.items()), np.zeros(3))
     return replace(body, rest=tuple(body.rest - scale * shift))
@@ -112,7 +112,7 @@ def _not_drawn(elements: Iterable[Element], known: set[str]) -> str:
     return f"not drawn: {missing}" * bool(missing)
 
 
-def _natural(sliding: list[str], slides: list[Joint], bars) -> dict:
+def _natural(sliding: list[str], slides: list[DrawnJoint], bars) -> dict:
     """Positions in which all springs have their lengths; bars are level where none of their springs is stretched on the average."""
     natural = natural_positions(sliding, slides)
     for bar in bars:
@@ -120,7 +120,7 @@ def _natural(sliding: list[str], slides: list[Joint], bars) -> dict:
     return natural
 
 
-def _slide_scale(slides: list[Joint], pulleys: list[Pulley], motion: dict, natural: dict) -> float:
+def _slide_scale(slides: list[DrawnJoint], pulleys: list[Pulley], motion: dict, natural: dict) -> float:
     """The magnification of displacements."""
     pairs = [(joint.start, joint.end) for joint in slides]
     pairs += [(end, pulley.over) for pulley in pulleys for end in (pulley.start, pulley.end)]
@@ -132,7 +132,7 @@ def _motion(names, values) -> dict[str, np.ndarray]:
     return dict(zip(names, values[:, None] if values.ndim == 1 else values))
 
 
-def _chain(group: list[str], joints: list[Joint], massless: frozenset[str], pulleys: list[Pulley], spots) -> Piece:
+def _chain(group: list[str], joints: list[DrawnJoint], massless: frozenset[str], pulleys: list[Pulley], spots) -> Piece:
     """From left to right; on a rope, from the rope down; carrying a pulley, down to it."""
     roped = next((name for name in group if any(name in (pulley.start, pulley.end) for pulley in pulleys)), None)
     if roped:
@@ -144,7 +144,7 @@ def _chain(group: list[str], joints: list[Joint], massless: frozenset[str], pull
     return Chain(sorted(group, key=spots.get) if placed else walk(group, joints), massless, joints).piece()
 
 
-def _askew(bodies: list[Body], joints: list[Joint]) -> str:
+def _askew(bodies: list[DrawnBody], joints: list[DrawnJoint]) -> str:
     """A note on elements whose drawn length does not show their elongation: their ends have different directions."""
     directions = {body.name: direction_of(body) for body in bodies if body.moves or body.turns}
     between = [joint for joint in joints if GROUND not in joint.ends]
@@ -181,7 +181,7 @@ def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=No
     for name in drawn:
         if name in directions:
             own = _of_coordinate(name, unit_of[name], (0.0, 0.0, 0.0))
-            links = tuple(Link("", "rod", own[0].name, body.name) for body in own[1:])  # so that they are turned together
+            links = tuple(DrawnLink("", "rod", own[0].name, body.name) for body in own[1:])  # so that they are turned together
             piece = Piece(turned_piece(Piece(tuple(own), links), {name: directions[name]}).bodies)
             low, high = piece.corners
             bodies += piece.shifted((left - low[0], 0.0, 0.0)).bodies
@@ -196,8 +196,8 @@ def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=No
     return Drawing(tuple(bodies), building.links, scale, turn_scale, note)
 
 
-def _of_coordinate(name: str, unit: str, place: tuple[float, float, float]) -> list[Body]:
+def _of_coordinate(name: str, unit: str, place: tuple[float, float, float]) -> list[DrawnBody]:
     if unit == "rad":
-        return [Body(name, "disc", place, turns={name: (0.0, -1.0, 0.0)}, size=(0.6, 0.2, 0.6))]
-    rail = Body(f"rail of {name}", "rail", (place[0], 0.0, place[2] - 0.24), size=(5.0, 0.3, 0.05))
-    return [rail, Body(name, "box", place, {name: (1.0, 0.0, 0.0)}, size=(0.42, 0.42, 0.42))]
+        return [DrawnBody(name, "disc", place, turns={name: (0.0, -1.0, 0.0)}, size=(0.6, 0.2, 0.6))]
+    rail = DrawnBody(f"rail of {name}", "rail", (place[0], 0.0, place[2] - 0.24), size=(5.0, 0.3, 0.05))
+    return [rail, DrawnBody(name, "box", place, {name: (1.0, 0.0, 0.0)}, size=(0.42, 0.42, 0.42))]

@@ -16,9 +16,9 @@ from ...models.elements import Body as ModelBody
 from ...models.elements import Element, Relation
 from ...models.rigid_bar import RigidBar
 from ...models.rotor import PLANES, Rotor, in_planes
-from .bodies import Body, Link, Shape, Solid, Vector
+from .bodies import DrawnBody, DrawnLink, Shape, Solid, Vector
 from .chains import BALL, Chain
-from .joints import Joint, groups, walk
+from .joints import DrawnJoint, groups, walk
 from .orientation import turned_piece
 from .pieces import Piece
 
@@ -112,7 +112,7 @@ def bar_length(bars: Iterable[Bar]) -> float:
 
 
 def bar_pieces(
-    bars: Sequence[Bar], sliding: Sequence[str], joints: list[Joint], massless: frozenset[str], unit: float, turn: float = 1.0
+    bars: Sequence[Bar], sliding: Sequence[str], joints: list[DrawnJoint], massless: frozenset[str], unit: float, turn: float = 1.0
 ) -> list[Piece]:
     """The pieces of the bars with all that is attached to their points."""
     rigid = {name: bar for bar in bars for name in bar.places}
@@ -131,7 +131,9 @@ def bar_pieces(
 class _Layout:
     """The positions of joined bars, one above the other, of rotors on one axis, and the chains at their points."""
 
-    def __init__(self, bars: list[Bar], parts, joints: list[Joint], massless: frozenset[str], rigid: Mapping[str, Bar], unit, turn):
+    def __init__(
+        self, bars: list[Bar], parts, joints: list[DrawnJoint], massless: frozenset[str], rigid: Mapping[str, Bar], unit, turn
+    ):
         self.turn = turn
         self.bars, self.parts, self.joints, self.massless, self.rigid, self.unit = bars, parts, joints, massless, rigid, unit
         self.places: dict[str, np.ndarray] = {}  # of the points, and of the bars' centres of mass
@@ -153,7 +155,7 @@ class _Layout:
         kept = [self._in_both_planes(body) for body in bodies if body.shape == "solids" or body.name not in centres]
         return Piece(tuple(kept), tuple(links))
 
-    def _in_both_planes(self, body: Body) -> Body:
+    def _in_both_planes(self, body: DrawnBody) -> DrawnBody:
         """A point of a rotor is displaced in both planes; that in the plane z has its name."""
         bar = self.rigid.get(body.name)
         if bar is None or bar.rotor is None:
@@ -205,13 +207,13 @@ class _Layout:
                 return self.places[below] + (-self.unit * bar.places[own], 0.0, STOREY)
         return None
 
-    def _drawn(self, bar: Bar) -> Body:
+    def _drawn(self, bar: Bar) -> DrawnBody:
         """A box over all its points, and a small ball at its centre of mass."""
         left, right = self._ends(bar)
         placement = np.eye(4)
         placement[0, 3] = (left + right) / 2
         box = Solid("box", (right - left, DEPTH, HEIGHT), placement)
-        return Body(
+        return DrawnBody(
             bar.name,
             "solids",
             _place(self.places[bar.name]),
@@ -221,13 +223,13 @@ class _Layout:
             solids=(box,),
         )
 
-    def _shaft(self, bars: Sequence[Bar]) -> Body:
+    def _shaft(self, bars: Sequence[Bar]) -> DrawnBody:
         """A shaft over all points of a rotor with a disc at its centre of mass, for its bars in both planes."""
         left, right = self._ends(bars[0])
         placement = _LYING.copy()
         placement[0, 3] = (left + right) / 2
         tilts = {bar.angle: np.cross((self.turn, 0.0, 0.0), DIRECTIONS[bar.plane]) for bar in bars if bar.angle}
-        return Body(
+        return DrawnBody(
             str(bars[0].rotor),
             "solids",
             _place(self.places[bars[0].name]),
@@ -258,7 +260,7 @@ class _Layout:
         return chain.shifted(self._surface(point) - chain.body(point).rest)
 
     @staticmethod
-    def _from_left(joint: Joint, grounded: bool, behind: bool) -> Joint:
+    def _from_left(joint: DrawnJoint, grounded: bool, behind: bool) -> DrawnJoint:
         """A joint with the ground at its left end, or at its right one."""
         if not grounded or (joint.start if not behind else joint.end) == GROUND:
             return joint
@@ -281,7 +283,7 @@ class _Layout:
                     places[name] += STOREY * outwards
             size = (BALL,) * 3 if name in self.massless or name in self.rigid else (0.8, 0.8, 0.8)
             shape: Shape = "sphere" if size[0] == BALL else "box"
-            bodies.append(Body(name, shape, _place(places[name]), {name: DIRECTIONS[plane]}, size=size))
+            bodies.append(DrawnBody(name, shape, _place(places[name]), {name: DIRECTIONS[plane]}, size=size))
         grounds = []
         links = []
         for joint in self.joints:
@@ -291,9 +293,9 @@ class _Layout:
             if GROUND in joint.ends:
                 body = joint.other(GROUND)
                 size = (1.2, 0.2, 1.2) if plane == "y" else (1.2, 1.2, 0.2)
-                grounds.append(Body(f"ground of {joint.name}", "ground", _place(places[body] + 2.0 * outwards), size=size))
+                grounds.append(DrawnBody(f"ground of {joint.name}", "ground", _place(places[body] + 2.0 * outwards), size=size))
                 start, end = grounds[-1].name, body
-            links.append(Link(joint.name, joint.kind, start, end))
+            links.append(DrawnLink(joint.name, joint.kind, start, end))
         return Piece((*grounds, *bodies), tuple(links))
 
 

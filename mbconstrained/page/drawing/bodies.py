@@ -92,7 +92,7 @@ class Solid:
 
 
 @dataclass(frozen=True)
-class Body:
+class DrawnBody:
     """A drawn object that the coordinates move.
 
     Attributes:
@@ -114,7 +114,7 @@ class Body:
         ellipsoid: placement (4, 4) of a unit sphere, column by column, that makes it a uniform ellipsoid with centre of mass and
             inertia of the body; None where there is no mass.
 
-    >>> Body("cart", rest=(1, 0, 0), moves={"x1": (1, 0, 0)}).shape
+    >>> DrawnBody("cart", rest=(1, 0, 0), moves={"x1": (1, 0, 0)}).shape
     'box'
     """
 
@@ -162,7 +162,7 @@ class Body:
 
 
 @dataclass(frozen=True)
-class Link:
+class DrawnLink:
     """A drawn connection of two bodies.
 
     Attributes:
@@ -214,7 +214,7 @@ class View:
 
 
 @dataclass(frozen=True, eq=False)
-class Posing:
+class SliderPosing:
     """How sliders pose a robot: by q = columns s, each link by the product exp(S_1 q_1) ... exp(S_n q_n) of its own coordinates.
 
     Attributes:
@@ -249,14 +249,14 @@ class Drawing:
         InputError: two bodies of one name.
     """
 
-    bodies: tuple[Body, ...]
-    links: tuple[Link, ...] = ()
+    bodies: tuple[DrawnBody, ...]
+    links: tuple[DrawnLink, ...] = ()
     scale: float = 1.0
     turn_scale: float = 1.0
     note: str = ""
     view: View | None = None
     turn: Vector = (0.0, 0.0, 0.0)
-    posing: Posing | None = None
+    posing: SliderPosing | None = None
 
     def __post_init__(self):
         for name, count in Counter(body.name for body in self.bodies).items():

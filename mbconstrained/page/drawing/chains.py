@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from itertools import pairwise
 
 from ...ground.coordinate_units import GROUND
-from .bodies import Body, Link, Shape
-from .joints import Joint
+from .bodies import DrawnBody, DrawnLink, Shape
+from .joints import DrawnJoint
 from .pieces import Piece
 
 #: Gaps between bodies with relative motion, and between bodies joined by a rod, drawing units.
@@ -38,25 +38,25 @@ class Chain:
     at either end of the chain; those of bodies in between, at blocks under the chain.
     """
 
-    def __init__(self, order: list[str], massless: frozenset[str], joints: list[Joint], *, wall: bool = True):
+    def __init__(self, order: list[str], massless: frozenset[str], joints: list[DrawnJoint], *, wall: bool = True):
         self.order = order
         self.massless = massless
         self.number = {name: i for i, name in enumerate(order)}
         self.joints = [joint for joint in joints if joint.ends <= {GROUND, *order}]
-        self.joints_by_ends: dict[frozenset[str], list[Joint]] = {}
+        self.joints_by_ends: dict[frozenset[str], list[DrawnJoint]] = {}
         for joint in self.joints:
             self.joints_by_ends.setdefault(joint.ends, []).append(joint)
         self.wall = wall  # whether the first body may have a wall on its left
         self.width = {name: BALL if name in massless else BOX for name in order}
-        self.links: list[Link] = []
-        self.grounds: list[Body] = []
+        self.links: list[DrawnLink] = []
+        self.grounds: list[DrawnBody] = []
 
     def piece(self) -> Piece:
         """Bodies with their left end, or wall, at x = 0 and their middles at z = 0."""
         self.top = max(self._height(name) for name in self.order) / 2
         self.places = self._places()
         self.levels = dict.fromkeys(self.order, 0.0)
-        self.marks: dict[str, Body] = {}  # by the name of a body, which stands for it in the row before its own
+        self.marks: dict[str, DrawnBody] = {}  # by the name of a body, which stands for it in the row before its own
         self._fold()
         for one, other in pairwise(self.order):
             self._side_by_side(self._between(one, other), {other: self.marks[other].name} if other in self.marks else {})
@@ -68,7 +68,7 @@ class Chain:
             shape: Shape = "sphere" if name in self.massless else "box"
             size = (self.width[name], self.width[name], self._height(name))
             place = (self.places[name], 0.0, self.levels[name])
-            bodies.append(Body(name, shape, place, {name: (1.0, 0.0, 0.0)}, size=size))
+            bodies.append(DrawnBody(name, shape, place, {name: (1.0, 0.0, 0.0)}, size=size))
         return Piece((*self.grounds, *bodies, *self.marks.values()), tuple(self.links))
 
     def _fold(self) -> None:
@@ -85,19 +85,19 @@ class Chain:
             if self.places[other] - shift > wide:
                 row += 1
                 place, moves = (self.places[other] - shift, 0.0, self.levels[one]), {other: (1.0, 0.0, 0.0)}
-                self.marks[other] = Body(f"{other}, also below", "mark", place, moves, size=(BALL, BALL, BALL), label=other)
+                self.marks[other] = DrawnBody(f"{other}, also below", "mark", place, moves, size=(BALL, BALL, BALL), label=other)
                 shift = self.places[other] - self.width[other] / 2
             self.places[other] -= shift
             self.levels[other] = -pitch * row
 
-    def _between(self, one: str, other: str) -> list[Joint]:
+    def _between(self, one: str, other: str) -> list[DrawnJoint]:
         return self.joints_by_ends.get(frozenset((one, other)), [])
 
-    def _tied(self, name: str, side: str) -> list[Joint]:
+    def _tied(self, name: str, side: str) -> list[DrawnJoint]:
         """The links of a body to the ground on one side: "left" or "right" of it, or "below"."""
         return [joint for joint in self._between(name, GROUND) if self._side(name, joint) == side]
 
-    def _side(self, name: str, joint: Joint) -> str:
+    def _side(self, name: str, joint: DrawnJoint) -> str:
         first, last = name == self.order[0], name == self.order[-1]
         if last and (not first or joint.start == name or not self.wall):
             return "right"
@@ -122,16 +122,16 @@ class Chain:
             edge += self.width[name] + (CLOSE if kinds == {"rod"} else GAP)
         return places
 
-    def _side_by_side(self, joints: list[Joint], others: Mapping[str, str]) -> None:
+    def _side_by_side(self, joints: list[DrawnJoint], others: Mapping[str, str]) -> None:
         for i, joint in enumerate(joints):
             z = LANE * ((len(joints) - 1) / 2 - i)
             self._link(joint, others, z, z)
 
-    def _link(self, joint: Joint, others: Mapping[str, str], z: float, ground_z: float) -> None:
+    def _link(self, joint: DrawnJoint, others: Mapping[str, str], z: float, ground_z: float) -> None:
         """A link at a height; its ends are at other bodies where these stand for the ground or for a body of another row."""
         ends = [others.get(name, name) for name in (joint.start, joint.end)]
         offsets = [(0.0, 0.0, ground_z if name == GROUND else z) for name in (joint.start, joint.end)]
-        self.links.append(Link(joint.name, joint.kind, *ends, *offsets))
+        self.links.append(DrawnLink(joint.name, joint.kind, *ends, *offsets))
 
     def _above(self) -> None:
         """Links past other bodies, each in the lowest lane that is free along its length."""
@@ -146,7 +146,7 @@ class Chain:
             lanes[number].append((low, high))
             self._link(joint, {}, self.top + LANE * (number + 1), 0.0)
 
-    def _span(self, joint: Joint) -> tuple[int, int]:
+    def _span(self, joint: DrawnJoint) -> tuple[int, int]:
         """Numbers of its first and last body; equal for a link to the ground."""
         places = [self.number[name] for name in joint.ends if name != GROUND]
         return min(places), max(places)
@@ -159,7 +159,7 @@ class Chain:
                 x = self.places[name] + sign * ((self.width[name] + WALL) / 2 + GAP)
                 height = max(2 * self.top + 0.6, LANE * len(joints) + 0.7)
                 place = (x, 0.0, self.levels[name])
-                self.grounds.append(Body(f"ground {side} of {name}", "ground", place, size=(WALL, 1.2, height)))
+                self.grounds.append(DrawnBody(f"ground {side} of {name}", "ground", place, size=(WALL, 1.2, height)))
                 self._side_by_side(joints, {GROUND: self.grounds[-1].name})
 
     def _block(self, name: str) -> None:
@@ -171,6 +171,6 @@ class Chain:
         middle = (depths[0] + depths[-1]) / 2
         place = (self.places[name] - self.width[name] / 2 - 1.0, 0.0, middle)
         size = (0.16, 0.5, depths[0] - depths[-1] + 0.44)
-        self.grounds.append(Body(f"ground below {name}", "ground", place, size=size))
+        self.grounds.append(DrawnBody(f"ground below {name}", "ground", place, size=size))
         for joint, depth in zip(joints, depths):
             self._link(joint, {GROUND: self.grounds[-1].name}, depth, depth - middle)

@@ -14,7 +14,7 @@ from .bodies import LinkKind
 
 
 @dataclass(frozen=True)
-class Joint:
+class DrawnJoint:
     """A connection that is drawn as one link; ``length`` is its natural x_end - x_start, or None."""
 
     name: str
@@ -33,7 +33,7 @@ class Joint:
         return self.end if body == self.start else self.start
 
 
-def joints_of(model: Iterable[Any]) -> list[Joint]:
+def joints_of(model: Iterable[Any]) -> list[DrawnJoint]:
     """The elements that connect two bodies along or about one axis; a relation x_b - x_a = value counts as a rod."""
     joints = []
     for element in model:
@@ -41,11 +41,11 @@ def joints_of(model: Iterable[Any]) -> list[Joint]:
         length = next((length for length in lengths if length is not None), None)
         if isinstance(element, (elements.Link, elements.RigidTie)):
             kind = element.kind if isinstance(element, elements.Link) else "rod"
-            joints.append(Joint(element.name, kind, element.start, element.end, length))
+            joints.append(DrawnJoint(element.name, kind, element.start, element.end, length))
         elif isinstance(element, elements.Relation) and element.level == "position":
             ends = {factor: name for name, factor in element.coefficients.items()}
             if ends.keys() == {-1.0, 1.0} and len(element.coefficients) == 2:
-                joints.append(Joint(element.name, "rod", ends[-1.0], ends[1.0], length))
+                joints.append(DrawnJoint(element.name, "rod", ends[-1.0], ends[1.0], length))
     return joints
 
 
@@ -65,7 +65,7 @@ def groups(names: Iterable[str], pairs: Iterable[Iterable[str]]) -> list[list[st
     return [[name for name, i in numbers.items() if labels[i] == label] for label in dict.fromkeys(labels.tolist())]
 
 
-def walk(names: list[str], joints: list[Joint], first: str | None = None) -> list[str]:
+def walk(names: list[str], joints: list[DrawnJoint], first: str | None = None) -> list[str]:
     """The names of a group in an order in which neighbours are adjacent where that is possible.
 
     Depth-first from an end, preferably one with a connection that starts at the ground; neighbours connected to the ground
@@ -88,10 +88,10 @@ def walk(names: list[str], joints: list[Joint], first: str | None = None) -> lis
     return list(order)
 
 
-def natural_positions(names: Iterable[str], joints: list[Joint]) -> dict[str, float]:
+def natural_positions(names: Iterable[str], joints: list[DrawnJoint]) -> dict[str, float]:
     """Coordinates at which the connections have their natural lengths."""
     places: dict[str, float] = {}
-    tied: dict[str, list[Joint]] = {name: [] for name in (GROUND, *names)}
+    tied: dict[str, list[DrawnJoint]] = {name: [] for name in (GROUND, *names)}
     for joint in joints:
         if joint.length is not None:
             for end in joint.ends:

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...ground.tolerances import noise_of
-from .bodies import Body, Vector
+from .bodies import DrawnBody, Vector
 from .joints import groups
 from .paths import matrix_of, vector_of
 from .pieces import Piece
@@ -81,7 +81,7 @@ def turned_piece(piece: Piece, directions: Mapping[str, Sequence[float]], gears=
     return piece
 
 
-def _turned_together(piece: Piece, names: Collection[str], first: Body, direction: Sequence[float]) -> Piece:
+def _turned_together(piece: Piece, names: Collection[str], first: DrawnBody, direction: Sequence[float]) -> Piece:
     if first.moves:
         rotation = _frame(direction, None) @ _frame(next(iter(first.moves.values())), None).T
     else:
@@ -101,7 +101,7 @@ def _turned_together(piece: Piece, names: Collection[str], first: Body, directio
     return Piece(tuple(bodies), tuple(links))
 
 
-def direction_of(body: Body) -> np.ndarray:
+def direction_of(body: DrawnBody) -> np.ndarray:
     """The unit vector along which a body is displaced by its first coordinate, or about which that turns it."""
     return _unit(next(iter((*body.moves.values(), *body.turns.values()))))
 

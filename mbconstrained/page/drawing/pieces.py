@@ -11,7 +11,7 @@ import numpy as np
 
 from ...ground.coordinate_units import GROUND
 from ...models.elements import Element, Lever, Pulley, Rack
-from .bodies import Body, Link, Vector
+from .bodies import DrawnBody, DrawnLink, Vector
 
 #: Radius of a pulley, and distance from it down to the load on its rope, drawing units.
 PULLEY, DROP = 0.75, 1.6
@@ -27,15 +27,15 @@ FARTHEST_PIVOT = 4.0
 class Piece:
     """Bodies and links around an origin of their own."""
 
-    bodies: tuple[Body, ...]
-    links: tuple[Link, ...] = ()
+    bodies: tuple[DrawnBody, ...]
+    links: tuple[DrawnLink, ...] = ()
 
     @property
     def names(self) -> frozenset[str]:
         """Names of the bodies."""
         return frozenset(body.name for body in self.bodies)
 
-    def body(self, name: str) -> Body:
+    def body(self, name: str) -> DrawnBody:
         """The body of this name."""
         return next(body for body in self.bodies if body.name == name)
 
@@ -123,28 +123,28 @@ def stacked(pieces: Iterable[Piece], mates: Sequence[Mate]) -> Piece:
     return Piece(tuple(bodies), tuple(links))
 
 
-class Tie(NamedTuple):
+class DrawnTie(NamedTuple):
     """The drawing of a lever, rack or pulley: its own piece, the mates that join it to others, and the links to them."""
 
     piece: Piece | None
     mates: tuple[Mate, ...]
-    links: tuple[Link, ...] = ()
+    links: tuple[DrawnLink, ...] = ()
 
 
-def tie_of(element: Element, home: Mapping[str, Piece], turns_per_metre: float) -> Tie | None:
+def tie_of(element: Element, home: Mapping[str, Piece], turns_per_metre: float) -> DrawnTie | None:
     """The drawing of a lever, rack or pulley."""
     if isinstance(element, Pulley):
         return _pulley_tie(element, turns_per_metre)
     if isinstance(element, Rack):  # runs along the pinion's rim: below it where a positive angle moves it forwards, else above it
         pinion, rack = home[element.gear].body(element.gear), home[element.rack].body(element.rack)
         height = (pinion.size[2] + rack.size[2]) / 2 + 0.04
-        return Tie(None, (Mate(element.gear, element.rack, (0.0, 0.0, -height if element.radius > 0 else height)),))
+        return DrawnTie(None, (Mate(element.gear, element.rack, (0.0, 0.0, -height if element.radius > 0 else height)),))
     if isinstance(element, Lever) and home[element.start] is not home[element.end]:
         return _lever_tie(element, home[element.start], home[element.end])
     return None
 
 
-def _lever_tie(lever: Lever, start: Piece, end: Piece) -> Tie | None:
+def _lever_tie(lever: Lever, start: Piece, end: Piece) -> DrawnTie | None:
     """An upright bar through a pivot: its ends move to the sides in the ratio of the arms."""
     span = lever.start_arm + lever.end_arm
     if max(abs(lever.start_arm), abs(lever.end_arm)) > FARTHEST_PIVOT * abs(span):
@@ -152,13 +152,13 @@ def _lever_tie(lever: Lever, start: Piece, end: Piece) -> Tie | None:
     below, above = start.body(lever.start).rest[2] - start.corners[0, 2], end.corners[1, 2] - end.body(lever.end).rest[2]
     room = below + above + 0.7
     up, down = room * lever.start_arm / span, room * lever.end_arm / span
-    pivot = Body(f"pivot of {lever.name}", "ground", size=(0.3, 0.5, 0.16))
+    pivot = DrawnBody(f"pivot of {lever.name}", "ground", size=(0.3, 0.5, 0.16))
     mates = (Mate(pivot.name, lever.start, (0.0, 0.0, up)), Mate(pivot.name, lever.end, (0.0, 0.0, -down)))
-    links = tuple(Link(lever.name, "rod", pivot.name, name) for name in (lever.start, lever.end))
-    return Tie(Piece((pivot,)), mates, links)
+    links = tuple(DrawnLink(lever.name, "rod", pivot.name, name) for name in (lever.start, lever.end))
+    return DrawnTie(Piece((pivot,)), mates, links)
 
 
-def _pulley_tie(pulley: Pulley, turns_per_metre: float) -> Tie:
+def _pulley_tie(pulley: Pulley, turns_per_metre: float) -> DrawnTie:
     """A wheel with a rope over it, on the ceiling or on a body; the loads on its ends move up and down."""
     name, carrier = f"wheel of {pulley.name}", pulley.over
     turns = {pulley.start: (0.0, turns_per_metre, 0.0)}
@@ -166,14 +166,14 @@ def _pulley_tie(pulley: Pulley, turns_per_metre: float) -> Tie:
     moves, ceiling = {}, []
     if carrier == GROUND:
         carrier = f"ceiling of {pulley.name}"
-        ceiling = [Body(carrier, "ground", (0.0, 0.0, PULLEY + 0.6), size=(1.6, 0.9, 0.2))]
+        ceiling = [DrawnBody(carrier, "ground", (0.0, 0.0, PULLEY + 0.6), size=(1.6, 0.9, 0.2))]
     else:
         moves = {carrier: (0.0, 0.0, 1.0)}
         turns[carrier] = (0.0, -turns_per_metre, 0.0)
         mates.append(Mate(name, carrier, (0.0, 0.0, PULLEY + 0.8)))
-    wheel = Body(name, "disc", moves=moves, turns=turns, size=(2 * PULLEY, 0.2, 2 * PULLEY), color="#d9dfe5", label="")
+    wheel = DrawnBody(name, "disc", moves=moves, turns=turns, size=(2 * PULLEY, 0.2, 2 * PULLEY), color="#d9dfe5", label="")
     links = (
-        Link(f"{pulley.name}, hanger", "rod", carrier, name, offset=(0.0, 0.14, 0.0)),
-        Link(pulley.name, "belt", pulley.start, pulley.end, over=name),
+        DrawnLink(f"{pulley.name}, hanger", "rod", carrier, name, offset=(0.0, 0.14, 0.0)),
+        DrawnLink(pulley.name, "belt", pulley.start, pulley.end, over=name),
     )
-    return Tie(Piece((wheel, *ceiling)), tuple(mates), links)
+    return DrawnTie(Piece((wheel, *ceiling)), tuple(mates), links)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .bodies import Body, Drawing, Link, Solid
+from .bodies import Drawing, DrawnBody, DrawnLink, Solid
 from .paths import Path
 
 #: Shares of the robot's size: thickness of plates, least width of the base plate, width of the plates under fixed points, height of a
@@ -52,12 +52,12 @@ def robot_drawing(
     for name, path in paths.items():
         own = solids.get(name) or [ball] * (shapeless or name in connected)
         further = {"collision": tuple((collision or {}).get(name, ())), "ellipsoid": placements.get(name)}
-        bodies.append(Body(name, "solids", solids=tuple(own), path=path, label=None if own else "", **further))
+        bodies.append(DrawnBody(name, "solids", solids=tuple(own), path=path, label=None if own else "", **further))
     bodies += [_plate(points, paths, size)] if fixed else []
     ends = [_ends(row, points, _MOUNT * size) for row in connections]
     bodies += _pads(connections, ends, size)
     if "ground" not in paths:
-        bodies.append(Body("ground", "solids", label=""))
+        bodies.append(DrawnBody("ground", "solids", label=""))
     return Drawing(tuple(bodies), tuple(_links(connections, ends)), scale, note=note)
 
 
@@ -104,7 +104,7 @@ def _mesh_of(visual: Any, full: bool) -> dict[str, Any]:
     return {"vertices": vertices, "faces": faces, "image": image, "places": places}
 
 
-def _plate(points: Mapping[str, np.ndarray], paths: Mapping[str, Path], size: float) -> Body:
+def _plate(points: Mapping[str, np.ndarray], paths: Mapping[str, Path], size: float) -> DrawnBody:
     """A plate under the first link, which is the root, or over it where the other links hang from it."""
     names = list(points)
     rests = bool(names) and not paths[names[0]].moves
@@ -116,7 +116,7 @@ def _plate(points: Mapping[str, np.ndarray], paths: Mapping[str, Path], size: fl
     thickness = _PLATE * size
     level = high[2] + thickness / 2 if hangs else low[2] - thickness / 2
     middle = (low + high) / 2
-    return Body(BASE_PLATE, "base", (middle[0], middle[1], level), size=(width, depth, thickness))
+    return DrawnBody(BASE_PLATE, "base", (middle[0], middle[1], level), size=(width, depth, thickness))
 
 
 _Point = tuple[float, ...]
@@ -132,16 +132,16 @@ def _ends(row: Any, points: Mapping[str, np.ndarray], height: float) -> tuple[_P
     return tuple(ends[0]), tuple(ends[1])
 
 
-def _pads(connections: tuple[Any, ...], ends: Sequence[tuple[_Point, _Point]], size: float) -> list[Body]:
+def _pads(connections: tuple[Any, ...], ends: Sequence[tuple[_Point, _Point]], size: float) -> list[DrawnBody]:
     """A small plate under each point that is fixed to the ground."""
     attached = [(name, point) for row, two in zip(connections, ends) for name, point in zip((row.body1, row.body2), two)]
     points = dict.fromkeys(point for name, point in attached if name == "ground")
     width, thickness = _PAD * size, _PLATE * size
     places = [(x, y, z - thickness / 2) for x, y, z in points]
-    return [Body(f"{PAD} {i}", "base", place, size=(width, width, thickness)) for i, place in enumerate(places, start=1)]
+    return [DrawnBody(f"{PAD} {i}", "base", place, size=(width, width, thickness)) for i, place in enumerate(places, start=1)]
 
 
-def _links(connections: tuple[Any, ...], ends: Sequence[tuple[_Point, _Point]]) -> Iterable[Link]:
+def _links(connections: tuple[Any, ...], ends: Sequence[tuple[_Point, _Point]]) -> Iterable[DrawnLink]:
     between: dict[tuple, list[Any]] = {}
     for row, points in zip(connections, ends):
         kind = "strut" if row.kind in ("spring", "damper") else row.kind
@@ -149,7 +149,7 @@ def _links(connections: tuple[Any, ...], ends: Sequence[tuple[_Point, _Point]]) 
     for (_, start, end, start_point, end_point), rows in between.items():
         kinds = {row.kind for row in rows}
         kind = "strut" if kinds == {"spring", "damper"} else rows[0].kind
-        yield Link(rows[0].name, kind, start, end, start_point=start_point, end_point=end_point)
+        yield DrawnLink(rows[0].name, kind, start, end, start_point=start_point, end_point=end_point)
 
 
 def link_points(solids: Mapping[str, Sequence[Solid]], poses: Mapping[str, Any]) -> dict[str, np.ndarray]:

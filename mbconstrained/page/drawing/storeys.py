@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from ...ground.coordinate_units import GROUND
-from .bodies import Body, Link
-from .joints import Joint
+from .bodies import DrawnBody, DrawnLink
+from .joints import DrawnJoint
 from .pieces import Piece
 
 #: Extent of a slab, distance from slab to slab, and distance of the columns from the middle, drawing units.
@@ -29,15 +29,15 @@ def are_storeys(names: Sequence[str]) -> bool:
     return len(names) > 1 and all(_NAME.fullmatch(name) for name in names)
 
 
-def storeys(order: Sequence[str], joints: Sequence[Joint]) -> Piece:
+def storeys(order: Sequence[str], joints: Sequence[DrawnJoint]) -> Piece:
     """The piece of a building.
 
     A spring or rod is two columns, which lean as it is stretched, a damper is a brace.
     """
     levels = {GROUND: 0.0} | {name: STOREY * (number + 1) for number, name in enumerate(order)}
-    base = Body("ground", "base", (0.0, 0.0, -SLAB[2] / 2), size=(SLAB[0] + 1.0, SLAB[1] + 0.6, 0.1))
-    slabs = [Body(name, "box", (0.0, 0.0, levels[name]), {name: (1.0, 0.0, 0.0)}, size=SLAB) for name in order]
-    links: list[Link] = []
+    base = DrawnBody("ground", "base", (0.0, 0.0, -SLAB[2] / 2), size=(SLAB[0] + 1.0, SLAB[1] + 0.6, 0.1))
+    slabs = [DrawnBody(name, "box", (0.0, 0.0, levels[name]), {name: (1.0, 0.0, 0.0)}, size=SLAB) for name in order]
+    links: list[DrawnLink] = []
     drawn: dict[tuple[str, str], int] = {}
     for joint in joints:
         if joint.ends <= levels.keys():
@@ -48,18 +48,18 @@ def storeys(order: Sequence[str], joints: Sequence[Joint]) -> Piece:
     return Piece((base, *slabs), tuple(links))
 
 
-def columns(order: Sequence[str]) -> list[Joint]:
+def columns(order: Sequence[str]) -> list[DrawnJoint]:
     """Connections from each storey to the next one, where only the coordinates of the storeys are known."""
-    return [Joint(f"columns of {high}", "rod", low, high, None) for low, high in pairwise((GROUND, *order))]
+    return [DrawnJoint(f"columns of {high}", "rod", low, high, None) for low, high in pairwise((GROUND, *order))]
 
 
-def _joined(joint: Joint, low: str, high: str, back: float, *, far: bool) -> list[Link]:
+def _joined(joint: DrawnJoint, low: str, high: str, back: float, *, far: bool) -> list[DrawnLink]:
     """A connection of two storeys, so much further back."""
     bottom, top = (0.05 if low == GROUND else SLAB[2] / 2), -SLAB[2] / 2
     kind = "rod" if joint.kind in ("spring", "rod") and not far else joint.kind
     lines = [(-COLUMN, -COLUMN), (COLUMN, COLUMN)] if kind == "rod" else [(-0.7 * COLUMN, 0.7 * COLUMN)]
     return [
-        Link(
+        DrawnLink(
             joint.name if side == 0 else f"{joint.name}, right",
             kind,
             "ground" if low == GROUND else low,

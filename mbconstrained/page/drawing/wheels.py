@@ -13,8 +13,8 @@ import numpy as np
 
 from ...ground.coordinate_units import GROUND
 from ...models.elements import Gear
-from .bodies import Body, Link, Shape, Vector
-from .joints import Joint, groups, walk
+from .bodies import DrawnBody, DrawnLink, Shape, Vector
+from .joints import DrawnJoint, groups, walk
 from .pieces import Piece
 
 #: Distances from body to body along a shaft, from a shaft to its wall, and between unconnected shafts, drawing units.
@@ -43,7 +43,7 @@ class Train:
         racked: the bodies with a rack below them.
     """
 
-    def __init__(self, names: list[str], massless: frozenset[str], joints: list[Joint], gears: list[Gear], racked=frozenset()):
+    def __init__(self, names: list[str], massless: frozenset[str], joints: list[DrawnJoint], gears: list[Gear], racked=frozenset()):
         self.massless = massless
         self.racked = racked
         self.joints = [joint for joint in joints if joint.ends <= {GROUND, *names}]
@@ -66,7 +66,7 @@ class Train:
             edge = max(axis[0] for axis in self.axes.values()) + SHAFT_GAP
         drawn = {name: self._bodies(name) for shaft in self.shafts for name in shaft}
         anchors = [self._anchor(name, own[0]) for name, own in drawn.items()]
-        inner = (Link(joint.name, joint.kind, joint.start, joint.end) for joint in self.joints if GROUND not in joint.ends)
+        inner = (DrawnLink(joint.name, joint.kind, joint.start, joint.end) for joint in self.joints if GROUND not in joint.ends)
         bodies = (body for own in (*drawn.values(), *(anchor.bodies for anchor in anchors)) for body in own)
         return Piece(tuple(bodies), (*inner, *(link for anchor in anchors for link in anchor.links)))
 
@@ -113,7 +113,7 @@ class Train:
     def _middle(self, name: str) -> np.ndarray:
         return self.axes[self.shaft_of[name]] + self._along(name)
 
-    def _bodies(self, name: str) -> list[Body]:
+    def _bodies(self, name: str) -> list[DrawnBody]:
         """The wheels of a body, of which only the first has its name, or a disc."""
         own = [wheel for wheel in self.wheels if wheel.body == name]
         if own:
@@ -121,39 +121,39 @@ class Train:
             return [own[0].drawn, *further]
         radius, color = (SMALL, "#ffffff") if name in self.massless else (DISC, None)
         size = (2 * radius, THICKNESS, 2 * radius)
-        return [Body(name, "disc", tuple(self._middle(name)), turns={name: (0.0, -1.0, 0.0)}, size=size, color=color)]
+        return [DrawnBody(name, "disc", tuple(self._middle(name)), turns={name: (0.0, -1.0, 0.0)}, size=size, color=color)]
 
-    def _anchor(self, name: str, body: Body) -> Piece:
+    def _anchor(self, name: str, body: DrawnBody) -> Piece:
         """The links of a body to the ground: to a wall behind the first of several on a shaft, else to blocks around it."""
         grounded = [joint for joint in self.joints if joint.ends == {name, GROUND}]
         shaft = self.shaft_of[name]
         if name != shaft[0] or len(shaft) == 1:
             return _blocks_around(body, grounded, up=1 if name in self.racked else -1)
-        wall = Body(f"ground behind {body.name}", "ground", _relative(body, y=WALL_DISTANCE), size=(1.3, 0.16, 1.3))
-        links = tuple(Link(joint.name, joint.kind, wall.name, body.name) for joint in grounded)
+        wall = DrawnBody(f"ground behind {body.name}", "ground", _relative(body, y=WALL_DISTANCE), size=(1.3, 0.16, 1.3))
+        links = tuple(DrawnLink(joint.name, joint.kind, wall.name, body.name) for joint in grounded)
         return Piece((wall,), links) if links else Piece(())
 
 
-def _blocks_around(body: Body, joints: list[Joint], up: int) -> Piece:
+def _blocks_around(body: DrawnBody, joints: list[DrawnJoint], up: int) -> Piece:
     """Springs as spirals in front of the body, on studs from below (up = -1) or above; dampers as brakes on its rim."""
     bodies, links = [], []
     brakes = [joint for joint in joints if joint.kind == "torsion damper"]
     springs = [joint for joint in joints if joint not in brakes]
     radius = body.size[0] / 2
     if springs:
-        bodies.append(Body(f"ground at {body.name}", "ground", _relative(body, z=up * (radius + 0.45)), size=(0.7, 0.9, 0.2)))
+        bodies.append(DrawnBody(f"ground at {body.name}", "ground", _relative(body, z=up * (radius + 0.45)), size=(0.7, 0.9, 0.2)))
     for i, joint in enumerate(springs):
         front = -THICKNESS / 2 - 0.13 * (i + 1)
         stud = (0.0, front, -up * (0.28 * radius + 0.45))
-        links.append(Link(joint.name, joint.kind, bodies[0].name, body.name, stud, (0.0, front, 0.0)))
+        links.append(DrawnLink(joint.name, joint.kind, bodies[0].name, body.name, stud, (0.0, front, 0.0)))
     for side, joint in zip((-1, 1, -1, 1), brakes):
         block = f"ground of {joint.name}"
-        bodies.append(Body(block, "ground", _relative(body, x=side * (radius + 0.7)), size=(0.18, 0.5, 0.6)))
-        links.append(Link(joint.name, joint.kind, block, body.name, end_offset=(side * radius, 0.0, 0.0)))
+        bodies.append(DrawnBody(block, "ground", _relative(body, x=side * (radius + 0.7)), size=(0.18, 0.5, 0.6)))
+        links.append(DrawnLink(joint.name, joint.kind, block, body.name, end_offset=(side * radius, 0.0, 0.0)))
     return Piece(tuple(bodies), tuple(links))
 
 
-def _relative(body: Body, *, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> tuple:
+def _relative(body: DrawnBody, *, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> tuple:
     return tuple(np.array(body.rest) + (x, y, z))
 
 
@@ -170,12 +170,12 @@ class Wheel:
     ring: bool = False
 
     @property
-    def drawn(self) -> Body:
+    def drawn(self) -> DrawnBody:
         """The wheel as a body, turning with the coordinate of its body."""
         size, rest_turn = (2 * self.radius, THICKNESS, 2 * self.radius), (0.0, -self.phase, 0.0)
         turns = {self.body: (0.0, -1.0, 0.0)}
         shape: Shape = "ring" if self.ring else "gear"
-        return Body(self.body, shape, self.middle, turns=turns, size=size, rest_turn=rest_turn, teeth=self.teeth)
+        return DrawnBody(self.body, shape, self.middle, turns=turns, size=size, rest_turn=rest_turn, teeth=self.teeth)
 
 
 def _meshing(first: Wheel, body: str, nominal: float, direction: float, internal: bool) -> Wheel:

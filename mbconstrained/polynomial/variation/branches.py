@@ -18,11 +18,11 @@ from scipy.sparse.csgraph import connected_components
 
 from ...ground.errors import InputError
 from ...ground.tolerances import BRANCH_RESOLUTION, CLEAR_ASSIGNMENT, SAME_BRANCH
-from .spectrum import Spectrum, modal_coordinates, refined_values, spectrum_of
+from .spectrum import VariedSpectrum, modal_coordinates, refined_values, spectrum_of
 
 
 @dataclass(frozen=True, eq=False)
-class Family:
+class MatrixFamily:
     """A(s; p) = A(s; 0) + p A_p(s), or any other function of p with its derivative.
 
     Attributes:
@@ -38,7 +38,7 @@ class Family:
     knots: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @staticmethod
-    def linear(base: np.ndarray, slope: np.ndarray) -> Family:
+    def linear(base: np.ndarray, slope: np.ndarray) -> MatrixFamily:
         """A_0 + p A_1 of constant matrices.
 
         Args:
@@ -47,7 +47,7 @@ class Family:
         Returns:
             The family.
         """
-        return Family(lambda p: base + p * slope, lambda p: slope, (base != 0).any(axis=0) | (slope != 0).any(axis=0))
+        return MatrixFamily(lambda p: base + p * slope, lambda p: slope, (base != 0).any(axis=0) | (slope != 0).any(axis=0))
 
     @property
     def parts(self) -> list[np.ndarray]:
@@ -75,11 +75,11 @@ class Branches:
 
 
 @dataclass(frozen=True, eq=False)
-class Point:
+class SpectrumPoint:
     """A spectrum at p, with all couplings of the first order."""
 
     parameter: float
-    spectrum: Spectrum
+    spectrum: VariedSpectrum
     coupling: np.ndarray
 
     @property
@@ -92,12 +92,12 @@ class Point:
         """ds/dp, shape (m,)."""
         return self.coupling.diagonal()
 
-    def ordered(self, order: np.ndarray) -> Point:
+    def ordered(self, order: np.ndarray) -> SpectrumPoint:
         """The same with its eigenvalues in another order, shape (m,)."""
-        return Point(self.parameter, self.spectrum.ordered(order), self.coupling[np.ix_(order, order)])
+        return SpectrumPoint(self.parameter, self.spectrum.ordered(order), self.coupling[np.ix_(order, order)])
 
 
-def followed(family: Family, parameters: np.ndarray) -> Branches:
+def followed(family: MatrixFamily, parameters: np.ndarray) -> Branches:
     """The branches of all eigenvalues over ascending values of the parameter."""
     parts = [FamilyPart(family, at, parameters) for at in family.parts]
     chains = [part.chain(parameters) for part in parts]
@@ -128,7 +128,7 @@ class FamilyPart:
         evaluations: how many spectra were computed.
     """
 
-    def __init__(self, family: Family, places: np.ndarray | None, parameters: np.ndarray):
+    def __init__(self, family: MatrixFamily, places: np.ndarray | None, parameters: np.ndarray):
         places = np.arange(len(family.pattern)) if places is None else places
         self.family, self.places, self.evaluations = family, places, 0
         first, *others = (self.block(family.at(float(p))) for p in (*parameters[[0, -1]], *family.knots))
@@ -143,7 +143,7 @@ class FamilyPart:
         """The rows and columns of this part, shape (3, k, k)."""
         return matrices[:, self.places[:, None], self.places]
 
-    def chain(self, parameters: np.ndarray) -> list[Point]:
+    def chain(self, parameters: np.ndarray) -> list[SpectrumPoint]:
         """A point for each parameter, every branch in its place."""
         points = [self.point(float(parameters[0]))]
         if self.is_constant:
@@ -154,7 +154,7 @@ class FamilyPart:
             points.append(following.ordered(self._connected(points[-1], following, resolution)))
         return points
 
-    def point(self, parameter: float) -> Point:
+    def point(self, parameter: float) -> SpectrumPoint:
         """The spectrum at p."""
         self.evaluations += 1
         coefficients, slope = (self.block(matrices(parameter)) for matrices in (self.family.at, self.family.slope))
@@ -162,14 +162,14 @@ class FamilyPart:
             K, M = np.diag(self.stiffness), np.eye(len(self.basis))
             coefficients = np.array([K, _congruent(coefficients[1], self.basis), M])
             slope = np.array([_congruent(matrix, self.basis) for matrix in slope])
-        return Point(parameter, *spectrum_of(list(coefficients)).turned(slope))
+        return SpectrumPoint(parameter, *spectrum_of(list(coefficients)).turned(slope))
 
     @property
     def is_conservative(self) -> bool:
         """Whether M and K are symmetric and do not depend on p, M positive definite and K positive semidefinite."""
         return self.basis is not None
 
-    def refined(self, point: Point, branch: int) -> complex:
+    def refined(self, point: SpectrumPoint, branch: int) -> complex:
         """An eigenvalue with what rounding errors of other ones take away (``refined_values``)."""
         s = point.spectrum
         right, left = s.right[:, [branch]], s.left[[branch]]
@@ -177,11 +177,11 @@ class FamilyPart:
             right, left = self.basis @ right, left @ self.basis.T
         return complex(refined_values(list(self.block(self.family.at(point.parameter))), s.values[[branch]], right, left)[0])
 
-    def shapes(self, point: Point) -> np.ndarray:
+    def shapes(self, point: SpectrumPoint) -> np.ndarray:
         """In the coordinates of the family, shape (n, m)."""
         return point.spectrum.right if self.basis is None else self.basis @ point.spectrum.right
 
-    def _connected(self, a: Point, b: Point, resolution: float) -> np.ndarray:
+    def _connected(self, a: SpectrumPoint, b: SpectrumPoint, resolution: float) -> np.ndarray:
         """The places at b of the branches at a."""
         if a.values.size != b.values.size:
             raise InputError(
@@ -205,7 +205,7 @@ def _congruent(matrix: np.ndarray, basis: np.ndarray) -> np.ndarray:
     return result
 
 
-def _assigned(a: Point, b: Point) -> tuple[np.ndarray, bool]:
+def _assigned(a: SpectrumPoint, b: SpectrumPoint) -> tuple[np.ndarray, bool]:
     """The places at b of the branches at a, and whether no other assignment is possible."""
     half, noise = (b.parameter - a.parameter) / 2, a.spectrum.noise + b.spectrum.noise
     with np.errstate(invalid="ignore", over="ignore"):
@@ -225,7 +225,7 @@ def _assigned(a: Point, b: Point) -> tuple[np.ndarray, bool]:
     return order, bool((clear | equal).all()) and not _may_veer(a, b.ordered(order), noise)
 
 
-def _may_veer(a: Point, b: Point, noise: float) -> bool:
+def _may_veer(a: SpectrumPoint, b: SpectrumPoint, noise: float) -> bool:
     """Whether two coupled branches change places between both points."""
     first, last = (point.values[:, None] - point.values for point in (a, b))
     places = np.argwhere(np.triu((first * last.conj()).real < 0, 1))

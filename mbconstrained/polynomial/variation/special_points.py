@@ -18,7 +18,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...ground.tolerances import EPS, NEWTON_STEP, noise_of
-from .branches import Branches, Family, FamilyPart
+from .branches import Branches, FamilyPart, MatrixFamily
 
 #: Most steps of Newton's method.
 STEPS = 30
@@ -69,7 +69,7 @@ def located(
     return None
 
 
-def stability_limits(family: Family, parameters: np.ndarray, values: np.ndarray) -> tuple[float, ...]:
+def stability_limits(family: MatrixFamily, parameters: np.ndarray, values: np.ndarray) -> tuple[float, ...]:
     """The parameters at which the real part of an eigenvalue changes its sign, by Newton's method on its branch."""
     part, limits, span = FamilyPart(family, None, parameters), [], float(np.ptp(parameters))
     noise = noise_of(float(np.abs(values).max(initial=0.0)), len(family.pattern))
@@ -84,7 +84,7 @@ def stability_limits(family: Family, parameters: np.ndarray, values: np.ndarray)
     return tuple(sorted(limits))
 
 
-def break_points(family: Family, branches: Branches) -> tuple[BreakPoint, ...]:
+def break_points(family: MatrixFamily, branches: Branches) -> tuple[BreakPoint, ...]:
     """The break points between the parameters of branches.
 
     Near one (s_i - s_j)^2 is a smooth function of p that changes its sign; at a crossing of two modes it does not. Two chains of one
@@ -100,12 +100,14 @@ def break_points(family: Family, branches: Branches) -> tuple[BreakPoint, ...]:
     return tuple(sorted(points, key=lambda point: point.parameter))
 
 
-def _part(family: Family, places: np.ndarray) -> Family:
+def _part(family: MatrixFamily, places: np.ndarray) -> MatrixFamily:
     rows = places[:, None]
-    return Family(lambda p: family.at(p)[:, rows, places], lambda p: family.slope(p)[:, rows, places], family.pattern[rows, places])
+    return MatrixFamily(
+        lambda p: family.at(p)[:, rows, places], lambda p: family.slope(p)[:, rows, places], family.pattern[rows, places]
+    )
 
 
-def _of_part(family: Family, parameters: np.ndarray, values: np.ndarray) -> list[BreakPoint]:
+def _of_part(family: MatrixFamily, parameters: np.ndarray, values: np.ndarray) -> list[BreakPoint]:
     """Those of coupled coordinates."""
     points: list[BreakPoint] = []
     for i, j in zip(*np.triu_indices(values.shape[1], 1)):
@@ -132,7 +134,7 @@ def _known(point: BreakPoint, points: list[BreakPoint]) -> bool:
     )
 
 
-def _break_point(family: Family, p: float, s: complex) -> BreakPoint | None:
+def _break_point(family: MatrixFamily, p: float, s: complex) -> BreakPoint | None:
     """Newton's method on (g, g_s) over Re s, Im s and p, all real, from four real rows, which are consistent at a break point."""
     if abs(s.imag) <= NEWTON_STEP * abs(s):
         s = complex(s.real)
@@ -158,7 +160,7 @@ def _break_point(family: Family, p: float, s: complex) -> BreakPoint | None:
 class _Border:
     """b and c, the vectors of the smallest singular value of A(s; p), and with them (g, g_s) and their derivatives."""
 
-    def __init__(self, family: Family, p: float, s: complex):
+    def __init__(self, family: MatrixFamily, p: float, s: complex):
         K, C, M = family.at(p)
         left, _, right = np.linalg.svd(K + s * C + s * s * M)
         scale = np.abs(K).max() + abs(s) * np.abs(C).max() + abs(s) ** 2 * np.abs(M).max()

@@ -24,7 +24,7 @@ from ..polynomial_matrix import PolynomialMatrix
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum:
+class VariedSpectrum:
     """The finite eigenvalues of A(s), conjugates included, with vectors that are normalized by A(s)^-1.
 
     Attributes:
@@ -56,7 +56,7 @@ class Spectrum:
         zero = np.zeros_like(self.right)
         return -self.left @ sum((matrix @ motion for matrix, motion in zip(slope, motions) if matrix.any()), zero)
 
-    def mapped(self, states: np.ndarray, rows: np.ndarray) -> Spectrum:
+    def mapped(self, states: np.ndarray, rows: np.ndarray) -> VariedSpectrum:
         """The vectors combined.
 
         Args:
@@ -67,14 +67,14 @@ class Spectrum:
             The spectrum with these vectors.
         """
         right, velocity = (matrix @ states for matrix in (self.right, self.velocity))
-        return Spectrum(self.values, right, velocity, rows @ self.left, self.states @ states, rows @ self.rows, self.noise)
+        return VariedSpectrum(self.values, right, velocity, rows @ self.left, self.states @ states, rows @ self.rows, self.noise)
 
-    def ordered(self, order: np.ndarray) -> Spectrum:
+    def ordered(self, order: np.ndarray) -> VariedSpectrum:
         """The same in another order, shape (m,)."""
         right, velocity, states = (matrix[:, order] for matrix in (self.right, self.velocity, self.states))
-        return Spectrum(self.values[order], right, velocity, self.left[order], states, self.rows[order], self.noise)
+        return VariedSpectrum(self.values[order], right, velocity, self.left[order], states, self.rows[order], self.noise)
 
-    def turned(self, slope: np.ndarray) -> tuple[Spectrum, np.ndarray]:
+    def turned(self, slope: np.ndarray) -> tuple[VariedSpectrum, np.ndarray]:
         """The vectors of equal eigenvalues combined so that they are limits of those for p + dp, and all couplings.
 
         Args:
@@ -128,7 +128,7 @@ def modal_coordinates(M: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndar
     return shapes, stiffness
 
 
-def spectrum_of(coefficients: Sequence[np.ndarray]) -> Spectrum:
+def spectrum_of(coefficients: Sequence[np.ndarray]) -> VariedSpectrum:
     """All finite eigenvalues of A(s) with both vectors.
 
     The states are (w x, x'), w^2 = K_ii / M_ii, so that nothing is larger than the fastest rate. Displacements without stiffness, those of
@@ -155,7 +155,7 @@ def spectrum_of(coefficients: Sequence[np.ndarray]) -> Spectrum:
     right = velocity / np.where(np.abs(values) > noise, values, 1.0)
     right[elastic] = states[:m] / rates[:, None]
     left = rows[:, m:] if unit else np.linalg.solve(M.T, rows[:, m:].T).T
-    return Spectrum(values, right, velocity, left, states, rows, noise)
+    return VariedSpectrum(values, right, velocity, left, states, rows, noise)
 
 
 def _decoupled(S: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
@@ -178,12 +178,12 @@ def _decoupled(S: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float
     return values, states, rows, CLUSTER_SAFETY * EPS * float(np.abs(values).max(initial=0.0))
 
 
-def _by_pairs(A: PolynomialMatrix) -> Spectrum:
+def _by_pairs(A: PolynomialMatrix) -> VariedSpectrum:
     """From the finite Jordan pair (C, J, B), which exists for singular M: right vectors C V, left ones V^-1 B."""
     pair = A.jordan_pairs().finite
     values, states, rows, noise = _decoupled(pair.J)
     right = pair.C @ states
-    return Spectrum(values, right, right * values, rows @ pair.B, states, rows, noise)
+    return VariedSpectrum(values, right, right * values, rows @ pair.B, states, rows, noise)
 
 
 def refined_values(coefficients: Sequence[np.ndarray], values: np.ndarray, right: np.ndarray, left: np.ndarray) -> np.ndarray:

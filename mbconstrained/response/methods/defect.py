@@ -22,7 +22,7 @@ from ...linalg.arrays import full
 from ...linalg.blocks import block_slices
 from ...linalg.exponential.block_exponential import block_states
 from ..flow import Flow
-from .modal_bounds import Modes, folded
+from .modal_bounds import BoundedModes, folded
 
 #: Rounding errors of a sum of modes in units of EPS, relative to the size of its terms, with and without clusters; and those of a
 #: mode for each radian.
@@ -215,10 +215,10 @@ class Defect:
         return np.repeat(modes.stretch * modes.sizes, np.diff(np.append(modes.starts, len(modes.J))))
 
     @cached_property
-    def _modes(self) -> Modes | None:
+    def _modes(self) -> BoundedModes | None:
         """None where a bound of e^(J t) is not known."""
         if self.before is None:
-            return Modes.of(self.flow.states.blocks, self._start)
+            return BoundedModes.of(self.flow.states.blocks, self._start)
         return replace(self.before._modes, sizes=np.hypot.reduceat(np.abs(self._start), self.before._modes.starts))
 
     @cached_property

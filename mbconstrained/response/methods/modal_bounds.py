@@ -10,7 +10,7 @@ from ...linalg.blocks import block_matrix
 
 
 @dataclass(frozen=True, eq=False)
-class Modes:
+class BoundedModes:
     """J and v with what bounds e^(J t) v. An oscillating pair is one row of the bounds, which has the norms of both of its states.
 
     Attributes:
@@ -34,7 +34,7 @@ class Modes:
     links: np.ndarray | None
 
     @classmethod
-    def of(cls, blocks: tuple[np.ndarray, ...], v: np.ndarray) -> Modes | None:
+    def of(cls, blocks: tuple[np.ndarray, ...], v: np.ndarray) -> BoundedModes | None:
         """Of e^(J t) v.
 
         Args:

@@ -22,7 +22,7 @@ import numpy as np
 from ...ground.tolerances import EPS
 from ...linalg.arrays import full
 from ...linalg.exponential.block_exponential import BlockGroups, block_states
-from ...linalg.exponential.recursion import Modes, advance, powers, scanned, shared_gaps
+from ...linalg.exponential.recursion import ModalBasis, advance, powers, scanned, shared_gaps
 from ...signals.restarts import as_slice
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ TOGETHER = 64
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
+class RecordFlow:
     """A flow whose short gaps one table serves.
 
     Attributes:
@@ -68,20 +68,20 @@ class Record:
     """
 
     flow: Flow
-    modes: Modes
+    modes: ModalBasis
     middle: float
     long: np.ndarray
     parts: int = 1
 
     @staticmethod
-    def of(flow: Flow) -> Record | None:
+    def of(flow: Flow) -> RecordFlow | None:
         """None where gaps are few, or long relative to the motion."""
         gaps, states = flow.force.smooth.restarts.gaps, flow.force.smooth.restarts.states
         if (
             len(gaps) < FEWEST_KNOTS or flow.force.later or not len(states) or not len(flow.start)
         ):  # no force, or nothing that moves
             return None
-        modes = Modes.of(flow.reduction.decoupled)
+        modes = ModalBasis.of(flow.reduction.decoupled)
         short = gaps * flow.norm <= (SHORT if len(modes.rest) else SHORT * PARTS)
         short &= gaps * min(modes.rates.real.max(initial=0.0), flow.norm) <= SHORT
         long = np.append(~short, True)
@@ -90,7 +90,7 @@ class Record:
             return None
         longest = float(gaps[short].max())
         parts = max(1, ceil(longest * flow.norm / SHORT))
-        record = Record(flow, modes, longest / (2 * parts), long, parts)
+        record = RecordFlow(flow, modes, longest / (2 * parts), long, parts)
         if long[:-1].any() or (record.gaps != record.gaps[0]).any():
             return record
         return EvenRecord(flow, modes, record.middle, long, parts)
@@ -302,7 +302,7 @@ class Record:
             yield as_slice(places[begin : begin + width])
 
 
-class EvenRecord(Record):
+class EvenRecord(RecordFlow):
     """A flow whose gaps are all short and of one length; the first of ``states`` are those of each group of knots."""
 
     def _modes_from(self, first) -> np.ndarray:

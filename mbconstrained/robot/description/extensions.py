@@ -19,9 +19,9 @@ from ..connections import Bushing, Loop
 from ..flexible_joint import Motor
 from .joints import (
     WORLD,
-    Axis,
     Content,
     Joint,
+    JointAxis,
     add_joint,
     add_loop,
     amount,
@@ -212,7 +212,7 @@ def _add_drake_joints(root: Element, content: Content) -> set[str]:
         if kind == "ball" and damping:
             content.leave_out(f'damping of "{short(name)}"', True)
         directions = {"universal": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "screw": [axis_of(element, where)], "ball": []}[kind]
-        axes = [Axis(np.array(direction) / np.linalg.norm(direction), damping=damping) for direction in directions]
+        axes = [JointAxis(np.array(direction) / np.linalg.norm(direction), damping=damping) for direction in directions]
         pitch = next((_value(part) for part in element if local_name(part) == "screw_thread_pitch"), "0")
         joint = Joint(name, kind, parent, child, origin_of(element, where), axes, number(pitch, f"{where}, pitch") / (2 * np.pi))
         add_joint(root, joint, {parent: placement((0, 0, 0)), child: joint.place}, content)

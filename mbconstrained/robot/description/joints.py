@@ -136,7 +136,7 @@ def angles_of(place) -> list[float]:
 
 
 @dataclass
-class Axis:
+class JointAxis:
     """One axis of a joint.
 
     Attributes:
@@ -175,7 +175,7 @@ class Joint:
     parent: str
     child: str
     place: Any
-    axes: list[Axis] = field(default_factory=list)
+    axes: list[JointAxis] = field(default_factory=list)
     pitch: float = 0.0
     ratio: float = 1.0
     reference: str = ""
@@ -195,7 +195,7 @@ class Joint:
 
     def reversed(self) -> Joint:
         """The same from child to parent, with the same values of its coordinates."""
-        turned = [Axis(**{**vars(axis), "direction": -axis.direction}) for axis in reversed(self.axes)]
+        turned = [JointAxis(**{**vars(axis), "direction": -axis.direction}) for axis in reversed(self.axes)]
         return Joint(**{**vars(self), "parent": self.child, "child": self.parent, "axes": turned})
 
 
@@ -345,21 +345,21 @@ def amount(text: str) -> float:
     return max(sizes, default=float(text.strip().lower() == "true"))
 
 
-def _axis(element: Element | None, place, frames: Frames, version: tuple[int, int], where: str) -> Axis:
+def _axis(element: Element | None, place, frames: Frames, version: tuple[int, int], where: str) -> JointAxis:
     direction = np.array(numbers(text_of(element, "xyz", "0 0 1"), 3, where))
     if not direction.any():
         raise InputError(f"{where}: found 0 0 0; expected a direction")
     direction = direction / np.abs(direction).max()
     direction /= np.linalg.norm(direction)
     if element is None:
-        return Axis(direction)
+        return JointAxis(direction)
     xyz = element.find("xyz")
     base = "" if xyz is None else xyz.get("expressed_in", "")
     if not base and is_true(text_of(element, "use_parent_model_frame", "1" if version < (1, 5) else "0")):
         base = "__model__"
     if base:
         direction = place.rotation.T @ frames.place(base, f"{where}, expressed_in").rotation @ direction
-    axis, dynamics, limit = Axis(direction), element.find("dynamics"), element.find("limit")
+    axis, dynamics, limit = JointAxis(direction), element.find("dynamics"), element.find("limit")
     for key, tag in (
         ("damping", "damping"),
         ("friction", "friction"),
@@ -471,7 +471,7 @@ def add_joint(robot: Element, joint: Joint, places: Mapping[str, Any], content: 
         add_origin(element, tail)
 
 
-def _displaced(kind: str, axis: Axis):
+def _displaced(kind: str, axis: JointAxis):
     """The SE3 of a joint at its lower limit."""
     import pinocchio
 
@@ -479,7 +479,7 @@ def _displaced(kind: str, axis: Axis):
     return placement(shift.tolist()) if kind == "prismatic" else pinocchio.SE3(pinocchio.exp3(shift), np.zeros(3))
 
 
-def _add_axis(element: Element, axis: Axis, content: Content, own: bool) -> None:
+def _add_axis(element: Element, axis: JointAxis, content: Content, own: bool) -> None:
     """Axis, limits, damping and spring of a joint; of a sliding part of a screw, which has none of its ``own``, the axis."""
     SubElement(element, "axis", xyz=" ".join(map(repr, axis.direction.tolist())))
     if not own:

@@ -78,7 +78,7 @@ def is_mjcf(source) -> bool:
 def read_mjcf(path: str | Path, free_base: bool, package_dirs: tuple[str | Path, ...] = ()) -> ModelFile:
     """The content of an MJCF file."""
     path = Path(path)
-    files = _Files(path, tuple(Path(folder).resolve() for folder in package_dirs))
+    files = _MjcfFiles(path, tuple(Path(folder).resolve() for folder in package_dirs))
     compiled, *more = (_compiled(*files.texts(size)) for size in (_PLACEHOLDERS if files.missing else _PLACEHOLDERS[:1]))
     undrawn: frozenset[int] = frozenset()
     if more:
@@ -113,7 +113,7 @@ def _package(folder: Path) -> Path:
     return package
 
 
-class _Files:
+class _MjcfFiles:
     """The texts of an MJCF file with its includes, all names of files checked; ``missing`` names meshes that are not there."""
 
     def __init__(self, path: Path, package_dirs: tuple[Path, ...]):

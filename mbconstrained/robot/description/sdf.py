@@ -86,7 +86,7 @@ def read_sdf(source: str | Path, base: str = "fixed", package_dirs: tuple[Path, 
     text, folder = read_urdf(source, "SDF")
     root = _root(text)
     content = Content("SDF")
-    reader = _Reader(content, folder, package_dirs)
+    reader = _SdfReader(content, folder, package_dirs)
     worlds = root.findall("world")
     if len(worlds) > 1:
         raise InputError(f"sdf: found {len(worlds)} worlds; expected one")
@@ -124,7 +124,7 @@ def _version(root: Element) -> tuple[int, int]:
     return (int(match[1]), int(match[2] or 0)) if match else _AXES_IN_JOINT
 
 
-class _Reader:
+class _SdfReader:
     """Finds included models."""
 
     def __init__(self, content: Content, folder: Path | None, package_dirs: tuple[Path, ...]):
@@ -183,7 +183,7 @@ class _Scope:
 
     def __init__(
         self,
-        reader: _Reader,
+        reader: _SdfReader,
         element: Element,
         parent: _Scope | None,
         prefix: str,

@@ -25,7 +25,7 @@ from ..quantities.coordinates import FORCE_UNITS, Coordinates, beyond_noise, con
 from ..quantities.quantities import Expressed, quantity
 from .consistent_values import consistent_values
 from .data_files import entries_of
-from .forces import Load, force_of, load_patterns, loads_of, prescribed_motions, unbalance_loads
+from .forces import SceneForce, force_of, load_patterns, loads_of, prescribed_motions, unbalance_loads
 
 if TYPE_CHECKING:
     from ...mechanics.system import MechanicalSystem
@@ -70,7 +70,7 @@ class Equations:
     model: LumpedModel | None = None
     robot_scene: RobotScene | None = None
     control: ControlScene | None = None
-    loads: tuple[Load, ...] = ()
+    loads: tuple[SceneForce, ...] = ()
     rotor: MechanicalSystem | None = None
 
     @property

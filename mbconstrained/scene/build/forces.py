@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Load:
+class SceneForce:
     """The force of one [[force]] table at one of its places.
 
     Attributes:
@@ -43,7 +43,7 @@ class Load:
 
 def loads_of(
     tables: Sequence, coordinates: Coordinates, folder: Path, file_name: str, robot: LinearizedRobot | None = None
-) -> tuple[Load, ...]:
+) -> tuple[SceneForce, ...]:
     """The loads of all [[force]] tables."""
     loads = []
     for number, table in enumerate(tables, 1):
@@ -52,7 +52,7 @@ def loads_of(
             signal = _signal(table, FORCE_UNITS.get(_common_unit(places)), folder)
             for name, (direction, unit) in places.items():
                 factor = table.places[name]
-                loads.append(Load(name, unit, direction, signal if factor == 1 else factor * signal))
+                loads.append(SceneForce(name, unit, direction, signal if factor == 1 else factor * signal))
     return tuple(loads)
 
 
@@ -99,13 +99,13 @@ def load_patterns(
     return patterns
 
 
-def unbalance_loads(unbalance: np.ndarray, speed: float, coordinates: Coordinates) -> tuple[Load, ...]:
+def unbalance_loads(unbalance: np.ndarray, speed: float, coordinates: Coordinates) -> tuple[SceneForce, ...]:
     """The forces of the unbalance at a speed."""
     loads = []
     for place in np.flatnonzero(unbalance) if speed else ():
         u, name, unit = unbalance[place], coordinates.names[place], coordinates.units[place]
         signal = signals.harmonic([abs(u) * speed**2], angular_frequency=speed, phase=float(np.angle(u)))
-        loads.append(Load(name, unit, np.eye(len(unbalance))[place], signal))
+        loads.append(SceneForce(name, unit, np.eye(len(unbalance))[place], signal))
     return tuple(loads)
 
 
@@ -128,7 +128,7 @@ def prescribed_motions(
     return constraints
 
 
-def force_of(loads: Sequence[Load]) -> signals.ImpulsiveSmooth | None:
+def force_of(loads: Sequence[SceneForce]) -> signals.ImpulsiveSmooth | None:
     """The sum of the generalized forces of loads; None without any."""
     return reduce(add, (load.signal.mapped(load.direction[:, None]) for load in loads)) if loads else None
 

@@ -131,7 +131,7 @@ def _row(row: dict | list, coordinates: Coordinates, order: int) -> np.ndarray:
     return values
 
 
-class ConstraintRow(NamedTuple):
+class SceneRow(NamedTuple):
     """A constraint row in SI.
 
     Attributes:
@@ -145,7 +145,7 @@ class ConstraintRow(NamedTuple):
     unit: str | None
 
 
-def constraint_row(table, coordinates: Coordinates) -> ConstraintRow:
+def constraint_row(table, coordinates: Coordinates) -> SceneRow:
     """The factors and the right-hand side of a constraint row in SI.
 
     A factor with a unit must make the unit of the terms without one of its coordinate's, as in { heave = 1, pitch = "1.01 m" };
@@ -165,7 +165,7 @@ def constraint_row(table, coordinates: Coordinates) -> ConstraintRow:
         raise InputError(f"value: found {shown(table.value)}; this row mixes {mixed}: give a plain number")
     with named("value"):
         value = quantity(table.value, with_time(unit or "1", -power)) if unit else quantity(table.value, "1")
-    return ConstraintRow({name: number for name, (number, _) in measured.items()}, value, unit)
+    return SceneRow({name: number for name, (number, _) in measured.items()}, value, unit)
 
 
 def _common_kinds(rows: Mapping[str, Any], kinds: Mapping[str, Dimension | None], own: Mapping[str, str]) -> list[Dimension]:

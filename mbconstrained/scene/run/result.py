@@ -24,7 +24,7 @@ from .curves import ORDERS, PARTS, Curves, curves_of, extrema_of, in_units, time
 from .decisions import connection_forces, still, too_large_for_formula
 from .plan import Plan
 from .report.force_report import forces_notices
-from .report.jumps import Impulse, Jump, forces_of_rows, impulses_of, jumps_of, with_units
+from .report.jumps import ReportedImpulse, ReportedJump, forces_of_rows, impulses_of, jumps_of, with_units
 from .report.robot_report import limit_notices
 from .report.tables import notices_of, tables_of
 from .result_files import arrays_of_result, more_arrays
@@ -157,12 +157,12 @@ class Result(Displayed):
         return self.system is not None and bool(self.system.rows)
 
     @cached_property
-    def jumps(self) -> list[Jump]:
+    def jumps(self) -> list[ReportedJump]:
         """The jumps of the coordinates at t = 0."""
         return jumps_of(self.motion, self.scene.equations.coordinates)
 
     @cached_property
-    def impulses(self) -> list[Impulse]:
+    def impulses(self) -> list[ReportedImpulse]:
         """The impulses at t = 0 in the coordinates, then in the constraint forces."""
         impulses = impulses_of(self.motion.impulses, self.scene.equations.coordinates)
         return impulses + (

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Step:
+class PossibleStage:
     """A stage that a scene may need.
 
     Attributes:
@@ -43,58 +43,62 @@ class Step:
 
 
 FILE_STEPS = (
-    Step("read the scene", (True, "checked against the schema")),
-    Step("units", decisions.units),
+    PossibleStage("read the scene", (True, "checked against the schema")),
+    PossibleStage("units", decisions.units),
 )
 ROBOT_STEPS = (
-    Step("robot model (pinocchio)", decisions.robot_model),
-    Step("equilibrium", decisions.equilibrium),
-    Step("robot meshes", decisions.robot_meshes, writes=True, part_of="animation"),
-    Step("collision geometry", decisions.collision_geometry, writes=True, part_of="animation"),
+    PossibleStage("robot model (pinocchio)", decisions.robot_model),
+    PossibleStage("equilibrium", decisions.equilibrium),
+    PossibleStage("robot meshes", decisions.robot_meshes, writes=True, part_of="animation"),
+    PossibleStage("collision geometry", decisions.collision_geometry, writes=True, part_of="animation"),
 )
-NO_ROBOT_STEPS = (Step("robot model (pinocchio)", (False, "no robot in the scene")),)
-OUTPUTS = Step("outputs", decisions.outputs, methodcaller("curves", "output"))
+NO_ROBOT_STEPS = (PossibleStage("robot model (pinocchio)", (False, "no robot in the scene")),)
+OUTPUTS = PossibleStage("outputs", decisions.outputs, methodcaller("curves", "output"))
 ROBOT_NEXT = {
     "displacements": (OUTPUTS,),
-    "reactions": (Step("forces of loops and springs", decisions.connection_forces, methodcaller("curves", "ground_reaction")),),
+    "reactions": (
+        PossibleStage("forces of loops and springs", decisions.connection_forces, methodcaller("curves", "ground_reaction")),
+    ),
 }  # the stage before: those of a robot that come next
 CONTROL_NEXT = {  # the same of a state space
-    "assemble the model": (Step("mechanical normal form", decisions.normal_form),),
+    "assemble the model": (PossibleStage("mechanical normal form", decisions.normal_form),),
     "displacements": (OUTPUTS,),
-    "modes": (Step("transfer functions", decisions.transfer_functions, attrgetter("scene.equations.control.transfers")),),
+    "modes": (PossibleStage("transfer functions", decisions.transfer_functions, attrgetter("scene.equations.control.transfers")),),
 }
 STEPS = (
-    Step("assemble the model", decisions.assembly),
-    Step("dependent constraint rows", decisions.constraint_rows, part_of="assemble the model"),
-    Step("constrained form", decisions.constrained_form, part_of="assemble the model"),
-    Step("scaling and staircase", (True, "splits the finite from the infinite part by rank decisions")),
-    Step("finite pair", decisions.finite_pair, attrgetter("finite_pair")),
-    Step("infinite pair", decisions.infinite_pair, attrgetter("infinite_pair")),
-    Step("response", decisions.response, attrgetter("motion")),
-    Step("displacements", (True, "the answer itself"), methodcaller("curves", "displacement")),
-    Step("velocities", decisions.velocities, methodcaller("curves", "velocity")),
-    Step("accelerations", partial(decisions.plotted, kind="acceleration"), methodcaller("curves", "acceleration")),
-    Step("reactions", decisions.reactions, methodcaller("curves", "reaction")),
-    Step("energy", partial(decisions.plotted, kind="energy"), methodcaller("curves", "energy")),
-    Step("element quantities", decisions.element_quantities, methodcaller("curves", "quantity")),
-    Step("modes", decisions.modes, attrgetter("modes")),
-    Step("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimate")),
-    Step("proof (python-flint)", decisions.proof, part_of="error estimate"),
-    Step("certificate (python-flint)", decisions.certificate, attrgetter("certificate")),
-    Step("symbols (sympy)", decisions.symbols, attrgetter("formula"), writes=True),
-    Step("frequency response", decisions.frequency, attrgetter("frequency.response")),
-    Step("frequency page and files", decisions.frequency_files, methodcaller("write_frequency"), writes=True),
-    Step("animation", decisions.animation, attrgetter("animation"), writes=True),
-    Step("CSV", partial(decisions.written, kind="csv"), methodcaller("write_csv"), writes=True),
-    Step("npz", partial(decisions.written, kind="npz"), methodcaller("write_npz"), writes=True),
-    Step("other formats", decisions.formats, methodcaller("write_formats"), writes=True),
-    Step("plots as images (matplotlib)", decisions.plot_images, methodcaller("write_plots"), writes=True),
-    Step("still picture (Chromium)", decisions.still, methodcaller("try_still"), writes=True),
-    Step(PAGE, partial(decisions.written, kind="page"), methodcaller("write_page"), writes=True),  # after the stages that it lists
+    PossibleStage("assemble the model", decisions.assembly),
+    PossibleStage("dependent constraint rows", decisions.constraint_rows, part_of="assemble the model"),
+    PossibleStage("constrained form", decisions.constrained_form, part_of="assemble the model"),
+    PossibleStage("scaling and staircase", (True, "splits the finite from the infinite part by rank decisions")),
+    PossibleStage("finite pair", decisions.finite_pair, attrgetter("finite_pair")),
+    PossibleStage("infinite pair", decisions.infinite_pair, attrgetter("infinite_pair")),
+    PossibleStage("response", decisions.response, attrgetter("motion")),
+    PossibleStage("displacements", (True, "the answer itself"), methodcaller("curves", "displacement")),
+    PossibleStage("velocities", decisions.velocities, methodcaller("curves", "velocity")),
+    PossibleStage("accelerations", partial(decisions.plotted, kind="acceleration"), methodcaller("curves", "acceleration")),
+    PossibleStage("reactions", decisions.reactions, methodcaller("curves", "reaction")),
+    PossibleStage("energy", partial(decisions.plotted, kind="energy"), methodcaller("curves", "energy")),
+    PossibleStage("element quantities", decisions.element_quantities, methodcaller("curves", "quantity")),
+    PossibleStage("modes", decisions.modes, attrgetter("modes")),
+    PossibleStage("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimate")),
+    PossibleStage("proof (python-flint)", decisions.proof, part_of="error estimate"),
+    PossibleStage("certificate (python-flint)", decisions.certificate, attrgetter("certificate")),
+    PossibleStage("symbols (sympy)", decisions.symbols, attrgetter("formula"), writes=True),
+    PossibleStage("frequency response", decisions.frequency, attrgetter("frequency.response")),
+    PossibleStage("frequency page and files", decisions.frequency_files, methodcaller("write_frequency"), writes=True),
+    PossibleStage("animation", decisions.animation, attrgetter("animation"), writes=True),
+    PossibleStage("CSV", partial(decisions.written, kind="csv"), methodcaller("write_csv"), writes=True),
+    PossibleStage("npz", partial(decisions.written, kind="npz"), methodcaller("write_npz"), writes=True),
+    PossibleStage("other formats", decisions.formats, methodcaller("write_formats"), writes=True),
+    PossibleStage("plots as images (matplotlib)", decisions.plot_images, methodcaller("write_plots"), writes=True),
+    PossibleStage("still picture (Chromium)", decisions.still, methodcaller("try_still"), writes=True),
+    PossibleStage(
+        PAGE, partial(decisions.written, kind="page"), methodcaller("write_page"), writes=True
+    ),  # after the stages that it lists
 )
 
 
-def steps_of(scene: Scene) -> tuple[Step, ...]:
+def steps_of(scene: Scene) -> tuple[PossibleStage, ...]:
     """The stages of a kind of scene: those of a robot or a state space only where there is one."""
     kind = scene.table.model.kind
     first = ROBOT_STEPS if kind == "robot" else NO_ROBOT_STEPS
@@ -108,7 +112,7 @@ def plan_of(scene: Scene, *, writing: bool = True) -> Plan:
     return Plan(tuple(_stage(step, requested, writing) for step in steps_of(scene))).with_costs(scene.costs)
 
 
-def _stage(step: Step, scene: Scene, writing: bool) -> Stage:
+def _stage(step: PossibleStage, scene: Scene, writing: bool) -> Stage:
     if step.writes and not writing:
         return Stage(step.name, False, "no folder to write to was given")
     decision = step.decide if isinstance(step.decide, tuple) else step.decide(scene)

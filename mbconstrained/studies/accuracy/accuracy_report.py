@@ -15,8 +15,8 @@ from ..study_problem import StudyProblem
 from ..study_report import Progress, StudyReport, no_progress
 from ..timing import Timing, duration, machine, suitable_clock
 from .diagram import work_precision
-from .measure import SECONDS, Measured, measure, reduction_time
-from .method import Method
+from .measure import SECONDS, Measurement, measure, reduction_time
+from .method import ComparedMethod
 
 #: The errors for which the fastest method is reported.
 ERRORS = (1e-3, 1e-6, 1e-9, 1e-12)
@@ -39,22 +39,22 @@ class AccuracyReport(StudyReport):
 
     problem: StudyProblem
     reference: ReferenceSolution
-    runs: tuple[Measured, ...]
+    runs: tuple[Measurement, ...]
     machine: dict[str, str]
     reduction: Timing | None = None
 
     @property
-    def answers(self) -> tuple[Measured, ...]:
+    def answers(self) -> tuple[Measurement, ...]:
         """The runs that gave values."""
         return tuple(run for run in self.runs if not run.failure)
 
     @property
-    def failures(self) -> tuple[Measured, ...]:
+    def failures(self) -> tuple[Measurement, ...]:
         """The others."""
         return tuple(run for run in self.runs if run.failure)
 
     @property
-    def closed_form(self) -> Measured:
+    def closed_form(self) -> Measurement:
         """The default method."""
         return self.runs[0]
 
@@ -123,7 +123,7 @@ class AccuracyReport(StudyReport):
             "values at 0+ where the start jumps, and formulas of the force."
         )
 
-    def ratios(self, run: Measured) -> dict[str, float]:
+    def ratios(self, run: Measurement) -> dict[str, float]:
         """The times of a run over those of the closed form, by name; empty where that failed."""
         if self.closed_form.failure:
             return {}
@@ -151,7 +151,7 @@ class AccuracyReport(StudyReport):
             "runs": [self._run_as_json(run) for run in self.runs],
         }
 
-    def _run_as_json(self, run: Measured) -> dict:
+    def _run_as_json(self, run: Measurement) -> dict:
         head = {"method": run.method.name, "setting": run.setting.label, "is_ours": run.method.is_ours}
         if run.failure:
             return {**head, "failure": run.failure}
@@ -160,7 +160,7 @@ class AccuracyReport(StudyReport):
 
 
 def accuracy_report(
-    problem: StudyProblem, methods: Sequence[Method] = (), seconds: float = SECONDS, progress: Progress = no_progress
+    problem: StudyProblem, methods: Sequence[ComparedMethod] = (), seconds: float = SECONDS, progress: Progress = no_progress
 ) -> AccuracyReport:
     """Measure every method on a problem."""
     if not methods:
@@ -171,17 +171,17 @@ def accuracy_report(
     return AccuracyReport(problem, reference, runs, machine(), reduction_time(problem))
 
 
-def fastest(runs: Sequence[Measured], error: float, time: Callable[[Measured], float]) -> Measured | None:
+def fastest(runs: Sequence[Measurement], error: float, time: Callable[[Measurement], float]) -> Measurement | None:
     """The fastest of the runs with at most this error."""
     return min((run for run in runs if run.error <= error), key=time, default=None)
 
 
-def one_run(run: Measured) -> float:
+def one_run(run: Measurement) -> float:
     """Set-up and evaluation, in s."""
     return run.one_run.median
 
 
-def further(run: Measured) -> float:
+def further(run: Measurement) -> float:
     """Each further evaluation, in s."""
     return run.further.median
 
@@ -201,7 +201,7 @@ def _comparison(ours, others, error: float, time) -> str:
     return f"{_named(first, time)} is {ratio(times)} times as fast as {_named(second, time)}"
 
 
-def _named(run: Measured, time) -> str:
+def _named(run: Measurement, time) -> str:
     return f"{run.label} ({duration(time(run))})"
 
 

@@ -15,7 +15,7 @@ from ...page.plots.images import INK, MUTED
 from ...page.typeset import shortened
 from ..figures import Picture, nothing_to_show, power_of_ten, powers
 from ..timing import duration
-from .measure import Measured
+from .measure import Measurement
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,7 +50,7 @@ BAR = 2.4
 PANELS = (("one run, set-up and evaluation", "one_run"), ("each further evaluation", "further"))
 
 
-def work_precision(title: str, runs: Sequence[Measured], floor: float = 0.0, failed: Sequence[str] = ()) -> Picture:
+def work_precision(title: str, runs: Sequence[Measurement], floor: float = 0.0, failed: Sequence[str] = ()) -> Picture:
     """The diagram of some methods: relative error upwards, run time to the right, both logarithmic.
 
     The left panel has the time of one run, the right one that of each further evaluation.
@@ -68,7 +68,7 @@ def work_precision(title: str, runs: Sequence[Measured], floor: float = 0.0, fai
     return Picture(title, text, height, lambda figure: _draw(figure, curves, floor), note)
 
 
-def _sentence(runs: tuple[Measured, ...]) -> str:
+def _sentence(runs: tuple[Measurement, ...]) -> str:
     """A method in words: its coarsest and its finest setting."""
     ends = dict.fromkeys((runs[0], runs[-1]))
     results = [
@@ -77,7 +77,7 @@ def _sentence(runs: tuple[Measured, ...]) -> str:
     return f"{shortened(runs[0].method.name)}: {', '.join(results)}."
 
 
-def _draw(figure: Figure, curves: list[tuple[Measured, ...]], floor: float) -> None:
+def _draw(figure: Figure, curves: list[tuple[Measurement, ...]], floor: float) -> None:
     """Two panels with the same errors, and one legend below them."""
     looks = _looks(curves)
     panels = figure.subplots(1, 2, sharey=True)
@@ -96,14 +96,14 @@ def _draw(figure: Figure, curves: list[tuple[Measured, ...]], floor: float) -> N
     figure.legend(handles=handles, loc="outside lower center", ncols=COLUMNS, columnspacing=1.6, fontsize=8)
 
 
-def _name(runs: tuple[Measured, ...]) -> str:
+def _name(runs: tuple[Measurement, ...]) -> str:
     """The method with its coarsest and its finest setting."""
     first, last = runs[0].setting.label, runs[-1].setting.label
     settings = first if first == last else f"{first} … {last.rpartition(' ')[2]}" if first else f"to {last}"
     return powers(shortened(", ".join(filter(None, (runs[0].method.name, settings))), NAME))
 
 
-def _looks(curves: list[tuple[Measured, ...]]) -> list[dict]:
+def _looks(curves: list[tuple[Measurement, ...]]) -> list[dict]:
     """Stars for our own methods, drawn on top; another marker and colour for each of the others."""
     looks, ours, others = [], 0, 0
     for runs in curves:
@@ -119,11 +119,11 @@ def _looks(curves: list[tuple[Measured, ...]]) -> list[dict]:
     return [{**look, "markeredgecolor": "white", "markeredgewidth": 0.6} for look in looks]
 
 
-def _height(run: Measured) -> float:
+def _height(run: Measurement) -> float:
     return max(run.error, LOWEST)
 
 
-def _curve(axes: Axes, runs: tuple[Measured, ...], look: dict, kind: str) -> None:
+def _curve(axes: Axes, runs: tuple[Measurement, ...], look: dict, kind: str) -> None:
     """A line through the markers, open ones where the error is too small; thin bars for the spread of the times."""
     times = [getattr(run, kind) for run in runs]
     axes.plot([time.median for time in times], [_height(run) for run in runs], clip_on=False, **look)

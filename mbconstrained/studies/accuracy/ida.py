@@ -30,7 +30,7 @@ from ...signals.impulsive import ImpulsiveSmooth
 from ..study_problem import StudyProblem
 from .first_order import reduced, sizes_of
 from .force_intervals import Interval, intervals, jumps_of
-from .method import Evaluate, Failure, Method, tolerances
+from .method import ComparedMethod, Evaluate, Failure, tolerances
 
 #: Most steps from one time to the next: more than the time limit of a run allows.
 MOST_STEPS = 10**7
@@ -205,7 +205,7 @@ def _refusal(index: int, problem: StudyProblem) -> str:
 
 
 METHODS = tuple(
-    Method(
+    ComparedMethod(
         f"IDA, index {index}" if index else "IDA",
         partial(_prepare, index),
         tolerances(4, 6, 8, 10, 12),

@@ -19,9 +19,9 @@ from ...ground.tolerances import EPS
 from ..study_problem import StudyProblem
 from .first_order import reduced, refusal_without_states
 from .force_intervals import SAME_TIME, jumps_of, knots_of
-from .method import Evaluate, Failure, Method, Setting
+from .method import ComparedMethod, Evaluate, Failure, MethodSetting
 
-SETTINGS = (Setting("", 1), *(Setting(f"step / {refinement}", refinement) for refinement in (4, 16, 64)))
+SETTINGS = (MethodSetting("", 1), *(MethodSetting(f"step / {refinement}", refinement) for refinement in (4, 16, 64)))
 
 #: Most numbers of samples, states and outputs together.
 MOST_NUMBERS = 2e7
@@ -118,7 +118,7 @@ def _refusal(package: str, problem: StudyProblem) -> str:
 
 
 METHODS = tuple(
-    Method(name, partial(_prepare, simulate), SETTINGS, partial(_refusal, package), matters=_matters, library=library)
+    ComparedMethod(name, partial(_prepare, simulate), SETTINGS, partial(_refusal, package), matters=_matters, library=library)
     for name, simulate, package, library in (
         ("scipy.signal.lsim", _lsim, "scipy", "scipy.signal"),
         ("control.forced_response", _forced_response, "control", "control"),

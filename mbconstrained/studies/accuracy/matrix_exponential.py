@@ -16,7 +16,7 @@ from ...linalg.blocks import block_slices
 from ..study_problem import StudyProblem
 from .first_order import Reduced, reduced, refusal_without_states
 from .force_intervals import SAME_TIME, Interval, intervals_of, knots_of, stepped
-from .method import Evaluate, Failure, Method
+from .method import ComparedMethod, Evaluate, Failure
 
 #: Steps of one length computed together, as the product of one matrix with many columns.
 MOST_COLUMNS = 64
@@ -127,6 +127,6 @@ def _refusal_each(problem: StudyProblem) -> str:
     return refusal_without_states(problem)
 
 
-STEPS = Method("expm, steps", _prepare, refusal=refusal_without_states)
-EACH = Method("expm, each time by itself", _prepare_each, refusal=_refusal_each)
+STEPS = ComparedMethod("expm, steps", _prepare, refusal=refusal_without_states)
+EACH = ComparedMethod("expm, each time by itself", _prepare_each, refusal=_refusal_each)
 METHODS = (STEPS, EACH)

@@ -18,7 +18,7 @@ from ..study_problem import StudyProblem
 from ..study_report import Progress, no_progress
 from ..timing import Clock, Timing, duration, small_heap, suitable_clock, suitable_threads, timed, without_garbage_collection
 from .first_order import reduced
-from .method import Failure, Method, Setting
+from .method import ComparedMethod, Failure, MethodSetting
 
 #: Repeats of each setting, and their total time (s) after which there are no more, but at least one repeat. The first run
 #: is not counted: it includes what a library does once, and a processor that is not yet at full speed.
@@ -38,7 +38,7 @@ LARGEST_ERROR = 1.0
 
 
 @dataclass(frozen=True)
-class Measured:
+class Measurement:
     """The result of one method with one setting.
 
     Attributes:
@@ -49,8 +49,8 @@ class Measured:
         failure: the reason where there is no answer; else empty.
     """
 
-    method: Method
-    setting: Setting
+    method: ComparedMethod
+    setting: MethodSetting
     error: float | None = None
     set_up: Timing | None = None
     evaluation: Timing | None = None
@@ -77,8 +77,8 @@ class Measured:
 class _Trial:
     """The runs of one setting so far."""
 
-    method: Method
-    setting: Setting
+    method: ComparedMethod
+    setting: MethodSetting
     clock: Clock
     values: np.ndarray | None = None
     failure: str = ""
@@ -88,7 +88,7 @@ class _Trial:
 
     @property
     def label(self) -> str:
-        return Measured(self.method, self.setting).label
+        return Measurement(self.method, self.setting).label
 
     @property
     def is_done(self) -> bool:
@@ -110,24 +110,24 @@ class _Trial:
         self.evaluations.append(evaluation)
         self.further.append(further)
 
-    def measured(self, reference: ReferenceSolution) -> Measured:
+    def measured(self, reference: ReferenceSolution) -> Measurement:
         """The result."""
         error = np.inf if self.values is None else reference.error(self.values)
         if not self.failure and not error < LARGEST_ERROR:
             self.failure = "gives no numbers" if error == np.inf else f"has an error of {error:.1g} times the motion"
         if self.failure:
-            return Measured(self.method, self.setting, failure=self.failure)
+            return Measurement(self.method, self.setting, failure=self.failure)
         counted = (Timing(tuple(seconds[1:])) for seconds in (self.set_ups, self.evaluations, self.further))
-        return Measured(self.method, self.setting, error, *counted)
+        return Measurement(self.method, self.setting, error, *counted)
 
 
 def measure(
     problem: StudyProblem,
     reference: ReferenceSolution,
-    methods: Sequence[Method],
+    methods: Sequence[ComparedMethod],
     seconds: float = SECONDS,
     progress: Progress = no_progress,
-) -> tuple[Measured, ...]:
+) -> tuple[Measurement, ...]:
     """Run every setting of every method that applies.
 
     The settings run in turns, so that other work of the machine affects all of them. Of a method that exceeds the time limit

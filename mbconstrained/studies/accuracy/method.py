@@ -17,7 +17,7 @@ class Failure(Exception):
 
 
 @dataclass(frozen=True)
-class Setting:
+class MethodSetting:
     """One setting of a method, such as a tolerance.
 
     Attributes:
@@ -29,13 +29,13 @@ class Setting:
     value: float | None = None
 
 
-def tolerances(*digits: int) -> tuple[Setting, ...]:
+def tolerances(*digits: int) -> tuple[MethodSetting, ...]:
     """Relative tolerances of 10^-digits."""
-    return tuple(Setting(f"rtol {10.0**-count:.0e}", 10.0**-count) for count in digits)
+    return tuple(MethodSetting(f"rtol {10.0**-count:.0e}", 10.0**-count) for count in digits)
 
 
 @dataclass(frozen=True)
-class Method:
+class ComparedMethod:
     """One method with its settings.
 
     Attributes:
@@ -51,14 +51,14 @@ class Method:
 
     name: str
     prepare: Callable[[StudyProblem, float | None], Evaluate]
-    settings: tuple[Setting, ...] = (Setting(),)
+    settings: tuple[MethodSetting, ...] = (MethodSetting(),)
     refusal: Callable[[StudyProblem], str] = lambda problem: ""
     concerns: Callable[[StudyProblem], bool] = lambda problem: True
     is_ours: bool = False
     matters: Callable[[StudyProblem, float | None], bool] = lambda problem, value: True
     library: str = ""
 
-    def settings_for(self, problem: StudyProblem) -> tuple[Setting, ...]:
+    def settings_for(self, problem: StudyProblem) -> tuple[MethodSetting, ...]:
         """The settings that change something for a problem; at least the coarsest."""
         some = () if self.refusal(problem) else (setting for setting in self.settings if self.matters(problem, setting.value))
         return tuple(some) or self.settings[:1]

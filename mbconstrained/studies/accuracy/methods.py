@@ -12,7 +12,7 @@ from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...response.response import Response
 from ..study_problem import StudyProblem, given_of
 from . import ida, linear_simulation, matrix_exponential, solve_ivp
-from .method import Evaluate, Method
+from .method import ComparedMethod, Evaluate
 
 #: Digits of exact arithmetic.
 DIGITS = 15
@@ -50,18 +50,18 @@ def _is_free_and_undamped(problem: StudyProblem) -> bool:
 
 #: The default first. Eqs. (73)-(76) of Moysis et al. are those of Apostol and Kolodner for free motion without damping.
 OURS = (
-    Method("closed form", lambda problem, _: _evaluation(problem.solve, problem.times)),
-    Method("closed form, assembled matrices", _assembled, concerns=_has_elements),
-    Method(
+    ComparedMethod("closed form", lambda problem, _: _evaluation(problem.solve, problem.times)),
+    ComparedMethod("closed form, assembled matrices", _assembled, concerns=_has_elements),
+    ComparedMethod(
         "closed form of A(s)",
         lambda problem, _: _evaluation(problem.solve_equations, problem.times),
         concerns=lambda problem: problem.respond is not None,
     ),
-    Method("closed form, Eqs. (73)-(76)", _apostol_kolodner, concerns=_is_free_and_undamped),
-    Method(f"exact arithmetic, {DIGITS} digits", _exact),
+    ComparedMethod("closed form, Eqs. (73)-(76)", _apostol_kolodner, concerns=_is_free_and_undamped),
+    ComparedMethod(f"exact arithmetic, {DIGITS} digits", _exact),
 )
 
-METHODS: tuple[Method, ...] = (
+METHODS: tuple[ComparedMethod, ...] = (
     *(replace(method, is_ours=True) for method in OURS),
     *matrix_exponential.METHODS,
     *linear_simulation.METHODS,

@@ -10,7 +10,7 @@ import numpy as np
 from ..study_problem import StudyProblem
 from .first_order import reduced, refusal_without_states
 from .force_intervals import Formula, Interval, intervals_of, stepped
-from .method import Evaluate, Failure, Method, tolerances
+from .method import ComparedMethod, Evaluate, Failure, tolerances
 
 #: scipy refuses to go below 100 eps with the relative tolerance; finer ones than these take the implicit methods minutes.
 EXPLICIT, IMPLICIT = tolerances(3, 5, 7, 9, 11, 13), tolerances(3, 5, 7, 9)
@@ -69,6 +69,6 @@ TABLE = (
 )
 
 METHODS = tuple(
-    Method(name, partial(_prepare, integrate), settings, refusal_without_states, library="scipy.integrate")
+    ComparedMethod(name, partial(_prepare, integrate), settings, refusal_without_states, library="scipy.integrate")
     for name, integrate, settings in TABLE
 )

@@ -15,7 +15,7 @@ from fractions import Fraction
 import numpy as np
 
 from ...exact.enclosure.exact_response import ExactResponse
-from ...exact.enclosure.exact_sources import S, Shape, Source
+from ...exact.enclosure.exact_sources import ExactSource, S, Shape
 from ...exact.rational.flint_numbers import rational
 from ...exact.rational.rational_matrix import RationalMatrix
 from ...mechanics.element_matrix import ElementMatrix
@@ -118,7 +118,7 @@ def _direction(matrix, random) -> np.ndarray:
     return fractions_of(matrix * moves)
 
 
-def _moved_sources(sources: Sequence[Source], rows: int, random) -> list[Source]:
+def _moved_sources(sources: Sequence[ExactSource], rows: int, random) -> list[ExactSource]:
     """Each row of each function of time by a factor, and each function faster by a factor; values of constraint rows stay."""
     factors, clocks, moved = {}, {}, []
     for source in sources:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .point import Point
-    from .scaling_factors import Sweep
+    from .scaling_factors import ScalingSweep
 
 #: Least ratio of parameters on a logarithmic axis.
 DECADES = 100.0
@@ -57,7 +57,7 @@ VERDICTS = {
 }
 
 
-def digit_curves(title: str, sweeps: Sequence[Sweep]) -> Picture:
+def digit_curves(title: str, sweeps: Sequence[ScalingSweep]) -> Picture:
     """A small picture of each sweep, all with the same axis of digits; red frames where an answer is wrong without a warning."""
     sweeps = [sweep for sweep in sweeps if sweep.points]
     if not sweeps:
@@ -78,7 +78,7 @@ def digit_curves(title: str, sweeps: Sequence[Sweep]) -> Picture:
     return Picture(title, _in_words(sweeps), max(ROW_HIGH * rows, 2.2) + LEGEND_HIGH, draw)
 
 
-def _panel(axes: Axes, sweep: Sweep) -> None:
+def _panel(axes: Axes, sweep: ScalingSweep) -> None:
     """Shades between right and claimed, curves, and a mark at each point."""
     points = sorted(sweep.points, key=lambda point: point.parameter)
     right, claimed, expected = (
@@ -125,7 +125,7 @@ def _mark(verdict: str) -> dict:
     return {"markersize": 5.5, "markeredgewidth": 0.8, **VERDICTS[verdict][1]} if verdict in VERDICTS else right
 
 
-def _legend(figure: Figure, sweeps: Sequence[Sweep]) -> None:
+def _legend(figure: Figure, sweeps: Sequence[ScalingSweep]) -> None:
     """The curves, the shades, and those marks that occur."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
@@ -144,19 +144,19 @@ def _legend(figure: Figure, sweeps: Sequence[Sweep]) -> None:
     figure.legend(handles=handles, loc="outside lower center", ncols=5, columnspacing=1.4, handlelength=2.2, fontsize=8)
 
 
-def _in_words(sweeps: Sequence[Sweep]) -> str:
+def _in_words(sweeps: Sequence[ScalingSweep]) -> str:
     """A text alternative."""
     return " ".join(["Digits right, claimed and expected over the parameter.", *map(_sentence, sweeps)])
 
 
-def _sentence(sweep: Sweep) -> str:
+def _sentence(sweep: ScalingSweep) -> str:
     least = [f"at least {min(point.right for point in sweep.answers):.1f} digits right"] if sweep.answers else []
     counts = [(sweep.count(key), VERDICTS[key][0]) for key in ("warned", "refused", "wrong")]
     parts = [counted(len(sweep.points), "point"), *least, *(f"{count} {text}" for count, text in counts if count)]
     return f"{shortened(sweep.title, 60)}: {', '.join(parts)}."
 
 
-def heat_map(title: str, sweeps: Sequence[Sweep]) -> Picture:
+def heat_map(title: str, sweeps: Sequence[ScalingSweep]) -> Picture:
     """A row for each sweep, a column for each value of the parameter; the colour of a cell shows its correct digits.
 
     Cells with a warning are framed, refused ones are grey, and wrong ones without a warning have a red cross.
@@ -206,7 +206,7 @@ def _cross() -> dict:
     return {**_mark("wrong"), "markersize": 10.5}
 
 
-def _names(axes: Axes, sweeps: Sequence[Sweep], values: Sequence[float]) -> None:
+def _names(axes: Axes, sweeps: Sequence[ScalingSweep], values: Sequence[float]) -> None:
     """Names of the rows, factors below the columns."""
     axes.invert_yaxis()
     step = math.ceil(len(values) / 20)
@@ -223,7 +223,7 @@ def _value(value: float) -> str:
     return power_of_ten(value) if f"{value:.2e}".startswith("1.00e") else powers(f"{value:.3g}")
 
 
-def _map_legend(figure: Figure, sweeps: Sequence[Sweep]) -> None:
+def _map_legend(figure: Figure, sweeps: Sequence[ScalingSweep]) -> None:
     """The legend of verdicts other than "right"."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch

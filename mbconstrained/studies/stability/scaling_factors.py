@@ -141,7 +141,7 @@ def _with_coefficient(problem: StudyProblem, power: int, factor: float) -> Study
 
 
 @dataclass(frozen=True)
-class Sweep:
+class ScalingSweep:
     """Points over one parameter.
 
     Attributes:

@@ -15,7 +15,7 @@ from ..study_report import Progress, StudyReport, no_progress
 from ..timing import machine
 from .pictures import digit_curves, heat_map
 from .point import Point, points_of
-from .scaling_factors import Sweep, scaling_factors
+from .scaling_factors import ScalingSweep, scaling_factors
 
 if TYPE_CHECKING:
     from ...scene.run.scene import Scene
@@ -50,7 +50,7 @@ class StabilityReport(StudyReport):
     """
 
     title: str
-    sweeps: tuple[Sweep, ...]
+    sweeps: tuple[ScalingSweep, ...]
     machine: dict[str, str]
     of_scene: bool
 
@@ -146,13 +146,13 @@ def gallery_report(systems: Sequence[System] = (), progress: Progress = no_progr
     return StabilityReport("Gallery of stiff and extreme systems", tuple(sweeps), machine(), of_scene=False)
 
 
-def _of_system(system: System, progress: Progress) -> Sweep:
+def _of_system(system: System, progress: Progress) -> ScalingSweep:
     from .gallery.properties import broken_promises
 
     title, difficulty, source = system.texts
     points = points_of(system.build, system.values, lambda text: progress(f"{title}: {text}"))
     broken = [sentence for value in system.values for sentence in broken_promises(system, value)]
-    return Sweep(system.name, title, system.theme, difficulty, source, system.parameter, points, tuple(broken))
+    return ScalingSweep(system.name, title, system.theme, difficulty, source, system.parameter, points, tuple(broken))
 
 
 def scene_report(scene: Scene, decades: int = DECADES, step: int = STEP, progress: Progress = no_progress) -> StabilityReport:
@@ -162,11 +162,11 @@ def scene_report(scene: Scene, decades: int = DECADES, step: int = STEP, progres
     sweeps = []
     for name, scaled in scaling_factors(scene).items():
         points = points_of(scaled, factors, lambda text, name=name: progress(f"{name} times {text}"))
-        sweeps.append(Sweep(name, name, "", "", "", f"factor on {name}", points))
+        sweeps.append(ScalingSweep(name, name, "", "", "", f"factor on {name}", points))
     return StabilityReport(scene.heading, tuple(sweeps), machine(), of_scene=True)
 
 
-def _digits(sweep: Sweep, point: Point) -> str:
+def _digits(sweep: ScalingSweep, point: Point) -> str:
     """The digits of a point and its parameter."""
     expected = "" if math.isnan(point.expected) else f", {point.expected:.1f} determined by the data"
     place = f"{sweep.title}, {sweep.parameter} = {point.parameter:.3g}"

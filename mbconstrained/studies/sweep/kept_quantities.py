@@ -86,7 +86,7 @@ class Variable:
 
 
 @dataclass(frozen=True)
-class Figure:
+class SampleFigure:
     """A single number of each sample.
 
     Attributes:
@@ -107,13 +107,13 @@ class Figure:
         return values[:, self.place[0]] if self.place else values
 
 
-def figures_of(variables: Sequence[Variable]) -> dict[str, Figure]:
+def figures_of(variables: Sequence[Variable]) -> dict[str, SampleFigure]:
     """The single numbers of a sample, by name."""
     pairs = ((name, one, place) for one in variables for name, place in one.figures())
-    return {name: Figure(name, one.unit, one, place) for name, one, place in pairs}
+    return {name: SampleFigure(name, one.unit, one, place) for name, one, place in pairs}
 
 
-def limits_of(limits: Mapping[str, Any], figures: Mapping[str, Figure]) -> dict[str, float]:
+def limits_of(limits: Mapping[str, Any], figures: Mapping[str, SampleFigure]) -> dict[str, float]:
     """Limits in SI."""
     result = {}
     for name, limit in limits.items():

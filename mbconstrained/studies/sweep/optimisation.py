@@ -27,7 +27,7 @@ from ..figures import Picture
 from ..study_report import StudyReport
 from ..timing import machine
 from .evaluation import Job, evaluate
-from .kept_quantities import Figure, figures_of, variables_of
+from .kept_quantities import SampleFigure, figures_of, variables_of
 from .sweep import study_of
 from .sweep_pictures import titled
 
@@ -65,7 +65,7 @@ class Optimum(Displayed):
     """
 
     scene: Scene
-    figure: Figure
+    figure: SampleFigure
     sign: int
     bounds: Mapping[str, Distribution]
     parameters: Mapping[str, float]
@@ -127,7 +127,7 @@ def optimise(
     return Optimum(scene, figure, search.sign, bounds, values, search.sign * value, before, search.count, history, job)
 
 
-def _figure(name: str, middle: Scene, usual) -> Figure:
+def _figure(name: str, middle: Scene, usual) -> SampleFigure:
     """The figure of this name, among the usual ones or by itself."""
     figures = figures_of(usual)
     if name not in figures:
@@ -151,7 +151,7 @@ def _figure(name: str, middle: Scene, usual) -> Figure:
 class _Search:
     """The figure as a function of the parameters."""
 
-    def __init__(self, job: Job, figure: Figure, sign: int, names: list[str]):
+    def __init__(self, job: Job, figure: SampleFigure, sign: int, names: list[str]):
         self.job, self.figure, self.sign, self.names = job, figure, sign, names
         self.count = 0
         self.reason = ""

@@ -16,7 +16,7 @@ from ...scene.schema.analyses.vary_table import VaryTable
 
 
 @dataclass(frozen=True)
-class Samples:
+class ParameterSamples:
     """S samples of the varied parameters: each combination of given values with each point of the distributions.
 
     Attributes:
@@ -160,7 +160,7 @@ def _sobol(d: int, n: int, generator: np.random.Generator) -> np.ndarray:
     return qmc.Sobol(d, seed=generator).random(n)
 
 
-def _check_method(samples: Samples) -> None:
+def _check_method(samples: ParameterSamples) -> None:
     table, method, random = samples.table, samples.table.method, samples.random
     for name in dict.fromkeys(name for entry in table.correlation for name in entry[:2]):
         if name not in random:

@@ -24,7 +24,7 @@ from ...ground.checks import counted, optional_package
 from ...ground.errors import InputError
 from ...ground.files import Replacements
 from .kept_quantities import Variable
-from .sampling import Samples
+from .sampling import ParameterSamples
 
 #: Variables that every sample has.
 STATUS, REASON = "status", "reason"
@@ -55,7 +55,7 @@ class Chunks(ABC):
         damaged: numbers of stored chunks that were not as they had been written.
     """
 
-    def __init__(self, samples: Samples, variables: tuple[Variable, ...], size: int):
+    def __init__(self, samples: ParameterSamples, variables: tuple[Variable, ...], size: int):
         self.samples, self.variables, self.size = samples, variables, size
         self.damaged: list[int] = []
 
@@ -102,7 +102,7 @@ class Chunks(ABC):
 class Memory(Chunks):
     """Arrays in memory."""
 
-    def __init__(self, samples: Samples, variables: tuple[Variable, ...], size: int):
+    def __init__(self, samples: ParameterSamples, variables: tuple[Variable, ...], size: int):
         super().__init__(samples, variables, size)
         if (needed := self.bytes_per_sample * len(samples)) > MOST_MEMORY:
             raise InputError(f"{counted(len(samples), 'sample')} need {needed / 1e9:.3g} GB of memory; give a store, or keep less")
@@ -135,7 +135,7 @@ class Store(Chunks):
         OSError: it cannot be written.
     """
 
-    def __init__(self, path: Path, description: dict, samples: Samples, variables: tuple[Variable, ...], size: int):
+    def __init__(self, path: Path, description: dict, samples: ParameterSamples, variables: tuple[Variable, ...], size: int):
         super().__init__(samples, variables, size)
         self.path, self.description = path, {**json.loads(json.dumps(description)), "form of the store": FORM}
         self._verified: set[int] = set()

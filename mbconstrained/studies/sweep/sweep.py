@@ -20,7 +20,7 @@ from ..timing import version_of
 from .evaluation import Job
 from .execution import by_dask, by_processes, hashes, in_process
 from .kept_quantities import Variable, figures_of, limits_of, variables_of
-from .sampling import Samples
+from .sampling import ParameterSamples
 from .store import Chunks, Memory, Store, variable_data
 from .sweep_result import ONLY_RANDOM, SweepResult
 
@@ -51,7 +51,7 @@ class Sweep(Displayed):
     """
 
     scene: Scene
-    samples: Samples
+    samples: ParameterSamples
     variables: tuple[Variable, ...]
     job: Job
     table: VaryTable
@@ -179,7 +179,7 @@ def study_of(scene: Scene, parameters: Mapping[str, Any] | None, options: Mappin
     own = scene.table.vary
     given = {} if own is None else {name: getattr(own, name) for name in own.model_fields_set}
     table = validated({**given, **options, "parameters": {**given.get("parameters", {}), **(parameters or {})}}, "vary", VaryTable)
-    samples = Samples(table.parameters, table)
+    samples = ParameterSamples(table.parameters, table)
     data, name = read_tables(scene.path)
     data.pop("vary", None)
     settings = {setting.name: setting.value for setting in scene.settings}
@@ -189,7 +189,7 @@ def study_of(scene: Scene, parameters: Mapping[str, Any] | None, options: Mappin
     return Sweep(scene, samples, job.variables, job, table), middle
 
 
-def _middle(job: Job, scene: Scene, samples: Samples) -> Scene:
+def _middle(job: Job, scene: Scene, samples: ParameterSamples) -> Scene:
     """The scene of the middle sample, by which units and uses of the parameters are checked."""
     for name, variation in samples.variations.items():
         if name in job.settings:

@@ -14,9 +14,9 @@ from ...ground.errors import InputError
 from ...scene.file.messages import shown
 from ...scene.schema.analyses.vary_table import VaryTable
 from .evaluation import ANSWERED, Job
-from .kept_quantities import Figure, Variable, figures_of, limits_of
+from .kept_quantities import SampleFigure, Variable, figures_of, limits_of
 from .sample_statistics import Estimate, SobolIndices, Summary, exceedance, sobol_indices, summary
-from .sampling import Samples
+from .sampling import ParameterSamples
 from .store import REASON, STATUS, Chunks, column_name
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class SweepResult(Displayed):
     """
 
     scene: Scene
-    samples: Samples
+    samples: ParameterSamples
     variables: tuple[Variable, ...]
     table: VaryTable
     job: Job
@@ -99,7 +99,7 @@ class SweepResult(Displayed):
         return self.chunks.read(figure.variable.name, figure.place)
 
     @cached_property
-    def figures(self) -> dict[str, Figure]:
+    def figures(self) -> dict[str, SampleFigure]:
         """The single numbers of each sample, by name."""
         return figures_of(self.variables)
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import mbconstrained as mb
 from mbconstrained.exact.enclosure.exact_response import ExactResponse
-from mbconstrained.exact.enclosure.exact_sources import Source, harmonic_powers, phase_factors
+from mbconstrained.exact.enclosure.exact_sources import ExactSource, harmonic_powers, phase_factors
 from mbconstrained.exact.rational.rational_matrix import RationalMatrix
 from tests.oracles import exact as oracle
 
@@ -233,7 +233,7 @@ def test_a_float_stands_for_what_rounds_to_it():
 def test_hundreds_of_frequencies_do_not_mix_up_their_modes():
     """x' + x = sum of cos(w t + p), 300 frequencies: each mode belongs to its own root, however many there were before."""
     phases = [(k / 8, 0.3 + k / 100) for k in range(1, 301)]
-    force = [Source(shape, (flint.fmpq(1),), flint.fmpq(0), factor) for w, p in phases for shape, factor in _harmonic(w, p)]
+    force = [ExactSource(shape, (flint.fmpq(1),), flint.fmpq(0), factor) for w, p in phases for shape, factor in _harmonic(w, p)]
     x = ExactResponse(RationalMatrix([[[1]], [[1]]]), [[0]], force)
     times = [0.75, 2.0]
     with mpmath.workdps(40):

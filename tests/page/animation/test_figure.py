@@ -7,7 +7,7 @@ from mbconstrained.ground.errors import InputError
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.animation.figure import figure_data
 from mbconstrained.page.animation.keyframes import key_frames
-from mbconstrained.page.drawing.bodies import Body, Drawing, Link, Solid, View
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, DrawnLink, Solid, View
 from mbconstrained.page.drawing.paths import Path
 
 
@@ -21,14 +21,14 @@ def test_nothing_to_draw_still_has_bounds():
 
 
 def test_the_magnification_is_in_the_moves():
-    body = Body("b", moves={"y": (1, 2, 3)}, turns={"x": (0, -1, 0)})
+    body = DrawnBody("b", moves={"y": (1, 2, 3)}, turns={"x": (0, -1, 0)})
     data = figure(Drawing((body,), scale=10, turn_scale=3), ("x", "y"), [[0], [0]])["bodies"][0]
     assert data["moves"] == [[1, 10, 20, 30]]
     assert data["turns"] == [[0, 0, -3, 0]]
 
 
 def test_links_end_on_the_sides_that_face_each_other():
-    drawing = Drawing((Body("a"), Body("b", rest=(3, 0, 0))), (Link("k", "spring", "a", "b", (0, 0, 0.2)),))
+    drawing = Drawing((DrawnBody("a"), DrawnBody("b", rest=(3, 0, 0))), (DrawnLink("k", "spring", "a", "b", (0, 0, 0.2)),))
     link = figure(drawing)["links"][0]
     assert link["start_point"] == pytest.approx([0.4, 0, 0.2])
     assert link["end_point"] == pytest.approx([-0.4, 0, 0.2])
@@ -37,33 +37,35 @@ def test_links_end_on_the_sides_that_face_each_other():
 
 def test_the_sides_are_those_of_the_motion_not_of_the_zero_of_the_coordinates():
     # drawn at x = 5 and x = 2, although both are at 0 where the coordinates are 0
-    bodies = (Body("a", moves={"x": (1, 0, 0)}), Body("b", moves={"y": (1, 0, 0)}))
-    link = figure(Drawing(bodies, (Link("k", "spring", "a", "b"),)), ("x", "y"), [[5, 5], [2, 2.5]])["links"][0]
+    bodies = (DrawnBody("a", moves={"x": (1, 0, 0)}), DrawnBody("b", moves={"y": (1, 0, 0)}))
+    link = figure(Drawing(bodies, (DrawnLink("k", "spring", "a", "b"),)), ("x", "y"), [[5, 5], [2, 2.5]])["links"][0]
     assert (link["start_point"][0], link["end_point"][0]) == pytest.approx((-0.4, 0.4))
     assert (link["shortest"], link["longest"]) == pytest.approx((1.7, 2.2))
 
 
 def test_an_end_outside_its_body_stands_on_a_post():
-    drawing = Drawing((Body("a"), Body("b", rest=(3, 0, 0))), (Link("k", "spring", "a", "b", (0, 0, 1.5), (0, 0, 0.1)),))
+    drawing = Drawing(
+        (DrawnBody("a"), DrawnBody("b", rest=(3, 0, 0))), (DrawnLink("k", "spring", "a", "b", (0, 0, 1.5), (0, 0, 0.1)),)
+    )
     data = figure(drawing)
     assert [body["posts"] for body in data["bodies"]] == [[[0, 0, 1.5]], []]
 
 
 def test_bounds_hold_the_whole_motion():
-    drawing = Drawing((Body("b", moves={"x": (1, 0, 0)}),), scale=2)
+    drawing = Drawing((DrawnBody("b", moves={"x": (1, 0, 0)}),), scale=2)
     assert figure(drawing, ("x",), [[-1, 0, 3]])["bounds"] == {"low": [-2.4, -0.4, -0.4], "high": [6.4, 0.4, 0.4]}
 
 
 def test_a_body_has_the_colour_of_its_own_curve_unless_it_brings_one():
-    bodies = [Body(name, rest=(i, 0, 0), moves={name: (1, 0, 0)}) for i, name in enumerate("xyz")]
-    bodies.append(Body("own", color="#123456"))
+    bodies = [DrawnBody(name, rest=(i, 0, 0), moves={name: (1, 0, 0)}) for i, name in enumerate("xyz")]
+    bodies.append(DrawnBody("own", color="#123456"))
     colors = [body["color"] for body in figure(Drawing(tuple(bodies)), tuple("xyz"), np.zeros((3, 1)))["bodies"]]
     assert len(set(colors)) == 4
     assert colors[3] == "#123456"
 
 
 def test_motion_too_large_to_be_seen_is_refused():
-    drawing = Drawing((Body("rocket", moves={"x": (1, 0, 0)}),))
+    drawing = Drawing((DrawnBody("rocket", moves={"x": (1, 0, 0)}),))
     with pytest.raises(InputError, match=r'body "rocket" is drawn up to 1e\+200 units away.*a smaller scale, or ask for earlier'):
         figure(drawing, ("x",), [[0, 1e200]])
 
@@ -71,19 +73,19 @@ def test_motion_too_large_to_be_seen_is_refused():
 @pytest.mark.parametrize("depth, yaw", [(0, 0.26), (1, 0.72), (-1, -0.72)])
 def test_what_stands_behind_is_seen_beside(depth, yaw):
     # the body on the right is further away: seen from the right it moves out to the right
-    bodies = (Body("left"), Body("right", rest=(3, depth, 0)))
+    bodies = (DrawnBody("left"), DrawnBody("right", rest=(3, depth, 0)))
     assert figure(Drawing(bodies))["view"]["yaw"] == pytest.approx(yaw)
 
 
 def test_a_long_chain_is_seen_from_its_side():
-    bodies = tuple(Body(f"b{i}", rest=(2.0 * i, 0, 0)) for i in range(50))
+    bodies = tuple(DrawnBody(f"b{i}", rest=(2.0 * i, 0, 0)) for i in range(50))
     assert figure(Drawing(bodies))["view"]["yaw"] < 0.02
 
 
 def test_an_end_that_is_fixed_in_its_body_turns_with_it():
     path = Path(np.zeros((3, 2)), [[0, 0], [0, 0], [0, 0.5**0.5], [1, 0.5**0.5]])  # a quarter turn about z
-    bodies = (Body("a", "solids", solids=(Solid("sphere", (1,)),), path=path), Body("b", rest=(0, 3, 0)))
-    link = Link("k", "spring", "a", "b", start_point=(1, 0, 0), end_point=(0, 0, 0))
+    bodies = (DrawnBody("a", "solids", solids=(Solid("sphere", (1,)),), path=path), DrawnBody("b", rest=(0, 3, 0)))
+    link = DrawnLink("k", "spring", "a", "b", start_point=(1, 0, 0), end_point=(0, 0, 0))
     data = figure(Drawing(bodies, (link,)), ("x",), [[0, 0]])
     (found,) = data["links"]
     assert (found["start_turns"], found["end_turns"]) == (True, True)
@@ -94,25 +96,25 @@ def test_an_end_that_is_fixed_in_its_body_turns_with_it():
     "size, yaw, pitch", [((4, 4, 0.2), 0.3, 1.0), ((4, 0.2, 4), 0.3, 0.25), ((0.2, 4, 4), 1.25, 0.25), ((4, 4, 4), 0.6, 0.36)]
 )
 def test_what_is_flat_is_seen_from_its_broad_side(size, yaw, pitch):
-    assert figure(Drawing((Body("b", "solids", solids=(Solid("box", size),)),)))["view"] == {"yaw": yaw, "pitch": pitch}
+    assert figure(Drawing((DrawnBody("b", "solids", solids=(Solid("box", size),)),)))["view"] == {"yaw": yaw, "pitch": pitch}
 
 
 @pytest.mark.parametrize("solids", [(), (Solid("box", (0, 0, 0)),), (Solid("mesh"),)])
 def test_a_body_that_is_a_point_has_room_around_it(solids):
-    data = figure(Drawing((Body("b", "solids", rest=(1, 2, 3), solids=solids),)))
+    data = figure(Drawing((DrawnBody("b", "solids", rest=(1, 2, 3), solids=solids),)))
     assert data["unit"] == 1
     assert data["bounds"] == {"low": [0.5, 1.5, 2.5], "high": [1.5, 2.5, 3.5]}
 
 
 def test_a_path_too_far_away_to_be_seen_is_refused():
     far = Path([[0, 1e15], [0, 0], [0, 0]], np.ones((4, 2)))
-    bodies = (Body("rocket", "solids", solids=(Solid("sphere", (1,)),), path=far),)
+    bodies = (DrawnBody("rocket", "solids", solids=(Solid("sphere", (1,)),), path=far),)
     with pytest.raises(InputError, match='body "rocket" is drawn up to .* units away'):
         figure(Drawing(bodies), ("x",), [[0, 0]])
 
 
 def test_a_turned_drawing_is_bounded_as_it_is_seen():
-    boxes = (Body("a"), Body("b", rest=(10, 0, 0)))
+    boxes = (DrawnBody("a"), DrawnBody("b", rest=(10, 0, 0)))
     turned = figure(Drawing(boxes, turn=(0, -np.pi / 4, 0)))
     reach, half = 10 * 0.5**0.5, 0.4 * 2**0.5
     assert turned["bounds"]["low"] == pytest.approx([-half, -0.4, -half])
@@ -121,4 +123,4 @@ def test_a_turned_drawing_is_bounded_as_it_is_seen():
 
 
 def test_the_view_of_the_drawing_goes_before_the_usual_one():
-    assert figure(Drawing((Body("a"),), view=View(0.3, 0.2, 1.5)))["view"] == {"yaw": 0.3, "pitch": 0.2, "zoom": 1.5}
+    assert figure(Drawing((DrawnBody("a"),), view=View(0.3, 0.2, 1.5)))["view"] == {"yaw": 0.3, "pitch": 0.2, "zoom": 1.5}

@@ -8,7 +8,7 @@ import pytest
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.animation.figure import figure_data, invisible_errors
 from mbconstrained.page.animation.keyframes import MOST_FRAMES, MOST_POSES, key_frames, slopes
-from mbconstrained.page.drawing.bodies import Body, Drawing
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody
 from mbconstrained.page.drawing.paths import Path
 from tests.page.contents import many, two_masses
 
@@ -88,12 +88,12 @@ def test_too_many_times_are_thinned_evenly_with_both_ends():
 def still_and_moving(count):
     moving = Path(np.array([np.arange(count), np.zeros(count), np.zeros(count)]), np.tile([[0], [0], [0], [1]], count))
     still = Path([[1], [2], [3]], [[0], [0], [0], [1]])
-    return Drawing((Body("a", "solids", path=moving), Body("b", "solids", path=still), Body("c")))
+    return Drawing((DrawnBody("a", "solids", path=moving), DrawnBody("b", "solids", path=still), DrawnBody("c")))
 
 
 def test_a_path_that_rests_is_one_pose_and_a_body_without_one_has_none():
     resting = Path(np.ones((3, 5)), np.ones((4, 5)))
-    drawing = Drawing((*still_and_moving(5).bodies, Body("d", "solids", path=resting)))
+    drawing = Drawing((*still_and_moving(5).bodies, DrawnBody("d", "solids", path=resting)))
     paths = key_frames(Animation(drawing, (), np.arange(5.0), np.zeros((0, 5)))).paths
     assert [path and path.count for path in paths] == [5, 1, None, 1]
 
@@ -107,7 +107,7 @@ def test_paths_are_thinned_with_the_coordinates():
 
 def test_many_moving_bodies_have_fewer_key_frames_each():
     one = still_and_moving(1001).bodies[0]
-    drawing = Drawing(tuple(Body(f"b{i}", "solids", path=one.path) for i in range(MOST_POSES // 300)))
+    drawing = Drawing(tuple(DrawnBody(f"b{i}", "solids", path=one.path) for i in range(MOST_POSES // 300)))
     frames = key_frames(Animation(drawing, (), np.arange(1001.0), np.zeros((0, 1001))))
     assert len(frames.times) <= 301
     assert (frames.times[0], frames.times[-1]) == (0, 1000)
@@ -163,7 +163,7 @@ def test_rates_stay_where_the_page_would_miss_them_and_all_digits_where_they_are
 def test_paths_of_many_poses_are_codes_too():
     count, angles = 4001, np.linspace(0.0, 0.2, 4001)
     path = Path(np.outer([1, 2, 0.5], np.sin(50 * angles)), np.vstack([np.zeros((2, count)), np.sin(angles), np.cos(angles)]))
-    drawing = Drawing(tuple(Body(f"b{i}", path=path) for i in range(2)))
+    drawing = Drawing(tuple(DrawnBody(f"b{i}", path=path) for i in range(2)))
     frames = key_frames(Animation(drawing, (), np.arange(float(count)), np.zeros((0, count))))
     data = frames.as_data(*invisible_errors(drawing, (), figure_data(drawing, [frames])))["paths"][1]
     read = np.array(data["low"]) + np.array(data["step"]) * unpacked(data["codes"], "<u2").reshape(count, 7)

@@ -8,12 +8,12 @@ from mbconstrained.page.animation.figure import figure_data
 from mbconstrained.page.animation.keyframes import key_frames
 from mbconstrained.page.animation.overlay import LONGEST, force_scale
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Body, Drawing
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody
 from mbconstrained.page.drawing.paths import Path
 from mbconstrained.page.html import page_html, script_json
 
 TIMES = np.array([0.0, 1.0, 2.0])
-BODIES = (Body("cart", moves={"x": (0, 0, 2)}), Body("wheel", rest=(3, 0, 0), turns={"w": (0, -1, 0)}))
+BODIES = (DrawnBody("cart", moves={"x": (0, 0, 2)}), DrawnBody("wheel", rest=(3, 0, 0), turns={"w": (0, -1, 0)}))
 PUSH = Arrow("cart", (0, 0, 2), "N s")
 JUMP = DrawnEvent(
     0.0, ("x jumps from -0.5 m/s^2",), np.array([0.5, 0.0]), np.array([0.0, 0.0]), (ImpulseArrow(PUSH, -4.0, "4 N s"),)
@@ -48,7 +48,7 @@ def test_what_a_body_was_before_belongs_to_the_picture():
 
 def test_a_body_with_a_path_was_where_its_own_path_says():
     turned = np.array([[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    link = Body("link", path=Path(np.zeros((3, 1)), [[0], [0], [0], [1]]))
+    link = DrawnBody("link", path=Path(np.zeros((3, 1)), [[0], [0], [0], [1]]))
     before = DrawnEvent(0.0, ("now",), np.array([0.0]), np.array([0.0]), paths={"link": Path([[1, 0], [0, 0], [0, 0]], turned)})
     given = Animation(Drawing((link,)), ("x",), TIMES, np.zeros((1, 3)), overlay=Overlay((before,)))
     assert figure(given)["overlay"]["events"][0]["ghosts"] == [[0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]]
@@ -84,12 +84,12 @@ def test_forces_move_with_the_coordinates_of_the_model_and_behind_them():
     assert "arrows: reactions, longest arrow 5 N or 15 N m" in page_html(PageContent("forces", animation=given))
 
 
-def turning_hook() -> tuple[Body, np.ndarray]:
+def turning_hook() -> tuple[DrawnBody, np.ndarray]:
     """A link that goes round once about z in two seconds, and a force along its own x at a point of it."""
     angles = np.pi * TIMES
     still = np.zeros(3)
     path = Path(np.zeros((3, 3)), [still, still, np.sin(angles / 2), np.cos(angles / 2)])
-    return Body("hook", path=path), np.array([[1.0, 3.0, 2.0], still, still])
+    return DrawnBody("hook", path=path), np.array([[1.0, 3.0, 2.0], still, still])
 
 
 def test_a_force_in_the_frame_of_a_body_has_three_rows_and_no_direction():
@@ -122,7 +122,7 @@ def test_forces_that_never_act_are_no_trouble():
 
 
 def test_a_force_along_a_coordinate_acts_on_the_body_that_it_moves_alone():
-    both = Body("hook", moves={"x": (1, 0, 0), "y": (1, 0, 0)})
+    both = DrawnBody("hook", moves={"x": (1, 0, 0), "y": (1, 0, 0)})
     drawing = Drawing((both, *BODIES))
     assert arrow_at(drawing, "x", "N") == Arrow("cart", (0.0, 0.0, 2.0), "N")
     assert arrow_at(drawing, "y", "N").body == "hook"

@@ -8,7 +8,7 @@ import pytest
 
 from mbconstrained.page.animation.animation import Animation, Arrow, DrawnEvent, ForceArrows, ImpulseArrow, Overlay
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Body, Drawing, View
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, View
 from mbconstrained.page.drawing.paths import Path
 from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
@@ -35,7 +35,7 @@ SEEN = """(() => {
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
     """A cart with jumps and impulses at t = 0 and at t = 20 s, and a force that is drawn all the time."""
-    bodies = (Body("cart", moves={"x": (1, 0, 0)}), Body("wheel", "disc", rest=(4, 0, 0), turns={"x": (0, -1, 0)}))
+    bodies = (DrawnBody("cart", moves={"x": (1, 0, 0)}), DrawnBody("wheel", "disc", rest=(4, 0, 0), turns={"x": (0, -1, 0)}))
     first = DrawnEvent(
         0.0,
         ("at t = 0 s", HOSTILE),
@@ -79,7 +79,9 @@ def test_an_arrow_of_a_body_that_turns_turns_with_it(browser, tmp_path):
     path = Path([5 * np.cos(angles), 5 * np.sin(angles), still], [still, still, np.sin(angles / 2), np.cos(angles / 2)])
     hold = (Arrow("hook", None, "N", point=(1, 0, 0)), 1.0)
     force = ForceArrows("pin", np.array([2 + still, X, still]), np.array([still, -np.sin(TIMES), still]), (hold,))
-    given = Animation(Drawing((Body("hook", path=path),)), (), TIMES, np.zeros((0, 101)), np.zeros((0, 101)), Overlay((), (force,)))
+    given = Animation(
+        Drawing((DrawnBody("hook", path=path),)), (), TIMES, np.zeros((0, 101)), np.zeros((0, 101)), Overlay((), (force,))
+    )
     browser.open(write_page(tmp_path / "page.html", PageContent("t", animation=given)))
     for time in (0.0, 7.3):
         place, way, labels = browser.evaluate(f"""(() => {{
@@ -96,10 +98,10 @@ def test_an_arrow_of_a_body_that_turns_turns_with_it(browser, tmp_path):
 
 
 def test_numbers_at_arrows_make_room_for_each_other(browser, tmp_path):
-    bodies = tuple(Body(name, rest=(0.01 * i, 0, 0), moves={"x": (0, 0, 0.1)}) for i, name in enumerate("abcd"))
+    bodies = tuple(DrawnBody(name, rest=(0.01 * i, 0, 0), moves={"x": (0, 0, 0.1)}) for i, name in enumerate("abcd"))
     arrows = tuple((Arrow(name, (0, 0, 1), "N"), 1.0) for name in "abcde")
     force = ForceArrows("all", 1 + 0 * X, 0 * X, arrows)
-    drawing = Drawing((*bodies, Body("e", rest=(9, 0, 0))))
+    drawing = Drawing((*bodies, DrawnBody("e", rest=(9, 0, 0))))
     given = Animation(drawing, ("x",), TIMES, [X], [-np.sin(TIMES)], Overlay((), (force,)))
     browser.open(write_page(tmp_path / "page.html", PageContent("t", animation=given)))
     shown, tops = browser.evaluate("""(() => {
@@ -112,7 +114,7 @@ def test_numbers_at_arrows_make_room_for_each_other(browser, tmp_path):
 
 def test_a_small_moment_has_an_arc(browser, tmp_path):
     moments = (Arrow("wheel", (0, -1, 0), "N m", True), 1.0), (Arrow("other", (0, -1, 0), "N m", True), 0.0187)
-    wheels = (Body("wheel", "disc", turns={"x": (0, -1, 0)}), Body("other", "disc", rest=(4, 0, 0)))
+    wheels = (DrawnBody("wheel", "disc", turns={"x": (0, -1, 0)}), DrawnBody("other", "disc", rest=(4, 0, 0)))
     force = ForceArrows("motor", 0.3 + 0 * X, 0 * X, moments)
     given = Animation(Drawing(wheels), ("x",), TIMES, [X], [-np.sin(TIMES)], Overlay((), (force,)))
     browser.open(write_page(tmp_path / "page.html", PageContent("t", animation=given)))
@@ -130,7 +132,7 @@ def test_a_small_moment_has_an_arc(browser, tmp_path):
 
 
 def test_a_line_over_the_picture_that_breaks_has_room_of_its_own(browser, tmp_path):
-    given = Animation(Drawing((Body("a", moves={"x": (1, 0, 0)}),), note="long " * 60), ("x",), TIMES, [X], [-np.sin(TIMES)])
+    given = Animation(Drawing((DrawnBody("a", moves={"x": (1, 0, 0)}),), note="long " * 60), ("x",), TIMES, [X], [-np.sin(TIMES)])
     page = write_page(tmp_path / "page.html", PageContent("t", animation=given))
     below = """(() => {
         const [a] = mbconstrained.viewer.scene_tree.find(["mbconstrained", "bodies"]).object.children;

@@ -3,31 +3,31 @@
 import pytest
 
 from mbconstrained.ground.errors import InputError
-from mbconstrained.page.drawing.bodies import Body, Drawing, Link
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, DrawnLink
 from tests.page.contents import positions
 
 
 def test_positions_are_linear_in_the_coordinates():
-    body = Body("b", rest=(1, 2, 3), moves={"x": (1, 0, 0), "y": (0, 0, 2)})
+    body = DrawnBody("b", rest=(1, 2, 3), moves={"x": (1, 0, 0), "y": (0, 0, 2)})
     drawing = Drawing((body,), scale=10)
     assert positions(drawing, body, ("x", "y"), [[0.0, 1.0], [0.0, 0.5]]).tolist() == [[1, 11], [2, 2], [3, 13]]
 
 
 def test_only_bodies_with_something_to_say_are_named():
-    assert [Body("n", shape).label for shape in ("box", "disc", "ground", "mark", "rail")] == ["n", "n", "", "", ""]
-    assert Body("n", "ground", label="floor").label == "floor"
+    assert [DrawnBody("n", shape).label for shape in ("box", "disc", "ground", "mark", "rail")] == ["n", "n", "", "", ""]
+    assert DrawnBody("n", "ground", label="floor").label == "floor"
 
 
 def test_a_link_has_the_same_offset_at_both_ends_unless_told_otherwise():
-    assert Link("k", "spring", "a", "b", offset=(0, 0, 1)).end_offset == (0, 0, 1)
-    assert Link("k", "spring", "a", "b", (0, 0, 1), (0, 0, 2)).end_offset == (0, 0, 2)
+    assert DrawnLink("k", "spring", "a", "b", offset=(0, 0, 1)).end_offset == (0, 0, 1)
+    assert DrawnLink("k", "spring", "a", "b", (0, 0, 1), (0, 0, 2)).end_offset == (0, 0, 2)
 
 
 @pytest.mark.parametrize(
     "make, message",
     [
-        (lambda: Body("b", size=(1, 0, 1)), "size: found 0; expected numbers greater than zero"),
-        (lambda: Drawing((Body("b"), Body("b"))), 'two bodies are named "b"'),
+        (lambda: DrawnBody("b", size=(1, 0, 1)), "size: found 0; expected numbers greater than zero"),
+        (lambda: Drawing((DrawnBody("b"), DrawnBody("b"))), 'two bodies are named "b"'),
     ],
 )
 def test_what_cannot_be_drawn_is_refused(make, message):

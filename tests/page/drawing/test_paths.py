@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.animation.keyframes import body_poses, key_frames
-from mbconstrained.page.drawing.bodies import Body, Drawing
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody
 from mbconstrained.page.drawing.paths import Path, quaternions_of, rotated
 
 
@@ -40,7 +40,11 @@ def test_quaternions_of_rotation_vectors(size):
 def test_a_body_is_where_its_path_or_the_coordinates_put_it():
     path = Path([[0, 1], [0, 0], [0, 5]], [[0, 1], [0, 0], [0, 0], [1, 0]])
     still = Path([[7], [8], [9]], [[0], [0], [0], [1]])
-    bodies = (Body("a", "solids", path=path), Body("b", "solids", path=still), Body("c", rest=(1, 0, 0), turns={"x": (0, 0, 1)}))
+    bodies = (
+        DrawnBody("a", "solids", path=path),
+        DrawnBody("b", "solids", path=still),
+        DrawnBody("c", rest=(1, 0, 0), turns={"x": (0, 0, 1)}),
+    )
     drawing = Drawing(bodies, turn_scale=2)
     frames = key_frames(Animation(drawing, ("x",), [0, 1], [[0, np.pi / 2]]))
     poses = body_poses(drawing, frames)

@@ -8,7 +8,7 @@ import pytest
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.animation.figure import figure_data
 from mbconstrained.page.animation.keyframes import key_frames
-from mbconstrained.page.drawing.bodies import Body, Drawing, Solid
+from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, Solid
 
 TETRAHEDRON = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3.0]])
 FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
@@ -41,7 +41,7 @@ def test_corners_are_those_of_a_box_around_it(solid, low, high):
 
 def drawn(*solids, color=None) -> tuple[list[dict], list[dict]]:
     """The data of the solids of one body, and of the meshes."""
-    drawing = Drawing((Body("b", "solids", solids=solids, color=color),))
+    drawing = Drawing((DrawnBody("b", "solids", solids=solids, color=color),))
     figure = figure_data(drawing, [key_frames(Animation(drawing, (), [0.0], np.zeros((0, 1))))])
     return figure["bodies"][0]["solids"], figure["meshes"]
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbconstrained.polynomial.variation.branches import Family, followed
+from mbconstrained.polynomial.variation.branches import MatrixFamily, followed
 
 
 def pairs_of_curves(blocks, p):
@@ -36,7 +36,7 @@ def mixed_family(blocks, seed, damping=0.0):
     T = np.linalg.qr(np.random.default_rng(seed).normal(size=(size, size)))[0] @ np.diag(np.linspace(1.0, 2.0, size))
     K, slope, M = (T.T @ matrix @ T for matrix in (K, slope, np.eye(size)))
     zero = np.zeros_like(M)
-    return Family.linear(np.array([K, damping * M, M]), np.array([slope, zero, zero]))
+    return MatrixFamily.linear(np.array([K, damping * M, M]), np.array([slope, zero, zero]))
 
 
 def upper_branches(branches):
@@ -95,7 +95,7 @@ def test_a_pair_that_becomes_real_is_followed_through_the_defective_value():
     """x'' + p x' + x = 0: a pair on the unit circle up to critical damping at p = 2, two real eigenvalues beyond."""
     zero, one = np.zeros((1, 1)), np.eye(1)
     p = np.linspace(0.0, 5.0, 21)
-    branches = followed(Family.linear(np.array([one, zero, one]), np.array([zero, one, zero])), p)
+    branches = followed(MatrixFamily.linear(np.array([one, zero, one]), np.array([zero, one, zero])), p)
     np.testing.assert_allclose(branches.values.prod(axis=1), 1.0, rtol=1e-12)
     np.testing.assert_allclose(branches.values.sum(axis=1), -p, atol=1e-7)
     assert (np.abs(np.diff(branches.values[10:], axis=0)) < 1.5).all()
@@ -106,5 +106,5 @@ def test_a_massless_coordinate_follows():
     base = np.array([[[1.0, -1.0], [-1.0, 1.0]], np.zeros((2, 2)), np.diag([1.0, 0.0])])
     slope = np.array([np.diag([0.0, 1.0]), np.zeros((2, 2)), np.zeros((2, 2))])
     p = np.linspace(0.5, 3.0, 6)
-    found = upper_branches(followed(Family.linear(base, slope), p))
+    found = upper_branches(followed(MatrixFamily.linear(base, slope), p))
     np.testing.assert_allclose(found[:, 0], 1j * np.sqrt(p / (1 + p)), rtol=1e-12)

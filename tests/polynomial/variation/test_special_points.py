@@ -7,13 +7,13 @@ import pytest
 import sympy
 
 import mbconstrained as mb
-from mbconstrained.polynomial.variation.branches import Family, followed
+from mbconstrained.polynomial.variation.branches import MatrixFamily, followed
 from mbconstrained.polynomial.variation.special_points import break_points
 
 
 def points(base, slope, parameters):
     """The break points of K, C, M = base + p slope."""
-    family = Family.linear(np.array(base, dtype=float), np.array(slope, dtype=float))
+    family = MatrixFamily.linear(np.array(base, dtype=float), np.array(slope, dtype=float))
     return break_points(family, followed(family, np.asarray(parameters, dtype=float)))
 
 

@@ -19,7 +19,7 @@ from mbconstrained.studies.accuracy.accuracy_report import (
     run_table,
 )
 from mbconstrained.studies.accuracy.measure import measure as measured
-from mbconstrained.studies.accuracy.method import Failure, Method, Setting, tolerances
+from mbconstrained.studies.accuracy.method import ComparedMethod, Failure, MethodSetting, tolerances
 from mbconstrained.studies.accuracy.methods import OURS
 from mbconstrained.studies.reference_solution import reference_solution
 from mbconstrained.studies.study_problem import mechanical_problem
@@ -48,12 +48,12 @@ def raising(problem_found: Exception):
     return prepare
 
 
-def one(*methods: Method, seconds: float = 5.0):
+def one(*methods: ComparedMethod, seconds: float = 5.0):
     return measured(PROBLEM, TRUTH, methods, seconds)
 
 
 def test_errors_are_those_of_the_values():
-    good, bad = one(Method("good", off_by(0.0)), Method("bad", off_by(1e-3)))
+    good, bad = one(ComparedMethod("good", off_by(0.0)), ComparedMethod("bad", off_by(1e-3)))
     assert good.error < 1e-15 and bad.error == pytest.approx(1e-3, rel=1e-9)
     assert good.one_run.median >= good.evaluation.median >= 0 and not good.failure
 
@@ -70,7 +70,7 @@ def test_errors_are_those_of_the_values():
     ],
 )
 def test_failures_are_told_as_failures(prepare, told):
-    (found,) = one(Method("it", prepare))
+    (found,) = one(ComparedMethod("it", prepare))
     assert found.failure == told and found.error is None and found.evaluation is None
 
 
@@ -82,19 +82,19 @@ def test_what_takes_too_long_is_broken_off_and_finer_settings_are_not_tried():
         time.sleep(30.0 if value > 1 else 0.0)
         return lambda: EXACT
 
-    settings = tuple(Setting(f"step {value:g}", value) for value in (1.0, 2.0, 3.0))
-    quick, slow, untried = one(Method("stepper", prepare, settings), seconds=0.2)
+    settings = tuple(MethodSetting(f"step {value:g}", value) for value in (1.0, 2.0, 3.0))
+    quick, slow, untried = one(ComparedMethod("stepper", prepare, settings), seconds=0.2)
     assert not quick.failure and slow.failure == "takes more than 200 ms"
     assert untried.failure == "not run: a coarser setting exceeds the time limit" and 3.0 not in ran
 
 
 def test_a_refusal_is_told_and_nothing_runs():
-    (found,) = one(Method("theirs", raising(AssertionError("ran")), refusal=lambda problem: "needs even times"))
+    (found,) = one(ComparedMethod("theirs", raising(AssertionError("ran")), refusal=lambda problem: "needs even times"))
     assert found.failure == "needs even times"
 
 
 def test_of_what_is_not_meant_for_such_a_problem_nothing_is_said():
-    assert one(Method("other", raising(AssertionError("ran")), concerns=lambda problem: False)) == ()
+    assert one(ComparedMethod("other", raising(AssertionError("ran")), concerns=lambda problem: False)) == ()
 
 
 def test_repeats_go_in_turns_and_the_first_run_is_not_counted(monkeypatch):
@@ -102,7 +102,7 @@ def test_repeats_go_in_turns_and_the_first_run_is_not_counted(monkeypatch):
     order = []
 
     def named(name):
-        return Method(name, lambda problem, value: lambda: (order.append(name), EXACT)[1])
+        return ComparedMethod(name, lambda problem, value: lambda: (order.append(name), EXACT)[1])
 
     first, second = one(named("a"), named("b"))
     once = ["a", "b", "b", "a", "a", "b", "b", "a", "a", "b"]
@@ -112,7 +112,7 @@ def test_repeats_go_in_turns_and_the_first_run_is_not_counted(monkeypatch):
 
 def test_a_long_run_is_repeated_once(monkeypatch):
     monkeypatch.setattr(measure, "REPEATED_SECONDS", 0.0)
-    (found,) = one(Method("slow", off_by(0.0)))
+    (found,) = one(ComparedMethod("slow", off_by(0.0)))
     assert len(found.evaluation.seconds) == 1
 
 
@@ -129,12 +129,14 @@ def test_what_only_the_first_run_does_is_in_no_time(monkeypatch):
         ran.append(value)
         return lambda: EXACT
 
-    (found,) = one(Method("theirs", prepare))
+    (found,) = one(ComparedMethod("theirs", prepare))
     assert found.set_up.seconds == (1.0,) * measure.REPEATS
 
 
 def test_a_library_is_loaded_before_its_first_run():
-    missing, there = one(Method("missing", off_by(0.0), library="no_such_library"), Method("there", off_by(0.0), library="json"))
+    missing, there = one(
+        ComparedMethod("missing", off_by(0.0), library="no_such_library"), ComparedMethod("there", off_by(0.0), library="json")
+    )
     assert missing.failure == "ModuleNotFoundError: No module named 'no_such_library'" and not there.failure
 
 
@@ -144,7 +146,7 @@ def test_warnings_and_prints_of_methods_do_not_reach_the_user(capfd):
         print("lsoda--")
         return lambda: EXACT + np.float64(0.0) / np.array([1.0])
 
-    (found,) = one(Method("noisy", prepare))
+    (found,) = one(ComparedMethod("noisy", prepare))
     assert not found.failure and capfd.readouterr() == ("", "")
 
 
@@ -176,7 +178,7 @@ def test_methods_of_the_closed_form_are_left_out_where_they_do_not_apply():
     assert free == ["closed form", "closed form, Eqs. (73)-(76)", "exact arithmetic, 15 digits"]
 
 
-def report(*methods: Method) -> AccuracyReport:
+def report(*methods: ComparedMethod) -> AccuracyReport:
     return accuracy_report(PROBLEM, methods)
 
 
@@ -184,9 +186,9 @@ def test_the_report_is_plain_data_and_reads_well():
     import json
 
     found = report(
-        Method("closed form", off_by(0.0), is_ours=True),
-        Method("stepper", lambda problem, value: lambda: EXACT + value, tolerances(6, 8)),
-        Method("other", raising(Failure("refuses singular mass"))),
+        ComparedMethod("closed form", off_by(0.0), is_ours=True),
+        ComparedMethod("stepper", lambda problem, value: lambda: EXACT + value, tolerances(6, 8)),
+        ComparedMethod("other", raising(Failure("refuses singular mass"))),
     )
     data = json.loads(json.dumps(found.as_json(), allow_nan=False))
     assert [run["method"] for run in data["runs"]] == ["closed form", "stepper", "stepper", "other"]
@@ -203,14 +205,17 @@ def test_the_report_is_plain_data_and_reads_well():
 
 @pytest.mark.long
 def test_an_answer_that_is_wrong_or_missing_is_not_trusted():
-    assert not report(Method("closed form", off_by(0.01), is_ours=True)).is_trusted
-    assert not report(Method("closed form", raising(Failure("no")), is_ours=True)).is_trusted
+    assert not report(ComparedMethod("closed form", off_by(0.01), is_ours=True)).is_trusted
+    assert not report(ComparedMethod("closed form", raising(Failure("no")), is_ours=True)).is_trusted
 
 
 def test_settings_that_fail_alike_share_a_line():
-    settings = tuple(Setting(f"rtol {value:g}") for value in (1e-8, 1e-10))
+    settings = tuple(MethodSetting(f"rtol {value:g}") for value in (1e-8, 1e-10))
     table = failure_table(
-        report(Method("closed form", off_by(0.0), is_ours=True), Method("IDA", raising(Failure("too small a step")), settings))
+        report(
+            ComparedMethod("closed form", off_by(0.0), is_ours=True),
+            ComparedMethod("IDA", raising(Failure("too small a step")), settings),
+        )
     )
     assert table.rows == (("IDA", "rtol 1e-08, rtol 1e-10", "too small a step"),)
 
@@ -218,8 +223,8 @@ def test_settings_that_fail_alike_share_a_line():
 def test_the_fastest_is_told_honestly():
     """Also where it is not ours, and not where the difference is that of a busy machine."""
     runs = report(
-        Method("closed form", lambda problem, value: (sum(range(10**6)), lambda: EXACT)[1], is_ours=True),
-        Method("stepper", off_by(1e-7)),
+        ComparedMethod("closed form", lambda problem, value: (sum(range(10**6)), lambda: EXACT)[1], is_ours=True),
+        ComparedMethod("stepper", off_by(1e-7)),
     )
     assert fastest(runs.answers, 1e-6, one_run).method.name == "stepper"
     assert fastest(runs.answers, 1e-20, one_run) is None

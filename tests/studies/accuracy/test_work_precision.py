@@ -6,8 +6,8 @@ from mbconstrained.ground.tolerances import EPS
 from mbconstrained.page.animation.figure import PALETTE
 from mbconstrained.page.plots.images import INK
 from mbconstrained.studies.accuracy.diagram import BAR, LOWEST, MARKERS, work_precision
-from mbconstrained.studies.accuracy.measure import Measured
-from mbconstrained.studies.accuracy.method import Method, Setting
+from mbconstrained.studies.accuracy.measure import Measurement
+from mbconstrained.studies.accuracy.method import ComparedMethod, MethodSetting
 from mbconstrained.studies.figures import WIDTH, Picture
 from mbconstrained.studies.timing import Timing
 from tests.studies.pictures import HOSTILE, HOSTILE_SHOWN, drawn, texts
@@ -19,16 +19,16 @@ def timing(seconds: float) -> Timing:
     return Timing((0.8 * seconds, 0.9 * seconds, seconds, 1.2 * seconds, 1.3 * seconds))
 
 
-def run(method: Method, error: float, seconds: float, label: str = "") -> Measured:
+def run(method: ComparedMethod, error: float, seconds: float, label: str = "") -> Measurement:
     """One run takes so many seconds, a further evaluation 0.4 of them."""
-    return Measured(method, Setting(label), error, timing(0.5 * seconds), timing(0.5 * seconds), timing(0.4 * seconds))
+    return Measurement(method, MethodSetting(label), error, timing(0.5 * seconds), timing(0.5 * seconds), timing(0.4 * seconds))
 
 
-def named(name: str, is_ours: bool = False) -> Method:
-    return Method(name, lambda problem, value: None, is_ours=is_ours)
+def named(name: str, is_ours: bool = False) -> ComparedMethod:
+    return ComparedMethod(name, lambda problem, value: None, is_ours=is_ours)
 
 
-def peer(name: str, start: float = 1e-3) -> list[Measured]:
+def peer(name: str, start: float = 1e-3) -> list[Measurement]:
     method = named(name)
     return [run(method, 1e-3 * 100.0**-i, start * 3.0**i, f"rtol 1e-{2 * i + 3:02d}") for i in range(4)]
 

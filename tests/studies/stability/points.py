@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mbconstrained.ground.tolerances import EPS
 from mbconstrained.studies.stability.point import Point
-from mbconstrained.studies.stability.scaling_factors import Sweep
+from mbconstrained.studies.stability.scaling_factors import ScalingSweep
 
 
 def point(parameter, right=15.0, expected=15.5, claimed=14.0, **more) -> Point:
@@ -15,6 +15,6 @@ def point(parameter, right=15.0, expected=15.5, claimed=14.0, **more) -> Point:
 
 def sweep(
     title: str, *points: Point, parameter: str = "stiffness ratio", name: str = "", theme: str = "stiffness", broken=()
-) -> Sweep:
+) -> ScalingSweep:
     """Points under a title."""
-    return Sweep(name or title, title, theme, "it is stiff", "made for this gallery", parameter, points, broken)
+    return ScalingSweep(name or title, title, theme, "it is stiff", "made for this gallery", parameter, points, broken)

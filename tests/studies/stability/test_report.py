@@ -9,7 +9,7 @@ from mbconstrained.ground.errors import InputError
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.studies.stability.gallery import GALLERY, system
 from mbconstrained.studies.stability.point import Point, points_of
-from mbconstrained.studies.stability.scaling_factors import Sweep
+from mbconstrained.studies.stability.scaling_factors import ScalingSweep
 from mbconstrained.studies.stability.stability_report import (
     StabilityReport,
     digit_table,
@@ -22,11 +22,11 @@ from mbconstrained.studies.study_problem import mechanical_problem
 from tests.studies.stability.points import point, sweep
 
 
-def spring(*points: Point, name="spring", theme="stiffness", broken=()) -> Sweep:
+def spring(*points: Point, name="spring", theme="stiffness", broken=()) -> ScalingSweep:
     return sweep(f"The {name}", *points, parameter="stiffness in N/m", name=name, theme=theme, broken=broken)
 
 
-def report(*sweeps: Sweep, of_scene=False) -> StabilityReport:
+def report(*sweeps: ScalingSweep, of_scene=False) -> StabilityReport:
     return StabilityReport("Title", sweeps, {"cores": "2"}, of_scene)
 
 

@@ -9,11 +9,11 @@ import scipy.stats
 import mbconstrained as mb
 from mbconstrained.scene.quantities.variations import variation_of
 from mbconstrained.scene.schema.analyses.vary_table import VaryTable
-from mbconstrained.studies.sweep.sampling import Samples
+from mbconstrained.studies.sweep.sampling import ParameterSamples
 
 
-def samples(parameters: dict, **options) -> Samples:
-    return Samples({name: variation_of(given) for name, given in parameters.items()}, VaryTable(**options))
+def samples(parameters: dict, **options) -> ParameterSamples:
+    return ParameterSamples({name: variation_of(given) for name, given in parameters.items()}, VaryTable(**options))
 
 
 def test_a_grid_combines_all_values():

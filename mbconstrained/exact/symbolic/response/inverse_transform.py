@@ -18,7 +18,7 @@ from ..field.radicals import Root, modes
 from ..symbolic_matrix import SymbolicPolynomialMatrix
 from ..symbolic_pairs import must_not_vanish
 from ..symbolic_ring import Factors, SymbolicRing, factors_of
-from .symbolic_sources import Source
+from .symbolic_sources import SymbolicSource
 
 #: A linear combination of amplitudes.
 Combination = dict[sympy.Expr, object]
@@ -41,7 +41,7 @@ class ResponseTransform:
         field: that of A and of the sources, and of others where they are needed.
     """
 
-    def __init__(self, A: SymbolicPolynomialMatrix, sources: Iterable[Source], field: Domain | None = None):
+    def __init__(self, A: SymbolicPolynomialMatrix, sources: Iterable[SymbolicSource], field: Domain | None = None):
         self.A, self.sources = A, list(sources)
         self.field = field_of(entries_with(A, self.sources)) if field is None else field
 
@@ -129,7 +129,7 @@ class ResponseTransform:
         return sympy.Poly([element(self.field, sympy.expand(c), "force") for c in coefficients], s, domain=self.field)
 
 
-def entries_with(A: SymbolicPolynomialMatrix, sources: Iterable[Source]) -> list[sympy.Expr]:
+def entries_with(A: SymbolicPolynomialMatrix, sources: Iterable[SymbolicSource]) -> list[sympy.Expr]:
     """The entries of A, and the coefficients that the rates and frequencies of the sources make."""
     polynomials = {p for source in sources for p in (source.denominator, *source.numerator)}
     coefficients = [c for p in polynomials for c in sympy.Poly(p, A.variable).all_coeffs()]

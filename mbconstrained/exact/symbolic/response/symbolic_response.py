@@ -16,7 +16,7 @@ from ....ground.errors import InputError
 from ..field.fields import TIME, as_positive, check_one_each, check_start_names, checked_time, exact_expression, generators_of
 from ..symbolic_matrix import SymbolicPolynomialMatrix, checked_matrix
 from .inverse_transform import Combination, ResponseTransform, divisors_of, entries_with
-from .symbolic_sources import Source, force_sources, initial_sources, initial_symbols
+from .symbolic_sources import SymbolicSource, force_sources, initial_sources, initial_symbols
 from .transform import delta
 
 
@@ -51,7 +51,7 @@ class SymbolicResponse(Displayed):
     later_impulses: tuple[tuple[sympy.Expr, tuple[sympy.ImmutableMatrix, ...]], ...]
     start: sympy.ImmutableMatrix
     assumptions: tuple[sympy.Expr, ...]
-    force_sources: tuple[Source, ...] = field(repr=False)
+    force_sources: tuple[SymbolicSource, ...] = field(repr=False)
 
     def _summary(self) -> str:
         free = ", ".join(sorted(map(str, self.regular.free_symbols)))
@@ -172,7 +172,7 @@ def _solution(A, X0, f, time) -> dict[str, Any]:
     """The fields of the response; roots of symbols are short only where these are declared to be positive."""
     sources = initial_sources(A, X0) + force_sources(A, f, time)
     whole = ResponseTransform(A, sources)
-    parts: dict[sympy.Expr, list[Source]] = {sympy.S.Zero: []}
+    parts: dict[sympy.Expr, list[SymbolicSource]] = {sympy.S.Zero: []}
     for source in sources:
         parts.setdefault(source.start, []).append(source)
     later = {start: ResponseTransform(A, group, whole.field) for start, group in parts.items()}
@@ -267,7 +267,7 @@ def _without_time(force) -> sympy.Symbol:
 # Conditions on the values at 0-, as row-reduced linear equations: without impulses, and without jumps.
 
 
-def impulse_equations(A: SymbolicPolynomialMatrix, force: Iterable[Source] = ()) -> tuple[sympy.Eq, ...]:
+def impulse_equations(A: SymbolicPolynomialMatrix, force: Iterable[SymbolicSource] = ()) -> tuple[sympy.Eq, ...]:
     """Equations in ``initial_symbols(A)`` that hold exactly where no impulse arises (Moysis et al., Eq. 58).
 
     Corrected: the force enters by f^(j)(0+), not by f^(j)(0-); Dirac impulses of the force itself act whatever the start is and
@@ -281,7 +281,7 @@ def impulse_equations(A: SymbolicPolynomialMatrix, force: Iterable[Source] = ())
     return _reduced(general, [entry for power, row in general.laurent.items() if power >= 0 for entry in row])
 
 
-def continuity_equations(A: SymbolicPolynomialMatrix, force: Iterable[Source] = ()) -> tuple[sympy.Eq, ...]:
+def continuity_equations(A: SymbolicPolynomialMatrix, force: Iterable[SymbolicSource] = ()) -> tuple[sympy.Eq, ...]:
     """Equations in ``initial_symbols(A)`` that hold exactly where x^(i)(0+) = x^(i)(0-), i < q (Eq. 60).
 
     Corrected: the right-hand side of (60) is block Toeplitz, its block (k, c) is H_{c-k} with the H of negative index too,
@@ -295,7 +295,7 @@ def continuity_equations(A: SymbolicPolynomialMatrix, force: Iterable[Source] = 
     return _reduced(general, rows)
 
 
-def _general(A: SymbolicPolynomialMatrix, force: Iterable[Source]) -> ResponseTransform:
+def _general(A: SymbolicPolynomialMatrix, force: Iterable[SymbolicSource]) -> ResponseTransform:
     """X for general values at 0-."""
     smooth = [source for source in force if source.start == 0 and not source.is_impulse]
     return ResponseTransform(A, initial_sources(A, initial_symbols(A)) + smooth)

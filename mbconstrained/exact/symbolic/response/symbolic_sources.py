@@ -10,11 +10,11 @@ import sympy
 from ....ground.errors import InputError
 from ..field.fields import check_start_names
 from ..symbolic_matrix import SymbolicPolynomialMatrix, checked_matrix
-from .transform import Term, terms_of, transform_of
+from .transform import TimeTerm, terms_of, transform_of
 
 
 @dataclass(frozen=True)
-class Source:
+class SymbolicSource:
     """amplitude numerator(s) / denominator(s)^power, from a time on.
 
     Attributes:
@@ -45,7 +45,7 @@ def initial_symbols(A: SymbolicPolynomialMatrix) -> sympy.ImmutableMatrix:
     return sympy.ImmutableMatrix(A.degree, A.size, lambda i, j: sympy.Symbol(f"{A.coordinates[j]}_{i}", real=True))
 
 
-def initial_sources(A: SymbolicPolynomialMatrix, initial: sympy.Matrix) -> list[Source]:
+def initial_sources(A: SymbolicPolynomialMatrix, initial: sympy.Matrix) -> list[SymbolicSource]:
     """X_in(s) of the values at 0- (Moysis et al., Eq. 47)."""
     s, sources = A.variable, []
     for j in range(A.degree):
@@ -53,11 +53,11 @@ def initial_sources(A: SymbolicPolynomialMatrix, initial: sympy.Matrix) -> list[
             above = [matrix[:, column] * s ** (i - 1 - j) for i, matrix in enumerate(A.coefficients) if i > j]
             vector = sum(above[1:], above[0])
             if initial[j, column] != 0 and any(vector):
-                sources.append(Source(sympy.S.Zero, initial[j, column], tuple(vector)))
+                sources.append(SymbolicSource(sympy.S.Zero, initial[j, column], tuple(vector)))
     return sources
 
 
-def force_sources(A: SymbolicPolynomialMatrix, force: Iterable[sympy.Expr], time: sympy.Symbol) -> list[Source]:
+def force_sources(A: SymbolicPolynomialMatrix, force: Iterable[sympy.Expr], time: sympy.Symbol) -> list[SymbolicSource]:
     """F(s) of a force."""
     sources = []
     for row, expression in enumerate(force):
@@ -77,11 +77,11 @@ def _check_rates(expression: sympy.Expr, time: sympy.Symbol) -> None:
             )
 
 
-def _sources_of_term(A, row: int, term: Term) -> list[Source]:
+def _sources_of_term(A, row: int, term: TimeTerm) -> list[SymbolicSource]:
     transform = transform_of(term, A.variable)
     unit = [sympy.S.One if i == row else sympy.S.Zero for i in range(A.size)]
     return [
-        Source(
+        SymbolicSource(
             term.start,
             amplitude,
             tuple(numerator * e for e in unit),

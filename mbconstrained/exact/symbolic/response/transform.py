@@ -19,7 +19,7 @@ EXPECTED = "expected sums and products of constants, t, exp, cos, sin, cosh, sin
 
 
 @dataclass(frozen=True)
-class Term:
+class TimeTerm:
     """coefficient t^power e^{rate t} cos(frequency t + phase) for t > start, or coefficient delta^(impulse)(t - start)."""
 
     coefficient: sympy.Expr = sympy.S.One
@@ -35,11 +35,11 @@ class Term:
         """The same at all times after 0."""
         return self.impulse is None and not self.power and self.rate == self.frequency == self.start == 0
 
-    def scaled(self, factor: sympy.Expr) -> Term:
+    def scaled(self, factor: sympy.Expr) -> TimeTerm:
         """The term times a constant."""
         return replace(self, coefficient=self.coefficient * factor)
 
-    def from_its_start(self) -> list[Term]:
+    def from_its_start(self) -> list[TimeTerm]:
         """The same as terms in the time since its start."""
         t0 = self.start
         if t0 == 0 or self.impulse is not None:
@@ -56,7 +56,7 @@ def delta(t: sympy.Expr, order: int) -> sympy.Expr:
     return sympy.DiracDelta(t, order) if order else sympy.DiracDelta(t)
 
 
-def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[Term]:
+def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[TimeTerm]:
     """An expression in t as a sum of terms.
 
     >>> t = sympy.Symbol("t")
@@ -64,9 +64,9 @@ def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[Term]:
     [(1/2, 0), (1/2, 2)]
     """
     if not expression.has(t):
-        return [Term(_constant(expression, t))]
+        return [TimeTerm(_constant(expression, t))]
     if expression == t:
-        return [Term(power=1)]
+        return [TimeTerm(power=1)]
     if expression.is_Add:
         return [term for part in expression.args for term in terms_of(part, t)]
     if expression.is_Mul:
@@ -86,14 +86,14 @@ def _constant(expression, t) -> sympy.Expr:
     return expression
 
 
-def _function(expression, t) -> list[Term]:
+def _function(expression, t) -> list[TimeTerm]:
     if isinstance(expression, sympy.exp) or (expression.is_Pow and not expression.base.has(t)):
         base, exponent = expression.as_base_exp()
         rate, constant = _linear(exponent * sympy.log(base), expression, t)
-        return [Term(sympy.exp(constant), rate=rate)]
+        return [TimeTerm(sympy.exp(constant), rate=rate)]
     if isinstance(expression, (sympy.cos, sympy.sin)):
         frequency, phase = _linear(expression.args[0], expression, t)
-        return [Term(frequency=frequency, phase=phase - (sympy.pi / 2 if isinstance(expression, sympy.sin) else 0))]
+        return [TimeTerm(frequency=frequency, phase=phase - (sympy.pi / 2 if isinstance(expression, sympy.sin) else 0))]
     if isinstance(expression, (sympy.cosh, sympy.sinh)):
         return terms_of(sympy.expand(expression.rewrite(sympy.exp)), t)
     if isinstance(expression, sympy.Heaviside):
@@ -129,25 +129,25 @@ def _sign(time) -> int | None:
     return 0 if value.is_zero else 1 if value.is_positive else -1 if value.is_negative else None
 
 
-def _step(expression, t) -> list[Term]:
+def _step(expression, t) -> list[TimeTerm]:
     slope, time = _place(expression, t)
-    later = [Term(start=time)] if _sign(time) > 0 else [Term()]
+    later = [TimeTerm(start=time)] if _sign(time) > 0 else [TimeTerm()]
     if slope.is_positive:
         return later
-    return [Term(), *(term.scaled(sympy.S.NegativeOne) for term in later)] if _sign(time) > 0 else []
+    return [TimeTerm(), *(term.scaled(sympy.S.NegativeOne) for term in later)] if _sign(time) > 0 else []
 
 
-def _impulse(expression, t) -> list[Term]:
+def _impulse(expression, t) -> list[TimeTerm]:
     slope, time = _place(expression, t)
     order = int(expression.args[1]) if len(expression.args) > 1 else 0
-    return [Term(1 / (abs(slope) * slope**order), start=time, impulse=order)] if _sign(time) >= 0 else []
+    return [TimeTerm(1 / (abs(slope) * slope**order), start=time, impulse=order)] if _sign(time) >= 0 else []
 
 
-def _product(ones: list[Term], others: list[Term]) -> list[Term]:
+def _product(ones: list[TimeTerm], others: list[TimeTerm]) -> list[TimeTerm]:
     return [term for one in ones for other in others for term in _times(one, other)]
 
 
-def _times(one: Term, other: Term) -> list[Term]:
+def _times(one: TimeTerm, other: TimeTerm) -> list[TimeTerm]:
     if one.is_constant and not one.phase:
         return [other.scaled(one.coefficient)]
     if other.is_constant and not other.phase:
@@ -193,7 +193,7 @@ class Transform:
     power: int = 0
 
 
-def transform_of(term: Term, s: sympy.Symbol) -> Transform:
+def transform_of(term: TimeTerm, s: sympy.Symbol) -> Transform:
     """The Laplace transform of a term that starts at 0.
 
     With n = k + 1: k!/(s - a - i w)^n = k! ((s - a) + i w)^n / ((s - a)^2 + w^2)^n, so that w enters the denominator squared: the

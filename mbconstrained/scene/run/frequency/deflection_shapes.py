@@ -13,7 +13,7 @@ from ....frequency.frequency_response import FrequencyResponse
 from ....ground.coordinate_units import force_unit, rate_unit
 from ....ground.tolerances import noise_of
 from ....mechanics.channels import channels
-from ....page.drawing.bodies import Body, Drawing, Vector
+from ....page.drawing.bodies import Drawing, DrawnBody, Vector
 from ....page.drawing.orientation import two_digits
 from ....page.frequency_page import Deflections
 from ..modes.mode_pages import amplitude, mode_drawing
@@ -129,7 +129,7 @@ class LinearRobot:
             moving = np.flatnonzero(largest > noise_of(largest.max(initial=0.0), count))
             return {names[i]: (float(columns[0, i]), float(columns[1, i]), float(columns[2, i])) for i in moving}
 
-        def linear(body: Body) -> Body:
+        def linear(body: DrawnBody) -> DrawnBody:
             """The same body without its path."""
             if body.path is None:
                 return body

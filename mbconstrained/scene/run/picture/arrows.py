@@ -12,7 +12,7 @@ from ....ground.display import number_text, with_unit
 from ....page.animation.animation import Arrow, DrawnEvent, ForceArrows, ImpulseArrow, Overlay, arrow_at
 from ....page.drawing.bodies import Drawing
 from ....response.response_notices import sides, without_kinks
-from ..report.jumps import Jump, forces_of_rows, impulses_of, jumps_of
+from ..report.jumps import ReportedJump, forces_of_rows, impulses_of, jumps_of
 
 if TYPE_CHECKING:
     from ....response.events import Event
@@ -82,7 +82,7 @@ def _later(result: Result, drawing: Drawing, time: float, event: Event | None) -
     return DrawnEvent(time, lines, before, after, _impulse_arrows(result, drawing, time))
 
 
-def _lines(time: float, jumps: Sequence[Jump], impulses: Iterable[str]) -> tuple[str, ...]:
+def _lines(time: float, jumps: Sequence[ReportedJump], impulses: Iterable[str]) -> tuple[str, ...]:
     """A heading and what happens, or nothing."""
     lines = [f"{_whose(jump)} jumps from {jump.before} to {jump.after}" for jump in jumps] + list(impulses)
     more = len(lines) - MOST_LINES
@@ -91,7 +91,7 @@ def _lines(time: float, jumps: Sequence[Jump], impulses: Iterable[str]) -> tuple
     return (f"at t = {number_text(time)} s{faint}", *kept) if lines else ()
 
 
-def _whose(jump: Jump) -> str:
+def _whose(jump: ReportedJump) -> str:
     return jump.name if jump.what in ("displacement", "angle", "value") else f"{jump.what} of {jump.name}"
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....ground.checks import counted
 from ....ground.tolerances import NOT_DRAWN
-from ....page.drawing.bodies import Drawing, Posing, Solid
+from ....page.drawing.bodies import Drawing, SliderPosing, Solid
 from ....page.drawing.orientation import two_digits
 from ....page.drawing.paths import Path
 from ....page.drawing.robot_layout import MOST_TRIANGLES, link_points, robot_drawing, robot_size, solids_of
@@ -152,14 +152,14 @@ class RobotPicture:
         steps = self._of(self.poses(links / np.where(largest, largest, 1.0), SMALL)) - self._points
         return np.linalg.norm(steps, axis=0).max(axis=0) / SMALL * largest
 
-    def posing(self) -> Posing:
+    def posing(self) -> SliderPosing:
         """Sliders for the independent motions, each as far as ``room`` lets it move alone."""
         from ....robot.visualization import joint_motions
 
         motions = joint_motions(self.scene.posture)
         rooms = self._rooms(motions.columns)
         shown = np.flatnonzero(np.isfinite(rooms))
-        return Posing(
+        return SliderPosing(
             tuple(motions.names[k] for k in shown),
             tuple(motions.units[k] for k in shown),
             tuple(two_digits(rooms[k]) for k in shown),

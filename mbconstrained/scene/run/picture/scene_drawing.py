@@ -11,7 +11,7 @@ import numpy as np
 
 from ....ground.checks import nearest
 from ....ground.errors import InputError
-from ....page.drawing.bodies import Body, Drawing, Link, Vector, View
+from ....page.drawing.bodies import Drawing, DrawnBody, DrawnLink, Vector, View
 from ....page.drawing.orientation import ALONG, turn_to
 from ....page.drawing.paths import matrix_of
 from ...file.messages import at
@@ -100,7 +100,7 @@ def _directions(scene: Scene, drawing: Drawing, turn: Vector) -> dict[str, Vecto
     return directions
 
 
-def _check_direction(row: BodyTable, bodies: dict[str, Body]) -> None:
+def _check_direction(row: BodyTable, bodies: dict[str, DrawnBody]) -> None:
     """Whether the body moves so, if it is drawn automatically."""
     body, key = bodies.get(row.name), "along" if row.along else "about"
     if body is not None:
@@ -123,7 +123,7 @@ def _changed(scene: Scene, drawing: Drawing) -> Drawing:
     return replace(drawing, bodies=tuple(bodies.values()), links=links, note=note, view=view_of(table))
 
 
-def _changed_body(row: BodyTable, bodies: dict[str, Body]) -> Body:
+def _changed_body(row: BodyTable, bodies: dict[str, DrawnBody]) -> DrawnBody:
     if row.name in bodies:
         return replace(bodies[row.name], **_given(row))
     if row.shape is not None:
@@ -132,13 +132,13 @@ def _changed_body(row: BodyTable, bodies: dict[str, Body]) -> Body:
     raise InputError(f"there is no such body in the automatic drawing{hint}; give it a shape to draw a new one")
 
 
-def _body(row: BodyTable) -> Body:
+def _body(row: BodyTable) -> DrawnBody:
     if row.shape is None:
         raise InputError("it has no shape; give it one, or automatic = true where it is drawn anyway")
-    return Body(**_given(row))
+    return DrawnBody(**_given(row))
 
 
-def _links(scene: Scene, bodies: Collection[str]) -> tuple[Link, ...]:
+def _links(scene: Scene, bodies: Collection[str]) -> tuple[DrawnLink, ...]:
     """The links of the scene, between bodies of these names."""
     links = []
     for number, link in enumerate(scene.table.drawing.link, 1):
@@ -146,7 +146,7 @@ def _links(scene: Scene, bodies: Collection[str]) -> tuple[Link, ...]:
             for name in filter(None, (link.start, link.end, link.over)):
                 if name not in bodies:
                     raise InputError(f'there is no body "{name}" in the drawing{nearest(name, bodies)}')
-            links.append(Link(**{"name": f"{link.kind} from {link.start} to {link.end}", **_given(link)}))
+            links.append(DrawnLink(**{"name": f"{link.kind} from {link.start} to {link.end}", **_given(link)}))
     return tuple(links)
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Jump:
+class ReportedJump:
     """A coordinate or a derivative of it that is another just after a time; values are texts with units."""
 
     name: str
@@ -35,7 +35,7 @@ class Jump:
 
 
 @dataclass(frozen=True)
-class Impulse:
+class ReportedImpulse:
     """A multiple of the derivative of this order of Dirac's delta; the size is a text with a unit."""
 
     name: str
@@ -48,7 +48,7 @@ class Impulse:
         return DELTAS[self.order] if self.order < len(DELTAS) else f"the derivative of order {self.order} of a Dirac impulse"
 
 
-def jumps_of(motion: Response, coordinates: Coordinates, event: Event | None = None) -> list[Jump]:
+def jumps_of(motion: Response, coordinates: Coordinates, event: Event | None = None) -> list[ReportedJump]:
     """The jumps of the coordinates and their derivatives."""
     jumps = []
     for order, row in enumerate((event or motion).jump):
@@ -60,14 +60,14 @@ def jumps_of(motion: Response, coordinates: Coordinates, event: Event | None = N
         for i in places:
             unit = rate_unit(coordinates.units[i], order)
             texts = (coordinates.shown.text(value, unit) for value in (before[i], after[i], row[i]))
-            jumps.append(Jump(coordinates.names[i], derivative_name(coordinates.units[i], order), *texts))
+            jumps.append(ReportedJump(coordinates.names[i], derivative_name(coordinates.units[i], order), *texts))
     return jumps
 
 
-def impulses_of(impulses: Sequence, coordinates: Coordinates) -> list[Impulse]:
+def impulses_of(impulses: Sequence, coordinates: Coordinates) -> list[ReportedImpulse]:
     """The impulses that are not zero."""
     return [
-        Impulse(coordinates.names[i], order, coordinates.shown.text(row[i], impulse_unit(coordinates.units[i], order)))
+        ReportedImpulse(coordinates.names[i], order, coordinates.shown.text(row[i], impulse_unit(coordinates.units[i], order)))
         for order, row in enumerate(impulses)
         for i in row.nonzero()[0]
     ]

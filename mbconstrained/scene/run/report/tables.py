@@ -23,7 +23,7 @@ from ..frequency.frequency_summary import peak_table
 from ..modes.mode_summary import share_entries
 from .control_report import control_tables
 from .force_report import forces_table
-from .jumps import Impulse, folded, forces_of_rows, impulses_of, jumps_of
+from .jumps import ReportedImpulse, folded, forces_of_rows, impulses_of, jumps_of
 from .robot_report import posture_tables, robot_evidence
 
 if TYPE_CHECKING:
@@ -256,7 +256,7 @@ def _event_rows(result: Result, event: Event | ImpulsiveLoad) -> list[tuple[str,
     return [(f"{number_text(event.time)} s", *row) for row in rows]
 
 
-def _impulse_rows(impulses: list[Impulse]) -> list[tuple[str, ...]]:
+def _impulse_rows(impulses: list[ReportedImpulse]) -> list[tuple[str, ...]]:
     return [(impulse.name, f"multiplies δ{_primes(impulse.order)}", "", "", impulse.size) for impulse in impulses]
 
 
