@@ -140,10 +140,10 @@ def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     if not is_precise(matrix):
         return np.linalg.solve(matrix, right)
     try:
-        found = _matrix(matrix).solve(_matrix(right), algorithm="approx")
+        solved = _matrix(matrix).solve(_matrix(right), algorithm="approx")
     except ZeroDivisionError:
         raise np.linalg.LinAlgError("singular matrix") from None
-    return _array(found.mid().entries(), right.shape)
+    return _array(solved.mid().entries(), right.shape)
 
 
 def inverse(matrix: np.ndarray) -> np.ndarray:

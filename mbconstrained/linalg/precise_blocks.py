@@ -106,18 +106,18 @@ class PreciseSpectrum:
             Eigenvalues with their vectors.
 
         Raises:
-            IllConditioned: as many vectors as rows are not found.
+            IllConditioned: there are fewer vectors than rows.
         """
         from flint import acb_mat, arb
 
         n = len(matrix)
         size = arb(10) ** (PRECISE_GUARD_DIGITS - digits) * float(magnitude(matrix).max())
         perturbed = midpoints(matrix + size * precise(np.random.default_rng(n).uniform(-1, 1, (n, n))))
-        found, right = acb_mat(n, n, perturbed.ravel().tolist()).eig(right=True, algorithm="approx", maxiter=QR_STEPS * n)
+        eigenvalues, right = acb_mat(n, n, perturbed.ravel().tolist()).eig(right=True, algorithm="approx", maxiter=QR_STEPS * n)
         vectors = np.array(right.mid().entries(), dtype=object).reshape(n, n)
         chosen, columns, basis = [], [], []
-        for at, value in enumerate(found):
-            nearest = min((float(abs(value - other)) for other in found[:at] + found[at + 1 :]), default=np.inf)
+        for at, value in enumerate(eigenvalues):
+            nearest = min((float(abs(value - other)) for other in eigenvalues[:at] + eigenvalues[at + 1 :]), default=np.inf)
             column = vectors[:, at] / vectors[np.argmax([float(abs(entry)) for entry in vectors[:, at]]), at]
             if 4 * abs(float(value.imag)) < nearest:  # its conjugate is no other eigenvalue
                 parts = [[entry.real for entry in column]]

@@ -120,7 +120,7 @@ PENDULUM = link() + hinge()
         (sdf(PENDULUM, '<drake:joint name="k" type="planar"/>'), 'found the type "planar" of a drake:joint'),
         (sdf('<model name="n">' * 300, "</model>" * 300), "more than 12 deep"),
         (sdf(PENDULUM, version="new"), 'found the version "new"'),
-        (f'<sdf version="1.9"><world name="w"/><model name="m">{PENDULUM}</model></sdf>', "a world and models beside it"),
+        (f'<sdf version="1.9"><world name="w"/><model name="m">{PENDULUM}</model></sdf>', "a world and models outside of it"),
         (sdf(*(link(f"l{k}") + hinge(f"j{k}", child=f"l{k}") for k in range(401))), "401 degrees of freedom; at most 400"),
     ],
 )

@@ -61,7 +61,7 @@ EVENT_BITS = 256
 #: Values below this power of two vanish in float64.
 SMALLEST_EXPONENT = -1080
 
-#: Rounding errors of larger numbers are in proportion to them.
+#: Rounding errors of larger numbers grow with them.
 SMALLEST = float(np.finfo(float).tiny)
 
 

@@ -161,7 +161,7 @@ class FamilyMotion(Displayed):
         >>> from mbconstrained import family
         >>> motions = family([[1.0]], None, [[[4.0]], [[9.0]]]).solve(velocity=[6.0])
         >>> [float(one.values[0].round(12)) for one in motions.root_mean_squares((0.0, np.pi))]  # 3 / sqrt(2), 2 / sqrt(2)
-        [2.121320343560, 1.414213562373]
+        [2.12132034356, 1.414213562373]
         """
         return self._of_each(span, order, combinations, lambda f, at: root_mean_squares(f, *span, accurate=at))
 

@@ -267,7 +267,7 @@ class _Layout:
         return replace(joint, start=joint.end, end=joint.start)
 
     def _between(self, part: list[str]) -> Piece:
-        """Bodies between two bars, or two points of one: at the middle of what they are joined to; those of a shaft beside it."""
+        """Bodies between two bars, or two points of one: at the middle of what they are joined to; those of a shaft next to it."""
         bodies, places = [], {}
         planes = [self.rigid[name].plane for name in part if name in self.rigid and self.rigid[name].rotor]
         plane = planes[0] if planes else "z"

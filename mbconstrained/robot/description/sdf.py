@@ -91,7 +91,7 @@ def read_sdf(source: str | Path, base: str = "fixed", package_dirs: tuple[Path, 
     if len(worlds) > 1:
         raise InputError(f"sdf: found {len(worlds)} worlds; expected one")
     if worlds and (root.find("model") is not None or root.find("include") is not None):
-        raise InputError("sdf: found a world and models beside it; expected all of them in the world")
+        raise InputError("sdf: found a world and models outside of it; expected all of them in the world")
     if _version(root) > _LAST:
         text = f"its version is later than {'.'.join(map(str, _LAST))}, the last that is known; what it changes is not read"
         content.notices.append(Notice(NoticeKind.OMITTED, f"SDF: {text}", doubtful=True))

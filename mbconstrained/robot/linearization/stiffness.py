@@ -102,7 +102,7 @@ def instability(posture: Posture) -> tuple[Notice, ...]:
     if stiffness[0] >= -max(NOISE_SAFETY * np.abs(noise).sum(axis=1).max(), SYMMETRIC_STIFFNESS * np.abs(K * scale).max()):
         return ()
     most = robot.coordinates[int(np.abs(N @ directions[:, 0]).argmax())]
-    text = f"the equilibrium is unstable: along a motion, most of all of {most}, the forces push away from it"
+    text = f"the equilibrium is unstable: along a motion, most of all of {most}, the forces increase the deviation"
     return (Notice(NoticeKind.UNSTABLE, text),)
 
 

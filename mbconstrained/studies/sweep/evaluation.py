@@ -221,11 +221,11 @@ class _Chunk:
                 values = np.array([scene.equations.output_values(times, each) for each in values])
             self._store(chosen, group, values, times)
         span = float(scene.times[0]), float(scene.times[-1])
-        ways: tuple[tuple[Container, Callable, Callable], ...] = (
+        kinds: tuple[tuple[Container, Callable, Callable], ...] = (
             (EXTREMA, self._store_extrema, motions.extrema),
             (("RMS",), self._store_rms, motions.root_mean_squares),
         )
-        for statistics, store, compute in ways:
+        for statistics, store, compute in kinds:
             for kind, chosen in _by_kind(one for one in own if one.statistic in statistics):
                 rows = sorted({one.curve[1] for one in chosen})
                 matrix = (

@@ -319,11 +319,11 @@ class _DaskWorkers:
             self._polled = now
             with suppress(TimeoutError, OSError):  # a scheduler that is lost shows in other ways
                 identity = self._client.sync(self._client.scheduler.identity, callback_timeout=PATIENCE)
-                seen = {worker: one["last_seen"] for worker, one in identity["workers"].items()}
+                heartbeats = {worker: one["last_seen"] for worker, one in identity["workers"].items()}
                 before, now = self._signs, time.monotonic()
                 self._signs = {
                     worker: before[worker] if worker in before and before[worker][0] == sign else (sign, now)
-                    for worker, sign in seen.items()
+                    for worker, sign in heartbeats.items()
                 }
         silent = {worker for worker, (_, noticed) in self._signs.items() if now - noticed > SILENCE}
         for worker in sorted(silent - self.silent):

@@ -32,7 +32,7 @@ LEAST_CHUNK, MOST_CHUNK, USUAL_CHUNKS = 8, 256, 64
 
 MOST_WORKERS = 1024
 
-#: A study of so many samples says how large it is before it begins.
+#: The size of a study of so many samples is reported before it begins.
 LARGE = 100_000
 
 Progress = Callable[[int, int], None]
