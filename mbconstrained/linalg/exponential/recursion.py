@@ -209,7 +209,7 @@ class ModalBasis:
         """Those of a decoupled matrix.
 
         >>> from mbconstrained.linalg.blocks import block_diagonalize
-        >>> modes = Modes.of(block_diagonalize(np.array([[0.0, 2.0], [-2.0, 0.0]])))
+        >>> modes = ModalBasis.of(block_diagonalize(np.array([[0.0, 2.0], [-2.0, 0.0]])))
         >>> modes.rates.tolist(), [part.tolist() for part in modes.split(np.array([3.0, 4.0]))]
         ([2j], [[(3-4j)], []])
         """

@@ -142,8 +142,8 @@ class Animation:
 def arrow_at(drawing: Drawing, coordinate: str, unit: str) -> Arrow | None:
     """The arrow of a force along a coordinate.
 
-    >>> from mbconstrained.page.drawing.bodies import Body
-    >>> arrow_at(Drawing((Body("cart", moves={"x": (1, 0, 0)}),)), "x", "N")
+    >>> from mbconstrained.page.drawing.bodies import DrawnBody
+    >>> arrow_at(Drawing((DrawnBody("cart", moves={"x": (1, 0, 0)}),)), "x", "N")
     Arrow(body='cart', direction=(1.0, 0.0, 0.0), unit='N', turns=False, point=(0.0, 0.0, 0.0))
     """
     moved = [body for body in drawing.bodies if any(map(any, (body.moves.get(coordinate, ()), body.turns.get(coordinate, ()))))]
