@@ -27,9 +27,9 @@ def main() -> None:
 @cache
 def application() -> typer.Typer:
     """All commands, in the order of the help."""
-    from . import campbell, compare, frequency, new, sensitivity, studies, variation, vibration
+    from . import campbell, compare, frequency, new, sensitivity, studies, variation
     from .commands import app
 
-    for module in (compare, frequency, vibration, sensitivity, campbell, variation, studies, new):
+    for module in (compare, frequency, sensitivity, campbell, variation, studies, new):
         module.add_to(app)
     return app

@@ -141,3 +141,18 @@ def read(path: str, settings: Mapping[str, Any]) -> Scene:
         return read_scene(path, settings)
     except OSError as problem:
         raise SceneError(f"{Path(path).name}: the scene or a file of it cannot be read: {_cause(problem)}") from None
+
+
+def viewer_of(shared: bool, compressed: bool) -> str:
+    """Where the viewer's script shall be, or an empty string for that in the scene.
+
+    Args:
+        shared: whether in a file that pages share.
+        compressed: whether compressed in the page.
+
+    Returns:
+        A value of [output] viewer.
+    """
+    if shared and compressed:
+        raise typer.BadParameter("a viewer in a separate file is not compressed; leave out one of the two", param_hint="--compress")
+    return "separate" if shared else "compressed" if compressed else ""

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .answer import FINE, NOT_TRUSTED, Compress, Json, Out, ScenePath, Settings, SharedViewer, answer
+from .analysis import Commands
+from .answer import FINE, NOT_TRUSTED, Compress, Json, Out, ScenePath, Settings, SharedViewer, answer, viewer_of
 
 if TYPE_CHECKING:
     from ..exact.formulas.closed_form import ClosedForm
@@ -57,6 +58,7 @@ Exit codes:
   3  there is an answer, and it is written, but it cannot be trusted; a warning gives the reason"""
 
 app = typer.Typer(
+    cls=Commands,
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -210,21 +212,6 @@ def _checked(scene: Scene, json: bool) -> None:
     lines = [f"{scene.path.name} is fine: {scene.title}", size, *notices]
     data = {"title": scene.title, "coordinates": list(names), "stages": count, "notices": notices}
     show(json, lambda: data, lambda: ["\n".join(lines)])
-
-
-def viewer_of(shared: bool, compressed: bool) -> str:
-    """Where the viewer's script shall be, or an empty string for that in the scene.
-
-    Args:
-        shared: whether in a file that pages share.
-        compressed: whether compressed in the page.
-
-    Returns:
-        A value of [output] viewer.
-    """
-    if shared and compressed:
-        raise typer.BadParameter("a viewer in a separate file is not compressed; leave out one of the two", param_hint="--compress")
-    return "separate" if shared else "compressed" if compressed else ""
 
 
 def _moment(still: str) -> float | None:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .answer import FINE, NOT_TRUSTED, Compress, Json, Out, ScenePath, Settings, SharedViewer, answer
-from .commands import viewer_of
+from .answer import FINE, NOT_TRUSTED, Compress, Json, Out, ScenePath, Settings, SharedViewer, answer, viewer_of
 
 if TYPE_CHECKING:
     from ..scene.run.scene import Scene

@@ -48,18 +48,10 @@ def exceptions() -> str:
 
 def commands() -> str:
     """Every command with its help, arguments and options."""
-    from mbconstrained.cli import commands as module
-    from mbconstrained.cli import compare, frequency, new, studies, vibration
+    from mbconstrained.cli import application
 
-    app = typer.Typer(add_completion=False)
-    app.registered_commands += module.app.registered_commands
-    compare.add_to(app)
-    frequency.add_to(app)
-    vibration.add_to(app)
-    studies.add_to(app)
-    new.add_to(app)
-    group: Any = typer.main.get_command(app)
-    return "\n\n".join(_command(name, command) for name, command in sorted(group.commands.items()))
+    group: Any = typer.main.get_command(application())
+    return "\n\n".join(_command(name, group.get_command(None, name)) for name in sorted(group.list_commands(None)))
 
 
 def _command(name: str, command) -> str:

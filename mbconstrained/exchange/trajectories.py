@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -107,6 +108,22 @@ def _write_dataset(path: Path, dataset, ending: str) -> None:
         return
     optional_package("zarr", "Zarr")
     dataset.to_zarr(path, mode="w", zarr_format=2)  # version 3 has no standard for texts yet
+
+
+def csv_of(columns: Mapping[str, Any]) -> str:
+    """A CSV text with a line of heads; commas and line breaks in texts are replaced.
+
+    >>> csv_of({"f (Hz)": np.array([1.0]), "a, b": ["x"]})
+    'f (Hz),a; b\\n1.0,x\\n'
+    """
+    lines: list[Iterable[str]] = [map(_cell, columns)]
+    for row in zip(*(np.asarray(column).tolist() for column in columns.values())):
+        lines.append(_cell(cell) if isinstance(cell, str) else repr(cell) for cell in row)
+    return "\n".join(map(",".join, lines)) + "\n"
+
+
+def _cell(text: str) -> str:
+    return text.replace(",", ";").replace("\n", " ")
 
 
 def write_csv(path: Path, times: np.ndarray, curves: Sequence[Curves], excel: bool = False) -> None:

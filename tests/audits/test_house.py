@@ -14,7 +14,7 @@ from tests.audits.source import FILES, MODULES, expect_none, imports, room, tree
 LAYERS = (
     *("ground", "exchange", "linalg", "signals", "polynomial", "response", "frequency", "exact", "papers"),  # arrays in, arrays out
     *("mechanics", "control", "models", "robot"),
-    *("page", "scene", "studies", "cli", "docs", "__main__"),
+    *("page", "scene", "analyses", "studies", "cli", "docs", "__main__"),
 )
 LAYER = {name: number for number, name in enumerate(LAYERS)}
 

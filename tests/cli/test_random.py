@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
+from mbconstrained.analyses.random import Random, random_response
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.scene.run.frequency.scene_random import SceneRandom
 from mbconstrained.scene.run.scene import read_scene
 
 SCENE = """
@@ -52,15 +52,15 @@ def test_infinite_variances_are_texts_and_null(command, tmp_path):
 
 def test_plots_of_the_page(tmp_path):
     """Steps of octaves that add up, the exact cumulative RMS, a path within its band about two thirds of the time; parts of an infinite output."""
-    plots = {plot.title: plot for plot in SceneRandom(read_scene(scene(tmp_path))).plots}
+    plots = {plot.title: plot for plot in Random.answer(read_scene(scene(tmp_path))).plots()}
     octaves, rising, path = (plots[title] for title in ("RMS of octaves", "RMS up to a frequency", "a random path of machine"))
     rms = np.sqrt(3 / (4 * 4 * 200))
     assert np.isclose(np.square(octaves.curves[0].values[::2]).sum(), rms**2, rtol=1e-3)
     assert np.isclose(rising.curves[0].values[-1], rms, rtol=1e-3)
     assert np.isclose(path.curves[1].values[0], rms) and np.isclose(path.curves[2].values[0], -rms)
     assert 0.5 < np.mean(np.abs(path.curves[0].values) < rms) < 0.85
-    rough = SceneRandom(read_scene(scene(tmp_path, '[random]\nquantity = "acceleration"\n' + WHITE)))
-    assert [plot.title for plot in rough.plots] == ["spectrum of the acceleration", "RMS of octaves", "RMS up to a frequency"]
+    rough = Random.answer(read_scene(scene(tmp_path, '[random]\nquantity = "acceleration"\n' + WHITE)))
+    assert [plot.title for plot in rough.plots()] == ["spectrum of the acceleration", "RMS of octaves", "RMS up to a frequency"]
 
 
 @pytest.mark.long
@@ -78,7 +78,7 @@ def test_what_is_wrong_is_named_with_its_place(command, tmp_path):
     ]
     for text, message in cases:
         with pytest.raises(SceneError) as problem:
-            _ = SceneRandom(read_scene(scene(tmp_path, text))).response
+            _ = random_response(read_scene(scene(tmp_path, text)))
         assert message in str(problem.value), text
     code, out, err = command("random", scene(tmp_path, ""))
     assert (code, out) == (1, "") and err.strip().startswith("machine.toml: random: the scene has no table [random]")

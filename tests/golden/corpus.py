@@ -4,9 +4,10 @@
     python -m tests.golden.corpus NAME ...   only these
 
 A column is all numbers of one key, in the order of the answer; of the arrays of npz files each is one. Stored are its size, its
-largest modulus and a few values, each with 14 digits. Beside it stands how far another kernel of OpenBLAS is from it, relative to the
-largest modulus: what the processor decides is no property of the code. Numbers in texts, and figures that estimate rounding errors, are
-left out; texts are compared as sets.
+largest modulus and a few values, each with 14 digits. Real and imaginary parts share their largest modulus. Numbers in texts, figures
+that estimate rounding errors, and Jordan chains, which are not unique, are left out; texts are compared as sets.
+
+    python -m tests.golden.corpus --compare NAME ...    the largest difference of each command, to see what a change of code does
 """
 
 from __future__ import annotations
@@ -15,9 +16,7 @@ import contextlib
 import csv
 import io
 import json
-import os
 import re
-import subprocess
 import sys
 import tempfile
 from collections import defaultdict
@@ -50,9 +49,12 @@ STUDIES = {
 
 #: Keys of figures that depend on the machine, or estimate rounding errors.
 VOLATILE = re.compile(
-    r"seconds|memory|peak_memory|totals|estimate|residual|error|evidence|condition|gap|files|written|folder|version|stages|evaluations|reason",
+    r"seconds|memory|peak_memory|totals|estimate|residual|error|evidence|condition|gap|files|written|folder|version|stages|evaluations|reason|finite_|phase",
     re.I,
 )
+
+#: Columns that agree to this share of their largest modulus are those of the same arithmetic.
+CODE_MOVED = 1e-12
 
 #: Numbers in texts that rounding errors may change.
 NUMBER = re.compile(r"[-+]?\d+\.\d+(e[-+]?\d+)?|[-+]?\d+e[-+]?\d+")
@@ -138,43 +140,52 @@ def _rounded(value: float):
     return float(f"{value:.{DIGITS - 1}e}") if np.isfinite(value) else str(float(value))
 
 
-def difference(stored: dict, found: dict) -> float:
+def difference(stored: dict, found: dict, key: str) -> float:
     """The largest difference of two columns, relative to the largest modulus; infinite of columns of different shape."""
-    if (stored["size"], stored["places"]) != (found["size"], found["places"]):
+    one, other = stored[key], found[key]
+    if (one["size"], one["places"]) != (other["size"], other["places"]):
         return np.inf
-    one, other = (np.array([float(value) for value in column["values"]]) for column in (stored, found))
-    if (
-        not (np.isfinite(one) == np.isfinite(other)).all()
-        or not (one[~np.isfinite(one)].astype(str) == other[~np.isfinite(one)].astype(str)).all()
-    ):
+    first, second = (np.array([float(value) for value in column["values"]]) for column in (one, other))
+    if not np.array_equal(np.isfinite(first), np.isfinite(second)):
         return np.inf
-    scale = max(stored["largest"], found["largest"]) or 1.0
-    apart = np.abs(one - other)[np.isfinite(one)].max(initial=0.0) / scale
-    return float(max(apart, abs(stored["largest"] - found["largest"]) / scale))
-
-
-def _of_other_kernel(scene: str) -> dict:
-    """The answers by the oldest kernel of OpenBLAS, from a process of its own."""
-    environment = {**os.environ, "OPENBLAS_CORETYPE": "Nehalem"}
-    code = f"import json; from tests.golden.corpus import answers; print('ANSWERS' + json.dumps(answers({scene!r})))"
-    done = subprocess.run([sys.executable, "-c", code], cwd=PROJECT, env=environment, capture_output=True, text=True, check=True)
-    return json.loads(done.stdout.partition("ANSWERS")[2])
+    pair = {"real": "imaginary", "imaginary": "real"}.get(key.rpartition(".")[2])
+    twin = stored.get(f"{key.rpartition('.')[0]}.{pair}", one) if pair else one
+    scale = max(one["largest"], other["largest"], twin["largest"]) or 1.0
+    return float(np.abs(first - second)[np.isfinite(first)].max(initial=0.0) / scale)
 
 
 def freeze(scene: str) -> None:
     """Write the answers of a scene."""
-    here, there = answers(scene), _of_other_kernel(scene)
-    for command, answer in here.items():
-        for key, column in answer["numbers"].items():
-            other = there[command]["numbers"].get(key)
-            column["kernel"] = float(f"{difference(column, other):.1e}") if other else "inf"
-            if column["kernel"] == np.inf:
-                column["kernel"] = "inf"
-    lines = [f"{json.dumps(command)}: {json.dumps(answer, sort_keys=True)}" for command, answer in here.items()]
+    lines = [f"{json.dumps(command)}: {json.dumps(answer, sort_keys=True)}" for command, answer in answers(scene).items()]
     (FOLDER / f"{scene}.json").write_text("{\n" + ",\n".join(lines) + "\n}\n")
 
 
+def differences(scene: str) -> dict[str, float]:
+    """By command and column how far the answers of a scene are from those in the corpus, relative to the largest of their column."""
+    stored, now = json.loads((FOLDER / f"{scene}.json").read_text()), answers(scene)
+    found: dict[str, float] = {}
+    for command in stored.keys() | now.keys():
+        one, other = (each.get(command, {"exit": None, "texts": None, "numbers": {}}) for each in (stored, now))
+        for part in ("exit", "texts"):
+            if one[part] != other[part]:
+                found[f"{command}: {part}"] = np.inf
+        for key in one["numbers"].keys() | other["numbers"].keys():
+            both = key in one["numbers"] and key in other["numbers"]
+            found[f"{command}: {key}"] = difference(one["numbers"], other["numbers"], key) if both else np.inf
+    return found
+
+
+def main(names: list[str]) -> None:
+    """Freeze the scenes, or compare them with the corpus."""
+    compare = "--compare" in names
+    for name in [name for name in names if not name.startswith("-")] or scenes():
+        if compare:
+            large = {key: value for key, value in differences(name).items() if value > CODE_MOVED}
+            print(name, large or "as before", flush=True)
+        else:
+            freeze(name)
+            print(name, flush=True)
+
+
 if __name__ == "__main__":
-    for name in sys.argv[1:] or scenes():
-        freeze(name)
-        print(name, flush=True)
+    main(sys.argv[1:])

@@ -66,6 +66,12 @@ class Peaks(Displayed):
             texts.append((name, high, number_text(ta), low, number_text(tb)))
         return TextTable(f"Peaks of the {self.quantity}", ("of", "maximum", "at (s)", "minimum", "at (s)"), tuple(texts))
 
+    def rows(self) -> list[dict]:
+        """The extrema as plain data, one row for each function, in SI."""
+        keys = ("maximum", "maximum_time", "minimum", "minimum_time")
+        each = zip(self.names, self.units, *(getattr(self.extrema, key).tolist() for key in keys))
+        return [{"quantity": self.quantity, "of": name, "unit": unit, **dict(zip(keys, own))} for name, unit, *own in each]
+
     @property
     def maximum(self) -> np.ndarray:
         """Largest values, shape (r,)."""

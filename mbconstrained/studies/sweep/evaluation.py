@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ...analyses.random import random_arguments, random_response
 from ...frequency.shock.extrema import Extrema, RootMeanSquares
 from ...ground.errors import InputError, MbconstrainedError
 from ...ground.threads import SMALL, one_thread
@@ -23,7 +24,6 @@ from ...mechanics.system import MechanicalSystem
 from ...scene.file.messages import SceneName
 from ...scene.run.curves import ORDERS, extrema_of, functions_of, rms_of
 from ...scene.run.frequency.scene_frequency import SceneFrequency
-from ...scene.run.frequency.scene_random import SceneRandom
 from ...scene.run.plan import Plan
 from ...scene.run.result import Result
 from ...scene.run.scene import Scene, assembled
@@ -197,12 +197,12 @@ class _Chunk:
 
     def _random_rms(self, variables: list[Variable], group: list[int]) -> None:
         scene = self.scenes[group[0]]
-        response = SceneRandom(scene).response
+        response = random_response(scene)
         if len(group) == 1:
             self.values["random RMS"][group] = response.rms
             return
         family = SampleFamily.of(self._systems(group))
-        excitation, options = SceneRandom(scene).arguments
+        excitation, options = random_arguments(scene, scene.table.random)
         self.values["random RMS"][group] = family.random_response(*excitation, **options).rms
 
     def _motion(self, variables: list[Variable], group: list[int]) -> None:

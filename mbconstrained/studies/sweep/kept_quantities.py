@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...analyses.random import random_response
 from ...ground.checks import nearest
 from ...ground.errors import InputError
 from ...scene.quantities.quantities import quantity
 from ...scene.run.curves import ORDERS
 from ...scene.run.frequency.scene_frequency import SceneFrequency
-from ...scene.run.frequency.scene_random import SceneRandom
 from ...scene.run.plan import Plan
 from ...scene.run.result import Result
 
@@ -167,7 +167,7 @@ def _of_text(text: str, scene: Scene, curves: _Curves) -> Iterator[Variable]:
             raise InputError(f"keep: found {text}, but the scene has no table [frequency]; write one with from and to")
         yield from _responses(text, SceneFrequency(scene))
     elif text == "random RMS":
-        response = SceneRandom(scene).response
+        response = random_response(scene)
         yield Variable("random RMS", _common(response.units), "output", response.outputs, "random RMS")
     else:
         yield _of_motion(text, scene, curves)

@@ -174,7 +174,7 @@ class SweepResult(Displayed):
 
     def csv(self) -> str:
         """Parameters and figures of each sample as CSV, numbers in SI."""
-        from ...scene.run.frequency.scene_response import csv_of
+        from ...exchange.trajectories import csv_of
 
         units = {name: one.unit for name, one in self.samples.variations.items()}
         columns = {f"{name} ({unit})" if (unit := units[name]) else name: self.samples.column(name) for name in units}

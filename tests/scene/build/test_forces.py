@@ -288,13 +288,13 @@ def test_a_load_on_several_coordinates_moves_as_its_parts(tmp_path):
 def test_the_random_response_to_a_load_on_several_coordinates(tmp_path):
     from scipy.linalg import solve_continuous_lyapunov
 
-    from mbconstrained.scene.run.frequency.scene_random import SceneRandom
+    from mbconstrained.analyses.random import random_response
 
     text = PATTERN.format(ONE.format(COSINE.format(2))) + '[[random.input]]\non = "both"\nwhite = 4\n'
     A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.array([[3.0, -1.0], [-1.0, 2.0]]), -np.diag([0.1, 0.05])]])
     b = np.array([[0.0, 0.0, 1.0, -0.5]])
     covariance = solve_continuous_lyapunov(A, -(4 / 2) * b.T @ b)  # one-sided density by Hz: intensity G / 2
-    assert SceneRandom(scene_of(tmp_path, text)).response.rms == pytest.approx(np.sqrt(covariance.diagonal()[:2]), rel=1e-12)
+    assert random_response(scene_of(tmp_path, text)).rms == pytest.approx(np.sqrt(covariance.diagonal()[:2]), rel=1e-12)
 
 
 @pytest.mark.parametrize(

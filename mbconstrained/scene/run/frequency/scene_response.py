@@ -13,7 +13,6 @@ from ....ground.files import Replacements
 from ...schema.analyses.campbell_table import CampbellTable
 from ...schema.analyses.frequency_table import FrequencyTable
 from ...schema.analyses.path_table import PathTable
-from ...schema.analyses.shock_table import ShockTable
 from ...schema.entry_types import Table
 from ...schema.scene_schema import OutputTable
 from ...schema.validation import validated
@@ -104,35 +103,15 @@ class SceneResponse(ABC):
         return written
 
 
-def csv_of(columns: dict[str, np.ndarray]) -> str:
-    """A CSV text with a line of heads.
-
-    >>> csv_of({"f (Hz)": np.array([1.0]), "a, b": np.array(["x"])})
-    'f (Hz),a; b\\n1.0,x\\n'
-    """
-    heads = (_cell(head) for head in columns)
-    rows = zip(*(column.tolist() for column in columns.values()))
-    lines = [",".join(heads), *(",".join(_cell(cell) if isinstance(cell, str) else repr(cell) for cell in row) for row in rows)]
-    return "\n".join(lines) + "\n"
-
-
-def _cell(text: str) -> str:
-    return text.replace(",", ";").replace("\n", " ")
-
-
-def with_options(own: Table | None, kind: Literal["frequency", "shock", "campbell", "path"], options: dict, file_name: str):
-    """The table [frequency], [shock], [campbell] or [path] of a scene with other values."""
+def with_options(own: Table | None, kind: Literal["frequency", "campbell", "path"], options: dict, file_name: str):
+    """The table [frequency], [campbell] or [path] of a scene with other values."""
     base = own.model_dump(exclude_unset=True, by_alias=True) if own else {}
     if {"from", "to"} & options.keys():
         base.pop("frequencies", None)
-    for key, other in (("damping_ratio", "quality_factor"), ("quality_factor", "damping_ratio")):
-        if key in options:
-            base.pop(other, None)
     return getattr(validated({kind: {**base, **options}}, file_name, _Options), kind)
 
 
 class _Options(Table):
     frequency: FrequencyTable | None = None
-    shock: ShockTable | None = None
     campbell: CampbellTable | None = None
     path: PathTable | None = None

@@ -1,0 +1,18 @@
+"""Questions to a model, one file each: settings with units and a sentence of help, and a function from the model to an answer.
+
+Read ``base`` (what an analysis declares, what every answer can do), then any of the others. The command, its options, the table of the
+scene and all files follow from the declaration.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+#: The analyses by name: the modules that declare them.
+ANALYSES = {"random": "random", "shock": "shock"}
+
+
+def load(name: str):
+    """The analysis of this name; its module is imported then."""
+    module = import_module(f".{ANALYSES[name]}", __name__)
+    return next(one for one in vars(module).values() if getattr(one, "name", None) == name and isinstance(one, type))

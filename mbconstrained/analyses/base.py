@@ -1,0 +1,192 @@
+"""What an analysis declares, and what every answer can do: be printed, written as page, CSV, npz and pictures, and become plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from textwrap import wrap
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+import numpy as np
+
+from ..exchange.trajectories import csv_of, write_arrays
+from ..ground.display import WIDTH, Displayed, TextTable, finite_or_none
+from ..ground.files import Replacements
+from ..ground.notices import Notice
+from ..page.content import PageContent, Plot
+from ..scene.schema.entry_types import Table
+from ..scene.schema.validation import validated
+
+if TYPE_CHECKING:
+    from ..page.html import Delivery
+    from ..scene.run.scene import Scene
+
+#: Rows of a table for a terminal, and on the page.
+MOST_ROWS, MOST_ROWS_OF_PAGE = 16, 200
+
+#: Formats of pictures of plots.
+PICTURES: tuple[Literal["svg", "png"], ...] = ("svg", "png")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Answer(Displayed):
+    """The answer to one question.
+
+    Attributes:
+        kind: name of the analysis, part of the names of files.
+        name: of the model, the first part of the names of files.
+        title, source: of the model.
+        facts: pairs of a label and a text.
+        tables: for terminal and page, in the units shown.
+        notices: what is worth knowing, and what makes the values doubtful.
+        data: everything as plain data, numbers in SI.
+        plots: a function, since only pages and pictures need them.
+        columns: likewise the columns of each CSV file by their heads, the files by what stands before their ending, such as ".peaks".
+        arrays: likewise the arrays of the npz file, in SI.
+        heading: for the terminal; by default the title.
+    """
+
+    kind: str
+    name: str
+    title: str
+    source: str
+    facts: tuple[tuple[str, str], ...]
+    tables: tuple[TextTable, ...]
+    notices: tuple[Notice, ...]
+    data: Mapping[str, Any]
+    plots: Callable[[], Iterable[Plot]] = tuple
+    columns: Callable[[], Mapping[str, Mapping[str, Any]]] = dict
+    arrays: Callable[[], Mapping[str, np.ndarray]] = dict
+    heading: str = ""
+
+    @property
+    def is_trusted(self) -> bool:
+        """False where a notice warns that values may be wrong."""
+        return not any(notice.doubtful for notice in self.notices)
+
+    def blocks(self, files: Sequence[Path] = ()) -> list[str | TextTable]:
+        """Texts and tables for a terminal of 80 columns, with the files that were written."""
+        head = "\n".join(line for text in (self.heading or self.title, self.source) for line in wrap(text, WIDTH))
+        about = "\n".join(_indented(f"{label}: {text}", "") for label, text in self.facts)
+        lists = {"Notices": [_indented(str(notice), "  ") for notice in self.notices], "Written": [f"  {path}" for path in files]}
+        shown = [_limited(table, MOST_ROWS) for table in self.tables]
+        return [head, about, *shown, *("\n".join([title, *lines]) for title, lines in lists.items() if lines)]
+
+    def to_dict(self, files: Sequence[Path] = ()) -> dict:
+        """The answer as plain data, numbers in SI: title, data, notices, whether it is to be trusted, files."""
+        notices = [{"kind": one.kind, "text": one.text, "doubtful": one.doubtful} for one in self.notices]
+        end = {"notices": notices, "trusted": self.is_trusted, "files": [str(path) for path in files]}
+        return {"title": self.title, **{key: plain(value) for key, value in self.data.items()}, **end}
+
+    def page(self) -> PageContent:
+        """Plots, tables, notices and facts as a page."""
+        tables = tuple(_limited(table, MOST_ROWS_OF_PAGE) for table in self.tables)
+        plots = tuple(self.plots())
+        return PageContent(self.title, self.source, plots=plots, tables=tables, notices=self.notices, facts=self.facts)
+
+    def write(self, folder: Path, formats: Iterable[str] = ("page", "csv", "npz"), viewer: Delivery = "inside") -> list[Path]:
+        """Write NAME.KIND.html, .csv and .npz, all of them or none.
+
+        Args:
+            folder: is created if it does not exist.
+            formats: some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG).
+            viewer: where the script of the 3-D viewer is, see ``mbconstrained.page.html``.
+
+        Returns:
+            The paths.
+
+        Raises:
+            OSError: they cannot be written; files that were there are unchanged.
+        """
+        from ..page.html import write_page
+        from ..page.plots.images import plot_image, plot_images
+
+        stem, chosen = f"{self.name}.{self.kind}", set(formats)
+        folder.mkdir(parents=True, exist_ok=True)
+        content = self.page() if chosen & {"page", "pictures"} else None
+        with Replacements() as files:
+            for part, columns in self.columns().items() if "csv" in chosen else ():
+                files.temporary(folder / f"{stem}{part}.csv").write_text(csv_of(columns), encoding="utf-8")
+            if "npz" in chosen:
+                write_arrays(files.temporary(folder / f"{stem}.npz"), dict(self.arrays()), ".npz")
+            for name, plot in plot_images(content.plots).items() if content and "pictures" in chosen else ():
+                for kind in PICTURES:
+                    files.temporary(folder / f"{stem}.{name}.{kind}").write_bytes(plot_image(plot, kind))
+            if content and "page" in chosen:
+                write_page(folder / f"{stem}.html", content, viewer, files)
+        return files.paths
+
+    def _summary(self) -> str:
+        return f"{self.kind} of {self.name}"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        return self.tables
+
+
+class Analysis:
+    """A question: a name, a sentence of help, settings, and a function from a scene to an answer.
+
+    Attributes:
+        name: of the command and of the table in a scene.
+        help: a sentence for the list of commands.
+        settings: a table of the scene, whose entries are the options of the command.
+        options: names of options that differ from their entries, by entry; None for entries without an option.
+    """
+
+    name: ClassVar[str]
+    help: ClassVar[str]
+    settings: ClassVar[type[Table] | None] = None
+    options: ClassVar[Mapping[str, str | None]] = {}
+    replaced: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+
+    @classmethod
+    def solve(cls, scene: Scene, settings: Table | None) -> Answer:
+        """The answer; a pure function of the scene and of the settings."""
+        raise NotImplementedError
+
+    @classmethod
+    def answer(cls, scene: Scene, **given) -> Answer:
+        """The answer of a scene with some settings in the place of those in its table, by the names of its entries."""
+        own = getattr(scene.table, cls.name, None)
+        return cls.solve(scene, cls.changed(own, given, scene.file_name) if given else own)
+
+    @classmethod
+    def changed(cls, own: Table | None, given: Mapping[str, Any], file_name: str) -> Table:
+        """The settings with other values; those that a given one replaces are left out.
+
+        Raises:
+            SceneError: a wrong value; the text names the table and the entry.
+        """
+        base = own.model_dump(exclude_unset=True, by_alias=True) if own else {}
+        for key in given:
+            for other in cls.replaced.get(key, ()):
+                base.pop(other, None)
+        only = type("Only", (Table,), {"__annotations__": {cls.name: cls.settings}})
+        return getattr(validated({cls.name: {**base, **given}}, file_name, only), cls.name)
+
+
+def plain(value):
+    """Arrays and tuples as lists, infinite numbers as None, as JSON takes them.
+
+    >>> plain({"a": np.array([1.0, np.inf]), "b": ("x", 2)})
+    {'a': [1.0, None], 'b': ['x', 2]}
+    """
+    if isinstance(value, Mapping):
+        return {key: plain(one) for key, one in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(one) for one in value]
+    return finite_or_none(value) if isinstance(value, (float, np.floating)) else value
+
+
+def _limited(table: TextTable, most: int) -> TextTable:
+    """The first rows, and how many more there are."""
+    if len(table.rows) <= most:
+        return table
+    return replace(table, rows=table.rows[:most], note=f"and {len(table.rows) - most} more")
+
+
+def _indented(text: str, indent: str) -> str:
+    return "\n".join(wrap(text, WIDTH, initial_indent=indent, subsequent_indent=indent + "  "))

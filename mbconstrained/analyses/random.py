@@ -1,0 +1,220 @@
+"""Random vibration of a scene: RMS values and statistics, spectra and a path of the outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..frequency.features import frequencies_by_poles
+from ..frequency.random.random_response import RandomResponse
+from ..frequency.random.statistics import octave_bands
+from ..ground.display import TextTable
+from ..ground.errors import InputError
+from ..ground.notices import distinct
+from ..page.content import Curve, Plot
+from ..page.plots.axis import Scale
+from ..scene.file.messages import at
+from ..scene.schema.analyses.random_table import RandomTable
+from .base import Analysis, Answer
+
+if TYPE_CHECKING:
+    from ..scene.run.scene import Scene
+
+#: Lines of the spectra for each decade, besides those that the poles place.
+EACH_DECADE = 100
+
+#: White noise is plotted so many decades beyond the poles.
+BEYOND = 10.0
+
+#: Spectra are plotted where they are at least this share of their largest value.
+LEAST_SHARE = 1e-12
+
+#: Cycles of the median frequency of an output that its path on the page has, and the number of its times.
+CYCLES, PATH_TIMES = 24, 1201
+
+
+class Random(Analysis):
+    """The stationary response to the spectra of the table [random]: RMS values, rates, expected largest values.
+
+    Variances are exact integrals, not sums over a grid; one that is infinite is reported with its reason. Writes NAME.random.html,
+    .csv and .npz.
+    """
+
+    name = "random"
+    help = "Random vibration: RMS values, spectra, expected largest values."
+    settings = RandomTable
+
+    @classmethod
+    def solve(cls, scene: Scene, settings: RandomTable | None) -> Answer:  # type: ignore[override]
+        """The answer of a scene with mass, damping and stiffness.
+
+        Raises:
+            SceneError: no table [random], unknown names, units that do not fit.
+        """
+        response = random_response(scene, settings)
+        own = _Outputs(response, [scene.equations.coordinates.shown.of(unit) for unit in response.units])
+        system = scene.equations.system
+        damping = system.damping_notices(any(entry.of != "force" for entry in settings.input)) if system is not None else ()
+        inputs = zip(response.inputs, response.spectra.spectra)
+        return Answer(
+            "random",
+            scene.name,
+            scene.title,
+            scene.table.source,
+            (
+                *(("input", f"{name}: {spectrum.of}, {spectrum.name}") for name, spectrum in inputs),
+                ("error estimate", f"{response.error_estimate.max(initial=0.0):.2g} of each variance"),
+            ),
+            (own.table(settings.duration),),
+            distinct(scene.notices, scene.equations.form_notices, damping, response.notices),
+            {
+                "quantity": response.quantity,
+                "inputs": response.inputs,
+                "outputs": response.outputs,
+                "units": response.units,
+                "rms": response.rms,
+                "covariance": response.covariance,
+                "zero_crossings_hz": response.crossing_rate(),
+                "infinite": response.infinite,
+                "error_estimate": response.error_estimate,
+            },
+            own.plots,
+            lambda: {"": own.columns()},
+            own.arrays,
+            scene.heading,
+        )
+
+
+def random_response(scene: Scene, table: RandomTable | None = None) -> RandomResponse:
+    """The response of a scene to its random inputs, in SI.
+
+    Raises:
+        SceneError: no table [random], two inputs of one name, a model without mass, damping and stiffness, unknown names.
+    """
+    with at(scene.file_name, "random"):
+        excitation, options = random_arguments(scene, table or scene.table.random)
+        return scene.equations.system.random_response(*excitation, **options)
+
+
+def random_arguments(scene: Scene, table: RandomTable | None) -> tuple[tuple, dict]:
+    """Those of ``MechanicalSystem.random_response``."""
+    equations = scene.equations
+    if table is None:
+        raise InputError(
+            "the scene has no table [random]; give its inputs as [[random.input]], with on, of, frequencies and values"
+        )
+    if equations.control is not None or equations.system is None:
+        raise InputError("random vibration needs a model with mass, damping and stiffness")
+    excitation = {entry.on: entry.spectrum for entry in table.input}
+    if len(excitation) < len(table.input):
+        raise InputError("two [[random.input]] have the same name in on; add their spectra")
+    delays = {entry.on: entry.delay for entry in table.input} if any(entry.delay for entry in table.input) else None
+    prescribed = {coordinate for motion in scene.table.motion for coordinate, _ in motion.rows.values()}
+    free = [name for name in equations.system.names if name not in prescribed]
+    outputs = table.outputs or (None if table.quantity == "reaction" else free)
+    further = {key: getattr(table, key) for key in ("relative_to", "modal_damping", "coherence")}
+    return (excitation, outputs, table.quantity), {**further, "delays": delays}
+
+
+class _Outputs:
+    """The outputs of a random response in the units shown."""
+
+    def __init__(self, response: RandomResponse, shown: list[tuple[str, float]]):
+        self.response, self.shown = response, shown
+
+    def table(self, duration: float) -> TextTable:
+        """RMS, rates and the expected largest value of each output."""
+        response, rows = self.response, []
+        try:
+            largest = response.expected_maximum(duration)
+        except InputError:  # less than a period: there is no such value
+            largest = np.full(len(response.outputs), np.nan)
+        each = zip(response.outputs, response.rms, response.crossing_rate(), largest, self.shown)
+        for name, rms, rate, top, (unit, factor) in each:
+            finite = np.isfinite(rms)
+            crossings = "–" if not finite else f"{rate:.4g}" if np.isfinite(rate) else "infinite"
+            size = f"{factor * rms:.5g} {unit}" if finite else "infinite"
+            rows.append((name, size, crossings, f"{factor * top:.4g} {unit}" if np.isfinite(top) else "–"))
+        columns = ("output", "RMS", "zero crossings (Hz)", f"largest in {duration:g} s")
+        return TextTable(f"Random {response.quantity}", columns, tuple(rows), "largest: mean of the largest modulus (Davenport)")
+
+    @cached_property
+    def frequencies(self) -> np.ndarray:
+        """Frequencies in Hz at which spectra are plotted and written."""
+        placed, corners = frequencies_by_poles(self.response.harmonic, with_peaks=False), self.response.spectra.corners
+        low = corners[0] if len(corners) and corners[0] > 0 else placed[0] / BEYOND
+        high = corners[-1] if len(corners) and np.isfinite(corners[-1]) else BEYOND * placed[-1]
+        even = np.geomspace(low, high, int(EACH_DECADE * np.log10(high / low)) + 2)
+        return np.unique([low, high, *even[1:-1], *placed[(placed > low) & (placed < high)]])
+
+    @cached_property
+    def spectra(self) -> np.ndarray:
+        """One-sided spectra of the outputs in the units shown, shape (p, F)."""
+        return self.response.psd(self.frequencies) * np.array([[factor**2] for _, factor in self.shown])
+
+    @cached_property
+    def cumulative(self) -> np.ndarray:
+        """RMS values up to each frequency in SI, shape (p, F)."""
+        return self.response.cumulative_rms(self.frequencies)
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """The spectra by their heads."""
+        heads = (f"{name} (({unit})^2/Hz)" for name, (unit, _) in zip(self.response.outputs, self.shown))
+        return {"frequency (Hz)": self.frequencies, **dict(zip(heads, self.spectra))}
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Spectra, RMS values up to each frequency, and covariance in SI."""
+        own = {"frequencies_hz": self.frequencies, "psd": self.response.psd(self.frequencies), "cumulative_rms": self.cumulative}
+        return {**own, "covariance": self.response.covariance, "outputs": np.array(self.response.outputs)}
+
+    def plots(self) -> Iterator[Plot]:
+        """For each unit the spectra, RMS values of octaves and up to each frequency, and a path of the first output."""
+        for unit in dict.fromkeys(unit for unit, _ in self.shown):
+            chosen = [i for i, (own, _) in enumerate(self.shown) if own == unit]
+            if self.spectra[chosen].max() > 0:
+                yield self._density(unit, chosen)
+                yield from self._sums(unit, chosen)
+                yield from self._path(unit, chosen)
+
+    def _density(self, unit: str, chosen: list[int]) -> Plot:
+        largest = self.spectra[chosen].max(axis=0)
+        least = LEAST_SHARE * largest.max()
+        visible = np.flatnonzero(largest >= least)
+        own = slice(visible[0], visible[-1] + 1)
+        square = f"({unit})²/Hz" if any(sign in unit for sign in "/ ^") else f"{unit}²/Hz"
+        title, values = f"spectrum of the {self.response.quantity}", np.maximum(self.spectra[:, own], least)
+        return self._plot(title, square, self.frequencies[own], values, chosen, "density", "log")
+
+    def _sums(self, unit: str, chosen: list[int]) -> Iterator[Plot]:
+        """RMS values of octaves as steps, and up to each frequency, of outputs for which they are finite."""
+        edges = octave_bands(self.frequencies[0], self.frequencies[-1])
+        ends = np.array([edges[:-1], np.nextafter(edges[1:], 0.0)]).T.ravel()
+        factors = np.array([[factor] for _, factor in self.shown])
+        steps = np.repeat(factors * self.response.rms_in_bands(edges), 2, axis=1)
+        kinds = (("RMS of octaves", ends, steps), ("RMS up to a frequency", self.frequencies, factors * self.cumulative))
+        for title, f, values in kinds:
+            if finite := [i for i in chosen if np.isfinite(values[i]).all()]:
+                yield self._plot(title, unit, f, values, finite, "RMS", "linear")
+
+    def _plot(self, title: str, unit: str, f, values, chosen: list[int], quantity: str, scale: Scale) -> Plot:
+        curves = tuple(Curve(self.response.outputs[i], values[i], i) for i in chosen)
+        return Plot(title, unit, f, curves, across_unit="Hz", quantity=quantity, variable="frequency", scales=("log", scale))
+
+    def _path(self, unit: str, chosen: list[int]) -> Iterator[Plot]:
+        """A random path of the first of these outputs that has one, over some cycles of its mean frequency, with its band of one sigma."""
+        first = next((i for i in chosen if np.isfinite(self.response.rms[i]) and self.response.rms[i] > 0), None)
+        if first is None:
+            return
+        name, rms, factor = self.response.outputs[first], self.response.rms[first], self.shown[first][1]
+        middle = np.searchsorted(self.cumulative[first], np.sqrt(0.5) * rms)
+        times = np.linspace(0.0, CYCLES / self.frequencies[min(middle, len(self.frequencies) - 1)], PATH_TIMES)
+        try:
+            path = self.response.only(name).sample(times, seed=0)[0]
+        except InputError:  # motions that no noise reaches have no distribution
+            return
+        rows = ((name, path, first), ("+σ", np.full(len(times), rms), first + 1), ("−σ", np.full(len(times), -rms), first + 1))
+        curves = tuple(Curve(label, factor * row, color) for label, row, color in rows)
+        yield Plot(f"a random path of {name}", unit, times, curves, quantity=self.response.quantity)
