@@ -9,7 +9,7 @@ from __future__ import annotations
 from importlib import import_module
 
 #: The analyses by name: the modules that declare them.
-ANALYSES = {"random": "random", "shock": "shock"}
+ANALYSES = {"random": "random", "shock": "shock", "mac": "mac"}
 
 
 def load(name: str):

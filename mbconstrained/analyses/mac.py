@@ -1,0 +1,125 @@
+"""The modal assurance criterion: which mode of one scene is which mode of another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from pydantic import Field
+
+from ..ground.display import TextTable, number_text
+from ..ground.errors import InputError
+from ..ground.notices import Notice, NoticeKind, distinct
+from ..page.content import Curve, Plot
+from ..scene.file.messages import at
+from ..scene.run.scene import read_scene
+from ..scene.schema.entry_types import Table, Text
+from .base import Analysis, Answer
+
+if TYPE_CHECKING:
+    from ..scene.run.scene import Scene
+
+#: Modes with a criterion below this are not the same mode (Ewins, Modal Testing, section 5.3.2).
+SAME_MODE = 0.9
+
+#: Modes of the first scene in the plot.
+MOST_CURVES = 8
+
+
+class ModesOfTwoScenes(Table):
+    """The modes of another scene, compared with those of this one."""
+
+    other: Text = Field(description="The other scene file, a .toml.")
+
+
+class ModalAssurance(Analysis):
+    """The modal assurance criterion of the mode shapes of two scenes, in the coordinates that both have.
+
+        MAC_ij = |a_i^H b_j|^2 / ((a_i^H a_i) (b_j^H b_j))
+
+    1 for the same shape, 0 for orthogonal ones (Allemang and Brown 1982). Each mode of the scene is paired with the mode of the other
+    one that has the largest criterion. Writes NAME.mac.html, .csv and .npz.
+    """
+
+    name = "mac"
+    help = "Which modes of two scenes are the same: modal assurance criterion."
+    settings = ModesOfTwoScenes
+
+    @classmethod
+    def solve(cls, scene: Scene, settings: ModesOfTwoScenes | None) -> Answer:  # type: ignore[override]
+        """The answer of two scenes with mass and stiffness.
+
+        Raises:
+            SceneError: no other scene, a model without modes, no common coordinate.
+        """
+        with at(scene.file_name, "mac"):
+            if settings is None:
+                raise InputError("there is no other scene; give it as --other SCENE")
+            other = read_scene(settings.other)
+            common = [name for name in scene.equations.coordinates.names if name in other.equations.coordinates.names]
+            if not common:
+                raise InputError(f"{scene.name} and {other.name} have no coordinate in common; give equal names to equal motions")
+            (f, A), (g, B) = (_oscillations(one, common) for one in (scene, other))
+        mac = modal_assurance(A, B)
+        partners = mac.argmax(axis=1)
+        rows = [
+            (str(i + 1), number_text(f[i]), str(j + 1), number_text(g[j]), f"{100 * (g[j] / f[i] - 1):+.3g} %", f"{mac[i, j]:.4f}")
+            for i, j in enumerate(partners.tolist())
+        ]
+        columns = ("mode", f"{scene.name} (Hz)", "mode", f"{other.name} (Hz)", "change", "MAC")
+        doubts = [i + 1 for i, j in enumerate(partners) if mac[i, j] < SAME_MODE]
+        text = f"no mode of {other.name} has the shape of mode {', '.join(map(str, doubts))}: the criterion is below {SAME_MODE:g}"
+        own = (Notice(NoticeKind.ACCURACY, text),) if doubts else ()
+
+        def plots() -> Iterator[Plot]:
+            numbers = np.arange(1, len(g) + 1)
+            edges = np.array(
+                [numbers - 0.5, np.nextafter(numbers + 0.5, 0.0)]
+            ).T.ravel()  # a step for each mode: nothing is between them
+            curves = (
+                Curve(f"mode {i + 1}, {number_text(f[i])} Hz", np.repeat(mac[i], 2), i) for i in range(min(len(f), MOST_CURVES))
+            )
+            title = f"modal assurance criterion with the modes of {other.name}"
+            yield Plot(title, "", edges, tuple(curves), across_unit="", quantity="MAC", variable="mode number")
+
+        arrays = {"frequencies_hz": f, "other_frequencies_hz": g, "mac": mac, "coordinates": np.array(common)}
+        return Answer(
+            "mac",
+            scene.name,
+            f"{scene.title} and {other.title}",
+            scene.table.source,
+            (("coordinates", ", ".join(common)),),
+            (TextTable("Modes of both scenes", columns, tuple(rows)),),
+            distinct(scene.notices, other.notices, own),
+            {**arrays, "pairs": partners + 1},
+            plots,
+            lambda: {
+                "": {
+                    "frequency (Hz)": f,
+                    **{f"{other.name}, {number_text(g[j])} Hz, mode {j + 1}": mac[:, j] for j in range(len(g))},
+                }
+            },
+            lambda: arrays,
+        )
+
+
+def modal_assurance(A: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """MAC of the columns of A (n, p) and B (n, q), shape (p, q); 0 of shapes that vanish in the common coordinates.
+
+    >>> modal_assurance(np.array([[1.0, 1.0], [1.0, -1.0]]), np.array([[2.0], [2.0]])).ravel().tolist()
+    [1.0, 0.0]
+    """
+    sizes = np.outer(np.linalg.norm(A, axis=0) ** 2, np.linalg.norm(B, axis=0) ** 2)
+    return np.divide(np.abs(A.conj().T @ B) ** 2, sizes, out=np.zeros(sizes.shape), where=sizes > 0)
+
+
+def _oscillations(scene: Scene, common: list[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies (Hz) of the oscillating modes, ascending, and their shapes in the common coordinates, one a column."""
+    system = scene.equations.system
+    if system is None:
+        raise InputError(f"{scene.name}: modes belong to models with mass and stiffness")
+    modes = system.modes()
+    if not len(modes.frequencies_hz):
+        raise InputError(f"{scene.name}: nothing oscillates")
+    return modes.frequencies_hz, modes.shapes[[system.names.index(name) for name in common]]
