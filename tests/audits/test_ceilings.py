@@ -18,6 +18,7 @@ from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, t
 LINES = {
     "__init__": 237,
     "__main__": 8,
+    "analyses": 837,
     "cli": 1530,
     "control": 2757,
     "docs": 259,
