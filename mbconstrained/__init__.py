@@ -5,7 +5,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from .control.descriptor_form import system_to_dict, to_state_space
 from .control.normal_form.normal_form import NormalForm, mechanical_normal_form
 from .control.state_space import StateSpace
 from .control.state_space_response import StateSpaceResponse
@@ -101,10 +100,6 @@ _LATE = {
 }
 
 
-def _exact_engine():
-    return import_module(".exact.enclosure.exact_response", __name__)
-
-
 def _presentation():
     return import_module(".scene.python_models", __name__)
 
@@ -113,9 +108,6 @@ def _studies(name: str):
     return import_module(f".studies.sweep.{name}", __name__)
 
 
-MechanicalSystem.to_state_space = to_state_space
-MechanicalSystem.to_dict = system_to_dict
-Response.exact_engine = staticmethod(_exact_engine)
 Presented.presentation = staticmethod(_presentation)
 Studied.studies = staticmethod(_studies)
 

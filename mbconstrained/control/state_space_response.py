@@ -114,7 +114,7 @@ class StateSpaceResponse(Response):
         from ..exact.enclosure.exact_response import structure_notices
 
         enclosure = self.exact_output.enclose(times, digits, order=order)
-        return enclosure.with_notices(structure_notices(self.together, self.exact_output))
+        return enclosure.with_notices(structure_notices(self.together.solution.finite_count, self.exact_output))
 
     def output_error_estimate(self, times) -> float:
         """Estimate of max |error| / max |y| over the times."""

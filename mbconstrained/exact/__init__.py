@@ -1,6 +1,6 @@
 """Exact answers: over the rationals, over rational functions of symbols, and in intervals that are sure to contain a response.
 
-May import ``response``, ``polynomial``, ``signals`` and the rooms below them. Nothing heavy is loaded before a function is called.
+May import ``polynomial``, ``signals`` and the rooms below them. Nothing heavy is loaded before a function is called.
 Read ``core`` first (root polynomials, chains, blocks and structure over any field), then its two fields, ``rational`` (floats are the
 exact numbers that they are) and ``symbolic``, then ``enclosure`` (guaranteed digits) and ``formulas`` (closed forms as text,
 LaTeX, MathML and source code).

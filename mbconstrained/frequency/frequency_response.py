@@ -16,7 +16,6 @@ from ..ground.errors import InputError, MbconstrainedError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, FLOAT64_DIGITS, LINE_ACCURACY, SUM_SAFETY, TRUST_LIMIT
 from ..polynomial.polynomial_matrix import PolynomialMatrix
-from ..response.response import Response
 from .features import Antiresonance, Peak, antiresonances_of, frequencies_by_poles, peaks_of
 from .harmonic import Harmonic
 from .modal_sum import ModalSum, largest_nearby
@@ -385,8 +384,10 @@ def _enclose_doubtful(harmonic: Harmonic, frequencies: np.ndarray, H: np.ndarray
 
 def _enclosed(harmonic: Harmonic, frequency_hz: float, digits: int) -> Enclosure:
     """Enclosures of real and imaginary parts at a frequency."""
+    from ..exact.enclosure.transfer_enclosure import enclosed_transfer
+
     A, own = harmonic.A, harmonic
-    return Response.exact_engine().enclosed_transfer(A, own.imaginary, own.inputs, own.outputs, own.power, frequency_hz, digits)
+    return enclosed_transfer(A, own.imaginary, own.inputs, own.outputs, own.power, frequency_hz, digits)
 
 
 #: Rounding errors of residues, where they are not measured.

@@ -3,57 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from ..ground.checks import nearest
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
-
-if TYPE_CHECKING:
-    from .system import MechanicalSystem
+from .equations import ElementForce, EquationsOfMotion, Side
 
 #: So many names are listed in a message.
 LISTED = 8
-
-
-Side = Literal["inputs", "outputs"]
-
-
-class ElementForce(NamedTuple):
-    """The force of a spring or damper, stiffness e + damping e', positive in tension.
-
-    Attributes:
-        elongation: a of e = a x + rest, shape (n,).
-        rest: the elongation at x = 0.
-        stiffness, damping: in SI.
-        unit: of the elongation, "m" or "rad".
-    """
-
-    elongation: np.ndarray
-    rest: float
-    stiffness: float
-    damping: float
-    unit: str
-
-
-class NamedDirections:
-    """What a system has besides its coordinates and rows: none here; robots have inputs and outputs at joints and points.
-
-    Attributes:
-        elements: the forces of springs and dampers by name, where they are known.
-        load_patterns: by name the generalized forces of a unit of a load that acts at several places, shape (n,), and the unit of the
-            displacement along which it works: each is one input.
-    """
-
-    elements: Mapping[str, ElementForce] = MappingProxyType({})
-    load_patterns: Mapping[str, tuple[np.ndarray, str]] = MappingProxyType({})
-
-    def named_directions(self, side: Side) -> Mapping[str, tuple[np.ndarray, str]]:
-        """Directions over the coordinates, shape (n,), with units, by names of their own."""
-        return self.load_patterns if side == "inputs" else {}
 
 
 class Channel(NamedTuple):
@@ -73,7 +33,7 @@ class Channel(NamedTuple):
     row: int | None = None
     element: ElementForce | None = None
 
-    def unknowns(self, system: MechanicalSystem) -> np.ndarray:
+    def unknowns(self, system: EquationsOfMotion) -> np.ndarray:
         """Its place among the coordinates and the multipliers of all rows, shape (n + k,)."""
         if self.row is None:
             return np.concatenate([self.direction, np.zeros(len(system.rows))])
@@ -83,13 +43,13 @@ class Channel(NamedTuple):
 Known = TypeVar("Known")
 
 
-def reference(system: MechanicalSystem, name: str) -> Channel:
+def reference(system: EquationsOfMotion, name: str) -> Channel:
     """The motion that others are relative to."""
     known = {GROUND: Channel(GROUND, np.zeros(system.size), "m")} | channels(system, "outputs")
     return chosen_by_name("relative_to", name, known, ())[0]
 
 
-def channels(system: MechanicalSystem, side: Side) -> dict[str, Channel | None]:
+def channels(system: EquationsOfMotion, side: Side) -> dict[str, Channel | None]:
     """All channels by name: coordinates, constraint rows, and the inputs or outputs that a robot has by names of its own."""
     own = system.named_directions(side)
     known: dict[str, Channel | None] = {channel.name: channel for channel in coordinate_channels(system)}
@@ -99,12 +59,12 @@ def channels(system: MechanicalSystem, side: Side) -> dict[str, Channel | None]:
     return known
 
 
-def coordinate_channels(system: MechanicalSystem) -> list[Channel]:
+def coordinate_channels(system: EquationsOfMotion) -> list[Channel]:
     """One for each coordinate, in order."""
     return [Channel(name, row, unit) for (name, unit), row in zip(system.units.items(), np.eye(system.size))]
 
 
-def row_channels(system: MechanicalSystem) -> list[Channel]:
+def row_channels(system: EquationsOfMotion) -> list[Channel]:
     """One for each constraint row, in order."""
     return [Channel(row.name, row.coefficients, row.unit, place) for place, row in enumerate(system.rows)]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -17,9 +17,6 @@ from ..ground.tolerances import noise_of
 from ..linalg.arrays import Matrix as AnyMatrix
 from ..linalg.arrays import kept
 from .element_matrix import ElementMatrix
-
-if TYPE_CHECKING:
-    from .system import MechanicalSystem
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,13 +45,13 @@ class Energy:
         return self.kinetic + self.strain + self.static
 
 
-def energy_of(system: MechanicalSystem, displacement: np.ndarray, velocity: np.ndarray) -> Energy:
-    """The energies at states."""
-    stiffness, _, mass = system.given
+def energy_of(given: Sequence, static_force: np.ndarray, displacement: np.ndarray, velocity: np.ndarray) -> Energy:
+    """The energies at states of a system with K, C, M as given."""
+    stiffness, _, mass = given
     return Energy(
         kinetic=_half_square(mass, velocity),
         strain=_half_square(stiffness, displacement),
-        static=-np.tensordot(system.static_force, displacement, 1),
+        static=-np.tensordot(static_force, displacement, 1),
     )
 
 

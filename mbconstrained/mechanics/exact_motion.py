@@ -7,7 +7,6 @@ as they are, and the multipliers are part of the answer.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,34 +16,32 @@ from ..exact.rational.rational_matrix import RationalMatrix, regular
 from ..ground.tolerances import EPS
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.methods.defect import UNIT, Extended, Rounding
-from ..signals.inputs import step
+from ..signals.inputs import ImpulsiveSmooth, step
 from .constraints import right_sides
 from .element_matrix import ElementMatrix
-
-if TYPE_CHECKING:
-    from .motion import Motion
+from .equations import EquationsOfMotion
 
 
-def exact_motion(motion: Motion) -> ExactResponse:
+def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: ImpulsiveSmooth) -> ExactResponse:
     """x of the motion, n rows; its k multipliers are the rows below them."""
-    n, k = motion.system.size, len(motion.system.rows)
-    start = np.hstack([motion.initial, np.zeros((len(motion.initial), k))])
-    force = motion.applied.mapped(np.eye(n + k)[:, :n])
-    values = np.array([row.value for row in motion.system.rows])
+    n, k = system.size, len(system.rows)
+    start = np.hstack([initial, np.zeros((len(initial), k))])
+    force = applied.mapped(np.eye(n + k)[:, :n])
+    values = np.array([row.value for row in system.rows])
     if values.any():
         force = force + step(np.append(np.zeros(n), values))
-    prescribed = right_sides(motion.system.rows)
+    prescribed = right_sides(system.rows)
     if prescribed is not None:
         force = force + prescribed.mapped(np.eye(n + k)[:, n:])
-    return ExactResponse(_regular_form(motion.system), start, sources_of(force), range(n))
+    return ExactResponse(_regular_form(system), start, sources_of(force), range(n))
 
 
-def rounding_of_form(motion: Motion) -> Rounding | None:
+def rounding_of_form(system: EquationsOfMotion, applied: ImpulsiveSmooth) -> Rounding | None:
     """What the constrained form of the motion lost of the masses, springs, dampers and rows, and of the forces.
 
     V^T K was rounded, and so was V: where A V is not zero, constraint forces enter, lambda = G (K x + ... - f) with G A^T = I.
     """
-    system, form = motion.system, motion.system.constrained_form()
+    form = system.constrained_form()
     given, V, A = system.given, form.null_space.astype(Extended), form.rows
     if not len(A) and not any(isinstance(matrix, ElementMatrix) for matrix in given):
         return None
@@ -57,7 +54,7 @@ def rounding_of_form(motion: Motion) -> Rounding | None:
         lost = np.zeros(projected.shape)
         lost[:own] = np.abs(V.T @ whole - projected[:own]) + unit * (np.abs(V.T) @ size) + through @ size
         coefficients.append(lost)
-    load = np.abs(motion.applied.smooth.coefficients).max(axis=1, initial=0.0)
+    load = np.abs(applied.smooth.coefficients).max(axis=1, initial=0.0)
     mixed = ~(((V != 0).sum(axis=0) == 1) & (V.max(axis=0, initial=0.0) == 1.0))
     force = np.zeros(len(V))
     force[:own] = through @ load + mixed * EPS * len(V) * (np.abs(V.T).astype(float) @ load)
@@ -72,13 +69,13 @@ def _extended(matrix: np.ndarray | ElementMatrix) -> tuple[np.ndarray, np.ndarra
     return (B.T * k) @ B, (np.abs(matrix.directions.T) * np.abs(k)) @ np.abs(matrix.directions)
 
 
-def _regular_form(system) -> RationalMatrix:
+def _regular_form(system: EquationsOfMotion) -> RationalMatrix:
     equations = [*(f"motion of {name}" for name in system.names), *(f"constraint {row.name}" for row in system.rows)]
     coordinates = [*system.names, *(f"force of {row.name}" for row in system.rows)]
     return regular(RationalMatrix(_multiplier_form(system)), equations, coordinates)
 
 
-def _multiplier_form(system) -> list[list[list]]:
+def _multiplier_form(system: EquationsOfMotion) -> list[list[list]]:
     """Nested lists of exact numbers, for s^0, s^1, s^2."""
     exact = PolynomialMatrix(system.given).exact_coefficients
     rows = system.constraint_matrix.astype(object)

@@ -13,7 +13,6 @@ from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg
@@ -41,13 +40,11 @@ from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.reduced_equations import NotReducible, Reduction
 from ..response.choose import serving_reduction
 from ..signals.inputs import zero
+from .equations import EquationsOfMotion
 from .modes import Kind, Mode, Modes
 
-if TYPE_CHECKING:
-    from .system import MechanicalSystem
 
-
-def modes_of(system: MechanicalSystem) -> Modes:
+def modes_of(system: EquationsOfMotion) -> Modes:
     """The modes of the constrained form: by the reduced equations, which motions share, else by the Jordan pairs."""
     A = system.position_form().polynomial_matrix
     with short_work(2 * system.size):
@@ -322,7 +319,7 @@ class Conservation:
     lossless: bool
 
 
-def conservation_of(system: MechanicalSystem, definite: bool = False) -> Conservation:
+def conservation_of(system: EquationsOfMotion, definite: bool = False) -> Conservation:
     """Read both off the matrices; constraint rows that do not move change neither."""
     M, C, K = system.mass, system.damping, system.stiffness
     damped = C.any()

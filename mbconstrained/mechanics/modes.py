@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -21,9 +21,7 @@ from ..ground.files import replacing
 from ..linalg.arrays import kept
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .energy import EnergyParts, EnergyShares
-
-if TYPE_CHECKING:
-    from .system import MechanicalSystem
+from .equations import EquationsOfMotion
 
 Kind = Literal["oscillation", "decay", "growth", "rigid body", "drift", "offset"]
 
@@ -49,7 +47,7 @@ class Mode:
     eigenvalue: complex
     multiplicity: int
     shapes: np.ndarray = field(repr=False)
-    system: MechanicalSystem | None = field(default=None, repr=False, compare=False)
+    system: EquationsOfMotion | None = field(default=None, repr=False, compare=False)
 
     @property
     def energy_parts(self) -> EnergyParts | None:
@@ -116,7 +114,7 @@ class Modes(Presented, Sequence):
     modes: tuple[Mode, ...]
     names: tuple[str, ...]
     polynomial_matrix: PolynomialMatrix | None = field(default=None, repr=False, kw_only=True)
-    system: MechanicalSystem | None = field(default=None, repr=False, compare=False, kw_only=True)
+    system: EquationsOfMotion | None = field(default=None, repr=False, compare=False, kw_only=True)
 
     def __len__(self) -> int:
         return len(self.modes)

@@ -27,15 +27,15 @@ from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .channels import reference
 from .energy import Energy, energy_of
+from .equations import EquationsOfMotion
 from .reaction import reaction_function, reaction_impulses
-from .vibration.questions import MotionQuestions
 
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
     from ..exact.enclosure.intervals import Enclosure
     from ..response.methods.defect import Rounding
     from .constraints import ConstraintRow
-    from .system import MechanicalSystem
+    from .vibration.peaks import Peaks
 
 Quantity = Literal["displacement", "velocity", "acceleration", "reaction"]
 
@@ -43,7 +43,7 @@ Quantity = Literal["displacement", "velocity", "acceleration", "reaction"]
 class SystemMotion:
     """The quantities that one motion and several motions of a system have in common; t = 0 means 0+."""
 
-    system: MechanicalSystem
+    system: EquationsOfMotion
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -102,7 +102,9 @@ class SystemMotion:
 
     def energy(self, times) -> Energy:
         """Kinetic, strain and static energy at a time or at times (T,), in J; of S motions of shape (S,) or (S, T)."""
-        return energy_of(self.system, *(np.moveaxis(x, self.coordinate_axis, 0) for x in self._states(times)))
+        return energy_of(
+            self.system.given, self.system.static_force, *(np.moveaxis(x, self.coordinate_axis, 0) for x in self._states(times))
+        )
 
     coordinate_axis = 0
 
@@ -115,14 +117,14 @@ class SystemMotion:
         return self.derivative(order)(times) if order else self(times)  # type: ignore[attr-defined]
 
 
-def _relative_matrix(system: MechanicalSystem, name: str) -> np.ndarray:
+def _relative_matrix(system: EquationsOfMotion, name: str) -> np.ndarray:
     """I - e a: subtracts from x the value a x of a coordinate or of a constraint row, in the coordinates e of its unit."""
     other = reference(system, name)
     return np.eye(system.size) - np.outer([own == other.unit for own in system.units.values()], other.direction)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Motion(MotionQuestions, SystemMotion, Response):
+class Motion(SystemMotion, Response):
     """x(t) of a mechanical system, a ``Response`` of the constrained form; t = 0 means 0+, the time of an event its right limit.
 
     Attributes:
@@ -130,11 +132,11 @@ class Motion(MotionQuestions, SystemMotion, Response):
         applied: all forces f on its n coordinates, its own included.
     """
 
-    system: MechanicalSystem
+    system: EquationsOfMotion
     applied: ImpulsiveSmooth
 
     @classmethod
-    def started(cls, system: MechanicalSystem, start: np.ndarray, applied: ImpulsiveSmooth, rank_tolerance, request: Request):
+    def started(cls, system: EquationsOfMotion, start: np.ndarray, applied: ImpulsiveSmooth, rank_tolerance, request: Request):
         """The motion from values at 0-.
 
         Args:
@@ -242,14 +244,14 @@ class Motion(MotionQuestions, SystemMotion, Response):
     def _rounding(self) -> Rounding | None:
         from .exact_motion import rounding_of_form
 
-        return rounding_of_form(self)
+        return rounding_of_form(self.system, self.applied)
 
     @cached_property
     def exact(self) -> ExactResponse:
         """The exact motion of the system as it was given, n rows, in multiplier form, without a rounded null space."""
         from .exact_motion import exact_motion
 
-        return exact_motion(self)
+        return exact_motion(self.system, self.initial, self.applied)
 
     @cached_property
     def exact_reaction(self) -> ExactResponse:
@@ -276,6 +278,26 @@ class Motion(MotionQuestions, SystemMotion, Response):
         if own is None:
             return self.exact_reaction.enclose(times, digits, order=order)
         return super().enclose(times, digits, order=own + order)
+
+    def peaks(self, end: float, of: str = "displacement", combinations=None, names=None) -> Peaks:
+        """Exact extrema on [0, end] with their times.
+
+        Args:
+            end: in s.
+            of: "displacement", "velocity", "acceleration", "reaction", or "elongation" or "force" of springs and dampers by name.
+            combinations: a matrix (p, r) of what is combined, such as the elongation of a spring.
+            names: of the combinations.
+
+        Returns:
+            ``Peaks``: ``maximum``, ``minimum``, ``largest``, and a table with the times.
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> MechanicalSystem([[1.0]], None, [[4.0]]).solve(velocity=[3.0]).peaks(1.0).maximum.round(12)
+        array([1.5])
+        """
+        from .vibration.peaks import peaks
+
+        return peaks(self, end, of, combinations, names)
 
     def error_estimate(self, times, of: Quantity = "displacement", *, order: int = 0) -> float:
         """Estimate of max |error| / max |value| over the times, of displacement, velocity, acceleration or reaction.
@@ -403,7 +425,7 @@ def _sentences(motion: Motion, event: Event | ImpulsiveLoad) -> Iterator[Notice]
             yield Notice(NoticeKind.IMPULSE, f"{subject} {what} contains {delta} of {size} at {when}")
 
 
-def _kink_text(system: MechanicalSystem, number: int, order: int, size: float) -> str:
+def _kink_text(system: EquationsOfMotion, number: int, order: int, size: float) -> str:
     name, unit = list(system.units.items())[number]
     return f"{STATE_NAMES[order]} of {name} by {size:.6g} {rate_unit(unit, order)}"
 
@@ -446,7 +468,7 @@ def _drift_of_record(motion: Motion, row: ConstraintRow) -> Iterator[Notice]:
     )
 
 
-def _static_offsets(system: MechanicalSystem) -> Iterator[Notice]:
+def _static_offsets(system: EquationsOfMotion) -> Iterator[Notice]:
     loads = [
         f"{name} {load:.6g} {force_unit(unit)}" for (name, unit), load in zip(system.units.items(), system.static_force) if load
     ]

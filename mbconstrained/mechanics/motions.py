@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,10 +13,8 @@ from ..ground.errors import InputError
 from ..response.choose import Request
 from ..response.many import Responses, solve_many
 from ..signals.impulsive import ImpulsiveSmooth
+from .equations import EquationsOfMotion
 from .motion import Motion, SystemMotion
-
-if TYPE_CHECKING:
-    from .system import MechanicalSystem
 
 
 @dataclass(frozen=True, repr=False, eq=False, kw_only=True)
@@ -28,7 +26,7 @@ class Motions(SystemMotion, Responses):
         applied: all forces on its n coordinates, S of them, its own included.
     """
 
-    system: MechanicalSystem
+    system: EquationsOfMotion
     applied: tuple[ImpulsiveSmooth, ...]
 
     coordinate_axis = 1
@@ -52,7 +50,7 @@ class Motions(SystemMotion, Responses):
 
 
 def motions_of(
-    system: MechanicalSystem, displacement, velocity, forces: list[ImpulsiveSmooth], rank_tolerance, request: Request
+    system: EquationsOfMotion, displacement, velocity, forces: list[ImpulsiveSmooth], rank_tolerance, request: Request
 ) -> Motions:
     """The motions from displacements and velocities of shape (S, n), or (n,) for all motions, and from S forces or one."""
     states = [_rows(displacement, "displacement", system), _rows(velocity, "velocity", system)]
@@ -70,7 +68,7 @@ def motions_of(
     return Motions(system=system, applied=tuple(forces) if len(forces) > 1 else tuple(forces) * count, **fields)
 
 
-def _rows(values, what: str, system: MechanicalSystem) -> np.ndarray:
+def _rows(values, what: str, system: EquationsOfMotion) -> np.ndarray:
     """Of shape (S, n), S = 1 where they are common to all."""
     if np.ndim(values) == 2:
         return real_array(values, what, shape=(None, system.size))

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property, reduce
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,9 +23,7 @@ from ..response.events import Event, without_zeros
 from ..response.response import Response
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
-
-if TYPE_CHECKING:
-    from .system import MechanicalSystem
+from .equations import EquationsOfMotion
 
 
 class FunctionSum(BohlFunction):
@@ -69,14 +66,14 @@ class FunctionSum(BohlFunction):
     __rmul__ = __mul__
 
 
-def reaction_function(system: MechanicalSystem, response: Response, applied: ImpulsiveSmooth) -> BohlFunction:
+def reaction_function(system: EquationsOfMotion, response: Response, applied: ImpulsiveSmooth) -> BohlFunction:
     """The regular part of lambda = G (K x + C x' + M x'' - f) for t > 0."""
     G = system.multiplier_map
     inertial = response.function.differential(*(G @ matrix for matrix in (system.stiffness, system.damping, system.mass)))
     return inertial if applied.smooth.is_zero else FunctionSum([inertial, applied.smooth.mapped(-G)])
 
 
-def reaction_impulses(system: MechanicalSystem, response: Response, applied: ImpulsiveSmooth) -> tuple[ImpulsiveLoad, ...]:
+def reaction_impulses(system: EquationsOfMotion, response: Response, applied: ImpulsiveSmooth) -> tuple[ImpulsiveLoad, ...]:
     """The impulses of lambda at t = 0 and later, by ascending time; none at times without one."""
     n, none = system.size, Event(0.0, np.zeros_like(response.jump), ())
     events = {0.0: Event(0.0, response.jump, response.impulses), **{event.time: event for event in response.events}}

@@ -1,46 +1,39 @@
-"""M x'' + C x' + K x = f + A^T lambda with constraint rows A x^(level) = b: what every model becomes and every analysis reads."""
+"""A mechanical system with the answers to all questions about it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from copy import copy
+from collections.abc import Mapping
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-import scipy.sparse
 
-from ..exchange.exported import ExportedSystem
-from ..ground.checks import constant_zeros, counted, is_table, names_of, nearest, real_array, real_number, whole_number
-from ..ground.coordinate_units import coordinate_units
-from ..ground.display import Displayed, TextTable, notice_table
+from ..ground.checks import is_table, whole_number
 from ..ground.errors import InputError
-from ..ground.notices import Notice, NoticeKind
-from ..ground.threads import short_work
-from ..ground.tolerances import noise_of
-from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.choose import Evaluations, Request
-from ..signals.inputs import ImpulsiveSmooth, step, zero
-from .constrained_form import ConstrainedForm, constrained_form, explicit_acceleration
-from .constraints import LEVELS, Constraint, ConstraintRow, IndependentRows, checked_constraints, constraint_rows, independent_rows
-from .element_matrix import DampedSystem, ElementMatrix
-from .energy import EnergyParts, checked_parts, coordinate_parts
+from ..signals.inputs import ImpulsiveSmooth
+from .descriptor_form import system_to_dict, to_state_space
+from .equations import EquationsOfMotion
 from .mode_computation import modes_of
 from .modes import Modes
 from .motion import Motion
 from .vibration.harmonic_equations import frequency_response
-from .vibration.questions import SystemQuestions
 from .vibration.steady_state import steady_state
 
 if TYPE_CHECKING:
-    from .sparse.pencil import ReducedPencil
+    from ..frequency.random.random_response import RandomResponse
+    from .sensitivity.sensitivities import Sensitivities
+    from .vibration.effective_masses import EffectiveMasses
+    from .vibration.peaks import ModalCombination
+    from .vibration.root_locus import RootLocus
+    from .vibration.rotating import Campbell
+    from .vibration.unbalance_response import UnbalanceResponse
 
 #: The number of modes of a system of sparse matrices that are computed where none is given.
 DEFAULT_MODE_COUNT = 50
 
 
-class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem):
+class MechanicalSystem(EquationsOfMotion):
     """M x'' + C x' + K x = f + A^T lambda with the constraint rows A x^(level) = b, in SI units, for t in s.
 
     The matrices are all arrays, or some of them ``scipy.sparse``. Arrays have all their modes, and motions in closed form in all of
@@ -88,175 +81,6 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem)
     >>> bool(np.allclose(modes.natural_frequencies, 2 * np.sin(np.arange(1, 11) * np.pi / 2002), rtol=1e-9)), modes.none_missed
     (True, True)
     """
-
-    def __init__(
-        self,
-        mass,
-        damping=None,
-        stiffness=None,
-        constraints: Sequence[Constraint] = (),
-        names: Sequence[str] | None = None,
-        force=None,
-        static_force=None,
-        units=None,
-        energy_parts: EnergyParts | None = None,
-        uncertainty: Mapping | None = None,
-        gyroscopic=None,
-        circulatory=None,
-    ):
-        self.is_sparse = any(map(scipy.sparse.issparse, (mass, damping, stiffness)))
-        self.mass = self._matrix(mass, "mass", None)
-        self.damping = self._matrix(damping, "damping", self.size)
-        self.stiffness = self._matrix(stiffness, "stiffness", self.size)
-        given = zip((stiffness, damping, mass), (self.stiffness, self.damping, self.mass))
-        self.given = tuple(value if isinstance(value, ElementMatrix) else matrix for value, matrix in given)
-        self.names = names_of(names, self.size, "coordinates", "x")
-        self.units = coordinate_units(units, self.names)
-        self.gyroscopic = None if gyroscopic is None else self._matrix(gyroscopic, "gyroscopic", self.size)
-        self.circulatory = None if circulatory is None else self._matrix(circulatory, "circulatory", self.size)
-        self.constraints = checked_constraints(constraints, self.names)
-        if self.is_sparse:
-            of_arrays = {
-                "energy_parts": energy_parts,
-                "uncertainty": uncertainty,
-                "gyroscopic": gyroscopic,
-                "circulatory": circulatory,
-            }
-            for name in (name for name, value in of_arrays.items() if value is not None):
-                self._refuse_sparse(name)
-            self.pencil: ReducedPencil | None = self._reduced_pencil()
-        else:
-            self.pencil = None
-            self._named_parts = None if energy_parts is None else checked_parts(energy_parts, self.size)
-            self.uncertainty = self._uncertainty(uncertainty or {})
-            self._independent = self._independent_rows()
-        self._forms: dict[tuple[int, ...], ConstrainedForm] = {}
-        self.origin: Any = None
-        varies = isinstance(force, ImpulsiveSmooth)
-        self.excitation = self._signal(force) if varies else None
-        self.static_force = self._vector(static_force, "static_force") + self._vector(None if varies else force, "force")
-        self.static_force.flags.writeable = False
-
-    def with_constraints(self, *constraints: Constraint) -> Self:
-        """The same system with further constraint rows.
-
-        Args:
-            constraints: rows for its n coordinates.
-
-        Returns:
-            A system of the same class.
-
-        Raises:
-            InputError: rows of another length, names in use.
-            ContradictoryConstraints: dependent rows with different values.
-
-        >>> pair = MechanicalSystem(np.diag([1.0, 3.0])).with_constraints(Constraint([1, -1]))
-        >>> pair.acceleration([0, 0], [0, 0], [8.0, 0.0])
-        array([2., 2.])
-        """
-        system = copy(self)
-        system.constraints = (*self.constraints, *checked_constraints(constraints, self.names))
-        system._forms = {}
-        if self.is_sparse:
-            system.pencil = system._reduced_pencil()
-        else:
-            system._independent = system._independent_rows()
-        return system
-
-    def _independent_rows(self) -> IndependentRows:
-        with short_work(2 * self.size):
-            return independent_rows(constraint_rows(self.constraints, self.units), self.size)
-
-    @property
-    def size(self) -> int:
-        """The number n of coordinates."""
-        return self.mass.shape[0]
-
-    @cached_property
-    def energy_parts(self) -> EnergyParts:
-        """M and K as sums of named parts; by default one part per coordinate."""
-        self._refuse_sparse("energy_parts")
-        stiffness, _, mass = self.given
-        return self._named_parts or coordinate_parts(self.names, mass, stiffness)
-
-    @property
-    def force(self) -> ImpulsiveSmooth:
-        """f from t = 0 on: the static force as a step, and the excitation; n rows."""
-        static = step(self.static_force) if self.static_force.any() else zero(self.size)
-        return static if self.excitation is None else static + self.excitation
-
-    @property
-    def rows(self) -> tuple[ConstraintRow, ...]:
-        """The independent constraint rows, strongest level first, in the order of the multipliers."""
-        self._refuse_sparse("rows")
-        return self._independent.rows
-
-    @property
-    def constraint_matrix(self) -> np.ndarray:
-        """A, the coefficients of the independent rows, shape (k, n); of sparse matrices those of all rows, sparse."""
-        return self.pencil.constraints.matrix if self.is_sparse else self._independent.matrix
-
-    @property
-    def multiplier_map(self) -> np.ndarray:
-        """G with G A^T = I, shape (k, n): the multipliers of a constraint force A^T lambda."""
-        self._refuse_sparse("multiplier_map")
-        return self._independent.left_inverse
-
-    @property
-    def notices(self) -> tuple[Notice, ...]:
-        """An unsymmetric mass matrix, and each constraint row that others imply, or that is kept by a narrow margin."""
-        rows = self.pencil.notices if self.is_sparse else self._independent.notices
-        return rows if self.is_sparse else (*self.unsymmetric("mass"), *rows)  # sparse matrices are symmetric
-
-    def unsymmetric(self, name: str) -> Iterator[Notice]:
-        """A notice where M or K differs from its transpose by more than rounding errors."""
-        matrix = getattr(self, name)
-        skew = abs(matrix - matrix.T)
-        if skew.max() > noise_of(abs(matrix).max(), self.size):
-            i, j = np.unravel_index(int(skew.argmax()), skew.shape)
-            entries = f"entry [{i + 1}][{j + 1}] is {matrix[i, j]:g}, entry [{j + 1}][{i + 1}] is {matrix[j, i]:g}"
-            yield Notice(
-                NoticeKind.UNSYMMETRIC, f"the {name} matrix is not symmetric: {entries}; no elastic or inertial force is so"
-            )
-
-    def damping_notices(self, moving: bool | None = None) -> tuple[Notice, ...]:
-        """Which velocity mass-proportional damping acts on, where supports move; by default those with a prescribed motion."""
-        moving = not self.is_sparse and any(row.signal is not None for row in self.rows) if moving is None else moving
-        if self.mass_damping is None or not moving:
-            return ()
-        text = {
-            "absolute": "absolute velocities: it resists the motion of the supports, too; relative = true makes it act on the relative ones",
-            "relative": "velocities relative to the static response to the motion of the supports",
-        }[self.mass_damping]
-        return (Notice(NoticeKind.DAMPING, f"the mass-proportional part of the Rayleigh damping acts on {text}"),)
-
-    def range_notices(self, motion: Motion) -> tuple[Notice, ...]:
-        """A notice on a motion beyond the range in which linear equations represent the model; none of a linear model."""
-        return ()
-
-    def constrained_form(self) -> ConstrainedForm:
-        """[V^T (M s^2 + C s + K); A s^level] with every row at its level.
-
-        Raises:
-            InputError: the matrices are sparse.
-        """
-        self._refuse_sparse("constrained_form")
-        return self._form(*(row.order for row in self.rows))
-
-    def position_form(self) -> ConstrainedForm:
-        """[V^T (M s^2 + C s + K); A], every row at position level: the same motions without the drift."""
-        return self._form(*(0 for _ in self.rows))
-
-    def _form(self, *orders: int) -> ConstrainedForm:
-        """With rows of these derivatives, computed once."""
-        if orders not in self._forms:
-            with short_work(2 * self.size):
-                self._forms[orders] = constrained_form(self.given, self.uncertainty, self._independent, self.names, orders)
-        return self._forms[orders]
-
-    def polynomial_matrix(self) -> PolynomialMatrix:
-        """A(s) of the constrained form, degree 2, size n."""
-        return self.constrained_form().polynomial_matrix
 
     def solve(
         self,
@@ -351,123 +175,226 @@ class MechanicalSystem(ExportedSystem, SystemQuestions, Displayed, DampedSystem)
 
     frequency_response = frequency_response
     steady_state = steady_state
+    to_state_space = to_state_space
+    to_dict = system_to_dict
 
-    def acceleration(self, displacement, velocity, force=None, time: float = 0.0) -> np.ndarray:
-        """x'' at a given state, shape (n,), by the explicit formula of Udwadia and Phohomsiri (``mechanics.constrained_form``).
+    def at_speed(self, speed: float) -> Self:
+        """The rotor at a constant speed W: the system with C + W G and K + W N, whose motion, modes and responses are those at this speed.
 
         Args:
-            displacement, velocity: x and x', shape (n,) or by name. Rows at position and velocity level enter by their
-                derivative, A x'' = 0 where b is constant, also where the state violates them.
-            force: f in addition to the system's own at that time, a constant vector (n,) or by name.
-            time: of the system's own force and prescribed motions (s).
+            speed: W in rad/s.
 
         Returns:
-            Shape (n,), in m/s^2 or rad/s^2.
+            A system without ``gyroscopic`` and ``circulatory`` matrices.
 
         Raises:
-            InputError: the matrices are sparse; shapes that do not match.
-            NotUnique: rank [M; A] < n, masses and constraints alone do not determine the acceleration.
-        """
-        self._refuse_sparse("acceleration")
-        load = -self._resistance(displacement, velocity, force, time)
-        values = np.array([row.right_side(2)(time)[0] for row in self.rows])
-        return explicit_acceleration(self.mass, self._independent, load, values, self.names)
+            InputError: the system has neither.
 
-    def constraint_force(self, displacement, velocity, force=None, time: float = 0.0) -> np.ndarray:
-        """f_c = M x'' + C x' + K x - f = A^T lambda at a given state, shape (n,); arguments as in ``acceleration``.
+        >>> from mbconstrained import MechanicalSystem
+        >>> disc = MechanicalSystem(np.eye(2), stiffness=np.eye(2), gyroscopic=[[0.0, 1.5], [-1.5, 0.0]])
+        >>> disc.at_speed(1.0).modes().natural_frequencies.round(12)  # 2 and 1/2: their product is k / m
+        array([0.5, 2. ])
+        """
+        from .vibration.rotor_equations import at_speed
+
+        return at_speed(self, speed)
+
+    def campbell(self, speeds) -> Campbell:
+        """The eigenvalues over the speed of rotation, each followed through crossings and veerings.
 
         Args:
-            displacement, velocity, force, time: as in ``acceleration``.
+            speeds: W in rad/s, ascending, two or more.
 
         Returns:
-            Shape (n,), in N or N m.
+            A ``Campbell``: ``eigenvalues``, ``natural_frequencies``, ``damping_ratios``, ``whirl``, ``stability_margins``, ...
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> disc = MechanicalSystem(np.eye(2), stiffness=np.eye(2), gyroscopic=[[0.0, 1.5], [-1.5, 0.0]])
+        >>> diagram = disc.campbell([0.0, 1.0])
+        >>> diagram.natural_frequencies.round(12).tolist(), diagram.directions
+        ([[1.0, 1.0], [0.5, 2.0]], ('backward', 'forward'))
         """
-        acceleration = self.acceleration(displacement, velocity, force, time)
-        return self.mass @ acceleration + self._resistance(displacement, velocity, force, time)
+        from .vibration.rotating import campbell
 
-    def _summary(self) -> str:
-        levels = ["position"] * self.constraint_matrix.shape[0] if self.is_sparse else [row.level for row in self.rows]
-        parts = [counted(self.size, "coordinate"), *(["sparse"] if self.is_sparse else [])]
-        parts += [f"{counted(levels.count(level), 'constraint row')} at {level} level" for level in LEVELS if level in levels]
-        return ", ".join(parts)
+        return campbell(self, speeds)
 
-    def _tables(self) -> tuple[TextTable, ...]:
-        rows = () if self.is_sparse else self.rows
-        cells = ((row.name, row.level, row.right_side_text) for row in rows)
-        return TextTable("Constraint rows", ("row", "level", "value"), tuple(cells)), notice_table(self.notices)
+    def critical_speeds(self, order: float = 1.0) -> np.ndarray:
+        """The speeds W at which an eigenvalue has the imaginary part n W, where an excitation of this order is in resonance.
 
-    # the arguments of users as arrays and signals
+        With W = s / (i n) the equations at critical speeds are one polynomial eigenproblem, whatever the speed,
 
-    def _matrix(self, value, what: str, size: int | None):
-        if value is None and size is None:
-            raise InputError("mass: a mechanical system needs a mass matrix (zeros for massless coordinates)")
-        if self.is_sparse:
-            from .sparse.sparse_matrices import square_sparse
+            [(M + G / (i n)) s^2 + (C + N / (i n)) s + K] x = 0.
 
-            return square_sparse(value.matrix if isinstance(value, ElementMatrix) else value, what, size)
-        matrix = np.zeros((size, size)) if value is None else value.matrix if isinstance(value, ElementMatrix) else value
-        matrix = real_array(matrix, what, shape=(size, size))
-        if len(matrix) != matrix.shape[1]:
-            raise InputError(f"{what}: expected a square matrix, found {matrix.shape[0]} x {matrix.shape[1]}")
-        if not len(matrix):
-            raise InputError(f"{what}: found no entries; a mechanical system needs at least one coordinate")
-        matrix.flags.writeable = False
-        return matrix
+        Without damping s = i n W are its imaginary eigenvalues: all critical speeds at once. With damping W is complex, and each
+        is the start of Newton's method on Im s(W) = n W.
 
-    def _reduced_pencil(self) -> ReducedPencil:
-        from .sparse.pencil import reduced_pencil
+        Args:
+            order: n: 1 for unbalance, 2 for a shaft of two stiffnesses, 1/2 for oil whirl.
 
-        return reduced_pencil(self.mass, self.damping, self.stiffness, self.constraints, self.names)
+        Returns:
+            In rad/s, ascending; both directions of whirl, motions of free bodies left out.
 
-    def _refuse_sparse(self, what: str) -> None:
-        if self.is_sparse:
-            raise InputError(
-                f"{what}: not available for sparse matrices, which have their modes of lowest frequency and the motion in them; "
-                "give arrays, as mass.toarray()"
-            )
+        Raises:
+            InputError: an order that is not positive.
 
-    def _start(self, displacement, velocity) -> np.ndarray:
-        """x and x' at 0-, shape (2, n)."""
-        return np.array([self._vector(displacement, "displacement"), self._vector(velocity, "velocity")])
+        >>> from mbconstrained import MechanicalSystem
+        >>> disc = MechanicalSystem(np.eye(2), stiffness=np.eye(2), gyroscopic=[[0.0, 0.75], [-0.75, 0.0]])
+        >>> disc.critical_speeds().round(12)  # 1 / sqrt(1 +- 3/4)
+        array([0.75592895, 2.        ])
+        """
+        from .vibration.rotating import critical_points
 
-    def _resistance(self, displacement, velocity, force, time) -> np.ndarray:
-        """C x' + K x - f."""
-        applied = self.force(real_number(time, "time", minimum=0.0)) + self._vector(force, "force")
-        x, v = self._start(displacement, velocity)
-        return self.damping @ v + self.stiffness @ x - applied
+        return np.array([point.speed for point in critical_points(self, order)])
 
-    def _applied(self, force) -> ImpulsiveSmooth:
-        """The system's own force and another, as a function of time or a constant vector."""
-        if force is None:
-            return self.force
-        return self.force + self._signal(force if isinstance(force, ImpulsiveSmooth) else step(self._vector(force, "force")))
+    def unbalance_response(self, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
+        """The steady states under unbalance over the speed, with their peaks.
 
-    def _signal(self, signal: ImpulsiveSmooth) -> ImpulsiveSmooth:
-        if signal.size != self.size:
-            raise InputError(f"force: it has {signal.size} rows; expected one for each of the {self.size} coordinates")
-        return signal
+            (K(W) + i n W C(W) - n^2 W^2 M) x = W^2 u
 
-    def _vector(self, value, what: str) -> np.ndarray:
-        """A vector (n,) that is given in order or by name."""
-        if value is None:
-            return np.zeros(self.size)
-        if not isinstance(value, Mapping):
-            return real_array(value, what, shape=(self.size,))
-        vector, places = np.zeros(self.size), {name: place for place, name in enumerate(self.names)}
-        for name, number in value.items():
-            if name not in places:
-                raise InputError(f'{what}: there is no coordinate "{name}"{nearest(name, self.names)}')
-            vector[places[name]] = real_number(number, f"{what} of {name}")
-        return vector
+        Args:
+            speeds: W in rad/s, ascending, two or more, at least 0.
+            unbalance: u in kg m, complex, shape (n,) or by name; for an eccentric mass m e in y and -i m e in z. By default that of
+                the model.
+            order: n of the frequency n W of the force.
 
-    def _uncertainty(self, given: Mapping) -> tuple[np.ndarray, ...]:
-        """Of K, C and M."""
-        known, shape = ("stiffness", "damping", "mass"), (self.size, self.size)
-        for name in given:
-            if name not in known:
-                raise InputError(f"uncertainty: found {name!r}{nearest(str(name), known)}; expected {', '.join(known)}")
-        bounds = {name: np.abs(real_array(value, f"uncertainty of the {name}", shape=shape)) for name, value in given.items()}
-        return tuple(bounds.get(name, constant_zeros(shape)) for name in known)
+        Returns:
+            An ``UnbalanceResponse``: ``values``, ``amplitudes``, ``peaks``.
+
+        Raises:
+            InputError: no unbalance, speeds that do not ascend, a speed beyond the table of a bearing.
+
+        >>> from mbconstrained import LumpedModel
+        >>> model = LumpedModel()
+        >>> _ = model.rotor("disc", 2.0), model.bearing("ground", "disc", stiffness=200.0, damping=4.0)
+        >>> _ = model.unbalance("disc", 0.02)
+        >>> peak = model.assemble().unbalance_response([1.0, 20.0]).peaks[0]
+        >>> round(peak.speed, 9), round(peak.amplitude, 9)  # zeta = 0.1: 10 / sqrt(1 - 2 zeta^2), e / (2 zeta sqrt(1 - zeta^2))
+        (10.101525446, 0.050251891)
+        """
+        from .vibration.unbalance_response import unbalance_response
+
+        return unbalance_response(self, speeds, unbalance, order)
+
+    def root_locus(self, parameter, values) -> RootLocus:
+        """The eigenvalues over a parameter, with the break points where two of them coalesce.
+
+        M, C and K depend linearly on the masses, dampers and springs of a model and on the entries of the matrices. At a break
+        point A(s; p) x = 0 and y^H A_s(s; p) x = 0; it is solved for by Newton's method, not found on a grid.
+
+        Args:
+            parameter: a name as of ``sensitivities``, or an ``mb.Parameter``.
+            values: p, ascending, two or more.
+
+        Returns:
+            A ``RootLocus``: ``eigenvalues``, ``break_points``, ``stability_limits``, ``damping_ratios``.
+
+        Raises:
+            InputError: an unknown name, a parameter that constraint rows depend on, sparse matrices.
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> oscillator = MechanicalSystem([[1.0]], [[1.0]], [[4.0]])
+        >>> point = oscillator.root_locus("damping[x1, x1]", [0.0, 3.0, 6.0]).break_points[0]
+        >>> round(point.parameter, 12), point.eigenvalue  # critical damping 2 sqrt(k m), s = -sqrt(k / m)
+        (4.0, (-2+0j))
+        """
+        from .vibration.root_locus import root_locus
+
+        return root_locus(self, parameter, values)
+
+    def modal_combination(self, spectrum, base=None, damping_ratio: float = 0.05, combination: str = "CQC") -> ModalCombination:
+        """Response spectrum analysis of a moving base: participation factors, effective masses, peaks by CQC or SRSS.
+
+        Args:
+            spectrum: a ``ShockResponseSpectrum``, a function of the frequency in Hz, or a table (f, S_a) in Hz and m/s^2.
+            base: names of the constraint rows that move together by one unit; all rows by default.
+            damping_ratio: of all modes.
+            combination: "CQC" or "SRSS".
+
+        Returns:
+            A ``ModalCombination``.
+
+        >>> from mbconstrained import Constraint, MechanicalSystem
+        >>> K = [[100.0, -100.0], [-100.0, 100.0]]
+        >>> tower = MechanicalSystem([[2.0, 0.0], [0.0, 0.0]], None, K, [Constraint([0, 1], names="base")])
+        >>> tower.modal_combination(lambda f: 3.0).effective_masses.round(12)
+        array([2.])
+        """
+        from .vibration.peaks import modal_combination
+
+        return modal_combination(self, spectrum, base, damping_ratio, combination)
+
+    def effective_masses(self, base=None) -> EffectiveMasses:
+        """Effective masses and participation factors of the modes without damping under a moving base.
+
+            Gamma_i = u_i^T M r with u_i^T M u_i = 1,    m_i = Gamma_i^2
+
+        with the static response r to a unit motion of the base (Chopra, Dynamics of Structures, section 13.2).
+
+        Args:
+            base: names of constraint rows, each a direction of its own, all rows by default; or by a name of your own several rows
+                that move together.
+
+        Returns:
+            ``EffectiveMasses``: ``masses``, shape (m, d), and ``totals`` of all modes, shape (d,).
+
+        Raises:
+            InputError: unknown rows, a system without rows.
+
+        >>> from mbconstrained import Constraint, MechanicalSystem
+        >>> K = [[100.0, -100.0], [-100.0, 100.0]]
+        >>> tower = MechanicalSystem([[2.0, 0.0], [0.0, 0.0]], None, K, [Constraint([0, 1], names="base")])
+        >>> tower.effective_masses().masses.round(12)
+        array([[2.]])
+        """
+        from .vibration.effective_masses import effective_masses, loads_of_rows
+
+        return effective_masses(self, *loads_of_rows(self, base))
+
+    def sensitivities(self, parameters=None) -> Sensitivities:
+        """Derivatives of eigenvalues, shapes, motions and responses with respect to parameters, in closed form.
+
+        Of a lumped model the parameters are its elements by name ("mount"), and their other numbers ("mount.rest_length"); of
+        other systems the entries of M, C and K that are not zero ("stiffness[x1, x2]", of a symmetric matrix both of a pair).
+
+        Args:
+            parameters: names, or ``mb.Parameter`` objects with derivatives of their own; all by default.
+
+        Returns:
+            ``Sensitivities``: ``eigenvalues``, ``natural_frequencies``, ``logarithmic``, ``defective``, ``motion(name, ...)``, ...
+
+        Raises:
+            InputError: an unknown name, sparse matrices, modal damping.
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> d = MechanicalSystem([[1.0]], stiffness=[[4.0]]).sensitivities()
+        >>> dict(zip(d.names, d.natural_frequencies[:, 0].round(12).tolist()))  # w = sqrt(k / m)
+        {'stiffness[x1, x1]': 0.25, 'mass[x1, x1]': -1.0}
+        """
+        from .sensitivity.sensitivities import sensitivities
+
+        return sensitivities(self, parameters)
+
+    def random_response(self, excitation: Mapping, outputs=None, quantity: str = "displacement", **options) -> RandomResponse:
+        """The stationary response to random forces and motions of supports, in closed form.
+
+        Args:
+            excitation: spectra (``mb.psd``, ``mb.white_noise``, ...) by the names of coordinates or constraint rows.
+            outputs: names; all coordinates by default.
+            quantity: "displacement", "velocity", "acceleration" or "reaction".
+            options: ``relative_to``, ``modal_damping``, ``loss_factor``, ``coherence``, ``delays``, as of
+                ``mechanics.vibration.random_excitation.random_response``.
+
+        Returns:
+            A ``RandomResponse``.
+
+        >>> from mbconstrained import MechanicalSystem, white_noise
+        >>> system = MechanicalSystem([[1.0]], [[0.5]], [[2.0]])
+        >>> round(system.random_response({"x1": white_noise(4.0)}).covariance.item(), 12)  # G / (4 c k)
+        1.0
+        """
+        from .vibration.random_excitation import random_response
+
+        return random_response(self, excitation, outputs, quantity, **options)
 
 
 MechanicalSystem.base_class = MechanicalSystem

@@ -15,10 +15,10 @@ from ..ground.checks import OF_FUNCTION, counted, nearest, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed, TextTable
 from ..ground.errors import InputError
-from ..mechanics.channels import ElementForce
 from ..mechanics.constraints import Constraint
 from ..mechanics.element_matrix import ElementMatrix
 from ..mechanics.energy import EnergyParts
+from ..mechanics.equations import ElementForce
 from ..mechanics.system import MechanicalSystem
 from ..signals.inputs import ImpulsiveSmooth, zero
 from .element_parameters import element_parameters

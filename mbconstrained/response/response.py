@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -57,10 +56,6 @@ class Response(Exported, Presented):
 
     problem: Problem
     solution: PairSolution | ReducedSolution
-
-    #: Returns the module ``exact.enclosure.exact_response``. ``mbconstrained/__init__.py`` sets it: the exact engine lies above this
-    #: room, which does not import it, and is loaded when the first exact question is asked.
-    exact_engine: ClassVar[Callable[[], ModuleType]]
 
     @classmethod
     def solved(cls, problem: Problem, request: Request = Request()) -> Response:
@@ -316,7 +311,9 @@ class Response(Exported, Presented):
     @cached_property
     def exact(self) -> ExactResponse:
         """The exact solution for the same data, floats taken as the exact numbers that they are: impulses, values at 0+, intervals."""
-        return self.exact_engine().exact_response(self.polynomial_matrix, self.initial, self.force)
+        from ..exact.enclosure.exact_response import exact_response
+
+        return exact_response(self.polynomial_matrix, self.initial, self.force)
 
     def enclose(self, times, digits: int = 15, *, order: int = 0) -> Enclosure:
         """Intervals that are sure to contain x(t), or a derivative of it, for the data taken exactly (``exact.enclosure``).
@@ -345,8 +342,10 @@ class Response(Exported, Presented):
         >>> print(box.lower[0], box.upper[0])
         0.36787944117144232159552 0.36787944117144232159553
         """
-        notices = self.exact_engine().structure_notices(self, self.exact)
-        return self.exact.enclose(times, digits, order=order).with_notices(notices)
+        from ..exact.enclosure.exact_response import structure_notices
+
+        enclosure = self.exact.enclose(times, digits, order=order)
+        return enclosure.with_notices(structure_notices(self.solution.finite_count, self.exact))
 
     @cached_property
     def moved(self) -> tuple[Response, ...]:

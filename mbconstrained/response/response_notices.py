@@ -55,9 +55,12 @@ def remaining_notices(x: Response) -> tuple[Notice, ...]:
             replace(one, text=one.text + evidence, doubtful=False) if one.kind == NoticeKind.RANK else one for one in notices
         )
         ranks = False
-    entry = x.exact_engine().deciding_entry(x.polynomial_matrix) if ranks and not x.unproved else ""
-    if entry:
-        notices = tuple(replace(one, text=f"{one.text}; {entry}") if one.kind == NoticeKind.RANK else one for one in notices)
+    if ranks and not x.unproved:
+        from ..exact.enclosure.exact_response import deciding_entry
+
+        entry = deciding_entry(x.polynomial_matrix)
+        more = f"; {entry}" if entry else ""
+        notices = tuple(replace(one, text=one.text + more) if one.kind == NoticeKind.RANK else one for one in notices)
     return (*notices, *doubts, *_without_digits(x))
 
 

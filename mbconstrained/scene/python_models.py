@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -33,6 +33,7 @@ from .schema.scene_schema import InitialTable, OutputTable, SceneFile, TimeTable
 from .schema.validation import validated
 
 if TYPE_CHECKING:
+    from ..mechanics.equations import EquationsOfMotion
     from ..mechanics.system import MechanicalSystem
     from ..robot.posture import Posture
     from .build.robot_model import RobotScene
@@ -91,7 +92,7 @@ def result_of(
 
 
 def _scene(
-    system: MechanicalSystem | None,
+    system: EquationsOfMotion | None,
     motion: Response | None,
     title: str,
     drawing: Mapping[str, Any] | None,
@@ -103,7 +104,8 @@ def _scene(
     coordinates = Coordinates(tuple(A.coordinates), units)
     initial = motion.initial if motion is not None else np.zeros((A.degree, A.size))
     origin = getattr(system, "origin", None)
-    equations = SolvedEquations(coordinates, A, initial, None, system, origin, _robot_scene(system), response=motion)
+    mechanical = cast("MechanicalSystem | None", system)  # a motion knows it by its equations alone
+    equations = SolvedEquations(coordinates, A, initial, None, mechanical, origin, _robot_scene(system), response=motion)
     coefficients = None if system is not None else list(A.coefficients)
     model = MatricesTable.model_construct(kind="matrices", coefficients=coefficients)
     drawn = validated({} if drawing is None else {"drawing": drawing}, "write_page", _DrawnAnswer).drawing
@@ -119,7 +121,7 @@ class _DrawnAnswer(Table):
     drawing: DrawingTable | None = None
 
 
-def _robot_scene(system: MechanicalSystem | None) -> RobotScene | None:
+def _robot_scene(system: EquationsOfMotion | None) -> RobotScene | None:
     """The robot behind a linearized one, as a scene has it; there is no robot.toml."""
     from .build.robot_file import RobotData
     from .build.robot_model import RobotScene

@@ -20,28 +20,15 @@ import numpy as np
 from ...ground.checks import counted, real_array, whole_number
 from ...ground.display import Displayed
 from ...ground.errors import InputError, SingularPolynomialMatrix, within_float64
+from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.impulsive import ImpulsiveSmooth
 from ..rational.flint_numbers import fraction, polynomial, rational, working_precision
 from ..rational.rational_matrix import RationalMatrix, regular_matrix
 from .exact_sources import ONE, ExactSource, Factor, S, Shape, added, ball, sources_of, vector_of
-from .exact_structure import deciding_entry, structure_notices
 from .fractions import ZERO, Begun, RationalResponse
 from .intervals import Enclosure, bits_of, has_digits
-from .transfer_enclosure import enclosed_transfer
-from .variance_enclosure import covariances_over_time, enclosed_variances
-
-__all__ = [
-    "ExactResponse",
-    "covariances_over_time",
-    "deciding_entry",
-    "enclosed_transfer",
-    "enclosed_variances",
-    "exact_fraction_response",
-    "exact_response",
-    "structure_notices",
-]
 
 #: Bits to begin with, beyond those of the requested digits.
 FIRST_BITS = 40
@@ -54,6 +41,9 @@ MOST_DIGITS = 1000
 
 #: Bits of values that are rounded to float64, relative to the largest row at each time, and those of the first attempt.
 ROUNDED_BITS, FIRST_ROUNDED_BITS = 56, 128
+
+#: In larger matrices no single entry decides, and each costs a determinant.
+MOST_ENTRIES = 64
 
 #: Bits of jumps and impulses.
 EVENT_BITS = 256
@@ -413,3 +403,47 @@ def exact_fraction_response(
     ]
     a = RationalMatrix([[[c]] for c in denominator])
     return ExactResponse(a, np.zeros((len(denominator) - 1, 1)), sources)
+
+
+# Where the exact data have another structure than the numeric answer, and the entry of A(s) on which it depends.
+
+
+def structure_notices(numeric_count: int, exact: ExactResponse) -> tuple[Notice, ...]:
+    """A notice where the exact data have another number of finite zeros than the numeric answer."""
+    exact_count = exact.matrix.determinant.degree()
+    if numeric_count == exact_count:
+        return ()
+    text = (
+        f"the exact data have {counted(exact_count, 'finite zero')} where the answer has {numeric_count}: it treats differences of the "
+        "size of rounding errors as zero; the bounds belong to the exact data, whose motion is a different one"
+    )
+    return (Notice(NoticeKind.RANK, text, doubtful=True),)
+
+
+def deciding_entry(A: PolynomialMatrix) -> str:
+    """The entry of A(s) of which the least relative change makes the highest coefficient of det A(s) vanish.
+
+    det A(s) is of first degree in each entry, so that two determinants give that change exactly.
+
+    >>> deciding_entry(PolynomialMatrix([[[1.0, 0.0], [0.0, 1.0]], [[1.0, 1.0], [1.0, 1.0 + 2**-50]]]))
+    'the entry of A_1 in the equation "equation 1" for x1, 1, decides: less by 8.9e-16 of itself it lowers the rank'
+    """
+    exact = RationalMatrix.of(A)
+    places = np.argwhere(A.coefficients).tolist()
+    if len(places) > MOST_ENTRIES or not exact.determinant:
+        return ""
+    highest, given = exact.determinant.degree(), [matrix.tolist() for matrix in A.exact_coefficients]
+    changes = {}
+    for power, i, j in places:
+        entry, doubled = given[power][i][j], [[[*row] for row in matrix] for matrix in given]
+        doubled[power][i][j] = 2 * entry
+        slope = RationalMatrix(doubled).determinant[highest] - exact.determinant[highest]
+        if slope:
+            changes[power, i, j] = float(-exact.determinant[highest] / slope)
+    if not changes:
+        return ""
+    (power, i, j), change = min(changes.items(), key=lambda item: abs(item[1]))
+    return (
+        f'the entry of A_{power} in the equation "{A.equations[i]}" for {A.coordinates[j]}, {A.coefficients[power, i, j]:.17g}, decides: '
+        f"{'more' if change > 0 else 'less'} by {abs(change):.2g} of itself it lowers the rank"
+    )

@@ -16,7 +16,6 @@ import numpy as np
 from ...ground.checks import evaluation_times, real_array
 from ...ground.errors import InputError
 from ...ground.tolerances import EPS, FORM_ROUNDING, PROVED_ACCURACY
-from ...response.response import Response
 from .spectral_integral import TURN, _Integration
 from .spectral_matrix import INDEFINITE, SpectralMatrix
 from .spectrum_pieces import PowerLaw, Rational
@@ -171,9 +170,9 @@ def covariance_over_time(
     scales = _scales(values)
     doubtful = np.flatnonzero((errors > PROVED_ACCURACY * scales).any(axis=(1, 2)))
     if 0 < len(doubtful) * max(len(model.J), 1) ** 3 <= MOST_PROVED_WORK and transfer.harmonic.imaginary is None:
-        exact = Response.exact_engine().covariances_over_time(
-            transfer.harmonic, spectra, times[doubtful], initial_covariance, terms
-        )
+        from .variance_enclosure import covariances_over_time
+
+        exact = covariances_over_time(transfer.harmonic, spectra, times[doubtful], initial_covariance, terms)
         if exact is not None:
             values[doubtful], errors[doubtful] = exact
             scales = _scales(values)

@@ -14,7 +14,6 @@ from ...ground.display import Displayed, TextTable, notice_table, number_text
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS, FLOAT64_DIGITS, PROVED_ACCURACY, REPORTED_ERROR, TRUST_LIMIT
-from ...response.response import Response
 from ..frequency_response import evaluated
 from ..harmonic import Harmonic
 from . import nonstationary, statistics
@@ -134,8 +133,10 @@ class RandomResponse(Displayed):
             return integral
         harmonic = replace(self.harmonic, power=self.harmonic.power + power // 2, outputs=self.harmonic.outputs[finite])
         names = tuple(self.outputs[i] for i in finite)
+        from .variance_enclosure import enclosed_variances
+
         try:
-            box = Response.exact_engine().enclosed_variances(replace(harmonic, output_names=names), self.spectra, FLOAT64_DIGITS)
+            box = enclosed_variances(replace(harmonic, output_names=names), self.spectra, FLOAT64_DIGITS)
         except InputError:  # delayed or partly coherent noise
             return integral
         scale = (2 * np.pi) ** -power
@@ -316,7 +317,9 @@ class RandomResponse(Displayed):
         >>> print(box.lower[0], box.upper[0])
         0.16666666666666666666666 0.16666666666666666666667
         """
-        return Response.exact_engine().enclosed_variances(self.harmonic, self.spectra, digits)
+        from .variance_enclosure import enclosed_variances
+
+        return enclosed_variances(self.harmonic, self.spectra, digits)
 
     # Statistics.
 

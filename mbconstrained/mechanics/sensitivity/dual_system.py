@@ -13,19 +13,16 @@ covariance. Forces act on the second half of the coordinates.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...signals.impulsive import ImpulsiveSmooth
 from ..constraints import Constraint
+from ..equations import EquationsOfMotion
 from .parameter import Parameter
 
-if TYPE_CHECKING:
-    from ..system import MechanicalSystem
 
-
-def dual_system(system: MechanicalSystem, parameter: Parameter) -> MechanicalSystem:
+def dual_system(system: EquationsOfMotion, parameter: Parameter) -> EquationsOfMotion:
     """The system of the coordinates x, named as before, and dx/dp, named "d(x)/d(p)"."""
     slopes = parameter.matrices(system.size)
     K, C, M = (
@@ -49,7 +46,7 @@ def shifted(force: ImpulsiveSmooth) -> ImpulsiveSmooth:
     return force.mapped(np.eye(2 * force.size)[:, force.size :])
 
 
-def _rows(system: MechanicalSystem, parameter: Parameter) -> list[Constraint]:
+def _rows(system: EquationsOfMotion, parameter: Parameter) -> list[Constraint]:
     slopes, values = parameter.constraint_rows(system)
     zero = np.zeros(system.size)
     derived = derivative_names([row.name for row in system.rows], parameter)

@@ -14,18 +14,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg
 
 from ...exact.splitting import Branch, Splitting, splitting
 from ...ground.tolerances import EPS, REFINEMENT_STEPS, SPLITTING_ROUNDING, noise_of
+from ..equations import EquationsOfMotion
 from ..modes import Mode
 from .parameter import Parameter
-
-if TYPE_CHECKING:
-    from ..system import MechanicalSystem
 
 STAYS = Branch(Fraction(1), 0j)
 
@@ -45,21 +42,21 @@ class MultiplierForm:
     scale: float
 
     @staticmethod
-    def of(system: MechanicalSystem) -> MultiplierForm:
+    def of(system: EquationsOfMotion) -> MultiplierForm:
         """With every row at position level."""
         scale = float(max(np.abs(system.stiffness).max(), np.abs(system.mass).max()))
         rows = scale * system.constraint_matrix
         matrices = np.array([system.stiffness, system.damping, system.mass])
         return MultiplierForm(_bordered_by(matrices, rows), system.size, scale)
 
-    def slope(self, system: MechanicalSystem, parameter: Parameter) -> Slope:
+    def slope(self, system: EquationsOfMotion, parameter: Parameter) -> Slope:
         """The derivatives of the same with respect to a parameter."""
         rows, _ = parameter.constraint_rows(system)
         matrices = _bordered_by(parameter.matrices(system.size), self.scale * rows)
         power, row, column = np.nonzero(matrices)
         return Slope(power, row, column, matrices[power, row, column], len(matrices[0]))
 
-    def vectors(self, system: MechanicalSystem, value: complex, shapes: np.ndarray) -> np.ndarray:
+    def vectors(self, system: EquationsOfMotion, value: complex, shapes: np.ndarray) -> np.ndarray:
         """(u, lambda) of shapes: the forces of the rows are those that the shapes need."""
         if len(self.base[0]) == self.size:
             return shapes
@@ -249,7 +246,7 @@ class ModeDerivatives:
 
 
 def mode_derivatives(
-    system: MechanicalSystem, mode: Mode, form: MultiplierForm, slopes: Sequence[Slope], doubts: Sequence[Slope | None]
+    system: EquationsOfMotion, mode: Mode, form: MultiplierForm, slopes: Sequence[Slope], doubts: Sequence[Slope | None]
 ) -> ModeDerivatives:
     """The derivatives of one mode."""
     count, shapes = mode.multiplicity, mode.shapes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -12,9 +12,7 @@ from ...ground.checks import real_number
 from ...ground.errors import InputError
 from ...ground.tolerances import DIFFERENCE_STEP, EPS
 from ...linalg.division import is_symmetric
-
-if TYPE_CHECKING:
-    from ..system import MechanicalSystem
+from ..constraints import ConstraintRow
 
 MATRICES = ("stiffness", "damping", "mass", "force")
 
@@ -27,6 +25,22 @@ LOWER_WEIGHTS = (3 / 4, -3 / 20, 1 / 60, 0.0)
 #: Factors of the eighth difference, of f(p) and of f(p + i h) + f(p - i h): what is left of a smooth function is noise, which is larger
 #: than the noise of the first derivative by 1 / 0.01 (More and Wild 2011); ten times that, because it is one sample.
 EIGHTH_DIFFERENCE, NOISE_OF_DIFFERENCE = (70.0, -56.0, 28.0, -8.0, 1.0), 0.1
+
+
+class Assembled(Protocol):
+    """The numbers of a system of arrays, in which its parameters are."""
+
+    mass: Any
+    damping: Any
+    stiffness: Any
+    static_force: np.ndarray
+    names: tuple[str, ...]
+
+    @property
+    def size(self) -> int: ...
+
+    @property
+    def rows(self) -> tuple[ConstraintRow, ...]: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +68,7 @@ class Parameter:
     error: Parameter | None = None
 
     @staticmethod
-    def of_function(name: str, value: float, build: Callable[[float], MechanicalSystem], unit: str = "") -> Parameter:
+    def of_function(name: str, value: float, build: Callable[[float], Assembled], unit: str = "") -> Parameter:
         """The derivatives of a function that makes a system, as of a robot whose equilibrium moves with the parameter.
 
         Central differences of order 8 of the matrices: where these are smooth their errors are near 1e-13. Their estimates
@@ -97,7 +111,7 @@ class Parameter:
         """dK/dp, dC/dp, dM/dp as one array, shape (3, n, n)."""
         return np.array([np.zeros((size, size)) + matrix for matrix in (self.stiffness, self.damping, self.mass)])
 
-    def constraint_rows(self, system: MechanicalSystem) -> tuple[np.ndarray, np.ndarray]:
+    def constraint_rows(self, system: Assembled) -> tuple[np.ndarray, np.ndarray]:
         """The derivatives of the independent rows, shape (k, n), and of their values, shape (k,)."""
         zero = (np.zeros(system.size), 0.0)
         rows = [self.rows.get(row.name, zero) for row in system.rows]
@@ -116,7 +130,7 @@ class Parameter:
         return replace(self, damping=self.damping + mass * self.mass + stiffness * self.stiffness, error=error)
 
 
-def _pairs(build: Callable[[float], MechanicalSystem], value: float, step: float, again: int = 2) -> tuple[float, list]:
+def _pairs(build: Callable[[float], Assembled], value: float, step: float, again: int = 2) -> tuple[float, list]:
     """A step with which there is a system at all values, and the parts of those above and below p."""
     try:
         return step, [[_parts(build(value + sign * i * step)) for sign in (1, -1)] for i in range(1, 1 + len(CENTRAL_WEIGHTS))]
@@ -126,7 +140,7 @@ def _pairs(build: Callable[[float], MechanicalSystem], value: float, step: float
         return _pairs(build, value, step / 10, again - 1)
 
 
-def _parts(system: MechanicalSystem) -> dict[str, np.ndarray]:
+def _parts(system: Assembled) -> dict[str, np.ndarray]:
     """All numbers of the equations by name; each row with its value."""
     parts = {"stiffness": system.stiffness, "damping": system.damping, "mass": system.mass, "force": system.static_force}
     return parts | {row.name: np.append(row.coefficients, row.value) for row in system.rows}
@@ -138,7 +152,7 @@ def _of_parts(name: str, value: float, parts: Mapping[str, np.ndarray]) -> Param
     return Parameter(name, value, K, C, M, force, {key: (row[:-1], row[-1]) for key, row in parts.items() if key not in MATRICES})
 
 
-def entry_parameters(system: MechanicalSystem) -> Iterator[Parameter]:
+def entry_parameters(system: Assembled) -> Iterator[Parameter]:
     """The entries of M, C and K that are not zero; of a symmetric matrix both of a pair together."""
     for what in ("stiffness", "damping", "mass"):
         matrix = getattr(system, what)

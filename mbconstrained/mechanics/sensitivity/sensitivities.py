@@ -18,7 +18,10 @@ from ...ground.threads import short_work
 from ...ground.tolerances import EPS, SHOWN_INFLUENCE, noise_of
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import step
+from ..equations import EquationsOfMotion
 from ..modes import Modes
+from ..vibration.harmonic_equations import frequency_response
+from ..vibration.random_excitation import random_response
 from .dual_system import derivative_names, dual_system, shifted
 from .mode_derivatives import Eigenspace, ModeDerivatives, MultiplierForm, mode_derivatives
 from .parameter import Parameter
@@ -26,7 +29,6 @@ from .parameter import Parameter
 if TYPE_CHECKING:
     from ...frequency.frequency_response import FrequencyResponse
     from ..motion import Motion
-    from ..system import MechanicalSystem
 
 #: So many modes have a column in a table, and so many parameters a line.
 MOST_COLUMNS, MOST_LINES = 4, 30
@@ -91,7 +93,7 @@ class Sensitivities(Displayed):
     (('cart', 'mount', 'mount.rest_length'), [-0.5, 0.125, 0.0], [-0.5, 0.5, 0.0])
     """
 
-    system: MechanicalSystem
+    system: EquationsOfMotion
     modes: Modes
     parameters: tuple[Parameter, ...]
 
@@ -292,7 +294,7 @@ class Sensitivities(Displayed):
         parameter = self.parameter(name)
         forces = [_moved(key, self.system, parameter) for key in _names(inputs, self.system.names)]
         _, derived = self._outputs(outputs, parameter, options.get("quantity", ""))
-        return dual_system(self.system, parameter).frequency_response(frequencies_hz, forces, derived, **options)
+        return frequency_response(dual_system(self.system, parameter), frequencies_hz, forces, derived, **options)
 
     def rms(self, name: str, excitation: Mapping, outputs=None, quantity: str = "displacement", **options) -> np.ndarray:
         """The derivatives of RMS values under random excitation, E[x x_p] / RMS, by the same exact integrals.
@@ -312,7 +314,7 @@ class Sensitivities(Displayed):
         parameter = self.parameter(name)
         own, derived = self._outputs(outputs, parameter, quantity)
         moved = {_moved(key, self.system, parameter): spectrum for key, spectrum in excitation.items()}
-        R = dual_system(self.system, parameter).random_response(moved, [*own, *derived], quantity, **options)
+        R = random_response(dual_system(self.system, parameter), moved, [*own, *derived], quantity, **options)
         covariance, count = R.covariance, len(own)
         return covariance[:count, count:].diagonal() / np.sqrt(covariance.diagonal()[:count])
 
@@ -328,7 +330,7 @@ def _names(given, every: Sequence[str]) -> list[str]:
     return list(every) if given is None else [given] if isinstance(given, str) else list(given)
 
 
-def _moved(key, system: MechanicalSystem, parameter: Parameter):
+def _moved(key, system: EquationsOfMotion, parameter: Parameter):
     """An input of the system as one of the system of both: forces act on the second half of the coordinates."""
     if isinstance(key, tuple):
         return tuple(_moved(one, system, parameter) for one in key)
@@ -342,7 +344,7 @@ def _entry(value: float) -> str:
     return f"{value:+.{DECIMALS}f}" if round(value, DECIMALS) else f"{value:+.1e}"
 
 
-def sensitivities(system: MechanicalSystem, parameters=None) -> Sensitivities:
+def sensitivities(system: EquationsOfMotion, parameters=None) -> Sensitivities:
     """The sensitivities to all parameters of a system, or to chosen ones."""
     system._refuse_sparse("sensitivities")
     given = [parameters] if isinstance(parameters, (str, Parameter)) else parameters

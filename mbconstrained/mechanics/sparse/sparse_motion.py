@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse
@@ -18,15 +17,13 @@ from ...ground.tolerances import EPS, NOISE_SAFETY, ROUNDED_FREE, noise_of
 from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import step
+from ..equations import EquationsOfMotion
 from ..motion import SystemMotion
 from ..reaction import FunctionSum
 from .modal_space import Amplitudes, ModeSpace, mode_space
 from .pencil import ReducedPencil
 from .sparse_matrices import times
 from .static_correction import Remainder, StaticCorrection, remainder
-
-if TYPE_CHECKING:
-    from ..system import MechanicalSystem
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -48,7 +45,7 @@ class SparseMotion(SystemMotion, Displayed):
         notices: the size of the rest, jumps of massless coordinates, redundant rows.
     """
 
-    system: MechanicalSystem
+    system: EquationsOfMotion
     applied: ImpulsiveSmooth
     amplitudes: BohlFunction
     shapes: np.ndarray
@@ -143,7 +140,7 @@ class SparseMotion(SystemMotion, Displayed):
         return max(float(unit @ self.left.quadratic.factors(0.0).solve(unit).real), 0.0)
 
 
-def sparse_motion(system: MechanicalSystem, start: np.ndarray, applied: ImpulsiveSmooth, count: int) -> SparseMotion:
+def sparse_motion(system: EquationsOfMotion, start: np.ndarray, applied: ImpulsiveSmooth, count: int) -> SparseMotion:
     """The motion from x(0-), x'(0-) in the rows of start, shape (2, n)."""
     if any(impulse.any() for impulse in applied.impulses) or applied.later:
         raise InputError(

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,11 +25,9 @@ from ...ground.tolerances import EPS
 from ...linalg.accurate_products import accurate_product
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..channels import chosen_by_name
+from ..equations import EquationsOfMotion
 from .sparse_matrices import asymmetry, times
 from .undamped_modes import UndampedModes
-
-if TYPE_CHECKING:
-    from ..system import MechanicalSystem
 
 #: Corrections of a force: its static deflection, that of the inertia of this one, and so on.
 ORDERS = 3
@@ -46,7 +43,7 @@ DEPENDENT = EPS**0.5
 
 
 def sparse_harmonic(
-    system: MechanicalSystem, inputs, outputs, order: int, quantity: str, modal_damping, loss_factor, count: int
+    system: EquationsOfMotion, inputs, outputs, order: int, quantity: str, modal_damping, loss_factor, count: int
 ) -> Harmonic:
     """The reduced equations with the bound."""
     places = {name: i for i, name in enumerate(system.names)}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,9 +12,7 @@ from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError
 from ...ground.tolerances import noise_of
 from ..element_matrix import check_orthogonal, mass_normalized, static_response
-
-if TYPE_CHECKING:
-    from ..system import MechanicalSystem
+from ..equations import EquationsOfMotion
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -73,7 +70,7 @@ class EffectiveMasses(Displayed):
 
 
 def effective_masses(
-    system: MechanicalSystem, directions: Sequence[str], units: Sequence[str], loads: np.ndarray
+    system: EquationsOfMotion, directions: Sequence[str], units: Sequence[str], loads: np.ndarray
 ) -> EffectiveMasses:
     """From the inertial loads h of unit accelerations of the base.
 
@@ -89,7 +86,7 @@ def effective_masses(
     return EffectiveMasses(tuple(directions), tuple(units), w / (2 * np.pi), factors, totals)
 
 
-def loads_of_rows(system: MechanicalSystem, base) -> tuple[tuple[str, ...], list[str], np.ndarray]:
+def loads_of_rows(system: EquationsOfMotion, base) -> tuple[tuple[str, ...], list[str], np.ndarray]:
     """The inertial loads M r of unit motions r of rows."""
     rows = [row.name for row in system.rows]
     names = rows if base is None else base if isinstance(base, Iterable) and not isinstance(base, str) else [base]

@@ -24,10 +24,10 @@ from ..channels import Channel, channels, chosen_by_name, coordinate_channels, r
 from ..element_matrix import ElementMatrix
 from ..element_matrix import modal_damping as modal_damping_elements
 from ..energy import CoordinatePart
+from ..equations import EquationsOfMotion
 
 if TYPE_CHECKING:
-    from ..channels import ElementForce
-    from ..system import MechanicalSystem
+    from ..equations import ElementForce
 
 
 #: Modes of sparse matrices, where their number is not given.
@@ -64,7 +64,7 @@ QUANTITIES = {
 
 
 def frequency_response(
-    system: MechanicalSystem,
+    system: EquationsOfMotion,
     frequencies_hz="auto",
     inputs: Sequence[str] | str | None = None,
     outputs: Sequence[str] | str | None = None,
@@ -218,13 +218,14 @@ def _unit(output: Channel, input: Channel, quantity: Quantity, levels: Sequence[
 
 
 def saddle_point(
-    system: MechanicalSystem, levels: Sequence[int], modal_damping=None, loss_factor=None
+    system: EquationsOfMotion, levels: Sequence[int], modal_damping=None, loss_factor=None
 ) -> tuple[list[np.ndarray], np.ndarray | None, np.ndarray | None]:
     """K, C, M with the constraint rows, the imaginary part of K, and sizes of terms where damping is computed from modes."""
     n, A, k = system.size, system.constraint_matrix, len(system.rows)
     damping, damping_sizes = system.damping, None
     if modal_damping is not None:
-        parts = modal_damping_elements(system.mass, system.stiffness, A, system.modes(damped=False), modal_damping)
+        modes = system.modes(damped=False)
+        parts = modal_damping_elements(system.mass, system.stiffness, A, modes.natural_frequencies, modes.shapes, modal_damping)
         directions = np.abs(parts.directions)
         damping, damping_sizes = damping + parts.matrix, MODE_ROUNDING * (directions.T * np.abs(parts.constants)) @ directions
     coefficients = [np.pad(matrix, ((0, k), (0, k))) for matrix in (system.stiffness, damping, system.mass)]
@@ -239,7 +240,7 @@ def saddle_point(
     return coefficients, None if H is None else np.pad(H, ((0, k), (0, k))), sizes
 
 
-def structural_damping(system: MechanicalSystem, loss_factor) -> np.ndarray | None:
+def structural_damping(system: EquationsOfMotion, loss_factor) -> np.ndarray | None:
     """H in K + i H, shape (n, n); None without structural damping."""
     if loss_factor is not None and not isinstance(loss_factor, Mapping):
         return real_number(loss_factor, "loss_factor", minimum=0.0) * system.stiffness

@@ -17,11 +17,11 @@ from ...ground.errors import InputError
 from ...ground.tolerances import STEP_AGREEMENT
 from ...signals.bohl import BohlFunction
 from ..element_matrix import mass_normalized
+from ..equations import EquationsOfMotion
 from .effective_masses import EffectiveMasses, effective_masses, loads_of_rows
 
 if TYPE_CHECKING:
     from ..motion import Motion
-    from ..system import MechanicalSystem
 
 #: What the peaks may be of: the displacements and their derivatives, forces of constraint rows, elongations and forces of springs and dampers.
 QUANTITIES = ("displacement", "velocity", "acceleration", "reaction", "elongation", "force")
@@ -196,7 +196,7 @@ class ModalCombination(Displayed):
 
 
 def modal_combination(
-    system: MechanicalSystem,
+    system: EquationsOfMotion,
     spectrum,
     base: Sequence[str] | str | None = None,
     damping_ratio: float = 0.05,

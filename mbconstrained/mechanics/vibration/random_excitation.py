@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,17 +15,15 @@ from ...ground.coordinate_units import force_unit, rate_unit
 from ...ground.errors import InputError
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..channels import Channel, channels, chosen_by_name, coordinate_channels, reference, row_channels
+from ..equations import EquationsOfMotion
 from .harmonic_equations import saddle_point, with_element_forces
-
-if TYPE_CHECKING:
-    from ..system import MechanicalSystem
 
 #: What the outputs may be, and the order of the derivative of the displacements; None of forces.
 QUANTITIES = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": None, "force": None}
 
 
 def random_response(
-    system: MechanicalSystem,
+    system: EquationsOfMotion,
     excitation: Mapping,
     outputs: Sequence[str] | str | None = None,
     quantity: str = "displacement",
@@ -83,7 +80,7 @@ def random_response(
     return RandomResponse(harmonic, spectra)
 
 
-def _element_forces(system: MechanicalSystem, outputs, equations, loss_factor):
+def _element_forces(system: EquationsOfMotion, outputs, equations, loss_factor):
     """Names, units, C and equations of the forces of springs and dampers."""
     known = system.elements
     names = tuple(chosen_by_name("outputs", outputs, {name: name for name in known}, tuple(known)))
@@ -94,7 +91,7 @@ def _element_forces(system: MechanicalSystem, outputs, equations, loss_factor):
     return names, [force_unit(one.unit) for one in elements.values()], np.eye(len(names), size + len(names), size), extended
 
 
-def _inputs(system: MechanicalSystem, spectra: SpectralMatrix) -> tuple[list[Channel], list[int]]:
+def _inputs(system: EquationsOfMotion, spectra: SpectralMatrix) -> tuple[list[Channel], list[int]]:
     """The channels of the random inputs, and the levels of all rows: those of random motions have the level of their spectrum."""
     levels, inputs = [row.order for row in system.rows], []
     for name, spectrum in zip(spectra.names, spectra.spectra):
@@ -107,7 +104,7 @@ def _inputs(system: MechanicalSystem, spectra: SpectralMatrix) -> tuple[list[Cha
     return inputs, levels
 
 
-def _outputs(system: MechanicalSystem, outputs, quantity: str) -> list[Channel]:
+def _outputs(system: EquationsOfMotion, outputs, quantity: str) -> list[Channel]:
     """The channels of the outputs."""
     default = row_channels(system) if quantity == "reaction" else coordinate_channels(system)
     chosen = chosen_by_name("outputs", outputs, channels(system, "outputs"), default)
@@ -118,7 +115,7 @@ def _outputs(system: MechanicalSystem, outputs, quantity: str) -> list[Channel]:
     return chosen
 
 
-def _input(system: MechanicalSystem, name: str, of: str) -> Channel:
+def _input(system: EquationsOfMotion, name: str, of: str) -> Channel:
     """The channel of a random input: a force along a direction, or the motion that a constraint row prescribes."""
     channel = chosen_by_name("excitation", name, channels(system, "inputs"), ())[0]
     if of == "force":

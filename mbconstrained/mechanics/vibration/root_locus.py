@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,10 +15,8 @@ from ...ground.threads import short_work
 from ...ground.tolerances import NEWTON_STEP, noise_of
 from ...polynomial.variation.branches import MatrixFamily, followed
 from ...polynomial.variation.special_points import BreakPoint, break_points, stability_limits
+from ..equations import EquationsOfMotion
 from ..sensitivity.parameter import Parameter
-
-if TYPE_CHECKING:
-    from ..system import MechanicalSystem
 
 #: Parts of the range at which matrices are compared with linear ones, nowhere symmetric.
 INNER = (0.29, 0.53, 0.83)
@@ -68,7 +65,7 @@ class RootLocus(Displayed):
         return (self.table(),)
 
 
-def root_locus(system: MechanicalSystem, parameter: str | Parameter, values) -> RootLocus:
+def root_locus(system: EquationsOfMotion, parameter: str | Parameter, values) -> RootLocus:
     """The root locus of a system over a parameter on which its matrices depend linearly."""
     system._refuse_sparse("root_locus")
     if not isinstance(parameter, Parameter):
@@ -84,7 +81,7 @@ def root_locus(system: MechanicalSystem, parameter: str | Parameter, values) -> 
 
 
 def root_locus_of(
-    name: str, unit: str, values, build: Callable[[float], MechanicalSystem], slope: Callable[[float], Parameter]
+    name: str, unit: str, values, build: Callable[[float], EquationsOfMotion], slope: Callable[[float], Parameter]
 ) -> RootLocus:
     """The root locus of systems that depend on a parameter in any smooth way."""
     values = _ascending(values)
@@ -134,7 +131,7 @@ def _ascending(values) -> np.ndarray:
     return values
 
 
-def _basis(system: MechanicalSystem, parameter: Parameter) -> np.ndarray:
+def _basis(system: EquationsOfMotion, parameter: Parameter) -> np.ndarray:
     """V of coordinates that satisfy the rows, which must not change."""
     if any(row.any() for row, _ in parameter.rows.values()):
         raise InputError(f"{parameter.name}: constraint rows change with it; a root locus needs constant rows")

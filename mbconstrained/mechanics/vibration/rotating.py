@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg
@@ -21,10 +20,8 @@ from ...ground.tolerances import EPS, NEWTON_STEP, noise_of
 from ...polynomial.variation.branches import FamilyPart, followed
 from ...polynomial.variation.special_points import located, stability_limits
 from ...polynomial.variation.spectrum import refined_values
+from ..equations import EquationsOfMotion
 from .rotor_equations import check_rotor, rotor_family, speed_ranges
-
-if TYPE_CHECKING:
-    from ..system import MechanicalSystem
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -67,7 +64,7 @@ class Campbell(Displayed):
         evaluations: at how many speeds eigenvalues were computed, the given ones included.
     """
 
-    system: MechanicalSystem
+    system: EquationsOfMotion
     speeds: np.ndarray
     eigenvalues: np.ndarray
     slopes: np.ndarray = field(repr=False)
@@ -163,7 +160,7 @@ def direction(whirl: float) -> str:
     return "planar" if abs(whirl) <= EPS**0.5 else "forward" if whirl > 0 else "backward"
 
 
-def whirl_of(system: MechanicalSystem, shapes: np.ndarray) -> np.ndarray:
+def whirl_of(system: EquationsOfMotion, shapes: np.ndarray) -> np.ndarray:
     """See ``Campbell.whirl``."""
     form_matrix = system.gyroscopic if system.whirl_matrix is None else system.whirl_matrix
     if form_matrix is None:
@@ -175,7 +172,7 @@ def whirl_of(system: MechanicalSystem, shapes: np.ndarray) -> np.ndarray:
     return np.where(scale > EPS * total, form / np.where(scale > 0, scale, 1.0), 0.0)
 
 
-def campbell(system: MechanicalSystem, speeds) -> Campbell:
+def campbell(system: EquationsOfMotion, speeds) -> Campbell:
     """The eigenvalues over the speed."""
     speeds = real_array(speeds, "speeds", shape=(None,))
     if len(speeds) < 2 or not (np.diff(speeds) > 0).all():
@@ -205,7 +202,7 @@ def campbell(system: MechanicalSystem, speeds) -> Campbell:
 # Critical speeds.
 
 
-def critical_points(system: MechanicalSystem, order: float = 1.0) -> list[CriticalSpeed]:
+def critical_points(system: EquationsOfMotion, order: float = 1.0) -> list[CriticalSpeed]:
     """See ``MechanicalSystem.critical_speeds``; each with its mode, ascending."""
     order = real_number(order, "order", minimum=0.0)
     if not order:
@@ -220,7 +217,7 @@ def critical_points(system: MechanicalSystem, order: float = 1.0) -> list[Critic
     return sorted(points, key=lambda point: point.speed)
 
 
-def _points_within(system: MechanicalSystem, order: float, within: float | None) -> list[CriticalSpeed]:
+def _points_within(system: EquationsOfMotion, order: float, within: float | None) -> list[CriticalSpeed]:
     """The critical speeds of equations that are linear in the speed, those of the interval of a speed."""
     family, V = rotor_family(system, within)
     points = []

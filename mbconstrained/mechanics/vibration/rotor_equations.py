@@ -3,52 +3,24 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass
 from itertools import pairwise, product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from ...ground.checks import real_number
 from ...ground.errors import InputError
+from ..equations import EquationsOfMotion
 from ..sensitivity.parameter import Parameter
 
 if TYPE_CHECKING:
     from ...polynomial.variation.branches import MatrixFamily
-    from ..system import MechanicalSystem
 
 
-@dataclass(frozen=True, eq=False)
-class SpeedTable:
-    """Coefficients of a bearing that change with the speed: what is added to K and C, linear between the speeds.
-
-    Attributes:
-        name: of the bearing.
-        speeds: W in rad/s, ascending, shape (S,).
-        stiffness, damping: shape (S, n, n).
-    """
-
-    name: str
-    speeds: np.ndarray
-    stiffness: np.ndarray
-    damping: np.ndarray
-
-    def _interval(self, speed: float) -> int:
-        return int(np.clip(np.searchsorted(self.speeds, speed, side="right") - 1, 0, len(self.speeds) - 2))
-
-    def slope(self, speed: float) -> np.ndarray:
-        """The derivatives of K and C, at a speed of the table those above it, shape (2, n, n)."""
-        i = self._interval(speed)
-        step = self.speeds[i + 1] - self.speeds[i]
-        return np.array([self.stiffness[i + 1] - self.stiffness[i], self.damping[i + 1] - self.damping[i]]) / step
-
-    def at(self, speed: float) -> np.ndarray:
-        """What is added to K and C, shape (2, n, n); beyond the table its last piece is continued."""
-        i = self._interval(speed)
-        return np.array([self.stiffness[i], self.damping[i]]) + (speed - self.speeds[i]) * self.slope(speed)
+Rotor = TypeVar("Rotor", bound=EquationsOfMotion)
 
 
-def at_speed(system: MechanicalSystem, speed: float) -> MechanicalSystem:
+def at_speed(system: Rotor, speed: float) -> Rotor:
     """The rotor at a constant speed."""
     speed = real_number(speed, "speed")
     check_rotor(system, speed)
@@ -67,7 +39,7 @@ def at_speed(system: MechanicalSystem, speed: float) -> MechanicalSystem:
     return result
 
 
-def check_rotor(system: MechanicalSystem, *speeds: float) -> None:
+def check_rotor(system: EquationsOfMotion, *speeds: float) -> None:
     """A system of arrays that depends on a speed."""
     system._refuse_sparse("rotation")
     if not system.turns:
@@ -91,7 +63,7 @@ def unbalance_of(first: int, second: int, moment: float, angle: float, size: int
     return u
 
 
-def rotor_matrices(system: MechanicalSystem, speed: float) -> np.ndarray:
+def rotor_matrices(system: EquationsOfMotion, speed: float) -> np.ndarray:
     """K, C and M at a speed."""
     zero = np.zeros((system.size,) * 2)
     N, G = (zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic))
@@ -101,7 +73,7 @@ def rotor_matrices(system: MechanicalSystem, speed: float) -> np.ndarray:
     return total
 
 
-def rotor_slopes(system: MechanicalSystem, speed: float) -> np.ndarray:
+def rotor_slopes(system: EquationsOfMotion, speed: float) -> np.ndarray:
     """The derivatives of K, C and M with respect to the speed."""
     zero = np.zeros((system.size,) * 2)
     total = np.array([zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic, None)])
@@ -110,7 +82,7 @@ def rotor_slopes(system: MechanicalSystem, speed: float) -> np.ndarray:
     return total
 
 
-def speed_ranges(system: MechanicalSystem) -> list[tuple[float, float]]:
+def speed_ranges(system: EquationsOfMotion) -> list[tuple[float, float]]:
     """The intervals in which the matrices are linear in the speed: one of all speeds without tables, else those that all tables cover."""
     if not system.speed_tables:
         return [(0.0, np.inf)]
@@ -118,11 +90,11 @@ def speed_ranges(system: MechanicalSystem) -> list[tuple[float, float]]:
     return [(a, b) for a, b in pairwise(_knots(system)) if low <= a and b <= high]
 
 
-def _knots(system: MechanicalSystem) -> np.ndarray:
+def _knots(system: EquationsOfMotion) -> np.ndarray:
     return np.unique([speed for table in system.speed_tables for speed in table.speeds])
 
 
-def rotor_family(system: MechanicalSystem, within: float | None = None) -> tuple[MatrixFamily, np.ndarray]:
+def rotor_family(system: EquationsOfMotion, within: float | None = None) -> tuple[MatrixFamily, np.ndarray]:
     """The equations over the speed, in coordinates that satisfy all constraint rows."""
     from ...polynomial.variation.branches import MatrixFamily
 

@@ -27,11 +27,11 @@ from ...ground.tolerances import SAME_FREQUENCY
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.exact_inputs import ExactInput, ExactRecord, ExactTerm
 from ...signals.impulsive import ImpulsiveSmooth
+from ..equations import EquationsOfMotion
 from .harmonic_equations import saddle_point
 
 if TYPE_CHECKING:
     from ..motion import Motion
-    from ..system import MechanicalSystem
 
 #: Harmonics of a periodic record, where their number is not given.
 HARMONICS = 50
@@ -139,7 +139,7 @@ class SteadyState(Displayed):
 
 
 def steady_state(
-    system: MechanicalSystem,
+    system: EquationsOfMotion,
     force: ImpulsiveSmooth | None = None,
     period: float | None = None,
     harmonics: int = HARMONICS,
@@ -195,7 +195,7 @@ def _repeats(omegas, period: float) -> bool:
     return bool((np.abs(turns - np.rint(turns)) <= SAME_FREQUENCY * np.maximum(turns, 1.0)).all())
 
 
-def _periodic_motion(system: MechanicalSystem, force: ImpulsiveSmooth | None, period: float) -> Motion | None:
+def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, period: float) -> Motion | None:
     """The motion whose values just before the end of a period are those at its start; None where none is determined."""
     n = system.size
     forced = system.solve(force=force)

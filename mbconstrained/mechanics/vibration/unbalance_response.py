@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,11 +21,9 @@ from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError
 from ...ground.threads import short_work
 from ...ground.tolerances import EPS, NEWTON_STEP
+from ..equations import EquationsOfMotion
 from .rotating import CriticalSpeed, critical_points
 from .rotor_equations import check_rotor, rotor_family
-
-if TYPE_CHECKING:
-    from ..system import MechanicalSystem
 
 #: Half bandwidths of a resonance at which peaks are searched, besides the given speeds.
 NEAR_RESONANCE = np.array([-4.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 4.0])
@@ -64,7 +61,7 @@ class UnbalanceResponse(Displayed):
         peaks: of all coordinates between the first and the last speed, by coordinate, ascending.
     """
 
-    system: MechanicalSystem
+    system: EquationsOfMotion
     order: float
     speeds: np.ndarray
     values: np.ndarray
@@ -91,7 +88,7 @@ def peak_table(peaks, title: str = "Peaks of the unbalance response") -> TextTab
     return TextTable(title, ("coordinate", "rad/s", "rev/min", "amplitude"), tuple(rows))
 
 
-def unbalance_response(system: MechanicalSystem, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
+def unbalance_response(system: EquationsOfMotion, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
     """The steady states over the speed."""
     speeds = real_array(speeds, "speeds", shape=(None,))
     order = real_number(order, "order", positive=True)
@@ -105,7 +102,7 @@ def unbalance_response(system: MechanicalSystem, speeds, unbalance=None, order: 
         return UnbalanceResponse(system, order, speeds, values, tuple(_peaks(steady, speeds, critical)))
 
 
-def _unbalance(system: MechanicalSystem, given) -> np.ndarray:
+def _unbalance(system: EquationsOfMotion, given) -> np.ndarray:
     if given is None:
         if system.unbalance is None:
             raise InputError("unbalance: the system has none; give it in kg m, complex, one number for each coordinate or by name")
@@ -130,7 +127,7 @@ class SteadyStates:
         order: n.
     """
 
-    def __init__(self, system: MechanicalSystem, unbalance: np.ndarray, order: float):
+    def __init__(self, system: EquationsOfMotion, unbalance: np.ndarray, order: float):
         self.system, self.order = system, order
         self.family, self.basis = rotor_family(system)
         self.load = self.basis.T @ unbalance

@@ -13,9 +13,10 @@ from ...ground.checks import OF_FUNCTION, nearest, real_number
 from ...ground.errors import InputError
 from ...ground.notices import Notice
 from ...ground.tolerances import NOISE_SAFETY
-from ...mechanics.channels import ElementForce, Side, channels, chosen_by_name
+from ...mechanics.channels import channels, chosen_by_name
 from ...mechanics.constraints import Constraint, Level, checked_level
 from ...mechanics.energy import EnergyParts
+from ...mechanics.equations import ElementForce, Side
 from ...mechanics.system import MechanicalSystem
 from ...mechanics.vibration.effective_masses import EffectiveMasses, effective_masses
 from ...mechanics.vibration.harmonic_equations import frequency_response

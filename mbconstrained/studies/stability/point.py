@@ -150,7 +150,7 @@ def _error(problem: StudyProblem, response: Response, answer: np.ndarray) -> tup
 
     Not known where the answer treats as rounding errors what the exact data contain: they describe another motion.
     """
-    from ...exact.enclosure.exact_structure import structure_notices
+    from ...exact.enclosure.exact_response import structure_notices
 
     if not np.isfinite(answer).all():
         return math.inf, ""
@@ -158,7 +158,7 @@ def _error(problem: StudyProblem, response: Response, answer: np.ndarray) -> tup
         exact = response.exact
     except SingularPolynomialMatrix:
         return math.inf, ""
-    if other := structure_notices(response, exact):
+    if other := structure_notices(response.solution.finite_count, exact):
         return None, other[0].text
     solution = values_of(exact.enclose(problem.times, DIGITS))
     values = fractions_of(answer)

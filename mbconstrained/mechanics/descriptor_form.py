@@ -1,4 +1,4 @@
-"""Descriptor form of a mechanical system, and its matrices by name, for other programs; ``MechanicalSystem`` has both as methods."""
+"""Descriptor form of a mechanical system, and its matrices by name, for other programs."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..control.state_space import StateSpace
 from ..ground.coordinate_units import force_unit, rate_unit
-from ..mechanics.channels import Channel, channels, chosen_by_name, coordinate_channels, row_channels
-from ..mechanics.system import MechanicalSystem
-from .state_space import StateSpace
+from .channels import Channel, channels, chosen_by_name, coordinate_channels, row_channels
+from .equations import EquationsOfMotion
 
 #: What is said of a coordinate, in the names of states and outputs: x, x', x''.
 RATES = ("", " velocity", " acceleration")
 
 
 def to_state_space(
-    system: MechanicalSystem, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
+    system: EquationsOfMotion, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
 ) -> StateSpace:
     """E z' = A z + B u, y = C z + D u with the states z = (x, x', lambda), for analysis, control and other programs.
 
@@ -43,6 +43,7 @@ def to_state_space(
     Raises:
         InputError: an unknown name; the matrices are sparse.
 
+    >>> from mbconstrained import MechanicalSystem
     >>> spring = MechanicalSystem([[2.0]], damping=[[0.4]], stiffness=[[8.0]], names=["cart"])
     >>> space = spring.to_state_space(outputs=["cart", "cart acceleration"])
     >>> space.inputs, space.outputs
@@ -89,7 +90,7 @@ def to_state_space(
     return StateSpace(J, B, C, None, E, states, input_names, output_names, units)
 
 
-def system_to_dict(system: MechanicalSystem) -> dict:
+def system_to_dict(system: EquationsOfMotion) -> dict:
     """The matrices of M x'' + C x' + K x = f + A^T lambda, A x^(level) = b by name, as other programs need them.
 
     Args:
@@ -99,7 +100,7 @@ def system_to_dict(system: MechanicalSystem) -> dict:
         M, C, K, A, static_force and b, with lists: levels of the rows of A, names and units of the coordinates. ``b`` is the constant
         part of the right-hand sides.
 
-    >>> from mbconstrained import Constraint
+    >>> from mbconstrained import Constraint, MechanicalSystem
     >>> pair = MechanicalSystem(np.eye(2), constraints=[Constraint([1, -1], value=0.5)], names=["a", "b"])
     >>> matrices = pair.to_dict()
     >>> matrices["A"].tolist(), matrices["b"].tolist(), matrices["levels"], matrices["names"]
@@ -131,7 +132,7 @@ class _Port(NamedTuple):
         return force_unit(unit) if self.kind in ("force", "reaction") else rate_unit(unit, int(self.kind))
 
 
-def _inputs(system: MechanicalSystem, chosen) -> list[_Port]:
+def _inputs(system: EquationsOfMotion, chosen) -> list[_Port]:
     known: dict[str, _Port | None] = {}
     for name, channel in channels(system, "inputs").items():
         known[name] = port = None if channel is None else _input(system, channel)
@@ -142,13 +143,13 @@ def _inputs(system: MechanicalSystem, chosen) -> list[_Port]:
     return chosen_by_name("inputs", chosen, known, forces)
 
 
-def _input(system: MechanicalSystem, channel: Channel) -> _Port:
+def _input(system: EquationsOfMotion, channel: Channel) -> _Port:
     if channel.row is None:
         return _Port(f"force on {channel.name}", "force", channel)
     return _Port(f"value of {channel.name}", str(system.rows[channel.row].order), channel)
 
 
-def _outputs(system: MechanicalSystem, chosen) -> list[_Port]:
+def _outputs(system: EquationsOfMotion, chosen) -> list[_Port]:
     moving = coordinate_channels(system)
     named = [one for one in channels(system, "outputs").values() if one is not None and one.row is None]
     known: dict[str, _Port | None] = {}
@@ -159,6 +160,6 @@ def _outputs(system: MechanicalSystem, chosen) -> list[_Port]:
     return chosen_by_name("outputs", chosen, known, [_Port(one.name, "0", one) for one in moving])
 
 
-def _state_units(system: MechanicalSystem, rates: int) -> list[str]:
+def _state_units(system: EquationsOfMotion, rates: int) -> list[str]:
     own = [rate_unit(system.units[name], order) for order in range(rates) for name in system.names]
     return own + [force_unit(row.unit) for row in system.rows]

@@ -14,14 +14,14 @@ import itertools
 import flint
 import numpy as np
 
-from ...frequency.harmonic import Harmonic
-from ...frequency.random.spectral_matrix import SpectralMatrix
-from ...frequency.random.spectrum_pieces import PowerLaw, Rational
+from ...exact.enclosure.intervals import Enclosure, bits_of, has_digits
+from ...exact.rational.flint_numbers import enclosed_roots, polynomial, rational, working_precision
+from ...exact.rational.rational_matrix import RationalMatrix
 from ...ground.checks import whole_number
 from ...ground.errors import InputError
-from ..rational.flint_numbers import enclosed_roots, polynomial, rational, working_precision
-from ..rational.rational_matrix import RationalMatrix
-from .intervals import Enclosure, bits_of, has_digits
+from ..harmonic import Harmonic
+from .spectral_matrix import SpectralMatrix
+from .spectrum_pieces import PowerLaw, Rational
 
 #: Working precision in bits beyond the digits, in turn.
 GUARDS = (96, 384, 1536)
