@@ -5,7 +5,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from .control.normal_form.normal_form import NormalForm, mechanical_normal_form
 from .control.state_space import StateSpace
 from .control.state_space_response import StateSpaceResponse
 from .control.transfer.matrix_fraction import matrix_fraction_response
@@ -29,6 +28,7 @@ from .mechanics.element_matrix import ElementMatrix
 from .mechanics.energy import EnergyParts
 from .mechanics.modes import Modes
 from .mechanics.motion import Motion
+from .mechanics.normal_form.normal_form import NormalForm, mechanical_normal_form
 from .mechanics.system import MechanicalSystem
 from .models.lumped import LumpedModel
 from .polynomial.jordan_pairs import FinitePair, InfinitePair, JordanPairs
@@ -90,7 +90,7 @@ _LATE = {
     "Record": "scene.build.record_file",
     "Optimum": "studies.sweep.optimisation",
     "Sweep": "studies.sweep.sweep",
-    "SweepResult": "studies.sweep.sweep_result",
+    "SweepResult": "studies.sweep.sweep_report",
     "linspace": "scene.quantities.variations",
     "read_matrix": "exchange.matrices",
     "read_record": "scene.build.record_file",

@@ -6,18 +6,16 @@ imported to read one, and systems of other packages with these attributes are re
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..ground.checks import counted, nearest, optional_package
 from ..ground.errors import InputError
 from ..linalg.rounding import Noisy
-from .poles_and_zeros import roots_of
+from .poles_and_zeros import roots_of, transfer_of
 from .realization import factored_realization, rational_realization
-
-if TYPE_CHECKING:
-    from .state_space import StateSpace
+from .state_equations import StateEquations
 
 FORMS = ("state space", "transfer function", "zeros poles gain")
 
@@ -81,23 +79,23 @@ def _nested_lists(value):
     return [_nested_lists(entry) for entry in value] if isinstance(value, (list, tuple, np.ndarray)) else value
 
 
-def to_scipy(system: StateSpace, form: str = "state space", output=None, input=None):
+def to_scipy(system: StateEquations, form: str = "state space", output=None, input=None):
     """A ``scipy.signal`` system of one of the ``FORMS``."""
     import scipy.signal  # takes half a second
 
     _check_form(form, FORMS)
     if form == "state space":
-        return scipy.signal.StateSpace(*system.ordinary())
+        return scipy.signal.StateSpace(*ordinary_form(system))
     for key, names, what in ((output, system.outputs, "output"), (input, system.inputs, "input")):
         if key is None and len(names) != 1:
             raise InputError(f"{what}: the system has {len(names)} ({', '.join(names[:6])}); give {what} by name or number")
-    transfer = system.transfer(0 if output is None else output, 0 if input is None else input)
+    transfer = transfer_of(system, 0 if output is None else output, 0 if input is None else input)
     if form == "transfer function":
         return scipy.signal.TransferFunction(transfer.numerator, transfer.denominator)
     return scipy.signal.ZerosPolesGain(roots_of(transfer.zeros), roots_of(transfer.poles), transfer.gain)
 
 
-def to_control(system: StateSpace, form: str = "state space"):
+def to_control(system: StateEquations, form: str = "state space"):
     """A python-control system, with the names of inputs, outputs and, of a state space without descriptor, states."""
     _check_form(form, FORMS[:2])
     if not system.inputs or (form == "transfer function" and not system.outputs):
@@ -108,10 +106,10 @@ def to_control(system: StateSpace, form: str = "state space"):
     control = optional_package("control", "to_control")
     names = {"inputs": list(system.inputs), "outputs": list(system.outputs)}
     if form == "state space":
-        matrices = system.ordinary()
+        matrices = ordinary_form(system)
         kept = len(matrices.A) == len(system.A)
         return control.ss(*matrices, **names, **({"states": list(system.states)} if kept else {}))
-    channels = [[system.transfer(output, input) for input in system.inputs] for output in system.outputs]
+    channels = [[transfer_of(system, output, input) for input in system.inputs] for output in system.outputs]
     numerators, denominators = ([[getattr(t, part) for t in row] for row in channels] for part in ("numerator", "denominator"))
     return control.tf(numerators, denominators, **names)
 
@@ -131,7 +129,7 @@ class OrdinaryForm(NamedTuple):
     D: np.ndarray
 
 
-def ordinary_form(system: StateSpace) -> OrdinaryForm:
+def ordinary_form(system: StateEquations) -> OrdinaryForm:
     """The same transfer functions without E.
 
     Where E is regular the states stay, A becomes E^-1 A. Where it is singular, (s E - A)^-1 = C_F (s I - J)^-1 B_F + H_0 + s H_1
@@ -155,7 +153,7 @@ def ordinary_form(system: StateSpace) -> OrdinaryForm:
     return OrdinaryForm(finite.J, finite.B @ system.B, system.C @ finite.C, system.D + _through(system, 0))
 
 
-def _through(system: StateSpace, order: int) -> np.ndarray:
+def _through(system: StateEquations, order: int) -> np.ndarray:
     """C H_order B, zero where it is rounding."""
     pairs = system.polynomial_matrix().jordan_pairs()
     scaling = pairs.form.companion.scaling

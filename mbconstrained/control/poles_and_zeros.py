@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,11 +17,9 @@ from ..ground.errors import IllConditioned, InputError, SingularPolynomialMatrix
 from ..ground.tolerances import GAIN_AGREEMENT, noise_of
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.structure import FiniteZero
+from .state_equations import StateEquations
 from .transfer.matrix_fraction import scalar_matrix
-
-if TYPE_CHECKING:
-    from .state_space import StateSpace
-    from .transfer.rational import RationalFunction
+from .transfer.rational import RationalFunction
 
 #: G(s) is evaluated for s in this direction, somewhat larger than poles: far from all but strongly unstable ones.
 DIRECTION = 1.7 * np.exp(0.9j)
@@ -71,7 +68,7 @@ def roots_of(zeros: Sequence[FiniteZero]) -> np.ndarray:
     return np.array(roots, dtype=complex)
 
 
-def transfer_of(system: StateSpace, output: int | str = 0, input: int | str = 0) -> Transfer:
+def transfer_of(system: StateEquations, output: int | str = 0, input: int | str = 0) -> Transfer:
     """Zeros, poles and gain from one input to one output."""
     poles = system.polynomial_matrix().jordan_pairs().structure.finite_zeros
     channel = _Channel(system, _place(output, system.outputs, "output"), _place(input, system.inputs, "input"))
@@ -102,7 +99,7 @@ def _place(key, names: Sequence[str], what: str) -> int:
 class _Channel:
     """One input and one output of a state space."""
 
-    system: StateSpace
+    system: StateEquations
     output: int
     input: int
 

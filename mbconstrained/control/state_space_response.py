@@ -20,11 +20,11 @@ from ..response.response import Response
 from ..response.solve import solve
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
+from .state_equations import StateEquations
 
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
     from ..exact.enclosure.intervals import Enclosure
-    from .state_space import StateSpace
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -38,7 +38,7 @@ class StateSpaceResponse(Response):
         input: u, p rows.
     """
 
-    system: StateSpace
+    system: StateEquations
     input: ImpulsiveSmooth
 
     def _summary(self) -> str:

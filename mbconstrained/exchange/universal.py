@@ -13,16 +13,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from ..ground.checks import nearest, optional_package
 from ..ground.errors import InputError
 from ..ground.isolation import damaged, read_isolated
-
-if TYPE_CHECKING:
-    from ..frequency.frequency_response import FrequencyResponse
 
 UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
 
@@ -230,7 +227,29 @@ def write_functions(path: Path, times: np.ndarray, curves, geometry: Geometry, t
     _write(path, datasets)
 
 
-def write_frequency_responses(path: Path, response: FrequencyResponse, geometry: Geometry, title: str, binary: bool = True) -> None:
+class ResponseValues(Protocol):
+    """What a frequency response has to show: names, frequencies in Hz, shape (F,), values and units of each output by input."""
+
+    @property
+    def inputs(self) -> tuple[str, ...]: ...
+
+    @property
+    def outputs(self) -> tuple[str, ...]: ...
+
+    @property
+    def quantity(self) -> str: ...
+
+    @property
+    def frequencies_hz(self) -> np.ndarray: ...
+
+    @property
+    def values(self) -> np.ndarray: ...
+
+    @property
+    def units(self) -> np.ndarray: ...
+
+
+def write_frequency_responses(path: Path, response: ResponseValues, geometry: Geometry, title: str, binary: bool = True) -> None:
     """Write frequency responses as data sets 58 of function type 4, one for each output and input."""
     datasets = [*_headers(title), *geometry.datasets()]
     if len(response.frequencies_hz) < 2:

@@ -10,21 +10,21 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from ..exchange.universal import UNIVERSAL, Geometry, write_frequency_responses
 from ..ground.checks import counted, names_of, optional_package, places_of, real_array, real_number
 from ..ground.display import Displayed, TextTable, notice_table, number_text
 from ..ground.errors import InputError, MbconstrainedError
+from ..ground.files import replacing
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, FLOAT64_DIGITS, LINE_ACCURACY, SUM_SAFETY, TRUST_LIMIT
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .features import Antiresonance, Peak, antiresonances_of, frequencies_by_poles, peaks_of
 from .harmonic import Harmonic
 from .modal_sum import ModalSum, largest_nearby
-from .pole_residue_form import Pole
-from .response_files import write_response
+from .pole_residue_form import PoleOnLine
 
 if TYPE_CHECKING:
     from ..exact.enclosure.intervals import Enclosure
-    from ..exchange.universal import Geometry
 
 #: From so many lines on, the poles and residues of a full A(s) take less time than solutions at all lines.
 SUM_LINES = 320
@@ -34,21 +34,6 @@ MODAL_SIZE = 40
 
 #: Lines at which the sum of the terms is compared with solutions.
 COMPARED = 16
-
-
-@dataclass(frozen=True)
-class PoleOnLine:
-    """A requested frequency at which H has a pole on the imaginary axis.
-
-    Attributes:
-        line: its number.
-        frequency_hz: in Hz.
-        pole: with order and residues; entries of ``values`` are the finite part there, H without the terms of the pole.
-    """
-
-    line: int
-    frequency_hz: float
-    pole: Pole
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -464,3 +449,40 @@ def _selected(chosen, names: Sequence[str], what: str, size: int) -> tuple[np.nd
     matrix = real_array(chosen, f"{what}s", shape=shape)
     rows = matrix.T if what == "input" else matrix
     return rows, names_of(None, len(rows), f"{what}s", what + " ")
+
+
+# Files with the values: CSV, arrays for NumPy, universal files.
+
+
+def arrays_of(response: FrequencyResponse) -> dict[str, np.ndarray]:
+    """Frequencies, values, error estimates, names, units and quantity, by name."""
+    texts = {"outputs": np.array(response.outputs), "inputs": np.array(response.inputs), "units": np.array(response.units)}
+    numbers = {name: getattr(response, name) for name in ("frequencies_hz", "values", "error_estimate")}
+    return {**numbers, **texts, "quantity": np.array(response.quantity)}
+
+
+def csv_text(response: FrequencyResponse) -> str:
+    """Real and imaginary parts with names and units, one line for each frequency."""
+    heads, columns = ["frequency (Hz)"], [response.frequencies_hz]
+    for i, output in enumerate(response.outputs):
+        for j, input in enumerate(response.inputs):
+            for part in ("real", "imag"):
+                heads.append(f"{part} {output}/{input} ({response.units[i, j]})".replace(",", ";").replace("\n", " "))
+                columns.append(getattr(response.values[i, j], part))
+    lines = [",".join(heads), *(",".join(map(repr, row)) for row in np.array(columns).T.tolist())]
+    return "\n".join(lines) + "\n"
+
+
+def write_response(response: FrequencyResponse, path: Path, geometry: Geometry | None = None) -> Path:
+    """Write the values in the format of the ending."""
+    if path.suffix not in (".csv", ".npz", *UNIVERSAL):
+        raise InputError(f'path: found the ending "{path.suffix}"; expected .csv, .npz or .uff')
+    with replacing(path) as temporary:
+        if path.suffix == ".npz":
+            with temporary.open("wb") as file:
+                np.savez(file, allow_pickle=False, **arrays_of(response))
+        elif path.suffix == ".csv":
+            temporary.write_text(csv_text(response), encoding="utf-8")
+        else:
+            write_frequency_responses(temporary, response, geometry or Geometry(), path.stem)
+    return path

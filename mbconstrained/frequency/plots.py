@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
+from ..exchange.universal import ResponseValues
 from ..ground.errors import InputError
-
-if TYPE_CHECKING:
-    from .frequency_response import FrequencyResponse
+from .features import Peak
+from .pole_residue_form import PoleOnLine
 
 KINDS = ("bode", "nyquist", "parts")
 
@@ -44,7 +45,17 @@ class PlotStyle:
         return 20 * np.log10(size) if self.amplitude == "dB" else size
 
 
-def draw(response: FrequencyResponse, kind: str, figure=None, style: PlotStyle = PlotStyle()):
+class PlottedResponse(ResponseValues, Protocol):
+    """A frequency response with what its pictures mark."""
+
+    @property
+    def peaks(self) -> Sequence[Peak]: ...
+
+    @property
+    def poles_on_lines(self) -> Sequence[PoleOnLine]: ...
+
+
+def draw(response: PlottedResponse, kind: str, figure=None, style: PlotStyle = PlotStyle()):
     """The response as a matplotlib figure; lines at poles are left out."""
     if kind not in KINDS:
         raise InputError(f"kind: found {kind!r}; expected one of {', '.join(KINDS)}")
@@ -70,7 +81,7 @@ def draw(response: FrequencyResponse, kind: str, figure=None, style: PlotStyle =
     return figure
 
 
-def _mark_peaks(axes, response: FrequencyResponse, entry: tuple[str, str], ends: tuple[float, float], style: PlotStyle) -> None:
+def _mark_peaks(axes, response: PlottedResponse, entry: tuple[str, str], ends: tuple[float, float], style: PlotStyle) -> None:
     """The highest peaks of a response that are in the picture, each with its frequency."""
     known = [
         p for p in response.peaks if (p.output, p.input) == entry and ends[0] <= p.frequency_hz <= ends[1] and p.frequency_hz > 0

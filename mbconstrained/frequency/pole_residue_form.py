@@ -41,6 +41,21 @@ class Pole:
         return len(self.residues)
 
 
+@dataclass(frozen=True)
+class PoleOnLine:
+    """A requested frequency at which H has a pole on the imaginary axis.
+
+    Attributes:
+        line: its number.
+        frequency_hz: in Hz.
+        pole: with order and residues; entries of ``values`` are the finite part there, H without the terms of the pole.
+    """
+
+    line: int
+    frequency_hz: float
+    pole: Pole
+
+
 @dataclass(frozen=True, eq=False)
 class PoleResidueForm:
     """Poles, residues and polynomial part of s^p C A(s)^-1 B.

@@ -21,7 +21,8 @@ from ..linalg.precise import is_worthwhile
 from ..linalg.rank import null_columns
 from ..linalg.rounding import Noisy
 from ..linalg.scaling import equilibration
-from ..polynomial.polynomial_matrix import Factors, PolynomialMatrix
+from ..polynomial.coefficients import Factors
+from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth, step
 from .constraints import IndependentRows, right_sides
 from .element_matrix import ElementMatrix

@@ -10,7 +10,7 @@ import numpy as np
 from ..ground.checks import counted, real_array
 from ..ground.errors import InputError
 from ..ground.tolerances import noise_of
-from ..polynomial.polynomial_matrix import Factors
+from ..polynomial.coefficients import Factors
 
 
 class ElementMatrix:

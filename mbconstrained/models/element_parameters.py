@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -18,14 +18,24 @@ from ..mechanics.sensitivity.parameter import Parameter
 from .elements import Body, Damper, Element, Link, PrescribedMotion, Tie, TorsionDamper
 from .rigid_bar import with_parts
 
-if TYPE_CHECKING:
-    from .lumped import LumpedModel
-
 #: Numbers of elements on which no equation depends, or none in time, or only that of one speed.
 LEFT_OUT = ("position", "loss_factor", "polar_inertia", "moment", "angle")
 
 
-def element_parameters(model: LumpedModel) -> Iterator[Parameter]:
+class Assembly(Protocol):
+    """A lumped model: its elements on its coordinates, with the part of gravity along them."""
+
+    @property
+    def elements(self) -> Sequence[Element]: ...
+
+    @property
+    def gravity_along(self) -> float: ...
+
+    @property
+    def coordinates(self) -> tuple[str, ...]: ...
+
+
+def element_parameters(model: Assembly) -> Iterator[Parameter]:
     """One parameter for each number of an element: named as a body or link itself, "gear 1.start_radius" for others."""
     for element in model.elements:
         if isinstance(element, PrescribedMotion):
@@ -40,7 +50,7 @@ def element_parameters(model: LumpedModel) -> Iterator[Parameter]:
                 yield _parameter(model, element, field, f"{element.name}.{key}", float(value), key)
 
 
-def _parameter(model: LumpedModel, element: Element, field: str, name: str, value: float, key: str | None = None) -> Parameter:
+def _parameter(model: Assembly, element: Element, field: str, name: str, value: float, key: str | None = None) -> Parameter:
     step = COMPLEX_STEP * (abs(value) or 1.0)
     number: Any = complex(value, step)
     twin = copy(element)
@@ -49,7 +59,7 @@ def _parameter(model: LumpedModel, element: Element, field: str, name: str, valu
 
 
 def complex_parameter(
-    name: str, value: float, elements: Sequence[Element], model: LumpedModel, step: float, unit: str, gravity: complex | None = None
+    name: str, value: float, elements: Sequence[Element], model: Assembly, step: float, unit: str, gravity: complex | None = None
 ) -> Parameter:
     """The derivatives from elements whose numbers are those of p + i h."""
     names = model.coordinates

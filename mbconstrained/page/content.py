@@ -4,24 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ground.checks import real_array
 from ..ground.display import TextTable
 from ..ground.errors import InputError
 from ..ground.notices import Notice
+from .animation.animation import Animation, ascending_times, drawable
 from .plots.axis import Axis, Scale, axis_of
-
-if TYPE_CHECKING:
-    from .animation.animation import Animation
 
 #: Shares of an axis below this are rounding errors.
 LEAST_SHARE = 1e-9
-
-#: Larger numbers cannot be drawn: the arithmetic of axes and of interpolation would overflow.
-LARGEST = 1e290
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,22 +240,3 @@ class PageContent:
     formulas: Formulas | None = None
     figures: tuple[Figure, ...] = ()
     frequencies: TextTable | None = None
-
-
-def drawable(value, what: str, shape: tuple[int | None, ...]) -> np.ndarray:
-    """An array of numbers small enough that their differences are finite."""
-    array = real_array(value, what, shape=shape)
-    if np.abs(array).max(initial=0.0) > LARGEST:
-        raise InputError(f"{what}: found {np.abs(array).max():.3g}, which is too large to draw; give an earlier end")
-    return array
-
-
-def ascending_times(value, what: str) -> np.ndarray:
-    """Times, each after the one before."""
-    times = drawable(value, what, (None,))
-    if len(times) == 0:
-        raise InputError(f"{what}: no times found; give at least one")
-    if (np.diff(times) <= 0).any():
-        place = int(np.argmax(np.diff(times) <= 0))
-        raise InputError(f"{what}: {times[place]:g} s is followed by {times[place + 1]:g} s; times must ascend")
-    return times

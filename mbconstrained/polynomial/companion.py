@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,9 +18,7 @@ from ..linalg.precise import is_precise, magnitude, of_kind, precise, zero_multi
 from ..linalg.rounding import Noisy
 from ..linalg.scaling import Scaling, joint_scaling
 from ..linalg.staircase import SplitPencil, split_regular
-
-if TYPE_CHECKING:
-    from .polynomial_matrix import PolynomialMatrix
+from .coefficients import PolynomialCoefficients
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +91,7 @@ class ScaledCompanion:
         return stack.reshape(-1, *initial.shape[2:])
 
 
-def scaled_companion(A: PolynomialMatrix, rank_tolerance: float | None = None, in_float64: bool = True) -> ScaledCompanion:
+def scaled_companion(A: PolynomialCoefficients, rank_tolerance: float | None = None, in_float64: bool = True) -> ScaledCompanion:
     """The companion pencil of A(s) in units chosen from its entries, in float64 or precise.
 
     Entries given in float64 are known to a unit in the last place, a coefficient given by its factors is known exactly; where
@@ -114,7 +111,7 @@ def scaled_companion(A: PolynomialMatrix, rank_tolerance: float | None = None, i
     return ScaledCompanion(Noisy(scaled, noise), scaling)
 
 
-def multiplicity_at_zero(A: PolynomialMatrix) -> int:
+def multiplicity_at_zero(A: PolynomialCoefficients) -> int:
     """The multiplicity of s = 0 as a zero of det A(s), regular, its entries taken as the exact numbers that they are."""
     *lower, highest = _with_first_power(A.exact_coefficients)
     states, last = len(lower) * A.size, slice((len(lower) - 1) * A.size, None)
@@ -123,7 +120,7 @@ def multiplicity_at_zero(A: PolynomialMatrix) -> int:
     return zero_multiplicity(E, F)
 
 
-def _telling(A: PolynomialMatrix) -> np.ndarray:
+def _telling(A: PolynomialCoefficients) -> np.ndarray:
     """The coefficients, without entries that may be nothing: they have no size to be scaled by.
 
     Those are within their uncertainty, or rounding errors of the largest of their row and of the largest of their column, in one
@@ -139,7 +136,7 @@ def _with_first_power(coefficients: np.ndarray) -> np.ndarray:
     return coefficients if len(coefficients) > 1 else np.concatenate([coefficients, 0 * coefficients])
 
 
-def known_coefficient(A: PolynomialMatrix, power: int) -> Noisy:
+def known_coefficient(A: PolynomialCoefficients, power: int) -> Noisy:
     """A_power with what is uncertain about it: precise and exact where it is given by its factors."""
     factors = A.factors[power]
     known = Noisy.rounded(A.coefficients[power]) if factors is None else Noisy.exact(precise(factors.exact))

@@ -12,7 +12,6 @@ rows without (``polynomial.conserved``), or there are none.
 from __future__ import annotations
 
 from itertools import permutations
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -35,17 +34,15 @@ from ..linalg.division import condition, definite_condition, is_symmetric, solut
 from ..linalg.rounding import Noisy, reduce_in_order
 from ..linalg.scaling import column_units, equilibration
 from ..linalg.symmetric.symmetric_modes import may_be_wide
+from .coefficients import PolynomialCoefficients
 from .conserved import Conserved, Freed, conserved, freed, lowest
 from .reduced_equations import FEW_STATES, NotReducible, Reduction
-
-if TYPE_CHECKING:
-    from .polynomial_matrix import PolynomialMatrix
 
 _SINGULAR_MASS = "the mass matrix of the reduced equations is singular"
 _SINGULAR_STIFFNESS = "the stiffness matrix is near-singular: rank decisions have to settle whether a body is free"
 
 
-def reduction_of(A: PolynomialMatrix, like: Reduction | None = None) -> Reduction | NotReducible:
+def reduction_of(A: PolynomialCoefficients, like: Reduction | None = None) -> Reduction | NotReducible:
     """The reduction of A(s), or the condition that its structure does not meet."""
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is not regular
@@ -54,7 +51,7 @@ def reduction_of(A: PolynomialMatrix, like: Reduction | None = None) -> Reductio
         return NotReducible(str(condition))  # without its traceback, as it is kept
 
 
-def _reduction_of(A: PolynomialMatrix, like: Reduction | None) -> Reduction:
+def _reduction_of(A: PolynomialCoefficients, like: Reduction | None) -> Reduction:
     if not 1 <= A.degree <= 2:
         raise NotReducible(f"A(s) has degree {A.degree}")
     if any(factors is not None for factors in A.factors):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg
@@ -19,13 +18,11 @@ from ..linalg.blocks import block_diagonalize, eigenvalues
 from ..linalg.precise import is_worthwhile, precise_arithmetic
 from ..linalg.rank import RankDecision
 from ..linalg.staircase import GENERIC, SingularPencil
+from .coefficients import PolynomialCoefficients
 from .companion import multiplicity_at_zero, scaled_companion
 from .decoupling import WeierstrassForm, weierstrass_form
 from .structure import FiniteZero, Structure, singular_message
 from .zeros import finite_zeros
-
-if TYPE_CHECKING:
-    from .polynomial_matrix import PolynomialMatrix
 
 #: The least normal number of float64.
 TINY = float(np.finfo(float).tiny)
@@ -90,7 +87,7 @@ class JordanPairs(Displayed):
         rank_tolerance: the requested one, None for the noise of the data.
     """
 
-    polynomial_matrix: PolynomialMatrix
+    polynomial_matrix: PolynomialCoefficients
     form: WeierstrassForm
     rank_tolerance: float | None = None
 
@@ -170,7 +167,7 @@ class JordanPairs(Displayed):
         return pair_evidence(self)
 
 
-def jordan_pairs(A: PolynomialMatrix, rank_tolerance: float | None = None) -> JordanPairs:
+def jordan_pairs(A: PolynomialCoefficients, rank_tolerance: float | None = None) -> JordanPairs:
     """The pairs of A(s); see ``PolynomialMatrix.jordan_pairs``."""
     states = A.size * max(A.degree, 1)
     try:
@@ -181,7 +178,7 @@ def jordan_pairs(A: PolynomialMatrix, rank_tolerance: float | None = None) -> Jo
         raise SingularPolynomialMatrix(message, equations, coordinates) from None
 
 
-def _form_in_enough_digits(A: PolynomialMatrix, rank_tolerance: float | None) -> WeierstrassForm:
+def _form_in_enough_digits(A: PolynomialCoefficients, rank_tolerance: float | None) -> WeierstrassForm:
     """The decoupled pencil, computed in float64 where that is enough."""
     form, is_large = None, A.size * max(A.degree, 1) > PRECISE_STATES
     if is_large or (rank_tolerance != 0 and all(factors is None for factors in A.factors)):
@@ -198,7 +195,7 @@ def _form_in_enough_digits(A: PolynomialMatrix, rank_tolerance: float | None) ->
         return form
 
 
-def _form_as_written(A: PolynomialMatrix, form: WeierstrassForm) -> WeierstrassForm:
+def _form_as_written(A: PolynomialCoefficients, form: WeierstrassForm) -> WeierstrassForm:
     """The decoupled pencil, zeros at s = 0 decided in precise arithmetic; where that takes long or fails, by _form_with_none."""
     if form.companion.state_count > AS_WRITTEN_STATES:
         return _form_with_none(A, form)
@@ -209,12 +206,12 @@ def _form_as_written(A: PolynomialMatrix, form: WeierstrassForm) -> WeierstrassF
         return _form_with_none(A, form)
 
 
-def _form_with_none(A: PolynomialMatrix, form: WeierstrassForm) -> WeierstrassForm:
+def _form_with_none(A: PolynomialCoefficients, form: WeierstrassForm) -> WeierstrassForm:
     """The decoupled pencil in float64, nothing counted as a zero at s = 0."""
     return weierstrass_form(scaled_companion(A), [*form.split.decisions, RankDecision(len(form.T), np.inf, 0.0)])
 
 
-def _form_in_float64(A: PolynomialMatrix, rank_tolerance: float | None, is_final: bool) -> WeierstrassForm | None:
+def _form_in_float64(A: PolynomialCoefficients, rank_tolerance: float | None, is_final: bool) -> WeierstrassForm | None:
     """None where float64 has too few digits for it, and there is another arithmetic to try."""
     try:
         return weierstrass_form(scaled_companion(A, rank_tolerance))

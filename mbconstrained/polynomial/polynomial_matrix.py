@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
-from fractions import Fraction
+from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 from numbers import Number
 
 import numpy as np
 
-from ..ground.checks import constant_zeros, names_of, real_array, real_number
+from ..ground.checks import real_number
 from ..ground.errors import IllConditioned, InputError
 from ..linalg.staircase import SingularPencil
+from .coefficients import PolynomialCoefficients
 from .companion import scaled_companion
 from .direct_reduction import reduction_of
 from .jordan_pairs import JordanPairs, jordan_pairs
@@ -20,7 +20,7 @@ from .reduced_equations import NotReducible, Reduction
 from .structure import Structure
 
 
-class PolynomialMatrix:
+class PolynomialMatrix(PolynomialCoefficients):
     """A(s) = A_0 + A_1 s + ... + A_q s^q, real and square, of any declared degree q >= 0 (Moysis et al., Eq. 4).
 
     Args:
@@ -39,55 +39,11 @@ class PolynomialMatrix:
     (2, 1, [[0.0]])
     """
 
-    def __init__(
-        self,
-        coefficients: Iterable,
-        coordinates: Sequence[str] | None = None,
-        equations: Sequence[str] | None = None,
-        uncertainty=None,
-    ):
-        if not isinstance(coefficients, Iterable):
-            raise InputError(f"coefficients: found {coefficients!r}; expected a list of square matrices [A_0, A_1, ...]")
-        given = [_factors_of(matrix) for matrix in coefficients]
-        self.factors = tuple(matrix if isinstance(matrix, Factors) else None for matrix in given)
-        matrices = [_assembled(matrix, f"A_{power}") for power, matrix in enumerate(given)]
-        if not matrices:
-            raise InputError("a polynomial matrix needs at least one coefficient, A_0; none was given")
-        for power, matrix in enumerate(matrices):
-            if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
-                raise InputError(f"A_{power}: expected a square matrix, found shape {matrix.shape}")
-            if matrix.shape != matrices[0].shape:
-                raise InputError(f"A_{power} has shape {matrix.shape}, but A_0 has {matrices[0].shape}; all must agree")
-        self.coefficients = np.array(matrices)
-        self.coefficients.flags.writeable = False
-        shape = self.coefficients.shape
-        self.uncertainty = (
-            constant_zeros(shape) if uncertainty is None else np.abs(real_array(uncertainty, "uncertainty", shape=shape))
-        )
+    def __init__(self, coefficients, coordinates=None, equations=None, uncertainty=None):
+        super().__init__(coefficients, coordinates, equations, uncertainty)
         self._pairs: dict[float | None, JordanPairs] = {}
         self._like: PolynomialMatrix | None = None
         self._order: np.ndarray | None = None
-        self.coordinates = names_of(coordinates, self.size, "coordinates", "x")
-        self.equations = names_of(equations, self.size, "equations", "equation ")
-
-    @property
-    def exact_coefficients(self) -> np.ndarray:
-        """The coefficients, shape (q + 1, r, r), exact Fractions of those that are given by their factors."""
-        result = self.coefficients.astype(object)
-        for power, factors in enumerate(self.factors):
-            if factors is not None:
-                result[power] = factors.exact
-        return result
-
-    @property
-    def degree(self) -> int:
-        """The declared degree q (the number of coefficients less one)."""
-        return len(self.coefficients) - 1
-
-    @property
-    def size(self) -> int:
-        """The number of rows and columns r."""
-        return self.coefficients.shape[1]
 
     def __call__(self, s: complex) -> np.ndarray:
         """A(s) at a finite number s, real or complex, shape (r, r), by Horner's rule."""
@@ -97,9 +53,6 @@ class PolynomialMatrix:
         for matrix in self.coefficients[::-1]:
             value = value * s + matrix
         return value
-
-    def __repr__(self) -> str:
-        return f"PolynomialMatrix(degree={self.degree}, size={self.size})"
 
     @property
     def dual(self) -> PolynomialMatrix:
@@ -202,76 +155,3 @@ class PolynomialMatrix:
         if rank_tolerance not in self._pairs:
             self._pairs[rank_tolerance] = jordan_pairs(self, rank_tolerance)
         return self._pairs[rank_tolerance]
-
-
-def _factors_of(matrix):
-    """B^T diag(k) B where a coefficient is given by its elements, directions B and constants k; itself otherwise."""
-    if hasattr(matrix, "directions") and hasattr(matrix, "constants"):
-        return Factors(matrix.directions.T, matrix.constants, matrix.directions)
-    return matrix
-
-
-def _assembled(matrix, what: str) -> np.ndarray:
-    if not isinstance(matrix, Factors):
-        return real_array(matrix, what)
-    try:
-        return matrix.matrix
-    except OverflowError:
-        raise InputError(f"{what}: its elements add up to an entry beyond the range of float64; choose other units") from None
-
-
-# A coefficient of A(s) as the sum of its elements, from which it is known to more digits than float64 can hold.
-#
-# A stiffness matrix assembled from springs of very different stiffness has lost the soft ones: 1e16 + 1 is 1e16. Its factors
-# L diag(v) R, such as those of B^T diag(k) B, have not.
-
-
-@dataclass(frozen=True, eq=False)
-class Factors:
-    """The matrix left @ diag(values) @ right, all entries meant as the exact numbers that they are.
-
-    Attributes:
-        left: L, shape (r, m).
-        values: v, shape (m,): stiffnesses, dampings, masses; what is uncertain about the matrix.
-        right: R, shape (m, r).
-
-    >>> stiff = Factors(np.array([[1.0, -1.0], [0.0, 1.0]]), np.array([1.0, 1e16]), np.array([[1.0, 0.0], [-1.0, 1.0]]))
-    >>> float(stiff.matrix[0, 0]), stiff.exact[0, 0]
-    (1e+16, Fraction(10000000000000001, 1))
-    """
-
-    left: np.ndarray
-    values: np.ndarray
-    right: np.ndarray
-
-    @cached_property
-    def _entries(self) -> dict[tuple[int, int], Fraction]:
-        """The entries to which an element contributes, by row and column."""
-        entries: dict[tuple[int, int], Fraction] = {}
-        for column, value, row in zip(self.left.T, self.values, self.right):
-            right = [(j, Fraction(float(row[j]))) for j in np.flatnonzero(row).tolist()]
-            for i in np.flatnonzero(column).tolist():
-                left = Fraction(float(column[i])) * Fraction(float(value))
-                for j, factor in right:
-                    entries[i, j] = entries.get((i, j), 0) + left * factor
-        return entries
-
-    @property
-    def _shape(self) -> tuple[int, int]:
-        return len(self.left), self.right.shape[1]
-
-    @cached_property
-    def exact(self) -> np.ndarray:
-        """The matrix as Fractions, shape (r, r)."""
-        total = np.full(self._shape, Fraction(0), dtype=object)
-        for place, entry in self._entries.items():
-            total[place] = entry
-        return total
-
-    @cached_property
-    def matrix(self) -> np.ndarray:
-        """The nearest float64 matrix, shape (r, r)."""
-        total = np.zeros(self._shape)
-        for place, entry in self._entries.items():
-            total[place] = float(entry)
-        return total

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from numbers import Rational
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,10 +13,8 @@ from ..ground.display import Displayed, TextTable
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, NOISE_SAFETY
 from ..linalg.staircase import GENERIC
+from .coefficients import PolynomialCoefficients
 from .companion import scaled_companion
-
-if TYPE_CHECKING:
-    from .polynomial_matrix import PolynomialMatrix
 
 
 @dataclass(frozen=True)
@@ -106,7 +103,7 @@ class Structure(Displayed):
 # Which equations and coordinates make a polynomial matrix singular.
 
 
-def singular_message(A: PolynomialMatrix) -> tuple[str, tuple[int, ...], tuple[int, ...]]:
+def singular_message(A: PolynomialCoefficients) -> tuple[str, tuple[int, ...], tuple[int, ...]]:
     """A sentence on why det A(s) = 0 for every s, with the indices of the equations and coordinates involved."""
     scaled = scaled_companion(A).coefficients
     involved_rows, involved_columns = np.zeros(A.size, bool), np.zeros(A.size, bool)

@@ -32,8 +32,7 @@ from ..linalg.precise import is_worthwhile
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.reduced_equations import NotReducible, Reduction
 from ..signals.impulsive import ImpulsiveSmooth
-from .flow import Flow
-from .methods.record import FEWEST_KNOTS
+from .flow import FEWEST_KNOTS, Flow
 from .problem import Problem
 
 Evaluations = Literal["once", "many"]

@@ -21,7 +21,7 @@ size of its terms.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -34,9 +34,7 @@ from ..signals.bohl import BohlFunction
 from .methods.defect_response import DefectResponse
 from .methods.proved import ProvedFunction
 from .methods.reduced_solution import FlowFunction
-
-if TYPE_CHECKING:
-    from .response import Response
+from .response_notices import SolvedProblem
 
 #: So many problems with moved data are solved.
 TRIALS = 3
@@ -55,7 +53,7 @@ MOST_PROVED = 64
 LEAST = 8 * EPS
 
 
-def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] = lambda response: response.function) -> float:
+def error_estimate(x: SolvedProblem, times, view: Callable[[Any], BohlFunction] = lambda response: response.function) -> float:
     """Estimate of max |error| / max |y| over the times, at least a few rounding errors; of a small model a proved bound.
 
     It is infinite where the error may be as large as the answer.
@@ -64,7 +62,7 @@ def error_estimate(x: Response, times, view: Callable[[Response], BohlFunction] 
         return _estimate(x, real_array(times, "time"), view)
 
 
-def _estimate(x: Response, times: np.ndarray, view: Callable[[Response], BohlFunction]) -> float:
+def _estimate(x: SolvedProblem, times: np.ndarray, view: Callable[[Any], BohlFunction]) -> float:
     function = view(x)
     values = np.asarray(function(times))
     largest, times = np.abs(values).max(initial=0.0), np.atleast_1d(times)
@@ -117,7 +115,7 @@ def _phase(function: BohlFunction, times: np.ndarray, largest: float) -> float:
     return EPS / 2 * float(np.abs(times * np.asarray(function.derivative()(times)) / largest).max())
 
 
-def _estimate_by_trials(x: Response, times: np.ndarray, values: np.ndarray, largest: float, view) -> float:
+def _estimate_by_trials(x: SolvedProblem, times: np.ndarray, values: np.ndarray, largest: float, view) -> float:
     """Of the values at these times, relative to the largest of all."""
     function = view(x)
     change = max(_largest_change(lambda other=other: view(other)(times) - values, largest) for other in x.moved)

@@ -26,7 +26,9 @@ from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .events import Event
 from .forcing import Driven, units_of_pieces
 from .methods.finite_motion import FinitePart, driven_motion
-from .methods.record import RecordFlow
+
+#: A force that restarts at fewer knots is not worth a table.
+FEWEST_KNOTS = 64
 
 #: The Taylor series serves for |G t| <= EARLY, with so many terms: 2^27/27! is far below EPS. After a start from rest sums of modes
 #: still cancel there, by as many digits as a force begins slowly.
@@ -230,9 +232,9 @@ class Flow:
         return driven_motion(part, self.force, first=self.first_moments)
 
     @cached_property
-    def record(self) -> RecordFlow | None:
-        """The motion gap by gap, where the force restarts often."""
-        return RecordFlow.of(self)
+    def records(self) -> list:
+        """What ``methods.record`` has computed of it."""
+        return []
 
     def propagator(self, step: float) -> Propagator:
         """e^{G h} for a step h; the last one is kept."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -90,7 +90,7 @@ class Response(Exported, Presented):
         Returns:
             A ``Response``.
         """
-        problem = Problem(pairs.polynomial_matrix, initial, force, pairs.rank_tolerance)
+        problem = Problem(cast(PolynomialMatrix, pairs.polynomial_matrix), initial, force, pairs.rank_tolerance)
         with within_float64():
             return Response(problem, PairSolution.of(problem, Method(PAIRS, "by the Jordan pairs, which were given"), pairs))
 

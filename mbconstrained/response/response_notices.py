@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -15,12 +15,11 @@ from ..ground.notices import Notice, NoticeKind, doubts_of
 from ..ground.tolerances import EPS, NOISE_SAFETY, PRECISE_STATES, TRUST_LIMIT, noise_of, rounding_radius
 from ..linalg.blocks import zeros_of
 from ..linalg.exponential.block_exponential import block_states
+from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction
-from ..signals.impulsive import ImpulsiveLoad
+from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .events import Event
-
-if TYPE_CHECKING:
-    from .response import Response
+from .problem import Problem
 
 #: So many jumps and impulses after t = 0 are reported in a sentence each; the others are counted.
 MOST_LATER = 6
@@ -34,13 +33,71 @@ LISTED_SINGULAR_VALUES = 4
 DERIVATIVE_NAMES = ("value", "velocity", "acceleration", "jerk")
 
 
+class SolvedProblem(Protocol):
+    """A solved A(d/dt) x = f, its attributes as of ``Response``."""
+
+    @property
+    def polynomial_matrix(self) -> PolynomialMatrix: ...
+
+    @property
+    def problem(self) -> Problem: ...
+
+    @property
+    def solution(self) -> Any: ...
+
+    @property
+    def initial(self) -> np.ndarray: ...
+
+    @property
+    def start(self) -> np.ndarray: ...
+
+    @property
+    def jump(self) -> np.ndarray: ...
+
+    @property
+    def impulses(self) -> Sequence[np.ndarray]: ...
+
+    @property
+    def events(self) -> Sequence[Event]: ...
+
+    @property
+    def kinks(self) -> Sequence[Event]: ...
+
+    @property
+    def force(self) -> ImpulsiveSmooth: ...
+
+    @property
+    def unproved(self) -> str: ...
+
+    @property
+    def is_proved(self) -> bool: ...
+
+    @property
+    def doubts(self) -> Sequence[Notice]: ...
+
+    @property
+    def moved(self) -> Sequence[Any]: ...
+
+    @property
+    def written(self) -> Any: ...
+
+    @property
+    def decided_otherwise(self) -> Any: ...
+
+    def __call__(self, times) -> np.ndarray: ...
+
+    def derivative(self, order: int = 1) -> BohlFunction: ...
+
+    def estimates_without_trials(self, times: np.ndarray) -> np.ndarray | None: ...
+
+
 @within_float64()
-def response_notices(x: Response) -> tuple[Notice, ...]:
+def response_notices(x: SolvedProblem) -> tuple[Notice, ...]:
     """Jumps, impulses, the notices of the force, growth, doubtful rank decisions and unsatisfied equations of a response."""
     return (*_jumps(x), *_impulses(x), *_later(x), *x.force.notices, *remaining_notices(x))
 
 
-def remaining_notices(x: Response) -> tuple[Notice, ...]:
+def remaining_notices(x: SolvedProblem) -> tuple[Notice, ...]:
     """The notices of the solution that concern the answer: where values are proved by the exact engine no doubt of float64 does.
 
     A rank of a small model that the exact data have not keeps its notice, which names the entry that decides.
@@ -68,7 +125,7 @@ def remaining_notices(x: Response) -> tuple[Notice, ...]:
 ESTIMATED_TIMES = 3
 
 
-def _without_digits(x: Response) -> Iterator[Notice]:
+def _without_digits(x: SolvedProblem) -> Iterator[Notice]:
     """Values of a larger model that no digit of is sure, at some times from the fastest to the slowest motion.
 
     Where only late values are so, those of a motion that rounding errors excite and that grows, it is no doubt of the earlier ones.
@@ -96,7 +153,7 @@ def _without_digits(x: Response) -> Iterator[Notice]:
         )
 
 
-def _change_by_ranks(x: Response) -> float | None:
+def _change_by_ranks(x: SolvedProblem) -> float | None:
     """By how much the values with the other rank decision differ, relative to the largest of each coordinate; None where unknown."""
     other = x.decided_otherwise
     if other is None:
@@ -115,19 +172,19 @@ def pair_notices(pairs) -> tuple[Notice, ...]:
     return (*_growth(pairs), *_rank(pairs), *_digits(pairs), *_residual(pairs))
 
 
-def _jumps(x: Response):
+def _jumps(x: SolvedProblem):
     for order, row in enumerate(x.jump):
         yield from _jump_sentences(x, order, row, x.initial[order], x.start[order], "t = 0")
 
 
-def _jump_sentences(x: Response, order, jump, before, after, when):
+def _jump_sentences(x: SolvedProblem, order, jump, before, after, when):
     names = x.polynomial_matrix.coordinates
     what = derivative_word(order)
     for i in np.flatnonzero(jump):
         yield Notice(NoticeKind.JUMP, f"{names[i]}: its {what} jumps at {when} from {before[i]:.6g} to {after[i]:.6g}")
 
 
-def _impulses(x: Response, impulses=None, when: str = "t = 0"):
+def _impulses(x: SolvedProblem, impulses=None, when: str = "t = 0"):
     names = x.polynomial_matrix.coordinates
     for order, row in enumerate(x.impulses if impulses is None else impulses):
         for i in np.flatnonzero(row):
@@ -135,20 +192,20 @@ def _impulses(x: Response, impulses=None, when: str = "t = 0"):
             yield Notice(NoticeKind.IMPULSE, f"{names[i]}: {delta} at {when} of size {row[i]:.6g}")
 
 
-def _later(x: Response):
+def _later(x: SolvedProblem):
     yield from first_and_count(lambda event: _event_sentences(x, event), without_kinks(x))
     yield from kink_notices(
         x, lambda i, order, size: f"{derivative_word(order)} of {x.polynomial_matrix.coordinates[i]} by {size:.6g}"
     )
 
 
-def without_kinks(x: Response) -> list[Event]:
+def without_kinks(x: SolvedProblem) -> list[Event]:
     """The events after t = 0 that are no kinks of the excitation."""
     kinks = {event.time for event in x.kinks}
     return [event for event in x.events if event.time not in kinks]
 
 
-def kink_notices(x: Response, jump_text: Callable[[int, int, float], str]) -> Iterator[Notice]:
+def kink_notices(x: SolvedProblem, jump_text: Callable[[int, int, float], str]) -> Iterator[Notice]:
     """One sentence on all kinks of the excitation after t = 0, with the largest jump of each rate that follows it."""
     if x.kinks:
         largest = np.abs([event.jump for event in x.kinks]).max(axis=0)
@@ -169,7 +226,7 @@ def derivative_word(order: int) -> str:
     return DERIVATIVE_NAMES[order] if order < len(DERIVATIVE_NAMES) else f"derivative {order}"
 
 
-def _event_sentences(x: Response, event: Event):
+def _event_sentences(x: SolvedProblem, event: Event):
     when = f"t = {event.time:.6g} s"
     for order, row in enumerate(event.jump):
         if row.any():
@@ -177,7 +234,7 @@ def _event_sentences(x: Response, event: Event):
     yield from _impulses(x, event.impulses, when)
 
 
-def sides(x: Response, event: Event, order: int) -> tuple[np.ndarray, np.ndarray]:
+def sides(x: SolvedProblem, event: Event, order: int) -> tuple[np.ndarray, np.ndarray]:
     """x^(order) just before and just after an event; a remainder of a jump within its rounding error is zero."""
     after = x.derivative(order)(event.time)
     before = after - event.jump[order]
@@ -269,7 +326,7 @@ TESTED_TIMES, TESTED_KNOTS = 8, 4
 TESTED_RANGE = float(np.finfo(float).tiny) ** 0.5, float(np.finfo(float).max) ** 0.5
 
 
-def unsatisfied(x: Response) -> Iterator[Notice]:
+def unsatisfied(x: SolvedProblem) -> Iterator[Notice]:
     """The equations A(d/dt) x = f and the values at 0+ that the solution does not satisfy to half of the digits."""
     A = x.polynomial_matrix
     jump = x.solution.jump
@@ -311,7 +368,7 @@ def unsatisfied(x: Response) -> Iterator[Notice]:
         yield Notice(NoticeKind.ACCURACY, f"so are {len(texts) - MOST_UNSATISFIED} others", doubtful=True)
 
 
-def _moved_by_rounding(x: Response, times: np.ndarray) -> list[np.ndarray]:
+def _moved_by_rounding(x: SolvedProblem, times: np.ndarray) -> list[np.ndarray]:
     """By how much x, x', ... differ between solutions of data that rounding errors move, shape (r, T) each; zero without such ones.
 
     Only these are compared with each other: what all of them have lost is not explained by it.

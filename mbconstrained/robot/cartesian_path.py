@@ -20,13 +20,14 @@ from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import JOINT_LIMIT, LOOPS_CLOSED_AS_ROUNDED
 from .connections import Loop, LoopKind
 from .kinematics import Kinematics
-from .posture import Posture, attached_load, guess_with_followers
+from .linearization.linearized import LinearizedRobot, linearized_robot
+from .posture import Posture
+from .posture_search import attached_load, find_posture, guess_with_followers
+from .robot_model import RobotModel
 from .statics.equilibrium import Search, closed
 
 if TYPE_CHECKING:
     from ..mechanics.modes import Modes
-    from .linearization.linearized import LinearizedRobot
-    from .robot import Robot
     from .statics.balance import Load
 
 #: Starts of the search: the guess, then places near it, since an arm that is stretched cannot bend to first order; then as many near the
@@ -70,7 +71,7 @@ class Target:
         place, point, rotation = (tuple(vector.tolist()) for vector in (self.place, self.point, turned))
         return Loop(GROUND, place, self.body, point, kind, rotation1=rotation, name="target")
 
-    def stages(self, robot: Robot, start: np.ndarray) -> list[Target]:
+    def stages(self, robot: RobotModel, start: np.ndarray) -> list[Target]:
         """Targets from where the body is at a start to this one, on a straight line and about one axis."""
         import pinocchio
 
@@ -82,7 +83,7 @@ class Target:
             targets.append(replace(self, place=place + share * (self.place - place), orientation=turned))
         return [*targets, self]
 
-    def reached(self, robot: Robot, load: Load, start: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+    def reached(self, robot: RobotModel, load: Load, start: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
         """The configuration nearest to a start that reaches the target with closed loops."""
         item = robot.link_frames.attached(self.loop, Kinematics(robot.tree, start))
         load = replace(load, loops=(*load.loops, item))
@@ -91,7 +92,7 @@ class Target:
         return best.configuration, left, bool(np.abs(best.scaled_gaps).max() <= LOOPS_CLOSED_AS_ROUNDED)
 
 
-def inverse_kinematics(robot: Robot, goal: Target, guess) -> np.ndarray:
+def inverse_kinematics(robot: RobotModel, goal: Target, guess) -> np.ndarray:
     """The configuration near a guess that reaches a target, within the limits of the joints if the search finds one there."""
     robot.link_frames.check(goal.body, "inverse kinematics")
     start = guess_with_followers(robot, guess)
@@ -113,7 +114,7 @@ def inverse_kinematics(robot: Robot, goal: Target, guess) -> np.ndarray:
     )
 
 
-def _starts(robot: Robot, guess: np.ndarray, lengths: np.ndarray) -> Iterator[np.ndarray]:
+def _starts(robot: RobotModel, guess: np.ndarray, lengths: np.ndarray) -> Iterator[np.ndarray]:
     """The guess and places near it; then the same with all limited joints in the middle of their limits."""
     rng, angles, to_middle = np.random.default_rng(0), robot.tangent.angles(guess), np.zeros(len(lengths))
     for name, limits in robot.limits.items():
@@ -208,7 +209,7 @@ class PathModes(Displayed):
         return self.table, notice_table(self.notices)
 
 
-def modes_along(robot: Robot, goal: Target, places, guess, hold, forces: Mapping) -> PathModes:
+def modes_along(robot: RobotModel, goal: Target, places, guess, hold, forces: Mapping) -> PathModes:
     """The modes along a path, as of ``Robot.modes_along``."""
     places = real_array(places, "places", shape=(None, 3))
     if not len(places):
@@ -219,9 +220,9 @@ def modes_along(robot: Robot, goal: Target, places, guess, hold, forces: Mapping
     for goal in goals:
         configuration, left, arrived = goal.reached(robot, load, q)
         q = configuration if arrived else q
-        postures.append(robot.equilibrium(q, forces, hold) if arrived else None)
+        postures.append(find_posture(robot, q, forces, hold) if arrived else None)
         distances.append(_distance(postures[-1], goal) if arrived else float(np.linalg.norm(left)))
-    systems = [None if posture is None else robot.linearize(posture) for posture in postures]
+    systems = [None if posture is None else linearized_robot(posture) for posture in postures]
     modes = [None if system is None else system.modes(damped=False) for system in systems]
     frequencies, assurance = followed([None if system is None else system.mass for system in systems], modes)
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1))])

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..ground.checks import real_number
 from ..ground.errors import InputError
 from ..ground.tolerances import noise_of
+from ..mechanics.equations import EquationsOfMotion
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.response import Response
 from ..response.solve import solve
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import step
-
-if TYPE_CHECKING:
-    from .linearization.linearized import LinearizedRobot
 
 
 @dataclass(frozen=True)
@@ -120,12 +117,13 @@ class WithoutMotors:
 
     Attributes:
         system: the linearized robot with its motors.
+        flexible_joints: with the places of their links' coordinates.
         names: of the links' coordinates, then of the rows of the loops.
     """
 
-    def __init__(self, system: LinearizedRobot):
-        self.system = system
-        self._links = system.size - len(system.flexible_joints)
+    def __init__(self, system: EquationsOfMotion, flexible_joints: tuple[tuple[int, FlexibleJoint], ...]):
+        self.system, self.flexible_joints = system, flexible_joints
+        self._links = system.size - len(flexible_joints)
         self.names = (*system.names[: self._links], *(row.name for row in system.rows))
 
     @cached_property
@@ -170,7 +168,7 @@ class WithoutMotors:
 
     def _gear(self, link: int) -> tuple[np.ndarray, np.ndarray]:
         """Coefficients of Z and S in ascending powers; 1 and 0 for a joint without a motor."""
-        for motor, (place, joint) in enumerate(self.system.flexible_joints):
+        for motor, (place, joint) in enumerate(self.flexible_joints):
             if place == link:
                 at = self._links + motor
                 Z = [matrix[at, at] for matrix in (self.system.stiffness, self.system.damping, self.system.mass)]
@@ -187,7 +185,7 @@ class WithoutMotors:
         for link in range(n):
             Z, S = self._gear(link)
             maps[: len(Z), link, link] = Z
-            for motor, (place, _) in enumerate(system.flexible_joints):
+            for motor, (place, _) in enumerate(self.flexible_joints):
                 if place == link:
                     maps[: len(S), link, n + motor] = S
         first = total.distribution_derivative()

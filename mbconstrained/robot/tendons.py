@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..ground.errors import InputError
 from .kinematics import Anchor, Kinematics, RelativePose
-from .tangent import joint_displacement
-
-if TYPE_CHECKING:
-    from .robot import Robot
+from .mechanism import LinkFrames
+from .tangent import Tangent, joint_displacement
 
 
 @dataclass(frozen=True)
@@ -49,18 +46,18 @@ class Tendon:
     damping: float = 0.0
     inertia: float = 0.0
 
-    def attached(self, robot: Robot, guess: Kinematics) -> AttachedTendon:
+    def attached(self, tangent: Tangent, frames: LinkFrames, locked: Mapping[str, float], guess: Kinematics) -> AttachedTendon:
         """The tendon of a robot; locked joints and lines within a body have a constant part of the length."""
-        row, offset = np.zeros(robot.model.nv), 0.0
+        row, offset = np.zeros(guess.tree.model.nv), 0.0
         lines: list[tuple[Anchor, Anchor, float]] = []
         for name, coefficient in self.joints.items():
-            if name in robot.locked:
-                offset += coefficient * robot.locked[name]
+            if name in locked:
+                offset += coefficient * locked[name]
             else:
-                row[robot.tangent.place(name, f'tendon "{self.name}"')] = coefficient
+                row[tangent.place(name, f'tendon "{self.name}"')] = coefficient
         for item in self.segments:
             ends = [
-                robot.link_frames.anchor(body, point, (0.0, 0.0, 0.0), f'tendon "{self.name}"')
+                frames.anchor(body, point, (0.0, 0.0, 0.0), f'tendon "{self.name}"')
                 for body, point in ((item.body1, item.point1), (item.body2, item.point2))
             ]
             if ends[0].joint == ends[1].joint:

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from ..mechanics.equations import EquationsOfMotion
     from ..mechanics.system import MechanicalSystem
     from ..robot.posture import Posture
+    from ..robot.robot import Robot
     from .build.robot_model import RobotScene
 
 #: So many periods of the slowest oscillation, or time constants of the slowest decay, are shown where no end is given.
@@ -131,7 +132,7 @@ def _robot_scene(system: EquationsOfMotion | None) -> RobotScene | None:
     posture: Posture | None = getattr(system, "posture", None)
     if posture is None:
         return None
-    robot = posture.robot
+    robot = cast("Robot", posture.robot)
     names = UrdfNames(Path(robot.name), robot.bodies, dict(zip(robot.coordinates, robot.units)), (), ())
     table = RobotFile.model_construct(title=robot.name, urdf=robot.name, base=robot.base)
     linearized: Any = system

@@ -8,15 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..ground.tolerances import EPS
-
-if TYPE_CHECKING:
-    from .bohl import BohlFunction
-    from .impulsive import ImpulsiveLoad
+from .bohl import BohlFunction
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +41,19 @@ class ExactRecord:
 
     times: np.ndarray
     values: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class ImpulsiveLoad:
+    """An impulsive load: the sum over k of impulses[k] delta^(k)(t - time).
+
+    Attributes:
+        time: in s.
+        impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta, in N s^(k+1) for a force in N.
+    """
+
+    time: float
+    impulses: tuple[np.ndarray, ...]
 
 
 @dataclass(frozen=True, eq=False)

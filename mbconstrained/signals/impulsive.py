@@ -11,21 +11,8 @@ from ..ground.checks import counted, real_array, real_number
 from ..ground.errors import InputError
 from ..ground.notices import Notice, distinct
 from .bohl import BohlFunction
-from .exact_inputs import ExactInput, ExactStates
+from .exact_inputs import ExactInput, ExactStates, ImpulsiveLoad
 from .restarts import later_times
-
-
-@dataclass(frozen=True, eq=False)
-class ImpulsiveLoad:
-    """An impulsive load: the sum over k of impulses[k] delta^(k)(t - time).
-
-    Attributes:
-        time: in s.
-        impulses: arrays (r,); the k-th multiplies the k-th derivative of Dirac's delta, in N s^(k+1) for a force in N.
-    """
-
-    time: float
-    impulses: tuple[np.ndarray, ...]
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -20,6 +20,8 @@ from pathlib import Path
 
 import numpy as np
 
+from mbconstrained.mechanics.sparse.undamped_modes import undamped_modes
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 SIZES = (1000, 3000, 10_000, 30_000, 100_000)
@@ -50,7 +52,7 @@ def tasks(n: int) -> dict:
         "undamped": lambda: mb.MechanicalSystem(M, None, K, rows).modes(count=COUNT),
         "arpack": lambda: eigsh(whole, COUNT, inertia, sigma=0.0),
         "damped": lambda: mb.MechanicalSystem(M, C, K, rows).modes(count=COUNT),
-        "motion": lambda: (known.pencil.undamped(COUNT), motion())[1],
+        "motion": lambda: (undamped_modes(known.pencil, COUNT), motion())[1],
     }
 
 

@@ -9,8 +9,9 @@ import mbconstrained.linalg.eigen
 import mbconstrained.polynomial.reduced_equations
 from mbconstrained.linalg.arrays import full
 from mbconstrained.linalg.blocks import block_matrix
+from mbconstrained.polynomial.coefficients import Factors
 from mbconstrained.polynomial.direct_reduction import reduction_of
-from mbconstrained.polynomial.polynomial_matrix import Factors, PolynomialMatrix
+from mbconstrained.polynomial.polynomial_matrix import PolynomialMatrix
 from mbconstrained.polynomial.reduced_equations import NotReducible, Reduction
 
 POINTS = (0.3, 1.7 + 0.4j, -0.2 + 2.5j, 30.0)

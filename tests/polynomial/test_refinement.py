@@ -8,7 +8,7 @@ import mbconstrained as mb
 from mbconstrained.linalg.arrays import full
 from mbconstrained.linalg.eigen import decoupled
 from mbconstrained.polynomial.direct_reduction import reduction_of
-from mbconstrained.polynomial.zero_refinement import refined
+from mbconstrained.polynomial.reduced_equations import refined
 
 
 def chain(count: int, joints: int = 0) -> mb.PolynomialMatrix:

@@ -11,7 +11,8 @@ import numpy as np
 from ...ground.checks import counted, real_array
 from ...ground.errors import InputError
 from ...ground.tolerances import EPS
-from ...polynomial.polynomial_matrix import Factors, PolynomialMatrix
+from ...polynomial.coefficients import Factors
+from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...response.problem import FORCE_FUNCTIONS
 from ...response.response import Response
 from ...response.solve import solve

@@ -3,19 +3,38 @@
 from __future__ import annotations
 
 import numbers
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from ...ground.errors import InputError
 from ...polynomial.structure import Structure
 from .jordan_blocks import ExactPair, HypercompanionBlock, JordanChain, NilpotentBlock, RootPolynomials
-from .ring import Element, Matrix, Polynomial, series_at_infinity
+from .ring import Element, Matrix, Polynomial, PolynomialRing, series_at_infinity
 
-if TYPE_CHECKING:
-    from ..rational.rational_matrix import RationalMatrix
-    from ..symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-    from .ring import PolynomialRing
+
+class ExactMatrix(Protocol):
+    """A regular A(s) over a field, with its determinant, adjugate and root polynomials."""
+
+    @property
+    def ring(self) -> Any: ...
+
+    @property
+    def size(self) -> int: ...
+
+    @property
+    def degree(self) -> int: ...
+
+    @property
+    def determinant(self) -> Polynomial: ...
+
+    @property
+    def adjugate(self) -> Sequence[Sequence[Polynomial]]: ...
+
+    def root_polynomials(self, factor: tuple[Any, int]) -> list[RootPolynomials]: ...
+
+    def infinite_root_polynomials(self) -> list[RootPolynomials]: ...
 
 
 @dataclass(frozen=True, repr=False)
@@ -105,7 +124,7 @@ class ExactJordanPairs:
     matrix: Any
     ring: Any
 
-    def __init__(self, matrix: RationalMatrix | SymbolicPolynomialMatrix):
+    def __init__(self, matrix: ExactMatrix):
         self.matrix, self.ring = matrix, matrix.ring
         self._local: dict[int, list[RootPolynomials]] = {}
 
@@ -199,7 +218,7 @@ class Laurent:
     Coefficients are computed from the highest down and kept.
     """
 
-    def __init__(self, matrix: RationalMatrix | SymbolicPolynomialMatrix):
+    def __init__(self, matrix: ExactMatrix):
         self.ring, self.size, below = matrix.ring, matrix.size, matrix.determinant
         entries = [entry for row in matrix.adjugate for entry in row]
         self.highest = max((entry.degree() for entry in entries if entry), default=0) - below.degree()

@@ -10,12 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
-from .ring import Element, Matrix, Polynomial, slopes, taylor
-
-if TYPE_CHECKING:
-    from .ring import PolynomialRing
+from .ring import Element, Matrix, Polynomial, PolynomialRing, slopes, taylor
 
 
 @dataclass(frozen=True, repr=False)

@@ -10,19 +10,38 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from itertools import count
 from math import comb, prod
-from typing import TYPE_CHECKING, Any, TypeAlias
-
-if TYPE_CHECKING:
-    from ..rational.rational_ring import RationalRing
-    from ..symbolic.symbolic_ring import SymbolicRing
-
-    PolynomialRing: TypeAlias = RationalRing | SymbolicRing
+from typing import Any, Protocol
 
 #: An element of K, a polynomial over K (with +, -, *, **, //, %, divmod and degree(); false where it is zero), and a matrix as users
 #: read it: an array of Fractions or a matrix of sympy.
 Element = Any
 Polynomial = Any
 Matrix = Any
+
+
+class PolynomialRing(Protocol):
+    """K[s]: the names that both rings offer; users read exported polynomials and matrices."""
+
+    zero: Element
+    one: Element
+
+    def polynomial(self, coefficients: Sequence[Element]) -> Polynomial: ...
+
+    def coefficients(self, p: Polynomial, count: int) -> list[Element]: ...
+
+    def inverse(self, p: Polynomial, modulus: Polynomial) -> Polynomial: ...
+
+    def text(self, p: Polynomial) -> str: ...
+
+    def exported(self, p: Polynomial) -> Any: ...
+
+    def matrix(self, rows: Sequence[Sequence[Element]]) -> Matrix: ...
+
+    def side_by_side(self, blocks: Sequence[Matrix]) -> Matrix: ...
+
+    def diagonal(self, blocks: Sequence[Matrix]) -> Matrix: ...
+
+    def below(self, blocks: Sequence[Matrix]) -> Matrix: ...
 
 
 class PowerSeries:

@@ -6,20 +6,24 @@ import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 import sympy
 from sympy.polys.domains.domain import Domain
 from sympy.polys.matrices import DomainMatrix
 
-from ..core.exact_pairs import ExactJordanPairs
+from ..core.exact_pairs import ExactJordanPairs, ExactMatrix
 from ..core.jordan_blocks import ExactPair, HypercompanionBlock, JordanChain
 from .field.radicals import Root
 from .field.surds import sign
 from .symbolic_ring import SymbolicRing
 
-if TYPE_CHECKING:
-    from .symbolic_matrix import SymbolicPolynomialMatrix
+
+class SymbolicMatrix(ExactMatrix, Protocol):
+    """A(s) with its field, and A_0 ... A_q as rows of elements of it."""
+
+    field: Domain
+    elements: list[Any]
 
 
 class SymbolicJordanPairs(ExactJordanPairs):
@@ -36,7 +40,7 @@ class SymbolicJordanPairs(ExactJordanPairs):
     [1/(sqrt(k)*sqrt(m))]]))
     """
 
-    matrix: SymbolicPolynomialMatrix
+    matrix: SymbolicMatrix
     ring: SymbolicRing
 
     @cached_property
@@ -150,7 +154,7 @@ def _jordan_block(chain: JordanChain, root: Root) -> Block:
     return Block(kind, chain.polynomial, chain.length, root.value, *(matrix.as_immutable() for matrix in (C, J, B)))
 
 
-def _companion_block(A: SymbolicPolynomialMatrix, p: sympy.Poly) -> Block:
+def _companion_block(A: SymbolicMatrix, p: sympy.Poly) -> Block:
     """C = [I 0 ... 0], J = [0 I; -A_q^-1 A_0 ... -A_q^-1 A_(q-1)] and B = [0; A_q^-1], where A_q is invertible and det A ~ p.
 
     C (s I - J)^-1 B = A(s)^-1. No entry is longer than A_q^-1 makes it, while the chains of such a p are long.

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Literal
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ...ground.checks import counted, real_array
-from ...ground.display import Displayed
 from ...ground.errors import InputError
-from ...ground.tolerances import noise_of
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import step, zero
 from ..constraints import Constraint
@@ -21,8 +16,7 @@ from .family_frequency_response import FamilyFrequencyResponse, family_frequency
 from .family_modes import FamilyModes, family_modes
 from .family_motion import FamilyMotion
 from .family_random_response import FamilyRandomResponse, family_random_response
-from .stacked_equations import StackedEquations, stacked_equations
-from .stacked_poles import StackedPoles, stacked_poles
+from .system_stack import SystemStack
 
 
 def family(
@@ -83,8 +77,7 @@ def family(
     return Family(base, stacks[0], stacks[1], stacks[2], base.static_force + own)
 
 
-@dataclass(frozen=True, repr=False, eq=False)
-class Family(Displayed):
+class Family(SystemStack):
     """S systems; ``systems[3]`` is one ``MechanicalSystem``.
 
     Attributes:
@@ -92,55 +85,6 @@ class Family(Displayed):
         mass, damping, stiffness: shape (S, n, n).
         static_force: shape (S, n).
     """
-
-    base: MechanicalSystem
-    mass: np.ndarray
-    damping: np.ndarray
-    stiffness: np.ndarray
-    static_force: np.ndarray
-
-    def _summary(self) -> str:
-        return f"{counted(len(self), 'system')} of {counted(self.base.size, 'coordinate')}"
-
-    def __len__(self) -> int:
-        return len(self.mass)
-
-    def __getitem__(self, index: int) -> MechanicalSystem:
-        place = range(len(self))[index]  # IndexError where there is none
-        base, (M, C, K) = self.base, self.matrices(place)
-        units = list(base.units.values())
-        return MechanicalSystem(M, C, K, base.constraints, base.names, base.excitation, self.static_force[place], units)
-
-    def __iter__(self) -> Iterator[MechanicalSystem]:
-        return (self[index] for index in range(len(self)))
-
-    @cached_property
-    def equations(self) -> StackedEquations | None:
-        """In stacks of matrices; None where the structure needs rank decisions, which are made for each system."""
-        return stacked_equations(*self.matrices(slice(None)), self.base.position_form().null_space)
-
-    @cached_property
-    def poles(self) -> StackedPoles | None:
-        """Poles and residues in stacks; None where ``equations`` are."""
-        return None if self.equations is None else stacked_poles(self.equations, *self.matrices(slice(None)))
-
-    def matrices(self, at: slice | int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """M, C and K of some systems, or of one."""
-        return self.mass[at], self.damping[at], self.stiffness[at]
-
-    def is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
-        """Which systems have neither springs nor dampers, as requested, against some motions, to rounding errors of the entries.
-
-        Args:
-            shapes: displacements that satisfy the constraints, shape (n, z).
-            of: which of the matrices.
-
-        Returns:
-            Truth values, shape (S,).
-        """
-        V, matrices = self.base.position_form().null_space, getattr(self, of)
-        noise = noise_of(np.abs(V.T) @ np.abs(matrices) @ np.abs(shapes))
-        return (np.abs(V.T @ (matrices @ shapes)) <= noise).all(axis=(1, 2))
 
     def modes(self) -> FamilyModes:
         """The modes of all systems.

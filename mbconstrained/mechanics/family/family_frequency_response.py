@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +13,7 @@ from ...ground.tolerances import EPS, LINE_ACCURACY
 from .family_modes import one_by_one
 from .stacked_poles import TOGETHER
 from .stacked_transfer import StackedTransfer
-
-if TYPE_CHECKING:
-    from .family import Family
+from .system_stack import SystemStack
 
 #: Quantities that are computed from the poles of a stack.
 BY_POLES = ("receptance", "mobility", "accelerance", "transmissibility")
@@ -37,7 +34,7 @@ class FamilyFrequencyResponse(Displayed):
         alone: places of the systems that were solved one by one.
     """
 
-    family: Family
+    family: SystemStack
     frequencies_hz: np.ndarray
     values: np.ndarray
     error_estimate: np.ndarray
@@ -61,7 +58,7 @@ class FamilyFrequencyResponse(Displayed):
 
 
 def family_frequency_response(
-    family: Family, frequencies_hz, inputs, outputs, quantity: str, relative_to: str | None
+    family: SystemStack, frequencies_hz, inputs, outputs, quantity: str, relative_to: str | None
 ) -> FamilyFrequencyResponse:
     """The frequency responses of all systems."""
     frequencies = np.atleast_1d(real_array(frequencies_hz, "frequencies_hz"))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +13,7 @@ from ...ground.tolerances import EPS, PROVED_ACCURACY
 from ..mode_computation import rest_shapes
 from ..modes import Modes
 from .stacked_poles import StackedPoles, stacked_poles
-
-if TYPE_CHECKING:
-    from .family import Family
+from .system_stack import SystemStack
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -31,7 +28,7 @@ class FamilyModes(Displayed):
         alone: places of the systems that were solved one by one.
     """
 
-    family: Family
+    family: SystemStack
     eigenvalues: np.ndarray
     shapes: np.ndarray
     error_estimate: np.ndarray
@@ -78,7 +75,7 @@ class FamilyModes(Displayed):
         return chosen[:, : int(oscillates.sum(axis=1).max(initial=0))]
 
 
-def family_modes(family: Family) -> FamilyModes:
+def family_modes(family: SystemStack) -> FamilyModes:
     """The modes of all systems."""
     count, stacks = len(family), [one for one in (_regular_stack(family),) if one]
     waiting = ~np.any([np.zeros(count, dtype=bool), *(one.serve for one in stacks)], axis=0)
@@ -124,7 +121,7 @@ class _Stack:
         return int((self.poles.weights[self.serve] > 0).sum(axis=1).max()) + len(self.zeros)
 
 
-def _regular_stack(family: Family) -> _Stack | None:
+def _regular_stack(family: SystemStack) -> _Stack | None:
     """The systems without eigenvalues 0 but those of drift."""
     poles = family.poles
     if poles is None:
@@ -132,7 +129,7 @@ def _regular_stack(family: Family) -> _Stack | None:
     return _Stack(poles, poles.serve & (poles.value_errors <= PROVED_ACCURACY).all(axis=1), np.zeros((0, family.base.size)))
 
 
-def _free_stack(family: Family, waiting: np.ndarray) -> _Stack | None:
+def _free_stack(family: SystemStack, waiting: np.ndarray) -> _Stack | None:
     """Systems with the free motions of the first of those that wait: free bodies, or one motion that dampers alone resist.
 
     Whether a motion is free is a decision on rank, which is made for that system; for the others it is seen whether springs

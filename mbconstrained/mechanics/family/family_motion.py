@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,10 +22,7 @@ from ..motion import Motion
 from .stacked_equations import stacked_equations
 from .stacked_motion import StackedFlow, stacked_flow
 from .stacked_poles import TOGETHER
-
-if TYPE_CHECKING:
-    from .family import Family
-
+from .system_stack import SystemStack
 
 #: Times at which moved data are compared, about.
 TRIAL_TIMES = 32
@@ -45,7 +42,7 @@ class FamilyMotion(Displayed):
         outputs: places of the coordinates that are given.
     """
 
-    family: Family
+    family: SystemStack
     initial: np.ndarray
     force: ImpulsiveSmooth
     outputs: tuple[int, ...] | None = field(default=None)

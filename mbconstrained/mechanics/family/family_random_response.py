@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,9 +25,7 @@ from ...ground.tolerances import EPS, FORM_ROUNDING, LINE_ACCURACY, STACKED_VARI
 from .family_modes import one_by_one
 from .stacked_poles import TOGETHER
 from .stacked_transfer import StackedTransfer
-
-if TYPE_CHECKING:
-    from .family import Family
+from .system_stack import SystemStack
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 
@@ -50,7 +47,7 @@ class FamilyRandomResponse(Displayed):
         excitation: the arguments of ``MechanicalSystem.random_response``.
     """
 
-    family: Family
+    family: SystemStack
     rms: np.ndarray
     error_estimate: np.ndarray
     outputs: tuple[str, ...]
@@ -78,7 +75,7 @@ class FamilyRandomResponse(Displayed):
         return (*one_by_one(self.alone, len(self.family), STACKED_VARIANCE), *doubts_of("RMS values of a system", worst))
 
 
-def family_random_response(family: Family, excitation, outputs, quantity: str, options: dict) -> FamilyRandomResponse:
+def family_random_response(family: SystemStack, excitation, outputs, quantity: str, options: dict) -> FamilyRandomResponse:
     """The RMS values of all systems."""
     arguments = (excitation, outputs, quantity)
     first = family[0].random_response(*arguments, **options)  # checks the arguments

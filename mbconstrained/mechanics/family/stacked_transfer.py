@@ -7,16 +7,14 @@ residues over s - s_k and the part of massless coordinates.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...frequency.harmonic import Harmonic
 from ...ground.tolerances import EPS, FORM_ROUNDING
 from .stacked_poles import StackedPoles
-
-if TYPE_CHECKING:
-    from .family import Family
+from .system_stack import SystemStack
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +38,7 @@ class StackedTransfer:
     levels: np.ndarray
 
     @classmethod
-    def of(cls, family: Family, at: slice, harmonic: Harmonic, levels) -> StackedTransfer | None:
+    def of(cls, family: SystemStack, at: slice, harmonic: Harmonic, levels) -> StackedTransfer | None:
         """Of some systems of a family with the inputs and outputs of a harmonic response; None of what poles do not give."""
         n, k = family.base.size, len(family.base.rows)
         B, C = harmonic.inputs, harmonic.outputs

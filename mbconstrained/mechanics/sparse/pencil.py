@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -23,7 +24,6 @@ from ...ground.tolerances import EPS, FIRST_SHIFT, NOISE_SAFETY, PIVOT_RATIO, RI
 from ..constraints import Constraint
 from .factorization import Factorization, factorize
 from .sparse_matrices import SparseRows, sparse_rows, symmetric
-from .undamped_modes import UndampedModes, undamped_modes
 
 #: Where stiffness is negative, the shift moves by this factor farther below zero, at most so many times.
 FARTHER, FARTHEST = 100.0, 9
@@ -61,7 +61,7 @@ class ReducedPencil:
     free: np.ndarray
     independent: np.ndarray
     notices: tuple[Notice, ...]
-    _undamped: dict[int, UndampedModes] = field(default_factory=dict, repr=False)
+    _undamped: dict[int, Any] = field(default_factory=dict, repr=False)
 
     @property
     def size(self) -> int:
@@ -85,13 +85,6 @@ class ReducedPencil:
     def described(self, places) -> str:
         """Names of some free coordinates in words."""
         return ", ".join(f'"{self.names[self.free[place]]}"' for place in places)
-
-    def undamped(self, count: int) -> UndampedModes:
-        """The ``count`` undamped modes of lowest frequency; those of the last count are kept."""
-        if count not in self._undamped:
-            self._undamped.clear()
-            self._undamped[count] = undamped_modes(self, count)
-        return self._undamped[count]
 
     def shifted(self, shift: float, counted: bool = True) -> Factorization:
         """The factors of K - shift M."""

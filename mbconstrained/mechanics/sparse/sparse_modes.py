@@ -15,7 +15,7 @@ from ..modes import Kind, Mode, Modes
 from .damped_modes import DampedModes, damped_modes
 from .pencil import ReducedPencil
 from .sparse_matrices import times
-from .undamped_modes import UndampedModes
+from .undamped_modes import UndampedModes, undamped_modes
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -68,7 +68,7 @@ class SparseModes(Modes):
 
 def sparse_modes(pencil: ReducedPencil, count: int, damped: bool) -> SparseModes:
     """The modes of lowest frequency of a system of sparse matrices."""
-    undamped = pencil.undamped(count)
+    undamped = undamped_modes(pencil, count)
     if damped:
         return _damped(pencil, undamped, damped_modes(pencil, undamped), count)
     X, w2 = undamped.vectors, undamped.values

@@ -24,6 +24,7 @@ from .modal_space import Amplitudes, ModeSpace, mode_space
 from .pencil import ReducedPencil
 from .sparse_matrices import times
 from .static_correction import Remainder, StaticCorrection, remainder
+from .undamped_modes import undamped_modes
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -151,7 +152,7 @@ def sparse_motion(system: EquationsOfMotion, start: np.ndarray, applied: Impulsi
     if offset.any():
         applied = applied + step(-(system.stiffness @ offset))
     displacement, velocity = _free_start(pencil, start, offset)
-    undamped = pencil.undamped(count)
+    undamped = undamped_modes(pencil, count)
     space = mode_space(pencil, undamped)
     left = StaticCorrection(pencil, undamped, space)
     smooth = applied.smooth

@@ -27,7 +27,7 @@ from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..channels import chosen_by_name
 from ..equations import EquationsOfMotion
 from .sparse_matrices import asymmetry, times
-from .undamped_modes import UndampedModes
+from .undamped_modes import UndampedModes, undamped_modes
 
 #: Corrections of a force: its static deflection, that of the inertia of this one, and so on.
 ORDERS = 3
@@ -53,7 +53,7 @@ def sparse_harmonic(
     into, out = (np.array(chosen_by_name(what, own, places, ())) for what, own in (("inputs", inputs), ("outputs", outputs)))
     if asymmetry(system.damping)[0]:
         raise InputError("damping: frequency responses of sparse matrices need a symmetric one; give arrays, as damping.toarray()")
-    undamped = system.pencil.undamped(count)
+    undamped = undamped_modes(system.pencil, count)
     reduced = _Reduced(system.pencil, undamped, system.pencil.basis[np.concatenate([into, out])].toarray().T)
     coefficients = reduced.coefficients
     coefficients[1] += reduced.modal_damping(modal_damping)

@@ -8,7 +8,6 @@ nearly all modes of a system, take a dense decomposition of the same shifted and
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg
@@ -18,10 +17,8 @@ from ...ground.errors import InputError
 from ...ground.tolerances import EPS, FREQUENCY_GAP, NOISE_SAFETY, RIGID_BODY_FORCE, RITZ_RESIDUAL, noise_of
 from .factorization import Factorization, factorize
 from .lanczos import BLOCK, first_values, largest_pairs
+from .pencil import ReducedPencil
 from .sparse_matrices import quadratic_form, times
-
-if TYPE_CHECKING:
-    from .pencil import ReducedPencil
 
 #: Up to this size a dense decomposition is as fast.
 DENSE = 400
@@ -86,6 +83,14 @@ class UndampedModes:
 
 
 def undamped_modes(pencil: ReducedPencil, count: int) -> UndampedModes:
+    """The ``count`` undamped modes of lowest frequency; those of the last count are kept."""
+    if count not in pencil._undamped:
+        pencil._undamped.clear()
+        pencil._undamped[count] = _lowest_modes(pencil, count)
+    return pencil._undamped[count]
+
+
+def _lowest_modes(pencil: ReducedPencil, count: int) -> UndampedModes:
     """The ``count`` modes of lowest w^2, or all there are."""
     _check_mass(pencil)
     dense = pencil.size <= DENSE or 3 * count > pencil.size

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
@@ -19,9 +19,6 @@ from ...signals.bohl import BohlFunction
 from ..element_matrix import mass_normalized
 from ..equations import EquationsOfMotion
 from .effective_masses import EffectiveMasses, effective_masses, loads_of_rows
-
-if TYPE_CHECKING:
-    from ..motion import Motion
 
 #: What the peaks may be of: the displacements and their derivatives, forces of constraint rows, elongations and forces of springs and dampers.
 QUANTITIES = ("displacement", "velocity", "acceleration", "reaction", "elongation", "force")
@@ -88,7 +85,22 @@ class Peaks(Displayed):
         return self.extrema.largest
 
 
-def peaks(motion: Motion, end: float, of: str = "displacement", combinations=None, names: Sequence[str] | None = None) -> Peaks:
+class ClosedForm(Protocol):
+    """A motion of a system as functions of time."""
+
+    @property
+    def system(self) -> EquationsOfMotion: ...
+
+    @property
+    def function(self) -> BohlFunction: ...
+
+    @property
+    def reaction_function(self) -> BohlFunction: ...
+
+    def derivative(self, order: int = 1) -> BohlFunction: ...
+
+
+def peaks(motion: ClosedForm, end: float, of: str = "displacement", combinations=None, names: Sequence[str] | None = None) -> Peaks:
     """Exact extrema of a motion on [0, end], none missed: branch and bound over the closed form (``frequency.shock.extrema``).
 
     >>> import mbconstrained as mb
@@ -108,7 +120,7 @@ def peaks(motion: Motion, end: float, of: str = "displacement", combinations=Non
     return Peaks(own, units, of, extrema(function, 0.0, end).shifted(constant))
 
 
-def _functions(motion: Motion, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:
+def _functions(motion: ClosedForm, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:
     """The functions, their names and units, and constants that are added to them."""
     system = motion.system
     if of == "reaction":

@@ -8,9 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..content import ascending_times, drawable
+from ...ground.checks import real_array
+from ...ground.errors import InputError
 from ..drawing.bodies import Drawing, Vector
 from ..drawing.paths import Path
+
+#: Larger numbers cannot be drawn: the arithmetic of axes and of interpolation would overflow.
+LARGEST = 1e290
 
 
 @dataclass(frozen=True)
@@ -152,3 +156,22 @@ def arrow_at(drawing: Drawing, coordinate: str, unit: str) -> Arrow | None:
     body = min(moved, key=lambda body: len({*body.moves, *body.turns}))
     turns = not any(body.moves.get(coordinate, ()))
     return Arrow(body.name, (body.turns if turns else body.moves)[coordinate], unit, turns)
+
+
+def drawable(value, what: str, shape: tuple[int | None, ...]) -> np.ndarray:
+    """An array of numbers small enough that their differences are finite."""
+    array = real_array(value, what, shape=shape)
+    if np.abs(array).max(initial=0.0) > LARGEST:
+        raise InputError(f"{what}: found {np.abs(array).max():.3g}, which is too large to draw; give an earlier end")
+    return array
+
+
+def ascending_times(value, what: str) -> np.ndarray:
+    """Times, each after the one before."""
+    times = drawable(value, what, (None,))
+    if len(times) == 0:
+        raise InputError(f"{what}: no times found; give at least one")
+    if (np.diff(times) <= 0).any():
+        place = int(np.argmax(np.diff(times) <= 0))
+        raise InputError(f"{what}: {times[place]:g} s is followed by {times[place + 1]:g} s; times must ascend")
+    return times

@@ -15,19 +15,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from math import ceil
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from ...ground.tolerances import EPS
-from ...linalg.arrays import full
+from ...linalg.arrays import Matrix, full
 from ...linalg.exponential.block_exponential import BlockGroups, block_states
 from ...linalg.exponential.recursion import ModalBasis, advance, powers, scanned, shared_gaps
 from ...signals.restarts import as_slice
-
-if TYPE_CHECKING:
-    from ..flow import Flow
-    from .reduced_solution import FlowFunction
+from ..flow import FEWEST_KNOTS, Flow
 
 #: A gap is short where nothing turns farther within it, rate times length, and the exponential for half of it takes so many terms:
 #: 2^27 / 27! is far below EPS.
@@ -42,8 +39,8 @@ TABLE = 200_000
 #: A part this many times smaller than the whole is far below its rounding.
 NOTHING = EPS / 256
 
-#: Fewer knots are not worth a table, and more long gaps neither.
-FEWEST_KNOTS, MOST_LONG = 64, 8
+#: More long gaps are not worth a table.
+MOST_LONG = 8
 
 #: So many knots are a group: with more of them a step of all groups at once is too short, with fewer more is kept.
 GROUP = 16
@@ -53,6 +50,18 @@ KEPT = 2_000_000
 
 #: So many groups are computed at once.
 TOGETHER = 64
+
+
+class FunctionOfFlow(Protocol):
+    """The derivative of some order of place @ z of a flow, output @ z."""
+
+    place: Matrix
+    order: int
+    output: Matrix
+
+    def alone(self, flow: Flow) -> FunctionOfFlow: ...
+
+    def _values(self, times) -> np.ndarray: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +168,7 @@ class RecordFlow:
             modes = modes + column[:, None] * gains[number]
         return modes, np.einsum("tm,tmn->tn", inputs, moved[number])
 
-    def values(self, function: FlowFunction, times: np.ndarray) -> np.ndarray:
+    def values(self, function: FunctionOfFlow, times: np.ndarray) -> np.ndarray:
         """Of a function of this flow, shape (r, T).
 
         Args:
@@ -216,10 +225,10 @@ class RecordFlow:
         """The modes at the beginnings of pieces, complex, shape (T, p)."""
         return self.states[0][piece]
 
-    def _alone(self, number: int, function: FlowFunction) -> FlowFunction:
+    def _alone(self, number: int, function: FunctionOfFlow) -> FunctionOfFlow:
         """A piece as a motion of its own."""
         modes, rest = self._modes_at(np.array([number]))[0], self.states[1][:, number]
-        return type(function)(self.flow.after(number, self.modes.states(modes, rest)), function.place, function.order, "many")
+        return function.alone(self.flow.after(number, self.modes.states(modes, rest)))
 
     @cached_property
     def _inputs(self) -> np.ndarray:
@@ -300,6 +309,13 @@ class RecordFlow:
         width = max(1, TABLE // max(self.flow.generator.shape[0], 1))
         for begin in range(0, len(places), width):
             yield as_slice(places[begin : begin + width])
+
+
+def record_of(flow: Flow) -> RecordFlow | None:
+    """The motion gap by gap, where the force restarts often; computed once."""
+    if not flow.records:
+        flow.records.append(RecordFlow.of(flow))
+    return flow.records[0]
 
 
 class EvenRecord(RecordFlow):

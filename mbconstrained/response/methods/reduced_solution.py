@@ -24,6 +24,7 @@ from ..choose import MODES, POWERS, STEPS, Evaluations, Method, Request, evaluat
 from ..events import Event
 from ..flow import Flow
 from ..response_notices import growth_notice, modal_sums
+from .record import record_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,7 +200,7 @@ class FlowFunction(BohlFunction):
 
     def by_modes(self, times: np.ndarray) -> np.ndarray:
         """The sum of modes, from t = 0 on."""
-        record = self.flow.record
+        record = record_of(self.flow)
         return super()._values(times) if record is None else record.values(self, times)
 
     def _by_powers(self, times: np.ndarray) -> np.ndarray:
@@ -218,6 +219,10 @@ class FlowFunction(BohlFunction):
 
     def _with(self, place: Matrix, order: int) -> FlowFunction:
         return FlowFunction(self.flow, place, order, self.evaluations)
+
+    def alone(self, flow: Flow) -> FlowFunction:
+        """The same of a piece of the motion, evaluated at many times."""
+        return FlowFunction(flow, self.place, self.order, "many")
 
     def of(self, flow: Flow) -> FlowFunction:
         """The same of other modes of the same motion."""

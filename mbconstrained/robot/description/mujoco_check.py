@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,19 +18,15 @@ from ...ground.tolerances import (
     NOISE_SAFETY,
     SAME_AS_MUJOCO,
 )
+from ..posture import Posture
+from ..posture_search import attached_load
+from ..robot_model import RobotModel
+from ..statics.balance import Balance
 from .mjcf import MOST_NAMED, quaternion_places, quiet, read_mjcf
 
-if TYPE_CHECKING:
-    from ..posture import Posture
-    from ..robot import Robot
-    from ..statics.balance import Balance
 
-
-def compared_with_mujoco(robot: Robot, posture: Posture) -> tuple[Notice, ...]:
+def compared_with_mujoco(robot: RobotModel, posture: Posture) -> tuple[Notice, ...]:
     """Compare the robot as its file has it, without what was added to it, with MuJoCo at the joints of a posture."""
-    from ..posture import attached_load
-    from ..statics.balance import Balance
-
     source = read_mjcf(robot.source.path, False, robot.package_dirs)
     if source.compiled is None or not source.model.nv:
         return ()
@@ -77,7 +72,7 @@ _ADVICE = ": something in the file is not read as MuJoCo reads it; please report
 class _Twin:
     """The compiled model in the coordinates of a robot, without contacts, limits, dry friction and clamped forces."""
 
-    def __init__(self, robot: Robot, q: np.ndarray):
+    def __init__(self, robot: RobotModel, q: np.ndarray):
         import mujoco
 
         self.robot, self.q, self._mujoco = robot, q, mujoco

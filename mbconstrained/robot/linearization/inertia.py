@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..robot_model import RobotModel
+
 if TYPE_CHECKING:
     from ..posture import Posture
-    from ..robot import Robot
 
 
 #: Least semi-axis of an ellipsoid (m): a point mass is drawn, and the normals of a flat one exist.
@@ -38,7 +39,7 @@ def momentum(posture: Posture) -> np.ndarray:
     return total
 
 
-def inertia_ellipsoids(robot: Robot) -> dict[str, np.ndarray]:
+def inertia_ellipsoids(robot: RobotModel) -> dict[str, np.ndarray]:
     """As ``Robot.inertia_ellipsoids``: semi-axes a, b, c with m (b^2 + c^2) / 5 the moment about the first, at least THINNEST."""
     ellipsoids = {}
     for joint, name in robot.link_frames.heaviest_links().items():

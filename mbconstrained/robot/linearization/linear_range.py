@@ -20,12 +20,12 @@ from scipy.linalg import null_space
 from ...ground.display import Displayed
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS
+from ..posture import Posture
 from ..statics.balance import Balance
 from ..statics.equilibrium import rows_of
 
 if TYPE_CHECKING:
     from ...mechanics.motion import Motion
-    from .linearized import LinearizedRobot
 
 #: The relative error of the forces from which a motion is said to leave the linear range.
 LARGEST_DEVIATION = 0.1
@@ -98,10 +98,10 @@ class LinearRange(Displayed):
         return self.text
 
 
-def linear_range(motion: Motion, times=None) -> LinearRange:
+def linear_range(motion: Motion, posture: Posture, times=None) -> LinearRange:
     """The deviation of the linear motion of a robot at these times; without times, over the periods of its slowest eigenvalue."""
     times = _horizon(motion) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
-    return _Deviation(motion, times).linear_range()
+    return _Deviation(motion, posture, times).linear_range()
 
 
 def _horizon(motion: Motion) -> np.ndarray:
@@ -115,9 +115,8 @@ def _horizon(motion: Motion) -> np.ndarray:
 class _Deviation:
     """The residual of one motion at a few times, as a function of its amplitude."""
 
-    def __init__(self, motion: Motion, times: np.ndarray):
-        self.system: LinearizedRobot = motion.system  # type: ignore[assignment]
-        self.posture = self.system.posture
+    def __init__(self, motion: Motion, posture: Posture, times: np.ndarray):
+        self.system, self.posture = motion.system, posture
         self._links = len(self.posture.robot.coordinates)
         everywhere = np.array([view(times) for view in (motion, motion.derivative(1))])
         self.furthest = np.abs(everywhere[0, : self._links]).max(axis=1)

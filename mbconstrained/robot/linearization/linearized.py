@@ -162,7 +162,7 @@ class LinearizedRobot(MechanicalSystem):
         """
         from .linear_range import linear_range
 
-        return linear_range(motion, times)
+        return linear_range(motion, self.posture, times)
 
     def named_directions(self, side: Side) -> Mapping[str, tuple[np.ndarray, str]]:
         """Those of the inputs, or of the outputs, with units."""
@@ -381,7 +381,7 @@ class LinearizedRobot(MechanicalSystem):
         """The same motion with the motors of flexible joints eliminated: a polynomial matrix of degree 4."""
         from ..flexible_joint import WithoutMotors
 
-        return WithoutMotors(self)
+        return WithoutMotors(self, self.flexible_joints)
 
     def _with_motors(self, links: np.ndarray) -> np.ndarray:
         """A matrix of the links, with zeros for the motors."""
@@ -459,6 +459,19 @@ class LinearizedRobot(MechanicalSystem):
             if joint.proportional_gain:
                 strain.append((f"control of {name}", self._at_motors(only * joint.proportional_gain)))
         return EnergyParts(_by_distinct_names(kinetic), _by_distinct_names(strain))
+
+
+def linearized_robot(
+    posture: Posture, level: Level = "position", inputs: Mapping | None = None, outputs: Mapping | None = None
+) -> LinearizedRobot:
+    """The linearized robot; the first of a file of MuJoCo is compared with MuJoCo's own."""
+    robot, linearized = posture.robot, LinearizedRobot(posture, level, inputs or {}, outputs or {})
+    if robot.source.compiled is not None and not robot._is_compared:
+        from ..description.mujoco_check import compared_with_mujoco
+
+        linearized._notices += compared_with_mujoco(robot, posture)
+        robot._is_compared = True
+    return linearized
 
 
 def _by_distinct_names(parts: list[tuple[str, np.ndarray]]) -> dict[str, np.ndarray]:

@@ -20,12 +20,12 @@ from ..connections import BodySpring
 from ..description.masses import replace_masses
 from ..description.urdf import link_masses, skeleton
 from ..kinematics import Tree, built_model
+from ..robot_model import RobotModel
 from ..statics.equilibrium import Search, equilibrium
 
 if TYPE_CHECKING:
     from ...mechanics.system import MechanicalSystem
     from ..posture import Posture
-    from ..robot import Robot
     from ..statics.balance import Load
 
 #: Constants along and about an axis, with their units.
@@ -55,7 +55,7 @@ def _joints(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
             yield Parameter(f"{name}.damping", value, damping=corner, unit=f"{of_force} s/{unit}")
 
 
-def _flexible_joints(robot: Robot) -> Iterator[Parameter]:
+def _flexible_joints(robot: RobotModel) -> Iterator[Parameter]:
     """A gear has no part in the statics of the links: its matrix is [1, -1; -1, 1] between link and motor."""
     count = len(robot.coordinates)
     for number, (name, joint) in enumerate(robot.flexible_joints.items()):
@@ -89,7 +89,7 @@ def _masses(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
             yield Parameter.of_function(f"{name}.mass", mass, partial(_with_masses, posture, linearize, mass, slopes), "kg")
 
 
-def _links(robot: Robot) -> Iterator[tuple[str, float, dict[int, np.ndarray]]]:
+def _links(robot: RobotModel) -> Iterator[tuple[str, float, dict[int, np.ndarray]]]:
     """Of the links of a URDF, by the description with another mass."""
     if robot.source.model is not None:
         return
@@ -100,14 +100,14 @@ def _links(robot: Robot) -> Iterator[tuple[str, float, dict[int, np.ndarray]]]:
             yield name, mass, {joint: change / mass for joint, change in enumerate(changes, 1) if change.any()}
 
 
-def _inertias(robot: Robot, masses: dict[str, float]) -> np.ndarray:
+def _inertias(robot: RobotModel, masses: dict[str, float]) -> np.ndarray:
     description = deepcopy(robot.description)
     replace_masses(description, masses, {})
     model = built_model(skeleton(description), robot.base != "fixed", robot.locked, robot.model.gravity.linear)
     return np.array([np.array(one.toDynamicParameters()) for one in list(model.inertias)[1:]]).reshape(-1, 10)
 
 
-def _payloads(robot: Robot) -> Iterator[tuple[str, float, dict[int, np.ndarray]]]:
+def _payloads(robot: RobotModel) -> Iterator[tuple[str, float, dict[int, np.ndarray]]]:
     import pinocchio
 
     for payload in robot.payloads:
@@ -145,7 +145,7 @@ def _with_masses(
     return linearize(_again(posture, twin, posture.balance.load))
 
 
-def _again(posture: Posture, robot: Robot, load: Load) -> Posture:
+def _again(posture: Posture, robot: RobotModel, load: Load) -> Posture:
     """The equilibrium of a robot that differs a little, near the posture; the same coordinates keep their values."""
     free = ~np.isin(robot.coordinates, list(posture.torques))
     state = equilibrium(Search(robot.tree, load, free, names=robot.coordinates), posture.configuration)

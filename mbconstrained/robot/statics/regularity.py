@@ -16,7 +16,6 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from copy import copy, deepcopy
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import numpy as np
@@ -29,11 +28,9 @@ from ...ground.tolerances import LEFT_OPEN, LOOP_RANK, LOOP_RANK_DOUBTFUL, LOOP_
 from ..description.urdf import skeleton
 from ..kinematics import Tree, built_model
 from ..mechanism import LinkFrames
+from ..robot_model import RobotModel
 from .balance import Balance
 from .equilibrium import Rows, rows_of
-
-if TYPE_CHECKING:
-    from ..robot import Robot
 
 
 @dataclass(frozen=True)
@@ -171,7 +168,7 @@ def rounded_to(text: str) -> int | None:
     return n if meant else None
 
 
-def rounded_advice(robot: Robot) -> str:
+def rounded_advice(robot: RobotModel) -> str:
     """The rounded angles of the robot with advice, or an empty string.
 
     The search covers the places of joints in the URDF and the directions of the frames of loops.
@@ -185,7 +182,7 @@ def rounded_advice(robot: Robot) -> str:
     return f"{text}, which tilts axes that may be meant to be parallel: write {'it' if one else 'them'} with all digits (pi/2 is {math.pi / 2!r})"
 
 
-def with_all_digits(robot: Robot) -> Robot:
+def with_all_digits(robot: RobotModel) -> RobotModel:
     """The robot with the rounded angles of its joints and loops as multiples of pi/4 to all digits; payloads are left out."""
     twin, description = copy(robot), deepcopy(robot.description)
     for origin in description.iterfind("joint/origin[@rpy]"):
@@ -217,7 +214,7 @@ def _of_joints(description: ElementTree.Element) -> Iterator[str]:
             yield f'the rpy {worst} of joint "{joint.get("name")}"'
 
 
-def _of_loops(robot: Robot) -> Iterator[str]:
+def _of_loops(robot: RobotModel) -> Iterator[str]:
     for loop in robot.loops:
         for key in ("rotation1", "rotation2"):
             if worst := next(filter(rounded_to, map(repr, getattr(loop, key))), None):

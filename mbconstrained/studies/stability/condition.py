@@ -20,7 +20,7 @@ from ...exact.rational.flint_numbers import rational
 from ...exact.rational.rational_matrix import RationalMatrix
 from ...mechanics.element_matrix import ElementMatrix
 from ...mechanics.exact_motion import with_multipliers
-from ...polynomial.polynomial_matrix import Factors
+from ...polynomial.coefficients import Factors
 from ..reference_solution import fractions_of, values_of
 from ..study_problem import StudyProblem, given_of
 

@@ -9,7 +9,8 @@ from functools import partial
 import numpy as np
 
 from ...mechanics.element_matrix import ElementMatrix
-from ...polynomial.polynomial_matrix import Factors, PolynomialMatrix
+from ...polynomial.coefficients import Factors
+from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...scene.build.equations import equations_of
 from ...scene.run.scene import Scene
 from ..reference_solution import chosen_places

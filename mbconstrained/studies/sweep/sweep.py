@@ -22,7 +22,8 @@ from .execution import by_dask, by_processes, hashes, in_process
 from .kept_quantities import Variable, figures_of, limits_of, variables_of
 from .sampling import ParameterSamples
 from .store import Chunks, Memory, Store, variable_data
-from .sweep_result import ONLY_RANDOM, SweepResult
+from .sweep_report import SweepResult
+from .sweep_result import ONLY_RANDOM
 
 if TYPE_CHECKING:
     from ...scene.run.scene import Scene

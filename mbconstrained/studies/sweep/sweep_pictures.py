@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from textwrap import fill
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +13,7 @@ from ...page.plots.images import GREY, LINE, MUTED, RED
 from ...page.typeset import raised, shortened
 from ..figures import Picture, power_of_ten
 from .sample_statistics import QUANTILES, Estimate, rank_correlations
-
-if TYPE_CHECKING:
-    from .sweep_result import SweepResult
+from .sweep_result import SampleAnswers
 
 #: Panels next to each other, and their height in inches.
 ACROSS, PANEL = 3, 2.3
@@ -47,7 +44,7 @@ class SweepPictures:
         figures: names of the numbers that are shown.
     """
 
-    def __init__(self, result: SweepResult, figures: Sequence[str], units: dict[str, tuple[str, float]]):
+    def __init__(self, result: SampleAnswers, figures: Sequence[str], units: dict[str, tuple[str, float]]):
         self.result, self.units = result, units
         self.kept = np.flatnonzero(result.answered)
         self.figures = [name for name in figures if _varies(result.values(name))][:MOST_FIGURES]

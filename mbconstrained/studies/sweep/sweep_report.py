@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,9 +23,7 @@ from ..study_report import StudyReport
 from ..timing import machine
 from .sample_statistics import QUANTILES, Estimate, SobolIndices, rank_correlations
 from .sweep_pictures import SweepPictures, bars
-
-if TYPE_CHECKING:
-    from .sweep_result import SweepResult
+from .sweep_result import SampleAnswers
 
 #: Samples without an answer that are listed; the data has all.
 MOST_FAILURES = 20
@@ -50,7 +47,7 @@ class SweepReport(StudyReport):
         strict: whether samples without an answer make the exit code 3.
     """
 
-    def __init__(self, result: SweepResult, strict: bool = False):
+    def __init__(self, result: SampleAnswers, strict: bool = False):
         self.result, self.strict = result, strict
         self.machine = machine()
 
@@ -317,3 +314,10 @@ def _summary_data(of, random: bool) -> dict:
 
 def _estimate_data(one: Estimate) -> dict:
     return {"value": finite_or_none(one.value), "interval": [finite_or_none(one.low), finite_or_none(one.high)]}
+
+
+class SweepResult(SampleAnswers):
+    """The samples of a study with what was kept of each."""
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        return SweepReport(self).tables

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...ground.checks import counted, nearest, optional_package
-from ...ground.display import Displayed, TextTable
+from ...ground.display import Displayed
 from ...ground.errors import InputError
 from ...scene.file.messages import shown
 from ...scene.schema.analyses.vary_table import VaryTable
@@ -27,8 +27,8 @@ ONLY_RANDOM = "limits: probabilities need distributions of all parameters, and s
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class SweepResult(Displayed):
-    """The samples of a study with what was kept of each.
+class SampleAnswers(Displayed):
+    """The samples of a study with what was kept of each, without its report.
 
     Attributes:
         scene: of the study.
@@ -49,11 +49,6 @@ class SweepResult(Displayed):
     def _summary(self) -> str:
         failed = len(self.samples) - int(self.answered.sum())
         return f"{self.scene.name}, {counted(len(self.samples), 'sample')}{f', {failed} without an answer' if failed else ''}"
-
-    def _tables(self) -> tuple[TextTable, ...]:
-        from .sweep_report import SweepReport
-
-        return SweepReport(self).tables
 
     def __len__(self) -> int:
         return len(self.samples)

@@ -85,7 +85,7 @@ WORK = {
         "robot with collisions", "robot with unread meshes", "scene/run/picture/robot_drawing.py:RobotPicture._collision"
     ),
     "assemble the model": Work("plain", None, "scene/build/equations.py:equations_of"),
-    "mechanical normal form": Work("normal form", "states", "control/normal_form/normal_form.py:mechanical_normal_form"),
+    "mechanical normal form": Work("normal form", "states", "mechanics/normal_form/normal_form.py:mechanical_normal_form"),
     "dependent constraint rows": Work("all", "plain", "mechanics/constraints.py:_reduced"),
     "constrained form": Work("all", "plain", "mechanics/constrained_form.py:_projected"),
     "scaling and staircase": Work("plain", None, "linalg/staircase.py:split_pencil"),

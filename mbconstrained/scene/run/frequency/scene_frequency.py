@@ -10,9 +10,8 @@ import numpy as np
 
 from ....control.transfer.transfer_function import transfer_function_response
 from ....frequency.features import Antiresonance, Peak, frequencies_by_poles
-from ....frequency.frequency_response import FrequencyResponse, frequency_response
+from ....frequency.frequency_response import FrequencyResponse, arrays_of, csv_text, frequency_response
 from ....frequency.plots import AXIS_FACTORS
-from ....frequency.response_files import arrays_of, csv_text
 from ....ground.errors import InputError
 from ....ground.notices import Notice, NoticeKind, distinct
 from ....mechanics.channels import channels

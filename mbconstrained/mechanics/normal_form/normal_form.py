@@ -12,10 +12,10 @@ from ...ground.display import Displayed, TextTable, notice_table
 from ...ground.errors import IllConditioned, InputError
 from ...ground.notices import Evidence, Notice
 from ...ground.tolerances import EPS
-from ...mechanics.energy import EnergyParts
-from ...mechanics.system import MechanicalSystem
 from ...papers.normal_form_rows import kronecker_rows, null_space_rows
 from ...signals.inputs import ImpulsiveSmooth, step
+from ..energy import EnergyParts
+from ..system import MechanicalSystem
 from .descriptor import ScaledPencil, StateSpaceData, scaled_pencil, state_space_data
 from .existence import NormalFormExistence, existence
 from .extension import well_conditioned_rows

@@ -1,0 +1,140 @@
+"""The coefficients of A(s) = A_0 + A_1 s + ... + A_q s^q, as they were given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+
+from ..ground.checks import constant_zeros, names_of, real_array
+from ..ground.errors import InputError
+
+
+class PolynomialCoefficients:
+    """What a ``PolynomialMatrix`` consists of, without the answers to questions about it."""
+
+    def __init__(
+        self,
+        coefficients: Iterable,
+        coordinates: Sequence[str] | None = None,
+        equations: Sequence[str] | None = None,
+        uncertainty=None,
+    ):
+        if not isinstance(coefficients, Iterable):
+            raise InputError(f"coefficients: found {coefficients!r}; expected a list of square matrices [A_0, A_1, ...]")
+        given = [_factors_of(matrix) for matrix in coefficients]
+        self.factors = tuple(matrix if isinstance(matrix, Factors) else None for matrix in given)
+        matrices = [_assembled(matrix, f"A_{power}") for power, matrix in enumerate(given)]
+        if not matrices:
+            raise InputError("a polynomial matrix needs at least one coefficient, A_0; none was given")
+        for power, matrix in enumerate(matrices):
+            if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
+                raise InputError(f"A_{power}: expected a square matrix, found shape {matrix.shape}")
+            if matrix.shape != matrices[0].shape:
+                raise InputError(f"A_{power} has shape {matrix.shape}, but A_0 has {matrices[0].shape}; all must agree")
+        self.coefficients = np.array(matrices)
+        self.coefficients.flags.writeable = False
+        shape = self.coefficients.shape
+        self.uncertainty = (
+            constant_zeros(shape) if uncertainty is None else np.abs(real_array(uncertainty, "uncertainty", shape=shape))
+        )
+        self.coordinates = names_of(coordinates, self.size, "coordinates", "x")
+        self.equations = names_of(equations, self.size, "equations", "equation ")
+
+    @property
+    def exact_coefficients(self) -> np.ndarray:
+        """The coefficients, shape (q + 1, r, r), exact Fractions of those that are given by their factors."""
+        result = self.coefficients.astype(object)
+        for power, factors in enumerate(self.factors):
+            if factors is not None:
+                result[power] = factors.exact
+        return result
+
+    @property
+    def degree(self) -> int:
+        """The declared degree q (the number of coefficients less one)."""
+        return len(self.coefficients) - 1
+
+    @property
+    def size(self) -> int:
+        """The number of rows and columns r."""
+        return self.coefficients.shape[1]
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}(degree={self.degree}, size={self.size})"
+
+
+def _factors_of(matrix):
+    """B^T diag(k) B where a coefficient is given by its elements, directions B and constants k; itself otherwise."""
+    if hasattr(matrix, "directions") and hasattr(matrix, "constants"):
+        return Factors(matrix.directions.T, matrix.constants, matrix.directions)
+    return matrix
+
+
+def _assembled(matrix, what: str) -> np.ndarray:
+    if not isinstance(matrix, Factors):
+        return real_array(matrix, what)
+    try:
+        return matrix.matrix
+    except OverflowError:
+        raise InputError(f"{what}: its elements add up to an entry beyond the range of float64; choose other units") from None
+
+
+# A coefficient of A(s) as the sum of its elements, from which it is known to more digits than float64 can hold.
+#
+# A stiffness matrix assembled from springs of very different stiffness has lost the soft ones: 1e16 + 1 is 1e16. Its factors
+# L diag(v) R, such as those of B^T diag(k) B, have not.
+
+
+@dataclass(frozen=True, eq=False)
+class Factors:
+    """The matrix left @ diag(values) @ right, all entries meant as the exact numbers that they are.
+
+    Attributes:
+        left: L, shape (r, m).
+        values: v, shape (m,): stiffnesses, dampings, masses; what is uncertain about the matrix.
+        right: R, shape (m, r).
+
+    >>> stiff = Factors(np.array([[1.0, -1.0], [0.0, 1.0]]), np.array([1.0, 1e16]), np.array([[1.0, 0.0], [-1.0, 1.0]]))
+    >>> float(stiff.matrix[0, 0]), stiff.exact[0, 0]
+    (1e+16, Fraction(10000000000000001, 1))
+    """
+
+    left: np.ndarray
+    values: np.ndarray
+    right: np.ndarray
+
+    @cached_property
+    def _entries(self) -> dict[tuple[int, int], Fraction]:
+        """The entries to which an element contributes, by row and column."""
+        entries: dict[tuple[int, int], Fraction] = {}
+        for column, value, row in zip(self.left.T, self.values, self.right):
+            right = [(j, Fraction(float(row[j]))) for j in np.flatnonzero(row).tolist()]
+            for i in np.flatnonzero(column).tolist():
+                left = Fraction(float(column[i])) * Fraction(float(value))
+                for j, factor in right:
+                    entries[i, j] = entries.get((i, j), 0) + left * factor
+        return entries
+
+    @property
+    def _shape(self) -> tuple[int, int]:
+        return len(self.left), self.right.shape[1]
+
+    @cached_property
+    def exact(self) -> np.ndarray:
+        """The matrix as Fractions, shape (r, r)."""
+        total = np.full(self._shape, Fraction(0), dtype=object)
+        for place, entry in self._entries.items():
+            total[place] = entry
+        return total
+
+    @cached_property
+    def matrix(self) -> np.ndarray:
+        """The nearest float64 matrix, shape (r, r)."""
+        total = np.zeros(self._shape)
+        for place, entry in self._entries.items():
+            total[place] = float(entry)
+        return total
