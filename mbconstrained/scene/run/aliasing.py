@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...ground.notices import Notice, NoticeKind
 from ...linalg.blocks import block_slices, zeros_of
+from .answer import SceneAnswer
 from .curves import visible
-
-if TYPE_CHECKING:
-    from .result import Result
 
 #: Fewer times in a period than the first cannot represent it; the second show it smoothly.
 FEWEST, SMOOTH = 3, 20
@@ -46,7 +43,7 @@ SLOWER, NEAR = 0.01, 1.1
 ALIKE = 1e-3
 
 
-def following_times(result: Result) -> np.ndarray:
+def following_times(result: SceneAnswer) -> np.ndarray:
     """Equidistant times, as many as the fastest visible motion needs, from the default number to ``MOST_TIMES``."""
     time = result.scene.table.time
     fastest = _fastest_visible(result, 2 * math.pi / (FOLLOWED * time.spacing))
@@ -56,7 +53,7 @@ def following_times(result: Result) -> np.ndarray:
     return np.linspace(time.start, time.end, min(points, MOST_TIMES))
 
 
-def aliasing_notices(result: Result) -> tuple[Notice, ...]:
+def aliasing_notices(result: SceneAnswer) -> tuple[Notice, ...]:
     """A notice where the times are too coarse for the fastest visible motion, with the entry to write instead."""
     time = result.scene.table.time
     spacing = (time.end - time.start) / (len(result.times) - 1)
@@ -78,7 +75,7 @@ def aliasing_notices(result: Result) -> tuple[Notice, ...]:
     return (Notice(NoticeKind.ALIASING, text),)
 
 
-def _fastest_visible(result: Result, slowest: float) -> tuple[float, str, str] | None:
+def _fastest_visible(result: SceneAnswer, slowest: float) -> tuple[float, str, str] | None:
     """The highest angular frequency above ``slowest`` of a visible component that does not decay at once, a coordinate, its amplitude."""
     frequencies = _angular_frequencies(result)
     for highest in _octaves([each for each in frequencies if each > slowest]):
@@ -88,7 +85,7 @@ def _fastest_visible(result: Result, slowest: float) -> tuple[float, str, str] |
     return None
 
 
-def _angular_frequencies(result: Result) -> list[float]:
+def _angular_frequencies(result: SceneAnswer) -> list[float]:
     """Of the zeros and the forces, the highest first."""
     zeros = {abs(zero.value.imag) for zero in result.finite_pair.zeros}
     smooth = result.motion.force.smooth  # prescribed motions, too
@@ -106,7 +103,7 @@ def _octaves(descending: Iterable[float]) -> Iterator[float]:
             yield each
 
 
-def _visible_frequency(result: Result, descending: list[float]) -> tuple[float, str, str] | None:
+def _visible_frequency(result: SceneAnswer, descending: list[float]) -> tuple[float, str, str] | None:
     """The highest of these angular frequencies, or of the octave below the first, that is visible in the motion."""
     kept = list(_distinct(descending))
     coordinates = result.scene.equations.coordinates
@@ -132,7 +129,7 @@ def _amplitudes(parts: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.hypot(*factors.reshape(2, -1, len(values)))
 
 
-def _stretches(result: Result, period: float) -> Iterator[tuple[float, float]]:
+def _stretches(result: SceneAnswer, period: float) -> Iterator[tuple[float, float]]:
     """Where the motion is looked at for what has this period: beginnings and lengths, in s; as long again behind each."""
     time, force = result.scene.table.time, result.scene.equations.force
     whole = time.end - time.start

@@ -21,12 +21,12 @@ from ...frequency.shock.extrema import (
 from ...ground.coordinate_units import derivative_name, force_unit, rate_unit
 from ...ground.tolerances import NOT_DRAWN
 from ..quantities.output_units import OutputUnits
+from .answer import SceneAnswer
 from .report.element_quantities import element_quantities
 
 if TYPE_CHECKING:
     from ...page.content import TimeFunctions
     from ...signals.bohl import BohlFunction
-    from .result import Result
 
 ORDERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
 PARTS = {  # curves that are made of others
@@ -46,7 +46,7 @@ MOST_LARGEST = 40
 ENERGIES = ("kinetic", "strain", "static", "total")
 
 
-def curves_of(result: Result, kind: str) -> Curves:
+def curves_of(result: SceneAnswer, kind: str) -> Curves:
     """The trajectories of a kind at the times of a scene."""
     equations, values = result.scene.equations, functions_of(result, kind)(result.times)
     if kind in ORDERS:
@@ -71,7 +71,7 @@ def curves_of(result: Result, kind: str) -> Curves:
     return Curves(kind, names, (kind,) * len(names), units, values)
 
 
-def extrema_of(result: Result, kind: str, rows: Sequence[int] | None = None) -> Extrema:
+def extrema_of(result: SceneAnswer, kind: str, rows: Sequence[int] | None = None) -> Extrema:
     """The largest and the smallest values of a kind from the first to the last time, of the closed form: none is missed between times."""
     start, end = float(result.times[0]), float(result.times[-1])
     at, (linear, constants) = functions_of(result, kind), _linear(result, kind)
@@ -82,7 +82,7 @@ def extrema_of(result: Result, kind: str, rows: Sequence[int] | None = None) -> 
     return sampled_extrema_of(result, at if rows is None else lambda times: at(times)[list(rows)])
 
 
-def rms_of(result: Result, kind: str, rows: Sequence[int]) -> RootMeanSquares:
+def rms_of(result: SceneAnswer, kind: str, rows: Sequence[int]) -> RootMeanSquares:
     """The RMS values of some curves of a kind from the first to the last time, by integrals of the closed form."""
     at, (linear, constants) = functions_of(result, kind), _linear(result, kind)
     added = None if constants is None else constants[list(rows)]
@@ -109,7 +109,7 @@ class Largest:
     margin: float
 
 
-def largest_values(result: Result) -> list[Largest]:
+def largest_values(result: SceneAnswer) -> list[Largest]:
     """Of the requested curves, of each kind the first ``MOST_LARGEST``."""
     values: list[Largest] = []
     wanted = result.scene.table.output.coordinates
@@ -123,19 +123,19 @@ def largest_values(result: Result) -> list[Largest]:
     return values
 
 
-def sampled_extrema_of(result: Result, at: Callable[[np.ndarray], np.ndarray]) -> Extrema:
+def sampled_extrema_of(result: SceneAnswer, at: Callable[[np.ndarray], np.ndarray]) -> Extrema:
     """Those of functions that have squares of the motion, such as energies, as of ``sampled_extrema``."""
     rate = 2 * fastest_rate(result.motion.function)
     return sampled_extrema(at, _breaks(result), rate, float(result.times[0]), float(result.times[-1]))
 
 
-def positive_times_of(result: Result, at: Callable[[np.ndarray], np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def positive_times_of(result: SceneAnswer, at: Callable[[np.ndarray], np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """When functions that have squares or ratios of the motion are largest, and first become positive, as of ``positive_times``."""
     rate, breaks = 2 * fastest_rate(result.motion.function), _breaks(result)
     return positive_times(at, breaks, rate, float(result.times[0]), float(result.times[-1]))
 
 
-def _linear(result: Result, kind: str) -> tuple[BohlFunction | None, np.ndarray | None]:
+def _linear(result: SceneAnswer, kind: str) -> tuple[BohlFunction | None, np.ndarray | None]:
     """A kind of curves in closed form, without constants, and the constants; None for energies."""
     equations, motion = result.scene.equations, result.motion
     if kind in ORDERS:
@@ -160,7 +160,7 @@ def _linear(result: Result, kind: str) -> tuple[BohlFunction | None, np.ndarray 
     return None, None
 
 
-def functions_of(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray]:
+def functions_of(result: SceneAnswer, kind: str) -> Callable[[np.ndarray], np.ndarray]:
     """The same trajectories as functions of time."""
     equations, motion = result.scene.equations, result.motion
     if kind in ORDERS:
@@ -179,7 +179,7 @@ def functions_of(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray
     return lambda times: np.array([getattr(motion.energy(times), name) for name in ENERGIES])
 
 
-def time_functions(result: Result, kind: str) -> TimeFunctions:
+def time_functions(result: SceneAnswer, kind: str) -> TimeFunctions:
     """The same as the page stores them: in the units of [output], with the times at which they may jump or bend, and their
     estimated error.
     """
@@ -193,7 +193,7 @@ def time_functions(result: Result, kind: str) -> TimeFunctions:
     return TimeFunctions(lambda times: factors * values(times), breaks, noise, result.record_response)
 
 
-def drawn_functions(result: Result, kind: str) -> Callable[[np.ndarray], np.ndarray]:
+def drawn_functions(result: SceneAnswer, kind: str) -> Callable[[np.ndarray], np.ndarray]:
     """The functions without proof of their values where those at the times of the scene differ by nothing that is visible: it takes long."""
     linear, constants = _linear(result, kind)
     if linear is None:
@@ -204,7 +204,7 @@ def drawn_functions(result: Result, kind: str) -> Callable[[np.ndarray], np.ndar
     return (lambda times: rough(times) + added) if near.all() else functions_of(result, kind)
 
 
-def _breaks(result: Result) -> np.ndarray:
+def _breaks(result: SceneAnswer) -> np.ndarray:
     """Times at which the motion or a derivative of it may jump."""
     return np.unique([*result.motion.force.knots, *(event.time for event in result.motion.events)])
 

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 from ...ground.checks import counted
 from ...ground.notices import NoticeKind
 from ...response.choose import PAIRS, unproved
+from .scene_data import SceneData
 
 if TYPE_CHECKING:
     from ..build.equations import Equations
-    from .scene import Scene
 
 Decision = tuple[bool, str]
 
@@ -21,7 +21,7 @@ MOST_CERTIFIED_STATES = 240
 MOST_FORMULA_STATES = 60
 
 
-def units(scene: Scene) -> Decision:
+def units(scene: SceneData) -> Decision:
     """pint, which knows units, is loaded for texts such as "3 N/mm"."""
     robot = scene.equations.robot_scene
     texts = scene.unit_texts + (robot.data.unit_texts if robot else 0)
@@ -30,7 +30,7 @@ def units(scene: Scene) -> Decision:
     return False, "all quantities are numbers in SI without units"
 
 
-def assembly(scene: Scene) -> Decision:
+def assembly(scene: SceneData) -> Decision:
     """The equations, which every scene has."""
     equations = scene.equations
     count, degree = len(equations.coordinates.names), equations.polynomial_matrix.degree
@@ -49,7 +49,7 @@ def _control_size(control) -> str:
     return ", ".join(counted(len(names), what) for names, what in counts)
 
 
-def normal_form(scene: Scene) -> Decision:
+def normal_form(scene: SceneData) -> Decision:
     """Of a state space: whether it is turned into a mechanical system."""
     form = scene.equations.control.form
     if form is None:
@@ -57,13 +57,13 @@ def normal_form(scene: Scene) -> Decision:
     return True, f"normal_form = true: {counted(form.size, 'displacement')} and as many velocities"
 
 
-def robot_model(scene: Scene) -> Decision:
+def robot_model(scene: SceneData) -> Decision:
     """The robot's file."""
     robot = scene.equations.robot_scene
     return True, f"{robot.data.place}: {counted(len(robot.robot.bodies), 'link')}, {counted(len(robot.robot.joints), 'joint')}"
 
 
-def equilibrium(scene: Scene) -> Decision:
+def equilibrium(scene: SceneData) -> Decision:
     """Where the robot is at rest."""
     load = _load(scene)
     rows_by_kind = [
@@ -77,12 +77,12 @@ def equilibrium(scene: Scene) -> Decision:
     return True, f"the motion is about a state of rest, with {' and '.join(rows_by_kind) or 'no loops to close'}"
 
 
-def _load(scene: Scene):
+def _load(scene: SceneData):
     """What holds and loads the robot."""
     return scene.equations.posture.balance.load
 
 
-def constraint_rows(scene: Scene) -> Decision:
+def constraint_rows(scene: SceneData) -> Decision:
     """Rows that say nothing new are looked for where there are rows."""
     system = scene.equations.system
     if scene.equations.control is not None:
@@ -98,7 +98,7 @@ def constraint_rows(scene: Scene) -> Decision:
     return True, f"{counted(len(system.rows) + removed, 'row')}, {removed} of them dependent"
 
 
-def constrained_form(scene: Scene) -> Decision:
+def constrained_form(scene: SceneData) -> Decision:
     """The equations of motion freed of the constraint forces."""
     system = scene.equations.system
     if system is None or not system.rows:
@@ -107,14 +107,14 @@ def constrained_form(scene: Scene) -> Decision:
     return True, f"{counted(len(system.rows), 'independent row')} at {' and '.join(levels)} level"
 
 
-def finite_pair(scene: Scene) -> Decision:
+def finite_pair(scene: SceneData) -> Decision:
     """Eigenvalues are listed in any case; the motion comes from the pair only where the chosen method is that of the pairs."""
     if scene.method.name == PAIRS:
         return True, "the motion for t > 0, and the eigenvalues"
     return True, "the eigenvalues; the motion comes from the reduced equations"
 
 
-def infinite_pair(scene: Scene) -> Decision:
+def infinite_pair(scene: SceneData) -> Decision:
     """Jumps and impulses come from it; free and admissible motion does without (Moysis et al., section 4.1)."""
     equations = scene.equations
     A = equations.polynomial_matrix
@@ -125,12 +125,12 @@ def infinite_pair(scene: Scene) -> Decision:
     return True, f"A_{A.degree} is singular and {'the start does not fit' if equations.is_free else 'a force acts'}"
 
 
-def response(scene: Scene) -> Decision:
+def response(scene: SceneData) -> Decision:
     """The response, and the method that gives its values at the times of the scene."""
     return True, f"from the values at 0-, with jumps and impulses; values {scene.method.reason}"
 
 
-def modes(scene: Scene) -> Decision:
+def modes(scene: SceneData) -> Decision:
     """What the zeros mean is known of a mechanical system."""
     if scene.equations.system is None:
         listed = "the zeros of A(s)" if scene.equations.control is None else "the poles"
@@ -138,7 +138,7 @@ def modes(scene: Scene) -> Decision:
     return True, "classifies oscillations, rigid-body modes and drift"
 
 
-def proof(scene: Scene) -> Decision:
+def proof(scene: SceneData) -> Decision:
     """Small models of exact data have bounds of the error instead of estimates."""
     control, reason = scene.equations.control, unproved(scene.problem)
     if reason and control and control.form and "output" in scene.table.output.plots:
@@ -146,7 +146,7 @@ def proof(scene: Scene) -> Decision:
     return not reason, reason or "few states: the error is bounded, and values beyond the bound come from the exact engine"
 
 
-def transfer_functions(scene: Scene) -> Decision:
+def transfer_functions(scene: SceneData) -> Decision:
     """From each input to each output of a state space."""
     control = scene.equations.control
     if not (control.inputs.names and control.outputs.names):
@@ -156,13 +156,13 @@ def transfer_functions(scene: Scene) -> Decision:
     return True, "zeros, gain and DC gain from each input to each output"
 
 
-def plotted(scene: Scene, kind: str) -> Decision:
+def plotted(scene: SceneData, kind: str) -> Decision:
     """Curves that are only there to be shown."""
     requested = kind in scene.table.output.plots
     return requested, f"{kind} is{'' if requested else ' not'} among the plots"
 
 
-def velocities(scene: Scene) -> Decision:
+def velocities(scene: SceneData) -> Decision:
     """Besides plots, an animation needs them."""
     requested, reason = plotted(scene, "velocity")
     if "phase" in scene.table.output.plots and not requested:
@@ -171,7 +171,7 @@ def velocities(scene: Scene) -> Decision:
     return (True, "the animation moves by displacements and velocities") if moves else (requested, reason)
 
 
-def reactions(scene: Scene) -> Decision:
+def reactions(scene: SceneData) -> Decision:
     """The forces of the constraint rows over time."""
     output, system = scene.table.output, scene.equations.system
     if system is None or not system.rows:
@@ -182,7 +182,7 @@ def reactions(scene: Scene) -> Decision:
     return requested, "requested in [output]" if requested else "not requested in [output]"
 
 
-def connection_forces(scene: Scene) -> Decision:
+def connection_forces(scene: SceneData) -> Decision:
     """Of loops, springs and bushings of a robot in the directions of the ground."""
     output, equations = scene.table.output, scene.equations
     if not equations.has_connections:
@@ -193,7 +193,7 @@ def connection_forces(scene: Scene) -> Decision:
     return feet, "friction and lift-off of feet are checked" if feet else "not requested in [output]"
 
 
-def outputs(scene: Scene) -> Decision:
+def outputs(scene: SceneData) -> Decision:
     """Of a robot or a state space."""
     equations = scene.equations
     if equations.outputs is None:
@@ -205,13 +205,13 @@ def outputs(scene: Scene) -> Decision:
     return requested, source if requested else "output is not among the plots"
 
 
-def element_quantities(scene: Scene) -> Decision:
+def element_quantities(scene: SceneData) -> Decision:
     """Forces, elongations and relative motions."""
     named = scene.table.output.quantity
     return bool(named), counted(len(named), "entry", "entries") + " of [[output.quantity]]" if named else "no [[output.quantity]]"
 
 
-def certificate(scene: Scene) -> Decision:
+def certificate(scene: SceneData) -> Decision:
     """Digits that exact arithmetic proves."""
     certify = scene.table.output.certify
     if not certify:
@@ -221,7 +221,7 @@ def certificate(scene: Scene) -> Decision:
     return True, "digits of every coordinate" if certify is True else f"digits of {', '.join(certify)}"
 
 
-def symbols(scene: Scene) -> Decision:
+def symbols(scene: SceneData) -> Decision:
     """A formula for the page."""
     output, count = scene.table.output, len(scene.parameters.values)
     if not output.formula:
@@ -233,7 +233,7 @@ def symbols(scene: Scene) -> Decision:
     return True, f"formula = true: {counted(count, 'parameter')} as symbols" if count else "formula = true: with exact numbers"
 
 
-def animation(scene: Scene) -> Decision:
+def animation(scene: SceneData) -> Decision:
     """The drawing that moves."""
     output, pictured = scene.table.output, still(scene)[0]
     if not (output.page or pictured):
@@ -247,18 +247,18 @@ def animation(scene: Scene) -> Decision:
     return True, "the model moves on the page, by displacements and velocities"
 
 
-def is_animated(scene: Scene) -> bool:
+def is_animated(scene: SceneData) -> bool:
     """Whether a page shows the model moving."""
     output = scene.table.output
     return output.page and output.animation and _has_places(scene)
 
 
-def _has_places(scene: Scene) -> bool:
+def _has_places(scene: SceneData) -> bool:
     drawing = scene.table.drawing
     return not scene.equations.has_outputs_among_coordinates or (drawing is not None and drawing.is_own)
 
 
-def still(scene: Scene) -> Decision:
+def still(scene: SceneData) -> Decision:
     """A picture of the model, for which a browser is needed."""
     time = scene.table.output.still
     if time is None:
@@ -270,19 +270,19 @@ def still(scene: Scene) -> Decision:
     return (True, f"{scene.name}.still.png, the model at {time:g} s") if browser() else (False, NONE_INSTALLED)
 
 
-def formats(scene: Scene) -> Decision:
+def formats(scene: SceneData) -> Decision:
     """Files for other programs."""
     requested = scene.table.output.formats
     return bool(requested), ", ".join(requested) if requested else 'not requested (formats in [output], e.g. ["mat", "uff"])'
 
 
-def plot_images(scene: Scene) -> Decision:
+def plot_images(scene: SceneData) -> Decision:
     """The plots as files."""
     requested = scene.table.output.plot_images
     return requested, f"{scene.name}.*.svg and .png" if requested else "not requested (--plots, or plot_images = true in [output])"
 
 
-def robot_meshes(scene: Scene) -> Decision:
+def robot_meshes(scene: SceneData) -> Decision:
     """Files of the robot's looks."""
     meshes = scene.equations.robot_scene.data.names.meshes
     if not meshes:
@@ -291,13 +291,13 @@ def robot_meshes(scene: Scene) -> Decision:
     return drawn, f"{counted(len(meshes), 'mesh', 'meshes')} to draw" if drawn else "meshes are read only where they are drawn"
 
 
-def collision_geometry(scene: Scene) -> Decision:
+def collision_geometry(scene: SceneData) -> Decision:
     """Of the links, for the page."""
     drawn = animation(scene)[0]
     return drawn, "the page shows it on request" if drawn else "it is read only where the robot is drawn"
 
 
-def frequency(scene: Scene) -> Decision:
+def frequency(scene: SceneData) -> Decision:
     """The frequency response."""
     table = scene.table.frequency
     if table is None:
@@ -305,7 +305,7 @@ def frequency(scene: Scene) -> Decision:
     return True, f"[frequency]: {table.quantity}"
 
 
-def frequency_files(scene: Scene) -> Decision:
+def frequency_files(scene: SceneData) -> Decision:
     """Its page, CSV and npz."""
     output, requested = scene.table.output, scene.table.frequency is not None
     kinds = [ending for ending, wanted in (("html", output.page), ("csv", output.csv), ("npz", output.npz)) if wanted]
@@ -314,7 +314,7 @@ def frequency_files(scene: Scene) -> Decision:
     return True, f"{scene.name}.frequency.{', .'.join(kinds)}"
 
 
-def written(scene: Scene, kind: str) -> Decision:
+def written(scene: SceneData, kind: str) -> Decision:
     """A file."""
     requested = getattr(scene.table.output, kind)
     return requested, f"{scene.name}.{'html' if kind == 'page' else kind}" if requested else f"{kind} = false"
@@ -329,7 +329,7 @@ def too_large_to_certify(equations: Equations) -> str:
     return f"exact arithmetic with {states} states takes too long, {MOST_CERTIFIED_STATES} is the most"
 
 
-def too_large_for_formula(scene: Scene) -> str:
+def too_large_for_formula(scene: SceneData) -> str:
     """The reason why no formula is computed; an empty text where one is."""
     A = scene.equations.polynomial_matrix
     if scene.equations.robot is not None or A.size * A.degree <= MOST_FORMULA_STATES:

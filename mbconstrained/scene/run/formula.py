@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 from ...ground.checks import nearest
 from ...ground.errors import InputError
 from .decisions import too_large_for_formula
+from .scene_data import SceneData
 from .stage_costs import OutOfTime, time_limit
 
 if TYPE_CHECKING:
     from ...exact.formulas.closed_form import ClosedForm
     from ...page.content import Formulas
-    from .scene import Scene
 
 #: Most operations of all formulas together.
 MOST_OPERATIONS = 20_000
@@ -35,7 +35,7 @@ Progress = Callable[[str], None]
 
 
 def formula_of(
-    scene: Scene,
+    scene: SceneData,
     *,
     numbers: bool = False,
     coordinates: Sequence[str] | None = None,
@@ -56,7 +56,7 @@ def formula_of(
     return form
 
 
-def _solved(scene: Scene, numbers: bool, coordinates, progress: Progress) -> ClosedForm:
+def _solved(scene: SceneData, numbers: bool, coordinates, progress: Progress) -> ClosedForm:
     try:
         return _formula(scene, numbers, coordinates, progress)
     except InputError as problem:
@@ -68,7 +68,7 @@ def _solved(scene: Scene, numbers: bool, coordinates, progress: Progress) -> Clo
         return _formula(scene, True, coordinates, progress)  # pi, as in 2 pi f, was the only symbol
 
 
-def _formula(scene: Scene, numbers: bool, coordinates, progress: Progress) -> ClosedForm:
+def _formula(scene: SceneData, numbers: bool, coordinates, progress: Progress) -> ClosedForm:
     from ...exact.formulas.closed_form import ClosedForm
     from ...exact.formulas.formula_data import without_implied
     from ...exact.formulas.real_form import real_form
@@ -91,7 +91,7 @@ def _formula(scene: Scene, numbers: bool, coordinates, progress: Progress) -> Cl
     return real_form(symbols.finished(form))
 
 
-def _check_coordinates(scene: Scene, names: Sequence[str] | None) -> None:
+def _check_coordinates(scene: SceneData, names: Sequence[str] | None) -> None:
     known = scene.equations.coordinates.names
     if scene.table.model.kind == "state-space":
         known = (*scene.equations.control.system.states, *scene.equations.control.system.outputs)
@@ -102,12 +102,12 @@ def _check_coordinates(scene: Scene, names: Sequence[str] | None) -> None:
             raise InputError(f'there is no coordinate "{name}"{nearest(name, known)}; there are {", ".join(known)}')
 
 
-def _check_size(scene: Scene) -> None:
+def _check_size(scene: SceneData) -> None:
     if reason := too_large_for_formula(scene):
         raise InputError(f"{reason}; take a smaller model, or run the scene: its answer is evaluated at any time all the same")
 
 
-def _advice(scene: Scene, numbers: bool) -> str:
+def _advice(scene: SceneData, numbers: bool) -> str:
     if scene.parameters.values and not numbers:
         return (
             "insert numbers for the symbols (mbconstrained formula --numbers), make fewer numbers parameters, or ask for fewer "

@@ -27,7 +27,7 @@ from .report.force_report import forces_notices
 from .report.jumps import ReportedImpulse, ReportedJump, forces_of_rows, impulses_of, jumps_of, with_units
 from .report.robot_report import limit_notices
 from .report.tables import notices_of, tables_of
-from .result_files import arrays_of_result, more_arrays
+from .scene_data import SceneData
 
 if TYPE_CHECKING:
     from ...exact.formulas.closed_form import ClosedForm
@@ -44,7 +44,6 @@ if TYPE_CHECKING:
     from ...signals.impulsive import ImpulsiveLoad
     from .certificate import Certificate
     from .frequency.scene_frequency import SceneFrequency
-    from .scene import Scene
 
 NOTHING_MOVES = "nothing moves: neither the start nor a force sets anything in motion"
 
@@ -60,7 +59,7 @@ class Result(Displayed):
         times: of the scene, shape (T,), in s.
     """
 
-    def __init__(self, scene: Scene, plan: Plan, folder: Path | None = None):
+    def __init__(self, scene: SceneData, plan: Plan, folder: Path | None = None):
         self.scene = scene
         self.system: MechanicalSystem | None = scene.equations.system
         self.plan = plan
@@ -451,3 +450,39 @@ class Result(Displayed):
 
 def _of_bytes(content: bytes):
     return lambda path: path.write_bytes(content)
+
+
+# The arrays of a result, for NumPy, MATLAB, netCDF and Zarr.
+
+
+def arrays_of_result(result: Result) -> dict[str, np.ndarray]:
+    """Times, names, curves, start, jump, impulses, events, finite and infinite pair."""
+    arrays = {"times": result.times, "coordinates": np.array(result.scene.equations.coordinates.names)}
+    for kind in result.kinds:
+        arrays[kind] = result.curves(kind).values
+    return arrays | more_arrays(result)
+
+
+def more_arrays(result: Result) -> dict[str, np.ndarray]:
+    """Those of ``arrays_of_result`` that are no curves."""
+    arrays = {}
+    if "reaction" in result.kinds:
+        arrays["constraints"] = np.array(result.curves("reaction").names)
+    if "ground_reaction" in result.kinds:
+        arrays["ground_reactions"] = np.array(result.curves("ground_reaction").names)
+    if result.scene.equations.has_outputs_among_coordinates:
+        arrays["outputs"] = np.array(result.scene.equations.control.outputs.names)
+    if "quantity" in result.kinds:
+        arrays["quantities"] = np.array(result.curves("quantity").names)
+    if "output" in result.kinds:
+        arrays["outputs"] = np.array(result.curves("output").names)
+    arrays |= result.motion.start_arrays()
+    for name, pair in _pairs(result):
+        arrays |= {f"{name}_C": pair.C, f"{name}_J": pair.J, f"{name}_B": pair.B}
+    return arrays
+
+
+def _pairs(result: Result):
+    yield "finite", result.finite_pair
+    if any(stage.name == "infinite pair" and stage.needed for stage in result.plan.stages):
+        yield "infinite", result.infinite_pair

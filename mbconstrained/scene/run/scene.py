@@ -4,44 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ...ground.display import Studied
 from ...ground.errors import InputError
-from ...ground.notices import Notice, NoticeKind
-from ...ground.tolerances import noise_of
-from ...response.choose import Method, Request, choose
-from ...response.problem import Problem
 from ..build.equations import Equations, equations_of
-from ..build.free_motions import free_motion_notices
 from ..file.includes import read_tables, with_robot_file
 from ..file.messages import SceneName, at
 from ..quantities.output_units import OutputUnits
-from ..quantities.parameters import Parameters, with_parameters
+from ..quantities.parameters import with_parameters
 from ..quantities.quantities import count_texts
-from ..quantities.settings import Setting, with_settings, with_values
+from ..quantities.settings import with_settings, with_values
 from ..quantities.units import registry
 from ..schema.scene_schema import SceneFile
 from ..schema.validation import validated
 from .plan import Plan
 from .report.element_quantities import element_quantities
 from .result import Result
-from .stage_costs import Cost, Costs
+from .scene_data import SceneData
+from .stage_costs import Costs
 from .stages import plan_of, run_stages
 
 if TYPE_CHECKING:
     from ...mechanics.sensitivity.parameter import Parameter
     from ...mechanics.sensitivity.sensitivities import Sensitivities
-    from ...mechanics.system import MechanicalSystem
     from ...mechanics.vibration.root_locus import RootLocus
 
 
 @dataclass(frozen=True, repr=False)
-class Scene(Studied):
+class Scene(SceneData, Studied):
     """A scene that was read, checked and assembled; nothing is solved yet.
 
     Attributes:
@@ -54,97 +47,6 @@ class Scene(Studied):
         settings: what was set from outside.
         file_name: of the file, in messages; it knows what comes from other files.
     """
-
-    path: Path
-    table: Any  # SceneTable: pydantic is imported late
-    equations: Equations
-    unit_texts: int
-    costs: dict[str, Cost]
-    parameters: Parameters = Parameters()
-    settings: tuple[Setting, ...] = ()
-    file_name: SceneName = SceneName("")
-
-    def _summary(self) -> str:
-        return f"{self.name}: {self.title}" if self.title else self.name
-
-    @property
-    def name(self) -> str:
-        """The name of the file without its ending; results are named after it."""
-        return self.path.stem
-
-    @property
-    def times(self) -> np.ndarray:
-        """The times of the scene, shape (T,), in s."""
-        return self.table.time.times
-
-    @property
-    def title(self) -> str:
-        """The title in the file, or else the name."""
-        return self.table.title or self.name
-
-    @property
-    def heading(self) -> str:
-        """The title with what was set from outside."""
-        overrides = ", ".join(map(str, self.settings))
-        return f"{self.title}, with {overrides}" if overrides else self.title
-
-    @cached_property
-    def notices(self) -> tuple[Notice, ...]:
-        """Notices before a run: overrides, unused parameters, unconstrained bodies."""
-        has_elements = self.equations.system is not None and self.table.model.kind in ("lumped", "matrices")
-        free = free_motion_notices(self.equations.system) if has_elements else ()
-        given = (
-            *self.parameters.notices,
-            *_late_loads(self.table),
-            *_assumed_lengths(self.table.model),
-            *_matrix_notices(self.table, self.equations.system),
-        )
-        drawn = self.equations.robot_scene is not None and self.table.output.page and self.table.output.animation
-        missing = self.equations.robot.mesh_notices() if drawn else ()
-        return (*(setting.notice for setting in self.settings), *given, *free, *missing)
-
-    @cached_property
-    def method(self) -> Method:
-        """The method that gives the response at the times of the scene."""
-        return choose(self.problem, Request(times=self.times))
-
-    @cached_property
-    def problem(self) -> Problem:
-        """A(d/dt) x = f with the values at 0-."""
-        equations = self.equations
-        return Problem(equations.polynomial_matrix, equations.initial, equations.right_hand_side)
-
-    def certified(self) -> Scene:
-        """The same scene with certify = true, where it does not say itself what to certify."""
-        output = self.table.output
-        return self._with_output(certify=output.certify or output.coordinates or True)
-
-    def with_viewer(self, viewer: str) -> Scene:
-        """The same scene with the script of the viewer "inside" its page, in a "separate" file, or "compressed"."""
-        return self._with_output(viewer=viewer)
-
-    def with_plot_images(self) -> Scene:
-        """The same scene with its plots as pictures too."""
-        return self._with_output(plot_images=True)
-
-    def with_still(self, time: float) -> Scene:
-        """The same scene with a still picture of its model at a time in s.
-
-        Raises:
-            InputError: a time that the scene does not reach.
-        """
-        start, end = self.table.time.start, self.table.time.end
-        if not start <= time <= end:
-            raise InputError(f"still picture: found {time:g} s; expected a time from {start:g} to {end:g} s, where the scene ends")
-        return self._with_output(still=float(time))
-
-    def unwritten(self) -> Scene:
-        """The same scene without page, CSV, npz and pictures."""
-        return self._with_output(page=False, csv=False, npz=False, plot_images=False, still=None)
-
-    def _with_output(self, **changes) -> Scene:
-        output = self.table.output.model_copy(update=changes)
-        return replace(self, table=self.table.model_copy(update={"output": output}))
 
     def plan(self) -> Plan:
         """The stages that this scene needs and those it can do without, each with its reason."""
@@ -241,49 +143,6 @@ class Scene(Studied):
             MbconstrainedError: the equations have no answer, or none within the range of float64.
         """
         return run_stages(self, None if folder is None else Path(folder), progress)
-
-
-def _late_loads(table) -> Iterator[Notice]:
-    """A notice for each force that begins after the last time."""
-    for number, load in enumerate(table.force, 1):
-        first = getattr(load, "start", 0.0) if load.kind == "pulse" else 0.0
-        times = getattr(load, "times", None)
-        begin = load.delay + (times[0] if times else first)
-        if begin > table.time.end:
-            text = f"it begins at {begin:g} s, after the last time, {table.time.end:g} s, and has no effect before"
-            yield Notice(NoticeKind.OMITTED, f'force[{number}] on "{load.title}": {text}')
-
-
-#: Elements that a notice lists.
-MOST_NAMED = 5
-
-
-def _assumed_lengths(model) -> Iterator[Notice]:
-    """Springs without a rest length next to some that have one: coordinates are positions then, and these springs pull to length 0."""
-    for key, entry, unit in (("spring", "rest_length", "m"), ("torsion_spring", "rest_angle", "rad")):
-        springs = list(enumerate(getattr(model, key, ()), 1))
-        if not any(getattr(spring, entry) for _, spring in springs):
-            continue
-        without = [spring.name or f"{key}[{number}]" for number, spring in springs if entry not in spring.model_fields_set]
-        if without:
-            more = f" and {len(without) - MOST_NAMED} more" if len(without) > MOST_NAMED else ""
-            text = f"no {entry} is given, while others have one: 0 {unit} is taken"
-            yield Notice(NoticeKind.OMITTED, f"{', '.join(without[:MOST_NAMED])}{more}: {text}")
-
-
-def _matrix_notices(table, system: MechanicalSystem | None) -> Iterator[Notice]:
-    """What the matrices of a scene are that those of springs and masses never are: unsymmetric, or M with a negative eigenvalue."""
-    if table.model.kind != "matrices" or system is None or system.is_sparse:
-        return
-    for name in ("mass", "stiffness"):
-        yield from system.unsymmetric(name)
-    M = (system.mass + system.mass.T) / 2
-    sizes = np.sqrt(np.abs(np.diag(M)))
-    scaled = M / np.outer(np.where(sizes > 0, sizes, 1.0), np.where(sizes > 0, sizes, 1.0))
-    least = float(np.linalg.eigvalsh(scaled)[0])
-    if least < -noise_of(np.abs(scaled).max(), len(M)):
-        text = "the mass matrix is not positive semidefinite: some motion has a negative kinetic energy, which no machine has"
-        yield Notice(NoticeKind.UNSTABLE, text)
 
 
 def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> Scene:

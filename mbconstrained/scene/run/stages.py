@@ -11,16 +11,13 @@ from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter, methodcaller
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from . import decisions
 from .decisions import Decision
 from .plan import PAGE, Plan, Stage
 from .result import Result
+from .scene_data import SceneData
 from .stage_costs import Costs
-
-if TYPE_CHECKING:
-    from .scene import Scene
 
 
 @dataclass(frozen=True)
@@ -36,7 +33,7 @@ class PossibleStage:
     """
 
     name: str
-    decide: Callable[[Scene], Decision] | Decision
+    decide: Callable[[SceneData], Decision] | Decision
     work: Callable[[Result], object] | None = None
     writes: bool = False
     part_of: str = ""
@@ -98,7 +95,7 @@ STEPS = (
 )
 
 
-def steps_of(scene: Scene) -> tuple[PossibleStage, ...]:
+def steps_of(scene: SceneData) -> tuple[PossibleStage, ...]:
     """The stages of a kind of scene: those of a robot or a state space only where there is one."""
     kind = scene.table.model.kind
     first = ROBOT_STEPS if kind == "robot" else NO_ROBOT_STEPS
@@ -106,20 +103,20 @@ def steps_of(scene: Scene) -> tuple[PossibleStage, ...]:
     return (*FILE_STEPS, *first, *(each for step in STEPS for each in (step, *following.get(step.name, ()))))
 
 
-def plan_of(scene: Scene, *, writing: bool = True) -> Plan:
+def plan_of(scene: SceneData, *, writing: bool = True) -> Plan:
     """Decide about every stage and run none."""
     requested = scene if writing else scene.unwritten()
     return Plan(tuple(_stage(step, requested, writing) for step in steps_of(scene))).with_costs(scene.costs)
 
 
-def _stage(step: PossibleStage, scene: Scene, writing: bool) -> Stage:
+def _stage(step: PossibleStage, scene: SceneData, writing: bool) -> Stage:
     if step.writes and not writing:
         return Stage(step.name, False, "no folder to write to was given")
     decision = step.decide if isinstance(step.decide, tuple) else step.decide(scene)
     return Stage(step.name, *decision, part_of=step.part_of)
 
 
-def run_stages(scene: Scene, folder: Path | None, progress: Callable[[Stage], None] | None) -> Result:
+def run_stages(scene: SceneData, folder: Path | None, progress: Callable[[Stage], None] | None) -> Result:
     """Run the needed stages one after another and measure each."""
     result = Result(scene, plan_of(scene, writing=folder is not None), folder)
     with result.writing_together():

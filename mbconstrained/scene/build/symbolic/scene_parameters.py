@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -19,11 +19,9 @@ from ....mechanics.constraints import row_names
 from ....mechanics.sensitivity.parameter import Parameter
 from ....models.element_parameters import complex_parameter
 from ...quantities.coordinates import constraint_row
+from ...run.scene_data import SceneData
 from ..data_files import entries_of
 from .symbolic_scene import exact_elements
-
-if TYPE_CHECKING:
-    from ...run.scene import Scene
 
 
 class ComplexNumbers:
@@ -50,7 +48,7 @@ class ComplexNumbers:
         )
 
 
-def scene_parameters(scene: Scene, assembled: Callable[[Scene, str, float], Scene]) -> Iterator[Parameter]:
+def scene_parameters(scene: SceneData, assembled: Callable[[SceneData, str, float], SceneData]) -> Iterator[Parameter]:
     """The parameters that the equations know."""
     if scene.equations.system is None:
         raise InputError("sensitivities need mass, damping and stiffness: a model of kind lumped, matrices or robot")
@@ -69,17 +67,17 @@ def scene_parameters(scene: Scene, assembled: Callable[[Scene, str, float], Scen
         yield replace(_with_rayleigh(scene, parameter, numbers, step), unit=unit)
 
 
-def _system(scene: Scene, assembled, name: str, value: float):
+def _system(scene: SceneData, assembled, name: str, value: float):
     return assembled(scene, name, value).equations.system
 
 
-def _of_elements(scene: Scene, name: str, value: float, numbers: ComplexNumbers, step: float) -> Parameter:
+def _of_elements(scene: SceneData, name: str, value: float, numbers: ComplexNumbers, step: float) -> Parameter:
     model, gravity = scene.equations.model, scene.table.model.gravity
     elements = exact_elements(scene, numbers)
     return complex_parameter(name, value, elements, model, step, "", numbers.of(0.0 if gravity is None else gravity))
 
 
-def _of_matrices(scene: Scene, name: str, numbers: ComplexNumbers, step: float) -> Parameter:
+def _of_matrices(scene: SceneData, name: str, numbers: ComplexNumbers, step: float) -> Parameter:
     model, coordinates = scene.table.model, scene.equations.coordinates
     slopes: dict[str, Any] = {}
     for key in ("stiffness", "damping", "mass"):
@@ -93,7 +91,7 @@ def _of_matrices(scene: Scene, name: str, numbers: ComplexNumbers, step: float) 
     return Parameter(name, scene.parameters.values[name], **slopes, rows=rows)
 
 
-def _with_rayleigh(scene: Scene, parameter: Parameter, numbers: ComplexNumbers, step: float) -> Parameter:
+def _with_rayleigh(scene: SceneData, parameter: Parameter, numbers: ComplexNumbers, step: float) -> Parameter:
     """C + a M + b K with a and b of the parameter."""
     rayleigh, system = scene.table.model.rayleigh_damping, scene.equations.system
     if rayleigh is None:

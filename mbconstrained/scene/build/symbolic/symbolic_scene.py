@@ -17,6 +17,7 @@ from ....models.lumped import coordinate_row, incidence_of
 from ....models.rigid_bar import with_parts
 from ...file.messages import at
 from ...quantities.coordinates import FORCE_UNITS, Coordinates, constraint_row, force_value, initial_values, state_values
+from ...run.scene_data import SceneData
 from ..data_files import entries_of
 from ..forces import sampled_force
 from ..lumped_model import element_fields
@@ -24,7 +25,6 @@ from ..lumped_model import element_fields
 if TYPE_CHECKING:
     from ....exact.formulas.symbolic_equations import Row, Symbols
     from ....exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-    from ...run.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class ExactEquations:
     implied: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
-def exact_equations(scene: Scene, symbols: Symbols) -> ExactEquations:
+def exact_equations(scene: SceneData, symbols: Symbols) -> ExactEquations:
     """The equations, exactly."""
     kind = scene.table.model.kind
     if kind == "robot":
@@ -63,7 +63,7 @@ def exact_equations(scene: Scene, symbols: Symbols) -> ExactEquations:
     return _mechanical(scene, symbols)
 
 
-def _mechanical(scene: Scene, symbols: Symbols) -> ExactEquations:
+def _mechanical(scene: SceneData, symbols: Symbols) -> ExactEquations:
     from ....exact.formulas.symbolic_equations import exact_form
 
     if scene.table.motion:
@@ -89,7 +89,7 @@ def _mechanical(scene: Scene, symbols: Symbols) -> ExactEquations:
     return ExactEquations(form.polynomial_matrix, initial, force, coordinates.names)
 
 
-def _matrices(scene: Scene, symbols: Symbols) -> tuple[list[np.ndarray], list[Row], list]:
+def _matrices(scene: SceneData, symbols: Symbols) -> tuple[list[np.ndarray], list[Row], list]:
     from ....exact.formulas.symbolic_equations import Row
 
     model, coordinates, folder = scene.table.model, scene.equations.coordinates, scene.path.parent
@@ -104,7 +104,7 @@ def _matrices(scene: Scene, symbols: Symbols) -> tuple[list[np.ndarray], list[Ro
     return matrices, rows, [symbols.of(0)] * size
 
 
-def _followed(initial: np.ndarray, scene: Scene, rows) -> np.ndarray:
+def _followed(initial: np.ndarray, scene: SceneData, rows) -> np.ndarray:
     from ....exact.formulas.symbolic_equations import followed
 
     names, given = scene.equations.coordinates.names, scene.table.initial.rows
@@ -115,7 +115,7 @@ def _followed(initial: np.ndarray, scene: Scene, rows) -> np.ndarray:
     return values_at_start
 
 
-def _coefficients(scene: Scene, symbols: Symbols) -> ExactEquations:
+def _coefficients(scene: SceneData, symbols: Symbols) -> ExactEquations:
     from ....exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
     coordinates, folder, name = scene.equations.coordinates, scene.path.parent, scene.path.name
@@ -125,7 +125,7 @@ def _coefficients(scene: Scene, symbols: Symbols) -> ExactEquations:
     return ExactEquations(A, initial, _exact_force(scene.table.force, coordinates, symbols, folder, name), coordinates.names)
 
 
-def _state_space(scene: Scene, symbols: Symbols) -> ExactEquations:
+def _state_space(scene: SceneData, symbols: Symbols) -> ExactEquations:
     """[[s E - A, 0], [-C, I]] [x; y] = [B; D] u, as ``control.state_space_response`` has it in numbers."""
     from ....exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
@@ -145,7 +145,7 @@ def _state_space(scene: Scene, symbols: Symbols) -> ExactEquations:
     return ExactEquations(SymbolicPolynomialMatrix([constant, leading], names), initial, force, names, outputs)
 
 
-def _state_matrices(scene: Scene, symbols: Symbols) -> list[np.ndarray]:
+def _state_matrices(scene: SceneData, symbols: Symbols) -> list[np.ndarray]:
     """E, A, B, C, D; omitted matrices as in the state space."""
     model, system = scene.table.model, scene.equations.control.system
     keys = {"E": model.descriptor, "A": model.A, "B": model.B, "C": model.C, "D": model.D}
@@ -155,7 +155,7 @@ def _state_matrices(scene: Scene, symbols: Symbols) -> list[np.ndarray]:
     return [symbols.all_of(matrix) for matrix in matrices.values()]
 
 
-def _transfer_function(scene: Scene, symbols: Symbols) -> ExactEquations:
+def _transfer_function(scene: SceneData, symbols: Symbols) -> ExactEquations:
     """[[a(s), -b(s)], [0, 1]] [y; u] = [0; u]: from rest, b(d/dt) acts on u with its jumps."""
     from ....exact.formulas.symbolic_equations import power_input
     from ....exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
@@ -225,7 +225,7 @@ def _term(table, symbols: Symbols, signals) -> dict:
     return cosine if table.kind == "harmonic" else {"power": table.power, "rate": symbols.of(table.rate), **cosine}
 
 
-def _exact_lumped(scene: Scene, symbols: Symbols) -> tuple[list[np.ndarray], list[Row], np.ndarray]:
+def _exact_lumped(scene: SceneData, symbols: Symbols) -> tuple[list[np.ndarray], list[Row], np.ndarray]:
     """K, C, M as arrays of expressions, the constraint rows, and the static force of rest lengths and weights."""
     from ....exact.formulas.symbolic_equations import Row
 
@@ -262,7 +262,7 @@ class Numbers(Protocol):
         """That of an entry."""
 
 
-def exact_elements(scene: Scene, symbols: Numbers) -> list[Element]:
+def exact_elements(scene: SceneData, symbols: Numbers) -> list[Element]:
     """Copies of the elements, with expressions for numbers; they come in the order in which they were added."""
     model, elements = scene.equations.model, []
     for element, (key, _, entry) in zip(model.elements, scene.table.model.elements):

@@ -19,12 +19,12 @@ from ....page.frequency_page import Deflections
 from ..modes.mode_pages import amplitude, mode_drawing
 from ..picture.robot_drawing import NOTE, TURN, VISIBLE, RobotPicture
 from ..picture.scene_drawing import view_of
+from .frequency_data import FrequencyData
 
 if TYPE_CHECKING:
     from ....mechanics.system import MechanicalSystem
     from ...build.robot_model import RobotScene
     from ...schema.drawing_tables import DrawingTable
-    from .scene_frequency import SceneFrequency
 
 #: Numbers of all shapes; of larger models or more inputs fewer lines have one.
 MOST_NUMBERS = 150_000
@@ -36,7 +36,7 @@ MOST_SHAPES = 600
 UNIT = "1 "
 
 
-def deflections_of(frequency: SceneFrequency) -> Deflections | None:
+def deflections_of(frequency: FrequencyData) -> Deflections | None:
     """The shapes of all inputs at the lines of the response; None where the model has no places, or nothing to draw."""
     system, scene = frequency.system, frequency.scene
     if system is None or not scene.table.output.animation:
@@ -70,7 +70,7 @@ def _amplitude(drawing: Drawing, names: Sequence[str], shape: np.ndarray) -> flo
     return amplitude(drawing, names, shape / size) / size if size else 1.0
 
 
-def _lines(frequency: SceneFrequency, response: FrequencyResponse) -> np.ndarray:
+def _lines(frequency: FrequencyData, response: FrequencyResponse) -> np.ndarray:
     """Frequencies in Hz, those of the response and all peaks, no more than can be stored, none at a pole."""
     given = frequency.response.frequencies_hz
     low, high = given[given > 0][[0, -1]] if (given > 0).any() else (1.0, 1.0)

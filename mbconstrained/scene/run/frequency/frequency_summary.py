@@ -9,10 +9,10 @@ import numpy as np
 from ....ground.checks import counted
 from ....ground.display import TextTable, finite_or_none
 from ..report.summary import notices_json, response_blocks
+from .frequency_data import FrequencyData
 
 if TYPE_CHECKING:
     from ....frequency.features import Peak
-    from .scene_frequency import SceneFrequency
 
 #: Rows of a table for a terminal; the page has more, and JSON has all.
 MOST_ROWS = 16
@@ -25,7 +25,7 @@ HALF_POWER = "bandwidth: between the frequencies of half the power; damping rati
 NO_PEAKS = "There are none in this range."
 
 
-def blocks(frequency: SceneFrequency) -> list[str | TextTable]:
+def blocks(frequency: FrequencyData) -> list[str | TextTable]:
     """What is printed: what by what, peaks, antiresonances, notices and files."""
     tables = [peak_table(frequency, MOST_ROWS), antiresonance_table(frequency, MOST_ROWS)]
     return response_blocks(
@@ -33,7 +33,7 @@ def blocks(frequency: SceneFrequency) -> list[str | TextTable]:
     )
 
 
-def facts(frequency: SceneFrequency) -> tuple[tuple[str, str], ...]:
+def facts(frequency: FrequencyData) -> tuple[tuple[str, str], ...]:
     """What is given by what, and at which frequencies."""
     response, table = frequency.response, frequency.table
     low, high = (f"{frequency.axis_factor * f:.4g}" for f in response.frequencies_hz[[0, -1]])
@@ -52,21 +52,21 @@ def facts(frequency: SceneFrequency) -> tuple[tuple[str, str], ...]:
     return tuple(lines)
 
 
-def _entry(frequency: SceneFrequency, output: str, input: str) -> tuple[str, ...]:
+def _entry(frequency: FrequencyData, output: str, input: str) -> tuple[str, ...]:
     return (output, input) if len(frequency.response.inputs) > 1 else (output,)
 
 
-def _heads(frequency: SceneFrequency) -> tuple[str, ...]:
+def _heads(frequency: FrequencyData) -> tuple[str, ...]:
     return ("output", "input") if len(frequency.response.inputs) > 1 else ("output",)
 
 
-def shown_amplitude(frequency: SceneFrequency, peak: Peak) -> tuple[float, str]:
+def shown_amplitude(frequency: FrequencyData, peak: Peak) -> tuple[float, str]:
     """The amplitude of a peak and its unit, as they are shown."""
     place = frequency.response.outputs.index(peak.output), frequency.response.inputs.index(peak.input)
     return float(frequency.shown.factors[place]) * peak.amplitude, str(frequency.shown.units[place])
 
 
-def peak_table(frequency: SceneFrequency, most: int = MOST_ROWS_OF_PAGE) -> TextTable:
+def peak_table(frequency: FrequencyData, most: int = MOST_ROWS_OF_PAGE) -> TextTable:
     """Frequency, amplitude, bandwidth, damping ratio and phase of the peaks, entry by entry."""
     rows = [_peak_row(frequency, peak) for peak in frequency.peaks]
     unit = frequency.table.axis
@@ -78,7 +78,7 @@ def peak_table(frequency: SceneFrequency, most: int = MOST_ROWS_OF_PAGE) -> Text
     return TextTable(f"Peaks of the {frequency.response.quantity}", columns, tuple(rows[:most]), note)
 
 
-def _peak_row(frequency: SceneFrequency, peak: Peak) -> tuple[str, ...]:
+def _peak_row(frequency: FrequencyData, peak: Peak) -> tuple[str, ...]:
     amplitude, unit = shown_amplitude(frequency, peak)
     size = f"{amplitude:.4g}" if np.isfinite(amplitude) else "infinite"
     factor, width, ratio = frequency.axis_factor, peak.bandwidth_hz, half_power_ratio(peak)
@@ -101,7 +101,7 @@ def _degrees(phase: float) -> float:
     return float(np.degrees(phase)) + 0.0
 
 
-def antiresonance_table(frequency: SceneFrequency, most: int = MOST_ROWS_OF_PAGE) -> TextTable | None:
+def antiresonance_table(frequency: FrequencyData, most: int = MOST_ROWS_OF_PAGE) -> TextTable | None:
     """Frequency and damping ratio of the antiresonances; None where there are none."""
     rows = [
         (
@@ -126,7 +126,7 @@ def _clean(ratio: float) -> float:
     return ratio if abs(ratio) > SMALLEST_RATIO else 0.0
 
 
-def as_json(frequency: SceneFrequency) -> dict:
+def as_json(frequency: FrequencyData) -> dict:
     """The same as plain data, numbers in SI; the values are in the CSV and npz files."""
     scene, response = frequency.scene, frequency.response
     return {

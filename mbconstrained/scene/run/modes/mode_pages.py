@@ -16,18 +16,17 @@ from ....page.mode_page import ModePicture, ModesContent, Share, cycle
 from ..picture.robot_drawing import RobotPicture
 from ..picture.scene_drawing import automatic_drawing, own_drawing, view_of
 from ..report.robot_report import robot_fact
-from .mode_summary import BY_COORDINATE, descending, mass_tables, shape_cells
+from ..scene_data import SceneData
+from .mode_summary import BY_COORDINATE, ListedModes, ModeLine, descending, mass_tables, shape_cells
 from .scene_sensitivities import influence_tables
 
 if TYPE_CHECKING:
     from ....models.elements import Element
     from ...build.robot_model import RobotScene
     from ...schema.drawing_tables import DrawingTable
-    from ..scene import Scene
-    from .scene_modes import ModeLine, SceneModes
 
 
-def modes_content(modes: SceneModes) -> ModesContent:
+def modes_content(modes: ListedModes) -> ModesContent:
     """A picture for each line of the list; all move the same drawing."""
     scene = modes.scene
     coordinates, robot = scene.equations.coordinates, robot_modes(scene)
@@ -63,7 +62,7 @@ def modes_content(modes: SceneModes) -> ModesContent:
     )
 
 
-def robot_modes(scene: Scene) -> RobotModes | None:
+def robot_modes(scene: SceneData) -> RobotModes | None:
     """The robot of a scene, if it has one."""
     robot_scene, table = scene.equations.robot_scene, scene.table.drawing
     return RobotModes(robot_scene, table) if robot_scene else None
@@ -83,7 +82,7 @@ def _shares_by_part(line: ModeLine) -> tuple[Share, ...]:
     return tuple(sorted(rows, key=lambda row: descending(max(abs(row[1] or 0.0), abs(row[2] or 0.0)))))
 
 
-def _facts(modes: SceneModes) -> tuple[tuple[str, str], ...]:
+def _facts(modes: ListedModes) -> tuple[tuple[str, str], ...]:
     coordinates = modes.scene.equations.coordinates
     listed = ", ".join(f"{name} ({unit})" for name, unit in zip(coordinates.names, coordinates.units))
     shares = [("shares of energy", BY_COORDINATE)] if modes.system.energy_parts.is_by_coordinate else []
@@ -95,7 +94,7 @@ def _facts(modes: SceneModes) -> tuple[tuple[str, str], ...]:
 LENGTHS = ("rest_length", "rest_angle", "distance", "value")
 
 
-def mode_drawing(scene: Scene, shapes: Sequence[np.ndarray]) -> Drawing:
+def mode_drawing(scene: SceneData, shapes: Sequence[np.ndarray]) -> Drawing:
     """The drawing of the scene, its own or one of its elements or coordinates, as on the page of a run.
 
     Modes are motions about the state in which every spring has its length: rest lengths only shift them and are left out.

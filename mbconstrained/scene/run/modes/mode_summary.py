@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from textwrap import wrap
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from ....ground.display import WIDTH, TextTable, with_unit
+from ....ground.notices import Notice
 from ....ground.tolerances import noise_of
 from ...quantities.coordinates import Coordinates
 from ..report.robot_report import posture_json, posture_tables
 from ..report.summary import notices_json
+from ..scene_data import SceneData
 
 if TYPE_CHECKING:
-    from .scene_modes import ModeLine, SceneModes
+    from ....mechanics.energy import EnergyShares
+    from ....mechanics.modes import Mode
+    from ....mechanics.system import MechanicalSystem
+    from ....mechanics.vibration.effective_masses import EffectiveMasses
 
 MOST_ENTRIES = 6  # listed entries of a shape or of shares of energy; JSON has all
 LEAST_SHARE = 0.0005  # what is less is printed as 0.0 %
@@ -43,7 +50,78 @@ SHAPES = "The largest entry of a shape is 1; its amplitude is free."
 PHASES = "Phases are ahead of the first entry; shares of energy are averages over a cycle, growth and decay left out."
 
 
-def blocks(modes: SceneModes) -> list[str | TextTable]:
+@dataclass(frozen=True)
+class ModeLine:
+    """One line of the list of modes: a zero, or one of its shapes where it has any.
+
+    Attributes:
+        number: from 1 on, the order of the list.
+        cells: of the zero, as texts by column (``Modes.table``).
+        value, multiplicity: the zero in 1/s.
+        mode: its meaning; None where A(s) was given by coefficients.
+        place: which of the shapes of the zero this is, from 0; None where it has none.
+    """
+
+    number: int
+    cells: dict[str, str]
+    value: complex
+    multiplicity: int
+    mode: Mode | None = None
+    place: int | None = None
+
+    @property
+    def shape(self) -> np.ndarray | None:
+        """The shape, (n,), its largest entry 1."""
+        return None if self.place is None else self.mode.shapes[:, self.place]
+
+    @property
+    def shares(self) -> EnergyShares | None:
+        """The energies of the shape by part."""
+        return None if self.place is None else self.mode.shares[self.place]
+
+    @property
+    def shape_count(self) -> int:
+        """How many shapes the zero has."""
+        return self.mode.shapes.shape[1] if self.mode else 0
+
+    @property
+    def name(self) -> str:
+        """Its kind, and which of several shapes it is."""
+        return self.cells["kind"] + self._among
+
+    @property
+    def heading(self) -> str:
+        """What the line is about, with its number."""
+        return f"Mode {self.number}{self._among}: {self.cells['meaning']}"
+
+    @property
+    def _among(self) -> str:
+        return f" (shape {self.place + 1} of {self.shape_count})" if self.shape_count > 1 else ""
+
+
+class ListedModes(Protocol):
+    """The modes of a scene, attributes as of ``SceneModes``."""
+
+    scene: SceneData
+    files: list[Path]
+
+    @property
+    def system(self) -> MechanicalSystem | None: ...
+
+    @property
+    def lines(self) -> tuple[ModeLine, ...]: ...
+
+    @property
+    def effective_masses(self) -> EffectiveMasses | None: ...
+
+    @property
+    def notices(self) -> tuple[Notice, ...]: ...
+
+    @property
+    def is_trusted(self) -> bool: ...
+
+
+def blocks(modes: ListedModes) -> list[str | TextTable]:
     """What is printed: the table of all, then each with its shares of energy and its shape."""
     scene = modes.scene
     heading = "\n".join(line for text in (scene.title, scene.table.source) for line in wrap(text, WIDTH))
@@ -52,12 +130,12 @@ def blocks(modes: SceneModes) -> list[str | TextTable]:
     return [heading, *joints, table(modes), *mass_tables(modes), *_details(modes), *_notes(modes), *_notices(modes), *_files(modes)]
 
 
-def mass_tables(modes: SceneModes) -> list[TextTable]:
+def mass_tables(modes: ListedModes) -> list[TextTable]:
     """The effective modal masses of a robot; none of other models."""
     return [modes.effective_masses.table()] if modes.effective_masses else []
 
 
-def table(modes: SceneModes) -> TextTable:
+def table(modes: ListedModes) -> TextTable:
     """All zeros, a line for each shape."""
     rows = tuple((str(line.number), *(line.cells[column] for column in COLUMNS)) for line in modes.lines)
     several = "; 1 of 2: the first of the two shapes of a double one" if any(line.shape_count > 1 for line in modes.lines) else ""
@@ -65,7 +143,7 @@ def table(modes: SceneModes) -> TextTable:
     return TextTable("Modes", ("no.", *COLUMNS.values()), rows, note)
 
 
-def _details(modes: SceneModes) -> list[str]:
+def _details(modes: ListedModes) -> list[str]:
     if modes.system is None:
         meant = [f"  {line.number}  {line.cells['meaning']}" for line in modes.lines if line.cells["meaning"]]
         return ["\n".join(["Meaning", *meant])] if meant else []
@@ -143,7 +221,7 @@ def _packed(label: str, entries: Iterable[str]) -> list[str]:
     return [*lines[:-1], lines[-1].removesuffix(",")]
 
 
-def _notes(modes: SceneModes) -> list[str]:
+def _notes(modes: ListedModes) -> list[str]:
     if modes.system is None:
         texts = [NO_ENERGIES]
     else:
@@ -154,16 +232,16 @@ def _notes(modes: SceneModes) -> list[str]:
     return ["\n".join(row for text in texts for row in wrap(text, WIDTH))] if texts else []
 
 
-def _notices(modes: SceneModes) -> list[str]:
+def _notices(modes: ListedModes) -> list[str]:
     lines = [line for notice in modes.notices for line in wrap(f"  {notice}", WIDTH, subsequent_indent="    ")]
     return ["\n".join(["Notices", *lines])] if lines else []
 
 
-def _files(modes: SceneModes) -> list[str]:
+def _files(modes: ListedModes) -> list[str]:
     return ["Written\n" + "\n".join(f"  {path}" for path in modes.files)] if modes.files else []
 
 
-def as_json(modes: SceneModes) -> dict:
+def as_json(modes: ListedModes) -> dict:
     """The same as plain data, numbers as numbers."""
     scene = modes.scene
     return {

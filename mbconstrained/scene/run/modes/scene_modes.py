@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from ....ground.errors import SceneError
 from ....ground.files import Replacements
@@ -16,62 +13,13 @@ from ....response.response_notices import pair_notices
 from ..plan import Plan
 from ..report.tables import eigenvalue_rows
 from ..result import Result
+from ..scene_data import SceneData
+from .mode_summary import ModeLine
 
 if TYPE_CHECKING:
-    from ....mechanics.energy import EnergyShares
     from ....mechanics.modes import Mode
     from ....mechanics.system import MechanicalSystem
     from ....mechanics.vibration.effective_masses import EffectiveMasses
-    from ..scene import Scene
-
-
-@dataclass(frozen=True)
-class ModeLine:
-    """One line of the list of modes: a zero, or one of its shapes where it has any.
-
-    Attributes:
-        number: from 1 on, the order of the list.
-        cells: of the zero, as texts by column (``Modes.table``).
-        value, multiplicity: the zero in 1/s.
-        mode: its meaning; None where A(s) was given by coefficients.
-        place: which of the shapes of the zero this is, from 0; None where it has none.
-    """
-
-    number: int
-    cells: dict[str, str]
-    value: complex
-    multiplicity: int
-    mode: Mode | None = None
-    place: int | None = None
-
-    @property
-    def shape(self) -> np.ndarray | None:
-        """The shape, (n,), its largest entry 1."""
-        return None if self.place is None else self.mode.shapes[:, self.place]
-
-    @property
-    def shares(self) -> EnergyShares | None:
-        """The energies of the shape by part."""
-        return None if self.place is None else self.mode.shares[self.place]
-
-    @property
-    def shape_count(self) -> int:
-        """How many shapes the zero has."""
-        return self.mode.shapes.shape[1] if self.mode else 0
-
-    @property
-    def name(self) -> str:
-        """Its kind, and which of several shapes it is."""
-        return self.cells["kind"] + self._among
-
-    @property
-    def heading(self) -> str:
-        """What the line is about, with its number."""
-        return f"Mode {self.number}{self._among}: {self.cells['meaning']}"
-
-    @property
-    def _among(self) -> str:
-        return f" (shape {self.place + 1} of {self.shape_count})" if self.shape_count > 1 else ""
 
 
 class SceneModes:
@@ -82,7 +30,7 @@ class SceneModes:
         files: what was written.
     """
 
-    def __init__(self, scene: Scene):
+    def __init__(self, scene: SceneData):
         self.scene = scene
         self.files: list[Path] = []
 

@@ -15,10 +15,10 @@ from ....ground.errors import InputError
 from ....mechanics.sensitivity.parameter import Parameter
 from ....mechanics.sensitivity.sensitivities import Sensitivities
 from ..report.summary import notices_json
+from ..scene_data import SceneData
 
 if TYPE_CHECKING:
     from ....ground.notices import Notice
-    from ..scene import Scene
 
 NO_INFLUENCE = "No oscillating mode depends on {}; --json has the derivatives of all eigenvalues."
 
@@ -38,7 +38,7 @@ class SceneSensitivities:
         InputError: no mechanical system, an unknown name.
     """
 
-    def __init__(self, scene: Scene, names: Sequence[str] = ()):
+    def __init__(self, scene: SceneData, names: Sequence[str] = ()):
         self.scene, own = scene, scene.parameters.values
         named = tuple(scene.named_parameters())
         system = scene.equations.system
@@ -111,7 +111,7 @@ class SceneSensitivities:
         }
 
 
-def influence_tables(scene: Scene) -> tuple[TextTable, ...]:
+def influence_tables(scene: SceneData) -> tuple[TextTable, ...]:
     """Who matters, for the page of the modes: of the elements of lumped models and of [parameters], where this takes no time."""
     model, system = scene.table.model, scene.equations.system
     elements = model.kind == "lumped" or (model.kind == "matrices" and scene.parameters.values)

@@ -12,11 +12,11 @@ from ....ground.display import number_text, with_unit
 from ....page.animation.animation import Arrow, DrawnEvent, ForceArrows, ImpulseArrow, Overlay, arrow_at
 from ....page.drawing.bodies import Drawing
 from ....response.response_notices import sides, without_kinks
+from ..answer import SceneAnswer
 from ..report.jumps import ReportedJump, forces_of_rows, impulses_of, jumps_of
 
 if TYPE_CHECKING:
     from ....response.events import Event
-    from ..result import Result
 
 #: Most events in an animation; the first are shown.
 MOST_EVENTS = 100
@@ -25,7 +25,7 @@ MOST_EVENTS = 100
 MOST_LINES = 6
 
 
-def overlay_of(result: Result, drawing: Drawing, times: np.ndarray) -> Overlay:
+def overlay_of(result: SceneAnswer, drawing: Drawing, times: np.ndarray) -> Overlay:
     """Jumps, impulses and reactions to be drawn; empty without jumps, impulses and [output] arrows."""
     applied = result.motion.applied if result.system else None
     has_events = result.jumps or result.impulses or result.later or (applied and (applied.impulses or applied.later))
@@ -39,7 +39,7 @@ def overlay_of(result: Result, drawing: Drawing, times: np.ndarray) -> Overlay:
     return Overlay(events, *robot_reactions(result, times))
 
 
-def _reaction_arrows(result: Result, drawing: Drawing, times: np.ndarray) -> tuple[ForceArrows, ...]:
+def _reaction_arrows(result: SceneAnswer, drawing: Drawing, times: np.ndarray) -> tuple[ForceArrows, ...]:
     """The forces of the constraint rows, each on the bodies of all coordinates in its row; rows that move no body are left out."""
     values, rates = result.motion.reaction(times), result.motion.reaction_function.derivative(1)(times)
     forces = []
@@ -50,7 +50,7 @@ def _reaction_arrows(result: Result, drawing: Drawing, times: np.ndarray) -> tup
     return tuple(forces)
 
 
-def _row_arrows(result: Result, drawing: Drawing, row: np.ndarray, order: int) -> Iterator[tuple[Arrow, float]]:
+def _row_arrows(result: SceneAnswer, drawing: Drawing, row: np.ndarray, order: int) -> Iterator[tuple[Arrow, float]]:
     """Arrows with the row's factors: of forces for order 0, of their impulses for order 1."""
     coordinates = result.scene.equations.coordinates
     for i in np.flatnonzero(row):
@@ -60,7 +60,7 @@ def _row_arrows(result: Result, drawing: Drawing, row: np.ndarray, order: int) -
             yield arrow, float(row[i])
 
 
-def _events(result: Result, drawing: Drawing) -> Iterator[DrawnEvent]:
+def _events(result: SceneAnswer, drawing: Drawing) -> Iterator[DrawnEvent]:
     motion = result.motion
     impulse_arrows = _impulse_arrows(result, drawing, 0.0)
     lines = _lines(0.0, result.jumps, _impulses(result, motion.impulses, 0.0))
@@ -74,7 +74,7 @@ def _events(result: Result, drawing: Drawing) -> Iterator[DrawnEvent]:
             yield _later(result, drawing, time, events.get(time))
 
 
-def _later(result: Result, drawing: Drawing, time: float, event: Event | None) -> DrawnEvent:
+def _later(result: SceneAnswer, drawing: Drawing, time: float, event: Event | None) -> DrawnEvent:
     motion, coordinates = result.motion, result.scene.equations.coordinates
     before, after = sides(motion, event, 0) if event else (motion(time), motion(time))
     jumps = jumps_of(motion, coordinates, event) if event else []
@@ -95,7 +95,7 @@ def _whose(jump: ReportedJump) -> str:
     return jump.name if jump.what in ("displacement", "angle", "value") else f"{jump.what} of {jump.name}"
 
 
-def _impulses(result: Result, impulses, time: float) -> Iterator[str]:
+def _impulses(result: SceneAnswer, impulses, time: float) -> Iterator[str]:
     """Impulses of coordinates, of constraint forces and of forces, at a time."""
     for impulse in impulses_of(impulses, result.scene.equations.coordinates):
         yield f"{impulse.name} contains {_delta(impulse.order)} of {impulse.size}"
@@ -109,7 +109,7 @@ def _delta(order: int) -> str:
     return "δ" + "′" * order if order < 4 else f"δ^({order})"
 
 
-def _impulse_arrows(result: Result, drawing: Drawing, time: float) -> tuple[ImpulseArrow, ...]:
+def _impulse_arrows(result: SceneAnswer, drawing: Drawing, time: float) -> tuple[ImpulseArrow, ...]:
     """Arrows of the impulses of constraint forces and forces at a time, without derivatives of impulses."""
     if result.scene.equations.robot_scene is not None:
         from .robot_arrows import robot_impulse_arrows
@@ -131,7 +131,7 @@ def _impulse_arrows(result: Result, drawing: Drawing, time: float) -> tuple[Impu
     return tuple(impulse_arrows)
 
 
-def _force_impulses(result: Result, time: float) -> Iterator[tuple[str, str, list[float]]]:
+def _force_impulses(result: SceneAnswer, time: float) -> Iterator[tuple[str, str, list[float]]]:
     """Name, unit and impulses by order of each force that has any at a time: of constraint rows, then on coordinates."""
     if result.system is None:
         return
@@ -146,7 +146,7 @@ def _force_impulses(result: Result, time: float) -> Iterator[tuple[str, str, lis
             yield f"force on {name}", force_unit(unit), values
 
 
-def _applied(result: Result, applied, time: float) -> Iterable[tuple[str, str, list[float]]]:
+def _applied(result: SceneAnswer, applied, time: float) -> Iterable[tuple[str, str, list[float]]]:
     """Of a robot each input or coordinate under an impulsive load, of other models each coordinate, with its impulses by order."""
     coordinates = result.scene.equations.coordinates
     if result.scene.equations.robot_scene is not None:
@@ -157,7 +157,7 @@ def _applied(result: Result, applied, time: float) -> Iterable[tuple[str, str, l
     return [(name, unit, [float(impulse[i]) for impulse in applied]) for i, (name, unit) in enumerate(rows)]
 
 
-def _impulses_at(result: Result, time: float):
+def _impulses_at(result: SceneAnswer, time: float):
     """Impulses of the constraint rows and of the forces at a time, by order."""
     motion = result.motion
     if time == 0.0:
@@ -165,7 +165,7 @@ def _impulses_at(result: Result, time: float):
     return tuple(next((load.impulses for load in loads if load.time == time), ()) for loads in _later_impulsive_loads(result))
 
 
-def _later_impulsive_loads(result: Result):
+def _later_impulsive_loads(result: SceneAnswer):
     """After t = 0: of the constraint rows, and of the forces."""
     if result.system is None:
         return ((), ())

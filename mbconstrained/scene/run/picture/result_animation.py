@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....page.animation.animation import Animation
 from ....page.animation.keyframes import MOST_FRAMES
+from ..answer import SceneAnswer
 from ..curves import visible
 from .arrows import overlay_of
 from .scene_drawing import drawing_of
-
-if TYPE_CHECKING:
-    from ..result import Result
 
 #: Most poses of a robot: each closes its loops, and the page interpolates between poses by cubic polynomials.
 MOST_POSES = 1_000
@@ -33,7 +30,7 @@ CHECKED, KINKS = 128, 0.05
 MOST_NUMBERS = 400_000
 
 
-def animation_of(result: Result) -> Animation:
+def animation_of(result: SceneAnswer) -> Animation:
     """The drawing with the motion of the coordinates; a robot moves through at most ``MOST_POSES`` poses."""
     equations, table = result.scene.equations, result.scene.table.drawing
     if equations.robot_scene is not None:
@@ -52,7 +49,7 @@ def animation_of(result: Result) -> Animation:
     return Animation(drawing, equations.coordinates.names, *frames, overlay_of(result, drawing, frames[0]))
 
 
-def frames_of(result: Result, most: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def frames_of(result: SceneAnswer, most: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Key frames: those of the scene, or more of them where cubic polynomials between these miss the motion."""
     times, values = result.times, result.values
     rates = result.curves("velocity").values

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import zip_longest
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,15 +15,13 @@ from ....ground.tolerances import NOT_DRAWN
 from ....page.animation.animation import Arrow, ForceArrows, ImpulseArrow
 from ....robot.connections import PointMotion
 from ....robot.visualization import Wrench, coordinate_wrench, row_wrenches
-
-if TYPE_CHECKING:
-    from ..result import Result
+from ..answer import SceneAnswer
 
 #: Of more bodies than these only the number is given over the picture.
 MOST_NAMED = 3
 
 
-def robot_reactions(result: Result, times: np.ndarray) -> tuple[tuple[ForceArrows, ...], str]:
+def robot_reactions(result: SceneAnswer, times: np.ndarray) -> tuple[tuple[ForceArrows, ...], str]:
     """The reactions of the loops and couplings."""
     posture, function = result.scene.equations.posture, result.motion.reaction_function
     kept = list(posture.independent_rows)
@@ -57,7 +54,7 @@ def _arrows(wrench: Wrench, order: int) -> Iterator[tuple[Arrow, np.ndarray]]:
             yield Arrow(wrench.body, None, impulse_unit(force) if order else force, turns, tuple(wrench.point.tolist())), part
 
 
-def robot_impulse_arrows(result: Result, of_rows: np.ndarray | None, time: float) -> tuple[ImpulseArrow, ...]:
+def robot_impulse_arrows(result: SceneAnswer, of_rows: np.ndarray | None, time: float) -> tuple[ImpulseArrow, ...]:
     """The impulses at a time as arrows."""
     posture, arrows = result.scene.equations.posture, []
     if of_rows is not None:
@@ -79,7 +76,7 @@ def _impulse_arrow(arrow: Arrow, size: np.ndarray | float) -> ImpulseArrow:
     return ImpulseArrow(arrow, size, f"{np.linalg.norm(size):.3g} {arrow.unit}")
 
 
-def robot_impulsive_loads(result: Result, time: float) -> Iterator[tuple[str, str, list[float]]]:
+def robot_impulsive_loads(result: SceneAnswer, time: float) -> Iterator[tuple[str, str, list[float]]]:
     """The impulsive loads at a time."""
     totals: dict[str, tuple[str, list[float]]] = {}
     for load in result.scene.equations.loads:
@@ -90,7 +87,7 @@ def robot_impulsive_loads(result: Result, time: float) -> Iterator[tuple[str, st
     return ((name, unit, values) for name, (unit, values) in totals.items() if any(values))
 
 
-def _load_arrows(result: Result, name: str, unit: str) -> Iterator[tuple[Arrow, np.ndarray | float]]:
+def _load_arrows(result: SceneAnswer, name: str, unit: str) -> Iterator[tuple[Arrow, np.ndarray | float]]:
     """The arrow of a unit impulse on an input or coordinate."""
     robot_scene = result.scene.equations.robot_scene
     motion = robot_scene.inputs.get(name, name)

@@ -15,22 +15,22 @@ from ....page.drawing.bodies import Drawing, DrawnBody, DrawnLink, Vector, View
 from ....page.drawing.orientation import ALONG, turn_to
 from ....page.drawing.paths import matrix_of
 from ...file.messages import at
+from ..scene_data import SceneData
 
 if TYPE_CHECKING:
     from ...schema.drawing_tables import BodyTable, DrawingTable
-    from ..scene import Scene
 
 #: A chain longer than this, in drawing units, is not drawn standing.
 TALLEST = 8.0
 
 
-def drawing_of(scene: Scene, values=None, **scales: float) -> Drawing:
+def drawing_of(scene: SceneData, values=None, **scales: float) -> Drawing:
     """The drawing of a scene whose coordinates are places, its own or an automatic one."""
     model = scene.equations.model
     return own_drawing(scene) or automatic_drawing(scene, model and model.elements, values, **scales)
 
 
-def own_drawing(scene: Scene) -> Drawing | None:
+def own_drawing(scene: SceneData) -> Drawing | None:
     """The drawing of a scene that is complete in itself."""
     table = scene.table.drawing
     if table is None or not table.is_own:
@@ -43,7 +43,7 @@ def own_drawing(scene: Scene) -> Drawing | None:
     return Drawing(bodies, links, table.scale, table.turn_scale, table.note, view_of(table))
 
 
-def automatic_drawing(scene: Scene, elements, values, **scales: float) -> Drawing:
+def automatic_drawing(scene: SceneData, elements, values, **scales: float) -> Drawing:
     """The drawing made from the elements of a model, or from the coordinates, with what [drawing] changes."""
     from ....page.drawing.automatic_drawing import coordinate_drawing, lumped_drawing
 
@@ -69,7 +69,7 @@ def _own_direction(drawing: Drawing) -> np.ndarray:
     return moves[0] if alike else ALONG
 
 
-def _upright(scene: Scene, drawing: Drawing) -> Vector:
+def _upright(scene: SceneData, drawing: Drawing) -> Vector:
     """What falls is drawn standing, unless it would be too tall to be seen well, or hangs on pulleys already."""
     model = scene.table.model
     stands = any(body.shape == "base" or any(move[2] for move in body.moves.values()) for body in drawing.bodies)
@@ -88,7 +88,7 @@ def _link_place(number: int) -> str:
     return f"drawing.link[{number}]"
 
 
-def _directions(scene: Scene, drawing: Drawing, turn: Vector) -> dict[str, Vector]:
+def _directions(scene: SceneData, drawing: Drawing, turn: Vector) -> dict[str, Vector]:
     """Where bodies go that say it themselves, by name, in the axes of a drawing before all of it is turned."""
     bodies = {body.name: body for body in drawing.bodies}
     directions = {}
@@ -113,7 +113,7 @@ def _check_direction(row: BodyTable, bodies: dict[str, DrawnBody]) -> None:
         raise InputError(f"{key} is for bodies of the automatic drawing; where this one goes, moves and turns say")
 
 
-def _changed(scene: Scene, drawing: Drawing) -> Drawing:
+def _changed(scene: SceneData, drawing: Drawing) -> Drawing:
     table, bodies = scene.table.drawing, {body.name: body for body in drawing.bodies}
     for number, row in enumerate(table.body, 1):
         with at(scene.file_name, _body_place(number, row)):
@@ -138,7 +138,7 @@ def _body(row: BodyTable) -> DrawnBody:
     return DrawnBody(**_given(row))
 
 
-def _links(scene: Scene, bodies: Collection[str]) -> tuple[DrawnLink, ...]:
+def _links(scene: SceneData, bodies: Collection[str]) -> tuple[DrawnLink, ...]:
     """The links of the scene, between bodies of these names."""
     links = []
     for number, link in enumerate(scene.table.drawing.link, 1):
@@ -160,7 +160,7 @@ def _given(entry) -> dict:
     return {key: value for key, value in entry if value is not None and key not in ("along", "about")}
 
 
-def check_drawing(scene: Scene) -> None:
+def check_drawing(scene: SceneData) -> None:
     """See whether [drawing] can be drawn."""
     if scene.equations.robot:
         with at(scene.file_name, "drawing"):
@@ -179,7 +179,7 @@ def _check_robot(drawing) -> None:
         raise InputError("a robot stands as in its URDF: leave out along and about; view sets from where it is looked at")
 
 
-def _check_names(scene: Scene) -> None:
+def _check_names(scene: SceneData) -> None:
     drawing = scene.table.drawing
     bodies = [body.name for body in drawing.body]
     for number, body in enumerate(drawing.body, 1):

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from ....ground.display import TextTable
 from ....page.content import Curve, PageContent, Plot
+from ..answer import SceneAnswer
 from ..curves import ORDERS
-
-if TYPE_CHECKING:
-    from ..result import Result
 
 #: The lowest natural frequencies that the table lists.
 MOST_FREQUENCIES = 6
 
 
-def comparison(labels: Sequence[str], results: Sequence[Result]) -> PageContent:
+def comparison(labels: Sequence[str], results: Sequence[SceneAnswer]) -> PageContent:
     """The content of the page."""
     return PageContent(
         title=" and ".join([", ".join(labels[:-1]), labels[-1]]),
@@ -28,7 +25,7 @@ def comparison(labels: Sequence[str], results: Sequence[Result]) -> PageContent:
     )
 
 
-def comparison_table(labels: Sequence[str], results: Sequence[Result]) -> TextTable:
+def comparison_table(labels: Sequence[str], results: Sequence[SceneAnswer]) -> TextTable:
     """The lowest natural frequencies with their damping ratios, and the error estimate of each run."""
     rows = []
     for label, result in zip(labels, results):
@@ -40,7 +37,7 @@ def comparison_table(labels: Sequence[str], results: Sequence[Result]) -> TextTa
     return TextTable("Runs", ("run", "natural frequencies (damping ratios)", "error estimate"), tuple(rows))
 
 
-def _plots(labels: Sequence[str], results: Sequence[Result]) -> list[Plot]:
+def _plots(labels: Sequence[str], results: Sequence[SceneAnswer]) -> list[Plot]:
     shared = [kind for kind in results[0].kinds if all(kind in result.kinds for result in results)]
     wanted = results[0].scene.table.output
     plots = []

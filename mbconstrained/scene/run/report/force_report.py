@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ....ground.display import TextTable
 from ....ground.notices import Notice
+from ..answer import SceneAnswer
 from ..curves import PARTS, drawn_functions, functions_of, positive_times_of, sampled_extrema_of
 from ..decisions import connection_forces
 from .robot_report import ROUNDING
 
-if TYPE_CHECKING:
-    from ..result import Result
 
-
-def forces_json(result: Result) -> dict:
+def forces_json(result: SceneAnswer) -> dict:
     """By loop, spring and bushing the extremes of its force during the run (N, s); empty where they are not computed.
 
     Of a foot with friction those across the ground, on the foot, and the largest along it, too.
@@ -49,7 +45,7 @@ def forces_json(result: Result) -> dict:
     return extremes
 
 
-def forces_table(result: Result) -> TextTable:
+def forces_table(result: SceneAnswer) -> TextTable:
     """The same for the summary and the page."""
     extremes = forces_json(result)
     rounding, rows = ROUNDING * max((one["largest"] for one in extremes.values()), default=0.0), []
@@ -66,7 +62,7 @@ def forces_table(result: Result) -> TextTable:
     return TextTable("Forces during the motion", columns[:count], tuple(row[:count] for row in rows), note + _open_shares(result))
 
 
-def _open_shares(result: Result) -> str:
+def _open_shares(result: SceneAnswer) -> str:
     """A sentence on rows of loops that others imply; empty without them."""
     from ....robot.statics.regularity import implied_rows
 
@@ -78,7 +74,7 @@ def _open_shares(result: Result) -> str:
     return f" It is open how connections share the changes of forces: here {named} {'has' if len(names) == 1 else 'have'} no part in them."
 
 
-def forces_notices(result: Result) -> tuple[Notice, ...]:
+def forces_notices(result: SceneAnswer) -> tuple[Notice, ...]:
     """Notices on feet that lift off, slip or tip over during the motion, at the times of the closed form, not of the table."""
     from ....robot.connections import Support
     from ....robot.linearization.connection_forces import foot_limits, foot_notices

@@ -13,6 +13,7 @@ from ....ground.tolerances import NOT_DRAWN
 from ....page.content import Curve, PageContent, Plot
 from ....page.plots.readings import drawn_times
 from ....page.typeset import raised, shortened
+from ..answer import SceneAnswer
 from ..curves import ORDERS
 from ..decisions import is_animated
 from .control_report import control_facts
@@ -21,10 +22,9 @@ from .robot_report import robot_fact
 if TYPE_CHECKING:
     from ....page.content import TimeFunctions
     from ..curves import Curves
-    from ..result import Result
 
 
-def page_content(result: Result) -> PageContent:
+def page_content(result: SceneAnswer) -> PageContent:
     """Animation, plots, tables, notices and facts of a result."""
     scene = result.scene
     return PageContent(
@@ -40,7 +40,7 @@ def page_content(result: Result) -> PageContent:
     )
 
 
-def _facts(result: Result) -> tuple[tuple[str, str], ...]:
+def _facts(result: SceneAnswer) -> tuple[tuple[str, str], ...]:
     scene = result.scene
     coordinates, time = scene.equations.coordinates, scene.table.time
     robot, control = scene.equations.robot_scene, scene.equations.control
@@ -58,7 +58,7 @@ def _facts(result: Result) -> tuple[tuple[str, str], ...]:
 MOST_PLANES = 12
 
 
-def plots_of(result: Result) -> tuple[Plot, ...]:
+def plots_of(result: SceneAnswer) -> tuple[Plot, ...]:
     """The plots that the scene requests, in its order."""
     output = result.scene.table.output
     kinds = [*output.plots, *(["quantity"] if output.quantity else [])]
@@ -75,7 +75,7 @@ def _with_unit(plot: Plot) -> Plot:
     return replace(plot, title=f"{plot.title} ({source})", quantity=plot.quantity or plot.title)
 
 
-def _plots(result: Result, curves: Curves) -> list[Plot]:
+def _plots(result: SceneAnswer, curves: Curves) -> list[Plot]:
     """One plot for each unit: curves in m and in rad share no axis."""
     groups: dict[tuple[str, str], list[Curve]] = {}
     functions = result.time_functions(curves.kind)
@@ -87,16 +87,16 @@ def _plots(result: Result, curves: Curves) -> list[Plot]:
     return [Plot(title, _shown(unit), times, tuple(drawn)) for (title, unit), drawn in groups.items()]
 
 
-def _drawn_times(result: Result, functions: TimeFunctions, units: Sequence[str]) -> np.ndarray:
+def _drawn_times(result: SceneAnswer, functions: TimeFunctions, units: Sequence[str]) -> np.ndarray:
     return drawn_times(functions, float(result.times[0]), float(result.times[-1]), units)
 
 
-def _wanted(result: Result, curves: Curves) -> list[int]:
+def _wanted(result: SceneAnswer, curves: Curves) -> list[int]:
     wanted = result.scene.table.output.coordinates if curves.kind in ORDERS else None
     return [i for i, name in enumerate(curves.names) if wanted is None or name in wanted]
 
 
-def _phase_planes(result: Result) -> list[Plot]:
+def _phase_planes(result: SceneAnswer) -> list[Plot]:
     """The velocity over the displacement of each coordinate that moves."""
     places, rates = result.shown_curves("displacement"), result.shown_curves("velocity")
     functions = [result.time_functions(curves.kind) for curves in (places, rates)]

@@ -6,25 +6,21 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from textwrap import wrap
-from typing import TYPE_CHECKING
 
 from ....ground.checks import counted
 from ....ground.display import WIDTH, TextTable, table_text, wrapped
 from ....ground.notices import Notice, NoticeKind
+from ..answer import SceneAnswer
 from ..curves import largest_values
 from .control_report import control_json
 from .force_report import forces_json
 from .robot_report import posture_json
 
-if TYPE_CHECKING:
-    from ..result import Result
-
-
 #: Lines of the short summary, at most: with the command above and the prompt below they fill a screen of 24.
 SCREEN = 22
 
 
-def summary(result: Result) -> str:
+def summary(result: SceneAnswer) -> str:
     """Title, coordinates, tables, notices and files, as text of 80 columns."""
     return printed(blocks(result))
 
@@ -34,7 +30,7 @@ def printed(parts: Sequence[str | TextTable], width: int = WIDTH) -> str:
     return "\n\n".join(table_text(part, width) if isinstance(part, TextTable) else wrapped(part, width) for part in parts)
 
 
-def blocks(result: Result) -> list[str | TextTable]:
+def blocks(result: SceneAnswer) -> list[str | TextTable]:
     """The parts of the summary: texts, and tables that a terminal may set in its own way."""
     parts = [("Notices", result.table_notices), ("Written", result.files)]
     lists = ["\n".join([title, *(f"  {line}" for line in lines)]) for title, lines in parts if lines]
@@ -57,7 +53,7 @@ def response_blocks(
     return [head, about, *(table for table in tables if table is not None), *listed]
 
 
-def heading(result: Result) -> str:
+def heading(result: SceneAnswer) -> str:
     """What was solved."""
     scene = result.scene
     coordinates = scene.equations.coordinates
@@ -67,7 +63,7 @@ def heading(result: Result) -> str:
     return "\n".join(line for line in lines if line)
 
 
-def overview(result: Result, width: int = WIDTH, lines: int = SCREEN) -> list[str | TextTable]:
+def overview(result: SceneAnswer, width: int = WIDTH, lines: int = SCREEN) -> list[str | TextTable]:
     """The parts of the summary that fit on a screen: natural frequencies, warnings, files, and how much more there is."""
     scene = result.scene
     title = "\n".join(_first_lines(text, width, 2) for text in (scene.title, scene.table.source) if text)
@@ -104,7 +100,7 @@ def _first_lines(text: str, width: int, most: int) -> str:
     return "\n".join([*lines[: most - 1], lines[most - 1][: width - 1] + "…"] if len(lines) > most else lines)
 
 
-def _files(result: Result) -> str:
+def _files(result: SceneAnswer) -> str:
     """The path of the first file of each folder and the names of the others in it."""
     folders: dict[Path, list[str]] = {}
     for path in sorted(result.files, key=lambda path: path.suffix != ".html"):
@@ -135,7 +131,7 @@ def _some_rows(table: TextTable, width: int, lines: int) -> TextTable:
     return replace(table, rows=(), note=f"{len(table.rows)} in all")
 
 
-def as_json(result: Result) -> dict:
+def as_json(result: SceneAnswer) -> dict:
     """The same as plain data, numbers as numbers."""
     scene, motion = result.scene, result.motion
     robot, control = scene.equations.robot_scene, scene.equations.control
@@ -192,7 +188,7 @@ def notices_json(notices: Iterable[Notice]) -> list[dict]:
     return [{"kind": notice.kind, "text": notice.text, "doubtful": notice.doubtful} for notice in notices]
 
 
-def _eigenvalues(result: Result) -> list[dict]:
+def _eigenvalues(result: SceneAnswer) -> list[dict]:
     if result.system is None:
         return [_eigenvalue(zero.value, zero.multiplicity) for zero in result.finite_pair.zeros]
     return [{**_eigenvalue(mode.eigenvalue, mode.multiplicity), "kind": mode.kind, "meaning": mode.text} for mode in result.modes]

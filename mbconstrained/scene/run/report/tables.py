@@ -18,6 +18,7 @@ from ....response.response_notices import counts
 from ....signals.impulsive import ImpulsiveLoad
 from ...quantities.coordinates import Coordinates
 from ...quantities.output_units import OutputUnits
+from ..answer import SceneAnswer
 from ..curves import largest_values
 from ..frequency.frequency_summary import peak_table
 from ..modes.mode_summary import share_entries
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from ....mechanics.constraints import ConstraintRow
     from ....mechanics.system import MechanicalSystem
     from ...build.control_model import ControlScene
-    from ..result import Result
 
 #: Margins below this part of a largest value are not shown: it has as many digits.
 SHOWN_MARGIN = 1e-4
@@ -38,7 +38,7 @@ SHOWN_MARGIN = 1e-4
 MOST_LATER_ROWS = 20  # of the jumps and impulses after t = 0 that are listed; JSON and npz have all
 
 
-def tables_of(result: Result) -> tuple[TextTable, ...]:
+def tables_of(result: SceneAnswer) -> tuple[TextTable, ...]:
     """Natural frequencies, then the answers, then, folded on the page, posture, constraints, eigenvalues and evidence.
 
     Empty tables are left out but for the natural frequencies."""
@@ -67,7 +67,7 @@ def tables_of(result: Result) -> tuple[TextTable, ...]:
     )
 
 
-def largest_table(result: Result) -> TextTable:
+def largest_table(result: SceneAnswer) -> TextTable:
     """The largest value of each requested curve for summary and page, in the units of [output]."""
     shown, rows, open_ = result.scene.equations.coordinates.shown, [], 0
     for one in largest_values(result):
@@ -79,7 +79,7 @@ def largest_table(result: Result) -> TextTable:
     return TextTable("Largest values", ("of", "quantity", "largest", "at"), tuple(rows), note)
 
 
-def notices_of(result: Result) -> tuple[Notice, ...]:
+def notices_of(result: SceneAnswer) -> tuple[Notice, ...]:
     """The notices for the summary and the page: jumps and impulses, which have tables, are counted in one sentence."""
     return folded(result.notices, len(result.jumps), len(result.impulses), counts(result.later))
 
@@ -106,7 +106,7 @@ REMARKS: dict[str, str] = {
 }
 
 
-def frequency_table(result: Result) -> TextTable:
+def frequency_table(result: SceneAnswer) -> TextTable:
     """Frequency and damping ratio by eigenvalue; a remark where one is more than a single oscillation."""
     rows = eigenvalue_rows(result)
     if not rows:
@@ -122,7 +122,7 @@ def frequency_table(result: Result) -> TextTable:
     return TextTable(title, ("no.", *columns.values(), "meaning")[:width], tuple(row[:width] for row in cells))
 
 
-def _root_name(result: Result) -> str:
+def _root_name(result: SceneAnswer) -> str:
     """What a root of det A(s) is called."""
     return "eigenvalue" if result.system else "zero" if result.scene.equations.control is None else "pole"
 
@@ -138,7 +138,7 @@ def _remark(row: dict[str, str], count: int) -> str:
     return ", ".join(filter(None, (remark, times)))
 
 
-def _shape_counts(result: Result) -> list[int]:
+def _shape_counts(result: SceneAnswer) -> list[int]:
     """The number of shapes of each eigenvalue, 1 where there are none."""
     return [max(1, mode.shapes.shape[1]) for mode in result.modes] if result.system else [1] * len(result.finite_pair.zeros)
 
@@ -153,7 +153,7 @@ def _numbers(counts: list[int]) -> list[str]:
 MOST_PARTS = 3
 
 
-def eigenvalue_table(result: Result) -> TextTable:
+def eigenvalue_table(result: SceneAnswer) -> TextTable:
     """The finite eigenvalues of A(s): with meaning and energies where the system is mechanical, else called zeros or poles."""
     word = _root_name(result)
     columns = ["no.", f"{word} (1/s)", "rad/s", "multiplicity", "kind"]
@@ -181,12 +181,12 @@ def _largest_shares(mode: Mode) -> tuple[str, str]:
     return ", ".join(share_entries(first.kinetic, MOST_PARTS)), ", ".join(share_entries(first.strain, MOST_PARTS))
 
 
-def eigenvalue_rows(result: Result) -> list[dict[str, str]]:
+def eigenvalue_rows(result: SceneAnswer) -> list[dict[str, str]]:
     """The rows of the table of eigenvalues: texts by column."""
     return result.modes.table() if result.system else _rows_of_zeros(result)
 
 
-def _rows_of_zeros(result: Result) -> list[dict[str, str]]:
+def _rows_of_zeros(result: SceneAnswer) -> list[dict[str, str]]:
     """Zeros of a bare A(s), whose mechanical meaning is unknown, in the columns of ``Modes.table``."""
     names = result.scene.equations.coordinates.names
     modes = [_mode_of(zero, len(names)) for zero in result.finite_pair.zeros]
@@ -217,7 +217,7 @@ def _meaning_of(value: complex, multiplicity: int) -> str:
     return f"time constant {number_text(1 / abs(value.real))} s"
 
 
-def _at_start(result: Result) -> list[TextTable]:
+def _at_start(result: SceneAnswer) -> list[TextTable]:
     """Jumps and impulses at t = 0 in coordinates and in constraint forces."""
     jumps = tuple((jump.name, jump.what, jump.before, jump.after, jump.size) for jump in result.jumps)
     impulses = tuple((impulse.name, f"δ{_primes(impulse.order)}", impulse.size) for impulse in result.impulses)
@@ -237,7 +237,7 @@ def _output_table(control: ControlScene) -> TextTable:
     return TextTable("Outputs at t = 0", ("of", "what", "before", "after", "size"), tuple(rows))
 
 
-def _later_table(result: Result) -> TextTable:
+def _later_table(result: SceneAnswer) -> TextTable:
     """The first jumps and impulses after t = 0, where the force starts, stops, changes or has an impulse."""
     rows = (row for event in result.later for row in _event_rows(result, event))
     count = sum(counts(result.later))
@@ -246,7 +246,7 @@ def _later_table(result: Result) -> TextTable:
     return TextTable("Jumps and impulses after t = 0", columns, tuple(islice(rows, MOST_LATER_ROWS)), note)
 
 
-def _event_rows(result: Result, event: Event | ImpulsiveLoad) -> list[tuple[str, ...]]:
+def _event_rows(result: SceneAnswer, event: Event | ImpulsiveLoad) -> list[tuple[str, ...]]:
     coordinates, is_load = result.scene.equations.coordinates, isinstance(event, ImpulsiveLoad)
     jumps = [] if is_load else jumps_of(result.motion, coordinates, event)
     rows = [(jump.name, f"{jump.what} jumps", jump.before, jump.after, jump.size) for jump in jumps]
@@ -264,7 +264,7 @@ def _primes(order: int) -> str:
     return "′" * order if order < 4 else f"^({order})"
 
 
-def _evidence_table(result: Result) -> TextTable:
+def _evidence_table(result: SceneAnswer) -> TextTable:
     """Error estimates, residuals and rank gaps: how far the answer can be trusted."""
     proved = ("displacement", "velocity", "acceleration") if getattr(result.motion, "is_proved", False) else ()
     proved += ("reaction",) if proved and result.motion.is_decided_exactly else ()
@@ -284,7 +284,7 @@ def _evidence_table(result: Result) -> TextTable:
     return TextTable("Evidence", ("what", "value", "meaning"), (*estimates, *evidence, *posture))
 
 
-def _estimated(result: Result, kind: str) -> str:
+def _estimated(result: SceneAnswer, kind: str) -> str:
     """States and outputs are no displacements."""
     equations = result.scene.equations
     return equations.coordinates_called if kind == "displacement" and equations.has_outputs_among_coordinates else kind

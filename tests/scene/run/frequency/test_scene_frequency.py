@@ -10,8 +10,7 @@ from mbconstrained.ground.display import TextTable, table_text
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.mechanics.vibration.harmonic_equations import QUANTITIES
 from mbconstrained.scene.run.frequency.frequency_summary import as_json, blocks
-from mbconstrained.scene.run.frequency.response_page import frequency_content
-from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency
+from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency, frequency_content
 from mbconstrained.scene.run.frequency.scene_response import with_options
 from mbconstrained.scene.schema.analyses.frequency_table import ResponseQuantity
 from tests.scene.scenes import COEFFICIENTS, OSCILLATOR, scene_of
