@@ -2,7 +2,7 @@
 
 May import ``ground``, ``linalg`` and ``signals``. ``polynomial_matrix`` stands at the top and imports the rest, which takes A(s) as
 an argument.
-Read in this order: ``polynomial_matrix``; ``companion`` (the scaled pencil), ``decoupling`` (its Weierstrass form), ``zeros`` and
+Read in this order: ``coefficients``, ``polynomial_matrix``; ``companion`` (the scaled pencil), ``decoupling`` (its Weierstrass form), ``zeros`` and
     ``structure``
 (multiplicities), ``jordan_pairs``; for equations that need no pencil ``direct_reduction``, ``conserved`` and ``reduced_equations``.
 """

@@ -60,7 +60,7 @@ class JordanChain:
         self.polynomial = term.ring.exported(term.divisor)
 
     def __repr__(self) -> str:
-        return f"Chain({self.term.ring.text(self.term.divisor)}, length={self.length})"
+        return f"{type(self).__name__}({self.term.ring.text(self.term.divisor)}, length={self.length})"
 
     @cached_property
     def right(self) -> tuple[tuple[Polynomial, ...], ...]:
