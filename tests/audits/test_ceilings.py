@@ -22,8 +22,8 @@ LINES = {
     "cli": 1530,
     "control": 2757,
     "docs": 259,
-    "exact": 7618,
-    "exchange": 1431,
+    "exact": 7248,
+    "exchange": 1450,
     "frequency": 5182,
     "ground": 1578,
     "linalg": 4881,
@@ -31,19 +31,19 @@ LINES = {
     "models": 1210,
     "page": 5451,
     "papers": 771,
-    "polynomial": 2992,
+    "polynomial": 2985,
     "response": 5274,
     "robot": 9428,
     "scene": 12666,
-    "signals": 1829,
-    "studies": 8111,
+    "signals": 1825,
+    "studies": 8109,
 }
 
 #: So far may a room be below its ceiling before that must be lowered.
 SLACK = 0.02
 
-#: Files in the largest circle of imports, those for the type checker alone included.
-LARGEST_CIRCLE = 28
+#: Files in the largest circle of imports, those for the type checker alone included: a file alone.
+LARGEST_CIRCLE = 1
 
 #: Classes that get a method from a file above them, as "class.method" in the package's __init__.
 INJECTED = {
