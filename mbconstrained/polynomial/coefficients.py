@@ -41,6 +41,7 @@ class PolynomialCoefficients:
         self.uncertainty = (
             constant_zeros(shape) if uncertainty is None else np.abs(real_array(uncertainty, "uncertainty", shape=shape))
         )
+        self._pairs: dict = {}
         self.coordinates = names_of(coordinates, self.size, "coordinates", "x")
         self.equations = names_of(equations, self.size, "equations", "equation ")
 

@@ -39,11 +39,9 @@ class PolynomialMatrix(PolynomialCoefficients):
     (2, 1, [[0.0]])
     """
 
-    def __init__(self, coefficients, coordinates=None, equations=None, uncertainty=None):
-        super().__init__(coefficients, coordinates, equations, uncertainty)
-        self._pairs: dict[float | None, JordanPairs] = {}
-        self._like: PolynomialMatrix | None = None
-        self._order: np.ndarray | None = None
+    _pairs: dict[float | None, JordanPairs]
+    _like: PolynomialMatrix | None = None
+    _order: np.ndarray | None = None
 
     def __call__(self, s: complex) -> np.ndarray:
         """A(s) at a finite number s, real or complex, shape (r, r), by Horner's rule."""

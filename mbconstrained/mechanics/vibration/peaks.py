@@ -85,7 +85,7 @@ class Peaks(Displayed):
         return self.extrema.largest
 
 
-class ClosedForm(Protocol):
+class MotionFunctions(Protocol):
     """A motion of a system as functions of time."""
 
     @property
@@ -100,7 +100,9 @@ class ClosedForm(Protocol):
     def derivative(self, order: int = 1) -> BohlFunction: ...
 
 
-def peaks(motion: ClosedForm, end: float, of: str = "displacement", combinations=None, names: Sequence[str] | None = None) -> Peaks:
+def peaks(
+    motion: MotionFunctions, end: float, of: str = "displacement", combinations=None, names: Sequence[str] | None = None
+) -> Peaks:
     """Exact extrema of a motion on [0, end], none missed: branch and bound over the closed form (``frequency.shock.extrema``).
 
     >>> import mbconstrained as mb
@@ -120,7 +122,7 @@ def peaks(motion: ClosedForm, end: float, of: str = "displacement", combinations
     return Peaks(own, units, of, extrema(function, 0.0, end).shifted(constant))
 
 
-def _functions(motion: ClosedForm, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:
+def _functions(motion: MotionFunctions, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:
     """The functions, their names and units, and constants that are added to them."""
     system = motion.system
     if of == "reaction":

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...ground.notices import Notice, NoticeKind
 from ...linalg.blocks import block_slices, zeros_of
-from .answer import SceneAnswer
 from .curves import visible
+
+if TYPE_CHECKING:
+    from .answer import SceneAnswer
 
 #: Fewer times in a period than the first cannot represent it; the second show it smoothly.
 FEWEST, SMOOTH = 3, 20

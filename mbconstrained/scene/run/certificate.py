@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,10 +13,12 @@ from ...ground.errors import Overflow
 from ...ground.notices import Notice, NoticeKind, distinct
 from ...ground.tolerances import TRUST_LIMIT
 from ...mechanics.motion import Motion
-from .answer import SceneAnswer
 from .curves import ORDERS
 from .decisions import too_large_to_certify
 from .stage_costs import OutOfTime, time_limit
+
+if TYPE_CHECKING:
+    from .answer import SceneAnswer
 
 #: At most so many of the times are certified, evenly chosen, the first and the last among them.
 MOST_TIMES = 101

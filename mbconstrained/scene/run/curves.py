@@ -21,12 +21,12 @@ from ...frequency.shock.extrema import (
 from ...ground.coordinate_units import derivative_name, force_unit, rate_unit
 from ...ground.tolerances import NOT_DRAWN
 from ..quantities.output_units import OutputUnits
-from .answer import SceneAnswer
 from .report.element_quantities import element_quantities
 
 if TYPE_CHECKING:
     from ...page.content import TimeFunctions
     from ...signals.bohl import BohlFunction
+    from .answer import SceneAnswer
 
 ORDERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
 PARTS = {  # curves that are made of others

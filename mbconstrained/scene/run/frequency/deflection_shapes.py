@@ -19,12 +19,12 @@ from ....page.frequency_page import Deflections
 from ..modes.mode_pages import amplitude, mode_drawing
 from ..picture.robot_drawing import NOTE, TURN, VISIBLE, RobotPicture
 from ..picture.scene_drawing import view_of
-from .frequency_data import FrequencyData
 
 if TYPE_CHECKING:
     from ....mechanics.system import MechanicalSystem
     from ...build.robot_model import RobotScene
     from ...schema.drawing_tables import DrawingTable
+    from .frequency_data import FrequencyData
 
 #: Numbers of all shapes; of larger models or more inputs fewer lines have one.
 MOST_NUMBERS = 150_000

@@ -9,10 +9,10 @@ import numpy as np
 from ....ground.checks import counted
 from ....ground.display import TextTable, finite_or_none
 from ..report.summary import notices_json, response_blocks
-from .frequency_data import FrequencyData
 
 if TYPE_CHECKING:
     from ....frequency.features import Peak
+    from .frequency_data import FrequencyData
 
 #: Rows of a table for a terminal; the page has more, and JSON has all.
 MOST_ROWS = 16

@@ -12,11 +12,11 @@ from ....ground.display import number_text, with_unit
 from ....page.animation.animation import Arrow, DrawnEvent, ForceArrows, ImpulseArrow, Overlay, arrow_at
 from ....page.drawing.bodies import Drawing
 from ....response.response_notices import sides, without_kinks
-from ..answer import SceneAnswer
 from ..report.jumps import ReportedJump, forces_of_rows, impulses_of, jumps_of
 
 if TYPE_CHECKING:
     from ....response.events import Event
+    from ..answer import SceneAnswer
 
 #: Most events in an animation; the first are shown.
 MOST_EVENTS = 100

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....page.animation.animation import Animation
 from ....page.animation.keyframes import MOST_FRAMES
-from ..answer import SceneAnswer
 from ..curves import visible
 from .arrows import overlay_of
 from .scene_drawing import drawing_of
+
+if TYPE_CHECKING:
+    from ..answer import SceneAnswer
 
 #: Most poses of a robot: each closes its loops, and the page interpolates between poses by cubic polynomials.
 MOST_POSES = 1_000

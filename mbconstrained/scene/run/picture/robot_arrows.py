@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import zip_longest
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,7 +16,9 @@ from ....ground.tolerances import NOT_DRAWN
 from ....page.animation.animation import Arrow, ForceArrows, ImpulseArrow
 from ....robot.connections import PointMotion
 from ....robot.visualization import Wrench, coordinate_wrench, row_wrenches
-from ..answer import SceneAnswer
+
+if TYPE_CHECKING:
+    from ..answer import SceneAnswer
 
 #: Of more bodies than these only the number is given over the picture.
 MOST_NAMED = 3

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from ....ground.display import TextTable
 from ....page.content import Curve, PageContent, Plot
-from ..answer import SceneAnswer
 from ..curves import ORDERS
+
+if TYPE_CHECKING:
+    from ..answer import SceneAnswer
 
 #: The lowest natural frequencies that the table lists.
 MOST_FREQUENCIES = 6

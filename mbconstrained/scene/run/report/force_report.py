@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ....ground.display import TextTable
 from ....ground.notices import Notice
-from ..answer import SceneAnswer
 from ..curves import PARTS, drawn_functions, functions_of, positive_times_of, sampled_extrema_of
 from ..decisions import connection_forces
 from .robot_report import ROUNDING
+
+if TYPE_CHECKING:
+    from ..answer import SceneAnswer
 
 
 def forces_json(result: SceneAnswer) -> dict:

@@ -13,7 +13,6 @@ from ....ground.tolerances import NOT_DRAWN
 from ....page.content import Curve, PageContent, Plot
 from ....page.plots.readings import drawn_times
 from ....page.typeset import raised, shortened
-from ..answer import SceneAnswer
 from ..curves import ORDERS
 from ..decisions import is_animated
 from .control_report import control_facts
@@ -21,6 +20,7 @@ from .robot_report import robot_fact
 
 if TYPE_CHECKING:
     from ....page.content import TimeFunctions
+    from ..answer import SceneAnswer
     from ..curves import Curves
 
 

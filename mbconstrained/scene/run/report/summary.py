@@ -6,15 +6,18 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from textwrap import wrap
+from typing import TYPE_CHECKING
 
 from ....ground.checks import counted
 from ....ground.display import WIDTH, TextTable, table_text, wrapped
 from ....ground.notices import Notice, NoticeKind
-from ..answer import SceneAnswer
 from ..curves import largest_values
 from .control_report import control_json
 from .force_report import forces_json
 from .robot_report import posture_json
+
+if TYPE_CHECKING:
+    from ..answer import SceneAnswer
 
 #: Lines of the short summary, at most: with the command above and the prompt below they fill a screen of 24.
 SCREEN = 22

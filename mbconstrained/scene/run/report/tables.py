@@ -18,7 +18,6 @@ from ....response.response_notices import counts
 from ....signals.impulsive import ImpulsiveLoad
 from ...quantities.coordinates import Coordinates
 from ...quantities.output_units import OutputUnits
-from ..answer import SceneAnswer
 from ..curves import largest_values
 from ..frequency.frequency_summary import peak_table
 from ..modes.mode_summary import share_entries
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     from ....mechanics.constraints import ConstraintRow
     from ....mechanics.system import MechanicalSystem
     from ...build.control_model import ControlScene
+    from ..answer import SceneAnswer
 
 #: Margins below this part of a largest value are not shown: it has as many digits.
 SHOWN_MARGIN = 1e-4
