@@ -1,5 +1,5 @@
 """Files of other programs: arrays in, arrays out; no mechanics and no scenes.
 
-Read ``number_table`` (text with columns of numbers), then ``samples`` (records over time) with ``earthquakes``, ``trajectories``, ``exported`` and
+Read ``number_table`` (text with columns of numbers), then ``samples`` (records over time), ``trajectories``, ``exported`` and
 ``universal``, which write results.
 """

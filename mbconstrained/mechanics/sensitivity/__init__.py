@@ -1,1 +1,1 @@
-"""Sensitivities: derivatives with respect to parameters (``parameter``), of modes (``mode_derivatives``, ``sensitivities``) and of responses (``dual_system``)."""
+"""Sensitivities: derivatives with respect to parameters (``parameter``), of modes (``mode_derivatives``) and of responses (``sensitivities``)."""
